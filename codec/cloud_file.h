@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/error.h"
+#include "common/cloud/point_cloud.h"
+
+namespace pointreel {
+
+/// A cloud from a file, fit for use (see `sanitize`), and what had to be mended to make it so.
+struct LoadedCloud {
+  PointCloud cloud;
+  std::vector<std::string> warnings;  ///< one line each, without the file's name
+};
+
+/// Reads a .ply or .drc file (point cloud or mesh: its vertices), told apart by its first bytes,
+/// not its name. The error does not repeat the file's name. Memory is bounded by the bytes given.
+Result<LoadedCloud> read_cloud(ByteView bytes);
+
+/// The same from a path; the error begins with it.
+Result<LoadedCloud> read_cloud_file(const std::filesystem::path& path);
+
+/// The frames that `inputs` name, in order: each folder gives its .ply and .drc files in natural
+/// order (frame2 before frame10), each file itself. An error if that is none.
+Result<std::vector<std::filesystem::path>> list_cloud_files(
+    const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace pointreel

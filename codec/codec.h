@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/error.h"
+#include "common/cloud/point_cloud.h"
+#include "common/octree/svo.h"
+
+/// Bytes <-> frames. Every encoded frame stands alone: it needs no frame before it. Formats are
+/// described byte by byte in FORMAT.md.
+namespace pointreel {
+
+enum class Codec : std::uint8_t { octree = 1, draco = 2 };
+enum class Entropy : std::uint8_t { none = 0, zstd = 1 };
+
+struct OctreeOptions {
+  Entropy entropy = Entropy::zstd;
+  DepthRule depth;
+};
+
+/// Names and defaults of draco_encoder.
+struct DracoOptions {
+  int position_bits = 11;     ///< --qp, 1 to 21, relative to the edge of the cube
+  int normal_bits = 8;        ///< --qn, 2 to 16
+  int generic_bits = 8;       ///< --qg; no attribute of ours is generic today
+  int compression_level = 7;  ///< --cl, 0 (fastest) to 10 (smallest)
+};
+
+struct EncodeOptions {
+  std::variant<OctreeOptions, DracoOptions> codec;
+  bool normals = true;  ///< encode normals where the cloud has them
+  bool colors = true;   ///< encode colours where the cloud has them
+
+  Codec id() const { return codec.index() == 0 ? Codec::octree : Codec::draco; }
+};
+
+/// One layer of a frame: up to three chunks, each with its own header and checksum, in the order in
+/// which a package stores them. `geometry` is never empty; without the others it still decodes.
+struct EncodedLayer {
+  Bytes geometry, colors, normals;
+
+  std::size_t size() const { return geometry.size() + colors.size() + normals.size(); }
+};
+
+/// An encoded frame. Octree frames have up to three layers, base, middle and full, each a prefix's
+/// refinement; Draco frames have one.
+struct EncodedFrame {
+  std::vector<EncodedLayer> layers;
+  std::uint32_t source_points = 0;  ///< points given to the encoder
+  std::uint32_t coded_points = 0;   ///< points that decoding all layers gives
+  int depth = 0;                    ///< octree: level of the leaves; Draco: position bits
+
+  std::size_t size() const {
+    std::size_t bytes = 0;
+    for (const EncodedLayer& layer : layers) bytes += layer.size();
+    return bytes;
+  }
+};
+
+/// The chunks of one layer as they came from a file or a peer; empty where they were not fetched.
+struct LayerView {
+  ByteView geometry, colors, normals;
+};
+
+/// Bounds on what a decoder may be made to produce, whatever the bytes claim.
+struct DecodeLimits {
+  std::uint32_t max_points = 1u << 26;
+};
+
+struct DecodedFrame {
+  PointCloud cloud;        ///< octree: centres of the leaves, in the order of the leaves
+  std::optional<Svo> svo;  ///< octree only: the tree whose leaves `cloud` holds
+  Cube cube;
+  std::uint32_t source_points = 0;  ///< what the delta criterion refers to
+};
+
+/// Encodes `cloud` within `cube`. The bytes depend on the set of points and on nothing else: not on
+/// their order, nor on threads, compiler or machine.
+Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
+                                  const EncodeOptions& options);
+
+/// Bytes that each part of an encoded frame takes, headers included; their sum is frame.size().
+struct PartSizes {
+  std::size_t geometry = 0, colors = 0, normals = 0;
+};
+
+/// Octree chunks are counted. Draco interleaves attributes, so there the parts are measured by
+/// encoding the cloud again without them: as slow as two more encodes.
+Result<PartSizes> measure_parts(const EncodedFrame& frame, const PointCloud& cloud,
+                                const Cube& cube, const EncodeOptions& options);
+
+/// Decodes a prefix of a frame's layers (at least the first). Trusts nothing: see each codec's
+/// header.
+Result<DecodedFrame> decode_frame(const std::vector<LayerView>& layers,
+                                  const DecodeLimits& limits = {});
+
+/// "octree", "draco", "none", "zstd".
+const char* name(Codec codec);
+const char* name(Entropy entropy);
+
+}  // namespace pointreel

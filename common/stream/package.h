@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/error.h"
+#include "common/cloud/geometry.h"
+
+/// A package is a folder of plain files that any HTTP server can serve: `reel.json` and immutable
+/// segment files, one for each layer of each segment. PROTOCOL.md beside this file describes it.
+namespace pointreel {
+
+inline constexpr int kPackageVersion = 1;
+inline constexpr const char* kManifestName = "reel.json";
+
+/// Bytes that one frame takes in one layer file, in stored order. 0 where a part is absent.
+struct LayerSizes {
+  std::uint32_t geometry = 0, colors = 0, normals = 0;
+
+  std::uint64_t total() const { return std::uint64_t{geometry} + colors + normals; }
+  bool operator==(const LayerSizes&) const = default;
+};
+
+/// One immutable file: the chunks of one layer of all frames of a segment, frame after frame.
+struct LayerFile {
+  std::string path;            ///< relative to the manifest; letters, digits, '.', '_', '-' only
+  std::uint64_t bytes = 0;     ///< the file's size, the sum of `frames`
+  std::uint64_t checksum = 0;  ///< XXH3, 64 bits, of the whole file
+  std::vector<LayerSizes> frames;  ///< one entry for each frame of the segment
+};
+
+/// A group of consecutive frames that share one cube (with --cube frame: the bounds' cube; each
+/// frame's header holds its own).
+struct Segment {
+  std::uint32_t first_frame = 0;
+  Cube cube;
+  std::vector<std::uint64_t> times_us;  ///< presentation time of each frame from the reel's start
+  std::vector<std::uint32_t> points;    ///< source points of each frame
+  std::vector<LayerFile> layers;        ///< base first; as many as Manifest::layer_names
+
+  std::uint32_t frame_count() const { return static_cast<std::uint32_t>(times_us.size()); }
+};
+
+/// reel.json, parsed and checked.
+struct Manifest {
+  std::string name;
+  std::string codec;              ///< "octree" or "draco"
+  std::string entropy;            ///< "none" or "zstd"; empty for Draco
+  double fps = 30.0;              ///< nominal rate; times_us rules
+  std::uint64_t duration_us = 0;  ///< of one pass, the last frame's own duration included
+  char up = 'y';                  ///< 'y' or 'z'
+  bool colors = false, normals = false;
+  std::uint32_t depth_min = 0, depth_max = 0;
+  Box bounds;                            ///< of all frames; empty if no frame has a point
+  std::vector<std::string> layer_names;  ///< of the layers, coarse to fine
+  std::vector<Segment> segments;
+
+  std::uint32_t frame_count() const;
+};
+
+/// Where one frame's part of a layer lies.
+struct FrameLocation {
+  std::uint32_t segment = 0;  ///< index into Manifest::segments
+  std::uint32_t index = 0;    ///< of the frame in its segment
+};
+/// frame < manifest.frame_count().
+FrameLocation locate(const Manifest& manifest, std::uint32_t frame);
+
+/// Byte range of a frame in a layer's file.
+struct ByteRange {
+  std::uint64_t offset = 0, size = 0;
+};
+ByteRange byte_range(const LayerFile& file, std::uint32_t index);
+
+/// Presentation time of a frame; and the frame shown at a time: the last whose time is <= t,
+/// clamped to the reel. Empty reels have neither.
+std::uint64_t frame_time_us(const Manifest& manifest, std::uint32_t frame);
+std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us);
+
+std::string write_manifest(const Manifest& manifest);
+
+/// Parses untrusted text: every count, size, name and number is checked (sizes agree with their
+/// sums, frames are consecutive, times do not decrease, numbers are finite, paths stay in the
+/// folder), and memory is bounded by the text's length. A newer format version is refused by
+/// number.
+Result<Manifest> parse_manifest(std::string_view text);
+
+/// Reads FOLDER/reel.json; the error begins with the path and says so if FOLDER is no package.
+Result<Manifest> read_manifest(const std::filesystem::path& folder);
+
+}  // namespace pointreel

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/cloud/point_cloud.h"
+#include "common/octree/svo.h"
+
+namespace pointreel {
+
+/// What is drawn for each element of a frame. It decides what the pipeline prepares: surfels and
+/// points need the cloud, voxels the tree and its mean attributes.
+enum class DrawMode { surfel, voxel, point };
+
+/// A decoded frame, ready to draw. Immutable once the pipeline has made it.
+struct SceneFrame {
+  std::uint32_t index = 0;    ///< in the reel
+  std::uint64_t time_us = 0;  ///< from the reel's start
+  /// What surfels and points draw. Normals are present (estimated from neighbours where the source
+  /// has none; zero where unknown), colours only if the source has them; radii are present in
+  /// surfel mode.
+  PointCloud cloud;
+  /// Rebuilt for every frame; what voxels draw. Node attributes are filled in voxel mode only.
+  Svo svo;
+  NodeAttributes attributes;
+
+  double fetch_ms = 0.0, decode_ms = 0.0, svo_ms = 0.0;  ///< what it took to make
+};
+
+}  // namespace pointreel

@@ -1,0 +1,44 @@
+#include "common/octree/radix_sort.h"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+void expect_sorted_like_the_library(std::vector<KeyIndex> items) {
+  std::vector<KeyIndex> expected = items;
+  std::stable_sort(expected.begin(), expected.end(),
+                   [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
+  radix_sort(items);
+  ASSERT_EQ(items.size(), expected.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    ASSERT_EQ(items[i].key, expected[i].key) << i;
+    ASSERT_EQ(items[i].index, expected[i].index) << i;
+  }
+}
+
+std::vector<KeyIndex> random_items(std::size_t n, int bits) {
+  std::mt19937_64 random(n);
+  std::vector<KeyIndex> items;
+  for (std::uint32_t i = 0; i < n; ++i) items.push_back({random() >> (64 - bits), i});
+  return items;
+}
+
+TEST(RadixSort, agrees_with_a_stable_sort) {
+  for (const std::size_t n : {0u, 1u, 2u, 3u, 1000u, 70000u}) {
+    for (const int bits : {1, 11, 12, 30, 63})
+      expect_sorted_like_the_library(random_items(n, bits));
+  }
+}
+
+TEST(RadixSort, keeps_the_order_of_equal_keys) {
+  std::vector<KeyIndex> items;
+  for (std::uint32_t i = 0; i < 5000; ++i) items.push_back({i % 3, i});
+  expect_sorted_like_the_library(items);
+}
+
+}  // namespace
+}  // namespace pointreel

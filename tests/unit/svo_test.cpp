@@ -1,0 +1,231 @@
+#include "common/octree/svo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/recursive_octree.h"
+
+namespace pointreel {
+namespace {
+
+PointCloud random_shell(std::size_t n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  PointCloud cloud;
+  while (cloud.size() < n) {
+    const glm::vec3 p(unit(random), unit(random), unit(random));
+    const float length = glm::length(p);
+    if (length < 0.1f || length > 1.0f) continue;
+    cloud.positions.push_back(p / length * glm::vec3(0.4f, 0.9f, 0.3f));
+    cloud.normals.push_back(p / length);
+    cloud.colors.push_back(glm::u16vec3(random() & 0xffff, random() & 0xffff, random() & 0xffff));
+  }
+  return cloud;
+}
+
+PointCloud cloud_of(std::vector<glm::vec3> positions) {
+  PointCloud cloud;
+  cloud.positions = std::move(positions);
+  return cloud;
+}
+
+int depth_for(const PointCloud& cloud, double delta) {
+  const SortedPoints sorted = sort_points(cloud, bounding_cube(bounds(cloud)));
+  const auto depth = choose_depth(sorted.occupied, cloud.size(), DepthRule::by_delta(delta));
+  EXPECT_TRUE(depth) << depth.error().message;
+  return depth.value_or(-1);
+}
+
+TEST(Svo, equals_the_paper_s_recursive_build_for_every_delta) {
+  const PointCloud cloud = random_shell(20000, 1);
+  // An edge that is a power of two, so that the reference's halved centres are exact.
+  const Cube cube{glm::dvec3(-1.0), 2.0};
+  for (const double delta : {0.02, 0.05, 0.1, 0.5, 0.9}) {
+    const reference::RecursiveOctree slow(cloud, cube, delta, kMaxDepth);
+    const SortedPoints sorted = sort_points(cloud, cube);
+    const auto depth = choose_depth(sorted.occupied, cloud.size(), DepthRule::by_delta(delta));
+    ASSERT_TRUE(depth);
+    EXPECT_EQ(*depth, slow.depth());
+    const Svo svo = build_svo(sorted, *depth);
+    EXPECT_EQ(svo.leaf_count(), slow.leaf_count());
+    EXPECT_EQ(svo.node_count(), slow.node_count());
+    EXPECT_EQ(svo.masks, slow.masks());
+  }
+}
+
+TEST(Svo, counts_occupied_cells_of_every_level) {
+  const PointCloud cloud = random_shell(3000, 2);
+  const SortedPoints sorted = sort_points(cloud, bounding_cube(bounds(cloud)));
+  for (int level = 0; level <= kMaxDepth; ++level) {
+    std::vector<std::uint64_t> cells;
+    for (const KeyIndex& p : sorted.points) cells.push_back(p.key >> (3 * (kMaxDepth - level)));
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    EXPECT_EQ(sorted.occupied[static_cast<std::size_t>(level)], cells.size()) << level;
+    EXPECT_EQ(build_svo(sorted, level).leaf_count(), cells.size()) << level;
+  }
+}
+
+TEST(Svo, puts_a_point_on_the_maximum_face_into_the_last_cell) {
+  const PointCloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}});
+  const SortedPoints sorted = sort_points(cloud, bounding_cube(bounds(cloud)));
+  const std::vector<glm::uvec3> cells = leaf_cells(build_svo(sorted, 5));
+  ASSERT_EQ(cells.size(), 2u);
+  EXPECT_EQ(cells[0], glm::uvec3(0));
+  EXPECT_EQ(cells[1], glm::uvec3(31));
+}
+
+TEST(Svo, clamps_points_outside_the_cube_however_far) {
+  const PointCloud cloud = cloud_of({{-1e30f, 0.5f, 3e38f}});
+  const SortedPoints sorted = sort_points(cloud, Cube{glm::dvec3(0.0), 1.0});
+  EXPECT_EQ(leaf_cells(build_svo(sorted, 2)).at(0), glm::uvec3(0, 2, 3));
+}
+
+TEST(Svo, round_trips_within_half_a_cell_at_level_21_and_an_offset_of_a_million) {
+  PointCloud cloud = random_shell(2000, 3);
+  cloud.origin = {1e6 + 0.3, -2e6, 5e6};
+  const Cube cube = bounding_cube(bounds(cloud));
+  const SortedPoints sorted = sort_points(cloud, cube);
+  const double cell = std::ldexp(cube.edge, -kMaxDepth);
+  // Half a cell, and what a double loses at this offset.
+  const double tolerance = 0.5 * cell + 4e-9;
+  for (const KeyIndex& point : sorted.points) {
+    const glm::dvec3 center = cube.origin + (glm::dvec3(morton_decode(point.key)) + 0.5) * cell;
+    const glm::dvec3 error = glm::abs(center - cloud.world(point.index));
+    EXPECT_LE(std::max({error.x, error.y, error.z}), tolerance);
+  }
+}
+
+TEST(Svo, of_no_points_is_empty) {
+  const SortedPoints sorted = sort_points(PointCloud{}, Cube{});
+  EXPECT_EQ(*choose_depth(sorted.occupied, 0, DepthRule::by_delta(0.05)), 0);
+  for (const int depth : {0, 7}) {
+    const Svo svo = build_svo(sorted, depth);
+    EXPECT_EQ(svo.node_count(), 0u);
+    EXPECT_EQ(svo.leaf_count(), 0u);
+    EXPECT_TRUE(leaf_cells(svo).empty());
+  }
+}
+
+TEST(Svo, of_identical_points_ends_at_one_cell) {
+  EXPECT_EQ(depth_for(cloud_of(std::vector<glm::vec3>(100, glm::vec3(3, 4, 5))), 0.0), 0);
+  EXPECT_EQ(depth_for(cloud_of({{3, 4, 5}}), 0.0), 0);
+}
+
+TEST(Svo, of_duplicates_stops_where_all_distinct_points_are_apart) {
+  // Half the points coincide, so oct(h)/n never reaches 1 - delta.
+  PointCloud cloud = cloud_of({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}});
+  EXPECT_EQ(depth_for(cloud, 0.05), 1);
+}
+
+TEST(Svo, goes_on_through_a_chain_of_single_children) {
+  // A far outlier makes the cube large: the pair shares a cell for many levels.
+  const PointCloud cloud = cloud_of({{0, 0, 0}, {1e-4f, 0, 0}, {1, 1, 1}});
+  EXPECT_EQ(depth_for(cloud, 0.0), 14);
+}
+
+TEST(Svo, with_extent_on_one_axis_only_is_a_line_of_cells) {
+  PointCloud cloud;
+  for (int i = 0; i < 64; ++i) cloud.positions.push_back({2, static_cast<float>(i) / 63, 7});
+  const SortedPoints sorted = sort_points(cloud, bounding_cube(bounds(cloud)));
+  EXPECT_EQ(sorted.occupied[6], 64u);
+  for (const glm::uvec3& cell : leaf_cells(build_svo(sorted, 6))) {
+    EXPECT_EQ(cell.x, 0u);
+    EXPECT_EQ(cell.z, 0u);
+  }
+}
+
+TEST(DepthRule, refuses_what_is_no_delta_and_takes_what_is) {
+  std::array<std::uint32_t, kMaxDepth + 1> occupied{};
+  occupied.fill(8);
+  occupied[0] = 1;
+  const auto choose = [&](double delta) {
+    return choose_depth(occupied, 8, DepthRule::by_delta(delta));
+  };
+  EXPECT_FALSE(choose(std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_FALSE(choose(-0.01));
+  EXPECT_EQ(choose(0.0).value(), 1);
+  EXPECT_EQ(choose(1.0).value(), 0);
+  EXPECT_EQ(choose(std::numeric_limits<double>::infinity()).value(), 0);
+  EXPECT_FALSE(choose_depth(occupied, 8, DepthRule::fixed(22)));
+  EXPECT_FALSE(choose_depth(occupied, 8, DepthRule::fixed(-1)));
+  EXPECT_EQ(choose_depth(occupied, 8, DepthRule::fixed(21)).value(), 21);
+}
+
+TEST(Svo, truncated_equals_one_built_shallower) {
+  const SortedPoints sorted = sort_points(random_shell(5000, 4), Cube{glm::dvec3(-1.0), 2.0});
+  const Svo deep = build_svo(sorted, 9);
+  for (int depth = 0; depth <= 9; ++depth) {
+    const Svo cut = truncate(deep, depth), built = build_svo(sorted, depth);
+    EXPECT_EQ(cut.masks, built.masks);
+    EXPECT_EQ(cut.first_child, built.first_child);
+    EXPECT_EQ(cut.level_begin, built.level_begin);
+  }
+}
+
+TEST(Svo, index_refuses_masks_that_are_no_tree) {
+  const auto indexes = [](int depth, std::vector<std::uint8_t> masks) {
+    Svo svo;
+    svo.depth = depth;
+    svo.masks = std::move(masks);
+    return index_svo(svo, true);
+  };
+  EXPECT_TRUE(indexes(0, {}));
+  EXPECT_TRUE(indexes(2, {0b11, 1, 0b10}));
+  EXPECT_FALSE(indexes(2, {0b11, 1}));        // too few
+  EXPECT_FALSE(indexes(2, {0b11, 1, 1, 1}));  // too many
+  EXPECT_FALSE(indexes(2, {0b11, 0, 1}));     // a childless internal node
+  EXPECT_FALSE(indexes(1, {}));               // a root without children
+  EXPECT_FALSE(indexes(0, {1}));              // a single cell with children
+}
+
+TEST(NodeAttributes, are_means_of_points_and_then_of_leaves) {
+  PointCloud cloud = cloud_of({{0.1f, 0.1f, 0.1f}, {0.2f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}});
+  cloud.colors = {{0, 10, 100}, {10, 20, 100}, {65535, 0, 0}};
+  cloud.normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 0}};
+  const SortedPoints sorted = sort_points(cloud, Cube{});
+  const Svo svo = build_svo(sorted, 1);
+  const NodeAttributes attributes = mean_attributes(svo, cloud, sorted);
+  ASSERT_EQ(attributes.colors.size(), 3u);
+  EXPECT_EQ(attributes.colors[1], glm::u16vec3(5, 15, 100));
+  EXPECT_EQ(attributes.colors[2], glm::u16vec3(65535, 0, 0));
+  EXPECT_EQ(attributes.colors[0], glm::u16vec3(32770, 8, 50));
+  EXPECT_EQ(attributes.normals[1], glm::i16vec3(23170, 23170, 0));
+  EXPECT_EQ(attributes.normals[2], glm::i16vec3(0));
+}
+
+TEST(NodeAttributes, do_not_depend_on_the_order_of_the_points) {
+  PointCloud cloud = random_shell(4000, 5), reversed = cloud;
+  std::reverse(reversed.positions.begin(), reversed.positions.end());
+  std::reverse(reversed.normals.begin(), reversed.normals.end());
+  std::reverse(reversed.colors.begin(), reversed.colors.end());
+  const SortedPoints a = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
+  const SortedPoints b = sort_points(reversed, Cube{glm::dvec3(-1.0), 2.0});
+  const Svo svo = build_svo(a, 4);
+  const NodeAttributes x = mean_attributes(svo, cloud, a), y = mean_attributes(svo, reversed, b);
+  EXPECT_EQ(x.colors, y.colors);
+  EXPECT_EQ(x.normals, y.normals);
+}
+
+TEST(NodeAttributes, of_one_point_a_leaf_agree_with_those_of_sorted_points) {
+  PointCloud cloud = random_shell(500, 6);
+  const SortedPoints sorted = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
+  const Svo svo = build_svo(sorted, kMaxDepth);
+  ASSERT_EQ(svo.leaf_count(), cloud.size());
+  PointCloud leaves;
+  for (const KeyIndex& p : sorted.points) {
+    leaves.positions.push_back(cloud.positions[p.index]);
+    leaves.colors.push_back(cloud.colors[p.index]);
+    leaves.normals.push_back(cloud.normals[p.index]);
+  }
+  const NodeAttributes a = mean_attributes(svo, cloud, sorted), b = mean_attributes(svo, leaves);
+  EXPECT_EQ(a.colors, b.colors);
+  EXPECT_EQ(a.normals, b.normals);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+namespace pointreel {
+
+/// When each frame of a reel begins, microseconds from its start, not decreasing, and how long one
+/// pass takes. At least one frame; duration_us > 0.
+struct Timeline {
+  std::vector<std::uint64_t> times_us;
+  std::uint64_t duration_us = 0;
+
+  std::uint32_t frame_count() const { return static_cast<std::uint32_t>(times_us.size()); }
+  /// The last frame that begins at or before `time_us`; the first if there is none.
+  std::uint32_t frame_at(std::uint64_t time_us) const;
+};
+
+inline constexpr double kMinSpeed = 0.1, kMaxSpeed = 4.0;
+
+/// Where playback stands, and its only owner of time. It never asks what time it is: each call says
+/// so (`now`, which must not decrease), so that it can be tested without waiting.
+class Clock {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  struct Reading {
+    std::uint64_t position_us = 0;  ///< in [0, duration]; duration only at the end without loop
+    std::uint32_t frame = 0;        ///< to be seen now
+    /// Counts frames through all passes: differs by k between two readings with no jump between
+    /// them if k frames began between them.
+    std::int64_t ordinal = 0;
+    bool ended = false;  ///< not looping, and past the last frame's own duration
+  };
+
+  /// Paused at the start, speed 1.
+  Clock(Timeline timeline, bool loop);
+
+  Reading read(TimePoint now) const;
+
+  /// From the end, without loop, begins anew.
+  void play(TimePoint now);
+  void pause(TimePoint now);
+  bool playing() const { return playing_; }
+
+  /// Goes to a time, clamped to the reel, and keeps on playing if it played.
+  void seek(std::uint64_t time_us, TimePoint now);
+  /// Goes forward, or back if negative. Past either end it wraps when looping, otherwise clamps.
+  void seek_by(std::int64_t delta_us, TimePoint now);
+  /// Pauses and goes `frames` on, or back: exactly to that frame's time.
+  void step(std::int64_t frames, TimePoint now);
+
+  /// Clamped to [kMinSpeed, kMaxSpeed]; the position does not jump.
+  void set_speed(double speed, TimePoint now);
+  double speed() const { return speed_; }
+
+  /// Switching it keeps the position.
+  void set_loop(bool loop, TimePoint now);
+  bool loop() const { return loop_; }
+
+  const Timeline& timeline() const { return timeline_; }
+
+ private:
+  /// Microseconds since the start of pass 0, neither wrapped nor clamped.
+  std::int64_t unwrapped(TimePoint now) const;
+  /// Makes `position_us` of pass 0 the new point of reference.
+  void restart_at(std::uint64_t position_us, TimePoint now);
+
+  Timeline timeline_;
+  bool loop_;
+  bool playing_ = false;
+  double speed_ = 1.0;
+  std::int64_t base_us_ = 0;  ///< unwrapped position at base_now_
+  TimePoint base_now_{};
+};
+
+}  // namespace pointreel

@@ -1,0 +1,68 @@
+#include "common/base/bounded_queue.h"
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+TEST(BoundedQueue, GivesValuesInTheOrderTheyCame) {
+  BoundedQueue<int> queue(3);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(queue.push(i));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(queue.pop(), i);
+}
+
+TEST(BoundedQueue, CarriesValuesThatCanOnlyBeMoved) {
+  BoundedQueue<std::unique_ptr<int>> queue(1);
+  EXPECT_TRUE(queue.push(std::make_unique<int>(7)));
+  EXPECT_EQ(**queue.pop(), 7);
+}
+
+TEST(BoundedQueue, NeverHoldsMoreThanItsCapacityAndLosesNothing) {
+  constexpr int kValues = 2000;
+  BoundedQueue<int> queue(2);
+  std::atomic<int> in{0}, out{0};
+  std::atomic<long> sum{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 2; ++t)
+    threads.emplace_back([&] {
+      for (int i; (i = in++) < kValues;) queue.push(i);
+    });
+  std::vector<std::thread> readers;
+  for (int t = 0; t < 2; ++t)
+    readers.emplace_back([&] {
+      while (auto value = queue.pop()) {
+        EXPECT_LE(queue.size(), 2u);
+        sum += *value;
+        ++out;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  queue.close();
+  for (std::thread& thread : readers) thread.join();
+  EXPECT_EQ(out, kValues);
+  EXPECT_EQ(sum, long{kValues} * (kValues - 1) / 2);
+}
+
+TEST(BoundedQueue, ClosingEndsTheWaitOfAReaderAndOfAWriter) {
+  BoundedQueue<int> empty(1), full(1);
+  full.push(1);
+  std::thread reader([&] { EXPECT_EQ(empty.pop(), std::nullopt); });
+  std::thread writer([&] { EXPECT_FALSE(full.push(2)); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  empty.close();
+  full.close();
+  reader.join();
+  writer.join();
+  EXPECT_EQ(full.pop(), 1) << "what was inside when it was closed can still be taken";
+  EXPECT_EQ(full.pop(), std::nullopt);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "codec/frame_header.h"
+#include "common/base/bytes.h"
+#include "common/base/error.h"
+
+/// The payload of a chunk: raw bytes as they are, or zstd.
+namespace pointreel {
+
+/// Appends a chunk that holds `raw`. Falls back to Entropy::none where zstd would gain nothing or
+/// break the bound on expansion that readers rely on.
+void pack_chunk(ChunkHeader header, FrameTag tag, ByteView raw, Bytes& out);
+
+/// Undoes the entropy coding. `expected_size` is what the caller knows the raw bytes must be; it is
+/// compared with the header and with the bound on expansion before memory is taken for it.
+Result<Bytes> unpack_chunk(const ParsedChunk& chunk, std::size_t expected_size);
+
+}  // namespace pointreel

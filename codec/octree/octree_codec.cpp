@@ -1,0 +1,270 @@
+#include "codec/octree/octree_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <string>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "codec/octree/chunk_payload.h"
+#include "codec/octree/leaf_attributes.h"
+
+namespace pointreel {
+namespace {
+
+constexpr std::array<int, 3> kLayerEnds = {7, 9, kMaxDepth};
+constexpr CodeShape kNormalShape{2, 8};
+
+CodeShape color_shape(const FrameHeader& header) { return {3, header.colors_16_bit ? 16 : 8}; }
+
+FrameTag tag_of(const Svo& svo) {
+  return static_cast<FrameTag>(
+      XXH3_64bits_withSeed(svo.masks.data(), svo.masks.size(),
+                           XXH3_64bits(&svo.cube, sizeof(svo.cube)) + svo.leaf_count()));
+}
+
+/// Encodes one attribute of all layers, each against the layer before.
+class AttributeEncoder {
+ public:
+  AttributeEncoder(ChunkKind kind, CodeShape shape) : kind_(kind), shape_(shape) {}
+
+  void encode_layer(const Svo& svo, Codes codes, ChunkHeader header, FrameTag tag, Bytes& out) {
+    const int level = header.last_level;
+    const Codes predicted =
+        header.layer == 0 ? Codes(codes.size()) : inherit(svo, previous_, level_, level);
+    header.kind = kind_;
+    pack_chunk(header, tag, code_differences(codes, predicted, shape_), out);
+    previous_ = std::move(codes);
+    level_ = level;
+  }
+
+ private:
+  ChunkKind kind_;
+  CodeShape shape_;
+  Codes previous_;
+  int level_ = 0;
+};
+
+/// Decodes one attribute of the layers that are there, from the base on.
+class AttributeDecoder {
+ public:
+  AttributeDecoder(ChunkKind kind, CodeShape shape) : kind_(kind), shape_(shape) {}
+
+  /// `bytes` is empty where the layer was fetched without the attribute.
+  Result<void> decode_layer(const Svo& svo, ByteView bytes, int layer, int last_level,
+                            FrameTag tag) {
+    if (layer == 0) {
+      present_ = !bytes.empty();
+      if (present_) codes_.resize(svo.node_count(last_level));
+    } else if (present_) {
+      codes_ = inherit(svo, codes_, level_, last_level);
+    }
+    level_ = last_level;
+    if (bytes.empty() || !present_) return {};
+    const auto chunk = read_chunk(bytes, kind_, static_cast<std::uint8_t>(layer), tag);
+    if (!chunk) return tl::unexpected(chunk.error());
+    const auto raw = unpack_chunk(*chunk, shape_.bytes(codes_.size()));
+    if (!raw) return tl::unexpected(raw.error());
+    codes_ = add_differences(*raw, codes_, shape_);
+    return {};
+  }
+
+  const Codes& codes() const { return codes_; }
+
+ private:
+  ChunkKind kind_;
+  CodeShape shape_;
+  bool present_ = false;
+  int level_ = 0;
+  Codes codes_;
+};
+
+/// Appends one layer's masks to the tree. `level_nodes` is the number of nodes at the level where
+/// the layer begins, and becomes that of the level where it ends.
+Result<void> decode_masks(const ParsedChunk& chunk, const FrameHeader& header, int first_level,
+                          std::uint64_t& level_nodes, Svo& svo) {
+  // A tree has at most as many nodes on a level as it has leaves.
+  const int levels = chunk.header.last_level - first_level;
+  if (chunk.header.raw_size > std::uint64_t{header.coded_points} * static_cast<unsigned>(levels)) {
+    return fail("chunk holds more nodes than the frame can have");
+  }
+  const auto masks = unpack_chunk(chunk, chunk.header.raw_size);
+  if (!masks) return tl::unexpected(masks.error());
+  std::size_t at = 0;
+  for (int level = first_level; level < chunk.header.last_level; ++level) {
+    if (level_nodes > masks->size() - at) return fail("level sizes disagree with the masks");
+    std::uint64_t children = 0;
+    for (const std::size_t end = at + level_nodes; at < end; ++at) {
+      children += static_cast<unsigned>(std::popcount((*masks)[at]));
+    }
+    if (children > header.coded_points) return fail("more nodes than the header has points");
+    level_nodes = children;
+  }
+  if (at != masks->size()) return fail("level sizes disagree with the masks");
+  svo.masks.insert(svo.masks.end(), masks->begin(), masks->end());
+  return {};
+}
+
+/// Decodes the geometry of the layers that are there; the last level of each.
+Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
+                                         const ParsedFrameHeader& frame, Svo& svo) {
+  const FrameHeader& header = frame.header;
+  std::uint64_t level_nodes = header.coded_points > 0 ? 1 : 0;
+  std::vector<int> last_levels;
+  for (int layer = 0; layer < header.layers; ++layer) {
+    const std::size_t number = static_cast<std::size_t>(layer);
+    const ByteView bytes = layer == 0               ? frame.rest
+                           : number < layers.size() ? layers[number].geometry
+                                                    : ByteView{};
+    if (bytes.empty() && layer > 0) break;  // a prefix of the layers is a valid coarser frame
+    const auto chunk =
+        read_chunk(bytes, ChunkKind::geometry, static_cast<std::uint8_t>(layer), frame.tag);
+    if (!chunk) return tl::unexpected(chunk.error());
+    const int last_level = last_level_of_layer(layer, header.depth);
+    if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
+    const int first_level = last_levels.empty() ? 0 : last_levels.back();
+    const auto masks = decode_masks(*chunk, header, first_level, level_nodes, svo);
+    if (!masks) return tl::unexpected(masks.error());
+    last_levels.push_back(last_level);
+  }
+  svo.depth = last_levels.back();
+  if (svo.depth == header.depth && level_nodes != header.coded_points) {
+    return fail("the number of leaves disagrees with the header");
+  }
+  if (!index_svo(svo, header.coded_points > 0)) return fail("the masks are no octree");
+  return last_levels;
+}
+
+}  // namespace
+
+int last_level_of_layer(int layer, int depth) {
+  return std::min(depth, kLayerEnds[static_cast<std::size_t>(layer)]);
+}
+
+int layer_count(int depth) {
+  int layers = 1;
+  while (last_level_of_layer(layers - 1, depth) < depth) ++layers;
+  return layers;
+}
+
+Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
+                                   const OctreeOptions& options, bool normals, bool colors) {
+  if (cloud.size() >= std::size_t{1} << 31) return fail("a frame holds fewer than 2^31 points");
+  const SortedPoints sorted = sort_points(cloud, cube);
+  const auto depth = choose_depth(sorted.occupied, cloud.size(), options.depth);
+  if (!depth) return tl::unexpected(depth.error());
+  const Svo svo = build_svo(sorted, cloud.empty() ? 0 : *depth);
+
+  FrameHeader frame;
+  frame.codec = Codec::octree;
+  frame.depth = static_cast<std::uint8_t>(svo.depth);
+  frame.has_colors = colors && cloud.has_colors();
+  frame.has_normals = normals && cloud.has_normals();
+  frame.colors_16_bit = frame.has_colors && !colors_fit_8_bits(cloud);
+  frame.layers = static_cast<std::uint8_t>(layer_count(svo.depth));
+  frame.source_points = static_cast<std::uint32_t>(cloud.size());
+  frame.coded_points = svo.leaf_count();
+  frame.cube = cube;
+  NodeAttributes attributes;
+  if (frame.has_colors || frame.has_normals) attributes = mean_attributes(svo, cloud, sorted);
+
+  EncodedFrame encoded;
+  encoded.source_points = frame.source_points;
+  encoded.coded_points = frame.coded_points;
+  encoded.depth = svo.depth;
+  encoded.layers.resize(frame.layers);
+  const FrameTag tag = tag_of(svo);
+  const CodeShape shape = color_shape(frame);
+  AttributeEncoder color_encoder(ChunkKind::colors, shape);
+  AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
+  int first_level = 0;
+  for (int layer = 0; layer < frame.layers; ++layer) {
+    EncodedLayer& out = encoded.layers[static_cast<std::size_t>(layer)];
+    const int last_level = last_level_of_layer(layer, svo.depth);
+    const ChunkHeader header{ChunkKind::geometry, options.entropy, static_cast<std::uint8_t>(layer),
+                             static_cast<std::uint8_t>(last_level), 0};
+    const std::size_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
+    const std::size_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
+    if (layer == 0) write_frame_header(frame, tag, out.geometry);
+    pack_chunk(header, tag, ByteView(svo.masks).subspan(begin, end - begin), out.geometry);
+
+    const std::size_t count = svo.node_count(last_level);
+    if (frame.has_colors) {
+      const glm::u16vec3* values = attributes.colors.data() + end;
+      color_encoder.encode_layer(svo, color_codes(values, count, shape.bits), header, tag,
+                                 out.colors);
+    }
+    if (frame.has_normals) {
+      const glm::i16vec3* values = attributes.normals.data() + end;
+      normal_encoder.encode_layer(svo, normal_codes(values, count), header, tag, out.normals);
+    }
+    first_level = last_level;
+  }
+  return encoded;
+}
+
+Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
+                                       const DecodeLimits& limits) {
+  if (layers.empty()) return fail("a frame has at least its base layer");
+  const auto parsed = read_frame_header(layers.front().geometry);
+  if (!parsed) return tl::unexpected(parsed.error());
+  const FrameHeader& header = parsed->header;
+  if (header.codec != Codec::octree) return fail("not an octree frame");
+  if (header.layers != layer_count(header.depth) ||
+      (header.coded_points == 0 && header.depth != 0)) {
+    return fail("frame header has a field out of range");
+  }
+  if (header.coded_points > limits.max_points) {
+    return fail("frame has " + std::to_string(header.coded_points) + " points, more than the " +
+                std::to_string(limits.max_points) + " allowed");
+  }
+
+  OctreeFrame frame;
+  frame.header = header;
+  frame.svo.cube = header.cube;
+  const auto last_levels = decode_geometry(layers, *parsed, frame.svo);
+  if (!last_levels) return tl::unexpected(last_levels.error());
+
+  AttributeDecoder colors(ChunkKind::colors, color_shape(header));
+  AttributeDecoder normals(ChunkKind::normals, kNormalShape);
+  for (std::size_t layer = 0; layer < last_levels->size(); ++layer) {
+    const int number = static_cast<int>(layer), level = (*last_levels)[layer];
+    if (header.has_colors) {
+      const auto done =
+          colors.decode_layer(frame.svo, layers[layer].colors, number, level, parsed->tag);
+      if (!done) return fail_at("colors", done.error());
+    }
+    if (header.has_normals) {
+      const auto done =
+          normals.decode_layer(frame.svo, layers[layer].normals, number, level, parsed->tag);
+      if (!done) return fail_at("normals", done.error());
+    }
+  }
+  frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
+  frame.normals = normals_from_codes(normals.codes());
+  return frame;
+}
+
+Result<DecodedFrame> decode_octree(const std::vector<LayerView>& layers,
+                                   const DecodeLimits& limits) {
+  auto tree = decode_octree_tree(layers, limits);
+  if (!tree) return tl::unexpected(tree.error());
+  DecodedFrame frame;
+  frame.cube = tree->header.cube;
+  frame.source_points = tree->header.source_points;
+  frame.cloud.origin = frame.cube.origin;
+  const double cell = tree->svo.cell_size(tree->svo.depth);
+  const std::vector<glm::uvec3> cells = leaf_cells(tree->svo);
+  frame.cloud.positions.reserve(cells.size());
+  for (const glm::uvec3& c : cells) {
+    frame.cloud.positions.push_back(glm::vec3((glm::dvec3(c) + 0.5) * cell));
+  }
+  frame.cloud.colors = std::move(tree->colors);
+  frame.cloud.normals = std::move(tree->normals);
+  frame.svo = std::move(tree->svo);
+  return frame;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,343 @@
+#include "codec/octree/octree_codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+constexpr DecodeLimits kLimits;
+
+/// A bumpy closed surface with normals and colours, all inside the unit cube.
+PointCloud bumpy_sphere(std::size_t n, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  PointCloud cloud;
+  while (cloud.size() < n) {
+    const glm::vec3 p(unit(random), unit(random), unit(random));
+    const float length = glm::length(p);
+    if (length < 0.1f || length > 1.0f) continue;
+    const glm::vec3 d = p / length;
+    cloud.positions.push_back(d * (0.4f + 0.05f * std::sin(9.0f * d.x)) + 0.5f);
+    cloud.normals.push_back(d);
+    cloud.colors.push_back(glm::u16vec3((d * 0.5f + 0.5f) * 255.0f) * std::uint16_t{257});
+  }
+  return cloud;
+}
+
+PointCloud permuted(const PointCloud& cloud) {
+  std::vector<std::size_t> order(cloud.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(99));
+  PointCloud out;
+  for (const std::size_t i : order) {
+    out.positions.push_back(cloud.positions[i]);
+    out.normals.push_back(cloud.normals[i]);
+    out.colors.push_back(cloud.colors[i]);
+  }
+  return out;
+}
+
+EncodedFrame encode(const PointCloud& cloud, DepthRule depth, Entropy entropy = Entropy::zstd,
+                    Cube cube = {}) {
+  auto frame = encode_octree(cloud, cube, {entropy, depth}, true, true);
+  EXPECT_TRUE(frame) << frame.error().message;
+  return frame.value_or(EncodedFrame{});
+}
+
+std::vector<LayerView> views(const EncodedFrame& frame) {
+  std::vector<LayerView> out;
+  for (const EncodedLayer& layer : frame.layers) {
+    out.push_back({layer.geometry, layer.colors, layer.normals});
+  }
+  return out;
+}
+
+Bytes concatenated(const EncodedFrame& frame) {
+  Bytes all;
+  for (const EncodedLayer& layer : frame.layers) {
+    for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
+      all.insert(all.end(), part->begin(), part->end());
+    }
+  }
+  return all;
+}
+
+double degrees_between(const glm::vec3& a, const glm::vec3& b) {
+  return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+}
+
+class OctreeCodec : public testing::TestWithParam<Entropy> {};
+INSTANTIATE_TEST_SUITE_P(Entropies, OctreeCodec, testing::Values(Entropy::none, Entropy::zstd),
+                         [](const auto& entropy) {
+                           return entropy.param == Entropy::none ? "none" : "zstd";
+                         });
+
+TEST_P(OctreeCodec, gives_back_the_encoder_s_voxels_at_every_depth) {
+  const PointCloud cloud = bumpy_sphere(3000);
+  for (const int depth : {0, 1, 7, 8, 9, 10, 15, kMaxDepth}) {
+    const EncodedFrame frame = encode(cloud, DepthRule::fixed(depth), GetParam());
+    const auto tree = decode_octree_tree(views(frame), kLimits);
+    ASSERT_TRUE(tree) << depth << ": " << tree.error().message;
+    const Svo expected = build_svo(sort_points(cloud, Cube{}), depth);
+    EXPECT_EQ(tree->svo.masks, expected.masks);
+    EXPECT_EQ(tree->svo.first_child, expected.first_child);
+    EXPECT_EQ(tree->svo.level_begin, expected.level_begin);
+    EXPECT_EQ(tree->header.source_points, cloud.size());
+  }
+}
+
+TEST_P(OctreeCodec, bytes_do_not_depend_on_the_order_of_the_points) {
+  const PointCloud cloud = bumpy_sphere(5000);
+  const EncodedFrame a = encode(cloud, DepthRule::fixed(6), GetParam());
+  const EncodedFrame b = encode(permuted(cloud), DepthRule::fixed(6), GetParam());
+  EXPECT_EQ(concatenated(a), concatenated(b));
+}
+
+TEST_P(OctreeCodec, returns_centres_within_half_a_cell_and_colours_exactly) {
+  PointCloud cloud = bumpy_sphere(4000);
+  cloud.origin = {1e6, -3e6, 12.5};
+  const Cube cube{cloud.origin, 1.0};
+  const EncodedFrame encoded = encode(cloud, DepthRule::fixed(kMaxDepth), GetParam(), cube);
+  const auto frame = decode_octree(views(encoded), kLimits);
+  ASSERT_TRUE(frame) << frame.error().message;
+  const SortedPoints sorted = sort_points(cloud, cube);
+  ASSERT_EQ(frame->cloud.size(), cloud.size());
+  for (std::size_t leaf = 0; leaf < cloud.size(); ++leaf) {
+    const std::uint32_t point = sorted.points[leaf].index;
+    const glm::dvec3 error = glm::abs(frame->cloud.world(leaf) - cloud.world(point));
+    // Half a cell, and the last bit of a float below one.
+    EXPECT_LE(std::max({error.x, error.y, error.z}), std::ldexp(0.5, -kMaxDepth) + 6e-8);
+    EXPECT_EQ(frame->cloud.colors[leaf], cloud.colors[point]);
+    EXPECT_LT(degrees_between(frame->cloud.normals[leaf], cloud.normals[point]), 1.0);
+  }
+}
+
+TEST(OctreeCodecNone, stores_exactly_one_byte_for_each_internal_node) {
+  PointCloud cloud = bumpy_sphere(3000);
+  const EncodedFrame frame = encode(cloud, DepthRule::fixed(10), Entropy::none);
+  const Svo svo = build_svo(sort_points(cloud, Cube{}), 10);
+  std::size_t payload = 0;
+  for (const EncodedLayer& layer : frame.layers)
+    payload += layer.geometry.size() - kChunkHeaderSize;
+  EXPECT_EQ(payload - kFrameHeaderSize, svo.internal_count());
+}
+
+TEST(OctreeCodecLayers, each_prefix_is_the_tree_truncated_with_its_mean_colours) {
+  const PointCloud cloud = bumpy_sphere(20000);
+  const EncodedFrame frame = encode(cloud, DepthRule::fixed(11));
+  ASSERT_EQ(frame.layers.size(), 3u);
+  const SortedPoints sorted = sort_points(cloud, Cube{});
+  const Svo whole = build_svo(sorted, 11);
+  const NodeAttributes means = mean_attributes(whole, cloud, sorted);
+  for (std::size_t layers = 1; layers <= 3; ++layers) {
+    auto prefix = views(frame);
+    prefix.resize(layers);
+    const auto tree = decode_octree_tree(prefix, kLimits);
+    ASSERT_TRUE(tree) << tree.error().message;
+    const int depth = last_level_of_layer(static_cast<int>(layers) - 1, 11);
+    const Svo expected = truncate(whole, depth);
+    EXPECT_EQ(tree->svo.masks, expected.masks);
+    ASSERT_EQ(tree->colors.size(), expected.leaf_count());
+    const std::size_t first = expected.internal_count();
+    for (std::size_t i = 0; i < tree->colors.size(); ++i) {
+      const glm::ivec3 error =
+          glm::abs(glm::ivec3(tree->colors[i]) - glm::ivec3(means.colors[first + i]));
+      EXPECT_LE(std::max({error.x, error.y, error.z}), 128);  // half an 8-bit step
+    }
+  }
+}
+
+TEST(OctreeCodecLayers, a_layer_without_its_attributes_inherits_those_above) {
+  const PointCloud cloud = bumpy_sphere(2000);
+  const EncodedFrame frame = encode(cloud, DepthRule::fixed(9));
+  auto layers = views(frame);
+  layers[1].colors = {};
+  layers[1].normals = {};
+  const auto tree = decode_octree_tree(layers, kLimits);
+  ASSERT_TRUE(tree) << tree.error().message;
+  auto base = views(frame);
+  base.resize(1);
+  const auto coarse = decode_octree_tree(base, kLimits);
+  ASSERT_TRUE(coarse);
+  ASSERT_EQ(tree->colors.size(), tree->svo.leaf_count());
+  const std::vector<glm::uvec3> fine_cells = leaf_cells(tree->svo);
+  const std::vector<glm::uvec3> coarse_cells = leaf_cells(coarse->svo);
+  std::size_t parent = 0;
+  for (std::size_t i = 0; i < fine_cells.size(); ++i) {
+    while (coarse_cells[parent] != fine_cells[i] / 4u) ++parent;
+    ASSERT_EQ(tree->colors[i], coarse->colors[parent]);
+  }
+  layers[0].colors = {};
+  layers[0].normals = {};
+  const auto bare = decode_octree_tree(layers, kLimits);
+  ASSERT_TRUE(bare);
+  EXPECT_TRUE(bare->colors.empty());
+  EXPECT_TRUE(bare->normals.empty());
+}
+
+TEST(OctreeCodecAttributes, keeps_16_bit_colours_and_unknown_normals) {
+  PointCloud cloud;
+  cloud.positions = {{0.1f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}};
+  cloud.colors = {{1, 65535, 12345}, {54321, 2, 0}};
+  cloud.normals = {{0, 0, 0}, {0, 0, -1}};
+  const auto frame = decode_octree(views(encode(cloud, DepthRule::fixed(3))), kLimits);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->cloud.colors, cloud.colors);
+  EXPECT_EQ(frame->cloud.normals[0], glm::vec3(0));
+  EXPECT_LT(degrees_between(frame->cloud.normals[1], cloud.normals[1]), 1.0);
+}
+
+TEST(OctreeCodecAttributes, normals_of_the_whole_sphere_err_by_less_than_a_degree) {
+  double worst = 0.0;
+  std::mt19937 random(5);
+  std::normal_distribution<float> gauss;
+  PointCloud cloud;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::vec3 n = glm::normalize(glm::vec3(gauss(random), gauss(random), gauss(random)));
+    cloud.positions.push_back(n * 0.5f + 0.5f);
+    cloud.normals.push_back(n);
+  }
+  const auto frame = decode_octree(views(encode(cloud, DepthRule::fixed(kMaxDepth))), kLimits);
+  ASSERT_TRUE(frame);
+  const SortedPoints sorted = sort_points(cloud, Cube{});
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    worst = std::max(
+        worst, degrees_between(frame->cloud.normals[i], cloud.normals[sorted.points[i].index]));
+  }
+  EXPECT_LT(worst, 1.0);
+}
+
+TEST(OctreeCodecHardCases, of_no_points_is_a_frame_that_plays_as_nothing) {
+  const EncodedFrame encoded = encode(PointCloud{}, DepthRule::by_delta(0.05));
+  EXPECT_EQ(encoded.layers.size(), 1u);
+  const auto frame = decode_octree(views(encoded), kLimits);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_TRUE(frame->cloud.empty());
+  EXPECT_EQ(frame->svo->node_count(), 0u);
+}
+
+TEST(OctreeCodecHardCases, of_identical_points_is_one_cell) {
+  PointCloud cloud;
+  cloud.positions.assign(1000, glm::vec3(0.25f));
+  const EncodedFrame encoded = encode(cloud, DepthRule::by_delta(0.0));
+  EXPECT_EQ(encoded.depth, 0);
+  EXPECT_EQ(encoded.coded_points, 1u);
+  const auto frame = decode_octree(views(encoded), kLimits);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->cloud.size(), 1u);
+  EXPECT_EQ(frame->source_points, 1000u);
+}
+
+TEST(OctreeCodecHardCases, refuses_a_delta_that_is_none) {
+  const OctreeOptions options{Entropy::none, DepthRule::by_delta(std::nan(""))};
+  EXPECT_FALSE(encode_octree(bumpy_sphere(10), Cube{}, options, true, true));
+}
+
+// --- hostile bytes ---
+
+TEST(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) {
+  const EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8));
+  for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
+    for (const auto part : {&LayerView::geometry, &LayerView::colors, &LayerView::normals}) {
+      const std::size_t size = (views(frame)[layer].*part).size();
+      for (std::size_t cut = 1; cut < size; ++cut) {
+        auto layers = views(frame);
+        layers[layer].*part = (layers[layer].*part).first(cut);
+        ASSERT_FALSE(decode_octree(layers, kLimits)) << layer << " cut at " << cut;
+      }
+    }
+  }
+}
+
+TEST(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
+  EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8));
+  ASSERT_TRUE(decode_octree(views(frame), kLimits));
+  for (EncodedLayer& layer : frame.layers) {
+    for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
+      for (std::uint8_t& byte : *part) {
+        for (int bit = 0; bit < 8; ++bit) {
+          byte = static_cast<std::uint8_t>(byte ^ 1 << bit);
+          ASSERT_FALSE(decode_octree(views(frame), kLimits));
+          byte = static_cast<std::uint8_t>(byte ^ 1 << bit);
+        }
+      }
+    }
+  }
+}
+
+TEST(OctreeCodecHostile, layers_of_different_frames_are_not_mixed) {
+  const EncodedFrame a = encode(bumpy_sphere(500, 1), DepthRule::fixed(9));
+  const EncodedFrame b = encode(bumpy_sphere(500, 2), DepthRule::fixed(9));
+  auto mixed = views(a);
+  mixed[1].geometry = views(b)[1].geometry;
+  EXPECT_FALSE(decode_octree(mixed, kLimits));
+  mixed = views(a);
+  std::swap(mixed[0].colors, mixed[1].colors);
+  EXPECT_FALSE(decode_octree(mixed, kLimits));
+}
+
+/// A frame whose checksums are right, whatever else it claims.
+Bytes forged(FrameHeader header, ChunkHeader chunk, const Bytes& payload) {
+  Bytes bytes;
+  write_frame_header(header, 7, bytes);
+  write_chunk(chunk, 7, payload, bytes);
+  return bytes;
+}
+
+FrameHeader small_header(std::uint8_t depth, std::uint32_t points) {
+  FrameHeader header;
+  header.depth = depth;
+  header.source_points = header.coded_points = points;
+  return header;
+}
+
+TEST(OctreeCodecHostile, forged_counts_are_refused_before_memory_is_taken) {
+  const auto decodes = [](const Bytes& bytes) {
+    return decode_octree_tree({{bytes, {}, {}}}, kLimits).has_value();
+  };
+  const auto chunk = [](std::uint8_t last_level, std::uint32_t raw_size,
+                        Entropy entropy = Entropy::none) {
+    return ChunkHeader{ChunkKind::geometry, entropy, 0, last_level, raw_size};
+  };
+  EXPECT_TRUE(decodes(forged(small_header(1, 2), chunk(1, 1), {0b11})));
+  // Counts of 2^32 - 1.
+  EXPECT_FALSE(decodes(forged(small_header(1, 0xffffffffu), chunk(1, 1), {0b11})));
+  EXPECT_FALSE(decodes(forged(small_header(7, 1u << 26), chunk(7, 0xffffffffu), {1})));
+  EXPECT_FALSE(
+      decodes(forged(small_header(7, 1u << 26), chunk(7, 0xffffffffu, Entropy::zstd), {1})));
+  // Level sizes that disagree with popcounts.
+  EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(2, 2), {0b11, 1})));
+  EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(2, 4), {0b11, 1, 1, 1})));
+  EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(2, 3), {0b11, 0, 0b11})));
+  // Leaves that disagree with the header.
+  EXPECT_FALSE(decodes(forged(small_header(1, 3), chunk(1, 1), {0b11})));
+  EXPECT_FALSE(decodes(forged(small_header(1, 1), chunk(1, 1), {0b11})));
+  // A layer that ends elsewhere; nodes in an empty frame; a level that does not exist.
+  EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(1, 1), {0b11})));
+  EXPECT_FALSE(decodes(forged(small_header(0, 0), chunk(0, 1), {1})));
+  EXPECT_FALSE(decodes(forged(small_header(5, 0), chunk(5, 0), {})));
+  EXPECT_FALSE(decodes(forged(small_header(22, 2), chunk(7, 1), {0b11})));
+}
+
+TEST(OctreeCodecHostile, a_cube_that_is_none_is_refused) {
+  const ChunkHeader chunk{ChunkKind::geometry, Entropy::none, 0, 1, 1};
+  for (const double edge : {0.0, -1.0, std::nan(""), HUGE_VAL, 5e-324}) {
+    FrameHeader header = small_header(1, 2);
+    header.cube.edge = edge;
+    EXPECT_FALSE(decode_octree_tree({{forged(header, chunk, {0b11}), {}, {}}}, kLimits)) << edge;
+  }
+}
+
+TEST(OctreeCodecHostile, more_points_than_the_caller_allows_are_refused) {
+  const EncodedFrame frame = encode(bumpy_sphere(500), DepthRule::fixed(9));
+  EXPECT_FALSE(decode_octree(views(frame), {frame.coded_points - 1}));
+  EXPECT_TRUE(decode_octree(views(frame), {frame.coded_points}));
+}
+
+}  // namespace
+}  // namespace pointreel

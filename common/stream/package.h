@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/bytes.h"
@@ -15,6 +16,8 @@ namespace pointreel {
 
 inline constexpr int kPackageVersion = 1;
 inline constexpr const char* kManifestName = "reel.json";
+/// A longer reel.json is refused before it is read, from a disk or from a server.
+inline constexpr std::uint64_t kMaxManifestBytes = 32u << 20;
 
 /// Bytes that one frame takes in one layer file, in stored order. 0 where a part is absent.
 struct LayerSizes {
@@ -28,7 +31,7 @@ struct LayerSizes {
 struct LayerFile {
   std::string path;            ///< relative to the manifest; letters, digits, '.', '_', '-' only
   std::uint64_t bytes = 0;     ///< the file's size, the sum of `frames`
-  std::uint64_t checksum = 0;  ///< XXH3, 64 bits, of the whole file
+  std::uint64_t checksum = 0;  ///< `checksum_of` the whole file
   std::vector<LayerSizes> frames;  ///< one entry for each frame of the segment
 };
 
@@ -61,6 +64,9 @@ struct Manifest {
   std::uint32_t frame_count() const;
 };
 
+/// XXH3 with 64 bits and seed 0, written in reel.json as 16 lowercase hexadecimal digits.
+std::uint64_t checksum_of(ByteView bytes);
+
 /// Where one frame's part of a layer lies.
 struct FrameLocation {
   std::uint32_t segment = 0;  ///< index into Manifest::segments
@@ -69,7 +75,8 @@ struct FrameLocation {
 /// frame < manifest.frame_count().
 FrameLocation locate(const Manifest& manifest, std::uint32_t frame);
 
-/// Byte range of a frame in a layer's file.
+/// Byte range of a frame in a layer's file. The chunks follow each other in it: geometry, colours,
+/// normals.
 struct ByteRange {
   std::uint64_t offset = 0, size = 0;
 };
@@ -80,12 +87,15 @@ ByteRange byte_range(const LayerFile& file, std::uint32_t index);
 std::uint64_t frame_time_us(const Manifest& manifest, std::uint32_t frame);
 std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us);
 
+/// The text of reel.json, ending in a line feed; one line for each segment. What it holds must be
+/// what `parse_manifest` accepts: parse it before publishing it.
 std::string write_manifest(const Manifest& manifest);
 
 /// Parses untrusted text: every count, size, name and number is checked (sizes agree with their
 /// sums, frames are consecutive, times do not decrease, numbers are finite, paths stay in the
-/// folder), and memory is bounded by the text's length. A newer format version is refused by
-/// number.
+/// folder and are used once, no key comes twice), and memory is bounded by the text's length, at
+/// most about 50 bytes for each of its own. A newer format version is refused by number. Unknown
+/// keys are ignored. The error names the place, as in `segments[2].files[0].bytes: ...`.
 Result<Manifest> parse_manifest(std::string_view text);
 
 /// Reads FOLDER/reel.json; the error begins with the path and says so if FOLDER is no package.

@@ -1,0 +1,578 @@
+#include "common/stream/package.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include "common/octree/morton.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr const char* kFormatName = "pointreel";
+/// Whole numbers stay exact in readers that hold every number as a double, as JavaScript does.
+constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
+constexpr std::uint64_t kMaxUint32 = 0xffffffffu;
+constexpr std::size_t kMaxLayers = 8;
+constexpr std::size_t kMaxNameLength = 255;
+/// A manifest nests six deep; what nests deeper is not built.
+constexpr int kMaxNesting = 16;
+
+/// ---- reading ----
+
+/// The members of one JSON object. The first thing that is not as it should be is kept as the
+/// error, and every value after it is zero, so that a parser checks once, after the last member.
+class Fields {
+ public:
+  explicit Fields(const json& object) : object_(object) {
+    if (!object.is_object()) error_ = Error{"is not a JSON object"};
+  }
+
+  const std::optional<Error>& error() const { return error_; }
+
+  void refuse(std::string_view key, std::string_view what) {
+    if (!error_) error_ = Error{fmt::format("{}: {}", key, what)};
+  }
+
+  bool has(const char* key) const { return !error_ && object_.contains(key); }
+
+  const json* value(const char* key) {
+    if (error_) return nullptr;
+    const auto found = object_.find(key);
+    if (found != object_.end()) return &*found;
+    refuse(key, "is missing");
+    return nullptr;
+  }
+
+  std::uint64_t integer(const char* key, std::uint64_t max) {
+    const json* v = value(key);
+    if (v == nullptr) return 0;
+    if (!v->is_number_unsigned() || v->get<std::uint64_t>() > max) {
+      refuse(key, fmt::format("is not a whole number from 0 to {}", max));
+      return 0;
+    }
+    return v->get<std::uint64_t>();
+  }
+
+  double number(const char* key) {
+    const json* v = value(key);
+    if (v == nullptr) return 0.0;
+    if (!v->is_number()) refuse(key, "is not a number");
+    return v->is_number() ? v->get<double>() : 0.0;
+  }
+
+  bool boolean(const char* key) {
+    const json* v = value(key);
+    if (v == nullptr) return false;
+    if (!v->is_boolean()) refuse(key, "is neither true nor false");
+    return v->is_boolean() && v->get<bool>();
+  }
+
+  std::string text(const char* key) {
+    const json* v = value(key);
+    if (v == nullptr) return {};
+    if (!v->is_string()) refuse(key, "is not a string");
+    return v->is_string() ? v->get<std::string>() : std::string();
+  }
+
+  /// Empty where it is no array.
+  const json& array(const char* key) {
+    static const json kNothing = json::array();
+    const json* v = value(key);
+    if (v == nullptr) return kNothing;
+    if (!v->is_array()) refuse(key, "is not an array");
+    return v->is_array() ? *v : kNothing;
+  }
+
+  /// Three finite numbers.
+  glm::dvec3 vector(const char* key) {
+    const json& v = array(key);
+    if (error_) return {};
+    const auto finite = [](const json& x) {
+      return x.is_number() && std::isfinite(x.get<double>());
+    };
+    if (v.size() != 3 || !std::all_of(v.begin(), v.end(), finite)) {
+      refuse(key, "is not three finite numbers");
+      return {};
+    }
+    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
+  }
+
+ private:
+  const json& object_;
+  std::optional<Error> error_;
+};
+
+/// A name that is a plain file in the package's own folder on every system.
+bool is_file_name(const std::string& path) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+  };
+  return !path.empty() && path.size() <= kMaxNameLength && path.front() != '.' &&
+         path != kManifestName && std::all_of(path.begin(), path.end(), allowed);
+}
+
+bool is_printable(const std::string& text) {
+  return std::none_of(text.begin(), text.end(),
+                      [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; });
+}
+
+std::optional<std::uint64_t> parse_checksum(const std::string& text) {
+  if (text.size() != 16) return std::nullopt;
+  std::uint64_t value = 0;
+  for (char c : text) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit && !(c >= 'a' && c <= 'f')) return std::nullopt;
+    value = value << 4 | static_cast<std::uint64_t>(digit ? c - '0' : c - 'a' + 10);
+  }
+  return value;
+}
+
+bool is_uint32(const json& v) {
+  return v.is_number_unsigned() && v.get<std::uint64_t>() <= kMaxUint32;
+}
+
+Result<LayerFile> parse_file(const json& object, std::uint32_t frame_count) {
+  Fields fields(object);
+  LayerFile file;
+  file.path = fields.text("path");
+  file.bytes = fields.integer("bytes", kMaxInteger);
+  const std::string checksum = fields.text("xxh3");
+  const json& frames = fields.array("frames");
+  if (fields.error()) return tl::unexpected(*fields.error());
+
+  if (!is_file_name(file.path)) return fail("path: is not a plain file name of the package");
+  const std::optional<std::uint64_t> value = parse_checksum(checksum);
+  if (!value) return fail("xxh3: is not 16 lowercase hexadecimal digits");
+  file.checksum = *value;
+  if (frames.size() != frame_count) {
+    return fail(fmt::format("frames: {} entries for {} frames", frames.size(), frame_count));
+  }
+  file.frames.reserve(frames.size());
+  std::uint64_t sum = 0;
+  for (const json& sizes : frames) {
+    if (!sizes.is_array() || sizes.size() != 3 ||
+        !std::all_of(sizes.begin(), sizes.end(), is_uint32)) {
+      return fail(fmt::format("frames[{}]: is not three whole numbers from 0 to {}",
+                              file.frames.size(), kMaxUint32));
+    }
+    file.frames.push_back({sizes[0].get<std::uint32_t>(), sizes[1].get<std::uint32_t>(),
+                           sizes[2].get<std::uint32_t>()});
+    sum += file.frames.back().total();
+  }
+  if (sum != file.bytes) {
+    return fail(fmt::format("bytes: {}, but its frames take {}", file.bytes, sum));
+  }
+  return file;
+}
+
+/// Which chunks a frame may have: geometry in the base and wherever there is anything; no finer
+/// layer above a missing one; no attribute that the reel does not have.
+Result<void> check_chunks(const Manifest& manifest, const Segment& segment) {
+  for (std::size_t layer = 0; layer < segment.layers.size(); ++layer) {
+    for (std::uint32_t i = 0; i < segment.frame_count(); ++i) {
+      const LayerSizes& sizes = segment.layers[layer].frames[i];
+      const char* fault = nullptr;
+      if (sizes.geometry == 0 && (layer == 0 || sizes.total() > 0)) {
+        fault = "has no geometry";
+      } else if (layer > 0 && sizes.geometry > 0 &&
+                 segment.layers[layer - 1].frames[i].geometry == 0) {
+        fault = "refines a layer that the frame does not have";
+      } else if (sizes.colors > 0 && !manifest.colors) {
+        fault = "has colours in a reel without colours";
+      } else if (sizes.normals > 0 && !manifest.normals) {
+        fault = "has normals in a reel without normals";
+      }
+      if (fault != nullptr) return fail(fmt::format("files[{}].frames[{}]: {}", layer, i, fault));
+    }
+  }
+  return {};
+}
+
+/// `segment` has as many frames as `times`; `last_time` is that of the frame before.
+Result<void> parse_frames(const json& times, const json& points, std::uint64_t last_time,
+                          Segment& segment) {
+  if (times.empty()) return fail("times_us: is empty, a segment has at least one frame");
+  if (points.size() != times.size()) {
+    return fail(fmt::format("points: {} entries for {} frames", points.size(), times.size()));
+  }
+  segment.times_us.reserve(times.size());
+  for (const json& time : times) {
+    if (!time.is_number_unsigned() || time.get<std::uint64_t>() > kMaxInteger) {
+      return fail(fmt::format("times_us[{}]: is not a whole number from 0 to {}",
+                              segment.times_us.size(), kMaxInteger));
+    }
+    if (time.get<std::uint64_t>() < last_time) {
+      return fail(fmt::format("times_us[{}]: {} comes after {}", segment.times_us.size(),
+                              time.get<std::uint64_t>(), last_time));
+    }
+    last_time = time.get<std::uint64_t>();
+    segment.times_us.push_back(last_time);
+  }
+  segment.points.reserve(points.size());
+  for (const json& count : points) {
+    if (!is_uint32(count)) {
+      return fail(fmt::format("points[{}]: is not a whole number from 0 to {}",
+                              segment.points.size(), kMaxUint32));
+    }
+    segment.points.push_back(count.get<std::uint32_t>());
+  }
+  return {};
+}
+
+Result<Cube> parse_cube(const json& object) {
+  Fields fields(object);
+  const Cube cube{fields.vector("origin"), fields.number("edge")};
+  if (fields.error()) return tl::unexpected(*fields.error());
+  const glm::dvec3 far = cube.origin + cube.edge;
+  if (!(cube.edge > 0.0) || !std::isfinite(far.x + far.y + far.z)) {
+    return fail("edge: is not a finite number above 0");
+  }
+  return cube;
+}
+
+/// `manifest` holds all that stands before the segments and the segments before this one.
+Result<Segment> parse_segment(const json& object, const Manifest& manifest, std::uint32_t first,
+                              std::uint64_t last_time) {
+  Fields fields(object);
+  Segment segment;
+  segment.first_frame = static_cast<std::uint32_t>(fields.integer("first_frame", kMaxUint32));
+  const json* cube_value = fields.value("cube");
+  const json& times = fields.array("times_us");
+  const json& points = fields.array("points");
+  const json& files = fields.array("files");
+  if (fields.error()) return tl::unexpected(*fields.error());
+
+  if (segment.first_frame != first) {
+    return fail(fmt::format("first_frame: {}, but frames are consecutive and {} comes next",
+                            segment.first_frame, first));
+  }
+  Result<Cube> cube = parse_cube(*cube_value);
+  if (!cube) return fail_at("cube", cube.error());
+  segment.cube = *cube;
+  if (const Result<void> frames = parse_frames(times, points, last_time, segment); !frames) {
+    return tl::unexpected(frames.error());
+  }
+  if (files.size() != manifest.layer_names.size()) {
+    return fail(fmt::format("files: {} for {} layers", files.size(), manifest.layer_names.size()));
+  }
+  for (const json& entry : files) {
+    Result<LayerFile> file = parse_file(entry, segment.frame_count());
+    if (!file) return fail_at(fmt::format("files[{}]", segment.layers.size()), file.error());
+    segment.layers.push_back(std::move(*file));
+  }
+  if (const Result<void> chunks = check_chunks(manifest, segment); !chunks) {
+    return tl::unexpected(chunks.error());
+  }
+  return segment;
+}
+
+Result<void> parse_segments(const json& entries, Manifest& manifest) {
+  std::uint64_t frames = 0, last_time = 0;
+  std::set<std::string> paths;
+  bool any_point = false;
+  for (const json& entry : entries) {
+    const std::string place = fmt::format("segments[{}]", manifest.segments.size());
+    Result<Segment> segment =
+        parse_segment(entry, manifest, static_cast<std::uint32_t>(frames), last_time);
+    if (!segment) return fail_at(place, segment.error());
+    frames += segment->frame_count();
+    if (frames > kMaxUint32) return fail_at(place, {"a reel has fewer than 2^32 frames"});
+    for (const LayerFile& file : segment->layers) {
+      if (!paths.insert(file.path).second) {
+        return fail_at(place, {fmt::format("\"{}\" is used twice", file.path)});
+      }
+    }
+    last_time = segment->times_us.back();
+    for (const std::uint32_t count : segment->points) any_point = any_point || count > 0;
+    manifest.segments.push_back(std::move(*segment));
+  }
+  if (manifest.duration_us < last_time) {
+    return fail(fmt::format("duration_us: {}, but the last frame is shown at {}",
+                            manifest.duration_us, last_time));
+  }
+  if (any_point == manifest.bounds.empty()) {
+    return fail("bounds: a box if any frame has a point, otherwise null");
+  }
+  return {};
+}
+
+Result<Box> parse_bounds(const json& value) {
+  if (value.is_null()) return Box{};
+  Fields fields(value);
+  const Box box{fields.vector("min"), fields.vector("max")};
+  if (fields.error()) return tl::unexpected(*fields.error());
+  if (!(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z)) {
+    return fail("min is beyond max");
+  }
+  return box;
+}
+
+Result<void> parse_layer_names(const json& entries, Manifest& manifest) {
+  if (entries.empty() || entries.size() > kMaxLayers) {
+    return fail(fmt::format("layers: {}, not 1 to {}", entries.size(), kMaxLayers));
+  }
+  for (const json& entry : entries) {
+    if (!entry.is_string() || !is_file_name(entry.get_ref<const std::string&>())) {
+      return fail("layers: a name has letters, digits, '.', '_' and '-' only");
+    }
+    const std::string& layer = entry.get_ref<const std::string&>();
+    if (std::find(manifest.layer_names.begin(), manifest.layer_names.end(), layer) !=
+        manifest.layer_names.end()) {
+      return fail(fmt::format("layers: \"{}\" comes twice", layer));
+    }
+    manifest.layer_names.push_back(layer);
+  }
+  return {};
+}
+
+/// What must hold before a single other member is looked at.
+Result<void> check_format(const json& root) {
+  Fields fields(root);
+  const std::string format = fields.text("format");
+  const std::uint64_t version = fields.integer("version", kMaxInteger);
+  if (fields.error()) return tl::unexpected(*fields.error());
+  if (format != kFormatName) return fail(fmt::format("format: is not \"{}\"", kFormatName));
+  if (version > kPackageVersion) {
+    return fail(fmt::format(
+        "format version {} is newer than {}, the newest that this program reads: update it",
+        version, kPackageVersion));
+  }
+  if (version != kPackageVersion) {
+    return fail(fmt::format("format version {} does not exist", version));
+  }
+  return {};
+}
+
+Result<Manifest> parse_root(const json& root) {
+  if (const Result<void> format = check_format(root); !format) {
+    return tl::unexpected(format.error());
+  }
+  Fields fields(root);
+  Manifest manifest;
+  manifest.name = fields.text("name");
+  manifest.codec = fields.text("codec");
+  manifest.fps = fields.number("fps");
+  manifest.duration_us = fields.integer("duration_us", kMaxInteger);
+  const std::string up = fields.text("up");
+  manifest.colors = fields.boolean("colors");
+  manifest.normals = fields.boolean("normals");
+  manifest.depth_min = static_cast<std::uint32_t>(fields.integer("depth_min", kMaxDepth));
+  manifest.depth_max = static_cast<std::uint32_t>(fields.integer("depth_max", kMaxDepth));
+  const json* bounds = fields.value("bounds");
+  const json& layers = fields.array("layers");
+  const json& segments = fields.array("segments");
+  if (manifest.codec == "octree") {
+    manifest.entropy = fields.text("entropy");
+    if (manifest.entropy != "none" && manifest.entropy != "zstd") {
+      fields.refuse("entropy", "is neither \"none\" nor \"zstd\"");
+    }
+  } else if (manifest.codec != "draco") {
+    fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
+  } else if (fields.has("entropy")) {
+    fields.refuse("entropy", "only the octree codec has one");
+  }
+  if (manifest.name.size() > kMaxNameLength || !is_printable(manifest.name)) {
+    fields.refuse(
+        "name", fmt::format("has more than {} bytes or a control character in it", kMaxNameLength));
+  }
+  if (!(manifest.fps > 0.0 && manifest.fps <= 1e6)) {
+    fields.refuse("fps", "is not above 0 and at most 1000000");
+  }
+  if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
+  if (manifest.depth_min > manifest.depth_max) fields.refuse("depth_min", "is above depth_max");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  manifest.up = up.front();
+
+  const Result<Box> box = parse_bounds(*bounds);
+  if (!box) return fail_at("bounds", box.error());
+  manifest.bounds = *box;
+  if (const Result<void> names = parse_layer_names(layers, manifest); !names) {
+    return tl::unexpected(names.error());
+  }
+  if (const Result<void> all = parse_segments(segments, manifest); !all) {
+    return tl::unexpected(all.error());
+  }
+  return manifest;
+}
+
+/// Sees every token before it becomes a value: values that nest too deep are not built, and keys
+/// that come twice in one object, which a plain parser would let pass, are found.
+class TokenGuard {
+ public:
+  bool operator()(int depth, json::parse_event_t event, const json& parsed) {
+    switch (event) {
+      case json::parse_event_t::object_start:
+      case json::parse_event_t::array_start:
+        if (depth >= kMaxNesting) {
+          too_deep_ = true;
+          return false;
+        }
+        keys_[static_cast<std::size_t>(depth) + 1].clear();
+        return true;
+      case json::parse_event_t::key:
+        if (depth <= kMaxNesting &&
+            !keys_[static_cast<std::size_t>(depth)].insert(parsed.get<std::string>()).second) {
+          duplicate_ = true;
+        }
+        return true;
+      default:
+        return true;
+    }
+  }
+
+  const char* fault() const {
+    if (too_deep_) return "nests too deep";
+    return duplicate_ ? "has a key twice in one object" : nullptr;
+  }
+
+ private:
+  std::array<std::set<std::string>, kMaxNesting + 1> keys_;
+  bool too_deep_ = false, duplicate_ = false;
+};
+
+/// ---- writing ----
+
+ordered_json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+ordered_json to_json(const LayerFile& file) {
+  ordered_json frames = ordered_json::array();
+  for (const LayerSizes& sizes : file.frames) {
+    frames.push_back({sizes.geometry, sizes.colors, sizes.normals});
+  }
+  return {{"path", file.path},
+          {"bytes", file.bytes},
+          {"xxh3", fmt::format("{:016x}", file.checksum)},
+          {"frames", std::move(frames)}};
+}
+
+ordered_json to_json(const Segment& segment) {
+  ordered_json files = ordered_json::array();
+  for (const LayerFile& file : segment.layers) files.push_back(to_json(file));
+  return {{"first_frame", segment.first_frame},
+          {"cube", {{"origin", to_json(segment.cube.origin)}, {"edge", segment.cube.edge}}},
+          {"times_us", segment.times_us},
+          {"points", segment.points},
+          {"files", std::move(files)}};
+}
+
+/// Bytes that are no UTF-8, in a name, are replaced: a dump never throws.
+std::string dump(const ordered_json& value) {
+  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::uint32_t Manifest::frame_count() const {
+  return segments.empty() ? 0 : segments.back().first_frame + segments.back().frame_count();
+}
+
+std::uint64_t checksum_of(ByteView bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+FrameLocation locate(const Manifest& manifest, std::uint32_t frame) {
+  const auto after =
+      std::upper_bound(manifest.segments.begin(), manifest.segments.end(), frame,
+                       [](std::uint32_t f, const Segment& s) { return f < s.first_frame; });
+  const auto segment = static_cast<std::uint32_t>(after - manifest.segments.begin()) - 1;
+  return {segment, frame - manifest.segments[segment].first_frame};
+}
+
+ByteRange byte_range(const LayerFile& file, std::uint32_t index) {
+  ByteRange range;
+  for (std::uint32_t i = 0; i < index; ++i) range.offset += file.frames[i].total();
+  range.size = file.frames[index].total();
+  return range;
+}
+
+std::uint64_t frame_time_us(const Manifest& manifest, std::uint32_t frame) {
+  const FrameLocation at = locate(manifest, frame);
+  return manifest.segments[at.segment].times_us[at.index];
+}
+
+std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us) {
+  const auto after =
+      std::upper_bound(manifest.segments.begin(), manifest.segments.end(), time_us,
+                       [](std::uint64_t t, const Segment& s) { return t < s.times_us.front(); });
+  if (after == manifest.segments.begin()) return 0;
+  const Segment& segment = *std::prev(after);
+  const auto next = std::upper_bound(segment.times_us.begin(), segment.times_us.end(), time_us);
+  return segment.first_frame + static_cast<std::uint32_t>(next - segment.times_us.begin()) - 1;
+}
+
+std::string write_manifest(const Manifest& manifest) {
+  ordered_json head = {{"format", kFormatName},
+                       {"version", kPackageVersion},
+                       {"name", manifest.name},
+                       {"codec", manifest.codec}};
+  if (!manifest.entropy.empty()) head["entropy"] = manifest.entropy;
+  head["fps"] = manifest.fps;
+  head["duration_us"] = manifest.duration_us;
+  head["up"] = std::string(1, manifest.up);
+  head["colors"] = manifest.colors;
+  head["normals"] = manifest.normals;
+  head["depth_min"] = manifest.depth_min;
+  head["depth_max"] = manifest.depth_max;
+  head["bounds"] = nullptr;
+  if (!manifest.bounds.empty()) {
+    head["bounds"] = {{"min", to_json(manifest.bounds.min)}, {"max", to_json(manifest.bounds.max)}};
+  }
+  head["layers"] = manifest.layer_names;
+
+  std::string text = "{\n";
+  for (const auto& [key, value] : head.items()) {
+    text += fmt::format("  \"{}\": {},\n", key, dump(value));
+  }
+  text += "  \"segments\": [";
+  for (std::size_t i = 0; i < manifest.segments.size(); ++i) {
+    text += i == 0 ? "\n    " : ",\n    ";
+    text += dump(to_json(manifest.segments[i]));
+  }
+  text += manifest.segments.empty() ? "]\n}\n" : "\n  ]\n}\n";
+  return text;
+}
+
+Result<Manifest> parse_manifest(std::string_view text) {
+  if (text.size() > kMaxManifestBytes) {
+    return fail(fmt::format("is longer than {} bytes", kMaxManifestBytes));
+  }
+  TokenGuard guard;
+  const json root = json::parse(text.begin(), text.end(), std::ref(guard), false);
+  if (guard.fault() != nullptr) return fail(guard.fault());
+  if (root.is_discarded()) return fail("is not valid JSON");
+  return parse_root(root);
+}
+
+Result<Manifest> read_manifest(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kManifestName;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) {
+    return fail(fmt::format("{}: is not a package, there is no {} in it that can be read",
+                            folder.string(), kManifestName));
+  }
+  if (size > kMaxManifestBytes) {
+    return fail(fmt::format("{}: is longer than {} bytes", path.string(), kMaxManifestBytes));
+  }
+  std::ifstream in(path, std::ios::binary);
+  std::string text(size, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!in) return fail(fmt::format("{}: cannot be read", path.string()));
+  Result<Manifest> manifest = parse_manifest(text);
+  if (!manifest) return fail_at(path.string(), manifest.error());
+  return manifest;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+namespace pointreel {
+
+/// True if `a` comes before `b` in natural order: runs of the digits 0 to 9 compare by the number
+/// that they spell, however long, everything else byte by byte; so frame2 comes before frame10.
+/// Names that are equal in this sense (frame1, frame01) are ordered byte by byte, which makes it a
+/// total order. O(length), takes no memory.
+bool natural_less(std::string_view a, std::string_view b);
+
+}  // namespace pointreel

@@ -1,0 +1,462 @@
+#include "common/cloud/ply.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/cloud/ply_header.h"
+
+namespace pointreel {
+namespace {
+
+/// Vertices pass through columns of doubles, a block of rows at a time: every format and type is
+/// converted by the same code, and memory grows only with rows that are really there.
+constexpr std::size_t kBlockRows = 512;
+
+/// The values that a vertex may have; three consecutive ones for each vector.
+enum Role : std::size_t { kPosition = 0, kNormal = 3, kColor = 6, kRadius = 9, kRoles = 10 };
+
+using Block = std::array<std::array<double, kBlockRows>, kRoles>;
+
+/// Which property of element vertex gives each value; -1 where none does.
+using RoleProperties = std::array<int, kRoles>;
+
+int find_scalar(const PlyElement& element, const char* name) {
+  const int at = element.find(name);
+  return at >= 0 && !element.properties[static_cast<std::size_t>(at)].is_list ? at : -1;
+}
+
+/// Assigns the first of `spellings` of which the element has all three.
+void assign_vector(const PlyElement& element, Role role, RoleProperties& properties,
+                   std::initializer_list<std::array<const char*, 3>> spellings) {
+  for (const auto& names : spellings) {
+    std::array<int, 3> at{};
+    for (std::size_t i = 0; i < 3; ++i) at[i] = find_scalar(element, names[i]);
+    if (std::min({at[0], at[1], at[2]}) < 0) continue;
+    std::copy(at.begin(), at.end(), properties.begin() + role);
+    return;
+  }
+}
+
+Result<RoleProperties> assign_roles(const PlyElement& vertex) {
+  RoleProperties properties;
+  properties.fill(-1);
+  for (const char* name : {"x", "y", "z"}) {
+    if (find_scalar(vertex, name) >= 0) continue;
+    return fail(
+        fmt::format("line {}: element vertex has no scalar property {}", vertex.line, name));
+  }
+  assign_vector(vertex, kPosition, properties, {{"x", "y", "z"}});
+  assign_vector(vertex, kNormal, properties,
+                {{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}});
+  assign_vector(vertex, kColor, properties,
+                {{"red", "green", "blue"},
+                 {"r", "g", "b"},
+                 {"diffuse_red", "diffuse_green", "diffuse_blue"}});
+  properties[kRadius] = find_scalar(vertex, "radius");
+  return properties;
+}
+
+/// The inverse: the value that each property of an element gives; kRoles where it gives none.
+std::vector<Role> roles_by_property(const PlyElement& element, const RoleProperties* roles) {
+  std::vector<Role> by_property(element.properties.size(), kRoles);
+  for (std::size_t role = 0; roles != nullptr && role < kRoles; ++role) {
+    if ((*roles)[role] < 0) continue;
+    by_property[static_cast<std::size_t>((*roles)[role])] = static_cast<Role>(role);
+  }
+  return by_property;
+}
+
+/// A colour value of the given type on the scale 0 to 65535.
+std::uint16_t color_value(PlyType type, double v) {
+  if (!(v == v)) return 0;
+  switch (type) {
+    case PlyType::uint16:
+      return static_cast<std::uint16_t>(std::clamp(v, 0.0, 65535.0));
+    case PlyType::float32:
+    case PlyType::float64:
+      return static_cast<std::uint16_t>(std::clamp(v, 0.0, 1.0) * 65535.0 + 0.5);
+    case PlyType::int8:
+      if (v < 0.0) v += 256.0;
+      [[fallthrough]];
+    default:
+      return static_cast<std::uint16_t>(257 * static_cast<int>(std::clamp(v, 0.0, 255.0)));
+  }
+}
+
+/// Gathers blocks of rows into a cloud.
+class CloudBuilder {
+ public:
+  CloudBuilder(const PlyElement& vertex, const RoleProperties& properties, std::size_t max_rows)
+      : has_normals_(properties[kNormal] >= 0),
+        has_colors_(properties[kColor] >= 0),
+        has_radii_(properties[kRadius] >= 0) {
+    for (std::size_t i = 0; i < 3 && has_colors_; ++i) {
+      color_types_[i] = vertex.properties[static_cast<std::size_t>(properties[kColor + i])].type;
+    }
+    positions_.reserve(max_rows);
+    if (has_normals_) cloud_.normals.reserve(max_rows);
+    if (has_colors_) cloud_.colors.reserve(max_rows);
+    if (has_radii_) cloud_.radii.reserve(max_rows);
+  }
+
+  void append(const Block& block, std::size_t rows) {
+    for (std::size_t i = 0; i < rows; ++i) {
+      positions_.emplace_back(block[kPosition][i], block[kPosition + 1][i],
+                              block[kPosition + 2][i]);
+    }
+    for (std::size_t i = 0; i < rows && has_normals_; ++i) {
+      cloud_.normals.emplace_back(static_cast<float>(block[kNormal][i]),
+                                  static_cast<float>(block[kNormal + 1][i]),
+                                  static_cast<float>(block[kNormal + 2][i]));
+    }
+    if (has_colors_) append_colors(block, rows);
+    for (std::size_t i = 0; i < rows && has_radii_; ++i) {
+      cloud_.radii.push_back(static_cast<float>(block[kRadius][i]));
+    }
+  }
+
+  PointCloud finish() {
+    cloud_.origin = choose_origin();
+    cloud_.positions.resize(positions_.size());
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      cloud_.positions[i] = glm::vec3(positions_[i] - cloud_.origin);
+    }
+    return std::move(cloud_);
+  }
+
+ private:
+  void append_colors(const Block& block, std::size_t rows) {
+    const std::size_t begin = cloud_.colors.size();
+    cloud_.colors.resize(begin + rows);
+    for (int channel = 0; channel < 3; ++channel) {
+      const auto& column = block[kColor + static_cast<std::size_t>(channel)];
+      const PlyType type = color_types_[static_cast<std::size_t>(channel)];
+      for (std::size_t i = 0; i < rows; ++i) {
+        cloud_.colors[begin + i][channel] = color_value(type, column[i]);
+      }
+    }
+  }
+
+  glm::dvec3 choose_origin() const {
+    Box box;
+    for (const glm::dvec3& p : positions_) {
+      // 0 for a finite point, else NaN.
+      const double test = (p.x - p.x) + (p.y - p.y) + (p.z - p.z);
+      if (test == 0.0) box.grow(p);
+    }
+    if (box.empty()) return glm::dvec3(0.0);
+    const glm::dvec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
+    const glm::dvec3 extent = box.extent();
+    const double largest = std::max({reach.x, reach.y, reach.z});
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    return largest > 2.0 * longest ? box.min : glm::dvec3(0.0);
+  }
+
+  PointCloud cloud_;
+  std::vector<glm::dvec3> positions_;
+  std::array<PlyType, 3> color_types_{};
+  bool has_normals_, has_colors_, has_radii_;
+};
+
+/// The smallest number of bytes that a row can take, lists empty.
+std::size_t min_row_size(const PlyElement& element, PlyFormat format) {
+  std::size_t size = 0;
+  for (const PlyProperty& property : element.properties) {
+    // Ascii: one character and a blank or line break behind it.
+    size += format == PlyFormat::ascii ? 2
+            : property.is_list         ? size_of(property.count_type)
+                                       : size_of(property.type);
+  }
+  return size;
+}
+
+std::string name_row(const PlyElement& element, std::uint64_t row) {
+  return fmt::format("{} {} of {}", printable(element.name), row, element.count);
+}
+
+template <class T, bool kSwap>
+T load(const std::uint8_t* at) {
+  std::array<std::uint8_t, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), at, sizeof(T));
+  if constexpr (kSwap) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+/// Calls `f` with a value of the C++ type that `type` stands for.
+template <class F>
+auto with_type(PlyType type, F&& f) {
+  switch (type) {
+    case PlyType::int8:
+      return f(std::int8_t{});
+    case PlyType::uint8:
+      return f(std::uint8_t{});
+    case PlyType::int16:
+      return f(std::int16_t{});
+    case PlyType::uint16:
+      return f(std::uint16_t{});
+    case PlyType::int32:
+      return f(std::int32_t{});
+    case PlyType::uint32:
+      return f(std::uint32_t{});
+    case PlyType::float32:
+      return f(float{});
+    default:
+      return f(double{});
+  }
+}
+
+/// Reads the elements of a binary file in their order.
+template <bool kSwap>
+class BinaryBody {
+ public:
+  BinaryBody(ByteView bytes, const PlyHeader& header) : bytes_(bytes), at_(header.size) {}
+
+  Result<void> skip(const PlyElement& element) {
+    if (has_lists(element)) return walk(element, nullptr, nullptr);
+    return take_rows(element, min_row_size(element, PlyFormat::little_endian)).map([](auto) {});
+  }
+
+  Result<void> read(const PlyElement& vertex, const RoleProperties& roles, CloudBuilder& builder) {
+    if (has_lists(vertex)) return walk(vertex, &roles, &builder);
+    const std::size_t row_size = min_row_size(vertex, PlyFormat::little_endian);
+    const Result<const std::uint8_t*> rows = take_rows(vertex, row_size);
+    if (!rows) return tl::unexpected(rows.error());
+    Block block;
+    for (std::uint64_t row = 0; row < vertex.count; row += kBlockRows) {
+      const std::size_t n = std::min<std::uint64_t>(kBlockRows, vertex.count - row);
+      for (std::size_t role = 0; role < kRoles; ++role) {
+        if (roles[role] < 0) continue;
+        const auto property = static_cast<std::size_t>(roles[role]);
+        const std::uint8_t* from = *rows + row * row_size + offset(vertex, property);
+        double* column = block[role].data();
+        with_type(vertex.properties[property].type, [=](auto type) {
+          for (std::size_t i = 0; i < n; ++i) {
+            column[i] = static_cast<double>(load<decltype(type), kSwap>(from + i * row_size));
+          }
+        });
+      }
+      builder.append(block, n);
+    }
+    return {};
+  }
+
+ private:
+  static bool has_lists(const PlyElement& element) {
+    return std::any_of(element.properties.begin(), element.properties.end(),
+                       [](const PlyProperty& property) { return property.is_list; });
+  }
+
+  static std::size_t offset(const PlyElement& element, std::size_t property) {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < property; ++i) sum += size_of(element.properties[i].type);
+    return sum;
+  }
+
+  tl::unexpected<Error> ends_within(const PlyElement& element, std::uint64_t row,
+                                    const PlyProperty& property) const {
+    return fail(fmt::format("byte {}: the data end within property {} of {}", bytes_.size(),
+                            printable(property.name), name_row(element, row)));
+  }
+
+  /// Takes all rows of an element without lists; their first byte.
+  Result<const std::uint8_t*> take_rows(const PlyElement& element, std::size_t row_size) {
+    const std::uint8_t* begin = bytes_.data() + at_;
+    const std::size_t rest = bytes_.size() - at_;
+    if (row_size == 0) return begin;
+    const std::size_t rows = rest / row_size;
+    if (element.count > rows) {
+      std::size_t property = 0;
+      for (std::size_t left = rest % row_size; left >= size_of(element.properties[property].type);
+           ++property) {
+        left -= size_of(element.properties[property].type);
+      }
+      return ends_within(element, rows, element.properties[property]);
+    }
+    at_ += element.count * row_size;
+    return begin;
+  }
+
+  /// Goes through an element row by row, handing its values to `builder` unless that is null.
+  Result<void> walk(const PlyElement& element, const RoleProperties* roles, CloudBuilder* builder) {
+    const std::vector<Role> role_of = roles_by_property(element, roles);
+    Block block;
+    std::size_t filled = 0;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        const PlyProperty& property = element.properties[i];
+        double value = 0.0;
+        if (!take(property.is_list ? property.count_type : property.type, value)) {
+          return ends_within(element, row, property);
+        }
+        if (property.is_list) {
+          if (value < 0.0) {
+            return fail(fmt::format("byte {}: the list {} of {} has a negative length", at_,
+                                    printable(property.name), name_row(element, row)));
+          }
+          const std::uint64_t size = static_cast<std::uint64_t>(value) * size_of(property.type);
+          if (size > bytes_.size() - at_) return ends_within(element, row, property);
+          at_ += size;
+        }
+        if (role_of[i] != kRoles) block[role_of[i]][filled] = value;
+      }
+      if (builder != nullptr && (++filled == kBlockRows || row + 1 == element.count)) {
+        builder->append(block, filled);
+        filled = 0;
+      }
+    }
+    return {};
+  }
+
+  bool take(PlyType type, double& value) {
+    if (bytes_.size() - at_ < size_of(type)) return false;
+    const std::uint8_t* from = bytes_.data() + at_;
+    value = with_type(
+        type, [from](auto t) { return static_cast<double>(load<decltype(t), kSwap>(from)); });
+    at_ += size_of(type);
+    return true;
+  }
+
+  ByteView bytes_;
+  std::size_t at_;
+};
+
+/// Reads the elements of an ascii file in their order. Numbers are apart by blanks or line breaks;
+/// which of them does not matter.
+class AsciiBody {
+ public:
+  AsciiBody(ByteView bytes, const PlyHeader& header)
+      : at_(reinterpret_cast<const char*>(bytes.data()) + header.size),
+        end_(reinterpret_cast<const char*>(bytes.data()) + bytes.size()),
+        line_(header.lines + 1) {}
+
+  Result<void> skip(const PlyElement& element) { return walk(element, nullptr, nullptr); }
+
+  Result<void> read(const PlyElement& vertex, const RoleProperties& roles, CloudBuilder& builder) {
+    return walk(vertex, &roles, &builder);
+  }
+
+ private:
+  Result<void> walk(const PlyElement& element, const RoleProperties* roles, CloudBuilder* builder) {
+    if (element.properties.empty()) return {};
+    const std::vector<Role> role_of = roles_by_property(element, roles);
+    Block block;
+    std::size_t filled = 0;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        const PlyProperty& property = element.properties[i];
+        std::string_view word = take_word();
+        if (word.empty()) return ends_within(element, row, property);
+        // Values that nobody wants are skipped unread; a list's length is always wanted.
+        if (role_of[i] == kRoles && !property.is_list) continue;
+        double value = 0.0;
+        if (!parse(word, value)) {
+          return fail(fmt::format("line {}: property {} of {} is '{}', which is no number", line_,
+                                  printable(property.name), name_row(element, row),
+                                  printable(word)));
+        }
+        if (property.is_list) {
+          if (!(value >= 0.0)) {
+            return fail(fmt::format("line {}: the list {} of {} has the length '{}'", line_,
+                                    printable(property.name), name_row(element, row),
+                                    printable(word)));
+          }
+          for (double entry = 0.0; entry < value; ++entry) {
+            if (take_word().empty()) return ends_within(element, row, property);
+          }
+        }
+        if (role_of[i] != kRoles) block[role_of[i]][filled] = value;
+      }
+      if (builder != nullptr && (++filled == kBlockRows || row + 1 == element.count)) {
+        builder->append(block, filled);
+        filled = 0;
+      }
+    }
+    return {};
+  }
+
+  tl::unexpected<Error> ends_within(const PlyElement& element, std::uint64_t row,
+                                    const PlyProperty& property) const {
+    return fail(fmt::format("line {}: the data end before property {} of {}", line_,
+                            printable(property.name), name_row(element, row)));
+  }
+
+  static bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+  /// The next run of characters that are not blank; empty at the end of the file.
+  std::string_view take_word() {
+    while (at_ != end_ && is_blank(*at_)) {
+      if (*at_ == '\n') ++line_;
+      ++at_;
+    }
+    const char* begin = at_;
+    while (at_ != end_ && !is_blank(*at_)) ++at_;
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+
+  static bool parse(std::string_view word, double& value) {
+    if (word.starts_with('+')) word.remove_prefix(1);
+    const char* const word_end = word.data() + word.size();
+    const auto [end, error] = std::from_chars(word.data(), word_end, value);
+    if (error == std::errc::result_out_of_range && end == word_end) {
+      // Infinity or zero, as the same number would be in a binary file.
+      value = std::strtod(std::string(word).c_str(), nullptr);
+      return true;
+    }
+    return error == std::errc() && end == word_end;
+  }
+
+  const char* at_;
+  const char* end_;
+  std::size_t line_;
+};
+
+template <class Body>
+Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t data_size) {
+  Result<PointCloud> cloud = fail("the header declares no element vertex");
+  for (const PlyElement& element : header.elements) {
+    Result<void> done;
+    if (element.name == "vertex") {
+      const Result<RoleProperties> roles = assign_roles(element);
+      if (!roles) return tl::unexpected(roles.error());
+      // The last number of an ascii file needs no line break behind it.
+      const std::size_t rows = (data_size + 1) / min_row_size(element, header.format);
+      CloudBuilder builder(element, *roles, std::min<std::uint64_t>(element.count, rows));
+      done = body.read(element, *roles, builder);
+      if (done) cloud = builder.finish();
+    } else {
+      done = body.skip(element);
+    }
+    if (!done) return tl::unexpected(done.error());
+  }
+  return cloud;
+}
+
+}  // namespace
+
+Result<PointCloud> read_ply(ByteView bytes) {
+  const Result<PlyHeader> header = parse_ply_header(bytes);
+  if (!header) return tl::unexpected(header.error());
+  const std::size_t data_size = bytes.size() - header->size;
+  switch (header->format) {
+    case PlyFormat::ascii:
+      return read_body(AsciiBody(bytes, *header), *header, data_size);
+    case PlyFormat::little_endian:
+      return read_body(BinaryBody<false>(bytes, *header), *header, data_size);
+    default:
+      return read_body(BinaryBody<true>(bytes, *header), *header, data_size);
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,191 @@
+#include "common/cloud/ply_header.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{
+    {"char", PlyType::int8},
+    {"int8", PlyType::int8},
+    {"uchar", PlyType::uint8},
+    {"uint8", PlyType::uint8},
+    {"short", PlyType::int16},
+    {"int16", PlyType::int16},
+    {"ushort", PlyType::uint16},
+    {"uint16", PlyType::uint16},
+    {"int", PlyType::int32},
+    {"int32", PlyType::int32},
+    {"uint", PlyType::uint32},
+    {"uint32", PlyType::uint32},
+    {"float", PlyType::float32},
+    {"float32", PlyType::float32},
+    {"double", PlyType::float64},
+    {"float64", PlyType::float64},
+}};
+
+/// Far more than any real file has; keeps the search for names declared twice short.
+constexpr std::size_t kMaxElements = 256;
+constexpr std::size_t kMaxProperties = 4096;
+
+std::vector<std::string_view> split(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r\v\f";
+  std::vector<std::string_view> words;
+  for (std::size_t at = line.find_first_not_of(kBlanks); at != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(kBlanks, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlanks, end);
+  }
+  return words;
+}
+
+bool parse_type(std::string_view name, PlyType& type) {
+  const auto* found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
+                                   [name](const auto& entry) { return entry.first == name; });
+  if (found == kTypeNames.end()) return false;
+  type = found->second;
+  return true;
+}
+
+using Words = std::vector<std::string_view>;
+
+Result<void> parse_format(const Words& words, PlyHeader& header) {
+  const std::string_view name = words.size() > 1 ? words[1] : std::string_view();
+  if (name == "ascii") {
+    header.format = PlyFormat::ascii;
+  } else if (name == "binary_little_endian") {
+    header.format = PlyFormat::little_endian;
+  } else if (name == "binary_big_endian") {
+    header.format = PlyFormat::big_endian;
+  } else {
+    return fail(
+        fmt::format("unknown format '{}': expected ascii, binary_little_endian or "
+                    "binary_big_endian",
+                    printable(name)));
+  }
+  return {};
+}
+
+Result<void> parse_element(const Words& words, PlyHeader& header) {
+  if (words.size() < 3) return fail("an element needs a name and a count");
+  if (header.elements.size() == kMaxElements) {
+    return fail(fmt::format("more than {} elements", kMaxElements));
+  }
+  PlyElement element;
+  element.name = words[1];
+  const std::string_view count = words[2];
+  const auto [end, error] =
+      std::from_chars(count.data(), count.data() + count.size(), element.count);
+  if (error != std::errc() || end != count.data() + count.size()) {
+    return fail(fmt::format("element {} has the count '{}', which is no number of rows",
+                            printable(words[1]), printable(count)));
+  }
+  for (const PlyElement& other : header.elements) {
+    if (other.name == element.name) {
+      return fail(fmt::format("element {} is declared twice", printable(words[1])));
+    }
+  }
+  header.elements.push_back(std::move(element));
+  return {};
+}
+
+Result<void> parse_property(const Words& words, PlyHeader& header) {
+  if (header.elements.empty()) return fail("a property stands before the first element");
+  PlyElement& element = header.elements.back();
+  if (element.properties.size() == kMaxProperties) {
+    return fail(fmt::format("element {} has more than {} properties", printable(element.name),
+                            kMaxProperties));
+  }
+  PlyProperty property;
+  property.is_list = words.size() > 1 && words[1] == "list";
+  const std::size_t wanted = property.is_list ? 5 : 3;
+  if (words.size() < wanted) {
+    return fail(
+        fmt::format("a property of element {} lacks its type or name", printable(element.name)));
+  }
+  property.name = words[wanted - 1];
+  if (!parse_type(words[wanted - 2], property.type)) {
+    return fail(fmt::format("property {} has the unknown type '{}'", printable(property.name),
+                            printable(words[wanted - 2])));
+  }
+  if (property.is_list &&
+      (!parse_type(words[2], property.count_type) || property.count_type >= PlyType::float32)) {
+    return fail(fmt::format("list property {} counts its entries in '{}', which is no integer type",
+                            printable(property.name), printable(words[2])));
+  }
+  if (element.find(property.name) >= 0) {
+    return fail(fmt::format("property {} of element {} is declared twice", printable(property.name),
+                            printable(element.name)));
+  }
+  element.properties.push_back(std::move(property));
+  return {};
+}
+
+}  // namespace
+
+std::string printable(std::string_view word) {
+  constexpr std::size_t kLimit = 40;
+  std::string text(word.substr(0, kLimit));
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return word.size() > kLimit ? text + "..." : text;
+}
+
+std::size_t size_of(PlyType type) {
+  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+int PlyElement::find(const std::string& property) const {
+  for (std::size_t i = 0; i < properties.size(); ++i) {
+    if (properties[i].name == property) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+Result<PlyHeader> parse_ply_header(ByteView bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (!text.starts_with("ply")) return fail("line 1: not a PLY file");
+  PlyHeader header;
+  bool has_format = false;
+  while (true) {
+    const std::size_t end = text.find('\n', header.size);
+    // The last line may lack its line break, where no data follow it.
+    const Words words = split(text.substr(header.size, end - header.size));
+    header.size = end == std::string_view::npos ? text.size() : end + 1;
+    ++header.lines;
+    const std::string place = fmt::format("line {}", header.lines);
+    const std::string_view keyword = words.empty() ? std::string_view() : words[0];
+
+    Result<void> parsed;
+    if (header.lines == 1) {
+      if (keyword != "ply" || words.size() != 1) return fail("line 1: not a PLY file");
+    } else if (keyword == "end_header") {
+      if (!has_format) return fail_at(place, Error{"the header ends without a format"});
+      return header;
+    } else if (keyword == "format") {
+      parsed = parse_format(words, header);
+      has_format = true;
+    } else if (keyword == "element") {
+      parsed = parse_element(words, header);
+      if (parsed) header.elements.back().line = header.lines;
+    } else if (keyword == "property") {
+      parsed = parse_property(words, header);
+    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
+      parsed = fail(fmt::format("unknown keyword '{}' in the header", printable(keyword)));
+    }
+    if (!parsed) return fail_at(place, parsed.error());
+    if (end == std::string_view::npos) {
+      return fail_at(place, Error{"the file ends before the header's end_header"});
+    }
+  }
+}
+
+}  // namespace pointreel

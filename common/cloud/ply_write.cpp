@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "common/cloud/ply.h"
+
+namespace pointreel {
+namespace {
+
+/// True if the world coordinates of all finite points are floats.
+bool world_fits_float(const PointCloud& cloud) {
+  if (cloud.origin == glm::dvec3(0.0)) return true;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec3 p = cloud.world(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] - p[axis] == 0.0 && static_cast<double>(static_cast<float>(p[axis])) != p[axis]) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+template <class T>
+std::uint8_t* put(std::uint8_t* at, T value) {
+  std::memcpy(at, &value, sizeof(T));
+  return at + sizeof(T);
+}
+
+template <class T, int N, class V>
+std::uint8_t* put_vector(std::uint8_t* at, const glm::vec<N, V>& v) {
+  for (int i = 0; i < N; ++i) at = put(at, static_cast<T>(v[i]));
+  return at;
+}
+
+}  // namespace
+
+Bytes ply_bytes(const PointCloud& cloud) {
+  const bool as_float = world_fits_float(cloud);
+  const bool as_bytes = colors_fit_8_bits(cloud);
+  std::size_t row_size = as_float ? 12 : 24;
+  std::string header =
+      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", cloud.size());
+  const auto declare = [&header](const char* type, std::initializer_list<const char*> names) {
+    for (const char* name : names) header += fmt::format("property {} {}\n", type, name);
+  };
+  declare(as_float ? "float" : "double", {"x", "y", "z"});
+  if (cloud.has_normals()) {
+    declare("float", {"nx", "ny", "nz"});
+    row_size += 12;
+  }
+  if (cloud.has_colors()) {
+    declare(as_bytes ? "uchar" : "ushort", {"red", "green", "blue"});
+    row_size += as_bytes ? 3 : 6;
+  }
+  if (cloud.has_radii()) {
+    declare("float", {"radius"});
+    row_size += 4;
+  }
+  header += "end_header\n";
+
+  Bytes bytes(header.size() + row_size * cloud.size());
+  std::uint8_t* at = std::copy(header.begin(), header.end(), bytes.data());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    at = as_float ? put_vector<float>(at, cloud.world(i)) : put_vector<double>(at, cloud.world(i));
+    if (cloud.has_normals()) at = put_vector<float>(at, cloud.normals[i]);
+    if (cloud.has_colors()) {
+      const glm::u16vec3& color = cloud.colors[i];
+      at = as_bytes ? put_vector<std::uint8_t>(at, color / std::uint16_t{257})
+                    : put_vector<std::uint16_t>(at, color);
+    }
+    if (cloud.has_radii()) at = put(at, cloud.radii[i]);
+  }
+  return bytes;
+}
+
+Result<void> write_ply(const std::filesystem::path& path, const PointCloud& cloud) {
+  const Bytes bytes = ply_bytes(cloud);
+  const auto failed = [&path] {
+    return fail(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+  };
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return failed();
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  if (!written) {
+    const auto error = failed();
+    std::fclose(file);
+    return error;
+  }
+  // A full disk may show only here.
+  if (std::fclose(file) != 0) return failed();
+  return {};
+}
+
+}  // namespace pointreel

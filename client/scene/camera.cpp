@@ -1,0 +1,83 @@
+#include "client/scene/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pointreel {
+namespace {
+
+constexpr double kHighestPitch = 1.553;  // 89 degrees
+constexpr double kFrontPitch = 0.15;     // "slightly from above"
+constexpr double kMargin = 1.1;
+constexpr double kNearest = 1e-3, kFarthest = 1e3;  // of the scene's radius
+
+}  // namespace
+
+glm::dmat3 Camera::axes() const {
+  const bool z_up = up == 'z';
+  const glm::dvec3 x(1.0, 0.0, 0.0);
+  const glm::dvec3 front = z_up ? glm::dvec3(0.0, -1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
+  const glm::dvec3 above = z_up ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
+  const glm::dvec3 right = std::cos(yaw) * x - std::sin(yaw) * front;
+  const glm::dvec3 level = std::cos(yaw) * front + std::sin(yaw) * x;
+  const glm::dvec3 back = std::cos(pitch) * level + std::sin(pitch) * above;
+  return {right, glm::cross(back, right), back};
+}
+
+void Camera::frame_bounds(const Box& box, double aspect) {
+  target = box.center();
+  glm::dvec3 half = 0.5 * box.extent();
+  if (!(glm::length(half) > 0.0)) half = glm::dvec3(0.5);
+  scene_radius = glm::length(half);
+  yaw = 0.0;
+  pitch = kFrontPitch;
+
+  // A corner is visible if |y| <= t (d - z) and |x| <= t aspect (d - z), t the tangent of half the
+  // field of view: the least distance d follows for each corner.
+  const glm::dmat3 to_eye = glm::transpose(axes());
+  const double t = std::tan(0.5 * fov_y) / kMargin;
+  distance = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0,
+                          corner & 4 ? 1.0 : -1.0);
+    const glm::dvec3 p = to_eye * (sign * half);
+    distance = std::max(distance, p.z + std::max(std::abs(p.y), std::abs(p.x) / aspect) / t);
+  }
+}
+
+void Camera::orbit(double yaw_by, double pitch_by) {
+  constexpr double kTurn = 6.283185307179586;
+  yaw = std::remainder(yaw + yaw_by, kTurn);
+  pitch = std::clamp(pitch + pitch_by, -kHighestPitch, kHighestPitch);
+}
+
+void Camera::pan(double right_by, double up_by) {
+  const double height = 2.0 * distance * std::tan(0.5 * fov_y);
+  const glm::dmat3 frame = axes();
+  target += height * (right_by * frame[0] + up_by * frame[1]);
+}
+
+void Camera::zoom(double factor) {
+  distance = std::clamp(distance * factor, kNearest * scene_radius, kFarthest * scene_radius);
+}
+
+glm::mat4 Camera::view_from(const glm::dvec3& origin) const {
+  const glm::dmat3 to_eye = glm::transpose(axes());
+  glm::dmat4 view(to_eye);
+  view[3] = glm::dvec4(to_eye * (origin - eye()), 1.0);
+  return glm::mat4(view);
+}
+
+glm::mat4 Camera::projection(double aspect) const {
+  const double f = 1.0 / std::tan(0.5 * fov_y);
+  glm::mat4 p(0.0f);
+  p[0][0] = static_cast<float>(f / aspect);
+  p[1][1] = static_cast<float>(f);
+  p[2][3] = -1.0f;
+  p[3][2] = static_cast<float>(near_plane());
+  return p;
+}
+
+double Camera::near_plane() const { return 1e-3 * std::min(distance, scene_radius); }
+
+}  // namespace pointreel

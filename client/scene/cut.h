@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/scene/camera.h"
+#include "common/octree/svo.h"
+
+namespace pointreel {
+
+/// A voxel to draw: a node of the octree at which the traversal stopped.
+struct CutNode {
+  std::uint32_t node;
+  glm::vec3 center;  ///< relative to the cube's origin
+  float half;        ///< half its edge
+};
+
+struct CutStats {
+  std::uint32_t visited = 0;  ///< nodes that the traversal came to, culled ones included
+  std::uint32_t emitted = 0;
+};
+
+/// The potentially visible voxels of an octree at the resolution of the picture: paper 2, section
+/// VI-B. From the root down, a node whose bounding sphere lies outside the frustum is dropped, and
+/// a node is emitted when it has no children or when its projection is too small to matter.
+///
+/// Too small means, as in the paper, that the projected *area* is below that of a pixel. The area
+/// is that of the sphere whose silhouette equals the cube's mean silhouette (6 half^2, a quarter of
+/// its surface), exact off the axis too; a node that reaches the near plane never stops (ERRATA
+/// 13).
+///
+/// No node of which a point is visible is ever culled: spheres are widened by the rounding error of
+/// the arithmetic. A node whose sphere lies inside the frustum passes that on to its descendants,
+/// which are tested no more.
+///
+/// Keeps its buffers between calls.
+class VoxelCut {
+ public:
+  /// `size`: of the picture in pixels, both > 0. `pixel_size`: edge in pixels of the square whose
+  /// area stops the descent; 1 is the paper's criterion, 0 descends to the leaves.
+  CutStats run(const Svo& svo, const Camera& camera, glm::ivec2 size, float pixel_size);
+
+  /// What the last run emitted, coarser levels first; valid until the next run.
+  std::span<const CutNode> nodes() const { return {nodes_.data(), emitted_}; }
+
+ private:
+  struct Item {
+    std::uint32_t node;
+    glm::vec3 center;  ///< in edges of the cube: exact, for a level-21 centre has 22 bits
+  };
+
+  /// Written without growing: no cut has more nodes than the tree has leaves, no list of a level
+  /// more than the level. So these only ever become larger, and `emitted_` counts.
+  std::vector<CutNode> nodes_;
+  std::size_t emitted_ = 0;
+  std::vector<Item> inside_, next_inside_;
+  std::vector<Item> crossing_, next_crossing_;
+};
+
+}  // namespace pointreel

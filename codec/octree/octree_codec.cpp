@@ -152,10 +152,9 @@ int layer_count(int depth) {
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
                                    const OctreeOptions& options, bool normals, bool colors) {
   if (cloud.size() >= std::size_t{1} << 31) return fail("a frame holds fewer than 2^31 points");
-  const SortedPoints sorted = sort_points(cloud, cube);
-  const auto depth = choose_depth(sorted.occupied, cloud.size(), options.depth);
-  if (!depth) return tl::unexpected(depth.error());
-  const Svo svo = build_svo(sorted, cloud.empty() ? 0 : *depth);
+  const auto points = sort_to_depth(cloud, cube, options.depth);
+  if (!points) return tl::unexpected(points.error());
+  const Svo svo = build_svo(points->sorted, cloud.empty() ? 0 : points->depth);
 
   FrameHeader frame;
   frame.codec = Codec::octree;
@@ -168,7 +167,9 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   frame.coded_points = svo.leaf_count();
   frame.cube = cube;
   NodeAttributes attributes;
-  if (frame.has_colors || frame.has_normals) attributes = mean_attributes(svo, cloud, sorted);
+  if (frame.has_colors || frame.has_normals) {
+    attributes = mean_attributes(svo, cloud, points->sorted);
+  }
 
   EncodedFrame encoded;
   encoded.source_points = frame.source_points;

@@ -8,9 +8,14 @@ namespace {
 
 constexpr double kUnit = 32767.0;
 
+/// Half away from zero, as llround, which compilers call out of line.
+std::int64_t round_to_int(double v) {
+  return static_cast<std::int64_t>(v < 0.0 ? v - 0.5 : v + 0.5);
+}
+
 glm::i64vec3 fixed_point(const glm::vec3& normal) {
-  return {std::llround(normal.x * kUnit), std::llround(normal.y * kUnit),
-          std::llround(normal.z * kUnit)};
+  return {round_to_int(normal.x * kUnit), round_to_int(normal.y * kUnit),
+          round_to_int(normal.z * kUnit)};
 }
 
 /// The unit vector along an integer sum, or zero where opposed normals cancel.
@@ -18,50 +23,57 @@ glm::i16vec3 direction(const glm::i64vec3& sum) {
   const glm::dvec3 v(sum);
   const double length = glm::length(v);
   if (!(length > 0.0)) return glm::i16vec3(0);
-  return glm::i16vec3(glm::round(v * (kUnit / length)));
+  const glm::dvec3 scaled = v * (kUnit / length);
+  return glm::i16vec3(round_to_int(scaled.x), round_to_int(scaled.y), round_to_int(scaled.z));
 }
 
-glm::u16vec3 mean(const glm::u64vec3& sum, std::uint64_t count) {
-  return glm::u16vec3((sum + count / 2) / count);
+/// Sum over count, rounded. In double: exact, because the sum is below 2^48, and much faster than
+/// dividing 64-bit integers.
+glm::u16vec3 mean(const glm::u64vec3& sum, std::uint32_t count) {
+  return glm::u16vec3(glm::dvec3(sum + std::uint64_t{count / 2}) / static_cast<double>(count));
 }
 
-/// Fills the inner nodes, whose leaves are set, from the last to the root: children come behind
-/// their parent, so each is complete when its parent needs it.
-template <class Value, class Sum, class Average>
-void fill_inner(const Svo& svo, const std::vector<std::uint32_t>& leaves_below,
-                std::vector<Value>& values, Average average) {
-  std::vector<Sum> sums(svo.internal_count());
-  for (std::size_t i = svo.internal_count(); i-- > 0;) {
-    Sum sum(0);
-    const std::size_t first = svo.first_child[i];
-    const std::size_t last = first + static_cast<std::size_t>(std::popcount(svo.masks[i]));
-    for (std::size_t child = first; child < last; ++child) {
-      sum += child < svo.internal_count() ? sums[child] : Sum(values[child]);
+/// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
+/// the leaves below each node. Average makes a value of a sum and the number of leaves in it.
+template <class Sum, class Value, class Average>
+void fill_inner(const Svo& svo, std::vector<Value>& values, Average average) {
+  struct Below {
+    Sum sum;
+    std::uint32_t leaves;
+  };
+  std::vector<Below> level_below, children;
+  for (std::size_t leaf = svo.internal_count(); leaf < values.size(); ++leaf) {
+    children.push_back({Sum(values[leaf]), 1});
+  }
+  for (int level = svo.depth - 1; level >= 0; --level) {
+    level_below.clear();
+    const std::size_t begin = svo.level_begin[static_cast<std::size_t>(level)];
+    const std::size_t end = svo.level_begin[static_cast<std::size_t>(level) + 1];
+    const Below* child = children.data();
+    for (std::size_t node = begin; node < end; ++node) {
+      const int count = std::popcount(svo.masks[node]);
+      Below below = *child;
+      if (count == 1) {
+        values[node] = values[svo.first_child[node]];
+      } else {
+        for (int c = 1; c < count; ++c) {
+          below.sum += child[c].sum;
+          below.leaves += child[c].leaves;
+        }
+        values[node] = average(below.sum, below.leaves);
+      }
+      child += count;
+      level_below.push_back(below);
     }
-    sums[i] = sum;
-    values[i] = average(sum, leaves_below[i]);
+    children.swap(level_below);
   }
-}
-
-std::vector<std::uint32_t> count_leaves_below(const Svo& svo) {
-  std::vector<std::uint32_t> count(svo.node_count(), 1);
-  for (std::size_t i = svo.internal_count(); i-- > 0;) {
-    std::uint32_t sum = 0;
-    const int children = std::popcount(svo.masks[i]);
-    for (int c = 0; c < children; ++c) sum += count[svo.first_child[i] + static_cast<unsigned>(c)];
-    count[i] = sum;
-  }
-  return count;
 }
 
 void fill_inner(const Svo& svo, NodeAttributes& attributes) {
-  if (!attributes.colors.empty()) {
-    fill_inner<glm::u16vec3, glm::u64vec3>(svo, count_leaves_below(svo), attributes.colors, mean);
-  }
+  if (!attributes.colors.empty()) fill_inner<glm::u64vec3>(svo, attributes.colors, mean);
   if (!attributes.normals.empty()) {
-    fill_inner<glm::i16vec3, glm::i64vec3>(
-        svo, std::vector<std::uint32_t>(svo.internal_count()), attributes.normals,
-        [](const glm::i64vec3& sum, std::uint32_t) { return direction(sum); });
+    fill_inner<glm::i64vec3>(svo, attributes.normals,
+                             [](const glm::i64vec3& sum, std::uint32_t) { return direction(sum); });
   }
 }
 
@@ -74,13 +86,13 @@ NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud,
   if (cloud.has_normals()) attributes.normals.resize(svo.node_count());
   if (!cloud.has_colors() && !cloud.has_normals()) return attributes;
 
-  const int shift = 3 * (kMaxDepth - svo.depth);
+  const int shift = 3 * (sorted.levels - svo.depth);
   std::size_t leaf = svo.internal_count();
   for (std::size_t i = 0; i < sorted.points.size(); ++leaf) {
     const std::uint64_t key = sorted.points[i].key >> shift;
     glm::u64vec3 color(0);
     glm::i64vec3 normal(0);
-    std::uint64_t count = 0;
+    std::uint32_t count = 0;
     for (; i < sorted.points.size() && sorted.points[i].key >> shift == key; ++i, ++count) {
       const std::uint32_t point = sorted.points[i].index;
       if (cloud.has_colors()) color += glm::u64vec3(cloud.colors[point]);

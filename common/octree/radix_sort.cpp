@@ -7,7 +7,6 @@ namespace pointreel {
 namespace {
 
 constexpr int kDigitBits = 11;
-constexpr int kDigits = 6;  // 66 bits: all of a 63-bit key
 constexpr std::uint32_t kBuckets = 1u << kDigitBits;
 
 std::uint32_t digit(std::uint64_t key, int place) {
@@ -16,16 +15,17 @@ std::uint32_t digit(std::uint64_t key, int place) {
 
 }  // namespace
 
-void radix_sort(std::vector<KeyIndex>& items) {
+void radix_sort(std::vector<KeyIndex>& items, int bits) {
   if (items.size() < 2) return;
-  std::vector<std::array<std::uint32_t, kBuckets>> counts(kDigits);
+  const int digits = (bits + kDigitBits - 1) / kDigitBits;
+  std::vector<std::array<std::uint32_t, kBuckets>> counts(static_cast<std::size_t>(digits));
   for (const KeyIndex& item : items) {
-    for (int place = 0; place < kDigits; ++place) {
+    for (int place = 0; place < digits; ++place) {
       ++counts[static_cast<std::size_t>(place)][digit(item.key, place)];
     }
   }
   std::vector<KeyIndex> other(items.size());
-  for (int place = 0; place < kDigits; ++place) {
+  for (int place = 0; place < digits; ++place) {
     auto& count = counts[static_cast<std::size_t>(place)];
     if (count[digit(items.front().key, place)] == items.size()) continue;
     std::uint32_t begin = 0;

@@ -11,8 +11,9 @@ struct KeyIndex {
   std::uint32_t index;
 };
 
-/// Sorts by key, keeping the order of equal keys: least significant digit first, 11 bits at a time,
-/// digits that are the same in all keys skipped. O(n); takes as much memory again as `items`.
-void radix_sort(std::vector<KeyIndex>& items);
+/// Sorts by the lowest `bits` bits of the keys, which have no others, keeping the order of equal
+/// keys: least significant digit first, 11 bits at a time, digits that are the same in all keys
+/// skipped. O(n); takes as much memory again as `items`.
+void radix_sort(std::vector<KeyIndex>& items, int bits = 63);
 
 }  // namespace pointreel

@@ -8,10 +8,8 @@
 namespace pointreel {
 namespace {
 
-/// Level at which two different keys first enter different cells: 1 to kMaxDepth.
-int first_differing_level(std::uint64_t a, std::uint64_t b) {
-  return kMaxDepth - (static_cast<int>(std::bit_width(a ^ b)) - 1) / 3;
-}
+/// Real clouds are divided less deep than this: what sort_to_depth tries before all levels.
+constexpr int kCommonLevels = 14;
 
 std::uint32_t quantise(double distance, double cells_per_unit) {
   constexpr double kLast = (1 << kMaxDepth) - 1;
@@ -19,61 +17,75 @@ std::uint32_t quantise(double distance, double cells_per_unit) {
   return static_cast<std::uint32_t>(std::clamp(distance * cells_per_unit, 0.0, kLast));
 }
 
-/// Masks of the parents of `keys` (the distinct keys of one level, sorted), appended to `masks`;
-/// `keys` becomes the parents' keys.
+bool meets(const DepthRule& rule, std::uint32_t cells, std::uint64_t n) {
+  return static_cast<double>(cells) >= (1.0 - rule.delta) * static_cast<double>(n);
+}
+
+/// Masks of the parents of `keys` (the distinct keys of one level, sorted, not none), appended to
+/// `masks`; `keys` becomes the parents' keys. Without a branch on the data, which would be guessed
+/// wrong at every other node.
 void reduce_level(std::vector<std::uint64_t>& keys, std::vector<std::uint8_t>& masks) {
   const std::size_t begin = masks.size();
   masks.resize(begin + keys.size());
   std::uint8_t* mask = masks.data() + begin;
-  std::size_t parents = 0;
-  std::uint64_t parent = ~std::uint64_t{0};
-  std::uint8_t children = 0;
+  std::uint64_t* const parents = keys.data();
+  std::size_t last = 0;
+  std::uint64_t parent = keys.front() >> 3;
   for (const std::uint64_t key : keys) {
-    if (key >> 3 != parent) {
-      if (children != 0) mask[parents - 1] = children;
-      parent = key >> 3;
-      keys[parents++] = parent;
-      children = 0;
-    }
-    children = static_cast<std::uint8_t>(children | 1u << (key & 7u));
+    last += static_cast<std::size_t>(key >> 3 != parent);
+    parent = key >> 3;
+    parents[last] = parent;
+    mask[last] = static_cast<std::uint8_t>(mask[last] | 1u << (key & 7u));
   }
-  mask[parents - 1] = children;
-  keys.resize(parents);
-  masks.resize(begin + parents);
+  keys.resize(last + 1);
+  masks.resize(begin + last + 1);
+}
+
+/// oct(h) for every h up to sorted.levels. A new cell is occupied at level h wherever two
+/// neighbours differ at level h or above, so one histogram of the highest differing bit gives them
+/// all.
+void count_occupied(SortedPoints& sorted) {
+  std::array<std::uint32_t, 64> differing_width{};
+  for (std::size_t i = 1; i < sorted.points.size(); ++i) {
+    ++differing_width[static_cast<std::size_t>(
+        std::bit_width(sorted.points[i - 1].key ^ sorted.points[i].key))];
+  }
+  std::uint32_t cells = sorted.points.empty() ? 0 : 1;
+  for (int level = 0; level <= sorted.levels; ++level) {
+    // Keys that part at this level differ in one of the three bits that it adds.
+    const int width = 3 * (sorted.levels - level);
+    for (int bit = width + 1; bit <= width + 3 && level > 0; ++bit) {
+      cells += differing_width[static_cast<std::size_t>(bit)];
+    }
+    sorted.occupied.push_back(cells);
+  }
 }
 
 }  // namespace
 
 double Svo::cell_size(int level) const { return std::ldexp(cube.edge, -level); }
 
-SortedPoints sort_points(const PointCloud& cloud, const Cube& cube) {
+SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels) {
   SortedPoints sorted;
   sorted.cube = cube;
+  sorted.levels = levels;
   sorted.points.resize(cloud.size());
   const glm::dvec3 offset = cloud.origin - cube.origin;
   const double cells_per_unit = std::ldexp(1.0, kMaxDepth) / cube.edge;
+  const int drop = 3 * (kMaxDepth - levels);
   for (std::uint32_t i = 0; i < sorted.points.size(); ++i) {
     const glm::dvec3 p = glm::dvec3(cloud.positions[i]) + offset;
-    sorted.points[i] = {morton_encode({quantise(p.x, cells_per_unit), quantise(p.y, cells_per_unit),
-                                       quantise(p.z, cells_per_unit)}),
-                        i};
+    const std::uint64_t key =
+        morton_encode({quantise(p.x, cells_per_unit), quantise(p.y, cells_per_unit),
+                       quantise(p.z, cells_per_unit)});
+    sorted.points[i] = {key >> drop, i};
   }
-  radix_sort(sorted.points);
-  if (cloud.empty()) return sorted;
-
-  // A new cell is occupied at level h wherever two neighbours differ at level h or above, so one
-  // histogram of the first differing level gives oct(h) for every h at once.
-  std::array<std::uint32_t, kMaxDepth + 1> first_differs{};
-  for (std::size_t i = 1; i < sorted.points.size(); ++i) {
-    const std::uint64_t a = sorted.points[i - 1].key, b = sorted.points[i].key;
-    if (a != b) ++first_differs[static_cast<std::size_t>(first_differing_level(a, b))];
-  }
-  std::uint32_t cells = 1;
-  for (std::size_t h = 0; h <= kMaxDepth; ++h) sorted.occupied[h] = cells += first_differs[h];
+  radix_sort(sorted.points, 3 * levels);
+  count_occupied(sorted);
   return sorted;
 }
 
-Result<int> choose_depth(const std::array<std::uint32_t, kMaxDepth + 1>& occupied, std::uint64_t n,
+Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule) {
   if (rule.kind == DepthRule::Kind::fixed) {
     if (rule.depth < 0 || rule.depth > kMaxDepth) {
@@ -85,28 +97,48 @@ Result<int> choose_depth(const std::array<std::uint32_t, kMaxDepth + 1>& occupie
   if (!(rule.delta >= 0.0)) return fail("delta must be a number of at least 0");
   // ERRATA 4: the criterion alone never ends where points coincide, so it also stops at the level
   // that tells all distinct points apart. A level like the one above it is no reason to stop.
-  const std::uint32_t distinct = occupied[kMaxDepth];
-  const double wanted = (1.0 - rule.delta) * static_cast<double>(n);
-  int depth = 0;
-  while (depth < kMaxDepth) {
-    const std::uint32_t cells = occupied[static_cast<std::size_t>(depth)];
-    if (cells >= distinct || static_cast<double>(cells) >= wanted) break;
+  std::size_t depth = 0;
+  while (depth + 1 < occupied.size() && occupied[depth] < occupied.back() &&
+         !meets(rule, occupied[depth], n)) {
     ++depth;
   }
-  return depth;
+  return static_cast<int>(depth);
+}
+
+Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
+                                    const DepthRule& rule) {
+  if (rule.kind == DepthRule::Kind::fixed) {
+    const auto depth = choose_depth({}, 0, rule);
+    if (!depth) return tl::unexpected(depth.error());
+    return SortedToDepth{sort_points(cloud, cube, *depth), *depth};
+  }
+  for (int levels = kCommonLevels;; levels = kMaxDepth) {
+    SortedPoints sorted = sort_points(cloud, cube, levels);
+    const auto depth = choose_depth(sorted.occupied, cloud.size(), rule);
+    if (!depth) return tl::unexpected(depth.error());
+    // A depth that does not meet the rule was only the last at which these levels tell points
+    // apart.
+    const std::uint32_t cells = sorted.occupied[static_cast<std::size_t>(*depth)];
+    if (levels == kMaxDepth || meets(rule, cells, cloud.size())) {
+      return SortedToDepth{std::move(sorted), *depth};
+    }
+  }
 }
 
 Svo build_svo(const SortedPoints& sorted, int depth) {
   Svo svo;
   svo.cube = sorted.cube;
   svo.depth = depth;
-  std::vector<std::uint64_t> keys;
-  keys.reserve(sorted.occupied[static_cast<std::size_t>(depth)]);
-  const int shift = 3 * (kMaxDepth - depth);
+  std::vector<std::uint64_t> keys(sorted.points.size());
+  const int shift = 3 * (sorted.levels - depth);
+  std::size_t distinct = 0;
+  std::uint64_t previous = ~std::uint64_t{0};
   for (const KeyIndex& point : sorted.points) {
     const std::uint64_t key = point.key >> shift;
-    if (keys.empty() || keys.back() != key) keys.push_back(key);
+    distinct += static_cast<std::size_t>(key != previous);
+    keys[distinct - 1] = previous = key;
   }
+  keys.resize(distinct);
   if (!keys.empty()) {
     // From the leaves up, each level behind the one below it; then turned round level by level.
     std::vector<std::uint8_t> upward;

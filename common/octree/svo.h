@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -62,22 +62,35 @@ struct DepthRule {
 /// the attributes all start from.
 struct SortedPoints {
   Cube cube;
-  std::vector<KeyIndex> points;  ///< by Morton key at level kMaxDepth; index into the cloud
-  /// oct(h) of the paper: occupied cells at level h. All zero for an empty cloud.
-  std::array<std::uint32_t, kMaxDepth + 1> occupied{};
+  int levels = kMaxDepth;        ///< the keys are those of this level
+  std::vector<KeyIndex> points;  ///< by Morton key; index into the cloud
+  /// oct(h) of the paper: occupied cells at level h, for h = 0 to `levels`.
+  std::vector<std::uint32_t> occupied;
 };
 
 /// Quantises and sorts. Points outside the cube clamp to its boundary cells (ERRATA 12). O(n).
-/// The cloud holds fewer than 2^31 points.
-SortedPoints sort_points(const PointCloud& cloud, const Cube& cube);
+/// The cloud holds fewer than 2^31 points. Fewer levels than kMaxDepth take less time.
+SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels = kMaxDepth);
 
 /// The smallest h with oct(h) / n >= 1 - delta, at most the level at which all distinct points are
-/// apart (ERRATA 4); or the fixed depth. `n` is the number of points that the delta refers to: the
-/// input points, duplicates included. Refuses a NaN or negative delta and a depth out of range.
-Result<int> choose_depth(const std::array<std::uint32_t, kMaxDepth + 1>& occupied, std::uint64_t n,
+/// apart (ERRATA 4); or the fixed depth. `occupied` holds oct(h) of every level that there is; `n`
+/// is the number of points that the delta refers to: the input points, duplicates included. Refuses
+/// a NaN or negative delta and a fixed depth out of range.
+Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule);
 
-/// Builds the tree of the given depth (0 to kMaxDepth). An empty cloud gives an empty tree.
+/// Points sorted to at least the depth that a rule gives them.
+struct SortedToDepth {
+  SortedPoints sorted;
+  int depth = 0;
+};
+
+/// sort_points and choose_depth in one, for the cloud's own number of points: sorts no more levels
+/// than it takes to decide. Refuses what choose_depth refuses.
+Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
+                                    const DepthRule& rule);
+
+/// Builds the tree of the given depth (0 to sorted.levels). An empty cloud gives an empty tree.
 Svo build_svo(const SortedPoints& sorted, int depth);
 
 /// Makes `level_begin` and `first_child` of a tree whose `depth` and `masks` are set; false if the

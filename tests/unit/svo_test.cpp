@@ -34,10 +34,10 @@ PointCloud cloud_of(std::vector<glm::vec3> positions) {
 }
 
 int depth_for(const PointCloud& cloud, double delta) {
-  const SortedPoints sorted = sort_points(cloud, bounding_cube(bounds(cloud)));
-  const auto depth = choose_depth(sorted.occupied, cloud.size(), DepthRule::by_delta(delta));
-  EXPECT_TRUE(depth) << depth.error().message;
-  return depth.value_or(-1);
+  const auto points =
+      sort_to_depth(cloud, bounding_cube(bounds(cloud)), DepthRule::by_delta(delta));
+  EXPECT_TRUE(points) << points.error().message;
+  return points ? points->depth : -1;
 }
 
 TEST(Svo, equals_the_paper_s_recursive_build_for_every_delta) {
@@ -46,11 +46,10 @@ TEST(Svo, equals_the_paper_s_recursive_build_for_every_delta) {
   const Cube cube{glm::dvec3(-1.0), 2.0};
   for (const double delta : {0.02, 0.05, 0.1, 0.5, 0.9}) {
     const reference::RecursiveOctree slow(cloud, cube, delta, kMaxDepth);
-    const SortedPoints sorted = sort_points(cloud, cube);
-    const auto depth = choose_depth(sorted.occupied, cloud.size(), DepthRule::by_delta(delta));
-    ASSERT_TRUE(depth);
-    EXPECT_EQ(*depth, slow.depth());
-    const Svo svo = build_svo(sorted, *depth);
+    const auto points = sort_to_depth(cloud, cube, DepthRule::by_delta(delta));
+    ASSERT_TRUE(points);
+    EXPECT_EQ(points->depth, slow.depth());
+    const Svo svo = build_svo(points->sorted, points->depth);
     EXPECT_EQ(svo.leaf_count(), slow.leaf_count());
     EXPECT_EQ(svo.node_count(), slow.node_count());
     EXPECT_EQ(svo.masks, slow.masks());
@@ -126,6 +125,27 @@ TEST(Svo, goes_on_through_a_chain_of_single_children) {
   // A far outlier makes the cube large: the pair shares a cell for many levels.
   const PointCloud cloud = cloud_of({{0, 0, 0}, {1e-4f, 0, 0}, {1, 1, 1}});
   EXPECT_EQ(depth_for(cloud, 0.0), 14);
+}
+
+TEST(Svo, sorted_to_fewer_levels_is_the_same_tree) {
+  const PointCloud cloud = random_shell(5000, 8);
+  const SortedPoints all = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
+  for (const int levels : {0, 1, 9, 14}) {
+    const SortedPoints some = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0}, levels);
+    ASSERT_EQ(some.occupied.size(), static_cast<std::size_t>(levels) + 1);
+    EXPECT_TRUE(std::equal(some.occupied.begin(), some.occupied.end(), all.occupied.begin()));
+    EXPECT_EQ(build_svo(some, levels).masks, build_svo(all, levels).masks);
+    EXPECT_EQ(mean_attributes(build_svo(some, levels), cloud, some).colors,
+              mean_attributes(build_svo(all, levels), cloud, all).colors);
+  }
+}
+
+TEST(Svo, divides_as_deep_as_it_takes_to_tell_points_apart) {
+  // Apart at level 20 only, deeper than what is sorted at first.
+  const PointCloud cloud = cloud_of({{0, 0, 0}, {1.5f / (1 << 20), 0, 0}, {1, 1, 1}});
+  EXPECT_EQ(depth_for(cloud, 0.0), 20);
+  EXPECT_EQ(depth_for(cloud, 0.3), 20);
+  EXPECT_EQ(depth_for(cloud, 0.4), 1);
 }
 
 TEST(Svo, with_extent_on_one_axis_only_is_a_line_of_cells) {

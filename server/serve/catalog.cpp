@@ -1,0 +1,210 @@
+#include "server/serve/catalog.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/stream/package.h"
+#include "server/serve/entity_tag.h"
+#include "server/serve/request_target.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kJson = "application/json";
+/// The content may change when the server is started again: ask each time, with the entity tag.
+constexpr const char* kRevalidate = "no-cache";
+/// A package's layer files never change under their name and checksum.
+constexpr const char* kImmutable = "public, max-age=31536000, immutable";
+
+std::int64_t modified_ns(const struct stat& status) {
+  return std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+}
+
+Resource text_resource(std::string content_type, std::string cache_control, std::string text) {
+  Resource resource;
+  resource.content_type = std::move(content_type);
+  resource.cache_control = std::move(cache_control);
+  resource.etag =
+      make_etag(checksum_of({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+  resource.size = text.size();
+  resource.text = std::move(text);
+  return resource;
+}
+
+/// The name under which a folder is served.
+Result<std::string> package_name(const fs::path& folder) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(folder, error);
+  if (error) return fail(fmt::format("{}: {}", folder.string(), error.message()));
+  fs::path normal = absolute.lexically_normal();
+  if (!normal.has_filename()) normal = normal.parent_path();  // "reel/"
+  std::string name = normal.filename().string();
+  const auto is_odd = [](char c) {
+    return c == '\\' || c == 0x7f || static_cast<unsigned char>(c) < 0x20;
+  };
+  if (name.empty() || name == "." || name == ".." || std::ranges::any_of(name, is_odd)) {
+    return fail(
+        fmt::format("{}: the folder's name cannot stand in a URL; rename it", folder.string()));
+  }
+  return name;
+}
+
+/// The file NAME of a package, if it is a regular file inside the package's folder.
+Result<fs::path> file_inside(const fs::path& folder, const std::string& name) {
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
+    return fail(fmt::format("the manifest names a file '{}' outside the package", name));
+  }
+  std::error_code error;
+  const fs::path file = fs::canonical(folder / name, error);
+  if (error) return fail(fmt::format("{}: {}; pack it again", name, error.message()));
+  const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  if (end != folder.end() || rest == file.end()) {
+    return fail(fmt::format("{}: is a symbolic link that leads out of the package to {}", name,
+                            file.string()));
+  }
+  if (!fs::is_regular_file(file, error)) return fail(fmt::format("{}: is no regular file", name));
+  return file;
+}
+
+Result<std::string> read_manifest_text(const fs::path& file) {
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(file, error);
+  if (error) return fail(error.message());
+  if (size > kMaxManifestBytes) {
+    return fail(fmt::format("has {} bytes; {} are the most", size, kMaxManifestBytes));
+  }
+  std::string text(size, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(size));
+  if (!in) return fail("cannot be read; check its permissions");
+  return text;
+}
+
+Result<Resource> file_resource(const fs::path& folder, const LayerFile& layer) {
+  const auto file = file_inside(folder, layer.path);
+  if (!file) return tl::unexpected(file.error());
+  struct stat status{};
+  if (::stat(file->c_str(), &status) != 0 || ::access(file->c_str(), R_OK) != 0) {
+    return fail(fmt::format("{}: {}", layer.path, std::generic_category().message(errno)));
+  }
+  if (static_cast<std::uint64_t>(status.st_size) != layer.bytes) {
+    return fail(fmt::format("{}: has {} bytes, the manifest says {}; pack it again", layer.path,
+                            status.st_size, layer.bytes));
+  }
+  Resource resource;
+  resource.kind = Resource::Kind::kFile;
+  resource.content_type = "application/octet-stream";
+  resource.cache_control = kImmutable;
+  resource.etag = make_etag(layer.checksum);
+  resource.file = *file;
+  resource.size = layer.bytes;
+  resource.modified_ns = modified_ns(status);
+  return resource;
+}
+
+}  // namespace
+
+FileHandle::~FileHandle() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+tl::expected<FileHandle, OpenError> open_resource(const Resource& resource) {
+  FileHandle file(::open(resource.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  if (file.get() < 0) {
+    const bool busy = errno == EMFILE || errno == ENFILE || errno == ENOMEM;
+    return tl::unexpected(busy ? OpenError::kBusy : OpenError::kChanged);
+  }
+  struct stat status{};
+  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
+      static_cast<std::uint64_t>(status.st_size) != resource.size ||
+      modified_ns(status) != resource.modified_ns) {
+    return tl::unexpected(OpenError::kChanged);
+  }
+  return file;
+}
+
+Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
+  Catalog catalog;
+  auto& resources = catalog.resources_;
+  nlohmann::ordered_json listing = nlohmann::ordered_json::array();
+
+  for (const fs::path& given : folders) {
+    const auto name = package_name(given);
+    if (!name) return tl::unexpected(name.error());
+    std::error_code error;
+    const fs::path folder = fs::canonical(given, error);
+    if (error) return fail(fmt::format("{}: {}", given.string(), error.message()));
+    if (!fs::exists(folder / kManifestName, error)) {
+      return fail(fmt::format("{}: holds no {}; make a package with: pointreel-server pack",
+                              given.string(), kManifestName));
+    }
+    const std::string manifest_path = fmt::format("/{}/{}", *name, kManifestName);
+    if (resources.contains(manifest_path)) {
+      return fail(fmt::format("{}: another package is named '{}' too; rename one of the folders",
+                              given.string(), *name));
+    }
+    const auto manifest_file = file_inside(folder, kManifestName);
+    if (!manifest_file) return fail_at(given.string(), manifest_file.error());
+    auto text = read_manifest_text(*manifest_file);
+    if (!text) return fail_at((given / kManifestName).string(), text.error());
+    const auto manifest = parse_manifest(*text);
+    if (!manifest) return fail_at((given / kManifestName).string(), manifest.error());
+
+    std::uint64_t bytes = text->size();
+    resources.emplace(manifest_path, text_resource(kJson, kRevalidate, *std::move(text)));
+    for (const Segment& segment : manifest->segments) {
+      for (const LayerFile& layer : segment.layers) {
+        auto resource = file_resource(folder, layer);
+        if (!resource) return fail_at(given.string(), resource.error());
+        bytes += layer.bytes;
+        if (!resources.emplace(fmt::format("/{}/{}", *name, layer.path), *std::move(resource))
+                 .second) {
+          return fail(fmt::format("{}: the manifest names the file '{}' twice", given.string(),
+                                  layer.path));
+        }
+      }
+    }
+
+    const std::string url = "/" + encode_segment(*name);
+    Resource redirect;
+    redirect.kind = Resource::Kind::kRedirect;
+    redirect.text = fmt::format("{}/{}", url, kManifestName);
+    resources.emplace("/" + *name, redirect);
+    resources.emplace("/" + *name + "/", redirect);
+    listing.push_back({{"name", *name},
+                       {"url", url},
+                       {"manifest", redirect.text},
+                       {"frames", manifest->frame_count()},
+                       {"fps", manifest->fps},
+                       {"duration_us", manifest->duration_us},
+                       {"bytes", bytes},
+                       {"codec", manifest->codec}});
+  }
+
+  nlohmann::ordered_json root;
+  root["packages"] = std::move(listing);
+  // A folder's name need not be UTF-8; JSON must be.
+  using Handler = nlohmann::ordered_json::error_handler_t;
+  resources.insert_or_assign(
+      "/", text_resource(kJson, kRevalidate, root.dump(2, ' ', false, Handler::replace) + "\n"));
+  resources.insert_or_assign("/healthz",
+                             text_resource("text/plain; charset=utf-8", "no-store", "ok\n"));
+  return catalog;
+}
+
+const Resource* Catalog::find(std::string_view path) const {
+  const auto found = resources_.find(path);
+  return found == resources_.end() ? nullptr : &found->second;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,41 @@
+#include "server/serve/listen_address.h"
+
+#include <array>
+#include <charconv>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+namespace pointreel {
+
+Result<ListenAddress> parse_listen_address(std::string_view text) {
+  const auto refuse = [text] {
+    return fail(fmt::format(
+        "--listen {}: is no address and port, such as 127.0.0.1:8090, [::1]:8090 or 0.0.0.0:8090",
+        text));
+  };
+  const auto colon = text.rfind(':');
+  if (colon == std::string_view::npos) return refuse();
+  std::string_view host = text.substr(0, colon);
+  const std::string_view port = text.substr(colon + 1);
+
+  ListenAddress address;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
+  if (error != std::errc{} || end != port.data() + port.size()) return refuse();
+
+  const bool bracketed = host.starts_with('[') && host.ends_with(']');
+  if (bracketed) host = host.substr(1, host.size() - 2);
+  address.host = host == "localhost" && !bracketed ? "127.0.0.1" : std::string(host);
+  std::array<unsigned char, sizeof(in6_addr)> binary{};
+  if (::inet_pton(bracketed ? AF_INET6 : AF_INET, address.host.c_str(), binary.data()) != 1) {
+    return refuse();
+  }
+  return address;
+}
+
+std::string to_string(const ListenAddress& address) {
+  const bool v6 = address.host.find(':') != std::string::npos;
+  return fmt::format("{}{}{}:{}", v6 ? "[" : "", address.host, v6 ? "]" : "", address.port);
+}
+
+}  // namespace pointreel

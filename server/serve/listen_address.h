@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/base/error.h"
+
+namespace pointreel {
+
+/// Where to listen.
+struct ListenAddress {
+  std::string host = "127.0.0.1";  ///< an IPv4 or IPv6 address in digits, without brackets
+  std::uint16_t port = 8090;       ///< 0: any that is free
+  bool operator==(const ListenAddress&) const = default;
+};
+
+/// "127.0.0.1:8090", "[::1]:8090" or "localhost:8090" (which is 127.0.0.1). Names are not looked
+/// up: an address that a server listens on is one of this machine's own.
+Result<ListenAddress> parse_listen_address(std::string_view text);
+
+/// "127.0.0.1:8090", "[::1]:8090".
+std::string to_string(const ListenAddress& address);
+
+}  // namespace pointreel

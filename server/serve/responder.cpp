@@ -1,0 +1,204 @@
+#include "server/serve/responder.h"
+
+#include <array>
+#include <ctime>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/serve/entity_tag.h"
+#include "server/serve/range_header.h"
+#include "server/serve/request_target.h"
+
+namespace pointreel {
+namespace {
+
+constexpr std::string_view kMethods = "GET, HEAD, OPTIONS";
+
+std::string_view reason_phrase(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 204:
+      return "No Content";
+    case 206:
+      return "Partial Content";
+    case 304:
+      return "Not Modified";
+    case 308:
+      return "Permanent Redirect";
+    case 400:
+      return "Bad Request";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    case 408:
+      return "Request Timeout";
+    case 412:
+      return "Precondition Failed";
+    case 413:
+      return "Content Too Large";
+    case 416:
+      return "Range Not Satisfiable";
+    case 431:
+      return "Request Header Fields Too Large";
+    case 500:
+      return "Internal Server Error";
+    case 503:
+      return "Service Unavailable";
+    case 505:
+      return "HTTP Version Not Supported";
+    default:
+      return "";
+  }
+}
+
+/// OPTIONS, a CORS preflight among them: the same for every path, so it tells nothing about which
+/// exist.
+Response options_response() {
+  Response response;
+  response.status = 204;
+  response.fields = fmt::format(
+      "Allow: {0}\r\n"
+      "Access-Control-Allow-Methods: {0}\r\n"
+      "Access-Control-Allow-Headers: Range, If-Range, If-Match, If-None-Match\r\n"
+      "Access-Control-Max-Age: 86400\r\n",
+      kMethods);
+  return response;
+}
+
+Response resource_response(const Resource& resource, const Request& request) {
+  Response response;
+  auto fields = std::back_inserter(response.fields);
+  const auto put_validators = [&] {
+    fmt::format_to(fields, "ETag: {}\r\nCache-Control: {}\r\n", resource.etag,
+                   resource.cache_control);
+  };
+  // RFC 9110, section 13.2.2: the order in which conditions count.
+  if (!request.if_match.empty() && !matches_strongly(request.if_match, resource.etag)) {
+    return error_response(412, "the resource is not the one that If-Match names");
+  }
+  if (matches_weakly(request.if_none_match, resource.etag)) {
+    response.status = 304;
+    put_validators();
+    return response;
+  }
+  RangeAnswer range;
+  if (request.method == "GET" &&
+      (request.if_range.empty() || matches_strongly(request.if_range, resource.etag))) {
+    range = answer_range(request.range, resource.size);
+  }
+  if (range.kind == RangeAnswer::Kind::kUnsatisfiable) {
+    return error_response(416, fmt::format("the resource has {} bytes", resource.size),
+                          fmt::format("Content-Range: bytes */{}\r\n", resource.size));
+  }
+  if (range.kind == RangeAnswer::Kind::kWhole) range.size = resource.size;
+
+  if (resource.kind == Resource::Kind::kFile) {
+    auto file = open_resource(resource);
+    if (!file && file.error() == OpenError::kBusy) {
+      return error_response(503, "too many files are open; try again", "Retry-After: 1\r\n");
+    }
+    if (!file) {
+      return error_response(500, "the package changed on disk; the server must be started again");
+    }
+    response.file = *std::move(file);
+  } else {
+    response.text = std::string_view(resource.text).substr(range.offset, range.size);
+  }
+  response.offset = range.offset;
+  response.size = range.size;
+  fmt::format_to(fields, "Content-Type: {}\r\nContent-Length: {}\r\nAccept-Ranges: bytes\r\n",
+                 resource.content_type, range.size);
+  put_validators();
+  if (range.kind == RangeAnswer::Kind::kPart) {
+    response.status = 206;
+    fmt::format_to(fields, "Content-Range: bytes {}-{}/{}\r\n", range.offset,
+                   range.offset + range.size - 1, resource.size);
+  }
+  return response;
+}
+
+Response answer(const Catalog& catalog, const Request& request) {
+  if (request.host_fields > 1 || (request.host_fields == 0 && !request.http_1_0)) {
+    return error_response(400, "a request needs exactly one Host field");
+  }
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "OPTIONS") {
+    return error_response(405, "only GET, HEAD and OPTIONS are understood",
+                          fmt::format("Allow: {}\r\n", kMethods));
+  }
+  if (request.has_body) return error_response(413, "no request may have a body");
+  if (request.method == "OPTIONS" && request.target == "*") return options_response();
+  const auto path = decode_target(request.target);
+  if (!path) return error_response(400, path.error().message);
+  if (request.method == "OPTIONS") return options_response();
+
+  const Resource* resource = catalog.find(*path);
+  if (resource == nullptr) {
+    return error_response(404, "no such resource; GET / lists what there is");
+  }
+  if (resource->kind == Resource::Kind::kRedirect) {
+    return error_response(308, "the manifest is " + resource->text,
+                          fmt::format("Location: {}\r\n", resource->text));
+  }
+  return resource_response(*resource, request);
+}
+
+}  // namespace
+
+Response error_response(int status, std::string_view line, std::string_view extra_fields) {
+  Response response;
+  response.status = status;
+  response.error_text = fmt::format("{}\n", line);
+  response.size = response.error_text.size();
+  response.fields = fmt::format(
+      "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
+      "{}",
+      response.size, extra_fields);
+  return response;
+}
+
+Response respond(const Catalog& catalog, const Request& request) {
+  Response response = answer(catalog, request);
+  // The body of a request is never read, so what comes after its head cannot be understood.
+  response.close = request.has_body;
+  if (request.method == "HEAD") {
+    response.file = FileHandle();
+    response.text = {};
+    response.error_text.clear();
+    response.size = 0;
+  }
+  return response;
+}
+
+std::string http_date(std::int64_t unix_time) {
+  static constexpr std::array kDays = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
+  static constexpr std::array kMonths = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                         "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  const std::time_t time = unix_time;
+  std::tm utc{};
+  if (::gmtime_r(&time, &utc) == nullptr) return {};
+  return fmt::format("{}, {:02} {} {:04} {:02}:{:02}:{:02} GMT",
+                     kDays[static_cast<std::size_t>(utc.tm_wday)], utc.tm_mday,
+                     kMonths[static_cast<std::size_t>(utc.tm_mon)], utc.tm_year + 1900, utc.tm_hour,
+                     utc.tm_min, utc.tm_sec);
+}
+
+std::string write_head(const Response& response, bool keep_alive, std::int64_t unix_time) {
+  return fmt::format(
+      "HTTP/1.1 {} {}\r\n"
+      "Date: {}\r\n"
+      "Server: pointreel\r\n"
+      "Connection: {}\r\n"
+      "Access-Control-Allow-Origin: *\r\n"
+      "Access-Control-Expose-Headers: Accept-Ranges, Content-Length, Content-Range, ETag\r\n"
+      "Cross-Origin-Resource-Policy: cross-origin\r\n"
+      "X-Content-Type-Options: nosniff\r\n"
+      "{}\r\n",
+      response.status, reason_phrase(response.status), http_date(unix_time),
+      keep_alive ? "keep-alive" : "close", response.fields);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,164 @@
+// Which files of which folders can be fetched at all.
+
+#include "server/serve/catalog.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/served_package.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class CatalogTest : public testing::Test {
+ protected:
+  CatalogTest() { write_package(reel_, "base", "the rest"); }
+
+  std::string error_of(const std::vector<fs::path>& folders) {
+    const auto catalog = Catalog::load(folders);
+    if (catalog) return "loaded";
+    EXPECT_EQ(catalog.error().message.find('\n'), std::string::npos);
+    return catalog.error().message;
+  }
+
+  TemporaryFolder temporary_;
+  fs::path reel_ = temporary_.path() / "walk";
+};
+
+TEST_F(CatalogTest, holds_what_the_manifest_names_and_nothing_else) {
+  write_file(reel_ / "notes.txt", "private");
+  fs::create_directory(reel_ / "sub");
+  write_file(reel_ / "sub" / "0.base.prs", "base");
+  const auto catalog = Catalog::load({reel_});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  for (const char* path : {"/", "/healthz", "/walk", "/walk/", "/walk/reel.json",
+                           "/walk/0.base.prs", "/walk/0.full.prs"}) {
+    EXPECT_NE(catalog->find(path), nullptr) << path;
+  }
+  for (const char* path : {"", "walk", "/walk/notes.txt", "/walk/sub", "/walk/sub/0.base.prs",
+                           "/0.base.prs", "/walk//0.base.prs", "/walk/0.base", "/WALK",
+                           "/walk/../walk/reel.json", "/walk/reel.json/"}) {
+    EXPECT_EQ(catalog->find(path), nullptr) << path;
+  }
+  const Resource& base = *catalog->find("/walk/0.base.prs");
+  EXPECT_EQ(base.kind, Resource::Kind::kFile);
+  EXPECT_EQ(base.size, 4u);
+  EXPECT_EQ(base.file, fs::canonical(reel_) / "0.base.prs");
+}
+
+TEST_F(CatalogTest, lists_the_packages) {
+  write_package(temporary_.path() / "a b", "1", "22");
+  const auto catalog = Catalog::load({reel_, temporary_.path() / "a b"});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  const auto listing = nlohmann::json::parse(catalog->find("/")->text).at("packages");
+  ASSERT_EQ(listing.size(), 2u);
+  EXPECT_EQ(listing[0].at("name"), "walk");
+  EXPECT_EQ(listing[0].at("url"), "/walk");
+  EXPECT_EQ(listing[0].at("manifest"), "/walk/reel.json");
+  EXPECT_EQ(listing[0].at("frames"), 1);
+  EXPECT_EQ(listing[0].at("fps"), 25.0);
+  EXPECT_EQ(listing[0].at("codec"), "octree");
+  EXPECT_EQ(listing[0].at("bytes"), 4 + 8 + fs::file_size(reel_ / "reel.json"));
+  EXPECT_EQ(listing[1].at("name"), "a b");
+  EXPECT_EQ(listing[1].at("url"), "/a%20b");
+}
+
+TEST_F(CatalogTest, takes_the_name_of_the_folder_however_it_is_written) {
+  const fs::path before = fs::current_path();
+  fs::current_path(reel_);
+  const auto here = Catalog::load({"."});
+  fs::current_path(before);
+  ASSERT_TRUE(here) << here.error().message;
+  EXPECT_NE(here->find("/walk/reel.json"), nullptr);
+  const auto slash = Catalog::load({reel_ / ""});
+  ASSERT_TRUE(slash) << slash.error().message;
+  EXPECT_NE(slash->find("/walk/reel.json"), nullptr);
+}
+
+TEST_F(CatalogTest, refuses_what_is_no_package) {
+  EXPECT_THAT(error_of({temporary_.path() / "missing"}), HasSubstr("missing: No such file"));
+  EXPECT_THAT(error_of({temporary_.path()}), HasSubstr("holds no reel.json"));
+  write_file(reel_ / "reel.json", "{");
+  EXPECT_THAT(error_of({reel_}), HasSubstr("walk/reel.json"));
+}
+
+TEST_F(CatalogTest, refuses_two_folders_of_one_name) {
+  write_package(temporary_.path() / "other" / "walk", "1", "2");
+  EXPECT_THAT(error_of({reel_, temporary_.path() / "other" / "walk"}),
+              AllOf(HasSubstr("other/walk"), HasSubstr("another package is named 'walk'")));
+  EXPECT_THAT(error_of({reel_, reel_}), HasSubstr("another package"));
+}
+
+TEST_F(CatalogTest, refuses_an_incomplete_package) {
+  write_file(reel_ / "0.full.prs", "the res");
+  EXPECT_THAT(error_of({reel_}),
+              HasSubstr("0.full.prs: has 7 bytes, the manifest says 8; pack it again"));
+  fs::remove(reel_ / "0.full.prs");
+  EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: No such file"));
+  fs::create_directory(reel_ / "0.full.prs");
+  EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: is no regular file"));
+}
+
+TEST_F(CatalogTest, refuses_symbolic_links_that_lead_out_and_follows_those_that_stay) {
+  const fs::path outside = temporary_.path() / "outside";
+  write_file(outside, "the rest");
+  fs::remove(reel_ / "0.full.prs");
+  fs::create_symlink(outside, reel_ / "0.full.prs");
+  EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: is a symbolic link that leads out"));
+
+  // Beside the package, with its name as a prefix.
+  fs::create_directory(temporary_.path() / "walk2");
+  write_file(temporary_.path() / "walk2" / "x", "the rest");
+  fs::remove(reel_ / "0.full.prs");
+  fs::create_symlink("../walk2/x", reel_ / "0.full.prs");
+  EXPECT_THAT(error_of({reel_}), HasSubstr("leads out"));
+
+  fs::remove(reel_ / "0.full.prs");
+  write_file(reel_ / "real", "the rest");
+  fs::create_symlink("real", reel_ / "0.full.prs");
+  const auto catalog = Catalog::load({reel_});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  EXPECT_EQ(catalog->find("/walk/0.full.prs")->file, fs::canonical(reel_ / "real"));
+
+  fs::rename(reel_ / "reel.json", temporary_.path() / "reel.json");
+  fs::create_symlink("../reel.json", reel_ / "reel.json");
+  EXPECT_THAT(error_of({reel_}), HasSubstr("reel.json: is a symbolic link that leads out"));
+}
+
+TEST_F(CatalogTest, opens_a_file_only_while_it_is_the_one_it_was) {
+  const auto catalog = Catalog::load({reel_});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  const Resource& full = *catalog->find("/walk/0.full.prs");
+  EXPECT_TRUE(open_resource(full));
+
+  const auto modified = fs::last_write_time(full.file);
+  write_file(full.file, "THE REST");
+  fs::last_write_time(full.file, modified + std::chrono::seconds(1));
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+
+  write_file(full.file, "the res");
+  fs::last_write_time(full.file, modified);
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+
+  // Put in its place after the server began.
+  fs::remove(full.file);
+  write_file(temporary_.path() / "secret", "the rest");
+  fs::last_write_time(temporary_.path() / "secret", modified);
+  fs::create_symlink(temporary_.path() / "secret", full.file);
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+
+  fs::remove(full.file);
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+}
+
+}  // namespace
+}  // namespace pointreel

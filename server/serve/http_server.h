@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "common/base/error.h"
+#include "server/serve/catalog.h"
+#include "server/serve/listen_address.h"
+
+namespace pointreel {
+
+struct HttpServerOptions {
+  ListenAddress listen;
+  std::size_t max_connections = 1024;  ///< one more is told 503 and closed
+  unsigned threads = 0;                ///< 0: one for each processor
+  /// From the first byte of a request (or the connection's begin) to the end of its head.
+  std::chrono::milliseconds header_timeout{10'000};
+  /// Between two requests of a connection.
+  std::chrono::milliseconds idle_timeout{60'000};
+  /// Without the peer taking a single byte of a response.
+  std::chrono::milliseconds stall_timeout{30'000};
+};
+
+/// An HTTP/1.1 server (RFC 9110 to 9112) for a catalog: GET, HEAD and OPTIONS, ranges, conditions,
+/// keep-alive, pipelining.
+///
+/// Trust: what comes from the network is untrusted. A request's head is bounded (8 KiB) and its
+/// body refused. A connection holds at most that head, a response's head and one open file: files
+/// go from the page cache to the socket in pieces, and the unsent part of the socket's buffer is
+/// bounded, so a reader that stalls costs next to nothing and blocks nobody.
+class HttpServer {
+ public:
+  /// Listens and serves in threads of its own; returns when connections are accepted. The error
+  /// says that the address is in use, not this machine's, or not permitted.
+  static Result<std::unique_ptr<HttpServer>> start(Catalog catalog,
+                                                   const HttpServerOptions& options);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  /// The address listened on, with the real port.
+  const ListenAddress& address() const;
+  std::uint16_t port() const { return address().port; }
+  /// Connections that are open now, those that are being refused not counted.
+  std::size_t connection_count() const;
+  /// Closes the listening socket and every connection, and waits for the threads. Idempotent.
+  void stop();
+
+ private:
+  struct State;
+  explicit HttpServer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace pointreel

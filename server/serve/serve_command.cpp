@@ -1,0 +1,116 @@
+#include "server/serve/serve_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "server/serve/catalog.h"
+#include "server/serve/http_server.h"
+
+namespace pointreel {
+namespace {
+
+struct ServeArguments {
+  std::vector<std::string> reels;
+  std::string listen = "127.0.0.1:8090";
+  HttpServerOptions options;
+  double header_seconds = 10, idle_seconds = 60, stall_seconds = 30;
+};
+
+std::chrono::milliseconds from_seconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
+}
+
+/// Each connection may need its socket and one file. The usual soft limit, 1024, is below that.
+void allow_open_files(std::size_t connections) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  const rlim_t wanted = 2 * static_cast<rlim_t>(connections) + 128;
+  if (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur < wanted) {
+    limit.rlim_cur = std::min(wanted, limit.rlim_max);
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+  }
+}
+
+Result<void> serve(const ServeArguments& arguments) {
+  HttpServerOptions options = arguments.options;
+  options.header_timeout = from_seconds(arguments.header_seconds);
+  options.idle_timeout = from_seconds(arguments.idle_seconds);
+  options.stall_timeout = from_seconds(arguments.stall_seconds);
+  const auto listen = parse_listen_address(arguments.listen);
+  if (!listen) return tl::unexpected(listen.error());
+  options.listen = *listen;
+  auto catalog = Catalog::load({arguments.reels.begin(), arguments.reels.end()});
+  if (!catalog) return tl::unexpected(catalog.error());
+  allow_open_files(options.max_connections);
+
+  // Blocked before the server's threads begin, so that only this one takes them. A shell may have
+  // had SIGINT ignored for what runs in its background.
+  sigset_t ending;
+  sigemptyset(&ending);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, SIG_DFL);
+    sigaddset(&ending, signal);
+  }
+  ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  const auto server = HttpServer::start(*std::move(catalog), options);
+  if (!server) return tl::unexpected(server.error());
+  fmt::print("listening on http://{}\n", to_string((*server)->address()));
+  std::fflush(stdout);
+  int signal = 0;
+  ::sigwait(&ending, &signal);
+  (*server)->stop();
+  return {};
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command = app.add_subcommand(
+      "serve",
+      "Serve packages over HTTP until SIGINT or SIGTERM\n"
+      "Each is at /NAME, its folder's name; GET / lists them, GET /healthz says ok.");
+  command->add_option("reels", arguments->reels, "Package folders")->required()->type_name("REEL");
+  command
+      ->add_option("--listen", arguments->listen,
+                   "Address and port; port 0 takes a free one, 0.0.0.0 all of this machine's "
+                   "addresses")
+      ->type_name("ADDRESS:PORT")
+      ->capture_default_str();
+  command
+      ->add_option("--max-connections", arguments->options.max_connections,
+                   "Connections at a time; one more is answered with 503")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--threads", arguments->options.threads, "0: one for each processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  const auto add_seconds = [command](const char* name, double& value, const char* what) {
+    command->add_option(name, value, what)
+        ->check(CLI::Range(0.1, 86400.0))
+        ->type_name("SECONDS")
+        ->capture_default_str();
+  };
+  add_seconds("--header-timeout", arguments->header_seconds, "For the head of one request");
+  add_seconds("--idle-timeout", arguments->idle_seconds, "Between requests of a connection");
+  add_seconds("--stall-timeout", arguments->stall_seconds, "Without the reader taking a byte");
+  command->callback([arguments, &exit_code] {
+    const auto served = serve(*arguments);
+    if (served) return;
+    fmt::print(stderr, "pointreel-server serve: {}\n", served.error().message);
+    exit_code = 1;
+  });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "client/source/source.h"
+
+namespace pointreel {
+
+/// A package on any HTTP server that supports Range: `url` is its folder (or its reel.json).
+Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
+                                                 const SourceOptions& options);
+
+}  // namespace pointreel

@@ -1,0 +1,40 @@
+#include "client/source/source.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+
+LayerView FetchedLayer::view() const {
+  const ByteView all(bytes);
+  return {all.subspan(0, sizes.geometry), all.subspan(sizes.geometry, sizes.colors),
+          all.subspan(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)};
+}
+
+Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
+                                          const FetchRequest& request) {
+  const FrameLocation place = locate(manifest, frame);
+  const Segment& segment = manifest.segments[place.segment];
+  const std::size_t count =
+      std::min<std::size_t>(segment.layers.size(), std::max(1u, request.layers));
+  std::vector<LayerRange> ranges;
+  std::uint64_t total = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const LayerFile& file = segment.layers[i];
+    LayerSizes sizes = file.frames[place.index];
+    if (!request.normals) {
+      sizes.normals = 0;
+      if (!request.colors) sizes.colors = 0;
+    }
+    total += sizes.total();
+    ranges.push_back({&file, byte_range(file, place.index).offset, sizes});
+  }
+  if (total > kMaxFrameBytes)
+    return fail(
+        fmt::format("the manifest says that the frame takes {} bytes; more than {} are not fetched",
+                    total, kMaxFrameBytes));
+  return ranges;
+}
+
+}  // namespace pointreel

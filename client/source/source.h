@@ -1,0 +1,76 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "codec/codec.h"
+#include "common/base/bytes.h"
+#include "common/base/error.h"
+#include "common/stream/package.h"
+
+namespace pointreel {
+
+/// What of a frame is wanted. Chunks are stored in the order geometry, colours, normals, and what
+/// is fetched is a prefix, one range a layer: normals bring the colours with them.
+struct FetchRequest {
+  std::uint32_t layers = ~0u;  ///< so many from the base on; at least 1
+  bool colors = true;
+  bool normals = true;
+};
+
+/// One layer of a frame as it was fetched.
+struct FetchedLayer {
+  Bytes bytes;
+  LayerSizes sizes;  ///< of the chunks within `bytes`, in stored order; 0 where not fetched
+
+  LayerView view() const;
+};
+
+/// A frame as it came: either layers of a package, or a whole PLY or .drc file.
+struct FetchedFrame {
+  std::vector<FetchedLayer> layers;
+  Bytes file;  ///< used if `layers` is empty
+};
+
+/// Where frames come from.
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  virtual const Manifest& manifest() const = 0;
+
+  /// `frame` < manifest().frame_count(). May be called by many threads at once. The bytes are not
+  /// to be trusted, except that there are as many as `sizes` says.
+  virtual Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) = 0;
+
+  /// Makes fetches under way, and all later ones, fail soon. From any thread.
+  virtual void cancel() {}
+};
+
+struct SourceOptions {
+  // For folders of files, which say neither.
+  double fps = 30.0;
+  char up = 'y';
+  // For HTTP.
+  std::chrono::milliseconds connect_timeout{5'000};
+  std::chrono::milliseconds transfer_timeout{30'000};  ///< of one request, connecting included
+  std::chrono::milliseconds first_backoff{200};        ///< doubles with each attempt
+  int attempts = 4;  ///< for failures that may pass: lost connections, time-outs, 5xx
+};
+
+/// A range of a layer's file that holds what is wanted of a frame.
+struct LayerRange {
+  const LayerFile* file = nullptr;  ///< in the manifest
+  std::uint64_t offset = 0;
+  LayerSizes sizes;
+};
+
+/// No frame of any real reel comes near this; a manifest that says otherwise is not believed.
+inline constexpr std::uint64_t kMaxFrameBytes = std::uint64_t{1} << 30;
+
+/// The ranges to fetch, base first. An error if they exceed kMaxFrameBytes.
+Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
+                                          const FetchRequest& request);
+
+}  // namespace pointreel

@@ -15,15 +15,16 @@ enum class DrawMode { surfel, voxel, point };
 struct SceneFrame {
   std::uint32_t index = 0;    ///< in the reel
   std::uint64_t time_us = 0;  ///< from the reel's start
-  /// What surfels and points draw. Normals are present (estimated from neighbours where the source
-  /// has none; zero where unknown), colours only if the source has them; radii are present in
-  /// surfel mode.
+  /// What surfels and points draw. Colours are present only if the source has them. Normals are
+  /// present in surfel mode and where there are no colours (estimated from neighbours where the
+  /// source has none; zero where unknown); radii in surfel mode.
   PointCloud cloud;
   /// Rebuilt for every frame; what voxels draw. Node attributes are filled in voxel mode only.
   Svo svo;
   NodeAttributes attributes;
 
-  double fetch_ms = 0.0, decode_ms = 0.0, svo_ms = 0.0;  ///< what it took to make
+  /// What it took to make, in the order of the stages; surface: normals and radii where estimated.
+  double fetch_ms = 0.0, decode_ms = 0.0, surface_ms = 0.0, svo_ms = 0.0;
 };
 
 }  // namespace pointreel

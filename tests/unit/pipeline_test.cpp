@@ -1,0 +1,204 @@
+#include "client/playback/pipeline.h"
+
+#include <algorithm>
+#include <mutex>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A source without bytes: delays and failures are the test's.
+class FakeSource : public Source {
+ public:
+  explicit FakeSource(std::uint32_t frames) {
+    Segment segment;
+    for (std::uint32_t i = 0; i < frames; ++i) segment.times_us.push_back(i * 1000);
+    manifest_.segments.push_back(std::move(segment));
+  }
+  const Manifest& manifest() const override { return manifest_; }
+  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest&) override {
+    const int now = ++fetching;
+    most_fetching = std::max(most_fetching.load(), now);
+    std::this_thread::sleep_for(delay.load());
+    --fetching;
+    ++fetches;
+    if (cancelled) return fail("cancelled");
+    if (broken.contains(frame)) return fail("broken");
+    FetchedFrame fetched;
+    fetched.file = {static_cast<std::uint8_t>(frame)};
+    return fetched;
+  }
+  void cancel() override { cancelled = true; }
+
+  std::set<std::uint32_t> broken;
+  std::atomic<std::chrono::microseconds> delay{std::chrono::microseconds(0)};
+  std::atomic<int> fetching{0}, most_fetching{0}, fetches{0};
+  std::atomic<bool> cancelled{false};
+
+ private:
+  Manifest manifest_;
+};
+
+struct Errors {
+  std::mutex mutex;
+  std::multiset<std::uint32_t> frames;
+  Pipeline::OnError sink() {
+    return [this](std::uint32_t frame, const Error&) {
+      const std::lock_guard lock(mutex);
+      frames.insert(frame);
+    };
+  }
+};
+
+FetchRequest all_parts(DrawMode) { return {}; }
+
+Result<SceneFrame> prepare(std::uint32_t frame, const FetchedFrame& fetched, DrawMode) {
+  EXPECT_EQ(fetched.file.at(0), static_cast<std::uint8_t>(frame));
+  SceneFrame scene;
+  scene.index = frame;
+  return scene;
+}
+
+FrameBuffer::Options once(std::uint32_t frames, std::uint32_t ahead) {
+  return {frames, ahead, false, DrawMode::surfel};
+}
+
+TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
+  FakeSource source(60);
+  source.delay = std::chrono::microseconds(300);
+  FrameBuffer buffer(once(60, 6));
+  Errors errors;
+  std::atomic<int> prepared{0};
+  Pipeline pipeline(source, buffer, all_parts,
+                    [&](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+                      if (frame % 7 == 0) std::this_thread::sleep_for(milliseconds(3));
+                      ++prepared;
+                      return prepare(frame, fetched, mode);
+                    },
+                    errors.sink(), {2, 3});
+  for (std::uint32_t frame = 0; frame < 60; ++frame) {
+    buffer.advance(frame);
+    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.best()->index, frame);
+  }
+  EXPECT_EQ(prepared, 60);
+  EXPECT_EQ(source.fetches, 60);
+  EXPECT_LE(source.most_fetching, 2);
+  EXPECT_TRUE(errors.frames.empty());
+}
+
+TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {
+  FakeSource source(20);
+  source.broken = {0, 7};
+  FrameBuffer buffer(once(20, 4));
+  Errors errors;
+  Pipeline pipeline(
+      source, buffer, all_parts,
+      [&](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) -> Result<SceneFrame> {
+        if (frame == 12) return fail("no frame");
+        return prepare(frame, fetched, mode);
+      },
+      errors.sink(), {2, 2});
+  for (std::uint32_t frame = 0; frame < 20; ++frame) {
+    buffer.advance(frame);
+    const bool broken = frame == 0 || frame == 7 || frame == 12;
+    ASSERT_EQ(buffer.wait(milliseconds(5000)),
+              broken ? FrameBuffer::State::failed : FrameBuffer::State::ready);
+    if (frame > 0) {
+      ASSERT_EQ(buffer.best()->index, broken ? frame - 1 : frame);
+    }
+  }
+  EXPECT_EQ(errors.frames, (std::multiset<std::uint32_t>{0, 7, 12}));
+  EXPECT_EQ(pipeline.errors(), 3u);
+}
+
+TEST(Pipeline, StopsFetchingWhenItsBufferIsFull) {
+  FakeSource source(1000);
+  FrameBuffer buffer(once(1000, 5));
+  Errors errors;
+  Pipeline pipeline(source, buffer, all_parts, prepare, errors.sink(), {4, 4});
+  while (buffer.held() < 6) std::this_thread::sleep_for(milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_EQ(source.fetches, 6);
+}
+
+TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
+  FakeSource source(200);
+  source.delay = std::chrono::microseconds(500);
+  FrameBuffer buffer(once(200, 4));
+  Errors errors;
+  Pipeline pipeline(source, buffer, all_parts, prepare, errors.sink(), {3, 2});
+  std::mt19937 random(5);
+  for (int i = 0; i < 100; ++i) {
+    const auto target = static_cast<std::uint32_t>(random() % 200);
+    buffer.seek(target);
+    if (const auto shown = buffer.best()) {
+      ASSERT_EQ(shown->index, target);
+    }
+    if (i % 4 == 0) {
+      ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+      ASSERT_EQ(buffer.best()->index, target);
+    }
+  }
+  EXPECT_TRUE(errors.frames.empty());
+}
+
+TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
+  FakeSource source(4000);
+  FrameBuffer buffer(once(4000, 4));
+  Errors errors;
+  Pipeline pipeline(source, buffer, all_parts,
+                    [](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+                      std::this_thread::sleep_for(milliseconds(10));
+                      return prepare(frame, fetched, mode);
+                    },
+                    errors.sink(), {1, 1});
+  std::vector<std::uint32_t> shown;
+  for (std::uint32_t frame = 0; frame < 200; ++frame) {
+    buffer.advance(frame);
+    std::this_thread::sleep_for(milliseconds(1));
+    const auto best = buffer.best();
+    if (best && (shown.empty() || shown.back() != best->index)) shown.push_back(best->index);
+  }
+  EXPECT_GE(shown.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(shown.begin(), shown.end()));
+}
+
+TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
+  FakeSource source(3);
+  FrameBuffer buffer({3, 2, true, DrawMode::surfel});
+  Errors errors;
+  Pipeline pipeline(source, buffer, all_parts,
+                    [](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+                      auto scene = prepare(frame, fetched, mode);
+                      scene->cloud.positions.resize(mode == DrawMode::voxel ? 2 : 1);
+                      return scene;
+                    },
+                    errors.sink(), {2, 2});
+  for (int i = 0; i < 20; ++i) {
+    const bool voxel = i % 2 == 0;
+    buffer.set_mode(voxel ? DrawMode::voxel : DrawMode::surfel);
+    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.best()->cloud.size(), voxel ? 2u : 1u);
+  }
+}
+
+TEST(Pipeline, EndsAtOnceInTheMiddleOfAllAndCallsNothingAnError) {
+  Errors errors;
+  for (int i = 0; i < 20; ++i) {
+    FakeSource source(100);
+    source.delay = std::chrono::microseconds(200);
+    FrameBuffer buffer(once(100, 10));
+    Pipeline pipeline(source, buffer, all_parts, prepare, errors.sink(), {3, 3});
+    std::this_thread::sleep_for(std::chrono::microseconds(150 * i));
+  }
+  EXPECT_TRUE(errors.frames.empty());
+}
+
+}  // namespace
+}  // namespace pointreel

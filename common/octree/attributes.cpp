@@ -29,8 +29,8 @@ glm::i16vec3 direction(const glm::i64vec3& sum) {
 
 /// Sum over count, rounded. In double: exact, because the sum is below 2^48, and much faster than
 /// dividing 64-bit integers.
-glm::u16vec3 mean(const glm::u64vec3& sum, std::uint32_t count) {
-  return glm::u16vec3(glm::dvec3(sum + std::uint64_t{count / 2}) / static_cast<double>(count));
+glm::u16vec3 mean(const glm::i64vec3& sum, std::uint32_t count) {
+  return glm::u16vec3(glm::dvec3(sum + std::int64_t{count / 2}) / static_cast<double>(count));
 }
 
 /// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
@@ -42,6 +42,8 @@ void fill_inner(const Svo& svo, std::vector<Value>& values, Average average) {
     std::uint32_t leaves;
   };
   std::vector<Below> level_below, children;
+  level_below.reserve(svo.leaf_count());
+  children.reserve(svo.leaf_count());
   for (std::size_t leaf = svo.internal_count(); leaf < values.size(); ++leaf) {
     children.push_back({Sum(values[leaf]), 1});
   }
@@ -70,7 +72,7 @@ void fill_inner(const Svo& svo, std::vector<Value>& values, Average average) {
 }
 
 void fill_inner(const Svo& svo, NodeAttributes& attributes) {
-  if (!attributes.colors.empty()) fill_inner<glm::u64vec3>(svo, attributes.colors, mean);
+  if (!attributes.colors.empty()) fill_inner<glm::i64vec3>(svo, attributes.colors, mean);
   if (!attributes.normals.empty()) {
     fill_inner<glm::i64vec3>(svo, attributes.normals,
                              [](const glm::i64vec3& sum, std::uint32_t) { return direction(sum); });
@@ -90,12 +92,12 @@ NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud,
   std::size_t leaf = svo.internal_count();
   for (std::size_t i = 0; i < sorted.points.size(); ++leaf) {
     const std::uint64_t key = sorted.points[i].key >> shift;
-    glm::u64vec3 color(0);
+    glm::i64vec3 color(0);
     glm::i64vec3 normal(0);
     std::uint32_t count = 0;
     for (; i < sorted.points.size() && sorted.points[i].key >> shift == key; ++i, ++count) {
       const std::uint32_t point = sorted.points[i].index;
-      if (cloud.has_colors()) color += glm::u64vec3(cloud.colors[point]);
+      if (cloud.has_colors()) color += glm::i64vec3(cloud.colors[point]);
       if (cloud.has_normals()) normal += fixed_point(cloud.normals[point]);
     }
     if (cloud.has_colors()) attributes.colors[leaf] = mean(color, count);

@@ -1,0 +1,113 @@
+#include "codec/draco/draco_codec.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "codec/draco/draco_payload.h"
+#include "codec/frame_header.h"
+
+namespace pointreel {
+namespace {
+
+FrameTag tag_of(ByteView payload, const Cube& cube) {
+  const std::array<double, 4> place = {cube.origin.x, cube.origin.y, cube.origin.z, cube.edge};
+  return static_cast<FrameTag>(XXH3_64bits_withSeed(payload.data(), payload.size(),
+                                                    XXH3_64bits(place.data(), sizeof(place))));
+}
+
+}  // namespace
+
+Result<EncodedFrame> encode_draco(const PointCloud& cloud, const Cube& cube,
+                                  const DracoOptions& options, bool normals, bool colors) {
+  const Result<Bytes> payload = encode_draco_payload(cloud, cube, options, normals, colors);
+  if (!payload) return tl::unexpected(payload.error());
+
+  FrameHeader header;
+  header.codec = Codec::draco;
+  header.depth = static_cast<std::uint8_t>(options.position_bits);
+  header.has_colors = colors && cloud.has_colors();
+  header.has_normals = normals && cloud.has_normals();
+  header.colors_16_bit = header.has_colors && !colors_fit_8_bits(cloud);
+  header.source_points = header.coded_points = static_cast<std::uint32_t>(cloud.size());
+  header.cube = cube;
+
+  EncodedFrame frame;
+  frame.source_points = frame.coded_points = header.coded_points;
+  frame.depth = header.depth;
+  Bytes& out = frame.layers.emplace_back().geometry;
+  const FrameTag tag = tag_of(*payload, cube);
+  write_frame_header(header, tag, out);
+  ChunkHeader chunk;
+  chunk.last_level = header.depth;
+  chunk.raw_size = static_cast<std::uint32_t>(payload->size());
+  write_chunk(chunk, tag, *payload, out);
+  return frame;
+}
+
+Result<DecodedFrame> decode_draco(const std::vector<LayerView>& layers,
+                                  const DecodeLimits& limits) {
+  if (layers.empty()) return fail("a frame has at least its base layer");
+  const auto parsed = read_frame_header(layers.front().geometry);
+  if (!parsed) return tl::unexpected(parsed.error());
+  const FrameHeader& header = parsed->header;
+  if (header.codec != Codec::draco) return fail("not a Draco frame");
+  if (header.layers != 1 || header.depth < 1 || header.coded_points != header.source_points ||
+      (header.colors_16_bit && !header.has_colors)) {
+    return fail("frame header has a field out of range");
+  }
+  if (header.coded_points > limits.max_points) {
+    return fail(fmt::format("frame has {} points, more than the {} allowed", header.coded_points,
+                            limits.max_points));
+  }
+  const auto chunk = read_chunk(parsed->rest, ChunkKind::geometry, 0, parsed->tag);
+  if (!chunk) return tl::unexpected(chunk.error());
+  if (chunk->header.entropy != Entropy::none || chunk->header.last_level != header.depth ||
+      chunk->header.raw_size != chunk->payload.size()) {
+    return fail("chunk header has a field out of range");
+  }
+  // No more points than the header says: where there are fewer, the check below finds out.
+  auto cloud = decode_draco_payload(chunk->payload, header.cube, DecodeLimits{header.coded_points});
+  if (!cloud) return tl::unexpected(cloud.error());
+  const bool some = !cloud->empty();
+  if (cloud->size() != header.coded_points ||
+      (some &&
+       (cloud->has_normals() != header.has_normals || cloud->has_colors() != header.has_colors))) {
+    return fail("the Draco data disagree with the frame header on points or attributes");
+  }
+  DecodedFrame frame;
+  frame.cloud = std::move(*cloud);
+  frame.cube = header.cube;
+  frame.source_points = header.source_points;
+  return frame;
+}
+
+Result<PartSizes> measure_draco_parts(const EncodedFrame& frame, const PointCloud& cloud,
+                                      const Cube& cube, const DracoOptions& options, bool normals,
+                                      bool colors) {
+  normals = normals && cloud.has_normals();
+  colors = colors && cloud.has_colors();
+  const std::size_t size = frame.size();
+  constexpr std::size_t kHeaders = kFrameHeaderSize + kChunkHeaderSize;
+  if (size < kHeaders) return fail("not a Draco frame");
+
+  std::size_t positions = size, colored = size;
+  if (normals || colors) {
+    const Result<Bytes> payload = encode_draco_payload(cloud, cube, options, false, false);
+    if (!payload) return tl::unexpected(payload.error());
+    positions = std::min(payload->size() + kHeaders, size);
+    if (!colors) colored = positions;
+  }
+  if (normals && colors) {
+    const Result<Bytes> payload = encode_draco_payload(cloud, cube, options, false, true);
+    if (!payload) return tl::unexpected(payload.error());
+    colored = std::clamp(payload->size() + kHeaders, positions, size);
+  }
+  return PartSizes{positions, colored - positions, size - colored};
+}
+
+}  // namespace pointreel

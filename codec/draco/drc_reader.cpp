@@ -1,0 +1,167 @@
+#include "codec/draco/drc_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include <draco/point_cloud/point_cloud.h>
+
+#include "codec/draco/draco_decode.h"
+#include "codec/draco/drc_header.h"
+
+namespace pointreel {
+namespace {
+
+using draco::GeometryAttribute;
+
+/// The value of point i, converted by Draco: integers of normalised attributes become fractions.
+/// Components that the attribute does not have are 0.
+glm::dvec3 value(const draco::PointAttribute& attribute, std::uint32_t i) {
+  glm::dvec3 v(0.0);
+  attribute.ConvertValue<double>(attribute.mapped_index(draco::PointIndex(i)), 3, &v.x);
+  return v;
+}
+
+/// The value that stands for full intensity in a colour of this type.
+double full_intensity(const draco::PointAttribute& attribute) {
+  if (attribute.normalized()) return 1.0;
+  switch (attribute.data_type()) {
+    case draco::DT_INT8:
+      return 127.0;
+    case draco::DT_UINT8:
+      return 255.0;
+    case draco::DT_INT16:
+      return 32767.0;
+    case draco::DT_UINT16:
+      return 65535.0;
+    case draco::DT_INT32:
+      return 2147483647.0;
+    case draco::DT_UINT32:
+      return 4294967295.0;
+    case draco::DT_INT64:
+      return 9223372036854775807.0;
+    case draco::DT_UINT64:
+      return 18446744073709551615.0;
+    default:
+      return 1.0;
+  }
+}
+
+std::uint16_t to_16_bits(double intensity) {
+  // The comparison is false for NaN, which thus becomes 0.
+  if (!(intensity > 0.0)) return 0;
+  return static_cast<std::uint16_t>(std::lround(std::min(intensity, 1.0) * 65535.0));
+}
+
+void read_positions(const draco::PointAttribute& attribute, std::uint32_t n, PointCloud& cloud) {
+  std::vector<glm::dvec3> world(n);
+  Box box;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    world[i] = value(attribute, i);
+    if (std::isfinite(world[i].x) && std::isfinite(world[i].y) && std::isfinite(world[i].z)) {
+      box.grow(world[i]);
+    }
+  }
+  if (!box.empty()) {
+    const glm::dvec3 extent = box.extent();
+    const glm::dvec3 far = glm::max(glm::abs(box.min), glm::abs(box.max));
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    if (std::max({far.x, far.y, far.z}) > 2.0 * longest) cloud.origin = box.min;
+  }
+  cloud.positions.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) cloud.positions[i] = glm::vec3(world[i] - cloud.origin);
+}
+
+void read_normals(const draco::PointAttribute& attribute, std::uint32_t n, PointCloud& cloud) {
+  cloud.normals.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) cloud.normals[i] = glm::vec3(value(attribute, i));
+}
+
+void read_colors(const draco::PointAttribute& attribute, std::uint32_t n, PointCloud& cloud) {
+  const double scale = 1.0 / full_intensity(attribute);
+  const bool gray = attribute.num_components() < 3;
+  cloud.colors.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    glm::dvec3 v = value(attribute, i) * scale;
+    if (gray) v = glm::dvec3(v.x);
+    cloud.colors[i] = {to_16_bits(v.x), to_16_bits(v.y), to_16_bits(v.z)};
+  }
+}
+
+/// Position, normal and colour of a point as bits, so that any value equals itself.
+using PointBits = std::array<std::uint32_t, 9>;
+
+PointBits bits_of(const PointCloud& cloud, std::size_t i) {
+  PointBits bits{};
+  std::memcpy(bits.data(), &cloud.positions[i], 12);
+  if (cloud.has_normals()) std::memcpy(bits.data() + 3, &cloud.normals[i], 12);
+  if (cloud.has_colors()) {
+    for (int c = 0; c < 3; ++c) bits[static_cast<std::size_t>(6 + c)] = cloud.colors[i][c];
+  }
+  return bits;
+}
+
+template <class T>
+void keep(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
+}
+
+/// Keeps the first of equal points, in their order.
+void drop_duplicates(PointCloud& cloud) {
+  std::vector<std::pair<PointBits, std::uint32_t>> points(cloud.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = {bits_of(cloud, i), i};
+  std::sort(points.begin(), points.end());
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i == 0 || points[i].first != points[i - 1].first) kept.push_back(points[i].second);
+  }
+  if (kept.size() == cloud.size()) return;
+  std::sort(kept.begin(), kept.end());
+  keep(cloud.positions, kept);
+  keep(cloud.normals, kept);
+  keep(cloud.colors, kept);
+}
+
+Result<PointCloud> convert(const draco::PointCloud& decoded, bool mesh) {
+  PointCloud cloud;
+  const std::uint32_t n = decoded.num_points();
+  const auto* positions = decoded.GetNamedAttribute(GeometryAttribute::POSITION);
+  const auto* normals = decoded.GetNamedAttribute(GeometryAttribute::NORMAL);
+  const auto* colors = decoded.GetNamedAttribute(GeometryAttribute::COLOR);
+  if (n == 0) return cloud;
+  if (positions == nullptr) return fail("the Draco data have no positions");
+  if (positions->num_components() != 3) {
+    return fail("the Draco positions do not have three components");
+  }
+  for (const auto* attribute : {positions, normals, colors}) {
+    if (attribute != nullptr && !is_readable(*attribute, n)) {
+      return fail("the Draco data map points to values that do not exist; the file is damaged");
+    }
+  }
+  read_positions(*positions, n, cloud);
+  if (normals != nullptr && normals->num_components() == 3) read_normals(*normals, n, cloud);
+  if (colors != nullptr) read_colors(*colors, n, cloud);
+  if (mesh) drop_duplicates(cloud);
+  return cloud;
+}
+
+}  // namespace
+
+Result<PointCloud> read_drc(ByteView bytes, const DecodeLimits& limits) {
+  const Result<DrcHeader> header = parse_drc_header(bytes, kPointsPerFileByte, limits);
+  if (!header) return tl::unexpected(header.error());
+  const auto decoded = run_draco_decoder(bytes, *header, limits);
+  if (!decoded) return tl::unexpected(decoded.error());
+  try {
+    return convert(**decoded, header->mesh);
+  } catch (const std::bad_alloc&) {
+    return fail("not enough memory for the points of the Draco data");
+  }
+}
+
+}  // namespace pointreel

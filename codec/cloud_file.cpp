@@ -1,0 +1,149 @@
+#include "codec/cloud_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "codec/draco/drc_reader.h"
+#include "common/base/natural_order.h"
+#include "common/cloud/ply.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool begins_with(ByteView bytes, std::string_view text) {
+  return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
+}
+
+/// "1 point", "2 points".
+std::string count(std::size_t n, std::string_view singular) {
+  return fmt::format("{} {}{}", n, singular, n == 1 ? "" : "s");
+}
+
+std::vector<std::string> warnings_of(const SanitizeReport& report) {
+  std::vector<std::string> warnings;
+  if (report.dropped_positions > 0) {
+    warnings.push_back(fmt::format("dropped {} without a finite position",
+                                   count(report.dropped_positions, "point")));
+  }
+  if (report.unknown_normals > 0) {
+    warnings.push_back(fmt::format("{} no usable normal",
+                                   report.unknown_normals == 1
+                                       ? std::string("1 point has")
+                                       : fmt::format("{} points have", report.unknown_normals)));
+  }
+  if (report.bad_radii > 0) {
+    warnings.push_back(
+        fmt::format("replaced {}", count(report.bad_radii, "unusable radius value")));
+  }
+  return warnings;
+}
+
+Result<Bytes> read_bytes(const fs::path& path) {
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (!fs::exists(status)) return fail("no such file");
+  if (fs::is_directory(status)) return fail("is a folder, not a point cloud file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(fmt::format("cannot be opened: {}", std::strerror(errno)));
+  try {
+    Bytes bytes;
+    // Read by blocks: the size that a file system states may be wrong (pipes, /proc).
+    constexpr std::size_t kBlock = std::size_t{1} << 20;
+    const std::uintmax_t size = fs::is_regular_file(status) ? fs::file_size(path, code) : 0;
+    if (!code && size > 0) bytes.reserve(static_cast<std::size_t>(size));
+    while (file) {
+      const std::size_t at = bytes.size();
+      bytes.resize(at + kBlock);
+      file.read(reinterpret_cast<char*>(bytes.data() + at), static_cast<std::streamsize>(kBlock));
+      bytes.resize(at + static_cast<std::size_t>(file.gcount()));
+    }
+    if (file.bad()) return fail("cannot be read to its end");
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    return fail("too large to be read into memory");
+  }
+}
+
+bool has_cloud_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".ply" || extension == ".drc";
+}
+
+bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
+  std::error_code code;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const fs::path& path = it->path();
+    std::error_code ignored;  // a dangling link is no frame
+    if (!hidden(path) && has_cloud_extension(path) && fs::is_regular_file(path, ignored)) {
+      files.push_back(path);
+    }
+  }
+  if (code) return fail(fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
+  if (files.empty()) return fail(fmt::format("{}: has no .ply or .drc files", folder.string()));
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+}  // namespace
+
+Result<LoadedCloud> read_cloud(ByteView bytes) {
+  Result<PointCloud> cloud;
+  if (begins_with(bytes, "DRACO")) {
+    cloud = read_drc(bytes);
+  } else if (begins_with(bytes, "ply")) {
+    cloud = read_ply(bytes);
+  } else if (bytes.empty()) {
+    return fail("the file is empty");
+  } else {
+    return fail("neither a PLY nor a Draco file: it begins with neither \"ply\" nor \"DRACO\"");
+  }
+  if (!cloud) return tl::unexpected(cloud.error());
+  LoadedCloud loaded{std::move(*cloud), {}};
+  loaded.warnings = warnings_of(sanitize(loaded.cloud));
+  return loaded;
+}
+
+Result<LoadedCloud> read_cloud_file(const fs::path& path) {
+  const Result<Bytes> bytes = read_bytes(path);
+  if (!bytes) return fail_at(path.string(), bytes.error());
+  Result<LoadedCloud> loaded = read_cloud(*bytes);
+  if (!loaded) return fail_at(path.string(), loaded.error());
+  return loaded;
+}
+
+Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs) {
+  std::vector<fs::path> files;
+  for (const fs::path& input : inputs) {
+    std::error_code code;
+    const fs::file_status status = fs::status(input, code);
+    if (!fs::exists(status)) return fail(fmt::format("{}: no such file or folder", input.string()));
+    if (!fs::is_directory(status)) {
+      files.push_back(input);
+      continue;
+    }
+    const Result<std::vector<fs::path>> listed = list_folder(input);
+    if (!listed) return tl::unexpected(listed.error());
+    files.insert(files.end(), listed->begin(), listed->end());
+  }
+  if (files.empty()) return fail("no input: name a folder or .ply and .drc files");
+  return files;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,163 @@
+#include "codec/cloud_file.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "codec/draco/draco_payload.h"
+#include "common/cloud/ply.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A fresh folder, removed at the end.
+class CloudFile : public testing::Test {
+ protected:
+  CloudFile() {
+    std::string name = (fs::temp_directory_path() / "pointreel_cloud_file_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~CloudFile() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& content) const {
+    const fs::path path = folder_ / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << content;
+    return path;
+  }
+  fs::path write(const std::string& name, const Bytes& content) const {
+    return write(name, std::string(content.begin(), content.end()));
+  }
+
+  fs::path folder_;
+};
+
+const std::string kPly =
+    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+    "property float z\nend_header\n1 2 3\n4 5 6\n";
+
+Bytes drc() {
+  PointCloud cloud;
+  cloud.positions = {{1, 1, 1}, {2, 2, 2}};
+  return *encode_draco_payload(cloud, Cube{glm::dvec3(0.0), 4.0}, {}, false, false);
+}
+
+ByteView view(const std::string& text) {
+  return ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+}
+
+std::vector<std::string> names(const std::vector<fs::path>& paths) {
+  std::vector<std::string> out;
+  for (const fs::path& path : paths) out.push_back(path.filename().string());
+  return out;
+}
+
+TEST_F(CloudFile, FilesAreToldApartByTheirFirstBytesNotTheirNames) {
+  const auto ply = read_cloud_file(write("cloud.drc", kPly));
+  ASSERT_TRUE(ply) << ply.error().message;
+  EXPECT_EQ(ply->cloud.world(1), glm::dvec3(4, 5, 6));
+  EXPECT_TRUE(ply->warnings.empty());
+  const auto draco = read_cloud_file(write("cloud.ply", drc()));
+  ASSERT_TRUE(draco) << draco.error().message;
+  ASSERT_EQ(draco->cloud.size(), 2u);
+  EXPECT_NEAR(draco->cloud.world(0).x, 1.0, 0.001);
+}
+
+TEST_F(CloudFile, WhatWasMendedIsSaidInWords) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      "property float radius\nend_header\n";
+  const auto loaded = read_cloud(view(header + "nan 0 0 1 0 0 1\n"
+                                               "0 inf 0 1 0 0 1\n"
+                                               "1 2 3 0 0 0 1\n"
+                                               "4 5 6 0 0 2 -1\n"));
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->cloud.size(), 2u);
+  EXPECT_EQ(loaded->cloud.normals[1], glm::vec3(0, 0, 1));
+  EXPECT_THAT(loaded->warnings,
+              ElementsAre("dropped 2 points without a finite position",
+                          "1 point has no usable normal", "replaced 1 unusable radius value"));
+}
+
+TEST_F(CloudFile, ErrorsBeginWithThePathAndAreOneLine) {
+  const fs::path missing = folder_ / "missing.ply";
+  const auto expect_error = [](const fs::path& path, const std::string& part) {
+    const auto loaded = read_cloud_file(path);
+    ASSERT_FALSE(loaded);
+    EXPECT_THAT(loaded.error().message, StartsWith(path.string() + ": "));
+    EXPECT_THAT(loaded.error().message, HasSubstr(part));
+    EXPECT_EQ(loaded.error().message.find('\n'), std::string::npos);
+  };
+  expect_error(missing, "no such file");
+  expect_error(folder_, "folder");
+  expect_error(write("empty.ply", std::string()), "empty");
+  expect_error(write("text.ply", std::string("hello, world")), "neither a PLY nor a Draco file");
+  expect_error(write("cut.drc", std::string("DRACO\x02")), "truncated");
+  expect_error(write("bad.ply", std::string("ply\nformat ascii 1.0\n")), "");
+}
+
+TEST_F(CloudFile, AFolderGivesItsFramesInNaturalOrder) {
+  for (const char* name : {"frame10.ply", "frame2.PLY", "frame1.drc", ".hidden.ply", "notes.txt",
+                           "frame3.ply.bak", "ply"}) {
+    write(name, kPly);
+  }
+  write("inner.ply/frame0.ply", kPly);  // a folder is no frame, whatever its name
+  const auto files = list_cloud_files({folder_});
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_THAT(names(*files), ElementsAre("frame1.drc", "frame2.PLY", "frame10.ply"));
+}
+
+TEST_F(CloudFile, NamedFilesKeepTheirOrderAndMayHaveAnyName) {
+  const fs::path b = write("b.ply", kPly), a = write("a.data", kPly);
+  write("more/f2.ply", kPly);
+  write("more/f1.ply", kPly);
+  const auto files = list_cloud_files({b, a, folder_ / "more"});
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_THAT(names(*files), ElementsAre("b.ply", "a.data", "f1.ply", "f2.ply"));
+}
+
+TEST_F(CloudFile, AMissingInputOrAFolderWithoutFramesIsAnError) {
+  const auto missing = list_cloud_files({folder_ / "nowhere"});
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message, HasSubstr("nowhere: no such file or folder"));
+  write("notes.txt", kPly);
+  const auto none = list_cloud_files({folder_});
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().message, HasSubstr("has no .ply or .drc files"));
+  EXPECT_FALSE(list_cloud_files({}));
+}
+
+/// The real captures, where they are there.
+fs::path real_data() {
+  const char* named = std::getenv("POINTREEL_DATA");
+  return named ? fs::path(named) : fs::path(POINTREEL_SOURCE_DIR) / "../shared/data";
+}
+
+TEST(CloudFileOnRealData, EveryMeshOfTheLiamSequenceIsAStandingPerson) {
+  const fs::path folder = real_data() / "liam";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const auto files = list_cloud_files({folder});
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_EQ(files->size(), 24u);
+  for (const fs::path& file : *files) {
+    const auto loaded = read_cloud_file(file);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_NEAR(static_cast<double>(loaded->cloud.size()), 26582.0, 10.0);
+    EXPECT_TRUE(loaded->cloud.has_normals());
+    const Box box = bounds(loaded->cloud);
+    EXPECT_NEAR(box.min.y, 0.0, 2.0) << "feet on the ground, millimetres";
+    EXPECT_NEAR(box.max.y, 1768.0, 5.0);
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

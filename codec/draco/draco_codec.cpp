@@ -43,7 +43,6 @@ Result<EncodedFrame> encode_draco(const PointCloud& cloud, const Cube& cube,
   const FrameTag tag = tag_of(*payload, cube);
   write_frame_header(header, tag, out);
   ChunkHeader chunk;
-  chunk.last_level = header.depth;
   chunk.raw_size = static_cast<std::uint32_t>(payload->size());
   write_chunk(chunk, tag, *payload, out);
   return frame;
@@ -66,7 +65,7 @@ Result<DecodedFrame> decode_draco(const std::vector<LayerView>& layers,
   }
   const auto chunk = read_chunk(parsed->rest, ChunkKind::geometry, 0, parsed->tag);
   if (!chunk) return tl::unexpected(chunk.error());
-  if (chunk->header.entropy != Entropy::none || chunk->header.last_level != header.depth ||
+  if (chunk->header.entropy != Entropy::none || chunk->header.last_level != 0 ||
       chunk->header.raw_size != chunk->payload.size()) {
     return fail("chunk header has a field out of range");
   }

@@ -86,13 +86,12 @@ struct CodedPoint {
 /// The points in an order that only the set of them decides.
 std::vector<CodedPoint> quantise_and_sort(const PointCloud& cloud, const Cube& cube,
                                           const DracoOptions& options, bool normals, bool colors) {
-  const SortedPoints sorted = sort_points(cloud, cube);
+  const SortedPoints sorted = sort_points(cloud, cube, options.position_bits);
   const NormalGrid grid(options.normal_bits);
-  const int shift = 3 * (kMaxDepth - options.position_bits);
   std::vector<CodedPoint> points(sorted.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [key, index] = sorted.points[i];
-    points[i].key = key >> shift;
+    points[i].key = key;
     points[i].normal = normals ? grid.quantise(cloud.normals[index]) : glm::ivec3(0);
     points[i].color = colors ? cloud.colors[index] : glm::u16vec3(0);
   }

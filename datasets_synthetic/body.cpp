@@ -1,0 +1,283 @@
+#include "datasets_synthetic/body.h"
+
+#include <cmath>
+
+#include "datasets_synthetic/trigonometry.h"
+
+namespace pointreel {
+namespace {
+
+struct Joint {
+  Bone parent;
+  glm::dvec3 rest;  // metres, the figure standing in rest
+};
+
+// Proportions of an adult of 1.76 m. The pelvis is its own parent: the root.
+constexpr std::array<Joint, kBoneCount> kJoints = {{
+    {Bone::pelvis, {0.0, 0.95, 0.0}},
+    {Bone::pelvis, {0.0, 1.04, 0.0}},
+    {Bone::abdomen, {0.0, 1.18, 0.0}},
+    {Bone::chest, {0.0, 1.45, -0.01}},
+    {Bone::neck, {0.0, 1.54, 0.005}},
+    {Bone::chest, {0.185, 1.405, -0.01}},
+    {Bone::left_upper_arm, {0.185, 1.115, -0.01}},
+    {Bone::left_forearm, {0.185, 0.865, -0.01}},
+    {Bone::chest, {-0.185, 1.405, -0.01}},
+    {Bone::right_upper_arm, {-0.185, 1.115, -0.01}},
+    {Bone::right_forearm, {-0.185, 0.865, -0.01}},
+    {Bone::pelvis, {0.088, 0.93, 0.0}},
+    {Bone::left_thigh, {0.088, 0.50, 0.0}},
+    {Bone::left_shin, {0.088, 0.09, -0.01}},
+    {Bone::left_foot, {0.095, 0.032, 0.12}},
+    {Bone::pelvis, {-0.088, 0.93, 0.0}},
+    {Bone::right_thigh, {-0.088, 0.50, 0.0}},
+    {Bone::right_shin, {-0.088, 0.09, -0.01}},
+    {Bone::right_foot, {-0.095, 0.032, 0.12}},
+}};
+
+constexpr std::size_t index(Bone bone) { return static_cast<std::size_t>(bone); }
+
+glm::dmat3 rotation(const Turn& turn) {
+  const double cx = cosine(turn.pitch), sx = sine(turn.pitch);
+  const double cy = cosine(turn.twist), sy = sine(turn.twist);
+  const double cz = cosine(turn.roll), sz = sine(turn.roll);
+  const glm::dmat3 x(1, 0, 0, 0, cx, sx, 0, -sx, cx);  // columns
+  const glm::dmat3 y(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
+  const glm::dmat3 z(cz, sz, 0, -sz, cz, 0, 0, 0, 1);
+  return z * x * y;
+}
+
+/// Adds primitives given in rest coordinates and joins them.
+class Builder {
+ public:
+  explicit Builder(Body& body) : body_(body) {}
+
+  std::uint16_t cone(Bone bone, Material material, const glm::dvec3& a, double radius_a,
+                     const glm::dvec3& b, double radius_b) {
+    return add(bone, material, RoundCone{place(bone, a), place(bone, b), radius_a, radius_b});
+  }
+  std::uint16_t ellipsoid(Bone bone, Material material, const glm::dvec3& center,
+                          const glm::dvec3& radii) {
+    return add(bone, material,
+               Ellipsoid{place(bone, center), body_.frames[index(bone)].axes, radii});
+  }
+  void blend(std::uint16_t first, std::uint16_t second, double radius) {
+    body_.surface.blends.push_back({first, second, radius});
+  }
+
+ private:
+  glm::dvec3 place(Bone bone, const glm::dvec3& rest) const {
+    const Body::Frame& frame = body_.frames[index(bone)];
+    return frame.joint + frame.axes * (rest - frame.rest_joint);
+  }
+  std::uint16_t add(Bone bone, Material material, const Primitive& primitive) {
+    body_.surface.primitives.push_back(primitive);
+    body_.parts.push_back({bone, material});
+    return static_cast<std::uint16_t>(body_.parts.size() - 1);
+  }
+
+  Body& body_;
+};
+
+struct Trunk {
+  std::uint16_t pelvis, chest, shoulders;
+};
+
+Trunk add_trunk(Builder& b) {
+  const auto pelvis =
+      b.ellipsoid(Bone::pelvis, Material::pelvis, {0, 0.975, -0.005}, {0.158, 0.115, 0.112});
+  const auto abdomen =
+      b.ellipsoid(Bone::abdomen, Material::shirt, {0, 1.13, 0.0}, {0.138, 0.14, 0.1});
+  const auto chest =
+      b.ellipsoid(Bone::chest, Material::shirt, {0, 1.305, -0.005}, {0.165, 0.165, 0.115});
+  const auto shoulders = b.cone(Bone::chest, Material::shirt, {-0.15, 1.405, -0.012}, 0.052,
+                                {0.15, 1.405, -0.012}, 0.052);
+  b.blend(pelvis, abdomen, 0.06);
+  b.blend(abdomen, chest, 0.06);
+  b.blend(chest, shoulders, 0.05);
+
+  const auto neck =
+      b.cone(Bone::neck, Material::skin, {0, 1.43, -0.015}, 0.054, {0, 1.54, 0.005}, 0.05);
+  const auto skull =
+      b.ellipsoid(Bone::head, Material::head, {0, 1.645, 0.008}, {0.077, 0.108, 0.098});
+  const auto jaw =
+      b.ellipsoid(Bone::head, Material::head, {0, 1.588, 0.042}, {0.056, 0.062, 0.058});
+  const auto nose =
+      b.cone(Bone::head, Material::head, {0, 1.65, 0.1}, 0.008, {0, 1.62, 0.114}, 0.013);
+  const auto hair =
+      b.ellipsoid(Bone::head, Material::hair, {0, 1.668, -0.012}, {0.085, 0.097, 0.102});
+  b.blend(shoulders, neck, 0.03);
+  b.blend(neck, skull, 0.02);
+  b.blend(neck, jaw, 0.02);
+  b.blend(skull, jaw, 0.03);
+  b.blend(skull, nose, 0.012);
+  b.blend(skull, hair, 0.006);
+  for (const double side : {1.0, -1.0}) {
+    const auto ear =
+        b.ellipsoid(Bone::head, Material::head, {side * 0.081, 1.628, 0.004}, {0.012, 0.032, 0.02});
+    b.blend(skull, ear, 0.008);
+  }
+  return {pelvis, chest, shoulders};
+}
+
+void add_arm(Builder& b, const Trunk& trunk, bool left) {
+  const double side = left ? 1.0 : -1.0;
+  const double x = side * 0.185, z = -0.01;
+  const Bone upper_bone = left ? Bone::left_upper_arm : Bone::right_upper_arm;
+  const Bone fore_bone = left ? Bone::left_forearm : Bone::right_forearm;
+  const Bone hand_bone = left ? Bone::left_hand : Bone::right_hand;
+  const auto upper =
+      b.cone(upper_bone, Material::sleeve, {x, 1.405, z}, 0.053, {x, 1.115, z}, 0.041);
+  const auto fore = b.cone(fore_bone, Material::skin, {x, 1.115, z}, 0.041, {x, 0.865, z}, 0.028);
+  const auto palm = b.ellipsoid(hand_bone, Material::skin, {x, 0.81, z}, {0.018, 0.058, 0.042});
+  const auto thumb = b.cone(hand_bone, Material::skin, {x - side * 0.004, 0.838, z + 0.03}, 0.0145,
+                            {x - side * 0.012, 0.785, z + 0.058}, 0.011);
+  b.blend(trunk.shoulders, upper, 0.03);
+  b.blend(trunk.chest, upper, 0.035);
+  b.blend(upper, fore, 0.02);
+  b.blend(fore, palm, 0.02);
+  b.blend(palm, thumb, 0.012);
+  constexpr std::array<double, 4> lengths = {0.055, 0.072, 0.078, 0.07};  // little finger first
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    const double across = z - 0.03 + 0.02 * static_cast<double>(i);
+    const double knuckle = i == 0 ? 0.775 : 0.77;
+    const auto finger = b.cone(hand_bone, Material::skin, {x, knuckle, across}, 0.0105,
+                               {x - side * 0.018, knuckle - lengths[i], across}, 0.0085);
+    b.blend(palm, finger, 0.008);
+  }
+}
+
+void add_leg(Builder& b, const Trunk& trunk, bool left) {
+  const double side = left ? 1.0 : -1.0;
+  const double x = side * 0.088, toe = side * 0.095;
+  const Bone thigh_bone = left ? Bone::left_thigh : Bone::right_thigh;
+  const Bone shin_bone = left ? Bone::left_shin : Bone::right_shin;
+  const Bone foot_bone = left ? Bone::left_foot : Bone::right_foot;
+  const Bone toes_bone = left ? Bone::left_toes : Bone::right_toes;
+  const auto thigh =
+      b.cone(thigh_bone, Material::trousers, {x, 0.93, 0}, 0.085, {x, 0.50, 0}, 0.056);
+  const auto shin =
+      b.cone(shin_bone, Material::trousers, {x, 0.50, 0}, 0.055, {x, 0.09, -0.01}, 0.037);
+  const auto calf =
+      b.ellipsoid(shin_bone, Material::trousers, {x, 0.36, -0.018}, {0.05, 0.12, 0.05});
+  // The sole is level: every ball of the foot touches the plane y = 0 in rest. Nothing but the
+  // ankle is smoothly joined, because a fillet would push the sole through the floor.
+  const auto ankle =
+      b.cone(foot_bone, Material::shoe, {x, 0.09, -0.01}, 0.036, {x, 0.075, 0.01}, 0.038);
+  const auto foot =
+      b.cone(foot_bone, Material::shoe, {x, 0.044, -0.045}, 0.044, {toe, 0.036, 0.12}, 0.036);
+  const auto toes =
+      b.cone(toes_bone, Material::shoe, {toe, 0.036, 0.12}, 0.036, {toe, 0.028, 0.175}, 0.028);
+  b.blend(trunk.pelvis, thigh, 0.05);
+  b.blend(thigh, shin, 0.025);
+  b.blend(shin, calf, 0.03);
+  b.blend(shin, ankle, 0.012);
+  b.blend(ankle, foot, 0.02);
+  b.blend(foot, toes, 0.0);
+}
+
+constexpr glm::u8vec3 kSkin{224, 172, 138}, kHair{58, 38, 26}, kEye{40, 60, 90}, kLip{176, 84, 80},
+    kWhite{238, 236, 228}, kTeal{24, 132, 140}, kRed{196, 48, 44}, kNavy{40, 56, 110},
+    kYellow{248, 204, 40}, kDenim{52, 74, 118}, kBelt{70, 44, 28}, kShoe{36, 36, 40},
+    kSoleWhite{220, 220, 216};
+
+bool in_ellipse(double x, double y, double rx, double ry) {
+  return (x / rx) * (x / rx) + (y / ry) * (y / ry) <= 1.0;
+}
+
+glm::u8vec3 face(const glm::dvec3& q) {
+  if (q.z > 0.06) {
+    if (in_ellipse(std::abs(q.x) - 0.031, q.y - 1.648, 0.013, 0.007)) {
+      return in_ellipse(std::abs(q.x) - 0.031, q.y - 1.648, 0.006, 0.007) ? kEye : kWhite;
+    }
+    if (in_ellipse(std::abs(q.x) - 0.031, q.y - 1.667, 0.018, 0.004)) return kHair;  // brows
+    if (in_ellipse(q.x, q.y - 1.582, 0.024, 0.007)) return kLip;
+  }
+  return kSkin;
+}
+
+/// Stripes on the figure's left, plain on its right; a disc on the left of the front, a slanting
+/// bar on the right of the back.
+glm::u8vec3 shirt(const glm::dvec3& q) {
+  if (q.y > 1.415 && in_ellipse(q.x, q.z + 0.015, 0.078, 0.075)) return kSkin;  // the neckline
+  if (q.z > 0.0 && in_ellipse(q.x - 0.075, q.y - 1.33, 0.036, 0.036)) return kYellow;
+  if (q.z < 0.0 && q.x < -0.02 && std::abs(q.y - 1.25 - 1.2 * (q.x + 0.08)) < 0.035) {
+    return kYellow;
+  }
+  if (q.x <= 0.0) return kNavy;
+  const double stripe = q.y / 0.06;
+  return stripe - std::floor(stripe) < 0.5 ? kTeal : kWhite;
+}
+
+}  // namespace
+
+glm::dvec3 Body::in_rest(std::size_t primitive, const glm::dvec3& p) const {
+  const Frame& frame = frames[index(parts[primitive].bone)];
+  return frame.rest_joint + (p - frame.joint) * frame.axes;
+}
+
+Body pose_body(const Pose& pose) {
+  Body body;
+  for (std::size_t i = 0; i < kBoneCount; ++i) {
+    Body::Frame& frame = body.frames[i];
+    frame.rest_joint = kJoints[i].rest;
+    const std::size_t parent = index(kJoints[i].parent);
+    if (parent == i) {
+      frame.joint = frame.rest_joint + glm::dvec3(pose.sway, 0, 0);
+      frame.axes = rotation(pose.turns[i]);
+    } else {
+      const Body::Frame& up = body.frames[parent];
+      frame.joint = up.joint + up.axes * (frame.rest_joint - up.rest_joint);
+      frame.axes = up.axes * rotation(pose.turns[i]);
+    }
+  }
+  const auto build = [&body] {
+    body.surface = {};
+    body.parts.clear();
+    Builder builder(body);
+    const Trunk trunk = add_trunk(builder);
+    for (const bool left : {true, false}) {
+      add_arm(builder, trunk, left);
+      add_leg(builder, trunk, left);
+    }
+  };
+  build();
+  Box box;
+  for (const Primitive& primitive : body.surface.primitives) box.grow(bounds(primitive));
+  for (Body::Frame& frame : body.frames) frame.joint.y -= box.min.y;
+  build();
+  return body;
+}
+
+glm::u8vec3 color_at(const Body& body, std::size_t primitive, const glm::dvec3& p) {
+  const Body::Part& part = body.parts[primitive];
+  const glm::dvec3 q = body.in_rest(primitive, p);
+  const bool left = q.x > 0.0;
+  switch (part.material) {
+    case Material::skin:
+      return kSkin;
+    case Material::head:
+      return face(q);
+    case Material::hair:
+      return kHair;
+    case Material::shirt:
+      return shirt(q);
+    case Material::pelvis:
+      if (q.y > 1.035) return shirt(q);
+      return q.y > 1.005 ? kBelt : kDenim;
+    case Material::sleeve:
+      if (q.y < 1.22) return kSkin;
+      if (q.y < 1.235) return kWhite;  // the hem
+      return left ? kRed : kNavy;
+    case Material::trousers:
+      if (q.y < 0.125) return kSkin;
+      // A stripe down the outside of the right leg.
+      return !left && q.x < -0.1 && std::abs(q.z) < 0.016 ? kWhite : kDenim;
+    case Material::shoe:
+      if (q.y < 0.016) return kSoleWhite;
+      return left ? kRed : kShoe;
+  }
+  return kSkin;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,102 @@
+#include "datasets_synthetic/motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "datasets_synthetic/trigonometry.h"
+
+namespace pointreel {
+namespace {
+
+constexpr double kStride = 1.0;      // seconds for two steps
+constexpr double kWalkPeriod = 2.0;  // two strides, one wave
+
+/// 0 up to `from`, 1 from `to` on, with a smooth rise between.
+double rise(double from, double to, double x) {
+  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// Angles of one leg, radians: the hip's and the ankle's forwards and up, the knee's backwards.
+struct Leg {
+  double hip, knee, foot, toes;  // `foot` is against the ground, positive with the toes up
+};
+
+/// `cycle` is the part of the stride since the heel touched the ground, 0 to 1; the foot leaves the
+/// ground at about 0.62. The shape of the curves is that of textbook gait analysis (hip +30 to
+/// -15 degrees, knee 5 to 60, heel rising before push-off).
+Leg leg_at(double cycle) {
+  Leg leg;
+  leg.hip = 0.13 + 0.38 * cosine(2.0 * kPi * cycle);
+  const double swing = std::max(0.0, sine(2.0 * kPi * (0.96 - cycle)));
+  const double yield = rise(0.0, 0.12, cycle) - rise(0.12, 0.35, cycle);
+  leg.knee = 0.08 + 0.95 * swing * swing + 0.18 * yield;
+  leg.foot = 0.28 * (1.0 - rise(0.0, 0.1, cycle)) - 0.75 * rise(0.4, 0.62, cycle) +
+             0.75 * rise(0.64, 0.85, cycle) + 0.28 * rise(0.8, 1.0, cycle);
+  leg.toes = 0.5 * (rise(0.4, 0.6, cycle) - rise(0.6, 0.72, cycle));
+  return leg;
+}
+
+double fraction(double x) { return x - std::floor(x); }
+
+}  // namespace
+
+Pose walk(double seconds) {
+  const double cycle = fraction(seconds / kStride);  // of the left leg
+  const double phase = 2.0 * kPi * cycle;
+  const double forward = cosine(phase);  // 1: left leg in front
+  Pose pose;
+
+  pose.sway = 0.018 * sine(phase);  // over the leg that stands
+  pose[Bone::pelvis] = {0.03, -0.03 * sine(phase), -0.09 * forward};
+  pose[Bone::abdomen] = {0.02, 0.02 * sine(phase), 0.06 * forward};
+  pose[Bone::chest] = {0.01, 0.01 * sine(phase), 0.13 * forward};
+  pose[Bone::neck] = {-0.02, 0.0, -0.05 * forward};
+  pose[Bone::head] = {-0.02 + 0.015 * cosine(2.0 * phase), 0.0, -0.05 * forward};
+
+  const auto place_leg = [&](Bone thigh, Bone shin, Bone foot, Bone toes, const Leg& leg) {
+    const double trunk = pose[Bone::pelvis].pitch;
+    pose[thigh].pitch = -leg.hip - trunk;
+    pose[thigh].roll = -pose[Bone::pelvis].roll;
+    pose[shin].pitch = leg.knee;
+    pose[foot].pitch = -leg.foot + leg.hip - leg.knee;
+    pose[toes].pitch = -leg.toes;
+  };
+  place_leg(Bone::left_thigh, Bone::left_shin, Bone::left_foot, Bone::left_toes, leg_at(cycle));
+  place_leg(Bone::right_thigh, Bone::right_shin, Bone::right_foot, Bone::right_toes,
+            leg_at(fraction(cycle + 0.5)));
+
+  // The arms swing against the legs.
+  pose[Bone::right_upper_arm] = {-0.38 * forward + 0.02, -0.13, 0.0};
+  pose[Bone::right_forearm] = {-0.35 - 0.18 * forward, 0.0, 0.0};
+  pose[Bone::right_hand] = {0.0, 0.05, 0.0};
+
+  const double time = kWalkPeriod * fraction(seconds / kWalkPeriod);
+  const double wave = rise(0.2, 0.75, time) - rise(1.35, 1.9, time);
+  const auto mix = [wave](double swinging, double waving) {
+    return swinging + (waving - swinging) * wave;
+  };
+  const double shake = sine(2.0 * kPi * 3.0 * (time - 0.5));
+  pose[Bone::left_upper_arm] = {mix(0.38 * forward + 0.02, -0.25), mix(0.13, 1.35), 0.0};
+  pose[Bone::left_forearm] = {mix(-0.35 + 0.18 * forward, -0.1), mix(0.0, 1.35 + 0.3 * shake),
+                              mix(0.0, -0.5 * kPi)};
+  pose[Bone::left_hand] = {0.0, mix(-0.05, 0.0), 0.0};
+  return pose;
+}
+
+std::span<const Motion> motions() {
+  static constexpr std::array<Motion, 1> all = {{
+      {"walk", "walks on the spot and waves its left hand", kWalkPeriod, &walk},
+  }};
+  return all;
+}
+
+const Motion* find_motion(std::string_view name) {
+  for (const Motion& motion : motions()) {
+    if (motion.name == name) return &motion;
+  }
+  return nullptr;
+}
+
+}  // namespace pointreel

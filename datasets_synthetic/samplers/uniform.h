@@ -24,7 +24,7 @@ inline constexpr double kSurfaceTolerance = 1e-6;
 /// surface, count and seed alone: the same on every machine and whatever the number of threads
 /// (TBB's, of the caller's arena), and those of a smaller count begin those of a larger one.
 /// Fails if the surface is empty or not finite, or too large or too small for a figure (a grid of
-/// 8 mm divides it).
+/// 11 mm divides it).
 Result<std::vector<SurfacePoint>> sample_uniform(const Surface& surface, std::size_t count,
                                                  std::uint64_t seed);
 

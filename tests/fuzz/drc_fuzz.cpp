@@ -1,0 +1,53 @@
+// Hostile .drc bytes, as a user's file and as a frame's payload. libdraco itself is not
+// instrumented: crashes within it are found, reads beyond the input by a little may not be.
+//
+//   drc_fuzz -max_len=4096 -timeout=30 CORPUS_COPY tests/fuzz/corpus/drc
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "codec/draco/draco_payload.h"
+#include "codec/draco/drc_reader.h"
+
+namespace {
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void check_sizes(const pointreel::PointCloud& cloud, std::uint32_t most) {
+  require(cloud.size() <= most);
+  require(cloud.normals.empty() || cloud.normals.size() == cloud.size());
+  require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const pointreel::ByteView bytes(data, size);
+  const pointreel::DecodeLimits limits{1u << 13};
+  if (auto cloud = pointreel::read_drc(bytes, limits)) {
+    check_sizes(*cloud, limits.max_points);
+    pointreel::sanitize(*cloud);
+    if (!cloud->empty()) require(std::isfinite(pointreel::bounds(*cloud).extent().x));
+  }
+
+  const pointreel::Cube cube{{1.0, 2.0, 3.0}, 4.0};
+  if (const auto cloud = pointreel::decode_draco_payload(bytes, cube, limits)) {
+    check_sizes(*cloud, limits.max_points);
+    if (cloud->empty()) return 0;
+    const pointreel::Box box = pointreel::bounds(*cloud);
+    for (int axis = 0; axis < 3; ++axis) {
+      require(box.min[axis] >= cube.origin[axis] - 1e-6);
+      require(box.max[axis] <= cube.origin[axis] + cube.edge + 1e-6);
+    }
+    // What decodes encodes again, and to as many points.
+    const auto again = pointreel::encode_draco_payload(*cloud, cube, {}, true, true);
+    require(again.has_value());
+    const auto decoded = pointreel::decode_draco_payload(*again, cube, limits);
+    require(decoded.has_value() && decoded->size() == cloud->size());
+  }
+  return 0;
+}

@@ -46,8 +46,8 @@ class DrcReader {
   }
 
   void skip(std::size_t n) {
-    if (reader_.rest().size() < n) {
-      bad_ = true;
+    if (!ok() || reader_.rest().size() < n) {
+      bad_ = true;  // for good: a new reader would forget that the old one failed
       reader_ = ByteReader({});
       return;
     }

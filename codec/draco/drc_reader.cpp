@@ -17,18 +17,46 @@ namespace {
 
 using draco::GeometryAttribute;
 
-/// The value of point i, converted by Draco: integers of normalised attributes become fractions.
-/// Components that the attribute does not have are 0.
-glm::dvec3 value(const draco::PointAttribute& attribute, std::uint32_t i) {
-  glm::dvec3 v(0.0);
-  attribute.ConvertValue<double>(attribute.mapped_index(draco::PointIndex(i)), 3, &v.x);
-  return v;
+template <class T>
+double load(const std::uint8_t* bytes) {
+  T number;
+  std::memcpy(&number, bytes, sizeof(T));
+  return static_cast<double>(number);
 }
 
-/// The value that stands for full intensity in a colour of this type.
-double full_intensity(const draco::PointAttribute& attribute) {
-  if (attribute.normalized()) return 1.0;
-  switch (attribute.data_type()) {
+/// One component. Draco's own conversion would read hostile bytes as bool.
+double component(const std::uint8_t* bytes, draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8:
+      return load<std::int8_t>(bytes);
+    case draco::DT_UINT8:
+      return load<std::uint8_t>(bytes);
+    case draco::DT_INT16:
+      return load<std::int16_t>(bytes);
+    case draco::DT_UINT16:
+      return load<std::uint16_t>(bytes);
+    case draco::DT_INT32:
+      return load<std::int32_t>(bytes);
+    case draco::DT_UINT32:
+      return load<std::uint32_t>(bytes);
+    case draco::DT_INT64:
+      return load<std::int64_t>(bytes);
+    case draco::DT_UINT64:
+      return load<std::uint64_t>(bytes);
+    case draco::DT_FLOAT32:
+      return load<float>(bytes);
+    case draco::DT_FLOAT64:
+      return load<double>(bytes);
+    case draco::DT_BOOL:
+      return *bytes != 0 ? 1.0 : 0.0;
+    default:
+      return 0.0;
+  }
+}
+
+/// What stands for 1 where the type's values are fractions.
+double one_of(draco::DataType type) {
+  switch (type) {
     case draco::DT_INT8:
       return 127.0;
     case draco::DT_UINT8:
@@ -50,6 +78,18 @@ double full_intensity(const draco::PointAttribute& attribute) {
   }
 }
 
+/// The value of point i of an attribute that `is_readable`; components that it lacks are 0.
+glm::dvec3 value(const draco::PointAttribute& attribute, std::uint32_t i) {
+  const std::uint8_t* bytes = attribute.GetAddressOfMappedIndex(draco::PointIndex(i));
+  const draco::DataType type = attribute.data_type();
+  const int components = std::min<int>(3, attribute.num_components());
+  glm::dvec3 v(0.0);
+  for (int c = 0; c < components; ++c) {
+    v[c] = component(bytes + c * draco::DataTypeLength(type), type);
+  }
+  return v;
+}
+
 std::uint16_t to_16_bits(double intensity) {
   // The comparison is false for NaN, which thus becomes 0.
   if (!(intensity > 0.0)) return 0;
@@ -57,10 +97,11 @@ std::uint16_t to_16_bits(double intensity) {
 }
 
 void read_positions(const draco::PointAttribute& attribute, std::uint32_t n, PointCloud& cloud) {
+  const double unit = attribute.normalized() ? one_of(attribute.data_type()) : 1.0;
   std::vector<glm::dvec3> world(n);
   Box box;
   for (std::uint32_t i = 0; i < n; ++i) {
-    world[i] = value(attribute, i);
+    world[i] = value(attribute, i) / unit;
     if (std::isfinite(world[i].x) && std::isfinite(world[i].y) && std::isfinite(world[i].z)) {
       box.grow(world[i]);
     }
@@ -81,11 +122,11 @@ void read_normals(const draco::PointAttribute& attribute, std::uint32_t n, Point
 }
 
 void read_colors(const draco::PointAttribute& attribute, std::uint32_t n, PointCloud& cloud) {
-  const double scale = 1.0 / full_intensity(attribute);
+  const double one = one_of(attribute.data_type());
   const bool gray = attribute.num_components() < 3;
   cloud.colors.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) {
-    glm::dvec3 v = value(attribute, i) * scale;
+    glm::dvec3 v = value(attribute, i) / one;
     if (gray) v = glm::dvec3(v.x);
     cloud.colors[i] = {to_16_bits(v.x), to_16_bits(v.y), to_16_bits(v.z)};
   }

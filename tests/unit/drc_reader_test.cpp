@@ -333,6 +333,9 @@ TEST(DrcReader, MetadataThatNestOrClaimTooMuchAreAnError) {
   Bytes bytes = encoded(*corners(), draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
   bytes[10] |= 0x80;  // announces metadata that are not there
   EXPECT_FALSE(read_drc(bytes));
+  Bytes entries(bytes.begin(), bytes.begin() + 11);
+  entries.insert(entries.end(), {0, 0xff, 0xff, 0xff, 0xff, 0x0f});  // 2^32 - 1 entries, none there
+  EXPECT_FALSE(read_drc(entries));                                   // at once
   Bytes nested(bytes.begin(), bytes.begin() + 11);
   nested.push_back(0);  // no attribute metadata
   nested.push_back(0);  // no entries

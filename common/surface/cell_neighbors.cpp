@@ -1,0 +1,67 @@
+#include "common/surface/cell_neighbors.h"
+
+#include <bit>
+
+namespace pointreel {
+namespace {
+
+/// Where the neighbours of a child are: for each octant and each of the 27 offsets, which node of
+/// the parent's block holds it and which octant of that node it is.
+struct Step {
+  std::uint8_t parent;
+  std::uint8_t octant;
+};
+using Steps = std::array<std::array<Step, 27>, 8>;
+
+constexpr Steps make_steps() {
+  Steps steps{};
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    for (unsigned i = 0; i < 27; ++i) {
+      unsigned parent = 0, child = 0;
+      const unsigned offset[3] = {i % 3, i / 3 % 3, i / 9};
+      const unsigned scale[3] = {1, 3, 9};
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        // 1 to 4: in halves of the parent's block, whose three nodes are 0-1, 2-3, 4-5.
+        const unsigned at = 2 + (octant >> axis & 1u) + offset[axis] - 1;
+        parent += at / 2 * scale[axis];
+        child |= (at % 2) << axis;
+      }
+      steps[octant][i] = {static_cast<std::uint8_t>(parent), static_cast<std::uint8_t>(child)};
+    }
+  }
+  return steps;
+}
+constexpr Steps kSteps = make_steps();
+
+}  // namespace
+
+std::vector<NodeBlock> node_blocks(const Svo& svo) {
+  std::vector<NodeBlock> blocks(svo.node_count());
+  if (blocks.empty()) return blocks;
+  blocks[0].fill(kNoNode);
+  blocks[0][13] = 0;
+  for (std::uint32_t node = 0; node < svo.internal_count(); ++node) {
+    const NodeBlock& around = blocks[node];
+    // The block's 6 x 6 x 6 octants are among the children of 27 nodes; a number for each octant
+    // of each, so that the up to eight children of this node only look theirs up.
+    std::array<std::array<std::uint32_t, 8>, 27> numbers;
+    for (std::size_t i = 0; i < 27; ++i) {
+      const unsigned mask = around[i] == kNoNode ? 0 : svo.masks[around[i]];
+      std::uint32_t next = around[i] == kNoNode ? 0 : svo.first_child[around[i]];
+      for (unsigned octant = 0; octant < 8; ++octant) {
+        const bool there = (mask >> octant & 1u) != 0;
+        numbers[i][octant] = there ? next : kNoNode;
+        next += there ? 1u : 0u;
+      }
+    }
+    std::uint32_t child = svo.first_child[node];
+    for (unsigned octants = svo.masks[node]; octants != 0; octants &= octants - 1) {
+      const auto& steps = kSteps[static_cast<std::size_t>(std::countr_zero(octants))];
+      NodeBlock& block = blocks[child++];
+      for (std::size_t i = 0; i < 27; ++i) block[i] = numbers[steps[i].parent][steps[i].octant];
+    }
+  }
+  return blocks;
+}
+
+}  // namespace pointreel

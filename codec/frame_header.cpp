@@ -20,12 +20,12 @@ std::uint64_t checksum(ByteView header, ByteView payload) {
                               XXH3_64bits(header.data(), header.size()));
 }
 
-bool usable(const Cube& cube) {
-  return std::isfinite(cube.origin.x) && std::isfinite(cube.origin.y) &&
-         std::isfinite(cube.origin.z) && std::isnormal(cube.edge) && cube.edge > 0.0;
-}
-
 }  // namespace
+
+bool is_codable(const Cube& cube) {
+  return std::isfinite(cube.origin.x) && std::isfinite(cube.origin.y) &&
+         std::isfinite(cube.origin.z) && cube.edge >= 1e-30 && cube.edge <= 1e30;
+}
 
 void write_frame_header(const FrameHeader& header, FrameTag tag, Bytes& out) {
   const std::size_t begin = out.size();
@@ -79,7 +79,7 @@ Result<ParsedFrameHeader> read_frame_header(ByteView bytes) {
     return fail("frame has unknown codec " + std::to_string(codec));
   }
   if (header.depth > kMaxDepth || flags > (kColors | kNormals | kColors16) || layers < 1 ||
-      layers > 255 || header.coded_points > header.source_points || !usable(header.cube)) {
+      layers > 255 || header.coded_points > header.source_points || !is_codable(header.cube)) {
     return fail("frame header has a field out of range");
   }
   header.codec = static_cast<Codec>(codec);

@@ -46,6 +46,10 @@ struct ChunkHeader {
 /// Identifies a frame's content, so that a chunk of another frame is not taken for this one's.
 using FrameTag = std::uint32_t;
 
+/// Whether positions relative to the cube are finite floats that tell its cells apart: its edge is
+/// between 1e-30 and 1e30.
+bool is_codable(const Cube& cube);
+
 void write_frame_header(const FrameHeader& header, FrameTag tag, Bytes& out);
 
 struct ParsedFrameHeader {

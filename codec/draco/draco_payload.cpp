@@ -15,6 +15,7 @@
 
 #include "codec/draco/draco_decode.h"
 #include "codec/draco/drc_header.h"
+#include "codec/frame_header.h"
 #include "common/octree/svo.h"
 
 namespace pointreel {
@@ -23,12 +24,6 @@ namespace {
 using draco::GeometryAttribute;
 
 constexpr std::size_t kMaxPoints = std::size_t{1} << 26;
-constexpr double kSmallestEdge = 1e-30, kLargestEdge = 1e30;
-
-bool usable(const Cube& cube) {
-  return cube.edge >= kSmallestEdge && cube.edge <= kLargestEdge && std::isfinite(cube.origin.x) &&
-         std::isfinite(cube.origin.y) && std::isfinite(cube.origin.z);
-}
 
 Result<void> check(const PointCloud& cloud, const Cube& cube, const DracoOptions& options) {
   const auto in_range = [](int value, int low, int high) { return value >= low && value <= high; };
@@ -41,7 +36,7 @@ Result<void> check(const PointCloud& cloud, const Cube& cube, const DracoOptions
   if (!in_range(options.compression_level, 0, 10)) {
     return fail(fmt::format("--cl {} is not between 0 and 10", options.compression_level));
   }
-  if (!usable(cube)) {
+  if (!is_codable(cube)) {
     return fail(
         fmt::format("a cube with edge {} cannot be coded by Draco; scale the points", cube.edge));
   }
@@ -276,7 +271,7 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
 
 Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube,
                                         const DecodeLimits& limits) {
-  if (!usable(cube)) return fail("the Draco frame has an unusable cube");
+  if (!is_codable(cube)) return fail("the Draco frame has an unusable cube");
   if (payload.empty()) {
     PointCloud none;
     none.origin = cube.origin;

@@ -152,6 +152,7 @@ int layer_count(int depth) {
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
                                    const OctreeOptions& options, bool normals, bool colors) {
   if (cloud.size() >= std::size_t{1} << 31) return fail("a frame holds fewer than 2^31 points");
+  if (!is_codable(cube)) return fail("the edge of the cube is not between 1e-30 and 1e30");
   const auto points = sort_to_depth(cloud, cube, options.depth);
   if (!points) return tl::unexpected(points.error());
   const Svo svo = build_svo(points->sorted, cloud.empty() ? 0 : points->depth);

@@ -326,7 +326,8 @@ TEST(OctreeCodecHostile, forged_counts_are_refused_before_memory_is_taken) {
 
 TEST(OctreeCodecHostile, a_cube_that_is_none_is_refused) {
   const ChunkHeader chunk{ChunkKind::geometry, Entropy::none, 0, 1, 1};
-  for (const double edge : {0.0, -1.0, std::nan(""), HUGE_VAL, 5e-324}) {
+  for (const double edge : {0.0, -1.0, std::nan(""), HUGE_VAL, 5e-324, 1e31}) {
+    EXPECT_FALSE(encode_octree(bumpy_sphere(10), {glm::dvec3(0), edge}, {}, true, true)) << edge;
     FrameHeader header = small_header(1, 2);
     header.cube.edge = edge;
     EXPECT_FALSE(decode_octree_tree({{forged(header, chunk, {0b11}), {}, {}}}, kLimits)) << edge;

@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <cstdlib>
+
+#include "codec/codec.h"
+#include "codec/frame_header.h"
+#include "codec/octree/octree_codec.h"
+
+using namespace pointreel;
+
+namespace {
+
+constexpr DecodeLimits kLimits{1u << 20};
+
+/// Takes `size` bytes, or what is left, off the front.
+ByteView take(ByteView& bytes, std::size_t size) {
+  const ByteView taken = bytes.first(std::min(size, bytes.size()));
+  bytes = bytes.subspan(taken.size());
+  return taken;
+}
+
+std::size_t take_length(ByteView& bytes) {
+  const ByteView two = take(bytes, 2);
+  return two.size() < 2 ? 0 : static_cast<std::size_t>(two[0] | two[1] << 8);
+}
+
+std::vector<LayerView> views(const EncodedFrame& frame) {
+  std::vector<LayerView> layers;
+  for (const EncodedLayer& layer : frame.layers) {
+    layers.push_back({layer.geometry, layer.colors, layer.normals});
+  }
+  return layers;
+}
+
+/// Chunks as they are in the input, each behind its length.
+EncodedFrame raw_frame(ByteView bytes) {
+  EncodedFrame frame;
+  frame.layers.resize(3);
+  for (EncodedLayer& layer : frame.layers) {
+    for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
+      const ByteView chunk = take(bytes, take_length(bytes));
+      part->assign(chunk.begin(), chunk.end());
+    }
+  }
+  return frame;
+}
+
+/// Fields and payloads from the input behind checksums that are right, so that the decoder proper
+/// is reached and not only the check before it.
+EncodedFrame forged_frame(ByteView bytes) {
+  const ByteView fields = take(bytes, 4);
+  if (fields.size() < 4) return {};
+  FrameHeader header;
+  header.depth = fields[0] % (kMaxDepth + 2);
+  header.has_colors = fields[1] & 1;
+  header.has_normals = fields[1] & 2;
+  header.colors_16_bit = fields[1] & 4;
+  header.layers = static_cast<std::uint8_t>(layer_count(std::min<int>(header.depth, kMaxDepth)));
+  header.coded_points = header.source_points = fields[2] | fields[3] << 8;
+  EncodedFrame frame;
+  frame.layers.resize(header.layers);
+  for (std::uint8_t layer = 0; layer < header.layers; ++layer) {
+    EncodedLayer& out = frame.layers[layer];
+    if (layer == 0) write_frame_header(header, 1, out.geometry);
+    std::uint8_t kind = 0;
+    for (Bytes* part : {&out.geometry, &out.colors, &out.normals}) {
+      const ByteView coding = take(bytes, 1);
+      const std::size_t raw_size = take_length(bytes);
+      const ByteView payload = take(bytes, take_length(bytes));
+      ChunkHeader chunk;
+      chunk.kind = static_cast<ChunkKind>(kind++);
+      chunk.entropy = !coding.empty() && coding[0] & 1 ? Entropy::zstd : Entropy::none;
+      chunk.layer = layer;
+      chunk.last_level = static_cast<std::uint8_t>(
+          last_level_of_layer(layer, std::min<int>(header.depth, kMaxDepth)));
+      chunk.raw_size =
+          static_cast<std::uint32_t>(chunk.entropy == Entropy::none ? payload.size() : raw_size);
+      write_chunk(chunk, 1, payload, *part);
+    }
+  }
+  return frame;
+}
+
+}  // namespace
+
+/// Whatever decodes must be consistent, and come back the same from encoding and decoding again.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const ByteView bytes(data + 1, size - 1);
+  const EncodedFrame input = data[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
+  const auto tree = decode_octree_tree(views(input), kLimits);
+  const auto frame = decode_frame(views(input), kLimits);
+  if (!tree || !frame) return 0;
+  if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
+
+  // Cells come back exactly where a float tells them apart: always, in a cube at the origin.
+  PointCloud cloud = frame->cloud;
+  cloud.origin = glm::dvec3(0.0);
+  const Cube cube{glm::dvec3(0.0), frame->cube.edge};
+  const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth)};
+  const auto again = encode_frame(cloud, cube, {options, true, true});
+  if (!again) std::abort();
+  const auto twice = decode_octree_tree(views(*again), kLimits);
+  if (!twice || (!cloud.empty() && twice->svo.masks != tree->svo.masks)) std::abort();
+  return 0;
+}

@@ -1,0 +1,55 @@
+#include <gtest/gtest.h>
+
+#include "codec/codec.h"
+
+namespace pointreel {
+namespace {
+
+PointCloud two_points() {
+  PointCloud cloud;
+  cloud.positions = {{0.25f, 0.25f, 0.25f}, {0.75f, 0.75f, 0.75f}};
+  cloud.normals = {{1, 0, 0}, {0, 1, 0}};
+  cloud.colors = {{0, 257, 65535}, {514, 0, 0}};
+  return cloud;
+}
+
+std::vector<LayerView> views(const EncodedFrame& frame) {
+  std::vector<LayerView> out;
+  for (const EncodedLayer& layer : frame.layers) {
+    out.push_back({layer.geometry, layer.colors, layer.normals});
+  }
+  return out;
+}
+
+TEST(Registry, decodes_by_the_codec_that_the_frame_names) {
+  for (const EncodeOptions& options :
+       {EncodeOptions{OctreeOptions{}}, EncodeOptions{DracoOptions{}}}) {
+    const auto frame = encode_frame(two_points(), Cube{}, options);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const auto decoded = decode_frame(views(*frame));
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    EXPECT_EQ(decoded->cloud.size(), 2u);
+    EXPECT_EQ(decoded->svo.has_value(), options.id() == Codec::octree);
+  }
+}
+
+TEST(Registry, parts_add_up_to_the_frame) {
+  for (const EncodeOptions& options :
+       {EncodeOptions{OctreeOptions{}}, EncodeOptions{DracoOptions{}}}) {
+    const auto frame = encode_frame(two_points(), Cube{}, options);
+    ASSERT_TRUE(frame);
+    const auto parts = measure_parts(*frame, two_points(), Cube{}, options);
+    ASSERT_TRUE(parts);
+    EXPECT_EQ(parts->geometry + parts->colors + parts->normals, frame->size());
+  }
+}
+
+TEST(Registry, of_no_layers_or_no_frame_is_an_error) {
+  EXPECT_FALSE(decode_frame({}));
+  EXPECT_FALSE(decode_frame({LayerView{}}));
+  const Bytes noise(200, 0x5a);
+  EXPECT_FALSE(decode_frame({LayerView{noise, {}, {}}}));
+}
+
+}  // namespace
+}  // namespace pointreel

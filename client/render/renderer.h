@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "client/render/gl_objects.h"
+#include "client/render/image.h"
+#include "client/render/instances.h"
+#include "client/scene/camera.h"
+#include "client/scene/cut.h"
+#include "client/scene/frame.h"
+
+namespace pointreel {
+
+struct DrawOptions {
+  DrawMode mode = DrawMode::surfel;
+  /// By what the surfels' radii are multiplied in the visibility and the shading pass. The paper's
+  /// mode, section V-B, is 1 and 2; both enlarged is the default, for the reason in ERRATA 11.
+  float visibility_scale = 2.0f;
+  float shading_scale = 2.0f;
+  float pixel_size = 1.0f;  ///< edge in pixels below which voxels are not divided; see VoxelCut
+  float point_size = 2.0f;  ///< edge of a point in pixels
+  bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
+  glm::vec3 background{0.11f, 0.12f, 0.14f};  ///< sRGB, 0 to 1
+
+  bool operator==(const DrawOptions&) const = default;
+};
+
+struct DrawStats {
+  std::uint32_t drawn = 0;    ///< surfels, points or voxels submitted
+  std::uint32_t visited = 0;  ///< octree nodes that the voxel cut came to
+  double cut_ms = 0.0;        ///< the cut of the octree; 0 where the last one was used again
+  /// Packing, upload and drawing: wall time until glFinish returns, which on software OpenGL is all
+  /// of the work (timer queries measure nothing there) and on a graphics card includes the wait.
+  double render_ms = 0.0;
+};
+
+/// Draws frames into a framebuffer of its own, by hardware instancing (paper 2, section IV-B, with
+/// per-instance vertex attributes): surfels by two-pass splatting, voxels as cubes, points.
+///
+/// Needs a current OpenGL 4.5 context, always the same one, from construction to destruction, and
+/// does not know whether that is a window's. Sets all state that it depends on when it draws, and
+/// restores none. Depth is reversed, in 32-bit float. Colours come in and go out as sRGB; lighting
+/// and the blending of splats happen in linear light, with 32-bit float sums.
+class Renderer {
+ public:
+  static Result<Renderer> create();
+
+  /// Draws `frame` (null or empty: the background alone) as a picture of `size` pixels, both > 0.
+  /// Keeps hold of the frame: points are uploaded when frame or mode change, voxels when the cut
+  /// does, and the cut is used again while frame, camera and size stay as they are.
+  Result<DrawStats> draw(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
+                         glm::ivec2 size, const DrawOptions& options);
+
+  /// Copies the last picture into a framebuffer, 0 for a window's; lower left corners coincide.
+  void present(GLuint framebuffer) const;
+
+  /// The last picture; an error before the first one.
+  Result<Image> read_pixels() const;
+
+ private:
+  /// The view of a scene whose zero is the instances' origin; the layout of common.glsl.
+  struct ViewBlock {
+    glm::mat4 to_clip;
+    glm::vec4 eye;
+    glm::vec4 light;
+    glm::vec4 pixel;
+  };
+  /// What the voxel cut depends on.
+  struct CutKey {
+    Camera camera;
+    glm::ivec2 size;
+    float pixel_size;
+    bool operator==(const CutKey&) const = default;
+  };
+
+  Renderer() = default;
+  Result<void> resize(glm::ivec2 size);
+  void update_instances(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
+                        const DrawOptions& options, DrawStats& stats);
+  void draw_surfels(const DrawOptions& options) const;
+  void draw_voxels() const;
+  void draw_points(const DrawOptions& options) const;
+
+  gl::Program visibility_, splat_, resolve_, voxel_, point_;
+  gl::Buffer instance_buffer_, view_buffer_;
+  gl::VertexArray per_instance_, per_vertex_;
+  gl::Texture color_, sums_, depth_;
+  gl::Framebuffer picture_, splats_;
+  glm::ivec2 size_{0};
+
+  std::shared_ptr<const SceneFrame> frame_;  ///< what the instances were made of
+  DrawMode mode_ = DrawMode::surfel;
+  std::optional<CutKey> cut_key_;
+  std::uint32_t visited_ = 0;
+  VoxelCut cut_;
+  Instances instances_;
+};
+
+}  // namespace pointreel

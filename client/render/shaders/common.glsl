@@ -1,0 +1,29 @@
+// What every stage sees. Coordinates of the scene are relative to the origin of its instances.
+layout(std140, binding = 0) uniform View {
+  mat4 to_clip;  // from the scene to clip coordinates; reversed depth
+  vec4 eye;      // xyz: of the scene; w: distance of the near plane
+  vec4 light;    // xyz: unit vector towards the light; w: 1 with lighting, 0 without
+  vec4 pixel;    // x: size of a pixel at depth 1
+};
+
+// Outside of every clip plane that matters: what is placed here is not drawn.
+const vec4 kCulled = vec4(0.0, 0.0, -2.0, 1.0);
+
+vec3 linear_from_srgb(vec3 c) {
+  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
+}
+
+// Diffuse light from near the eye, with a part that comes from everywhere so that nothing is black.
+// The result is linear light.
+vec3 shade(vec3 srgb, vec3 normal) {
+  const float ambient = 0.25;
+  float diffuse = max(dot(normal, light.xyz), 0.0);
+  return linear_from_srgb(srgb) * mix(1.0, mix(ambient, 1.0, diffuse), light.w);
+}
+
+// Unit vector from a point of the scene to the eye; never NaN.
+vec3 towards_eye(vec3 p) {
+  vec3 d = eye.xyz - p;
+  float l2 = dot(d, d);
+  return l2 > 0.0 ? d * inversesqrt(l2) : light.xyz;
+}

@@ -1,0 +1,529 @@
+#include "client/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "client/render/gl_context.h"
+
+namespace pointreel {
+namespace {
+
+constexpr glm::ivec2 kSize(240, 180);
+constexpr glm::u16vec3 kRed(0xffff, 0, 0), kGreen(0, 0xffff, 0), kBlue(0, 0, 0xffff),
+    kOrange(0xffff, 0x8080, 0x2020);
+constexpr glm::vec3 kFront(0.0f, 0.0f, 1.0f);
+
+int difference(const glm::u8vec3& a, const glm::u8vec3& b) {
+  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
+}
+
+glm::u8vec3 eight_bits(const glm::u16vec3& c) { return glm::u8vec3(c / std::uint16_t{257}); }
+
+int largest_difference(const Image& a, const Image& b) {
+  if (a.pixels.size() != b.pixels.size()) return 256;
+  int largest = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    largest = std::max(largest, difference(a.pixels[i], b.pixels[i]));
+  }
+  return largest;
+}
+
+std::size_t count_near(const Image& image, const glm::u8vec3& color, int within = 3) {
+  return static_cast<std::size_t>(
+      std::count_if(image.pixels.begin(), image.pixels.end(),
+                    [&](const glm::u8vec3& p) { return difference(p, color) <= within; }));
+}
+
+void add(PointCloud& cloud, const glm::vec3& p, const glm::vec3& n, const glm::u16vec3& color,
+         float radius) {
+  cloud.positions.push_back(p);
+  cloud.normals.push_back(n);
+  cloud.colors.push_back(color);
+  cloud.radii.push_back(radius);
+}
+
+std::shared_ptr<SceneFrame> frame_of(PointCloud cloud, int depth = 5) {
+  auto frame = std::make_shared<SceneFrame>();
+  frame->cloud = std::move(cloud);
+  // One cube for all of them, so that a voxel's place does not depend on the other points.
+  const SortedPoints sorted = sort_points(frame->cloud, {frame->cloud.origin - 1.5, 3.0});
+  frame->svo = build_svo(sorted, depth);
+  frame->attributes = mean_attributes(frame->svo, frame->cloud, sorted);
+  return frame;
+}
+
+/// Four colours, none of them on the boundary of a voxel, no two of them where a mirrored axis or a
+/// rotation would put another.
+PointCloud asymmetric_cloud() {
+  PointCloud cloud;
+  add(cloud, {0.8f, 0.14f, 0.04f}, kFront, kRed, 0.1f);
+  add(cloud, {0.23f, 0.7f, 0.04f}, kFront, kGreen, 0.1f);
+  add(cloud, {-0.52f, -0.42f, 0.24f}, kFront, kBlue, 0.1f);
+  add(cloud, {0.04f, 0.04f, 0.04f}, kFront, kOrange, 0.1f);
+  return cloud;
+}
+
+Camera front_camera() {
+  Camera camera;
+  camera.distance = 4.0;
+  return camera;
+}
+
+/// The pixel in which a world point lies, by arithmetic of its own.
+glm::ivec2 pixel_of(const Camera& camera, const glm::dvec3& world, glm::ivec2 size = kSize) {
+  const glm::dvec3 e = glm::transpose(camera.axes()) * (world - camera.eye());
+  const double f = 0.5 * size.y / std::tan(0.5 * camera.fov_y);
+  return glm::ivec2(glm::floor(glm::dvec2(0.5 * size.x + f * e.x / -e.z,  //
+                                          0.5 * size.y - f * e.y / -e.z)));
+}
+
+DrawOptions plain(DrawMode mode) {
+  DrawOptions options;
+  options.mode = mode;
+  options.lighting = false;
+  options.point_size = 5.0f;
+  options.background = glm::vec3(0.2f, 0.4f, 0.6f);
+  return options;
+}
+
+const glm::u8vec3 kBackground(51, 102, 153);
+constexpr DrawMode kModes[] = {DrawMode::surfel, DrawMode::voxel, DrawMode::point};
+
+class RendererTest : public testing::Test {
+ protected:
+  // Without any context these tests fail: software OpenGL is a supported target.
+  void SetUp() override {
+    Result<OffscreenContext> context = OffscreenContext::create();
+    ASSERT_TRUE(context) << context.error().message;
+    context_ = std::make_unique<OffscreenContext>(std::move(*context));
+    Result<Renderer> renderer = Renderer::create();
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    renderer_ = std::make_unique<Renderer>(std::move(*renderer));
+  }
+  void TearDown() override {
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    renderer_.reset();
+  }
+
+  Image picture(const std::shared_ptr<const SceneFrame>& frame, const Camera& camera,
+                const DrawOptions& options, glm::ivec2 size = kSize) {
+    const Result<DrawStats> stats = renderer_->draw(frame, camera, size, options);
+    EXPECT_TRUE(stats) << stats.error().message;
+    if (stats) stats_ = *stats;
+    Result<Image> image = renderer_->read_pixels();
+    EXPECT_TRUE(image);
+    return image ? std::move(*image) : Image{};
+  }
+
+  std::unique_ptr<OffscreenContext> context_;
+  std::unique_ptr<Renderer> renderer_;
+  DrawStats stats_;
+};
+
+TEST_F(RendererTest, DrawsEachColourAtItsPlaceInEveryMode) {
+  const PointCloud cloud = asymmetric_cloud();
+  const auto frame = frame_of(cloud);
+  for (const char up : {'y', 'z'}) {
+    Camera camera = front_camera();
+    camera.up = up;
+    if (up == 'z') camera.orbit(0.0, 1.5);  // from above, so that the normals face the eye
+    for (const DrawMode mode : kModes) {
+      const Image image = picture(frame, camera, plain(mode));
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const glm::ivec2 at = pixel_of(camera, cloud.world(i));
+        EXPECT_LE(difference(image.at(at.x, at.y), eight_bits(cloud.colors[i])), 2)
+            << "mode " << static_cast<int>(mode) << " up " << up << " point " << i;
+        EXPECT_GE(count_near(image, eight_bits(cloud.colors[i])), 20u);
+      }
+      EXPECT_EQ(difference(image.at(1, 1), kBackground), 0);
+      EXPECT_GT(count_near(image, kBackground, 0), image.pixels.size() * 3 / 4);
+      EXPECT_EQ(stats_.drawn, 4u);
+    }
+  }
+}
+
+TEST_F(RendererTest, TurnsTheSceneTheOtherWayWhenTheEyeMovesRight) {
+  PointCloud cloud;
+  add(cloud, {0.04f, 0.04f, 0.8f}, kFront, kRed, 0.1f);  // nearer than the target
+  const auto frame = frame_of(cloud);
+  Camera camera = front_camera();
+  camera.orbit(0.4, 0.0);
+  for (const DrawMode mode : kModes) {
+    const Image image = picture(frame, camera, plain(mode));
+    const glm::ivec2 at = pixel_of(camera, cloud.world(0));
+    EXPECT_LT(at.x, kSize.x / 2 - 5);
+    EXPECT_LE(difference(image.at(at.x, at.y), glm::u8vec3(255, 0, 0)), 2);
+  }
+}
+
+TEST_F(RendererTest, DrawsASceneFarFromTheWorldsZeroTheSameWay) {
+  PointCloud cloud = asymmetric_cloud();
+  Camera camera = front_camera();
+  for (const DrawMode mode : kModes) {
+    cloud.origin = glm::dvec3(0.0);
+    camera.target = glm::dvec3(0.0);
+    const Image here = picture(frame_of(cloud), camera, plain(mode));
+    cloud.origin = camera.target = glm::dvec3(1048576.0, -3145728.0, 7340032.0);
+    const Image there = picture(frame_of(cloud), camera, plain(mode));
+    EXPECT_EQ(largest_difference(here, there), 0);
+  }
+}
+
+TEST_F(RendererTest, AnEmptyFrameOrNoneIsTheBackground) {
+  for (const DrawMode mode : kModes) {
+    picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
+    for (const auto& frame : {std::shared_ptr<SceneFrame>(), std::make_shared<SceneFrame>()}) {
+      const Image image = picture(frame, front_camera(), plain(mode));
+      EXPECT_EQ(count_near(image, kBackground, 0), image.pixels.size());
+      EXPECT_EQ(stats_.drawn, 0u);
+    }
+  }
+}
+
+TEST_F(RendererTest, ASurfelThatFacesAwayIsCulledAndOneOfUnknownOrientationIsNot) {
+  const auto pixels_of = [&](const glm::vec3& n) {
+    PointCloud cloud;
+    add(cloud, glm::vec3(0.0f), n, kOrange, 0.2f);
+    DrawOptions options = plain(DrawMode::surfel);
+    options.visibility_scale = options.shading_scale = 1.0f;
+    const Image image = picture(frame_of(cloud), front_camera(), options);
+    EXPECT_EQ(count_near(image, eight_bits(kOrange), 1) + count_near(image, kBackground, 0),
+              image.pixels.size());
+    return count_near(image, eight_bits(kOrange), 1);
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::size_t facing = pixels_of(kFront);
+  EXPECT_GT(facing, 100u);
+  EXPECT_EQ(pixels_of(-kFront), 0u);
+  EXPECT_EQ(pixels_of(glm::vec3(0.0f)), facing);
+  EXPECT_EQ(pixels_of(glm::vec3(nan)), facing);
+}
+
+TEST_F(RendererTest, ACloudWithoutAnyNormalsOrColoursIsDrawnInGrey) {
+  PointCloud cloud;
+  cloud.positions = {{0.3f, 0.2f, 0.0f}};
+  cloud.radii = {0.1f};
+  const auto frame = frame_of(cloud);
+  for (const DrawMode mode : kModes) {
+    const Image image = picture(frame, front_camera(), plain(mode));
+    const glm::ivec2 at = pixel_of(front_camera(), cloud.world(0));
+    EXPECT_LE(difference(image.at(at.x, at.y), glm::u8vec3(127)), 1);
+  }
+}
+
+TEST_F(RendererTest, AbsentColoursAreMadeFromTheNormals) {
+  PointCloud cloud;
+  const glm::vec3 n = glm::normalize(glm::vec3(0.6f, -0.3f, 0.74f));
+  cloud.positions = {{0.3f, 0.2f, 0.0f}};
+  cloud.normals = {n};
+  cloud.radii = {0.1f};
+  const auto frame = frame_of(cloud);
+  for (const DrawMode mode : kModes) {
+    const Image image = picture(frame, front_camera(), plain(mode));
+    const glm::ivec2 at = pixel_of(front_camera(), cloud.world(0));
+    const glm::u8vec3 expected(127.5f + 127.5f * n);
+    EXPECT_LE(difference(image.at(at.x, at.y), expected), 2) << static_cast<int>(mode);
+  }
+}
+
+TEST_F(RendererTest, LightMakesWhatFacesItBrighterThanWhatDoesNot) {
+  for (const DrawMode mode : kModes) {
+    const auto brightness = [&](const glm::vec3& n) {
+      PointCloud cloud;
+      add(cloud, glm::vec3(0.04f), n, glm::u16vec3(0xc000), 0.2f);
+      DrawOptions options = plain(mode);
+      options.lighting = true;
+      const glm::ivec2 at = pixel_of(front_camera(), cloud.world(0));
+      return picture(frame_of(cloud), front_camera(), options).at(at.x, at.y).x;
+    };
+    EXPECT_GT(brightness(kFront), brightness(glm::normalize(glm::vec3(0.9f, 0.0f, 0.4f))) + 20);
+  }
+}
+
+TEST_F(RendererTest, AnIsolatedSurfelIsADiscOfItsRadiusSeenAtItsAngle) {
+  DrawOptions options = plain(DrawMode::surfel);
+  options.visibility_scale = options.shading_scale = 1.0f;
+  Camera camera = front_camera();
+  const double f = 0.5 * kSize.y / std::tan(0.5 * camera.fov_y) / camera.distance;
+  // Looking down at 0.7 rad; the first normal is the pole of the surfel's frame.
+  camera.orbit(0.0, 0.7);
+  for (const glm::vec3& n : {glm::vec3(0, 1, 0), kFront, glm::normalize(glm::vec3(0.5f, 1, 1)),
+                             glm::normalize(glm::vec3(-0.8f, 0.3f, 0.6f))}) {
+    PointCloud cloud;
+    add(cloud, glm::vec3(0.0f), n, kRed, 0.5f);
+    const Image image = picture(frame_of(cloud), camera, options);
+    // The weight falls to the hole's threshold within the disc: exp(-4.5 d^2) = 0.02.
+    const double visible = std::log(0.02) / -4.5;
+    const double area =
+        std::numbers::pi * 0.25 * visible * f * f * glm::dot(glm::dvec3(n), camera.axes()[2]);
+    EXPECT_NEAR(static_cast<double>(count_near(image, {255, 0, 0})), area, 0.06 * area);
+  }
+}
+
+TEST_F(RendererTest, SplatsBlendByWeightInLinearLight) {
+  PointCloud cloud;
+  add(cloud, {-0.1f, 0.0f, 0.0f}, kFront, kRed, 0.2f);
+  add(cloud, {0.1f, 0.0f, 0.0f}, kFront, kGreen, 0.2f);
+  const glm::ivec2 size(241, 181);  // a pixel's centre in the middle of both
+  const Image image = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel), size);
+  EXPECT_LE(difference(image.at(120, 90), glm::u8vec3(188, 188, 0)), 1);
+}
+
+TEST_F(RendererTest, ThousandsOfSplatsOnOnePixelDoNotSaturate) {
+  PointCloud cloud;
+  for (int i = 0; i < 20000; ++i) add(cloud, glm::vec3(0.0f), kFront, kOrange, 0.05f);
+  const Image image = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel));
+  EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y / 2), eight_bits(kOrange)), 1);
+}
+
+TEST_F(RendererTest, WhatIsInFrontHidesWhatIsBehindInAnyOrder) {
+  for (const bool front_first : {true, false}) {
+    PointCloud cloud;
+    const auto add_red = [&] { add(cloud, {0.04f, 0.04f, 0.9f}, kFront, kRed, 0.1f); };
+    if (front_first) add_red();
+    add(cloud, {0.04f, 0.04f, -0.9f}, kFront, kGreen, 0.1f);
+    if (!front_first) add_red();
+    const glm::ivec2 at = pixel_of(front_camera(), {0.04, 0.04, 0.9});
+    for (const DrawMode mode : kModes) {
+      const Image image = picture(frame_of(cloud), front_camera(), plain(mode));
+      EXPECT_LE(difference(image.at(at.x, at.y), glm::u8vec3(255, 0, 0)), 1)
+          << "mode " << static_cast<int>(mode) << " front first " << front_first;
+    }
+  }
+}
+
+TEST_F(RendererTest, OrdersDepthsAHundredThousandTimesTheNearPlaneAway) {
+  Camera camera = front_camera();
+  camera.distance = 1.0;
+  const float far = static_cast<float>(1e5 * camera.near_plane());
+  for (const bool front_first : {true, false}) {
+    PointCloud cloud;
+    const auto add_red = [&] { add(cloud, {0.0f, 0.0f, 1.0f - far}, kFront, kRed, 1.0f); };
+    if (front_first) add_red();
+    add(cloud, {0.0f, 0.0f, 1.0f - far * 1.0001f}, kFront, kGreen, 0.001f);
+    if (!front_first) add_red();
+    const auto frame = frame_of(cloud);
+    Image image = picture(frame, camera, plain(DrawMode::point));
+    EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y / 2), glm::u8vec3(255, 0, 0)), 1);
+    // Surfels need more than the tolerance of the visibility pass, twice the radius, between them.
+    frame->cloud.positions[front_first ? 1 : 0].z = 1.0f - far * 1.03f;
+    frame->cloud.radii[front_first ? 1 : 0] = 1.0f;
+    image = picture(frame_of(frame->cloud), camera, plain(DrawMode::surfel));
+    EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y / 2), glm::u8vec3(255, 0, 0)), 1);
+  }
+}
+
+TEST_F(RendererTest, AFloorThatCrossesTheNearPlaneFillsTheLowerHalf) {
+  PointCloud cloud;
+  add(cloud, {0.0f, -0.5f, 0.0f}, {0.0f, 1.0f, 0.0f}, kGreen, 100.0f);
+  Camera camera = front_camera();  // the eye is above the middle of the floor
+  const Image image = picture(frame_of(cloud), camera, plain(DrawMode::surfel));
+  const std::size_t green = count_near(image, {0, 255, 0}),
+                    background = count_near(image, kBackground, 0);
+  EXPECT_EQ(green + background, image.pixels.size());
+  EXPECT_NEAR(static_cast<double>(green), 0.5 * static_cast<double>(image.pixels.size()),
+              0.03 * static_cast<double>(image.pixels.size()));
+  EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y - 1), {0, 255, 0}), 2);
+  EXPECT_EQ(difference(image.at(kSize.x / 2, 0), kBackground), 0);
+}
+
+TEST_F(RendererTest, SurfelsAroundTheEyeAndAtTheEyeLeaveNothingUndefined) {
+  PointCloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(-0.02f, 0.02f);
+  for (int i = 0; i < 300; ++i) {
+    const glm::vec3 n(unit(random), unit(random), unit(random));
+    add(cloud, glm::vec3(unit(random), unit(random), 4.0f + unit(random)),
+        i % 3 ? glm::normalize(n) : glm::vec3(0.0f), kOrange, 0.02f);
+  }
+  add(cloud, {0.0f, 0.0f, 4.0f}, glm::vec3(0.0f), kOrange, 0.02f);
+  const Image image = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel));
+  EXPECT_EQ(count_near(image, eight_bits(kOrange), 2) + count_near(image, kBackground, 0),
+            image.pixels.size());
+}
+
+TEST_F(RendererTest, VoxelsHaveTheSizeOfTheirLevelAndShowNoGaps) {
+  // A full plate of 8 x 8 voxels of the 3-unit cube at depth 5, normals unknown.
+  PointCloud cloud;
+  const float cell = 3.0f / 32.0f;
+  for (int y = -4; y < 4; ++y) {
+    for (int x = -4; x < 4; ++x) {
+      add(cloud, {(0.5f + static_cast<float>(x)) * cell, (0.5f + static_cast<float>(y)) * cell, 0},
+          glm::vec3(0.0f), kRed, 0.1f);
+    }
+  }
+  Camera camera = front_camera();
+  const Image image = picture(frame_of(cloud), camera, plain(DrawMode::voxel));
+  // The front faces lie at z = one cell (z = 0 is a boundary between cells, the upper one counts).
+  const double f = 0.5 * kSize.y / std::tan(0.5 * camera.fov_y) / (camera.distance - cell);
+  const double side = 8.0 * cell * f;
+  EXPECT_NEAR(static_cast<double>(count_near(image, {255, 0, 0})), side * side, 0.04 * side * side);
+  const int half = static_cast<int>(0.5 * side) - 1;
+  for (int y = -half; y <= half; ++y) {
+    for (int x = -half; x <= half; ++x) {
+      ASSERT_LE(difference(image.at(kSize.x / 2 + x, kSize.y / 2 + y), {255, 0, 0}), 2);
+    }
+  }
+}
+
+TEST_F(RendererTest, ACubeShowsItsFacesTowardsTheEyeFromEverySide) {
+  PointCloud cloud;
+  add(cloud, glm::vec3(0.0f), glm::vec3(0.0f), glm::u16vec3(0xffff), 0.1f);
+  const auto frame = frame_of(cloud, 1);  // the voxel from 0 to 1.5
+  DrawOptions options = plain(DrawMode::voxel);
+  options.lighting = true;
+  for (int octant = 0; octant < 8; ++octant) {
+    Camera camera = front_camera();
+    camera.target = glm::dvec3(0.75);
+    camera.distance = 8.0;
+    camera.orbit(0.785 + 1.5708 * (octant & 3), octant & 4 ? 0.6 : -0.6);
+    const Image image = picture(frame, camera, options);
+    // White, dimmed by the light on a face: light from the left and above in the eye's space.
+    const glm::dvec3 light = camera.axes() * glm::normalize(glm::dvec3(-0.35, 0.45, 1.0));
+    const glm::dvec3 sign = glm::sign(camera.eye() - camera.target);
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 normal(0.0);
+      normal[axis] = sign[axis];
+      const glm::ivec2 at = pixel_of(camera, camera.target + 0.75 * normal);
+      const double linear = 0.25 + 0.75 * std::max(glm::dot(normal, light), 0.0);
+      const double srgb = 255.0 * (1.055 * std::pow(linear, 1 / 2.4) - 0.055);
+      EXPECT_NEAR(image.at(at.x, at.y).x, srgb, 2.0) << "octant " << octant << " axis " << axis;
+    }
+  }
+}
+
+TEST_F(RendererTest, AStaticSceneIsTheSameByteByByteAndItsCutIsUsedAgain) {
+  const auto frame = frame_of(asymmetric_cloud());
+  for (const DrawMode mode : kModes) {
+    const Image first = picture(frame, front_camera(), plain(mode));
+    const DrawStats first_stats = stats_;
+    const Image second = picture(frame, front_camera(), plain(mode));
+    EXPECT_EQ(largest_difference(first, second), 0);
+    EXPECT_EQ(stats_.drawn, first_stats.drawn);
+    EXPECT_EQ(stats_.visited, first_stats.visited);
+    EXPECT_EQ(stats_.cut_ms, 0.0);
+    if (mode == DrawMode::voxel) {
+      EXPECT_GT(first_stats.cut_ms, 0.0);
+      Camera moved = front_camera();
+      moved.orbit(0.3, 0.0);
+      EXPECT_GT(largest_difference(second, picture(frame, moved, plain(mode))), 50);
+      EXPECT_GT(stats_.cut_ms, 0.0);
+    }
+  }
+}
+
+TEST_F(RendererTest, TheOrderOfTheSurfelsChangesAtMostOneStepOfAColour) {
+  std::mt19937 random(9);
+  std::normal_distribution<float> normal;
+  PointCloud cloud, shuffled;
+  for (int i = 0; i < 4000; ++i) {
+    const glm::vec3 n = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+    add(cloud, n, n, glm::u16vec3(random(), random(), random()), 0.05f);
+  }
+  std::vector<std::size_t> order(cloud.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::shuffle(order.begin(), order.end(), random);
+  for (const std::size_t i : order) {
+    add(shuffled, cloud.positions[i], cloud.normals[i], cloud.colors[i], cloud.radii[i]);
+  }
+  const Image a = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel));
+  const Image b = picture(frame_of(shuffled), front_camera(), plain(DrawMode::surfel));
+  EXPECT_LT(count_near(a, kBackground, 0), a.pixels.size() * 3 / 4);
+  EXPECT_LE(largest_difference(a, b), 1);
+}
+
+TEST_F(RendererTest, NothingIsLeftOfALargerFrameAnotherModeOrAnotherSize) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  PointCloud large;
+  for (int i = 0; i < 1000; ++i) {
+    add(large, {unit(random), unit(random), unit(random)}, kFront, kGreen, 0.1f);
+  }
+  const auto small = frame_of(asymmetric_cloud());
+  for (const DrawMode mode : kModes) {
+    const Image before = picture(small, front_camera(), plain(mode));
+    for (const DrawMode other : kModes) {
+      picture(frame_of(large), front_camera(), plain(other), {64, 300});
+      EXPECT_EQ(largest_difference(before, picture(small, front_camera(), plain(mode))), 0);
+      picture(small, front_camera(), plain(other));
+      EXPECT_EQ(largest_difference(before, picture(small, front_camera(), plain(mode))), 0);
+    }
+  }
+}
+
+TEST_F(RendererTest, PresentsTheSameBytesThatItReads) {
+  const Image image =
+      picture(frame_of(asymmetric_cloud()), front_camera(), plain(DrawMode::surfel));
+  gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
+  gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, kSize.x, kSize.y);
+  const Result<gl::Framebuffer> target = gl::make_framebuffer(color, depth);
+  ASSERT_TRUE(target);
+  renderer_->present(target->name());
+  std::vector<glm::u8vec3> bottom_up(image.pixels.size());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureImage(color.name(), 0, GL_RGB, GL_UNSIGNED_BYTE,
+                    static_cast<GLsizei>(bottom_up.size() * 3), bottom_up.data());
+  for (int y = 0; y < kSize.y; ++y) {
+    for (int x = 0; x < kSize.x; ++x) {
+      const auto i = static_cast<std::size_t>((kSize.y - 1 - y) * kSize.x + x);
+      ASSERT_EQ(difference(image.at(x, y), bottom_up[i]), 0);
+    }
+  }
+}
+
+TEST_F(RendererTest, RefusesAPictureThatIsTooLargeAndReadsNoneBeforeTheFirst) {
+  EXPECT_FALSE(renderer_->read_pixels());
+  EXPECT_FALSE(renderer_->draw(nullptr, Camera{}, {0, 100}, DrawOptions{}));
+  const Result<DrawStats> huge = renderer_->draw(nullptr, Camera{}, {1 << 24, 1}, DrawOptions{});
+  ASSERT_FALSE(huge);
+  EXPECT_NE(huge.error().message.find("16777216x1"), std::string::npos);
+}
+
+TEST_F(RendererTest, AMissingShaderIsAnErrorThatNamesIt) {
+  const Result<gl::Program> program = gl::make_program("absent.glsl", "flat.frag.glsl");
+  ASSERT_FALSE(program);
+  EXPECT_NE(program.error().message.find("absent.glsl"), std::string::npos);
+  // What all stages share comes first, so this is there twice; the compiler's words come through.
+  const Result<gl::Program> wrong = gl::make_program("common.glsl", "flat.frag.glsl");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message.find("common.glsl does not compile: "), std::string::npos)
+      << wrong.error().message;
+  EXPECT_EQ(wrong.error().message.find('\n'), std::string::npos);
+}
+
+TEST(Image, IsWrittenAsPngTopRowFirstAndAnUnwritablePathIsNamed) {
+  Image image{3, 2, {}};
+  image.pixels = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {1, 2, 3}, {4, 5, 6}, {250, 128, 7}};
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "pointreel-image-test.png").string();
+  const Result<void> written = write_png(path, image);
+  ASSERT_TRUE(written) << written.error().message;
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_file(&png, path.c_str()));
+  ASSERT_EQ(png.width, 3u);
+  ASSERT_EQ(png.height, 2u);
+  png.format = PNG_FORMAT_RGB;
+  std::vector<glm::u8vec3> pixels(6);
+  ASSERT_TRUE(png_image_finish_read(&png, nullptr, pixels.data(), 0, nullptr));
+  EXPECT_EQ(pixels, image.pixels);
+  std::filesystem::remove(path);
+
+  const Result<void> refused = write_png("/nonexistent/folder/x.png", image);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("/nonexistent/folder/x.png"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,53 @@
+#include "client/render/surfel_frame.h"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+std::vector<glm::vec3> normals() {
+  std::vector<glm::vec3> all;
+  for (const float y : {1.0f, -1.0f}) {
+    all.push_back({0.0f, y, 0.0f});
+    all.push_back({0.0f, std::nextafter(y, 0.0f), 0.0f});
+    // One ulp beside the pole, the smallest numbers beside it, and both sides of the tolerance.
+    for (const float beside :
+         {std::nextafter(0.0f, 1.0f), 1.2e-38f, 6e-8f, 0.99e-6f, 1.01e-6f, 1e-4f}) {
+      for (const float sign : {1.0f, -1.0f}) {
+        all.push_back(glm::normalize(glm::vec3(sign * beside, y, 0.0f)));
+        all.push_back(glm::normalize(glm::vec3(0.0f, y, sign * beside)));
+        all.push_back(glm::normalize(glm::vec3(sign * beside, y, beside)));
+      }
+    }
+  }
+  for (const float s : {1.0f, -1.0f}) {
+    all.push_back({s, 0.0f, 0.0f});
+    all.push_back({0.0f, 0.0f, s});
+  }
+  std::mt19937 random(11);
+  std::normal_distribution<float> normal;
+  for (int i = 0; i < 20000; ++i) {
+    all.push_back(glm::normalize(glm::vec3(normal(random), normal(random), normal(random))));
+  }
+  return all;
+}
+
+TEST(SurfelFrame, IsOrthonormalAndRightHandedForEveryNormal) {
+  for (const glm::vec3& n : normals()) {
+    const SurfelFrame frame = surfel_frame(n);
+    const glm::dvec3 u(frame.u), v(frame.v), w(n);
+    ASSERT_NEAR(glm::length(u), 1.0, 1e-6) << n.x << " " << n.y << " " << n.z;
+    ASSERT_NEAR(glm::length(v), 1.0, 1e-6) << n.x << " " << n.y << " " << n.z;
+    ASSERT_NEAR(glm::dot(u, v), 0.0, 1e-6);
+    ASSERT_NEAR(glm::dot(u, w), 0.0, 1e-6);
+    ASSERT_NEAR(glm::dot(v, w), 0.0, 1e-6);
+    ASSERT_LT(glm::length(glm::cross(u, v) - w), 2e-6) << "left-handed";
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,46 @@
+#include "client/ui/bindings.h"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+TEST(Bindings, UseNoKeyTwice) {
+  std::set<std::string_view> keys;
+  for (const Binding& binding : bindings())
+    EXPECT_TRUE(keys.insert(binding.key).second) << binding.key;
+}
+
+TEST(Bindings, GiveEveryActionAKey) {
+  std::set<Action> actions;
+  for (const Binding& binding : bindings()) actions.insert(binding.action);
+  EXPECT_EQ(actions.size(), static_cast<std::size_t>(Action::quit) + 1);
+}
+
+TEST(Bindings, AreThoseOfMpv) {
+  EXPECT_EQ(action_of("SPACE"), Action::toggle_play);
+  EXPECT_EQ(action_of("LEFT"), Action::seek_back);
+  EXPECT_EQ(action_of("."), Action::step_forward);
+  EXPECT_EQ(action_of("]"), Action::faster);
+  EXPECT_EQ(action_of("q"), Action::quit);
+  EXPECT_EQ(action_of("ESC"), Action::quit);
+}
+
+TEST(Bindings, TellKeysThatDoNothing) {
+  EXPECT_EQ(action_of("x"), std::nullopt);
+  EXPECT_EQ(action_of(""), std::nullopt);
+}
+
+TEST(Bindings, AreAllInTheHelp) {
+  const std::string help = bindings_help();
+  for (const Binding& binding : bindings()) {
+    EXPECT_THAT(help, testing::HasSubstr(std::string(binding.key)));
+    EXPECT_THAT(help, testing::HasSubstr(std::string(binding.help)));
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

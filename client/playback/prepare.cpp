@@ -1,0 +1,119 @@
+#include "client/playback/prepare.h"
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "codec/cloud_file.h"
+#include "common/surface/normals.h"
+
+namespace pointreel {
+namespace {
+
+class Stopwatch {
+ public:
+  /// Milliseconds since it was made or last asked.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
+                            const FetchedFrame& fetched) {
+  if (fetched.layers.empty()) {
+    auto loaded = read_cloud(fetched.file);
+    if (!loaded) return tl::unexpected(loaded.error());
+    DecodedFrame frame;
+    frame.cloud = std::move(loaded->cloud);
+    frame.cube = bounding_cube(bounds(frame.cloud));
+    frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
+    return frame;
+  }
+  std::vector<LayerView> views;
+  for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
+  auto frame = decode_frame(views);
+  // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
+  // do not jump from frame to frame (ERRATA 12).
+  if (frame && !frame->svo) frame->cube = manifest.segments[locate(manifest, index).segment].cube;
+  return frame;
+}
+
+/// Normals and radii that the mode needs.
+void derive_surface(PointCloud& cloud, const std::optional<Svo>& svo, DrawMode mode) {
+  const bool surfels = mode == DrawMode::surfel;
+  const bool normals = !cloud.has_normals() && (surfels || !cloud.has_colors());
+  const bool radii = !cloud.has_radii() && surfels;
+  if (radii && svo) {
+    if (normals) estimate_normals(cloud);
+    const double half_diagonal = 0.5 * std::sqrt(3.0) * svo->cell_size(svo->depth);
+    cloud.radii.assign(cloud.size(), static_cast<float>(half_diagonal));
+  } else if (normals && radii) {
+    estimate_normals_and_radii(cloud);
+  } else if (normals) {
+    estimate_normals(cloud);
+  } else if (radii) {
+    estimate_radii(cloud);
+  }
+}
+
+/// The coarsest level that satisfies `delta` of a tree that is already there.
+Result<int> depth_of(const Svo& svo, std::uint64_t source_points, double delta) {
+  std::vector<std::uint32_t> occupied;
+  for (int level = 0; level <= svo.depth; ++level) occupied.push_back(svo.node_count(level));
+  return choose_depth(occupied, source_points, DepthRule::by_delta(delta));
+}
+
+Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOptions& options) {
+  const bool with_attributes = options.mode == DrawMode::voxel;
+  if (frame.svo) {
+    const auto depth = depth_of(*frame.svo, frame.source_points, options.delta);
+    if (!depth) return tl::unexpected(depth.error());
+    if (with_attributes) scene.attributes = mean_attributes(*frame.svo, scene.cloud);
+    scene.svo = *depth < frame.svo->depth ? truncate(*frame.svo, *depth) : std::move(*frame.svo);
+    // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
+    const std::size_t nodes = scene.svo.node_count();
+    if (scene.attributes.colors.size() > nodes) scene.attributes.colors.resize(nodes);
+    if (scene.attributes.normals.size() > nodes) scene.attributes.normals.resize(nodes);
+    return {};
+  }
+  const auto sorted = sort_to_depth(scene.cloud, frame.cube, DepthRule::by_delta(options.delta));
+  if (!sorted) return tl::unexpected(sorted.error());
+  scene.svo = build_svo(sorted->sorted, sorted->depth);
+  if (with_attributes) scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted->sorted);
+  return {};
+}
+
+}  // namespace
+
+FetchRequest parts_for(const Manifest& manifest, DrawMode mode) {
+  FetchRequest request;
+  request.normals = mode == DrawMode::surfel || !manifest.colors;
+  return request;
+}
+
+Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
+                                 const FetchedFrame& fetched, const PrepareOptions& options) {
+  Stopwatch watch;
+  auto frame = decode(manifest, index, fetched);
+  if (!frame) return tl::unexpected(frame.error());
+
+  SceneFrame scene;
+  scene.index = index;
+  scene.time_us = frame_time_us(manifest, index);
+  scene.cloud = std::move(frame->cloud);
+  scene.decode_ms = watch.lap();
+  derive_surface(scene.cloud, frame->svo, options.mode);
+  scene.surface_ms = watch.lap();
+  if (const auto made = make_tree(scene, *frame, options); !made)
+    return tl::unexpected(made.error());
+  scene.svo_ms = watch.lap();
+  return scene;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,190 @@
+#include "client/playback/prepare.h"
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+/// Points on a sphere of radius 1 about (10, 0, 0).
+PointCloud sphere(std::size_t points, bool normals, bool colors) {
+  std::mt19937 random(7);
+  std::normal_distribution<float> gauss;
+  PointCloud cloud;
+  cloud.origin = {10.0, 0.0, 0.0};
+  for (std::size_t i = 0; i < points; ++i) {
+    const glm::vec3 n = glm::normalize(glm::vec3(gauss(random), gauss(random), gauss(random)));
+    cloud.positions.push_back(n);
+    if (normals) cloud.normals.push_back(n);
+    if (colors)
+      cloud.colors.push_back(n.x > 0 ? glm::u16vec3(65535, 0, 0) : glm::u16vec3(0, 0, 65535));
+  }
+  return cloud;
+}
+
+const Cube kCube{{8.5, -1.5, -1.5}, 3.0};
+
+Manifest manifest_of(const PointCloud& cloud) {
+  Manifest manifest;
+  manifest.colors = cloud.has_colors();
+  manifest.normals = cloud.has_normals();
+  Segment segment;
+  segment.cube = kCube;
+  segment.times_us = {0, 40'000};
+  manifest.segments.push_back(segment);
+  return manifest;
+}
+
+FetchedFrame fetched(const PointCloud& cloud, const EncodeOptions& options) {
+  const auto encoded = encode_frame(cloud, kCube, options);
+  EXPECT_TRUE(encoded);
+  FetchedFrame frame;
+  for (const EncodedLayer& layer : encoded->layers) {
+    FetchedLayer out;
+    for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals})
+      out.bytes.insert(out.bytes.end(), chunk->begin(), chunk->end());
+    out.sizes = {static_cast<std::uint32_t>(layer.geometry.size()),
+                 static_cast<std::uint32_t>(layer.colors.size()),
+                 static_cast<std::uint32_t>(layer.normals.size())};
+    frame.layers.push_back(std::move(out));
+  }
+  return frame;
+}
+
+EncodeOptions octree(double delta) {
+  OctreeOptions options;
+  options.depth = DepthRule::by_delta(delta);
+  return {options};
+}
+
+FetchedFrame ply(const PointCloud& cloud) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty "
+      "float z\nend_header\n",
+      cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec3 p = cloud.world(i);
+    text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
+  }
+  FetchedFrame frame;
+  frame.file.assign(text.begin(), text.end());
+  return frame;
+}
+
+double worst_normal_error(const PointCloud& cloud) {
+  double worst = 1.0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto outward = glm::normalize(cloud.world(i) - glm::dvec3(10.0, 0.0, 0.0));
+    worst = std::min(worst, glm::dot(outward, glm::dvec3(cloud.normals[i])));
+  }
+  return worst;
+}
+
+TEST(PartsFor, FetchNormalsOnlyWhereTheyAreSeen) {
+  const Manifest colored = manifest_of(sphere(1, true, true));
+  const Manifest plain = manifest_of(sphere(1, true, false));
+  EXPECT_TRUE(parts_for(colored, DrawMode::surfel).normals);
+  EXPECT_FALSE(parts_for(colored, DrawMode::voxel).normals);
+  EXPECT_FALSE(parts_for(colored, DrawMode::point).normals);
+  EXPECT_TRUE(parts_for(plain, DrawMode::voxel).normals);
+  EXPECT_TRUE(parts_for(plain, DrawMode::point).normals);
+  EXPECT_TRUE(parts_for(colored, DrawMode::voxel).colors);
+}
+
+TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItsLeavesWithSurfels) {
+  const PointCloud cloud = sphere(20'000, true, true);
+  const Manifest manifest = manifest_of(cloud);
+  const auto scene =
+      prepare_frame(manifest, 1, fetched(cloud, octree(0.05)), {DrawMode::surfel, 0.05});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->index, 1u);
+  EXPECT_EQ(scene->time_us, 40'000u);
+  EXPECT_EQ(scene->svo.cube, kCube);
+  EXPECT_EQ(scene->svo.leaf_count(), scene->cloud.size());
+  ASSERT_TRUE(scene->cloud.has_radii());
+  EXPECT_NEAR(scene->cloud.radii[0], 3.0 / (1 << scene->svo.depth) * std::sqrt(3.0) / 2.0, 1e-6);
+  EXPECT_GT(worst_normal_error(scene->cloud), 0.95);
+  EXPECT_TRUE(scene->attributes.colors.empty()) << "nobody sees them in this mode";
+}
+
+TEST(PrepareFrame, CutsATreeOffWhereACoarserLevelSatisfiesDelta) {
+  const PointCloud cloud = sphere(20'000, false, true);
+  const Manifest manifest = manifest_of(cloud);
+  const FetchedFrame fine = fetched(cloud, octree(0.001));
+  const auto full = prepare_frame(manifest, 0, fine, {DrawMode::voxel, 0.001});
+  const auto cut = prepare_frame(manifest, 0, fine, {DrawMode::voxel, 0.5});
+  ASSERT_TRUE(full && cut);
+  EXPECT_LT(cut->svo.depth, full->svo.depth);
+  EXPECT_GE(cut->svo.leaf_count(), 10'000u);
+  EXPECT_LT(cut->svo.node_count(cut->svo.depth - 1), 10'000u);
+  ASSERT_EQ(cut->attributes.colors.size(), cut->svo.node_count());
+  for (std::size_t i = 0; i < cut->attributes.colors.size(); ++i)
+    ASSERT_EQ(cut->attributes.colors[i], full->attributes.colors[i]);
+}
+
+TEST(PrepareFrame, BuildsTheTreeOfADracoFrameInTheSegmentsCube) {
+  const PointCloud cloud = sphere(5'000, false, true);
+  const auto scene = prepare_frame(manifest_of(cloud), 0, fetched(cloud, {DracoOptions{}}),
+                                   {DrawMode::voxel, 0.05});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->svo.cube, kCube);
+  EXPECT_GE(scene->svo.leaf_count(), 4'750u);
+  EXPECT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
+  EXPECT_TRUE(scene->attributes.normals.empty());
+}
+
+TEST(PrepareFrame, EstimatesWhatAFileLacksAndTheModeNeeds) {
+  const PointCloud cloud = sphere(5'000, false, false);
+  const Manifest manifest = manifest_of(cloud);
+  const FetchedFrame file = ply(cloud);
+  const auto surfels = prepare_frame(manifest, 0, file, {DrawMode::surfel, 0.05});
+  ASSERT_TRUE(surfels) << surfels.error().message;
+  EXPECT_GT(worst_normal_error(surfels->cloud), 0.9);
+  EXPECT_TRUE(surfels->cloud.has_radii());
+  EXPECT_FALSE(surfels->cloud.has_colors());
+  EXPECT_NEAR(surfels->svo.cube.edge, 2.0, 0.05) << "a file's cube is its own";
+  const auto voxels = prepare_frame(manifest, 0, file, {DrawMode::voxel, 0.05});
+  EXPECT_EQ(voxels->attributes.normals.size(), voxels->svo.node_count());
+  const auto points = prepare_frame(manifest, 0, file, {DrawMode::point, 0.05});
+  EXPECT_TRUE(points->cloud.has_normals()) << "the fake colour needs them";
+  EXPECT_FALSE(points->cloud.has_radii());
+}
+
+TEST(PrepareFrame, EstimatesNoNormalsWhereColoursAreDrawn) {
+  const PointCloud cloud = sphere(1'000, false, true);
+  const auto scene =
+      prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {DrawMode::point, 0.05});
+  ASSERT_TRUE(scene);
+  EXPECT_TRUE(scene->cloud.has_colors());
+  EXPECT_FALSE(scene->cloud.has_normals());
+}
+
+TEST(PrepareFrame, PlaysAFrameWithoutPointsAsNothing) {
+  const PointCloud empty;
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+    for (const FetchedFrame& frame :
+         {fetched(empty, octree(0.05)), fetched(empty, {DracoOptions{}}), ply(empty)}) {
+      const auto scene = prepare_frame(manifest_of(empty), 0, frame, {mode, 0.05});
+      ASSERT_TRUE(scene) << scene.error().message;
+      EXPECT_TRUE(scene->cloud.empty());
+      EXPECT_EQ(scene->svo.node_count(), 0u);
+    }
+  }
+}
+
+TEST(PrepareFrame, TellsWhatIsWrongWithDamagedBytes) {
+  const PointCloud cloud = sphere(1'000, false, true);
+  FetchedFrame frame = fetched(cloud, octree(0.05));
+  frame.layers[0].bytes[frame.layers[0].sizes.geometry / 2] ^= 1;
+  EXPECT_FALSE(prepare_frame(manifest_of(cloud), 0, frame, {DrawMode::surfel, 0.05}));
+  FetchedFrame nothing;
+  EXPECT_FALSE(prepare_frame(manifest_of(cloud), 0, nothing, {DrawMode::surfel, 0.05}));
+}
+
+}  // namespace
+}  // namespace pointreel

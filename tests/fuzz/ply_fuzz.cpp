@@ -1,0 +1,38 @@
+// Any bytes read as PLY give a cloud or an error; a cloud that was read is written and read back
+// with the same points.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "common/cloud/ply.h"
+
+using namespace pointreel;
+
+namespace {
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+bool one_line(const std::string& message) {
+  return !message.empty() && message.find('\n') == std::string::npos;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const Result<PointCloud> cloud = read_ply({data, size});
+  if (!cloud) {
+    require(one_line(cloud.error().message));
+    return 0;
+  }
+  require(cloud->size() <= size);
+  require(!cloud->has_normals() || cloud->normals.size() == cloud->size());
+  require(!cloud->has_colors() || cloud->colors.size() == cloud->size());
+  require(!cloud->has_radii() || cloud->radii.size() == cloud->size());
+  const Result<PointCloud> again = read_ply(ply_bytes(*cloud));
+  require(again.has_value() && again->size() == cloud->size() && again->colors == cloud->colors);
+  require(again->has_normals() == cloud->has_normals() && again->has_radii() == cloud->has_radii());
+  return 0;
+}

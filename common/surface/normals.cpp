@@ -22,6 +22,8 @@ constexpr double kPointsPerCell = 2.0;
 /// A block with fewer points is replaced by the one around the cell's parent, up to this often.
 constexpr double kMinPoints = 8;
 constexpr int kMaxCoarser = 3;
+/// Points that are not apart this many levels below the cells count as one.
+constexpr int kDuplicateLevels = 6;
 /// Points a cell of the openness grid: so many that a surface has no holes in it by chance.
 constexpr double kPointsPerOpenCell = 6.0;
 
@@ -109,8 +111,9 @@ float finite_radius(double radius) {
   return static_cast<float>(std::clamp<double>(radius, Limits::denorm_min(), Limits::max()));
 }
 
+/// The finest level, at most `limit`, whose cells hold at least that many distinct points each.
 int choose_level(const SortedPoints& sorted, double points_per_cell, int limit) {
-  const double cells = sorted.occupied[kMaxDepth] / points_per_cell;
+  const double cells = sorted.occupied.back() / points_per_cell;
   int level = 0;
   while (level < limit && sorted.occupied[static_cast<std::size_t>(level) + 1] <= cells) ++level;
   return level;
@@ -119,23 +122,21 @@ int choose_level(const SortedPoints& sorted, double points_per_cell, int limit) 
 /// The points sorted into the leaves of an octree whose cells hold kPointsPerCell points on
 /// average.
 SortedPoints sort_into_cells(const PointCloud& cloud, int& level) {
-  constexpr int kLimit = kMaxDepth - 1;
   const Cube tight = bounding_cube(bounds(cloud));
-  SortedPoints sorted = sort_points(cloud, tight);
-  level = choose_level(sorted, kPointsPerCell, kLimit);
-  if (level == kLimit) return sorted;
+  // Levels enough to tell most points apart: the fewer, the faster.
+  SortedPoints sorted = sort_points(cloud, tight, 12);
+  if (sorted.occupied.back() < cloud.size() / 2) sorted = sort_points(cloud, tight);
+  level = choose_level(sorted, kPointsPerCell, sorted.levels - 1);
   // Cells of this level may be up to twice as large as they should be. In a cube enlarged by the
   // right factor those of the next level are what is wanted.
-  const double n = sorted.occupied[kMaxDepth];
-  const double per_cell = n / sorted.occupied[static_cast<std::size_t>(level) + 1];
-  const double factor = std::sqrt(kPointsPerCell / per_cell);
-  if (factor > 1.9) return sorted;
-  ++level;
-  if (factor < 1.1) return sorted;
+  const double per_cell = static_cast<double>(sorted.occupied.back()) /
+                          sorted.occupied[static_cast<std::size_t>(level) + 1];
+  const double factor = std::clamp(std::sqrt(kPointsPerCell / per_cell), 1.0, 2.0);
+  level = std::min(level + 1, kMaxDepth - 1);
   Cube cube = tight;
   cube.edge *= factor;
   cube.origin -= 0.5 * (cube.edge - tight.edge);
-  return sort_points(cloud, cube);
+  return sort_points(cloud, cube, std::min(level + kDuplicateLevels, kMaxDepth));
 }
 
 class SurfaceEstimate {
@@ -261,7 +262,7 @@ class SurfaceEstimate {
     const std::uint32_t leaves = svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
     moments_.resize(svo_.node_count());
     leaf_begin_.clear();
-    const int shift = 3 * (kMaxDepth - svo_.depth);
+    const int shift = 3 * (sorted_.levels - svo_.depth);
     const glm::dvec3 offset = cloud_.origin - svo_.cube.origin - 0.5 * svo_.cube.edge;
     std::uint64_t last = ~std::uint64_t{0};
     positions_.resize(sorted_.points.size());

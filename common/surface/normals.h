@@ -21,7 +21,7 @@ void estimate_normals(PointCloud& cloud);
 
 /// Gives every point a radius from the local spacing of the points, replacing what the cloud has:
 /// the edge of a square of the surface that holds one point, so that discs of this radius overlap
-/// about threefold. Always > 0 and finite. Exact duplicates count once. As fast and general as
+/// about threefold. Always > 0 and finite. Duplicates count once. As fast and general as
 /// estimate_normals.
 void estimate_radii(PointCloud& cloud);
 

@@ -12,8 +12,8 @@
 
 // Points uniform by volume in the shell |distance| <= kShell, moved to the surface along the
 // gradient, are uniform by area: over a patch dA the shell holds the volume 2 kShell dA (1 +
-// kShell^2 K / 3), K being the Gaussian curvature: 0 on cylinders, a deviation of 1 % on balls of 14
-// mm and of 3 % on fingertips. Where the gradient is shorter than 1, in fillets, the shell is
+// kShell^2 K / 3). K is the Gaussian curvature: 0 on cylinders, a deviation of 1 % on balls of
+// 14 mm and of 3 % on fingertips. Where the gradient is shorter than 1, in fillets, the shell is
 // thicker in proportion, and a point is kept with the probability that makes up for it. Uniform
 // points in the shell come from the cells of a grid that meet it.
 

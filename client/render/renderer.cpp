@@ -146,7 +146,8 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
       camera.projection(static_cast<double>(size.x) / size.y) * camera.view_from(origin),
       glm::vec4(glm::vec3(camera.eye() - origin), static_cast<float>(camera.near_plane())),
       glm::vec4(glm::vec3(camera.axes() * kLight), options.lighting ? 1.0f : 0.0f),
-      glm::vec4(static_cast<float>(2.0 * std::tan(0.5 * camera.fov_y) / size.y))};
+      glm::vec4(static_cast<float>(2.0 * std::tan(0.5 * camera.fov_y) / size.y),
+                frame_ && frame_->normals_estimated ? 1.0f : 0.0f, 0.0f, 0.0f)};
   glNamedBufferSubData(view_buffer_.name(), 0, sizeof(view), &view);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_buffer_.name());
 

@@ -19,6 +19,9 @@ struct SceneFrame {
   /// present in surfel mode and where there are no colours (estimated from neighbours where the
   /// source has none; zero where unknown); radii in surfel mode.
   PointCloud cloud;
+  /// The normals were estimated from neighbours: their line is right, their sign may be wrong, so
+  /// the side that they point to is no reason to cull.
+  bool normals_estimated = false;
   /// Rebuilt for every frame; what voxels draw. Node attributes are filled in voxel mode only.
   Svo svo;
   NodeAttributes attributes;

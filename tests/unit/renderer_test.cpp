@@ -210,6 +210,24 @@ TEST_F(RendererTest, ASurfelThatFacesAwayIsCulledAndOneOfUnknownOrientationIsNot
   EXPECT_EQ(pixels_of(glm::vec3(nan)), facing);
 }
 
+TEST_F(RendererTest, TheSignOfAnEstimatedNormalNeitherCullsNorDarkens) {
+  for (const DrawMode mode : kModes) {
+    DrawOptions options = plain(mode);
+    options.lighting = true;
+    std::vector<Image> images;
+    for (const float sign : {1.0f, -1.0f}) {
+      PointCloud cloud;
+      add(cloud, glm::vec3(0.04f), sign * glm::normalize(glm::vec3(0.3f, 0.2f, 1.0f)), kOrange,
+          0.2f);
+      const auto frame = frame_of(cloud);
+      frame->normals_estimated = true;
+      images.push_back(picture(frame, front_camera(), options));
+    }
+    EXPECT_EQ(largest_difference(images[0], images[1]), 0) << static_cast<int>(mode);
+    EXPECT_LT(count_near(images[0], kBackground, 0), images[0].pixels.size() - 20);
+  }
+}
+
 TEST_F(RendererTest, ACloudWithoutAnyNormalsOrColoursIsDrawnInGrey) {
   PointCloud cloud;
   cloud.positions = {{0.3f, 0.2f, 0.0f}};
@@ -396,7 +414,7 @@ TEST_F(RendererTest, ACubeShowsItsFacesTowardsTheEyeFromEverySide) {
       glm::dvec3 normal(0.0);
       normal[axis] = sign[axis];
       const glm::ivec2 at = pixel_of(camera, camera.target + 0.75 * normal);
-      const double linear = 0.25 + 0.75 * std::max(glm::dot(normal, light), 0.0);
+      const double linear = 0.4 + 0.6 * std::max(glm::dot(normal, light), 0.0);
       const double srgb = 255.0 * (1.055 * std::pow(linear, 1 / 2.4) - 0.055);
       EXPECT_NEAR(image.at(at.x, at.y).x, srgb, 2.0) << "octant " << octant << " axis " << axis;
     }

@@ -3,7 +3,7 @@ layout(std140, binding = 0) uniform View {
   mat4 to_clip;  // from the scene to clip coordinates; reversed depth
   vec4 eye;      // xyz: of the scene; w: distance of the near plane
   vec4 light;    // xyz: unit vector towards the light; w: 1 with lighting, 0 without
-  vec4 pixel;    // x: size of a pixel at depth 1
+  vec4 pixel;    // x: size of a pixel at depth 1; y: 1 where the sign of normals means nothing
 };
 
 // Outside of every clip plane that matters: what is placed here is not drawn.
@@ -16,7 +16,7 @@ vec3 linear_from_srgb(vec3 c) {
 // Diffuse light from near the eye, with a part that comes from everywhere so that nothing is black.
 // The result is linear light.
 vec3 shade(vec3 srgb, vec3 normal) {
-  const float ambient = 0.25;
+  const float ambient = 0.4;
   float diffuse = max(dot(normal, light.xyz), 0.0);
   return linear_from_srgb(srgb) * mix(1.0, mix(ambient, 1.0, diffuse), light.w);
 }
@@ -26,4 +26,9 @@ vec3 towards_eye(vec3 p) {
   vec3 d = eye.xyz - p;
   float l2 = dot(d, d);
   return l2 > 0.0 ? d * inversesqrt(l2) : light.xyz;
+}
+
+// The normal as it is used: the side towards the eye where its sign means nothing.
+vec3 oriented(vec3 n, vec3 to_eye) {
+  return pixel.y > 0.5 && dot(n, to_eye) < 0.0 ? -n : n;
 }

@@ -10,5 +10,6 @@ flat out vec3 linear_color;
 void main() {
   gl_Position = to_clip * vec4(center_radius.xyz, 1.0);
   gl_PointSize = size;
-  linear_color = shade(color, dot(normal, normal) > 0.25 ? normal : towards_eye(center_radius.xyz));
+  vec3 to_eye = towards_eye(center_radius.xyz);
+  linear_color = shade(color, dot(normal, normal) > 0.25 ? oriented(normal, to_eye) : to_eye);
 }

@@ -23,13 +23,14 @@ void main() {
   vec3 to_eye = towards_eye(center);
   bool known = dot(normal, normal) > 0.25;
   // Back-face culling before there is a face; a surfel of unknown orientation has no back.
-  if (known && dot(normal, to_eye) <= 0.0) {
+  vec3 n = oriented(normal, to_eye);
+  if (known && dot(n, to_eye) <= 0.0) {
     gl_Position = kCulled;
     mask = vec2(0.0);
     linear_color = vec3(0.0);
     return;
   }
-  vec3 n = known ? normalize(normal) : to_eye;
+  n = known ? normalize(n) : to_eye;
   vec3 u, v;
   surfel_frame(n, u, v);
   mask = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;

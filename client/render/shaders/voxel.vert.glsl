@@ -23,7 +23,7 @@ void main() {
   gl_Position = to_clip * vec4(center + half_edge * octant * kFan[vertex], 1.0);
 
   // The last vertex of a triangle gives its colour.
-  vec3 n = normal;
+  vec3 n = oriented(normal, towards_eye(center));
   if (dot(n, n) < 0.25) {
     int face = (mirrored ? 7 - gl_VertexID : gl_VertexID - 2) / 2;
     n = vec3(0.0);

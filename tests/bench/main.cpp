@@ -1,0 +1,58 @@
+#include <fstream>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "common/base/memory.h"
+#include "tests/bench/measure.h"
+#include "tests/bench/suites.h"
+
+namespace {
+
+/// Writes to the file, or to standard output for "-". False if that fails.
+bool write_json(const std::string& path, const nlohmann::json& report) {
+  if (path == "-") {
+    std::cout << report.dump(2) << '\n';
+    return std::cout.good();
+  }
+  std::ofstream file(path);
+  file << report.dump(2) << '\n';
+  file.close();
+  return file.good();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace pointreel::bench;
+  pointreel::keep_freed_memory();
+  CLI::App app{
+      "Measures Pointreel: speed beside error, medians, and ratios against a peer or a "
+      "reference in the same run.\nExit codes: 0 done, 1 could not write, 2 usage.",
+      "pointreel-bench"};
+  app.require_subcommand(1);
+  SuiteOptions options;
+  std::string json;
+  const auto add = [&](const char* name, const char* help) {
+    CLI::App* suite = app.add_subcommand(name, help);
+    suite->add_flag("--quick", options.quick, "fewer runs and sizes");
+    suite->add_option("--json", json, "write the report to this file, - for standard output");
+    return suite;
+  };
+  CLI::App* svo = add("svo", "building octrees, against the paper's recursive build");
+  CLI::App* codec = add("codec", "encoding and decoding, octree against Draco");
+  codec->add_option("files", options.files, ".ply or .drc files to measure as well");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  nlohmann::json report = svo->parsed() ? run_svo(options) : run_codec(options);
+  report["benchmark"] = svo->parsed() ? "svo" : "codec";
+  report["machine"] = machine();
+  if (!json.empty() && !write_json(json, report)) {
+    std::cerr << "pointreel-bench: cannot write " << json << '\n';
+    return 1;
+  }
+  return 0;
+}

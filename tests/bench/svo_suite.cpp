@@ -1,0 +1,87 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/octree/svo.h"
+#include "tests/bench/clouds.h"
+#include "tests/bench/measure.h"
+#include "tests/bench/suites.h"
+#include "tests/reference/recursive_octree.h"
+
+namespace pointreel::bench {
+namespace {
+
+constexpr double kDelta = 0.05;
+
+/// Quantise, sort, choose the depth, build: what the client does for every frame.
+Svo build(const PointCloud& cloud, const Cube& cube) {
+  const auto points = sort_to_depth(cloud, cube, DepthRule::by_delta(kDelta));
+  return build_svo(points->sorted, points->depth);
+}
+
+struct Row {
+  std::size_t points = 0;
+  Timing fast, attributes, reference;
+  Svo svo;
+};
+
+Row measure_size(std::size_t n, int runs) {
+  const PointCloud cloud = scan_like_cloud(n);
+  const Cube cube = bounding_cube(bounds(cloud));
+  Row row;
+  row.points = n;
+  row.svo = build(cloud, cube);
+  row.fast = measure(runs, [&] { build(cloud, cube); });
+  const SortedPoints sorted = sort_points(cloud, cube);
+  row.attributes = measure(runs, [&] { mean_attributes(row.svo, cloud, sorted); });
+  row.reference = measure(std::max(3, runs / 5),
+                          [&] { reference::RecursiveOctree(cloud, cube, kDelta, kMaxDepth); });
+  return row;
+}
+
+}  // namespace
+
+nlohmann::json run_svo(const SuiteOptions& options) {
+  const int runs = options.quick ? 5 : 25;
+  fmt::print("SVO build, delta {} %, one thread, ms: median (min to max)\n", kDelta * 100);
+  fmt::print("{:>9} {:>6} {:>9} {:>9} {:>8} {:>22} {:>10} {:>22} {:>7}\n", "points", "depth",
+             "nodes", "leaves", "lost", "build", "+ means", "recursive", "ratio");
+  auto rows = nlohmann::json::array();
+  std::vector<Bar> bars;
+  double small_per_point = 0.0;
+  std::vector<std::size_t> sizes = {88'315};
+  if (!options.quick) sizes.insert(sizes.end(), {250'000, 500'000, 1'000'000});
+  for (const std::size_t n : sizes) {
+    const Row row = measure_size(n, runs);
+    const double ratio = row.reference.median / row.fast.median;
+    const double lost = 1.0 - static_cast<double>(row.svo.leaf_count()) / static_cast<double>(n);
+    const auto cell = [](const Timing& t) {
+      return fmt::format("{:.2f} ({:.2f} to {:.2f})", t.median, t.min, t.max);
+    };
+    fmt::print("{:>9} {:>6} {:>9} {:>9} {:>6.2f} % {:>22} {:>10.2f} {:>22} {:>6.1f}x\n", n,
+               row.svo.depth, row.svo.internal_count(), row.svo.leaf_count(), 100 * lost,
+               cell(row.fast), row.attributes.median, cell(row.reference), ratio);
+    rows.push_back({{"points", n},
+                    {"depth", row.svo.depth},
+                    {"nodes", row.svo.internal_count()},
+                    {"leaves", row.svo.leaf_count()},
+                    {"actual_loss", lost},
+                    {"build_ms", to_json(row.fast)},
+                    {"mean_attributes_ms", to_json(row.attributes)},
+                    {"recursive_ms", to_json(row.reference)},
+                    {"ratio", ratio}});
+    const double per_point = row.fast.median / static_cast<double>(n);
+    if (n == sizes.front()) {
+      small_per_point = per_point;
+      bars.push_back({"svo build of 88,315 points", row.fast.median, "ms", 2.0});
+      bars.push_back({"recursive build / svo build, 88,315 points", ratio, "x", 10.0, true});
+    } else if (n == 1'000'000) {
+      bars.push_back({"time per point, 1,000,000 against 88,315 points",
+                      per_point / small_per_point, "x", 2.0});
+    }
+  }
+  print(bars);
+  return {{"delta", kDelta}, {"rows", rows}, {"bars", to_json(bars)}};
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,217 @@
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/capture.h"
+#include "client/player.h"
+#include "client/ui/bindings.h"
+
+namespace pointreel {
+namespace {
+
+constexpr int kMaxPictureEdge = 16384;
+
+Result<glm::ivec2> parse_size(const std::string& text) {
+  glm::ivec2 size{0};
+  const char* end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.x);
+  const bool separated = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+  const auto height = separated ? std::from_chars(width.ptr + 1, end, size.y) : width;
+  if (!separated || height.ec != std::errc() || height.ptr != end || size.x < 1 || size.y < 1 ||
+      size.x > kMaxPictureEdge || size.y > kMaxPictureEdge)
+    return fail(fmt::format("\"{}\" is no size such as 1280x720, at most {} a side", text,
+                            kMaxPictureEdge));
+  return size;
+}
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+Result<View> parse_view(const std::string& text) {
+  // The poles are as far as the camera goes.
+  static const std::map<std::string, View> kNamed = {
+      {"front", {0.0, 0.0}},         {"back", {radians(180), 0.0}},
+      {"left", {radians(-90), 0.0}}, {"right", {radians(90), 0.0}},
+      {"top", {0.0, radians(90)}},   {"bottom", {0.0, radians(-90)}}};
+  if (const auto named = kNamed.find(text); named != kNamed.end()) return named->second;
+  double yaw = 0.0, pitch = 0.0;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, yaw);
+  const bool separated = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
+  const auto second = separated ? std::from_chars(first.ptr + 1, end, pitch) : first;
+  if (!separated || second.ec != std::errc() || second.ptr != end || !std::isfinite(yaw) ||
+      !std::isfinite(pitch) || std::abs(pitch) > 90.0)
+    return fail(fmt::format(
+        "\"{}\" is no view: give front, back, left, right, top, bottom, or YAW,PITCH in degrees, "
+        "pitch from -90 to 90",
+        text));
+  return View{radians(yaw), radians(pitch)};
+}
+
+/// For options: what `parse` has to say, or nothing.
+template <class Parse>
+CLI::Validator check(Parse parse, const std::string& type) {
+  return CLI::Validator(
+      [parse](const std::string& text) {
+        const auto result = parse(text);
+        return result ? std::string() : result.error().message;
+      },
+      type);
+}
+
+/// For numbers; unlike CLI::Range it refuses NaN.
+CLI::Validator within(double min, double max) {
+  return check(
+      [min, max](const std::string& text) -> Result<void> {
+        double number = 0.0;
+        const char* end = text.data() + text.size();
+        const auto parsed = std::from_chars(text.data(), end, number);
+        if (parsed.ec != std::errc() || parsed.ptr != end || !(number >= min && number <= max))
+          return fail(fmt::format("\"{}\" is no number from {:g} to {:g}", text, min, max));
+        return {};
+      },
+      fmt::format("{:g} to {:g}", min, max));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Pointreel plays point clouds that move.", "pointreel");
+  app.set_version_flag("--version", "pointreel " POINTREEL_VERSION);
+  app.require_subcommand(1);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+
+  PlayOptions options;
+  CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
+  play_command
+      .add_option("SOURCE", options.source,
+                  "http:// or https:// address of a package, a package's folder, or a "
+                  "folder of PLY and .drc files")
+      ->required();
+  const std::map<std::string, DrawMode> modes = {
+      {"surfel", DrawMode::surfel}, {"voxel", DrawMode::voxel}, {"point", DrawMode::point}};
+  std::string mode = "surfel";
+  play_command
+      .add_option("--mode", mode,
+                  "What is drawn: surfel (discs oriented by normals), voxel (cubes of the octree, "
+                  "as fine as a pixel), point")
+      ->check(CLI::IsMember(modes))
+      ->capture_default_str();
+  play_command
+      .add_option("--delta", options.delta,
+                  "Share of points that may merge in the leaves of the octree that the client "
+                  "builds; 0 keeps all that are distinct")
+      ->check(within(0.0, 1.0))
+      ->capture_default_str();
+  play_command.add_option("--speed", options.speed, "Speed of playback in a window, 0.1 to 4")
+      ->check(within(0.1, 4.0))
+      ->capture_default_str();
+  bool loop = true;
+  CLI::Option* loop_flag =
+      play_command.add_flag("--loop,!--no-loop", loop,
+                            "Begin anew at the end (default in a window) or end there "
+                            "(default offscreen)");
+  play_command.add_option("--fps", options.fps, "Frames a second of a folder of files")
+      ->check(within(0.01, 1000.0))
+      ->capture_default_str();
+  std::string up;
+  play_command
+      .add_option("--up", up,
+                  "The axis that points up, y or z (default: what the package says; y "
+                  "for a folder of files)")
+      ->check(CLI::IsMember({"y", "z"}));
+  play_command
+      .add_option("--visibility-scale", options.draw.visibility_scale,
+                  "By how much surfels are enlarged to decide what is visible")
+      ->check(within(0.01, 100.0))
+      ->capture_default_str();
+  play_command
+      .add_option("--shading-scale", options.draw.shading_scale,
+                  "By how much surfels are enlarged to blend their colours")
+      ->check(within(0.01, 100.0))
+      ->capture_default_str();
+  play_command
+      .add_option("--pixel-size", options.draw.pixel_size,
+                  "Voxels smaller than this many pixels are not divided; 0 draws the leaves")
+      ->check(within(0.0, 1000.0))
+      ->capture_default_str();
+  std::string size;
+  play_command
+      .add_option("--offscreen", size,
+                  "Draw pictures of this size without window and display: every frame once, in "
+                  "order, as fast as it goes")
+      ->check(check(parse_size, "WxH"));
+  play_command
+      .add_option("--at", options.at,
+                  "Begin at this time of the reel; offscreen without --duration: only the frame "
+                  "that is shown then")
+      ->check(within(0.0, 1e9))
+      ->type_name("SECONDS");
+  play_command
+      .add_option("--duration", options.duration,
+                  "End after so much of the reel (offscreen), or of real time (window)")
+      ->check(within(0.0, 1e9))
+      ->type_name("SECONDS");
+  std::string view;
+  play_command
+      .add_option("--view", view,
+                  "From where to look: front, back, left, right, top, bottom, or YAW,PITCH in "
+                  "degrees (default: the front, slightly from above)")
+      ->check(check(parse_view, "VIEW"));
+  play_command.add_option("--screenshot", options.screenshot, "Write the last picture")
+      ->type_name("FILE.png");
+  CLI::Option* record =
+      play_command
+          .add_option(
+              "--record", options.record,
+              "Offscreen: write every picture; %d, or %04d for leading zeros, is its number")
+          ->check(check([](const std::string& text) { return NumberedPath::parse(text); },
+                        "out-%04d.png"));
+  play_command
+      .add_option("--json", options.json,
+                  "Write a summary: median, 95th percentile and maximum of the times of each stage "
+                  "over the frames shown; frames shown, dropped and broken; points, nodes, leaves, "
+                  "depth and elements drawn of the last one. - is standard output")
+      ->type_name("FILE");
+  play_command.footer("Keys in the window:\n" + bindings_help() +
+                      "\nExit codes: 0 played to its end or ended by the user, 1 failed, 2 usage");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    fmt::print(stderr, "pointreel: {}; see pointreel play --help\n", error.what());
+    return 2;
+  }
+  options.draw.mode = modes.at(mode);
+  if (loop_flag->count() > 0) options.loop = loop;
+  if (!up.empty()) options.up = up[0];
+  options.offscreen = !size.empty();
+  if (options.offscreen) options.size = *parse_size(size);
+  if (!view.empty()) options.view = *parse_view(view);
+  if (record->count() > 0 && !options.offscreen) {
+    fmt::print(stderr, "pointreel: --record needs --offscreen WxH\n");
+    return 2;
+  }
+
+  if (const auto played = play(options); !played) {
+    fmt::print(stderr, "pointreel: {}\n", played.error().message);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace pointreel
+
+int main(int argc, char** argv) {
+  try {
+    return pointreel::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "pointreel: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,455 @@
+#include "client/player.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include "client/capture.h"
+#include "client/playback/clock.h"
+#include "client/playback/pipeline.h"
+#include "client/playback/prepare.h"
+#include "client/render/gl_context.h"
+#include "client/report.h"
+#include "client/source/open_source.h"
+#include "client/ui/window_input.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+/// Set by SIGINT and SIGTERM. A handler can reach nothing but a global.
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void stop_on_signals() {
+  struct sigaction action{};
+  action.sa_handler = [](int) { g_stop = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the process at once
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+/// One line for each broken frame, however often it is tried.
+class ErrorLines {
+ public:
+  void print(std::uint32_t frame, const Error& error) {
+    const std::lock_guard lock(mutex_);
+    if (printed_.insert(frame).second)
+      fmt::print(stderr, "pointreel: frame {}: {}\n", frame, error.message);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::set<std::uint32_t> printed_;
+};
+
+Timeline timeline_of(const Manifest& manifest) {
+  Timeline timeline;
+  for (const Segment& segment : manifest.segments)
+    timeline.times_us.insert(timeline.times_us.end(), segment.times_us.begin(),
+                             segment.times_us.end());
+  timeline.duration_us = std::max<std::uint64_t>(manifest.duration_us, 1);
+  return timeline;
+}
+
+std::uint64_t microseconds(double seconds) {
+  return static_cast<std::uint64_t>(std::llround(seconds * 1e6));
+}
+
+double seconds_since(steady_clock::time_point start) {
+  return std::chrono::duration<double>(steady_clock::now() - start).count();
+}
+
+/// What a window and a playback without one have in common.
+class Player {
+ public:
+  static Result<std::unique_ptr<Player>> create(const PlayOptions& options) {
+    SourceOptions source_options;
+    source_options.fps = options.fps;
+    source_options.up = options.up.value_or('y');
+    auto source = open_source(options.source, source_options);
+    if (!source) return tl::unexpected(source.error());
+    if ((*source)->manifest().frame_count() == 0)
+      return fail(options.source + ": the reel has no frames");
+    return std::unique_ptr<Player>(new Player(options, std::move(*source)));
+  }
+
+  Result<void> run() {
+    auto ended = options_.offscreen ? play_offscreen() : play_in_window();
+    pipeline_.reset();
+    if (!ended) return ended;
+    return write_json();
+  }
+
+ private:
+  Player(const PlayOptions& options, std::unique_ptr<Source> source)
+      : options_(options),
+        draw_(options.draw),
+        source_(std::move(source)),
+        timeline_(timeline_of(source_->manifest())),
+        loop_(options.loop.value_or(!options.offscreen)),
+        first_frame_(timeline_.frame_at(microseconds(options.at.value_or(0.0)))) {
+    report_.source = options.source;
+    report_.mode = options.draw.mode;
+    report_.delta = options.delta;
+    report_.size = options.size;
+    reset_view(options.size);
+  }
+
+  bool single_frame() const { return options_.offscreen && options_.at && !options_.duration; }
+
+  void start_pipeline() {
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    // Over a network the frames under way hide each other's round trips.
+    const bool remote = options_.source.find("://") != std::string::npos;
+    const Pipeline::Options threads{remote ? 4u : 1u, std::min(cores, 8u)};
+    buffer_ = std::make_unique<FrameBuffer>(FrameBuffer::Options{timeline_.frame_count(),
+                                                                 single_frame() ? 0
+                                                                 : remote       ? 16u
+                                                                                : 4u,
+                                                                 loop_, draw_.mode});
+    buffer_->seek(first_frame_);
+    const Manifest& manifest = source_->manifest();
+    pipeline_ = std::make_unique<Pipeline>(
+        *source_, *buffer_, [&manifest](DrawMode mode) { return parts_for(manifest, mode); },
+        [this, &manifest](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+          return prepare_frame(manifest, frame, fetched, {mode, options_.delta});
+        },
+        [this](std::uint32_t frame, const Error& error) { errors_.print(frame, error); }, threads);
+  }
+
+  void reset_view(glm::ivec2 size) {
+    const Manifest& manifest = source_->manifest();
+    camera_.up = options_.up.value_or(manifest.up);
+    camera_.frame_bounds(manifest.bounds, static_cast<double>(size.x) / size.y);
+    if (options_.view) {
+      camera_.yaw = camera_.pitch = 0.0;
+      camera_.orbit(options_.view->yaw, options_.view->pitch);
+    }
+  }
+
+  Result<void> screenshot(const std::string& path) {
+    const auto image = renderer_->read_pixels();
+    if (!image) return tl::unexpected(image.error());
+    return write_png(path, *image);
+  }
+
+  /// Draws `frame` as a new one.
+  Result<void> show(std::shared_ptr<const SceneFrame> frame, glm::ivec2 size) {
+    if (!started_) started_ = steady_clock::now();
+    const auto stats = renderer_->draw(frame, camera_, size, draw_);
+    if (!stats) return tl::unexpected(stats.error());
+    report_.add(*frame, *stats);
+    shown_ = std::move(frame);
+    return {};
+  }
+
+  void finish() {
+    if (started_) report_.seconds = seconds_since(*started_);
+    report_.errors = pipeline_->errors();
+  }
+
+  // Without a window: every frame once, in order.
+
+  Result<void> play_offscreen() {
+    auto context = OffscreenContext::create();
+    if (!context) return tl::unexpected(context.error());
+    auto renderer = Renderer::create();
+    if (!renderer) return tl::unexpected(renderer.error());
+    renderer_.emplace(std::move(*renderer));
+    report_.gl_renderer = describe_opengl();
+    started_ = steady_clock::now();
+    start_pipeline();
+    auto ended = play_every_frame();
+    finish();
+    renderer_.reset();
+    return ended;
+  }
+
+  Result<void> play_every_frame() {
+    std::optional<NumberedPath> record;
+    if (!options_.record.empty()) record = *NumberedPath::parse(options_.record);
+    const std::uint32_t count = timeline_.frame_count();
+    // A frame's time since the start, through all passes.
+    const std::uint64_t start_us = timeline_.times_us[first_frame_];
+    const std::uint64_t end_us = options_.duration ? microseconds(*options_.duration)
+                                                   : std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t recorded = 0;
+    for (std::uint64_t ordinal = first_frame_; !g_stop; ++ordinal) {
+      if (ordinal >= count && !loop_) break;
+      const auto frame = static_cast<std::uint32_t>(ordinal % count);
+      const std::uint64_t time_us =
+          ordinal / count * timeline_.duration_us + timeline_.times_us[frame] - start_us;
+      if (time_us >= end_us) break;
+      buffer_->advance(frame);
+      FrameBuffer::State state = FrameBuffer::State::waiting;
+      while (state == FrameBuffer::State::waiting && !g_stop)
+        state = buffer_->wait(milliseconds(50));
+      if (state == FrameBuffer::State::ready) {
+        if (auto drawn = show(buffer_->best(), options_.size); !drawn) return drawn;
+      } else if (state == FrameBuffer::State::failed) {
+        ++report_.frames_dropped;
+      } else {
+        break;
+      }
+      if (record && shown_) {
+        if (auto written = screenshot(record->at(recorded++)); !written) return written;
+      }
+      if (single_frame()) break;
+    }
+    if (!shown_ && !g_stop) return fail(options_.source + ": no frame could be shown");
+    if (!options_.screenshot.empty() && shown_) return screenshot(options_.screenshot);
+    return {};
+  }
+
+  // In a window: in real time.
+
+  Result<void> play_in_window() {
+    auto context = WindowContext::create("Pointreel: " + source_->manifest().name, options_.size.x,
+                                         options_.size.y);
+    if (!context)
+      return fail(context.error().message + "; --offscreen WxH draws without a display");
+    auto renderer = Renderer::create();
+    if (!renderer) return tl::unexpected(renderer.error());
+    renderer_.emplace(std::move(*renderer));
+    report_.gl_renderer = describe_opengl();
+    start_pipeline();
+    Result<void> ended;
+    {
+      WindowInput input(context->handle());
+      ended = play_in_real_time(*context, input);
+    }
+    finish();
+    renderer_.reset();
+    return ended;
+  }
+
+  Result<void> play_in_real_time(WindowContext& context, WindowInput& input) {
+    GLFWwindow* window = context.handle();
+    Clock clock(timeline_, loop_);
+    clock.set_speed(options_.speed, steady_clock::now());
+    clock.seek(microseconds(options_.at.value_or(0.0)), steady_clock::now());
+    bool waiting_for_first = true;
+    bool redraw = true;
+    auto last_title = steady_clock::now();
+    glm::ivec2 size{0};
+    while (!g_stop && !quit_ && !glfwWindowShouldClose(window)) {
+      if (redraw)
+        glfwPollEvents();
+      else
+        glfwWaitEventsTimeout(clock.playing() ? 0.002 : 0.01);
+      redraw = false;
+
+      const auto now = steady_clock::now();
+      if (auto acted = act(input, clock, now, redraw); !acted) return acted;
+      if (waiting_for_first && buffer_->wait(milliseconds(0)) != FrameBuffer::State::waiting) {
+        waiting_for_first = false;
+        clock.play(now);
+      }
+      if (options_.duration && shown_ && seconds_since(*started_) >= *options_.duration) break;
+      const Clock::Reading reading = clock.read(now);
+      if (reading.ended) break;
+      if (reading.frame != playhead_) {
+        playhead_ = reading.frame;
+        buffer_->advance(reading.frame);
+      }
+
+      glm::ivec2 window_size;
+      glfwGetFramebufferSize(window, &window_size.x, &window_size.y);
+      if (window_size.x <= 0 || window_size.y <= 0) continue;  // minimised
+      redraw = redraw || window_size != size;
+      report_.size = size = window_size;
+
+      const auto best = buffer_->best();
+      if (best && best != shown_) {
+        count_dropped(*best, reading);
+        draw_.mode = wanted_mode_;
+        if (auto drawn = show(best, size); !drawn) return drawn;
+        redraw = true;
+      } else if (redraw) {
+        const auto drawn = renderer_->draw(shown_, camera_, size, draw_);
+        if (!drawn) return tl::unexpected(drawn.error());
+      }
+      if (redraw) {
+        renderer_->present(0);
+        context.swap();
+      }
+      if (seconds_since(last_title) > 0.5) {
+        last_title = now;
+        update_title(window);
+      }
+    }
+    if (!options_.screenshot.empty() && shown_) return screenshot(options_.screenshot);
+    return {};
+  }
+
+  /// Frames that lie between the one shown before and this one.
+  void count_dropped(const SceneFrame& frame, const Clock::Reading& reading) {
+    const std::int64_t count = timeline_.frame_count();
+    const std::int64_t late = (static_cast<std::int64_t>(reading.frame) -
+                               static_cast<std::int64_t>(frame.index) + count) %
+                              count;
+    const std::int64_t ordinal = reading.ordinal - late;
+    if (last_ordinal_ && ordinal > *last_ordinal_ + 1)
+      report_.frames_dropped += static_cast<std::uint64_t>(ordinal - *last_ordinal_ - 1);
+    last_ordinal_ = ordinal;
+  }
+
+  void jump(const Clock& clock, Clock::TimePoint now, int direction) {
+    playhead_ = clock.read(now).frame;
+    buffer_->seek(playhead_, direction);
+    last_ordinal_.reset();
+  }
+
+  Result<void> act(WindowInput& input, Clock& clock, Clock::TimePoint now, bool& redraw) {
+    const Input events = input.take();
+    const double height = std::max(1, report_.size.y);
+    if (events.orbit != glm::dvec2(0.0)) {
+      // Once across the height of the picture is half a turn.
+      camera_.orbit(-events.orbit.x / height * M_PI, events.orbit.y / height * M_PI);
+      redraw = true;
+    }
+    if (events.pan != glm::dvec2(0.0)) {
+      camera_.pan(-events.pan.x / height, events.pan.y / height);
+      redraw = true;
+    }
+    if (events.wheel != 0.0) {
+      camera_.zoom(std::pow(0.9, events.wheel));
+      redraw = true;
+    }
+    for (const Action action : events.actions) {
+      switch (action) {
+        case Action::toggle_play:
+          if (!clock.playing()) {
+            clock.play(now);
+            jump(clock, now, 1);
+          } else {
+            clock.pause(now);
+          }
+          break;
+        case Action::seek_forward:
+        case Action::seek_back:
+          clock.seek_by(action == Action::seek_forward ? 5'000'000 : -5'000'000, now);
+          jump(clock, now, 1);
+          break;
+        case Action::step_forward:
+        case Action::step_back:
+          clock.step(action == Action::step_forward ? 1 : -1, now);
+          jump(clock, now, action == Action::step_forward ? 1 : -1);
+          break;
+        case Action::slower:
+          clock.set_speed(clock.speed() / 1.1, now);
+          break;
+        case Action::faster:
+          clock.set_speed(clock.speed() * 1.1, now);
+          break;
+        case Action::toggle_loop:
+          clock.set_loop(!clock.loop(), now);
+          buffer_->set_loop(clock.loop());
+          last_ordinal_.reset();
+          break;
+        case Action::next_mode:
+          wanted_mode_ = static_cast<DrawMode>((static_cast<int>(wanted_mode_) + 1) % 3);
+          report_.mode = wanted_mode_;
+          buffer_->set_mode(wanted_mode_);
+          last_ordinal_.reset();
+          break;
+        case Action::toggle_fullscreen:
+          input.toggle_fullscreen();
+          break;
+        case Action::screenshot: {
+          const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
+          const auto written = screenshot(path);
+          fmt::print(stderr, "pointreel: {}\n",
+                     written ? "wrote " + path : written.error().message);
+          break;
+        }
+        case Action::toggle_statistics:
+          statistics_ = !statistics_;
+          title_stale_ = true;
+          break;
+        case Action::reset_view:
+          reset_view(report_.size);
+          redraw = true;
+          break;
+        case Action::help:
+          fmt::print(stderr, "{}", bindings_help());
+          break;
+        case Action::quit:
+          quit_ = true;
+          break;
+      }
+    }
+    return {};
+  }
+
+  void update_title(GLFWwindow* window) {
+    if (!statistics_ && !title_stale_) return;
+    title_stale_ = false;
+    report_.errors = pipeline_->errors();
+    const std::string name = "Pointreel: " + source_->manifest().name;
+    glfwSetWindowTitle(window, (statistics_ ? name + ": " + report_.to_title() : name).c_str());
+  }
+
+  Result<void> write_json() const {
+    if (options_.json.empty()) return {};
+    const std::string text = report_.to_json();
+    if (options_.json == "-") {
+      const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
+                           std::fflush(stdout) == 0;
+      if (!written) return fail("standard output cannot be written");
+      return {};
+    }
+    std::ofstream out(options_.json, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) return fail(options_.json + ": cannot be written");
+    return {};
+  }
+
+  const PlayOptions options_;
+  DrawOptions draw_;
+  DrawMode wanted_mode_ = options_.draw.mode;  ///< what frames are being made for
+  const std::unique_ptr<Source> source_;
+  const Timeline timeline_;
+  const bool loop_;
+  const std::uint32_t first_frame_;
+  ErrorLines errors_;
+  std::unique_ptr<FrameBuffer> buffer_;
+  std::unique_ptr<Pipeline> pipeline_;
+  std::optional<Renderer> renderer_;
+  Camera camera_;
+  PlayReport report_;
+  std::shared_ptr<const SceneFrame> shown_;
+  std::optional<steady_clock::time_point> started_;
+  std::uint32_t playhead_ = first_frame_;
+  std::optional<std::int64_t> last_ordinal_;  ///< of the frame shown; none after a jump
+  bool statistics_ = false, title_stale_ = false, quit_ = false;
+};
+
+}  // namespace
+
+Result<void> play(const PlayOptions& options) {
+  auto player = Player::create(options);
+  if (!player) return tl::unexpected(player.error());
+  stop_on_signals();
+  return (*player)->run();
+}
+
+}  // namespace pointreel

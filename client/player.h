@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "client/render/renderer.h"
+#include "common/base/error.h"
+
+namespace pointreel {
+
+/// From where the camera looks; radians, as Camera's.
+struct View {
+  double yaw = 0.0;
+  double pitch = 0.0;
+};
+
+/// Everything that `pointreel play` can be told. Values are in range: main checks them.
+struct PlayOptions {
+  std::string source;  ///< address, package or folder
+  DrawOptions draw;    ///< its mode is the one to begin with
+  double delta = 0.05;
+  double speed = 1.0;
+  std::optional<bool> loop;  ///< default: yes in a window, no offscreen
+  double fps = 30.0;         ///< of folders
+  std::optional<char> up;    ///< default: what the package says; y for folders
+  bool offscreen = false;
+  glm::ivec2 size{1280, 720};
+  std::optional<double> at;              ///< seconds
+  std::optional<double> duration;        ///< seconds
+  std::optional<View> view;              ///< default: Camera::frame_bounds'
+  std::string screenshot, record, json;  ///< paths; empty: none
+};
+
+/// Plays until the end, the user, SIGINT or SIGTERM ends it, and then writes what options.json asks
+/// for. Prints one line on standard error for each frame that cannot be shown.
+Result<void> play(const PlayOptions& options);
+
+}  // namespace pointreel

@@ -108,7 +108,7 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   command->callback([arguments, &exit_code] {
     const auto served = serve(*arguments);
     if (served) return;
-    fmt::print(stderr, "pointreel-server serve: {}\n", served.error().message);
+    fmt::print(stderr, "pointreel-server: {}\n", served.error().message);
     exit_code = 1;
   });
 }

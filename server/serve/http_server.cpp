@@ -55,8 +55,8 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::size_t kLingerBytes = 64 * 1024;
 constexpr std::chrono::milliseconds kLingerTime{1000};
 
-// One strand for each connection. The executors' types are spelt out because the erased ones of
-// the defaults cost an allocation for every operation.
+// One strand for each connection. The executors' types are spelt out, for the defaults' erase them
+// and pay for it on every operation.
 using Strand = asio::strand<asio::io_context::executor_type>;
 using Socket = asio::basic_stream_socket<asio::ip::tcp, Strand>;
 using Acceptor = asio::basic_socket_acceptor<asio::ip::tcp, Strand>;
@@ -317,16 +317,14 @@ Task<void> HttpServer::State::accept() {
   Timer pause(acceptor->get_executor());
   while (true) {
     error_code error;
-    Socket socket = co_await acceptor->async_accept(asio::make_strand(*context),
-                                                    asio::redirect_error(kUseAwaitable, error));
-    if (!error) {
-      try {
-        admit(std::move(socket));
-      } catch (const std::bad_alloc&) {  // then this one is closed, and the next may have more luck
-      }
-      continue;
+    try {
+      Socket socket = co_await acceptor->async_accept(asio::make_strand(*context),
+                                                      asio::redirect_error(kUseAwaitable, error));
+      if (!error) admit(std::move(socket));
+    } catch (const std::bad_alloc&) {
+      error = asio::error::no_memory;
     }
-    if (error == asio::error::connection_aborted) continue;
+    if (!error || error == asio::error::connection_aborted) continue;
     // No descriptors or memory: what is waiting waits on until others have ended.
     pause.expires_after(kAcceptPause);
     co_await pause.async_wait(asio::redirect_error(kUseAwaitable, error));
@@ -381,7 +379,12 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
       sigemptyset(&signals);
       sigaddset(&signals, SIGPIPE);
       ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-      context.run();
+      while (!context.stopped()) {
+        try {
+          context.run();
+        } catch (const std::exception&) {  // out of memory: one operation is lost, not the server
+        }
+      }
     });
   }
   return server;

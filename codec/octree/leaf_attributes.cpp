@@ -21,7 +21,7 @@ glm::vec2 fold(const glm::vec2& v) {
 }
 
 std::uint16_t to_step(float v) {
-  return static_cast<std::uint16_t>(std::lround((v * 0.5f + 0.5f) * kOctahedralSteps));
+  return static_cast<std::uint16_t>((v * 0.5f + 0.5f) * kOctahedralSteps + 0.5f);
 }
 
 float from_step(std::uint16_t step) {
@@ -86,11 +86,11 @@ std::vector<glm::vec3> normals_from_codes(const Codes& codes) {
 Codes inherit(const Svo& svo, const Codes& codes, int from_level, int to_level) {
   Codes parents = codes;
   for (int level = from_level; level < to_level; ++level) {
-    Codes children;
-    children.reserve(svo.node_count(level + 1));
+    Codes children(svo.node_count(level + 1));
+    glm::u16vec3* child = children.data();
     const std::uint8_t* mask = svo.masks.data() + svo.level_begin[static_cast<std::size_t>(level)];
     for (const glm::u16vec3& code : parents) {
-      children.insert(children.end(), static_cast<std::size_t>(std::popcount(*mask++)), code);
+      for (int count = std::popcount(*mask++); count > 0; --count) *child++ = code;
     }
     parents.swap(children);
   }
@@ -98,13 +98,13 @@ Codes inherit(const Svo& svo, const Codes& codes, int from_level, int to_level) 
 }
 
 Bytes code_differences(const Codes& codes, const Codes& predicted, const CodeShape& shape) {
-  Bytes bytes;
-  bytes.reserve(shape.bytes(codes.size()));
+  Bytes bytes(shape.bytes(codes.size()));
+  std::uint8_t* byte = bytes.data();
   for (int component = 0; component < shape.components; ++component) {
     for (int shift = shape.bits - 8; shift >= 0; shift -= 8) {
       for (std::size_t i = 0; i < codes.size(); ++i) {
         const int difference = codes[i][component] - predicted[i][component];
-        bytes.push_back(static_cast<std::uint8_t>(difference >> shift));
+        *byte++ = static_cast<std::uint8_t>(difference >> shift);
       }
     }
   }

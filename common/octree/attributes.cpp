@@ -27,10 +27,32 @@ glm::i16vec3 direction(const glm::i64vec3& sum) {
   return glm::i16vec3(round_to_int(scaled.x), round_to_int(scaled.y), round_to_int(scaled.z));
 }
 
+/// As a mean: a direction has no use for the number of vectors.
+glm::i16vec3 mean_direction(const glm::i64vec3& sum, std::uint32_t) { return direction(sum); }
+
 /// Sum over count, rounded. In double: exact, because the sum is below 2^48, and much faster than
 /// dividing 64-bit integers.
 glm::u16vec3 mean(const glm::i64vec3& sum, std::uint32_t count) {
+  if (count == 1) return glm::u16vec3(sum);
   return glm::u16vec3(glm::dvec3(sum + std::int64_t{count / 2}) / static_cast<double>(count));
+}
+
+/// Fills the leaves of a tree from the points in each. Get gives a point's value as a Sum.
+template <class Sum, class Value, class Get, class Average>
+void fill_leaves(const Svo& svo, const SortedPoints& sorted, std::vector<Value>& values, Get get,
+                 Average average) {
+  const int shift = 3 * (sorted.levels - svo.depth);
+  const KeyIndex* point = sorted.points.data();
+  const KeyIndex* const end = point + sorted.points.size();
+  for (std::size_t leaf = svo.internal_count(); point < end; ++leaf) {
+    const std::uint64_t key = point->key >> shift;
+    Sum sum = get(point->index);
+    std::uint32_t count = 1;
+    for (++point; point < end && point->key >> shift == key; ++point, ++count) {
+      sum += get(point->index);
+    }
+    values[leaf] = average(sum, count);
+  }
 }
 
 /// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
@@ -73,10 +95,8 @@ void fill_inner(const Svo& svo, std::vector<Value>& values, Average average) {
 
 void fill_inner(const Svo& svo, NodeAttributes& attributes) {
   if (!attributes.colors.empty()) fill_inner<glm::i64vec3>(svo, attributes.colors, mean);
-  if (!attributes.normals.empty()) {
-    fill_inner<glm::i64vec3>(svo, attributes.normals,
-                             [](const glm::i64vec3& sum, std::uint32_t) { return direction(sum); });
-  }
+  if (!attributes.normals.empty())
+    fill_inner<glm::i64vec3>(svo, attributes.normals, mean_direction);
 }
 
 }  // namespace
@@ -84,24 +104,17 @@ void fill_inner(const Svo& svo, NodeAttributes& attributes) {
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud,
                                const SortedPoints& sorted) {
   NodeAttributes attributes;
-  if (cloud.has_colors()) attributes.colors.resize(svo.node_count());
-  if (cloud.has_normals()) attributes.normals.resize(svo.node_count());
-  if (!cloud.has_colors() && !cloud.has_normals()) return attributes;
-
-  const int shift = 3 * (sorted.levels - svo.depth);
-  std::size_t leaf = svo.internal_count();
-  for (std::size_t i = 0; i < sorted.points.size(); ++leaf) {
-    const std::uint64_t key = sorted.points[i].key >> shift;
-    glm::i64vec3 color(0);
-    glm::i64vec3 normal(0);
-    std::uint32_t count = 0;
-    for (; i < sorted.points.size() && sorted.points[i].key >> shift == key; ++i, ++count) {
-      const std::uint32_t point = sorted.points[i].index;
-      if (cloud.has_colors()) color += glm::i64vec3(cloud.colors[point]);
-      if (cloud.has_normals()) normal += fixed_point(cloud.normals[point]);
-    }
-    if (cloud.has_colors()) attributes.colors[leaf] = mean(color, count);
-    if (cloud.has_normals()) attributes.normals[leaf] = direction(normal);
+  if (cloud.has_colors()) {
+    attributes.colors.resize(svo.node_count());
+    fill_leaves<glm::i64vec3>(
+        svo, sorted, attributes.colors,
+        [&](std::uint32_t point) { return glm::i64vec3(cloud.colors[point]); }, mean);
+  }
+  if (cloud.has_normals()) {
+    attributes.normals.resize(svo.node_count());
+    fill_leaves<glm::i64vec3>(
+        svo, sorted, attributes.normals,
+        [&](std::uint32_t point) { return fixed_point(cloud.normals[point]); }, mean_direction);
   }
   fill_inner(svo, attributes);
   return attributes;

@@ -264,7 +264,11 @@ class Player {
       }
       if (options_.duration && shown_ && seconds_since(*started_) >= *options_.duration) break;
       const Clock::Reading reading = clock.read(now);
-      if (reading.ended) break;
+      if (reading.ended) {
+        if (last_ordinal_)
+          report_.frames_dropped += static_cast<std::uint64_t>(reading.ordinal - *last_ordinal_);
+        break;
+      }
       if (reading.frame != playhead_) {
         playhead_ = reading.frame;
         buffer_->advance(reading.frame);

@@ -28,7 +28,7 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
                             const FetchedFrame& fetched) {
   if (fetched.layers.empty()) {
     auto loaded = read_cloud(fetched.file);
-    if (!loaded) return tl::unexpected(loaded.error());
+    if (!loaded) return fail_at(fetched.file_name, loaded.error());
     DecodedFrame frame;
     frame.cloud = std::move(loaded->cloud);
     frame.cube = bounding_cube(bounds(frame.cloud));
@@ -44,11 +44,16 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   return frame;
 }
 
-/// Normals and radii that the mode needs.
+/// Whether a mode draws normals of a cloud, coloured or not.
+bool draws_normals(DrawMode mode, bool colored) { return mode == DrawMode::surfel || !colored; }
+
+/// Adds the normals and radii that the mode needs and takes away normals that it does not, so that
+/// a reel looks the same wherever it comes from.
 void derive_surface(PointCloud& cloud, const std::optional<Svo>& svo, DrawMode mode) {
-  const bool surfels = mode == DrawMode::surfel;
-  const bool normals = !cloud.has_normals() && (surfels || !cloud.has_colors());
-  const bool radii = !cloud.has_radii() && surfels;
+  const bool needs_normals = draws_normals(mode, cloud.has_colors());
+  if (!needs_normals) cloud.normals.clear();
+  const bool normals = needs_normals && !cloud.has_normals();
+  const bool radii = mode == DrawMode::surfel && !cloud.has_radii();
   if (radii && svo) {
     if (normals) estimate_normals(cloud);
     const double half_diagonal = 0.5 * std::sqrt(3.0) * svo->cell_size(svo->depth);
@@ -93,7 +98,7 @@ Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOpti
 
 FetchRequest parts_for(const Manifest& manifest, DrawMode mode) {
   FetchRequest request;
-  request.normals = mode == DrawMode::surfel || !manifest.colors;
+  request.normals = draws_normals(mode, manifest.colors);
   return request;
 }
 

@@ -32,6 +32,7 @@ class FolderSource : public Source {
     if (size < 0 || static_cast<std::uint64_t>(size) > kMaxFileBytes)
       return fail(path.string() + ": is no plain file of at most 4 GiB");
     FetchedFrame fetched;
+    fetched.file_name = path.string();
     fetched.file.resize(static_cast<std::size_t>(size));
     in.seekg(0);
     in.read(reinterpret_cast<char*>(fetched.file.data()), size);

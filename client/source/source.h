@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "codec/codec.h"
@@ -30,7 +31,8 @@ struct FetchedLayer {
 /// A frame as it came: either layers of a package, or a whole PLY or .drc file.
 struct FetchedFrame {
   std::vector<FetchedLayer> layers;
-  Bytes file;  ///< used if `layers` is empty
+  Bytes file;             ///< used if `layers` is empty
+  std::string file_name;  ///< of `file`, for errors
 };
 
 /// Where frames come from.

@@ -155,13 +155,15 @@ TEST(PrepareFrame, EstimatesWhatAFileLacksAndTheModeNeeds) {
   EXPECT_FALSE(points->cloud.has_radii());
 }
 
-TEST(PrepareFrame, EstimatesNoNormalsWhereColoursAreDrawn) {
-  const PointCloud cloud = sphere(1'000, false, true);
-  const auto scene =
-      prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {DrawMode::point, 0.05});
-  ASSERT_TRUE(scene);
-  EXPECT_TRUE(scene->cloud.has_colors());
-  EXPECT_FALSE(scene->cloud.has_normals());
+TEST(PrepareFrame, NeitherEstimatesNorKeepsNormalsWhereColoursAreDrawn) {
+  for (const bool normals : {false, true}) {
+    const PointCloud cloud = sphere(1'000, normals, true);
+    const auto scene =
+        prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {DrawMode::point, 0.05});
+    ASSERT_TRUE(scene);
+    EXPECT_TRUE(scene->cloud.has_colors());
+    EXPECT_FALSE(scene->cloud.has_normals());
+  }
 }
 
 TEST(PrepareFrame, PlaysAFrameWithoutPointsAsNothing) {
@@ -183,7 +185,10 @@ TEST(PrepareFrame, TellsWhatIsWrongWithDamagedBytes) {
   frame.layers[0].bytes[frame.layers[0].sizes.geometry / 2] ^= 1;
   EXPECT_FALSE(prepare_frame(manifest_of(cloud), 0, frame, {DrawMode::surfel, 0.05}));
   FetchedFrame nothing;
-  EXPECT_FALSE(prepare_frame(manifest_of(cloud), 0, nothing, {DrawMode::surfel, 0.05}));
+  nothing.file_name = "folder/f7.ply";
+  const auto scene = prepare_frame(manifest_of(cloud), 0, nothing, {DrawMode::surfel, 0.05});
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, testing::StartsWith("folder/f7.ply: "));
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include "client/playback/prepare.h"
 
 #include <chrono>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "client/playback/leaf_radii.h"
 #include "codec/cloud_file.h"
 #include "common/surface/normals.h"
 
@@ -56,8 +56,7 @@ void derive_surface(PointCloud& cloud, const std::optional<Svo>& svo, DrawMode m
   const bool radii = mode == DrawMode::surfel && !cloud.has_radii();
   if (radii && svo) {
     if (normals) estimate_normals(cloud);
-    const double half_diagonal = 0.5 * std::sqrt(3.0) * svo->cell_size(svo->depth);
-    cloud.radii.assign(cloud.size(), static_cast<float>(half_diagonal));
+    cloud.radii = leaf_radii(*svo);
   } else if (normals && radii) {
     estimate_normals_and_radii(cloud);
   } else if (normals) {

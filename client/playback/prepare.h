@@ -23,8 +23,7 @@ FetchRequest parts_for(const Manifest& manifest, DrawMode mode);
 /// files, in the frame's bounding cube. Attributes of its nodes are made in voxel mode only.
 ///
 /// Normals are estimated from neighbours where absent and needed. Radii, in surfel mode and where
-/// absent: half the diagonal of a leaf for octree frames, so that the splat of a voxel's centre
-/// covers whatever surface passes through it; otherwise from the neighbours' distances.
+/// absent: for octree frames from the tree (leaf_radii), otherwise from the neighbours' distances.
 ///
 /// Fills decode_ms (bytes to cloud), surface_ms (normals and radii) and svo_ms (tree and
 /// attributes). Trusts nothing in the bytes.

@@ -49,17 +49,18 @@ bool draws_normals(DrawMode mode, bool colored) { return mode == DrawMode::surfe
 
 /// Adds the normals and radii that the mode needs and takes away normals that it does not, so that
 /// a reel looks the same wherever it comes from.
-void derive_surface(PointCloud& cloud, const std::optional<Svo>& svo, DrawMode mode) {
+void derive_surface(SceneFrame& scene, const std::optional<Svo>& svo, DrawMode mode) {
+  PointCloud& cloud = scene.cloud;
   const bool needs_normals = draws_normals(mode, cloud.has_colors());
   if (!needs_normals) cloud.normals.clear();
-  const bool normals = needs_normals && !cloud.has_normals();
+  scene.normals_estimated = needs_normals && !cloud.has_normals();
   const bool radii = mode == DrawMode::surfel && !cloud.has_radii();
   if (radii && svo) {
-    if (normals) estimate_normals(cloud);
+    if (scene.normals_estimated) estimate_normals(cloud);
     cloud.radii = leaf_radii(*svo);
-  } else if (normals && radii) {
+  } else if (scene.normals_estimated && radii) {
     estimate_normals_and_radii(cloud);
-  } else if (normals) {
+  } else if (scene.normals_estimated) {
     estimate_normals(cloud);
   } else if (radii) {
     estimate_radii(cloud);
@@ -112,7 +113,7 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
   scene.time_us = frame_time_us(manifest, index);
   scene.cloud = std::move(frame->cloud);
   scene.decode_ms = watch.lap();
-  derive_surface(scene.cloud, frame->svo, options.mode);
+  derive_surface(scene, frame->svo, options.mode);
   scene.surface_ms = watch.lap();
   if (const auto made = make_tree(scene, *frame, options); !made)
     return tl::unexpected(made.error());

@@ -7,7 +7,7 @@ namespace pointreel {
 
 struct PrepareOptions {
   DrawMode mode = DrawMode::surfel;
-  double delta = 0.05;  ///< >= 0, of the tree that is built (DepthRule::delta)
+  double delta = 0.7;  ///< >= 0, of the tree that is drawn (DepthRule::delta)
 };
 
 /// What of the reel's frames a mode draws: colours always; normals where surfels are oriented by

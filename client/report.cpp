@@ -36,7 +36,7 @@ void PlayReport::add(const SceneFrame& frame, const DrawStats& drawn) {
   ++frames_shown_;
   fetch_.add(frame.fetch_ms);
   decode_.add(frame.decode_ms);
-  surface_.add(frame.surface_ms);
+  normals_.add(frame.normals_ms);
   svo_.add(frame.svo_ms);
   cut_.add(drawn.cut_ms);
   render_.add(drawn.render_ms);
@@ -61,7 +61,7 @@ std::string PlayReport::to_json() const {
   json["errors"] = errors;
   json["fetch_ms"] = json_of(fetch_);
   json["decode_ms"] = json_of(decode_);
-  json["surface_ms"] = json_of(surface_);
+  json["normals_ms"] = json_of(normals_);
   json["svo_ms"] = json_of(svo_);
   json["cut_ms"] = json_of(cut_);
   json["render_ms"] = json_of(render_);
@@ -76,9 +76,9 @@ std::string PlayReport::to_json() const {
 std::string PlayReport::to_title() const {
   return fmt::format(
       "{} points, depth {}, {} {}s drawn, {} frames shown, {} dropped, {} broken; median ms: fetch "
-      "{:.1f}, decode {:.1f}, surface {:.1f}, octree {:.1f}, cut {:.1f}, render {:.1f}",
+      "{:.1f}, decode {:.1f}, normals {:.1f}, octree {:.1f}, cut {:.1f}, render {:.1f}",
       points_, depth_, drawn_, name(mode), frames_shown_, frames_dropped, errors,
-      fetch_.summary().median, decode_.summary().median, surface_.summary().median,
+      fetch_.summary().median, decode_.summary().median, normals_.summary().median,
       svo_.summary().median, cut_.summary().median, render_.summary().median);
 }
 

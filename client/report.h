@@ -36,7 +36,7 @@ class PlayReport {
 
  private:
   std::uint64_t frames_shown_ = 0;
-  TimeSamples fetch_, decode_, surface_, svo_, cut_, render_;
+  TimeSamples fetch_, decode_, normals_, svo_, cut_, render_;
   std::uint64_t points_ = 0, nodes_ = 0, leaves_ = 0, drawn_ = 0;
   int depth_ = 0;
 };

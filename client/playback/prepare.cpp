@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/playback/leaf_radii.h"
+#include "client/playback/tree_radii.h"
 #include "codec/cloud_file.h"
 #include "common/surface/normals.h"
 
@@ -47,23 +47,15 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
 /// Whether a mode draws normals of a cloud, coloured or not.
 bool draws_normals(DrawMode mode, bool colored) { return mode == DrawMode::surfel || !colored; }
 
-/// Adds the normals and radii that the mode needs and takes away normals that it does not, so that
-/// a reel looks the same wherever it comes from.
-void derive_surface(SceneFrame& scene, const std::optional<Svo>& svo, DrawMode mode) {
+/// Adds the normals that the mode needs, and takes away those that it does not, so that a reel
+/// looks the same wherever it comes from.
+void derive_normals(SceneFrame& scene, DrawMode mode) {
   PointCloud& cloud = scene.cloud;
-  const bool needs_normals = draws_normals(mode, cloud.has_colors());
-  if (!needs_normals) cloud.normals.clear();
-  scene.normals_estimated = needs_normals && !cloud.has_normals();
-  const bool radii = mode == DrawMode::surfel && !cloud.has_radii();
-  if (radii && svo) {
-    if (scene.normals_estimated) estimate_normals(cloud);
-    cloud.radii = leaf_radii(*svo);
-  } else if (scene.normals_estimated && radii) {
-    estimate_normals_and_radii(cloud);
-  } else if (scene.normals_estimated) {
+  if (!draws_normals(mode, cloud.has_colors())) {
+    cloud.normals.clear();
+  } else if (!cloud.has_normals()) {
     estimate_normals(cloud);
-  } else if (radii) {
-    estimate_radii(cloud);
+    scene.normals_estimated = true;
   }
 }
 
@@ -74,12 +66,15 @@ Result<int> depth_of(const Svo& svo, std::uint64_t source_points, double delta) 
   return choose_depth(occupied, source_points, DepthRule::by_delta(delta));
 }
 
+/// The tree, and what is derived from it.
 Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOptions& options) {
   const bool with_attributes = options.mode == DrawMode::voxel;
+  const bool with_radii = options.mode == DrawMode::surfel && !scene.cloud.has_radii();
   if (frame.svo) {
     const auto depth = depth_of(*frame.svo, frame.source_points, options.delta);
     if (!depth) return tl::unexpected(depth.error());
     if (with_attributes) scene.attributes = mean_attributes(*frame.svo, scene.cloud);
+    if (with_radii) scene.cloud.radii = leaf_radii(*frame.svo);
     scene.svo = *depth < frame.svo->depth ? truncate(*frame.svo, *depth) : std::move(*frame.svo);
     // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
     const std::size_t nodes = scene.svo.node_count();
@@ -91,6 +86,7 @@ Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOpti
   if (!sorted) return tl::unexpected(sorted.error());
   scene.svo = build_svo(sorted->sorted, sorted->depth);
   if (with_attributes) scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted->sorted);
+  if (with_radii) scene.cloud.radii = point_radii(scene.svo, sorted->sorted);
   return {};
 }
 
@@ -113,8 +109,8 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
   scene.time_us = frame_time_us(manifest, index);
   scene.cloud = std::move(frame->cloud);
   scene.decode_ms = watch.lap();
-  derive_surface(scene, frame->svo, options.mode);
-  scene.surface_ms = watch.lap();
+  derive_normals(scene, options.mode);
+  scene.normals_ms = watch.lap();
   if (const auto made = make_tree(scene, *frame, options); !made)
     return tl::unexpected(made.error());
   scene.svo_ms = watch.lap();

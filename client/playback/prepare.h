@@ -22,11 +22,11 @@ FetchRequest parts_for(const Manifest& manifest, DrawMode mode);
 /// delta (which refers to the source's points); otherwise built in the segment's cube, or, for
 /// files, in the frame's bounding cube. Attributes of its nodes are made in voxel mode only.
 ///
-/// Normals are estimated from neighbours where absent and needed. Radii, in surfel mode and where
-/// absent: for octree frames from the tree (leaf_radii), otherwise from the neighbours' distances.
+/// Normals are estimated from neighbours where absent and needed; radii in surfel mode, where
+/// absent, from the tree (tree_radii.h).
 ///
-/// Fills decode_ms (bytes to cloud), surface_ms (normals and radii) and svo_ms (tree and
-/// attributes). Trusts nothing in the bytes.
+/// Fills decode_ms (bytes to cloud), normals_ms (their estimation) and svo_ms (tree, attributes and
+/// radii). Trusts nothing in the bytes.
 Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                  const FetchedFrame& fetched, const PrepareOptions& options);
 

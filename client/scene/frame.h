@@ -26,8 +26,8 @@ struct SceneFrame {
   Svo svo;
   NodeAttributes attributes;
 
-  /// What it took to make, in the order of the stages; surface: normals and radii where estimated.
-  double fetch_ms = 0.0, decode_ms = 0.0, surface_ms = 0.0, svo_ms = 0.0;
+  /// What it took to make, in the order of the stages; normals: where estimated.
+  double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };
 
 }  // namespace pointreel

@@ -1,0 +1,51 @@
+#include "server/pack/input.h"
+
+#include <optional>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+namespace pointreel {
+namespace {
+
+constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
+
+std::size_t memory_of(const PointCloud& cloud) {
+  return cloud.positions.size() * sizeof(glm::vec3) + cloud.normals.size() * sizeof(glm::vec3) +
+         cloud.colors.size() * sizeof(glm::u16vec3) + cloud.radii.size() * sizeof(float);
+}
+
+}  // namespace
+
+Result<Box> SegmentInput::read_bounds(const std::stop_token& stop) {
+  std::vector<Box> boxes(files_.size());
+  std::vector<std::optional<Error>> errors(files_.size());
+  std::atomic<std::size_t> kept_bytes = 0;
+  tbb::parallel_for(std::size_t{0}, files_.size(), [&](std::size_t i) {
+    if (stop.stop_requested()) return;
+    Result<LoadedCloud> loaded = read_cloud_file(files_[i]);
+    if (!loaded) {
+      errors[i] = std::move(loaded.error());
+      return;
+    }
+    boxes[i] = bounds(loaded->cloud);
+    const std::size_t bytes = memory_of(loaded->cloud);
+    if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
+      kept_[i] = std::make_unique<LoadedCloud>(std::move(*loaded));
+    }
+  });
+  Box all;
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    if (errors[i]) return tl::unexpected(*errors[i]);
+    all.grow(boxes[i]);
+  }
+  return all;
+}
+
+Result<LoadedCloud> SegmentInput::take(std::size_t frame) {
+  if (kept_[frame] == nullptr) return read_cloud_file(files_[frame]);
+  const std::unique_ptr<LoadedCloud> kept = std::move(kept_[frame]);
+  return std::move(*kept);
+}
+
+}  // namespace pointreel

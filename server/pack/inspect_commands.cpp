@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/base/progress.h"
+#include "server/pack/commands.h"
+#include "server/pack/inspect.h"
+#include "server/pack/stop_signal.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::ordered_json;
+
+void print_json(const ordered_json& json) {
+  const std::string text = json.dump(2, ' ', false, ordered_json::error_handler_t::replace);
+  std::fputs((text + "\n").c_str(), stdout);
+}
+
+/// What `info` says beyond the manifest's own fields.
+struct Totals {
+  std::uint64_t points = 0, bytes = 0;
+  std::uint32_t fewest = std::numeric_limits<std::uint32_t>::max(), most = 0;
+  std::vector<std::uint64_t> layer_bytes;
+};
+
+Totals totals_of(const Manifest& manifest) {
+  Totals totals;
+  totals.layer_bytes.resize(manifest.layer_names.size());
+  for (const Segment& segment : manifest.segments) {
+    for (const std::uint32_t points : segment.points) {
+      totals.points += points;
+      totals.fewest = std::min(totals.fewest, points);
+      totals.most = std::max(totals.most, points);
+    }
+    for (std::size_t i = 0; i < segment.layers.size(); ++i) {
+      totals.layer_bytes[i] += segment.layers[i].bytes;
+      totals.bytes += segment.layers[i].bytes;
+    }
+  }
+  if (manifest.segments.empty()) totals.fewest = 0;
+  return totals;
+}
+
+ordered_json info_json(const Manifest& manifest, const Totals& totals) {
+  ordered_json layers = ordered_json::array();
+  for (std::size_t i = 0; i < manifest.layer_names.size(); ++i) {
+    layers.push_back({{"name", manifest.layer_names[i]}, {"bytes", totals.layer_bytes[i]}});
+  }
+  const auto vector = [](const glm::dvec3& v) { return ordered_json{v.x, v.y, v.z}; };
+  ordered_json bounds;
+  if (!manifest.bounds.empty()) {
+    bounds = {{"min", vector(manifest.bounds.min)}, {"max", vector(manifest.bounds.max)}};
+  }
+  ordered_json entropy;
+  if (!manifest.entropy.empty()) entropy = manifest.entropy;
+  return {{"name", manifest.name},
+          {"version", kPackageVersion},
+          {"codec", manifest.codec},
+          {"entropy", entropy},
+          {"frames", manifest.frame_count()},
+          {"segments", manifest.segments.size()},
+          {"fps", manifest.fps},
+          {"duration_s", static_cast<double>(manifest.duration_us) * 1e-6},
+          {"up", std::string(1, manifest.up)},
+          {"colors", manifest.colors},
+          {"normals", manifest.normals},
+          {"points", {{"total", totals.points}, {"min", totals.fewest}, {"max", totals.most}}},
+          {"depth", {{"min", manifest.depth_min}, {"max", manifest.depth_max}}},
+          {"bounds", bounds},
+          {"bytes", totals.bytes},
+          {"layers", layers}};
+}
+
+void print_info(const Manifest& manifest, const Totals& totals) {
+  const double seconds = static_cast<double>(manifest.duration_us) * 1e-6;
+  fmt::print("{}: {} frames, {:.2f} s at {:g} a second, {} segments, up {}\n", manifest.name,
+             manifest.frame_count(), seconds, manifest.fps, manifest.segments.size(), manifest.up);
+  fmt::print("  codec   {}{}{}, depth {} to {}\n", manifest.codec,
+             manifest.entropy.empty() ? "" : " ", manifest.entropy, manifest.depth_min,
+             manifest.depth_max);
+  fmt::print("  points  {} ({} to {} a frame), colors {}, normals {}\n", totals.points,
+             totals.fewest, totals.most, manifest.colors ? "yes" : "no",
+             manifest.normals ? "yes" : "no");
+  if (!manifest.bounds.empty()) {
+    const glm::dvec3 &low = manifest.bounds.min, &high = manifest.bounds.max;
+    fmt::print("  bounds  ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", low.x, low.y, low.z, high.x,
+               high.y, high.z);
+  }
+  fmt::print("  bytes   {}", totals.bytes);
+  if (seconds > 0.0)
+    fmt::print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
+  fmt::print("\n");
+  for (std::size_t i = 0; i < manifest.layer_names.size(); ++i) {
+    fmt::print("    {:8} {}\n", manifest.layer_names[i], totals.layer_bytes[i]);
+  }
+}
+
+int run_info(const std::string& reel, bool json) {
+  const Result<Manifest> manifest = read_manifest(reel);
+  if (!manifest) {
+    print_error(manifest.error().message);
+    return kExitUsage;
+  }
+  const Totals totals = totals_of(*manifest);
+  if (json) {
+    print_json(info_json(*manifest, totals));
+  } else {
+    print_info(*manifest, totals);
+  }
+  return kExitOk;
+}
+
+/// A listener that shows a bar; it lives as long as `progress` and `stop`.
+InspectListener listener_for(const char* label, std::unique_ptr<Progress>& progress,
+                             const StopSignal& stop) {
+  InspectListener listener;
+  listener.begin = [label, &progress](std::uint32_t total) {
+    progress = std::make_unique<Progress>(label, total);
+  };
+  listener.frame_done = [&progress] { progress->tick(); };
+  listener.stop = stop.token();
+  return listener;
+}
+
+std::string fault_line(const Fault& fault) {
+  if (!fault.frame) return fmt::format("{}: {}", fault.file, fault.what);
+  return fmt::format("{}: frame {}: {}", fault.file, *fault.frame, fault.what);
+}
+
+ordered_json verify_json(const VerifyReport& report) {
+  ordered_json faults = ordered_json::array();
+  for (const Fault& fault : report.faults) {
+    ordered_json frame;
+    if (fault.frame) frame = *fault.frame;
+    faults.push_back({{"file", fault.file}, {"frame", frame}, {"what", fault.what}});
+  }
+  return {{"good", report.faults.empty()},
+          {"frames", report.frames},
+          {"files", report.files},
+          {"bytes", report.bytes},
+          {"faults", faults}};
+}
+
+int run_verify(const std::string& reel, bool json) {
+  const StopSignal stop;
+  std::unique_ptr<Progress> progress;
+  // What has no manifest that can be read is no package; only a package has faults.
+  if (const Result<Manifest> manifest = read_manifest(reel); !manifest) {
+    print_error(manifest.error().message);
+    return kExitUsage;
+  }
+  const Result<VerifyReport> report = verify(reel, listener_for("verify", progress, stop));
+  progress.reset();
+  if (!report) {
+    print_error(report.error().message);
+    return kExitFailed;
+  }
+  if (json) {
+    print_json(verify_json(*report));
+  } else if (report->faults.empty()) {
+    fmt::print("{}: good, {} frames in {} files, {} bytes\n", reel, report->frames, report->files,
+               report->bytes);
+  } else {
+    for (const Fault& fault : report->faults) fmt::print("{}\n", fault_line(fault));
+    fmt::print("{}: {} faults\n", reel, report->faults.size());
+  }
+  return report->faults.empty() ? kExitOk : kExitFailed;
+}
+
+/// "A-B" or "A": whole numbers, A <= B.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> parse_frames(const std::string& text) {
+  const auto number = [](const std::string& digits) -> std::optional<std::uint32_t> {
+    if (digits.empty() || digits.size() > 9 ||
+        !std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; })) {
+      return std::nullopt;
+    }
+    return static_cast<std::uint32_t>(std::stoul(digits));
+  };
+  const std::size_t dash = text.find('-');
+  const auto first = number(text.substr(0, dash));
+  const auto last = dash == std::string::npos ? first : number(text.substr(dash + 1));
+  if (!first || !last || *first > *last) return std::nullopt;
+  return std::pair(*first, *last);
+}
+
+int run_unpack(UnpackOptions options, const std::string& frames) {
+  if (!frames.empty()) {
+    const auto range = parse_frames(frames);
+    if (!range) {
+      print_error(frames + ": --frames takes A-B or A, numbered from 0");
+      return kExitUsage;
+    }
+    options.first_frame = range->first;
+    options.last_frame = range->second;
+  }
+  if (const Result<Manifest> manifest = read_manifest(options.input); !manifest) {
+    print_error(manifest.error().message);
+    return kExitUsage;
+  }
+  const StopSignal stop;
+  std::unique_ptr<Progress> progress;
+  const Result<std::uint32_t> count = unpack(options, listener_for("unpack", progress, stop));
+  progress.reset();
+  if (!count) {
+    print_error(count.error().message);
+    return kExitFailed;
+  }
+  fmt::print("{}: {} frames\n", options.output.string(), *count);
+  return kExitOk;
+}
+
+void add_unpack_command(CLI::App& app, int& exit_code) {
+  struct Arguments {
+    std::string input, output, frames;
+    std::uint32_t layers = 0;
+    bool force = false;
+  };
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* unpack = app.add_subcommand("unpack", "decode a package into PLY files");
+  unpack->add_option("-i,--input", a->input, "the package's folder")->required();
+  unpack->add_option("-o,--output", a->output, "the folder for frame_00000.ply, ...")->required();
+  CLI::Option* layers =
+      unpack->add_option("--layers", a->layers, "only so many layers, from the base (default all)")
+          ->check(CLI::Range(1, 255));
+  unpack->add_option("--frames", a->frames, "only frames A to B, both included, from 0")
+      ->type_name("A-B");
+  unpack->add_flag("--force", a->force, "replace a folder of unpacked frames");
+  unpack->callback([a, layers, &exit_code] {
+    UnpackOptions options;
+    options.input = a->input;
+    options.output = a->output;
+    options.force = a->force;
+    if (layers->count() > 0) options.layers = a->layers;
+    exit_code = run_unpack(options, a->frames);
+  });
+}
+
+}  // namespace
+
+void add_inspect_commands(CLI::App& app, int& exit_code) {
+  using Run = int (*)(const std::string&, bool);
+  const auto add = [&](const char* name, const char* what, Run run) {
+    struct Arguments {
+      std::string reel;
+      bool json = false;
+    };
+    const auto a = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand(name, what);
+    command->add_option("REEL", a->reel, "the package's folder")->required();
+    command->add_flag("--json", a->json, "as JSON");
+    command->callback([a, run, &exit_code] { exit_code = run(a->reel, a->json); });
+  };
+  add("info", "say what a package holds", run_info);
+  add("verify", "check every file and decode every frame", run_verify);
+  add_unpack_command(app, exit_code);
+}
+
+void print_error(const std::string& message) {
+  std::fputs(("pointreel-server: " + message + "\n").c_str(), stderr);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include <xxhash.h>
+
+#include "codec/codec.h"
+#include "common/base/error.h"
+#include "common/stream/package.h"
+
+namespace pointreel {
+
+/// Writes one layer file of a segment, frame after frame, and keeps its entry of the manifest.
+class LayerWriter {
+ public:
+  /// `name` is the file's in `folder`.
+  LayerWriter(const std::filesystem::path& folder, const std::string& name);
+
+  /// `layer` is empty where the frame does not have this layer.
+  void append(const EncodedLayer& layer);
+
+  /// The finished entry; an error if anything could not be written.
+  Result<LayerFile> finish();
+
+ private:
+  void write(const Bytes& bytes);
+
+  struct FreeState {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  std::ofstream out_;
+  std::unique_ptr<XXH3_state_t, FreeState> hash_;
+  LayerFile file_;
+};
+
+}  // namespace pointreel

@@ -1,0 +1,258 @@
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/base/progress.h"
+#include "server/pack/commands.h"
+#include "server/pack/packer.h"
+#include "server/pack/stop_signal.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// The command line as it was given; `make_options` turns it into what it means.
+struct PackArguments {
+  std::vector<std::string> inputs;
+  std::string output, name;
+  std::string codec = "octree", entropy = "zstd", cube = "group", up = "y";
+  double delta = 0.05, voxel = 0.0, fps = 30.0;
+  int depth = 10, threads = 0;
+  std::uint32_t segment = 30;
+  DracoOptions draco;
+  bool no_normals = false, no_colors = false, force = false;
+  std::string json;
+  CLI::Option *delta_option = nullptr, *depth_option = nullptr, *voxel_option = nullptr;
+  CLI::Option* json_option = nullptr;
+  std::vector<CLI::Option*> octree_only, draco_only;
+};
+
+/// The first of the options that was given, if any.
+const CLI::Option* given(const std::vector<CLI::Option*>& options) {
+  for (const CLI::Option* option : options) {
+    if (option->count() > 0) return option;
+  }
+  return nullptr;
+}
+
+Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
+  EncodeOptions options;
+  options.normals = !arguments.no_normals;
+  options.colors = !arguments.no_colors;
+  const bool draco = arguments.codec == "draco";
+  if (const CLI::Option* wrong = given(draco ? arguments.octree_only : arguments.draco_only)) {
+    return fail(
+        fmt::format("{} belongs to --codec {}", wrong->get_name(), draco ? "octree" : "draco"));
+  }
+  if (draco) {
+    options.codec = arguments.draco;
+    return options;
+  }
+  OctreeOptions octree;
+  octree.entropy = arguments.entropy == "none" ? Entropy::none : Entropy::zstd;
+  octree.depth = arguments.depth_option->count() > 0 ? DepthRule::fixed(arguments.depth)
+                                                     : DepthRule::by_delta(arguments.delta);
+  options.codec = octree;
+  return options;
+}
+
+Result<PackOptions> make_options(const PackArguments& arguments) {
+  PackOptions options;
+  for (const std::string& input : arguments.inputs) options.inputs.emplace_back(input);
+  options.output = arguments.output;
+  options.name = arguments.name;
+  if (!(arguments.delta >= 0.0)) return fail("--delta must be 0 or more");
+  if (!(arguments.fps > 0.0 && arguments.fps <= 1e6)) {
+    return fail("--fps must be above 0 and at most 1000000");
+  }
+  const Result<EncodeOptions> encode = make_encode_options(arguments);
+  if (!encode) return tl::unexpected(encode.error());
+  options.encode = *encode;
+  if (arguments.voxel_option->count() > 0) {
+    if (!(arguments.voxel > 0.0 && std::isfinite(arguments.voxel))) {
+      return fail("--voxel must be above 0");
+    }
+    options.voxel = arguments.voxel;
+  }
+  options.cube_per_frame = arguments.cube == "frame";
+  options.fps = arguments.fps;
+  options.segment_frames = arguments.segment;
+  options.up = arguments.up.front();
+  options.threads = arguments.threads;
+  options.force = arguments.force;
+  return options;
+}
+
+double bits_per_point(std::uint64_t bytes, std::uint64_t points) {
+  return points == 0 ? 0.0 : 8.0 * static_cast<double>(bytes) / static_cast<double>(points);
+}
+
+ordered_json to_json(const PackSummary& summary) {
+  const auto bits = [&](std::uint64_t bytes) { return bits_per_point(bytes, summary.points); };
+  const std::uint64_t total = summary.geometry_bytes + summary.color_bytes + summary.normal_bytes;
+  ordered_json json = {{"frames", summary.frames},
+                       {"points", summary.points},
+                       {"coded_points", summary.coded_points},
+                       {"bytes", summary.bytes},
+                       {"bits_per_point",
+                        {{"geometry", bits(summary.geometry_bytes)},
+                         {"colors", bits(summary.color_bytes)},
+                         {"normals", bits(summary.normal_bytes)},
+                         {"total", bits(total)}}},
+                       {"encode_ms",
+                        {{"median", summary.encode_ms.median},
+                         {"min", summary.encode_ms.min},
+                         {"max", summary.encode_ms.max}}},
+                       {"depth", {{"min", summary.depth_min}, {"max", summary.depth_max}}},
+                       {"codec", summary.codec}};
+  json["entropy"] = nullptr;
+  if (!summary.entropy.empty()) json["entropy"] = summary.entropy;
+  json["seconds"] = summary.seconds;
+  json["warnings"] = summary.warnings;
+  return json;
+}
+
+void print_summary(const std::string& output, const PackSummary& summary) {
+  const auto bits = [&](std::uint64_t bytes) { return bits_per_point(bytes, summary.points); };
+  const std::uint64_t total = summary.geometry_bytes + summary.color_bytes + summary.normal_bytes;
+  fmt::print("{}: {} frames, {} points, {} bytes, {:.1f} s\n", output, summary.frames,
+             summary.points, summary.bytes, summary.seconds);
+  fmt::print("  bits a point  {:.2f} (geometry {:.2f}, colors {:.2f}, normals {:.2f})\n",
+             bits(total), bits(summary.geometry_bytes), bits(summary.color_bytes),
+             bits(summary.normal_bytes));
+  fmt::print("  encode        {:.2f} ms a frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
+             summary.encode_ms.min, summary.encode_ms.max);
+  fmt::print("  codec         {}{}{}, depth {} to {}\n", summary.codec,
+             summary.entropy.empty() ? "" : " ", summary.entropy, summary.depth_min,
+             summary.depth_max);
+}
+
+int report(const PackArguments& arguments, const PackSummary& summary) {
+  if (arguments.json_option->count() == 0) {
+    print_summary(arguments.output, summary);
+    return kExitOk;
+  }
+  const std::string text =
+      to_json(summary).dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  if (arguments.json.empty() || arguments.json == "-") {
+    std::fputs(text.c_str(), stdout);
+    return kExitOk;
+  }
+  std::ofstream out(arguments.json, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) {
+    print_error(arguments.json + ": cannot be written (the package is complete)");
+    return kExitFailed;
+  }
+  print_summary(arguments.output, summary);
+  return kExitOk;
+}
+
+int run_pack(const PackArguments& arguments) {
+  const Result<PackOptions> options = make_options(arguments);
+  if (!options) {
+    print_error(options.error().message);
+    return kExitUsage;
+  }
+  const StopSignal stop;
+  std::unique_ptr<Progress> progress;
+  PackListener listener;
+  listener.begin = [&](std::uint32_t total) {
+    progress = std::make_unique<Progress>("pack", total);
+  };
+  listener.frame_done = [&] { progress->tick(); };
+  listener.warn = [&](const std::string& line) { progress->print("warning: " + line); };
+  listener.stop = stop.token();
+  const Result<PackSummary> summary = pack(*options, listener);
+  progress.reset();
+  if (!summary) {
+    print_error(summary.error().message);
+    return kExitFailed;
+  }
+  return report(arguments, *summary);
+}
+
+void add_octree_options(CLI::App& command, PackArguments& a) {
+  const char* group = "Octree";
+  a.octree_only.push_back(command.add_option("--entropy", a.entropy, "entropy stage")
+                              ->check(CLI::IsMember({"none", "zstd"}))
+                              ->group(group));
+  a.delta_option = command.add_option("--delta", a.delta,
+                                      "depth by the share of points that may merge into others");
+  a.depth_option =
+      command.add_option("--depth", a.depth, "a fixed depth, 0 to 21")->check(CLI::Range(0, 21));
+  a.voxel_option = command.add_option(
+      "--voxel", a.voxel, "a fixed voxel edge in the source's units, voxels on its multiples");
+  a.delta_option->capture_default_str()
+      ->group(group)
+      ->excludes(a.depth_option)
+      ->excludes(a.voxel_option);
+  a.depth_option->group(group)->excludes(a.voxel_option);
+  a.voxel_option->group(group);
+  for (CLI::Option* option : {a.delta_option, a.depth_option, a.voxel_option}) {
+    a.octree_only.push_back(option);
+  }
+}
+
+void add_draco_options(CLI::App& command, PackArguments& a) {
+  const auto add = [&](const char* flag, int& value, const char* what, int min, int max) {
+    a.draco_only.push_back(command.add_option(flag, value, what)
+                               ->check(CLI::Range(min, max))
+                               ->capture_default_str()
+                               ->group("Draco"));
+  };
+  add("--qp", a.draco.position_bits, "bits of a position", 1, 21);
+  add("--qn", a.draco.normal_bits, "bits of a normal", 2, 16);
+  add("--qg", a.draco.generic_bits, "bits of a generic attribute", 1, 30);
+  add("--cl", a.draco.compression_level, "compression level, 10 smallest", 0, 10);
+}
+
+}  // namespace
+
+void add_pack_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<PackArguments>();
+  PackArguments& a = *arguments;
+  CLI::App* command = app.add_subcommand("pack", "encode point clouds into a package");
+  command->add_option("-i,--input", a.inputs, "folders and .ply or .drc files, in natural order")
+      ->required()
+      ->expected(1, -1);
+  command->add_option("-o,--output", a.output, "the package's folder")->required();
+  command->add_option("--codec", a.codec, "codec")
+      ->check(CLI::IsMember({"octree", "draco"}))
+      ->capture_default_str();
+  command->add_option("--cube", a.cube, "what shares a cube")
+      ->check(CLI::IsMember({"group", "frame"}))
+      ->capture_default_str();
+  command->add_option("--fps", a.fps, "frames a second")->capture_default_str();
+  command->add_option("--segment", a.segment, "frames that share a cube and a file")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  command->add_option("--up", a.up, "the axis that points up")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  command->add_option("--name", a.name, "the reel's name instead of its folder's");
+  command->add_option("--threads", a.threads, "0 for all processors")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_flag("--no-normals", a.no_normals, "leave normals out");
+  command->add_flag("--no-colors", a.no_colors, "leave colours out");
+  command->add_flag("--force", a.force, "replace a package that is there already");
+  a.json_option =
+      command->add_option("--json", a.json, "the summary as JSON, in a file or on standard output")
+          ->expected(0, 1)
+          ->type_name("[FILE]");
+  add_octree_options(*command, a);
+  add_draco_options(*command, a);
+  command->callback([arguments, &exit_code] { exit_code = run_pack(*arguments); });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "codec/codec.h"
+#include "common/base/error.h"
+
+namespace pointreel {
+
+struct PackOptions {
+  std::vector<std::filesystem::path> inputs;  ///< folders and files, see list_cloud_files
+  std::filesystem::path output;
+  std::string name;  ///< empty: the output folder's name without ".reel"
+  EncodeOptions encode;
+  /// Edge of a voxel in world units, cells centred on its multiples; it sets the octree's depth.
+  std::optional<double> voxel;
+  bool cube_per_frame = false;  ///< the paper's mode: each frame its own bounding cube (ERRATA 12)
+  double fps = 30.0;
+  std::uint32_t segment_frames = 30;
+  char up = 'y';
+  int threads = 0;     ///< 0: as many as there are processors
+  bool force = false;  ///< replace a package that is there already
+};
+
+/// What pack tells while it works; every member may be empty. `warn` and `frame_done` are called
+/// from any thread, one call at a time.
+struct PackListener {
+  std::function<void(std::uint32_t total)> begin;
+  std::function<void()> frame_done;
+  std::function<void(const std::string& line)> warn;
+  std::stop_token stop;
+};
+
+/// Median, smallest and largest; all 0 where nothing was measured.
+struct Spread {
+  double median = 0.0, min = 0.0, max = 0.0;
+};
+Spread spread_of(std::vector<double> values);
+
+struct PackSummary {
+  std::uint32_t frames = 0;
+  std::uint64_t points = 0;        ///< in the sources, all frames
+  std::uint64_t coded_points = 0;  ///< that decoding gives
+  std::uint64_t bytes = 0;         ///< of all files of the package, reel.json included
+  /// Of the encoded parts, headers included; their sum is that of the segment files.
+  std::uint64_t geometry_bytes = 0, color_bytes = 0, normal_bytes = 0;
+  Spread encode_ms;  ///< a frame, from the cloud in memory to the encoded bytes
+  std::uint32_t depth_min = 0, depth_max = 0;
+  std::string codec, entropy;
+  double seconds = 0.0;
+  std::vector<std::string> warnings;
+};
+
+/// Encodes the inputs, one frame a file, and writes the package: complete or absent. Memory does
+/// not grow with the number of frames: a segment's clouds (the largest are read twice rather than
+/// kept) and a few frames for each thread. The package's bytes do not depend on the number of
+/// threads. The error begins with the file that is at fault, where one is.
+Result<PackSummary> pack(const PackOptions& options, const PackListener& listener = {});
+
+}  // namespace pointreel

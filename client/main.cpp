@@ -11,6 +11,7 @@
 #include "client/capture.h"
 #include "client/player.h"
 #include "client/ui/bindings.h"
+#include "common/base/memory.h"
 
 namespace pointreel {
 namespace {
@@ -208,6 +209,7 @@ int run(int argc, char** argv) {
 }  // namespace pointreel
 
 int main(int argc, char** argv) {
+  pointreel::keep_freed_memory();
   try {
     return pointreel::run(argc, argv);
   } catch (const std::exception& error) {

@@ -1,0 +1,197 @@
+// `pointreel-server serve` as a process: what it prints, how it fails and how it ends.
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/unit/raw_http_client.h"
+#include "tests/unit/served_package.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+/// A run of the server's executable; ended, if need be, with the test.
+class ServerProcess {
+ public:
+  /// `descriptors` > 0 bounds how many it may have open.
+  explicit ServerProcess(const std::vector<std::string>& arguments, rlim_t descriptors = 0) {
+    std::array<int, 2> out{}, err{};
+    if (::pipe2(out.data(), O_CLOEXEC) != 0 || ::pipe2(err.data(), O_CLOEXEC) != 0) {
+      ADD_FAILURE() << "no pipe";
+      return;
+    }
+    std::vector<std::string> words{POINTREEL_BIN_DIR "/pointreel-server", "serve"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    child_ = ::fork();
+    if (child_ == 0) {
+      ::dup2(out[1], STDOUT_FILENO);
+      ::dup2(err[1], STDERR_FILENO);
+      const rlimit limit{descriptors, descriptors};
+      if (descriptors > 0) ::setrlimit(RLIMIT_NOFILE, &limit);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+    ::close(out[1]);
+    ::close(err[1]);
+    out_ = out[0];
+    err_ = err[0];
+  }
+  ~ServerProcess() {
+    if (child_ > 0) {
+      ::kill(child_, SIGKILL);
+      ::waitpid(child_, nullptr, 0);
+    }
+    ::close(out_);
+    ::close(err_);
+  }
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+
+  /// The port of the line that says where it listens; 0 if that does not come.
+  std::uint16_t port() {
+    const std::string start = "listening on http://127.0.0.1:";
+    const std::string line = read(out_, true);
+    if (!line.starts_with(start)) {
+      ADD_FAILURE() << "printed '" << line << "' and '" << errors() << "'";
+      return 0;
+    }
+    return static_cast<std::uint16_t>(std::atoi(line.c_str() + start.size()));
+  }
+  /// All of standard error, when the process has ended.
+  std::string errors() { return read(err_, false); }
+  /// Of all its threads, from its start.
+  std::chrono::milliseconds processor_time() const {
+    std::ifstream file("/proc/" + std::to_string(child_) + "/stat");
+    std::string word;
+    long ticks = 0, value = 0;
+    for (int i = 1; i <= 13; ++i) file >> word;  // its name, the second, has no space
+    for (int i = 0; i < 2 && file >> value; ++i) ticks += value;
+    return std::chrono::milliseconds(ticks * 1000 / ::sysconf(_SC_CLK_TCK));
+  }
+  void signal(int number) { ::kill(child_, number); }
+  /// The exit code; 128 and the signal's number if one ended it; -1 if it goes on.
+  int exit_code(Clock::duration patience) {
+    for (const auto end = Clock::now() + patience;; std::this_thread::sleep_for(5ms)) {
+      int status = 0;
+      if (::waitpid(child_, &status, WNOHANG) == child_) {
+        child_ = -1;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      }
+      if (Clock::now() >= end) return -1;
+    }
+  }
+
+ private:
+  static std::string read(int pipe, bool line) {
+    std::string text;
+    for (pollfd waiting{pipe, POLLIN, 0}; ::poll(&waiting, 1, 10'000) == 1;) {
+      char c = 0;
+      if (::read(pipe, &c, 1) != 1 || (line && c == '\n')) break;
+      text += c;
+    }
+    return text;
+  }
+
+  pid_t child_ = -1;
+  int out_ = -1, err_ = -1;
+};
+
+class ServeCommandTest : public testing::Test {
+ protected:
+  ServeCommandTest() { write_package(reel_, "base", patterned(16 << 20)); }
+
+  /// The one line on standard error of a run that must fail with code 1.
+  std::string failure_of(const std::vector<std::string>& arguments) {
+    ServerProcess server(arguments);
+    EXPECT_EQ(server.exit_code(10s), 1);
+    std::string text = server.errors();
+    EXPECT_EQ(text.find('\n'), text.size() - 1) << text;
+    return text;
+  }
+
+  TemporaryFolder temporary_;
+  fs::path reel_ = temporary_.path() / "walk";
+};
+
+TEST_F(ServeCommandTest, serves_until_it_is_told_to_end_and_ends_at_once) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0"});
+    const std::uint16_t port = server.port();
+    ASSERT_NE(port, 0);
+    RawHttpClient idle(port), stalled(port, 4096), silent(port);
+    EXPECT_EQ(idle.get("/walk/0.base.prs").body, "base");
+    stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+    std::this_thread::sleep_for(50ms);
+    server.signal(number);
+    EXPECT_EQ(server.exit_code(5s), 0) << number;
+    EXPECT_TRUE(idle.ends());
+    EXPECT_EQ(server.errors(), "");
+  }
+}
+
+TEST_F(ServeCommandTest, outlives_readers_that_leave_in_the_middle) {
+  ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0"});
+  const std::uint16_t port = server.port();
+  ASSERT_NE(port, 0);
+  for (int i = 0; i < 50; ++i) {
+    RawHttpClient leaving(port);
+    leaving.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+    if (i % 2 == 0) std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
+}
+
+TEST_F(ServeCommandTest, recovers_from_having_no_descriptor_left) {
+  ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0"}, 24);
+  const std::uint16_t port = server.port();
+  ASSERT_NE(port, 0);
+  {
+    std::vector<std::unique_ptr<RawHttpClient>> many;
+    for (int i = 0; i < 60; ++i) many.push_back(std::make_unique<RawHttpClient>(port));
+    // The first was accepted while there were some; soon there is none left for its file.
+    int status = 200;
+    for (int i = 0; i < 500 && status == 200; ++i, std::this_thread::sleep_for(10ms)) {
+      status = many.front()->get("/walk/0.base.prs").status;
+    }
+    EXPECT_EQ(status, 503);
+    EXPECT_EQ(many.front()->get("/walk/reel.json").status, 200);
+    const auto before = server.processor_time();
+    std::this_thread::sleep_for(500ms);
+    EXPECT_LT(server.processor_time() - before, 250ms) << "it waits and does not spin";
+  }
+  EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
+}
+
+TEST_F(ServeCommandTest, fails_with_one_line_that_says_why) {
+  EXPECT_THAT(failure_of({temporary_.path().string()}), HasSubstr("holds no reel.json"));
+  EXPECT_THAT(failure_of({reel_.string(), reel_.string()}), HasSubstr("another package is named"));
+  EXPECT_THAT(failure_of({reel_.string(), "--listen", "nowhere"}), HasSubstr("--listen nowhere"));
+  ServerProcess first({reel_.string(), "--listen", "127.0.0.1:0"});
+  const std::string taken = "127.0.0.1:" + std::to_string(first.port());
+  EXPECT_THAT(failure_of({reel_.string(), "--listen", taken}),
+              HasSubstr("cannot listen on " + taken + ": Address already in use"));
+}
+
+}  // namespace

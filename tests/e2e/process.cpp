@@ -1,0 +1,119 @@
+#include "tests/e2e/process.h"
+
+#include <chrono>
+#include <thread>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace pointreel::e2e {
+namespace {
+
+struct Pipe {
+  int read = -1, write = -1;
+  Pipe() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) == 0) {
+      read = ends[0];
+      write = ends[1];
+    }
+  }
+};
+
+pid_t spawn(const std::string& program, std::vector<std::string> arguments, int out, int err) {
+  const std::string path = std::string(POINTREEL_BIN_DIR) + "/" + program;
+  arguments.insert(arguments.begin(), program);
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out, 1);
+  if (err >= 0) posix_spawn_file_actions_adddup2(&actions, err, 2);
+  pid_t pid = -1;
+  if (posix_spawn(&pid, path.c_str(), &actions, nullptr, argv.data(), environ) != 0) pid = -1;
+  posix_spawn_file_actions_destroy(&actions);
+  return pid;
+}
+
+int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+/// Appends what is there; false at the end of the stream.
+bool drain(int fd, std::string& to) {
+  char buffer[4096];
+  const ssize_t n = read(fd, buffer, sizeof(buffer));
+  if (n > 0) to.append(buffer, static_cast<std::size_t>(n));
+  return n > 0;
+}
+
+}  // namespace
+
+Outcome run(const std::string& program, const std::vector<std::string>& arguments, int seconds) {
+  const Pipe out, err;
+  const pid_t pid = spawn(program, arguments, out.write, err.write);
+  close(out.write);
+  close(err.write);
+  Outcome outcome;
+  if (pid < 0) {
+    outcome.err = "cannot start " + program;
+    return outcome;
+  }
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  bool out_open = true, err_open = true, killed = false;
+  while (out_open || err_open) {
+    pollfd fds[2] = {{out_open ? out.read : -1, POLLIN, 0}, {err_open ? err.read : -1, POLLIN, 0}};
+    poll(fds, 2, 200);
+    if (fds[0].revents != 0) out_open = drain(out.read, outcome.out);
+    if (fds[1].revents != 0) err_open = drain(err.read, outcome.err);
+    if (!killed && std::chrono::steady_clock::now() > deadline) {
+      kill(pid, SIGKILL);
+      killed = true;
+    }
+  }
+  close(out.read);
+  close(err.read);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  outcome.exit_code = code_of(status);
+  return outcome;
+}
+
+Background::Background(const std::string& program, const std::vector<std::string>& arguments) {
+  const Pipe out;
+  pid_ = spawn(program, arguments, out.write, -1);
+  close(out.write);
+  out_ = out.read;
+}
+
+Background::~Background() {
+  end(SIGTERM);
+  close(out_);
+}
+
+std::string Background::first_line() {
+  std::string text;
+  while (text.find('\n') == std::string::npos && drain(out_, text)) {
+  }
+  return text.substr(0, text.find('\n'));
+}
+
+int Background::end(int signal) {
+  if (pid_ <= 0) return -1;
+  kill(pid_, signal);
+  int status = 0;
+  for (int tenths = 0; waitpid(pid_, &status, WNOHANG) == 0; ++tenths) {
+    if (tenths == 100) kill(pid_, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  pid_ = -1;
+  return code_of(status);
+}
+
+}  // namespace pointreel::e2e

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace pointreel::e2e {
+
+/// What a program printed and how it ended: its exit code, or 128 + the signal that ended it.
+struct Outcome {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+/// Runs one of Pointreel's executables to its end, at most `seconds` long.
+Outcome run(const std::string& program, const std::vector<std::string>& arguments,
+            int seconds = 120);
+
+/// A server in the background, ended with SIGTERM at the latest by the destructor.
+class Background {
+ public:
+  Background(const std::string& program, const std::vector<std::string>& arguments);
+  ~Background();
+  Background(const Background&) = delete;
+  Background& operator=(const Background&) = delete;
+
+  /// The first line that it printed on standard output; empty if it ended without one.
+  std::string first_line();
+
+  /// Sends the signal and waits; the exit code as in Outcome.
+  int end(int signal);
+
+ private:
+  pid_t pid_ = -1;
+  int out_ = -1;
+};
+
+}  // namespace pointreel::e2e

@@ -1,0 +1,36 @@
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "common/stream/package.h"
+
+/// What the parser accepts, it must keep its promises about: every frame can be located, its bytes
+/// lie within their files, and writing and parsing again changes nothing.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace pointreel;
+  const auto manifest = parse_manifest({reinterpret_cast<const char*>(data), size});
+  if (!manifest) {
+    if (manifest.error().message.empty()) std::abort();
+    return 0;
+  }
+  std::uint64_t last_time = 0;
+  for (std::uint32_t frame = 0; frame < manifest->frame_count(); ++frame) {
+    const FrameLocation at = locate(*manifest, frame);
+    const Segment& segment = manifest->segments.at(at.segment);
+    if (segment.layers.size() != manifest->layer_names.size()) std::abort();
+    for (const LayerFile& file : segment.layers) {
+      const ByteRange range = byte_range(file, at.index);
+      if (range.offset + range.size > file.bytes) std::abort();
+    }
+    const std::uint64_t time = frame_time_us(*manifest, frame);
+    if (time < last_time || time > manifest->duration_us) std::abort();
+    if (frame_time_us(*manifest, frame_at(*manifest, time)) != time) std::abort();
+    last_time = time;
+  }
+  const std::string text = write_manifest(*manifest);
+  const auto again = parse_manifest(text);
+  if (!again || write_manifest(*again) != text) std::abort();
+  return 0;
+}

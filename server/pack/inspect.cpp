@@ -87,7 +87,7 @@ std::size_t layer_at_fault(std::vector<LayerView> layers) {
 }
 
 /// A frame that decodes, against what the manifest and its own header promise.
-Result<void> check_promises(const Manifest& manifest, std::uint32_t frame,
+Result<void> check_promises(const Manifest& manifest, std::uint32_t frame, std::size_t layers,
                             const FrameHeader& header, const DecodedFrame& decoded) {
   const FrameLocation at = locate(manifest, frame);
   const std::uint32_t points = manifest.segments[at.segment].points[at.index];
@@ -98,9 +98,14 @@ Result<void> check_promises(const Manifest& manifest, std::uint32_t frame,
     return fail(
         fmt::format("was made of {} points, the manifest says {}", decoded.source_points, points));
   }
+  // Fewer layers may decode to as many points, where the finer ones divide no cell.
+  if (layers != header.layers) {
+    return fail(fmt::format("has {} layers, its header says {}: a layer is missing", layers,
+                            header.layers));
+  }
   if (decoded.cloud.size() != header.coded_points) {
-    return fail(fmt::format("decodes to {} points, its header says {}: a layer is missing",
-                            decoded.cloud.size(), header.coded_points));
+    return fail(fmt::format("decodes to {} points, its header says {}", decoded.cloud.size(),
+                            header.coded_points));
   }
   if (header.depth < manifest.depth_min || header.depth > manifest.depth_max) {
     return fail(fmt::format("has depth {}, the manifest says {} to {}", header.depth,
@@ -127,7 +132,8 @@ std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
   if (!parsed) return fault(0, parsed.error());
   const Result<DecodedFrame> decoded = decode_frame(bytes.views());
   if (!decoded) return fault(layer_at_fault(bytes.views()), decoded.error());
-  const Result<void> kept = check_promises(manifest, frame, parsed->header, *decoded);
+  const Result<void> kept =
+      check_promises(manifest, frame, bytes.layers.size(), parsed->header, *decoded);
   if (!kept) return fault(bytes.layers.size() - 1, kept.error());
   return std::nullopt;
 }

@@ -185,6 +185,7 @@ void add_octree_options(CLI::App& command, PackArguments& a) {
   const char* group = "Octree";
   a.octree_only.push_back(command.add_option("--entropy", a.entropy, "entropy stage")
                               ->check(CLI::IsMember({"none", "zstd"}))
+                              ->capture_default_str()
                               ->group(group));
   a.delta_option = command.add_option("--delta", a.delta,
                                       "depth by the share of points that may merge into others");

@@ -1,0 +1,173 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "server/pack/commands.h"
+#include "tests/unit/packed_reel.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out, errors;
+};
+
+/// Runs a command line of pointreel-server in this process; 2 where CLI11 refuses it.
+Outcome run(std::vector<std::string> arguments) {
+  Outcome outcome;
+  CLI::App app;
+  add_pack_command(app, outcome.code);
+  add_inspect_commands(app, outcome.code);
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  std::reverse(arguments.begin(), arguments.end());
+  std::string refusal;
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    outcome.code = kExitUsage;
+    refusal = error.what();
+  }
+  std::fflush(stdout);
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.errors = testing::internal::GetCapturedStderr() + refusal;
+  return outcome;
+}
+
+class PackCommand : public PackTest {
+ protected:
+  Outcome run_pack(const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"pack", "-i", frames_.string(), "-o", reel_.string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  }
+};
+
+TEST_F(PackCommand, writes_its_summary_as_json_and_nothing_else) {
+  write_frames(3);
+  const Outcome outcome = run_pack({"--depth", "9", "--json"});
+  EXPECT_EQ(outcome.code, kExitOk);
+  EXPECT_EQ(outcome.errors, "");
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary.at("frames"), 3);
+  EXPECT_EQ(summary.at("points"), 201 + 202 + 203);
+  EXPECT_EQ(summary.at("depth"), (json{{"min", 9}, {"max", 9}}));
+  const json& bits = summary.at("bits_per_point");
+  EXPECT_NEAR(bits.at("geometry").get<double>() + bits.at("colors").get<double>() +
+                  bits.at("normals").get<double>(),
+              bits.at("total").get<double>(), 1e-9);
+  EXPECT_LE(summary.at("encode_ms").at("min"), summary.at("encode_ms").at("max"));
+}
+
+TEST_F(PackCommand, writes_json_to_a_file_and_says_the_rest_to_people) {
+  write_frames(1);
+  const auto path = folder_.path() / "pack.json";
+  const Outcome outcome = run_pack({"--json", path.string()});
+  EXPECT_EQ(outcome.code, kExitOk);
+  EXPECT_THAT(outcome.out, HasSubstr("1 frames"));
+  EXPECT_EQ(json::parse(read_text(path)).at("frames"), 1);
+}
+
+TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
+  write_frames(1);
+  const std::vector<std::vector<std::string>> wrong = {{"--delta", "0.1", "--depth", "3"},
+                                                       {"--delta", "0.1", "--voxel", "1"},
+                                                       {"--depth", "3", "--voxel", "1"},
+                                                       {"--codec", "draco", "--depth", "3"},
+                                                       {"--codec", "draco", "--entropy", "none"},
+                                                       {"--qp", "11"},
+                                                       {"--delta", "nan"},
+                                                       {"--delta", "-0.1"},
+                                                       {"--delta", "x"},
+                                                       {"--depth", "22"},
+                                                       {"--depth", "-1"},
+                                                       {"--voxel", "0"},
+                                                       {"--voxel", "nan"},
+                                                       {"--voxel", "inf"},
+                                                       {"--fps", "0"},
+                                                       {"--fps", "nan"},
+                                                       {"--segment", "0"},
+                                                       {"--up", "x"},
+                                                       {"--codec", "mp4"},
+                                                       {"--cube", "none"},
+                                                       {"--threads", "-1"},
+                                                       {"--no-such-option"}};
+  for (const auto& arguments : wrong) {
+    const Outcome outcome = run_pack(arguments);
+    EXPECT_EQ(outcome.code, kExitUsage) << testing::PrintToString(arguments);
+    EXPECT_NE(outcome.errors, "") << testing::PrintToString(arguments);
+  }
+  EXPECT_TRUE(outputs().empty());
+}
+
+TEST_F(PackCommand, ends_with_1_and_one_line_when_it_fails) {
+  const Outcome outcome = run_pack({});
+  EXPECT_EQ(outcome.code, kExitFailed);
+  EXPECT_THAT(outcome.errors, testing::StartsWith("pointreel-server: "));
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1);
+}
+
+TEST_F(PackCommand, verify_tells_good_faulty_and_no_package_apart) {
+  write_frames(2);
+  ASSERT_EQ(run_pack({}).code, kExitOk);
+  EXPECT_EQ(run({"verify", reel_.string()}).code, kExitOk);
+  EXPECT_EQ(run({"verify", frames_.string()}).code, kExitUsage);
+  const std::string name = read_manifest(reel_)->segments[0].layers[0].path;
+  std::string bytes = read_text(reel_ / name);
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  write_file(reel_ / name, bytes);
+  const Outcome outcome = run({"verify", reel_.string(), "--json"});
+  EXPECT_EQ(outcome.code, kExitFailed);
+  const json report = json::parse(outcome.out);
+  EXPECT_EQ(report.at("good"), false);
+  EXPECT_EQ(report.at("faults")[0].at("file"), name);
+  EXPECT_EQ(report.at("faults")[1].at("frame"), 1);
+  EXPECT_THAT(run({"verify", reel_.string()}).out, HasSubstr(name + ": frame 1: "));
+}
+
+TEST_F(PackCommand, verify_misses_a_layer_even_if_it_adds_no_points) {
+  write_frames(1);
+  ASSERT_EQ(run_pack({"--depth", "11"}).code, kExitOk);
+  Manifest manifest = *read_manifest(reel_);
+  ASSERT_EQ(manifest.layer_names.size(), 3u);
+  manifest.layer_names.pop_back();
+  manifest.segments[0].layers.pop_back();
+  write_file(reel_ / kManifestName, write_manifest(manifest));
+  const Outcome outcome = run({"verify", reel_.string()});
+  EXPECT_EQ(outcome.code, kExitFailed);
+  EXPECT_THAT(outcome.out, HasSubstr("frame 0: has 2 layers, its header says 3"));
+}
+
+TEST_F(PackCommand, info_says_what_the_manifest_holds) {
+  write_frames(2);
+  ASSERT_EQ(run_pack({"--fps", "25", "--up", "z", "--name", "ball game"}).code, kExitOk);
+  const json info = json::parse(run({"info", reel_.string(), "--json"}).out);
+  EXPECT_EQ(info.at("name"), "ball game");
+  EXPECT_EQ(info.at("frames"), 2);
+  EXPECT_EQ(info.at("up"), "z");
+  EXPECT_EQ(info.at("points").at("max"), 202);
+  EXPECT_DOUBLE_EQ(info.at("duration_s"), 0.08);
+  EXPECT_THAT(run({"info", reel_.string()}).out, HasSubstr("ball game: 2 frames"));
+  EXPECT_EQ(run({"info", frames_.string()}).code, kExitUsage);
+}
+
+TEST_F(PackCommand, unpack_takes_frames_from_a_to_b_only) {
+  write_frames(3);
+  ASSERT_EQ(run_pack({}).code, kExitOk);
+  const auto back = (folder_.path() / "back").string();
+  for (const char* wrong : {"2-1", "-1", "1-", "a", "1-2-3", "", "99999999999"}) {
+    EXPECT_NE(
+        run({"unpack", "-i", reel_.string(), "-o", back, std::string("--frames=") + wrong}).code,
+        kExitOk)
+        << wrong;
+  }
+  EXPECT_EQ(run({"unpack", "-i", reel_.string(), "-o", back, "--frames", "1"}).code, kExitOk);
+  EXPECT_EQ(contents(back).size(), 1u);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,62 @@
+#include "server/pack/stop_signal.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include "server/pack/packer.h"
+#include "tests/unit/packed_reel.h"
+
+namespace pointreel {
+namespace {
+
+void wait_for(const std::stop_token& stop) {
+  while (!stop.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+/// Packs in a process of its own, which signals itself after the first frame.
+[[noreturn]] void pack_and_signal(const PackOptions& options, int signal) {
+  const StopSignal stop;
+  PackListener listener;
+  listener.stop = stop.token();
+  listener.frame_done = [&] {
+    kill(getpid(), signal);
+    wait_for(listener.stop);
+  };
+  const auto summary = pack(options, listener);
+  std::_Exit(!summary && summary.error().message.starts_with("interrupted") ? 7 : 8);
+}
+
+[[noreturn]] void signal_twice() {
+  const StopSignal stop;
+  kill(getpid(), SIGINT);
+  wait_for(stop.token());
+  kill(getpid(), SIGINT);
+  std::this_thread::sleep_for(std::chrono::seconds(10));
+  std::_Exit(8);
+}
+
+class StopSignals : public PackTest {
+ protected:
+  // Started afresh, the process has no thread that would take the signal's default action.
+  StopSignals() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+};
+
+TEST_F(StopSignals, end_a_pack_that_leaves_nothing_behind) {
+  write_frames(4);
+  EXPECT_EXIT(pack_and_signal(options(), SIGINT), testing::ExitedWithCode(7), "");
+  EXPECT_EXIT(pack_and_signal(options(), SIGTERM), testing::ExitedWithCode(7), "");
+  EXPECT_THAT(outputs(), testing::IsEmpty());
+}
+
+TEST_F(StopSignals, kill_the_second_time) {
+  EXPECT_EXIT(signal_twice(), testing::KilledBySignal(SIGINT), "");
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,298 @@
+#include "server/pack/inspect.h"
+
+#include <cmath>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "codec/cloud_file.h"
+#include "common/surface/distance.h"
+#include "tests/unit/packed_clouds.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+/// A package of 5 frames in two segments, with all three layers.
+class Inspect : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_frames(folder() / "in", 5);
+    PackOptions options = pack_options(folder() / "in", reel());
+    options.segment_frames = 3;
+    const Result<PackSummary> summary = pack(options);
+    ASSERT_TRUE(summary) << summary.error().message;
+  }
+
+  fs::path folder() const { return folder_.path(); }
+  fs::path reel() const { return folder() / "reel"; }
+  Manifest manifest() const { return read_manifest(reel()).value(); }
+  UnpackOptions unpacking() const { return {.input = reel(), .output = folder() / "out"}; }
+
+  std::vector<Fault> faults() const {
+    const Result<VerifyReport> report = verify(reel());
+    if (!report) ADD_FAILURE() << report.error().message;
+    return report ? report->faults : std::vector<Fault>{};
+  }
+
+  void flip_byte(const std::string& file, std::uint64_t at) const {
+    std::string content = content_of(reel() / file);
+    content.at(at) = static_cast<char>(content.at(at) ^ 0x10);
+    write_file(reel() / file, content);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+class Verify : public Inspect {};
+class Unpack : public Inspect {};
+
+TEST_F(Verify, finds_nothing_wrong_with_what_pack_made) {
+  const Result<VerifyReport> report = verify(reel());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_THAT(report->faults, IsEmpty());
+  EXPECT_EQ(report->frames, 5u);
+  EXPECT_EQ(report->files, 6u);
+  std::uint64_t bytes = 0;
+  for (const auto& [name, content] : contents_of(reel())) {
+    if (name != "reel.json") bytes += content.size();
+  }
+  EXPECT_EQ(report->bytes, bytes);
+}
+
+TEST_F(Verify, names_the_file_and_frame_of_a_flipped_byte_wherever_it_is) {
+  const Manifest m = manifest();
+  for (const Segment& segment : m.segments) {
+    for (const LayerFile& file : segment.layers) {
+      const ByteRange range = byte_range(file, 1);
+      for (const std::uint64_t at :
+           {range.offset, range.offset + range.size / 2, range.offset + range.size - 1}) {
+        flip_byte(file.path, at);
+        const std::vector<Fault> found = faults();
+        flip_byte(file.path, at);
+        ASSERT_EQ(found.size(), 2u) << file.path << " at " << at;
+        EXPECT_EQ(found[0].file, file.path);
+        EXPECT_FALSE(found[0].frame);
+        EXPECT_THAT(found[0].what, HasSubstr("checksum"));
+        EXPECT_EQ(found[1].file, file.path);
+        EXPECT_EQ(found[1].frame, segment.first_frame + 1);
+      }
+    }
+  }
+  EXPECT_THAT(faults(), IsEmpty());
+}
+
+TEST_F(Verify, names_a_truncated_file_and_the_frame_that_is_cut) {
+  const fs::path file = reel() / "00003.middle.prs";
+  fs::resize_file(file, fs::file_size(file) - 1);
+  const std::vector<Fault> found = faults();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].file, "00003.middle.prs");
+  EXPECT_THAT(found[0].what, HasSubstr("bytes"));
+  EXPECT_EQ(found[1].file, "00003.middle.prs");
+  EXPECT_EQ(found[1].frame, 4u);
+}
+
+TEST_F(Verify, names_a_file_that_is_too_long) {
+  write_file(reel() / "00000.full.prs", content_of(reel() / "00000.full.prs") + "x");
+  const std::vector<Fault> found = faults();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].file, "00000.full.prs");
+}
+
+TEST_F(Verify, names_a_missing_file_and_every_frame_that_needs_it) {
+  fs::remove(reel() / "00003.base.prs");
+  const std::vector<Fault> found = faults();
+  ASSERT_EQ(found.size(), 3u);
+  for (const Fault& fault : found) EXPECT_EQ(fault.file, "00003.base.prs");
+  EXPECT_EQ(found[1].frame, 3u);
+  EXPECT_EQ(found[2].frame, 4u);
+}
+
+TEST_F(Verify, names_both_of_two_swapped_files) {
+  fs::rename(reel() / "00000.base.prs", reel() / "x");
+  fs::rename(reel() / "00003.base.prs", reel() / "00000.base.prs");
+  fs::rename(reel() / "x", reel() / "00003.base.prs");
+  std::set<std::string> named;
+  for (const Fault& fault : faults()) named.insert(fault.file);
+  EXPECT_TRUE(named.contains("00000.base.prs"));
+  EXPECT_TRUE(named.contains("00003.base.prs"));
+}
+
+TEST_F(Verify, finds_two_frames_that_changed_places_under_a_manifest_that_agrees) {
+  // Sizes, sums and checksums all fit: only the frames' own tags tell.
+  Manifest m = manifest();
+  LayerFile& file = m.segments[1].layers[2];
+  const std::string content = content_of(reel() / file.path);
+  const std::size_t first = file.frames[0].total();
+  const std::string swapped = content.substr(first) + content.substr(0, first);
+  std::swap(file.frames[0], file.frames[1]);
+  file.checksum = checksum_of_text(swapped);
+  write_file(reel() / file.path, swapped);
+  write_file(reel() / "reel.json", write_manifest(m));
+  const std::vector<Fault> found = faults();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].file, file.path);
+  EXPECT_EQ(found[0].frame, 3u);
+  EXPECT_EQ(found[1].frame, 4u);
+}
+
+TEST_F(Verify, finds_a_manifest_that_promises_other_frames) {
+  Manifest m = manifest();
+  m.segments[0].points[1] += 1;
+  m.depth_max = m.depth_min = 9;
+  write_file(reel() / "reel.json", write_manifest(m));
+  const std::vector<Fault> found = faults();
+  ASSERT_EQ(found.size(), 5u);
+  EXPECT_THAT(found[0].what, HasSubstr("depth"));
+  EXPECT_EQ(found[1].frame, 1u);
+  EXPECT_THAT(found[1].what, HasSubstr("made of 101 points, the manifest says 102"));
+}
+
+TEST_F(Verify, refuses_what_is_no_package) {
+  const Result<VerifyReport> report = verify(folder() / "in");
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().message, StartsWith((folder() / "in").string()));
+}
+
+TEST_F(Verify, reports_nothing_when_it_is_stopped) {
+  std::stop_source stop;
+  InspectListener listener;
+  listener.begin = [&](std::uint32_t) { stop.request_stop(); };
+  listener.stop = stop.get_token();
+  const Result<VerifyReport> report = verify(reel(), listener);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().message, "interrupted");
+}
+
+TEST_F(Unpack, writes_every_frame_near_its_source) {
+  int done = 0;
+  InspectListener listener;
+  listener.begin = [](std::uint32_t total) { EXPECT_EQ(total, 5u); };
+  listener.frame_done = [&] { ++done; };
+  const Result<std::uint32_t> count = unpack(unpacking(), listener);
+  ASSERT_TRUE(count) << count.error().message;
+  EXPECT_EQ(*count, 5u);
+  EXPECT_EQ(done, 5);
+  EXPECT_THAT(names_in(folder() / "out"),
+              ElementsAre("frame_00000.ply", "frame_00001.ply", "frame_00002.ply",
+                          "frame_00003.ply", "frame_00004.ply"));
+  const Manifest m = manifest();
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const auto source = read_cloud_file(folder() / "in" / fmt::format("frame_{}.ply", i));
+    const auto back = read_cloud_file(folder() / "out" / fmt::format("frame_0000{}.ply", i));
+    ASSERT_TRUE(source && back);
+    EXPECT_TRUE(back->cloud.has_colors() && back->cloud.has_normals());
+    const double voxel = m.segments[locate(m, i).segment].cube.edge / 1024;
+    EXPECT_LE(cloud_distance(source->cloud, back->cloud)->max(), 0.5001 * std::sqrt(3.0) * voxel);
+  }
+}
+
+TEST_F(Unpack, of_the_first_layer_gives_fewer_points_within_half_a_coarse_voxel) {
+  fs::remove_all(folder() / "in");
+  write_frames(folder() / "in", 1, 20'000);
+  PackOptions options = pack_options(folder() / "in", reel());
+  options.force = true;
+  const Result<PackSummary> summary = pack(options);
+  ASSERT_TRUE(summary) << summary.error().message;
+  const auto source = read_cloud_file(folder() / "in/frame_0.ply");
+  ASSERT_TRUE(source);
+
+  UnpackOptions unpack_options = unpacking();
+  unpack_options.force = true;
+  std::vector<std::size_t> points;
+  for (const int level : {7, 9, 10}) {
+    unpack_options.layers = points.size() + 1;
+    const Result<std::uint32_t> count = unpack(unpack_options);
+    ASSERT_TRUE(count) << count.error().message;
+    const auto back = read_cloud_file(folder() / "out/frame_00000.ply");
+    ASSERT_TRUE(back);
+    points.push_back(back->cloud.size());
+    const double half_diagonal =
+        0.5 * std::sqrt(3.0) * manifest().segments[0].cube.edge / std::exp2(level);
+    const CloudDistance distance = cloud_distance(source->cloud, back->cloud).value();
+    EXPECT_LE(distance.max(), 1.0001 * half_diagonal) << level;
+    EXPECT_LE(distance.d1(), half_diagonal * half_diagonal) << level;
+  }
+  EXPECT_GT(points[0], 0u);
+  EXPECT_LT(points[0], points[1]);
+  EXPECT_LE(points[1], points[2]);
+  EXPECT_EQ(points[2], summary->coded_points);
+}
+
+TEST_F(Unpack, takes_a_range_of_frames_and_clamps_its_end) {
+  UnpackOptions options = unpacking();
+  options.first_frame = 2;
+  options.last_frame = 3;
+  EXPECT_EQ(unpack(options).value_or(0), 2u);
+  EXPECT_THAT(names_in(options.output), ElementsAre("frame_00002.ply", "frame_00003.ply"));
+  options.force = true;
+  options.first_frame = 4;
+  options.last_frame = 99;
+  EXPECT_EQ(unpack(options).value_or(0), 1u);
+  EXPECT_THAT(names_in(options.output), ElementsAre("frame_00004.ply"));
+}
+
+TEST_F(Unpack, refuses_frames_that_are_not_there) {
+  UnpackOptions options = unpacking();
+  options.first_frame = 5;
+  const Result<std::uint32_t> count = unpack(options);
+  ASSERT_FALSE(count);
+  EXPECT_THAT(count.error().message, HasSubstr("has 5 frames"));
+  EXPECT_FALSE(fs::exists(options.output));
+}
+
+TEST_F(Unpack, names_the_damaged_frame_and_leaves_nothing_behind) {
+  flip_byte("00003.base.prs", byte_range(manifest().segments[1].layers[0], 1).offset + 70);
+  const Result<std::uint32_t> count = unpack(unpacking());
+  ASSERT_FALSE(count);
+  EXPECT_THAT(count.error().message, HasSubstr("frame 4"));
+  fs::remove(reel() / "00000.full.prs");
+  const Result<std::uint32_t> missing = unpack(unpacking());
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message, StartsWith((reel() / "00000.full.prs").string()));
+  EXPECT_THAT(names_in(folder()), ElementsAre("in", "reel"));
+}
+
+TEST_F(Unpack, leaves_nothing_behind_when_it_is_stopped) {
+  std::stop_source stop;
+  InspectListener listener;
+  listener.frame_done = [&] { stop.request_stop(); };
+  listener.stop = stop.get_token();
+  const Result<std::uint32_t> count = unpack(unpacking(), listener);
+  ASSERT_FALSE(count);
+  EXPECT_THAT(count.error().message, StartsWith("interrupted"));
+  EXPECT_THAT(names_in(folder()), ElementsAre("in", "reel"));
+}
+
+TEST_F(Unpack, replaces_folders_of_unpacked_frames_only) {
+  UnpackOptions options = unpacking();
+  EXPECT_TRUE(unpack(options));
+  const auto before = contents_of(options.output);
+  const Result<std::uint32_t> refused = unpack(options);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, StartsWith(options.output.string() + ": exists"));
+
+  options.force = true;
+  EXPECT_TRUE(unpack(options));
+  EXPECT_EQ(contents_of(options.output), before);
+
+  write_file(options.output / "frame_1.ply.bak", "mine");
+  const Result<std::uint32_t> other = unpack(options);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message, HasSubstr("frame_1.ply.bak"));
+  EXPECT_EQ(content_of(options.output / "frame_1.ply.bak"), "mine");
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -45,7 +45,7 @@ class Inspect : public testing::Test {
   }
 
   void flip_byte(const std::string& file, std::uint64_t at) const {
-    std::string content = content_of(reel() / file);
+    std::string content = read_text(reel() / file);
     content.at(at) = static_cast<char>(content.at(at) ^ 0x10);
     write_file(reel() / file, content);
   }
@@ -64,7 +64,7 @@ TEST_F(Verify, finds_nothing_wrong_with_what_pack_made) {
   EXPECT_EQ(report->frames, 5u);
   EXPECT_EQ(report->files, 6u);
   std::uint64_t bytes = 0;
-  for (const auto& [name, content] : contents_of(reel())) {
+  for (const auto& [name, content] : contents(reel())) {
     if (name != "reel.json") bytes += content.size();
   }
   EXPECT_EQ(report->bytes, bytes);
@@ -104,7 +104,7 @@ TEST_F(Verify, names_a_truncated_file_and_the_frame_that_is_cut) {
 }
 
 TEST_F(Verify, names_a_file_that_is_too_long) {
-  write_file(reel() / "00000.full.prs", content_of(reel() / "00000.full.prs") + "x");
+  write_file(reel() / "00000.full.prs", read_text(reel() / "00000.full.prs") + "x");
   const std::vector<Fault> found = faults();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].file, "00000.full.prs");
@@ -133,7 +133,7 @@ TEST_F(Verify, finds_two_frames_that_changed_places_under_a_manifest_that_agrees
   // Sizes, sums and checksums all fit: only the frames' own tags tell.
   Manifest m = manifest();
   LayerFile& file = m.segments[1].layers[2];
-  const std::string content = content_of(reel() / file.path);
+  const std::string content = read_text(reel() / file.path);
   const std::size_t first = file.frames[0].total();
   const std::string swapped = content.substr(first) + content.substr(0, first);
   std::swap(file.frames[0], file.frames[1]);
@@ -278,20 +278,20 @@ TEST_F(Unpack, leaves_nothing_behind_when_it_is_stopped) {
 TEST_F(Unpack, replaces_folders_of_unpacked_frames_only) {
   UnpackOptions options = unpacking();
   EXPECT_TRUE(unpack(options));
-  const auto before = contents_of(options.output);
+  const auto before = contents(options.output);
   const Result<std::uint32_t> refused = unpack(options);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, StartsWith(options.output.string() + ": exists"));
 
   options.force = true;
   EXPECT_TRUE(unpack(options));
-  EXPECT_EQ(contents_of(options.output), before);
+  EXPECT_EQ(contents(options.output), before);
 
   write_file(options.output / "frame_1.ply.bak", "mine");
   const Result<std::uint32_t> other = unpack(options);
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("frame_1.ply.bak"));
-  EXPECT_EQ(content_of(options.output / "frame_1.ply.bak"), "mine");
+  EXPECT_EQ(read_text(options.output / "frame_1.ply.bak"), "mine");
 }
 
 }  // namespace

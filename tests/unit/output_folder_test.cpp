@@ -36,7 +36,7 @@ TEST(OutputFolder, is_not_in_its_place_until_it_is_published) {
   EXPECT_FALSE(fs::exists(final));
 
   ASSERT_TRUE(folder->publish());
-  EXPECT_EQ(content_of(final / "a"), "1");
+  EXPECT_EQ(read_text(final / "a"), "1");
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
@@ -86,7 +86,7 @@ TEST(OutputFolder, can_be_filled_twice_at_once_and_the_first_published_stays) {
     ASSERT_FALSE(late);
     EXPECT_THAT(late.error().message, StartsWith(final.string() + ": "));
   }
-  EXPECT_EQ(content_of(final / "a"), "second");
+  EXPECT_EQ(read_text(final / "a"), "second");
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
@@ -97,7 +97,7 @@ TEST(OutputFolder, takes_the_place_of_an_empty_folder) {
   ASSERT_TRUE(folder) << folder.error().message;
   write_file(folder->path() / "a", "1");
   ASSERT_TRUE(folder->publish());
-  EXPECT_EQ(content_of(parent.path() / "out/a"), "1");
+  EXPECT_EQ(read_text(parent.path() / "out/a"), "1");
 }
 
 TEST(OutputFolder, refuses_a_place_that_is_taken) {
@@ -114,7 +114,7 @@ TEST(OutputFolder, refuses_a_place_that_is_taken) {
     EXPECT_THAT(error_of(OutputFolder::create(parent.path() / name, kReplaceAll)),
                 HasSubstr("is not a folder"));
   }
-  EXPECT_EQ(content_of(parent.path() / "folder/a"), "1");
+  EXPECT_EQ(read_text(parent.path() / "folder/a"), "1");
   EXPECT_THAT(names_in(parent.path()), ElementsAre("file", "folder", "link"));
 }
 
@@ -126,7 +126,7 @@ TEST(OutputFolder, replaces_what_it_may_and_only_when_it_is_published) {
   {
     Result<OutputFolder> folder = OutputFolder::create(final, kReplaceAll);
     ASSERT_TRUE(folder) << folder.error().message;
-    EXPECT_EQ(content_of(final / "old"), "1");
+    EXPECT_EQ(read_text(final / "old"), "1");
   }
   EXPECT_THAT(names_in(final), ElementsAre("old"));
   {

@@ -4,9 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,7 +14,7 @@
 #include "common/cloud/ply.h"
 #include "common/cloud/point_cloud.h"
 #include "server/pack/packer.h"
-#include "tests/unit/served_package.h"
+#include "tests/unit/packed_reel.h"
 
 /// `n` points of an ellipsoid around `center` on a golden spiral, with colours and normals.
 inline pointreel::PointCloud ellipsoid(std::size_t n, const glm::dvec3& center = {}) {
@@ -56,20 +53,6 @@ inline pointreel::PackOptions pack_options(const std::filesystem::path& input,
   options.encode.codec =
       pointreel::OctreeOptions{pointreel::Entropy::zstd, pointreel::DepthRule::fixed(10)};
   return options;
-}
-
-inline std::string content_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// All files of a folder, by name.
-inline std::map<std::string, std::string> contents_of(const std::filesystem::path& folder) {
-  std::map<std::string, std::string> contents;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    contents[entry.path().filename().string()] = content_of(entry.path());
-  }
-  return contents;
 }
 
 /// Whatever lies in a folder, hidden or not.

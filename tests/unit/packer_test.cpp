@@ -67,10 +67,10 @@ TEST(Packer, makes_the_same_bytes_with_any_number_of_threads) {
       options.force = true;
       options.threads = 1;
       packed(options);
-      const auto alone = contents_of(options.output);
+      const auto alone = contents(options.output);
       options.threads = 4;
       packed(options);
-      EXPECT_EQ(contents_of(options.output), alone);
+      EXPECT_EQ(contents(options.output), alone);
       EXPECT_EQ(alone.size(), encode.id() == Codec::draco ? 4u : 10u);
     }
   }
@@ -179,10 +179,10 @@ TEST(Packer, leaves_what_is_there_untouched_without_force) {
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
   packed(options);
-  const auto before = contents_of(options.output);
+  const auto before = contents(options.output);
   options.encode = draco();
   EXPECT_THAT(error_of(options), StartsWith(options.output.string() + ": exists"));
-  EXPECT_EQ(contents_of(options.output), before);
+  EXPECT_EQ(contents(options.output), before);
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
 }
 
@@ -204,15 +204,15 @@ TEST(Packer, never_replaces_another_folder_even_by_force) {
   write_frames(folder.path() / "in", 1);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "in");
   options.force = true;
-  const auto sources = contents_of(folder.path() / "in");
+  const auto sources = contents(folder.path() / "in");
   EXPECT_THAT(error_of(options), HasSubstr("is not a package"));
-  EXPECT_EQ(contents_of(folder.path() / "in"), sources);
+  EXPECT_EQ(contents(folder.path() / "in"), sources);
 
   options.output = folder.path() / "reel";
   packed(options);
   write_file(options.output / "notes.txt", "mine");
   EXPECT_THAT(error_of(options), HasSubstr("notes.txt"));
-  EXPECT_EQ(content_of(options.output / "notes.txt"), "mine");
+  EXPECT_EQ(read_text(options.output / "notes.txt"), "mine");
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
 }
 
@@ -348,7 +348,7 @@ TEST(Packer, sums_up_what_it_wrote) {
   const PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
   const PackSummary summary = packed(options);
   std::uint64_t bytes = 0, segment_bytes = 0, coded = 0;
-  for (const auto& [name, content] : contents_of(options.output)) {
+  for (const auto& [name, content] : contents(options.output)) {
     bytes += content.size();
     if (name != "reel.json") segment_bytes += content.size();
   }

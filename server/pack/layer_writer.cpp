@@ -1,12 +1,15 @@
 #include "server/pack/layer_writer.h"
 
 #include <cstdint>
+#include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace pointreel {
 
 LayerWriter::LayerWriter(const std::filesystem::path& folder, const std::string& name)
-    : out_(folder / name, std::ios::binary), hash_(XXH3_createState()) {
+    : folder_(folder), out_(folder / name, std::ios::binary), hash_(XXH3_createState()) {
   file_.path = name;
   XXH3_64bits_reset(hash_.get());
 }
@@ -21,11 +24,17 @@ void LayerWriter::append(const EncodedLayer& layer) {
 }
 
 Result<LayerFile> LayerWriter::finish() {
-  out_.close();
-  if (!out_) {
+  const auto failed = [this] {
     return fail(file_.path + ": cannot be written, is there room on the disk?");
-  }
+  };
+  out_.close();
+  if (!out_) return failed();
   file_.checksum = XXH3_64bits_digest(hash_.get());
+  const std::string name = fmt::format("{}.{:08x}.prs", file_.path, file_.checksum >> 32);
+  std::error_code error;
+  std::filesystem::rename(folder_ / file_.path, folder_ / name, error);
+  if (error) return failed();
+  file_.path = name;
   return std::move(file_);
 }
 

@@ -13,10 +13,11 @@
 
 namespace pointreel {
 
-/// Writes one layer file of a segment, frame after frame, and keeps its entry of the manifest.
+/// Writes one layer file of a segment, frame after frame, and keeps its entry of the manifest. Its
+/// name ends in the first half of its checksum, NAME.01234567.prs: caches keep layer files for
+/// good, so other bytes, as of a reel packed anew, must have another name.
 class LayerWriter {
  public:
-  /// `name` is the file's in `folder`.
   LayerWriter(const std::filesystem::path& folder, const std::string& name);
 
   /// `layer` is empty where the frame does not have this layer.
@@ -31,6 +32,7 @@ class LayerWriter {
   struct FreeState {
     void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
   };
+  std::filesystem::path folder_;
   std::ofstream out_;
   std::unique_ptr<XXH3_state_t, FreeState> hash_;
   LayerFile file_;

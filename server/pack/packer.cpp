@@ -181,7 +181,7 @@ class Packer {
     }
     std::vector<LayerWriter> writers;
     for (const std::string& layer : manifest_.layer_names) {
-      writers.emplace_back(folder_, fmt::format("{:05}.{}.prs", first, layer));
+      writers.emplace_back(folder_, fmt::format("{:05}.{}", first, layer));
     }
 
     // Frames are encoded side by side and written in order; the tokens bound how many are in

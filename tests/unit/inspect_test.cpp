@@ -44,6 +44,17 @@ class Inspect : public testing::Test {
     return report ? report->faults : std::vector<Fault>{};
   }
 
+  /// The path of a layer file, which ends in its checksum, from its beginning.
+  std::string layer_file(const std::string& beginning) const {
+    for (const Segment& segment : manifest().segments) {
+      for (const LayerFile& file : segment.layers) {
+        if (file.path.starts_with(beginning)) return file.path;
+      }
+    }
+    ADD_FAILURE() << "no layer file " << beginning;
+    return {};
+  }
+
   void flip_byte(const std::string& file, std::uint64_t at) const {
     std::string content = read_text(reel() / file);
     content.at(at) = static_cast<char>(content.at(at) ^ 0x10);
@@ -93,40 +104,43 @@ TEST_F(Verify, names_the_file_and_frame_of_a_flipped_byte_wherever_it_is) {
 }
 
 TEST_F(Verify, names_a_truncated_file_and_the_frame_that_is_cut) {
-  const fs::path file = reel() / "00003.middle.prs";
-  fs::resize_file(file, fs::file_size(file) - 1);
+  const std::string file = layer_file("00003.middle");
+  fs::resize_file(reel() / file, fs::file_size(reel() / file) - 1);
   const std::vector<Fault> found = faults();
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].file, "00003.middle.prs");
+  EXPECT_EQ(found[0].file, file);
   EXPECT_THAT(found[0].what, HasSubstr("bytes"));
-  EXPECT_EQ(found[1].file, "00003.middle.prs");
+  EXPECT_EQ(found[1].file, file);
   EXPECT_EQ(found[1].frame, 4u);
 }
 
 TEST_F(Verify, names_a_file_that_is_too_long) {
-  write_file(reel() / "00000.full.prs", read_text(reel() / "00000.full.prs") + "x");
+  const std::string file = layer_file("00000.full");
+  write_file(reel() / file, read_text(reel() / file) + "x");
   const std::vector<Fault> found = faults();
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].file, "00000.full.prs");
+  EXPECT_EQ(found[0].file, file);
 }
 
 TEST_F(Verify, names_a_missing_file_and_every_frame_that_needs_it) {
-  fs::remove(reel() / "00003.base.prs");
+  const std::string file = layer_file("00003.base");
+  fs::remove(reel() / file);
   const std::vector<Fault> found = faults();
   ASSERT_EQ(found.size(), 3u);
-  for (const Fault& fault : found) EXPECT_EQ(fault.file, "00003.base.prs");
+  for (const Fault& fault : found) EXPECT_EQ(fault.file, file);
   EXPECT_EQ(found[1].frame, 3u);
   EXPECT_EQ(found[2].frame, 4u);
 }
 
 TEST_F(Verify, names_both_of_two_swapped_files) {
-  fs::rename(reel() / "00000.base.prs", reel() / "x");
-  fs::rename(reel() / "00003.base.prs", reel() / "00000.base.prs");
-  fs::rename(reel() / "x", reel() / "00003.base.prs");
+  const std::string first = layer_file("00000.base"), second = layer_file("00003.base");
+  fs::rename(reel() / first, reel() / "x");
+  fs::rename(reel() / second, reel() / first);
+  fs::rename(reel() / "x", reel() / second);
   std::set<std::string> named;
   for (const Fault& fault : faults()) named.insert(fault.file);
-  EXPECT_TRUE(named.contains("00000.base.prs"));
-  EXPECT_TRUE(named.contains("00003.base.prs"));
+  EXPECT_TRUE(named.contains(first));
+  EXPECT_TRUE(named.contains(second));
 }
 
 TEST_F(Verify, finds_two_frames_that_changed_places_under_a_manifest_that_agrees) {
@@ -253,14 +267,15 @@ TEST_F(Unpack, refuses_frames_that_are_not_there) {
 }
 
 TEST_F(Unpack, names_the_damaged_frame_and_leaves_nothing_behind) {
-  flip_byte("00003.base.prs", byte_range(manifest().segments[1].layers[0], 1).offset + 70);
+  flip_byte(layer_file("00003.base"), byte_range(manifest().segments[1].layers[0], 1).offset + 70);
   const Result<std::uint32_t> count = unpack(unpacking());
   ASSERT_FALSE(count);
   EXPECT_THAT(count.error().message, HasSubstr("frame 4"));
-  fs::remove(reel() / "00000.full.prs");
+  const std::string gone = layer_file("00000.full");
+  fs::remove(reel() / gone);
   const Result<std::uint32_t> missing = unpack(unpacking());
   ASSERT_FALSE(missing);
-  EXPECT_THAT(missing.error().message, StartsWith((reel() / "00000.full.prs").string()));
+  EXPECT_THAT(missing.error().message, StartsWith((reel() / gone).string()));
   EXPECT_THAT(names_in(folder()), ElementsAre("in", "reel"));
 }
 

@@ -55,6 +55,16 @@ EncodeOptions draco() {
   return options;
 }
 
+/// The names in a package, layer files without the checksum in theirs.
+std::set<std::string> layers_in(const fs::path& package) {
+  std::set<std::string> names;
+  for (std::string name : names_in(package)) {
+    if (name.ends_with(".prs")) name.erase(name.size() - 13, 9);
+    names.insert(name);
+  }
+  return names;
+}
+
 TEST(Packer, makes_the_same_bytes_with_any_number_of_threads) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 10);
@@ -113,7 +123,7 @@ TEST(Packer, cuts_frames_into_segments_that_share_a_cube) {
   }
   EXPECT_FALSE(manifest.segments[0].cube == manifest.segments[1].cube);
   EXPECT_EQ(
-      names_in(options.output),
+      layers_in(options.output),
       (std::set<std::string>{"reel.json", "00000.base.prs", "00000.middle.prs", "00000.full.prs",
                              "00003.base.prs", "00003.middle.prs", "00003.full.prs",
                              "00006.base.prs", "00006.middle.prs", "00006.full.prs"}));
@@ -174,6 +184,22 @@ TEST(Packer, refuses_voxels_that_need_too_deep_an_octree) {
   }
 }
 
+TEST(Packer, gives_other_bytes_another_name_so_that_caches_never_mix_them) {
+  const TemporaryFolder folder;
+  write_frames(folder.path() / "in", 2);
+  PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
+  ASSERT_TRUE(pack(options));
+  const std::set<std::string> before = names_in(options.output);
+  options.force = true;
+  ASSERT_TRUE(pack(options));
+  EXPECT_EQ(names_in(options.output), before);
+  std::get<OctreeOptions>(options.encode.codec).depth = DepthRule::fixed(3);
+  ASSERT_TRUE(pack(options));
+  for (const std::string& name : names_in(options.output)) {
+    EXPECT_TRUE(name == "reel.json" || !before.contains(name)) << name;
+  }
+}
+
 TEST(Packer, leaves_what_is_there_untouched_without_force) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
@@ -194,7 +220,7 @@ TEST(Packer, replaces_a_package_by_force) {
   options.encode = draco();
   options.force = true;
   packed(options);
-  EXPECT_THAT(names_in(options.output), ElementsAre("00000.full.prs", "reel.json"));
+  EXPECT_THAT(layers_in(options.output), ElementsAre("00000.full.prs", "reel.json"));
   EXPECT_EQ(manifest_of(options.output).codec, "draco");
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
 }
@@ -339,7 +365,7 @@ TEST(Packer, leaves_out_layers_that_no_frame_has) {
   options.encode.codec = OctreeOptions{Entropy::none, DepthRule::fixed(5)};
   packed(options);
   EXPECT_THAT(manifest_of(options.output).layer_names, ElementsAre("base"));
-  EXPECT_THAT(names_in(options.output), ElementsAre("00000.base.prs", "reel.json"));
+  EXPECT_THAT(layers_in(options.output), ElementsAre("00000.base.prs", "reel.json"));
 }
 
 TEST(Packer, sums_up_what_it_wrote) {

@@ -8,8 +8,9 @@
 namespace pointreel {
 namespace {
 
-/// Real clouds are divided less deep than this: what sort_to_depth tries before all levels.
-constexpr int kCommonLevels = 14;
+/// Scanned frames are rarely divided deeper than this: what sort_to_depth tries before all levels.
+/// Three digits of the radix sort.
+constexpr int kCommonLevels = 11;
 
 std::uint32_t quantise(double distance, double cells_per_unit) {
   constexpr double kLast = (1 << kMaxDepth) - 1;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -66,6 +67,9 @@ struct EncodedFrame {
 struct LayerView {
   ByteView geometry, colors, normals;
 };
+
+/// The chunks of encoded layers, which must outlive the views.
+std::vector<LayerView> layer_views(std::span<const EncodedLayer> layers);
 
 /// Bounds on what a decoder may be made to produce, whatever the bytes claim.
 struct DecodeLimits {

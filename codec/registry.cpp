@@ -14,6 +14,14 @@ Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
                       options.colors);
 }
 
+std::vector<LayerView> layer_views(std::span<const EncodedLayer> layers) {
+  std::vector<LayerView> views;
+  for (const EncodedLayer& layer : layers) {
+    views.push_back({layer.geometry, layer.colors, layer.normals});
+  }
+  return views;
+}
+
 Result<DecodedFrame> decode_frame(const std::vector<LayerView>& layers,
                                   const DecodeLimits& limits) {
   if (layers.empty()) return fail("a frame has at least its base layer");

@@ -130,8 +130,8 @@ std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
   }
   const Result<ParsedFrameHeader> parsed = read_frame_header(bytes.layers.front().geometry);
   if (!parsed) return fault(0, parsed.error());
-  const Result<DecodedFrame> decoded = decode_frame(bytes.views());
-  if (!decoded) return fault(layer_at_fault(bytes.views()), decoded.error());
+  const Result<DecodedFrame> decoded = decode_frame(layer_views(bytes.layers));
+  if (!decoded) return fault(layer_at_fault(layer_views(bytes.layers)), decoded.error());
   const Result<void> kept =
       check_promises(manifest, frame, bytes.layers.size(), parsed->header, *decoded);
   if (!kept) return fault(bytes.layers.size() - 1, kept.error());
@@ -213,7 +213,7 @@ Result<void> unpack_frame(const UnpackOptions& options, const Manifest& manifest
                           std::uint32_t frame, const fs::path& path) {
   const Result<FrameBytes> bytes = read_frame(options.input, manifest, frame, options.layers);
   if (!bytes) return tl::unexpected(bytes.error());
-  const Result<DecodedFrame> decoded = decode_frame(bytes->views());
+  const Result<DecodedFrame> decoded = decode_frame(layer_views(bytes->layers));
   if (!decoded) {
     return fail_at(fmt::format("{}: frame {}", options.input.string(), frame), decoded.error());
   }
@@ -269,13 +269,6 @@ auto without_exceptions(const Work& work) -> decltype(work()) {
 }
 
 }  // namespace
-
-std::vector<LayerView> FrameBytes::views() const {
-  std::vector<LayerView> all;
-  for (const EncodedLayer& layer : layers)
-    all.push_back({layer.geometry, layer.colors, layer.normals});
-  return all;
-}
 
 Result<FrameBytes> read_frame(const fs::path& folder, const Manifest& manifest, std::uint32_t frame,
                               std::size_t layers) {

@@ -17,8 +17,6 @@ namespace pointreel {
 /// The chunks of one frame as they stand in a package.
 struct FrameBytes {
   std::vector<EncodedLayer> layers;
-
-  std::vector<LayerView> views() const;
 };
 
 /// Reads the first `layers` layers of a frame (at least 1; more than there are count as all).

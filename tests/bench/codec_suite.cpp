@@ -32,21 +32,13 @@ std::vector<Setting> settings(bool attributes) {
   return list;
 }
 
-std::vector<LayerView> views(const EncodedFrame& frame) {
-  std::vector<LayerView> out;
-  for (const EncodedLayer& layer : frame.layers) {
-    out.push_back({layer.geometry, layer.colors, layer.normals});
-  }
-  return out;
-}
-
 /// One row of the table: speed and size beside the error that they buy.
 nlohmann::json measure_setting(const std::string& dataset, const PointCloud& cloud,
                                const Setting& setting, int runs, std::vector<Bar>* bars) {
   const Cube cube = bounding_cube(bounds(cloud));
   const auto frame = encode_frame(cloud, cube, setting.options);
   if (!frame) return {{"setting", setting.name}, {"error", frame.error().message}};
-  const auto layers = views(*frame);
+  const auto layers = layer_views(frame->layers);
   const auto decoded = decode_frame(layers);
   if (!decoded) return {{"setting", setting.name}, {"error", decoded.error().message}};
 

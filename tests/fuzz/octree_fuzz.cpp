@@ -23,14 +23,6 @@ std::size_t take_length(ByteView& bytes) {
   return two.size() < 2 ? 0 : static_cast<std::size_t>(two[0] | two[1] << 8);
 }
 
-std::vector<LayerView> views(const EncodedFrame& frame) {
-  std::vector<LayerView> layers;
-  for (const EncodedLayer& layer : frame.layers) {
-    layers.push_back({layer.geometry, layer.colors, layer.normals});
-  }
-  return layers;
-}
-
 /// Chunks as they are in the input, each behind its length.
 EncodedFrame raw_frame(ByteView bytes) {
   EncodedFrame frame;
@@ -87,8 +79,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const ByteView bytes(data + 1, size - 1);
   const EncodedFrame input = data[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
-  const auto tree = decode_octree_tree(views(input), kLimits);
-  const auto frame = decode_frame(views(input), kLimits);
+  const auto tree = decode_octree_tree(layer_views(input.layers), kLimits);
+  const auto frame = decode_frame(layer_views(input.layers), kLimits);
   if (!tree || !frame) return 0;
   if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
 
@@ -99,7 +91,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth)};
   const auto again = encode_frame(cloud, cube, {options, true, true});
   if (!again) std::abort();
-  const auto twice = decode_octree_tree(views(*again), kLimits);
+  const auto twice = decode_octree_tree(layer_views(again->layers), kLimits);
   if (!twice || (!cloud.empty() && twice->svo.masks != tree->svo.masks)) std::abort();
   return 0;
 }

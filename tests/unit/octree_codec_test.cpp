@@ -49,14 +49,6 @@ EncodedFrame encode(const PointCloud& cloud, DepthRule depth, Entropy entropy = 
   return frame.value_or(EncodedFrame{});
 }
 
-std::vector<LayerView> views(const EncodedFrame& frame) {
-  std::vector<LayerView> out;
-  for (const EncodedLayer& layer : frame.layers) {
-    out.push_back({layer.geometry, layer.colors, layer.normals});
-  }
-  return out;
-}
-
 Bytes concatenated(const EncodedFrame& frame) {
   Bytes all;
   for (const EncodedLayer& layer : frame.layers) {
@@ -81,7 +73,7 @@ TEST_P(OctreeCodec, gives_back_the_encoder_s_voxels_at_every_depth) {
   const PointCloud cloud = bumpy_sphere(3000);
   for (const int depth : {0, 1, 7, 8, 9, 10, 15, kMaxDepth}) {
     const EncodedFrame frame = encode(cloud, DepthRule::fixed(depth), GetParam());
-    const auto tree = decode_octree_tree(views(frame), kLimits);
+    const auto tree = decode_octree_tree(layer_views(frame.layers), kLimits);
     ASSERT_TRUE(tree) << depth << ": " << tree.error().message;
     const Svo expected = build_svo(sort_points(cloud, Cube{}), depth);
     EXPECT_EQ(tree->svo.masks, expected.masks);
@@ -103,7 +95,7 @@ TEST_P(OctreeCodec, returns_centres_within_half_a_cell_and_colours_exactly) {
   cloud.origin = {1e6, -3e6, 12.5};
   const Cube cube{cloud.origin, 1.0};
   const EncodedFrame encoded = encode(cloud, DepthRule::fixed(kMaxDepth), GetParam(), cube);
-  const auto frame = decode_octree(views(encoded), kLimits);
+  const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
   ASSERT_TRUE(frame) << frame.error().message;
   const SortedPoints sorted = sort_points(cloud, cube);
   ASSERT_EQ(frame->cloud.size(), cloud.size());
@@ -135,7 +127,7 @@ TEST(OctreeCodecLayers, each_prefix_is_the_tree_truncated_with_its_mean_colours)
   const Svo whole = build_svo(sorted, 11);
   const NodeAttributes means = mean_attributes(whole, cloud, sorted);
   for (std::size_t layers = 1; layers <= 3; ++layers) {
-    auto prefix = views(frame);
+    auto prefix = layer_views(frame.layers);
     prefix.resize(layers);
     const auto tree = decode_octree_tree(prefix, kLimits);
     ASSERT_TRUE(tree) << tree.error().message;
@@ -155,12 +147,12 @@ TEST(OctreeCodecLayers, each_prefix_is_the_tree_truncated_with_its_mean_colours)
 TEST(OctreeCodecLayers, a_layer_without_its_attributes_inherits_those_above) {
   const PointCloud cloud = bumpy_sphere(2000);
   const EncodedFrame frame = encode(cloud, DepthRule::fixed(9));
-  auto layers = views(frame);
+  auto layers = layer_views(frame.layers);
   layers[1].colors = {};
   layers[1].normals = {};
   const auto tree = decode_octree_tree(layers, kLimits);
   ASSERT_TRUE(tree) << tree.error().message;
-  auto base = views(frame);
+  auto base = layer_views(frame.layers);
   base.resize(1);
   const auto coarse = decode_octree_tree(base, kLimits);
   ASSERT_TRUE(coarse);
@@ -185,7 +177,7 @@ TEST(OctreeCodecAttributes, keeps_16_bit_colours_and_unknown_normals) {
   cloud.positions = {{0.1f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}};
   cloud.colors = {{1, 65535, 12345}, {54321, 2, 0}};
   cloud.normals = {{0, 0, 0}, {0, 0, -1}};
-  const auto frame = decode_octree(views(encode(cloud, DepthRule::fixed(3))), kLimits);
+  const auto frame = decode_octree(layer_views(encode(cloud, DepthRule::fixed(3)).layers), kLimits);
   ASSERT_TRUE(frame) << frame.error().message;
   EXPECT_EQ(frame->cloud.colors, cloud.colors);
   EXPECT_EQ(frame->cloud.normals[0], glm::vec3(0));
@@ -202,7 +194,8 @@ TEST(OctreeCodecAttributes, normals_of_the_whole_sphere_err_by_less_than_a_degre
     cloud.positions.push_back(n * 0.5f + 0.5f);
     cloud.normals.push_back(n);
   }
-  const auto frame = decode_octree(views(encode(cloud, DepthRule::fixed(kMaxDepth))), kLimits);
+  const auto frame =
+      decode_octree(layer_views(encode(cloud, DepthRule::fixed(kMaxDepth)).layers), kLimits);
   ASSERT_TRUE(frame);
   const SortedPoints sorted = sort_points(cloud, Cube{});
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -215,7 +208,7 @@ TEST(OctreeCodecAttributes, normals_of_the_whole_sphere_err_by_less_than_a_degre
 TEST(OctreeCodecHardCases, of_no_points_is_a_frame_that_plays_as_nothing) {
   const EncodedFrame encoded = encode(PointCloud{}, DepthRule::by_delta(0.05));
   EXPECT_EQ(encoded.layers.size(), 1u);
-  const auto frame = decode_octree(views(encoded), kLimits);
+  const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
   ASSERT_TRUE(frame) << frame.error().message;
   EXPECT_TRUE(frame->cloud.empty());
   EXPECT_EQ(frame->svo->node_count(), 0u);
@@ -227,7 +220,7 @@ TEST(OctreeCodecHardCases, of_identical_points_is_one_cell) {
   const EncodedFrame encoded = encode(cloud, DepthRule::by_delta(0.0));
   EXPECT_EQ(encoded.depth, 0);
   EXPECT_EQ(encoded.coded_points, 1u);
-  const auto frame = decode_octree(views(encoded), kLimits);
+  const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
   ASSERT_TRUE(frame) << frame.error().message;
   EXPECT_EQ(frame->cloud.size(), 1u);
   EXPECT_EQ(frame->source_points, 1000u);
@@ -244,9 +237,9 @@ TEST(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) 
   const EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8));
   for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
     for (const auto part : {&LayerView::geometry, &LayerView::colors, &LayerView::normals}) {
-      const std::size_t size = (views(frame)[layer].*part).size();
+      const std::size_t size = (layer_views(frame.layers)[layer].*part).size();
       for (std::size_t cut = 1; cut < size; ++cut) {
-        auto layers = views(frame);
+        auto layers = layer_views(frame.layers);
         layers[layer].*part = (layers[layer].*part).first(cut);
         ASSERT_FALSE(decode_octree(layers, kLimits)) << layer << " cut at " << cut;
       }
@@ -256,13 +249,13 @@ TEST(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) 
 
 TEST(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
   EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8));
-  ASSERT_TRUE(decode_octree(views(frame), kLimits));
+  ASSERT_TRUE(decode_octree(layer_views(frame.layers), kLimits));
   for (EncodedLayer& layer : frame.layers) {
     for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
       for (std::uint8_t& byte : *part) {
         for (int bit = 0; bit < 8; ++bit) {
           byte = static_cast<std::uint8_t>(byte ^ 1 << bit);
-          ASSERT_FALSE(decode_octree(views(frame), kLimits));
+          ASSERT_FALSE(decode_octree(layer_views(frame.layers), kLimits));
           byte = static_cast<std::uint8_t>(byte ^ 1 << bit);
         }
       }
@@ -273,10 +266,10 @@ TEST(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
 TEST(OctreeCodecHostile, layers_of_different_frames_are_not_mixed) {
   const EncodedFrame a = encode(bumpy_sphere(500, 1), DepthRule::fixed(9));
   const EncodedFrame b = encode(bumpy_sphere(500, 2), DepthRule::fixed(9));
-  auto mixed = views(a);
-  mixed[1].geometry = views(b)[1].geometry;
+  auto mixed = layer_views(a.layers);
+  mixed[1].geometry = layer_views(b.layers)[1].geometry;
   EXPECT_FALSE(decode_octree(mixed, kLimits));
-  mixed = views(a);
+  mixed = layer_views(a.layers);
   std::swap(mixed[0].colors, mixed[1].colors);
   EXPECT_FALSE(decode_octree(mixed, kLimits));
 }
@@ -336,8 +329,8 @@ TEST(OctreeCodecHostile, a_cube_that_is_none_is_refused) {
 
 TEST(OctreeCodecHostile, more_points_than_the_caller_allows_are_refused) {
   const EncodedFrame frame = encode(bumpy_sphere(500), DepthRule::fixed(9));
-  EXPECT_FALSE(decode_octree(views(frame), {frame.coded_points - 1}));
-  EXPECT_TRUE(decode_octree(views(frame), {frame.coded_points}));
+  EXPECT_FALSE(decode_octree(layer_views(frame.layers), {frame.coded_points - 1}));
+  EXPECT_TRUE(decode_octree(layer_views(frame.layers), {frame.coded_points}));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::string error_of(const PackOptions& options, const PackListener& listener = 
 DecodedFrame decoded(const fs::path& reel, std::uint32_t frame) {
   const Result<FrameBytes> bytes = read_frame(reel, manifest_of(reel), frame, SIZE_MAX);
   if (!bytes) ADD_FAILURE() << bytes.error().message;
-  Result<DecodedFrame> result = decode_frame(bytes.value_or(FrameBytes{}).views());
+  Result<DecodedFrame> result = decode_frame(layer_views(bytes.value_or(FrameBytes{}).layers));
   if (!result) ADD_FAILURE() << result.error().message;
   return result.value_or(DecodedFrame{});
 }

@@ -13,20 +13,12 @@ PointCloud two_points() {
   return cloud;
 }
 
-std::vector<LayerView> views(const EncodedFrame& frame) {
-  std::vector<LayerView> out;
-  for (const EncodedLayer& layer : frame.layers) {
-    out.push_back({layer.geometry, layer.colors, layer.normals});
-  }
-  return out;
-}
-
 TEST(Registry, decodes_by_the_codec_that_the_frame_names) {
   for (const EncodeOptions& options :
        {EncodeOptions{OctreeOptions{}}, EncodeOptions{DracoOptions{}}}) {
     const auto frame = encode_frame(two_points(), Cube{}, options);
     ASSERT_TRUE(frame) << frame.error().message;
-    const auto decoded = decode_frame(views(*frame));
+    const auto decoded = decode_frame(layer_views(frame->layers));
     ASSERT_TRUE(decoded) << decoded.error().message;
     EXPECT_EQ(decoded->cloud.size(), 2u);
     EXPECT_EQ(decoded->svo.has_value(), options.id() == Codec::octree);

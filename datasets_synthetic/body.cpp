@@ -1,5 +1,6 @@
 #include "datasets_synthetic/body.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "datasets_synthetic/trigonometry.h"
@@ -37,16 +38,6 @@ constexpr std::array<Joint, kBoneCount> kJoints = {{
 
 constexpr std::size_t index(Bone bone) { return static_cast<std::size_t>(bone); }
 
-glm::dmat3 rotation(const Turn& turn) {
-  const double cx = cosine(turn.pitch), sx = sine(turn.pitch);
-  const double cy = cosine(turn.twist), sy = sine(turn.twist);
-  const double cz = cosine(turn.roll), sz = sine(turn.roll);
-  const glm::dmat3 x(1, 0, 0, 0, cx, sx, 0, -sx, cx);  // columns
-  const glm::dmat3 y(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
-  const glm::dmat3 z(cz, sz, 0, -sz, cz, 0, 0, 0, 1);
-  return z * x * y;
-}
-
 /// Adds primitives given in rest coordinates and joins them.
 class Builder {
  public:
@@ -67,8 +58,7 @@ class Builder {
 
  private:
   glm::dvec3 place(Bone bone, const glm::dvec3& rest) const {
-    const Body::Frame& frame = body_.frames[index(bone)];
-    return frame.joint + frame.axes * (rest - frame.rest_joint);
+    return body_.frames[index(bone)].place(rest);
   }
   std::uint16_t add(Bone bone, Material material, const Primitive& primitive) {
     body_.surface.primitives.push_back(primitive);
@@ -176,6 +166,35 @@ void add_leg(Builder& b, const Trunk& trunk, bool left) {
   b.blend(foot, toes, 0.0);
 }
 
+Material material_of(Ball::Kind kind) {
+  switch (kind) {
+    case Ball::Kind::soccer:
+      return Material::soccer_ball;
+    case Ball::Kind::basketball:
+      return Material::basketball;
+    case Ball::Kind::baseball:
+      break;
+  }
+  return Material::baseball;
+}
+
+void add_ball(Builder& b, const Ball& ball) {
+  const auto all = b.cone(Bone::ball, material_of(ball.kind), {0, 0, 0}, radius(ball.kind),
+                          {0, 0, 0}, radius(ball.kind));
+  b.blend(all, all, 0.0);
+}
+
+void add_bat(Builder& b) {
+  constexpr double kKnobHalf = 0.009;
+  const auto knob = b.ellipsoid(Bone::bat, Material::bat, {0, kKnobHalf, 0}, {0.025, 0.009, 0.025});
+  const auto handle = b.cone(Bone::bat, Material::bat, {0, 0.012, 0}, 0.0125, {0, 0.36, 0}, 0.0135);
+  const auto taper = b.cone(Bone::bat, Material::bat, {0, 0.36, 0}, 0.0135, {0, 0.6, 0}, 0.031);
+  const auto barrel = b.cone(Bone::bat, Material::bat, {0, 0.6, 0}, 0.031, {0, 0.807, 0}, 0.033);
+  b.blend(knob, handle, 0.01);
+  b.blend(handle, taper, 0.02);
+  b.blend(taper, barrel, 0.03);
+}
+
 constexpr glm::u8vec3 kSkin{224, 172, 138}, kHair{58, 38, 26}, kEye{40, 60, 90}, kLip{176, 84, 80},
     kWhite{238, 236, 228}, kTeal{24, 132, 140}, kRed{196, 48, 44}, kNavy{40, 56, 110},
     kYellow{248, 204, 40}, kDenim{52, 74, 118}, kBelt{70, 44, 28}, kShoe{36, 36, 40},
@@ -209,44 +228,125 @@ glm::u8vec3 shirt(const glm::dvec3& q) {
   return stripe - std::floor(stripe) < 0.5 ? kTeal : kWhite;
 }
 
+bool in_band(double x, double half) { return std::abs(x) < half; }
+
+/// A truncated icosahedron: the face that the direction leaves through.
+glm::u8vec3 soccer_ball(const glm::dvec3& n) {
+  constexpr double kGolden = 1.6180339887498949, kPentagon = 2.32744, kHexagon = 2.26728;
+  const double vertex_length = std::sqrt(1.0 + kGolden * kGolden), face_length = std::sqrt(3.0);
+  const glm::dvec3 a = glm::abs(n);
+  double pentagon = 0.0, first = 0.0, second = 0.0;
+  const auto face = [&](double along, double height) {
+    const double exit = along / height;
+    second = std::max(second, std::min(first, exit));
+    first = std::max(first, exit);
+    return exit;
+  };
+  for (int i = 0; i < 3; ++i) {
+    const double x = a[i], y = a[(i + 1) % 3], z = a[(i + 2) % 3];
+    // Icosahedron's corners (0, 1, golden) and two kinds of corners of the dodecahedron; those of
+    // the other signs are no nearer than the one across the plane, which only a seam could see.
+    pentagon = std::max(pentagon, face((x + kGolden * y) / vertex_length, kPentagon));
+    pentagon = std::max(pentagon, face((kGolden * y - x) / vertex_length, kPentagon));
+    face((y / kGolden + kGolden * z) / face_length, kHexagon);
+    face((kGolden * z - y / kGolden) / face_length, kHexagon);
+  }
+  face((a.x + a.y + a.z) / face_length, kHexagon);
+  if (pentagon >= first) return {28, 28, 30};
+  return first - second < 0.006 ? glm::u8vec3{120, 120, 118} : kWhite;
+}
+
+/// Two great circles and two arcs, as the eight panels of a basketball meet.
+glm::u8vec3 basketball(const glm::dvec3& n) {
+  constexpr double kSeam = 0.028;
+  const bool seam = in_band(n.x, kSeam) || in_band(n.y, kSeam) ||
+                    in_band(std::abs(n.x) - 0.45 - 0.32 * n.y * n.y, kSeam);
+  return seam ? glm::u8vec3{34, 26, 24} : glm::u8vec3{206, 98, 42};
+}
+
+/// The seam y^2 - x^2 = k z divides the ball in two halves of the same shape.
+glm::u8vec3 baseball(const glm::dvec3& n) {
+  return in_band(n.y * n.y - n.x * n.x - 0.45 * n.z, 0.1) ? kRed : kWhite;
+}
+
+glm::u8vec3 bat(const glm::dvec3& q) {
+  if (q.y < 0.28) return {44, 40, 40};                       // the grip's tape
+  if (q.y > 0.56 && q.y < 0.6) return {120, 40, 32};         // a ring
+  const double ring = q.y * 3.0 + 40.0 * q.x * (1.0 + q.z);  // the grain
+  return ring - std::floor(ring) < 0.3 ? glm::u8vec3{196, 150, 92} : glm::u8vec3{214, 172, 112};
+}
+
 }  // namespace
+
+glm::dmat3 rotation(const Turn& turn) {
+  const double cx = cosine(turn.pitch), sx = sine(turn.pitch);
+  const double cy = cosine(turn.twist), sy = sine(turn.twist);
+  const double cz = cosine(turn.roll), sz = sine(turn.roll);
+  const glm::dmat3 x(1, 0, 0, 0, cx, sx, 0, -sx, cx);  // columns
+  const glm::dmat3 y(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
+  const glm::dmat3 z(cz, sz, 0, -sz, cz, 0, 0, 0, 1);
+  return z * x * y;
+}
+
+double radius(Ball::Kind kind) {
+  switch (kind) {
+    case Ball::Kind::soccer:
+      return 0.11;
+    case Ball::Kind::basketball:
+      return 0.12;
+    case Ball::Kind::baseball:
+      break;
+  }
+  return 0.037;
+}
 
 glm::dvec3 Body::in_rest(std::size_t primitive, const glm::dvec3& p) const {
   const Frame& frame = frames[index(parts[primitive].bone)];
   return frame.rest_joint + (p - frame.joint) * frame.axes;
 }
 
-Body pose_body(const Pose& pose) {
-  Body body;
+Skeleton skeleton(const Pose& pose) {
+  Skeleton frames;
   for (std::size_t i = 0; i < kBoneCount; ++i) {
-    Body::Frame& frame = body.frames[i];
+    Frame& frame = frames[i];
     frame.rest_joint = kJoints[i].rest;
     const std::size_t parent = index(kJoints[i].parent);
     if (parent == i) {
-      frame.joint = frame.rest_joint + glm::dvec3(pose.sway, 0, 0);
-      frame.axes = rotation(pose.turns[i]);
+      frame.joint = frame.rest_joint + pose.offset;
+      frame.axes = pose.turns[i];
     } else {
-      const Body::Frame& up = body.frames[parent];
-      frame.joint = up.joint + up.axes * (frame.rest_joint - up.rest_joint);
-      frame.axes = up.axes * rotation(pose.turns[i]);
+      frame.joint = frames[parent].place(frame.rest_joint);
+      frame.axes = frames[parent].axes * pose.turns[i];
     }
   }
-  const auto build = [&body] {
-    body.surface = {};
-    body.parts.clear();
-    Builder builder(body);
-    const Trunk trunk = add_trunk(builder);
-    for (const bool left : {true, false}) {
-      add_arm(builder, trunk, left);
-      add_leg(builder, trunk, left);
-    }
-  };
-  build();
-  Box box;
-  for (const Primitive& primitive : body.surface.primitives) box.grow(bounds(primitive));
-  for (Body::Frame& frame : body.frames) frame.joint.y -= box.min.y;
-  build();
+  if (pose.ball) frames[index(Bone::ball)] = {pose.ball->axes, pose.ball->center, {}};
+  if (pose.bat) frames[index(Bone::bat)] = {pose.bat->axes, pose.bat->knob, {}};
+  return frames;
+}
+
+Body pose_body(const Pose& pose) {
+  Body body;
+  body.frames = skeleton(pose);
+  Builder builder(body);
+  const Trunk trunk = add_trunk(builder);
+  for (const bool left : {true, false}) {
+    add_arm(builder, trunk, left);
+    add_leg(builder, trunk, left);
+  }
+  if (pose.ball) add_ball(builder, *pose.ball);
+  if (pose.bat) add_bat(builder);
   return body;
+}
+
+void stand_on_floor(Pose& pose) {
+  Pose alone = pose;
+  alone.ball.reset();
+  alone.bat.reset();
+  Box box;
+  for (const Primitive& primitive : pose_body(alone).surface.primitives) {
+    box.grow(bounds(primitive));
+  }
+  pose.offset.y -= box.min.y;
 }
 
 glm::u8vec3 color_at(const Body& body, std::size_t primitive, const glm::dvec3& p) {
@@ -276,6 +376,14 @@ glm::u8vec3 color_at(const Body& body, std::size_t primitive, const glm::dvec3& 
     case Material::shoe:
       if (q.y < 0.016) return kSoleWhite;
       return left ? kRed : kShoe;
+    case Material::soccer_ball:
+      return soccer_ball(q / radius(Ball::Kind::soccer));
+    case Material::basketball:
+      return basketball(q / radius(Ball::Kind::basketball));
+    case Material::baseball:
+      return baseball(q / radius(Ball::Kind::baseball));
+    case Material::bat:
+      return bat(q);
   }
   return kSkin;
 }

@@ -41,9 +41,8 @@ struct Options {
 void print_list(bool json) {
   nlohmann::json all = nlohmann::json::array();
   for (const Motion& motion : motions()) {
-    all.push_back(
-        {{"name", motion.name}, {"summary", motion.summary}, {"period_s", motion.period}});
-    if (!json) fmt::print("{:<16}{} ({} s)\n", motion.name, motion.summary, motion.period);
+    all.push_back({{"name", motion.name}, {"summary", motion.summary}, {"poses", motion.poses}});
+    if (!json) fmt::print("{:<16}{} ({} poses)\n", motion.name, motion.summary, motion.poses);
   }
   if (json) fmt::print("{}\n", all.dump());
 }

@@ -48,29 +48,28 @@ Pose walk(double seconds) {
   const double forward = cosine(phase);  // 1: left leg in front
   Pose pose;
 
-  pose.sway = 0.018 * sine(phase);  // over the leg that stands
-  pose[Bone::pelvis] = {0.03, -0.03 * sine(phase), -0.09 * forward};
-  pose[Bone::abdomen] = {0.02, 0.02 * sine(phase), 0.06 * forward};
-  pose[Bone::chest] = {0.01, 0.01 * sine(phase), 0.13 * forward};
-  pose[Bone::neck] = {-0.02, 0.0, -0.05 * forward};
-  pose[Bone::head] = {-0.02 + 0.015 * cosine(2.0 * phase), 0.0, -0.05 * forward};
+  pose.offset.x = 0.018 * sine(phase);  // over the leg that stands
+  const Turn pelvis{0.03, -0.03 * sine(phase), -0.09 * forward};
+  pose[Bone::pelvis] = rotation(pelvis);
+  pose[Bone::abdomen] = rotation({0.02, 0.02 * sine(phase), 0.06 * forward});
+  pose[Bone::chest] = rotation({0.01, 0.01 * sine(phase), 0.13 * forward});
+  pose[Bone::neck] = rotation({-0.02, 0.0, -0.05 * forward});
+  pose[Bone::head] = rotation({-0.02 + 0.015 * cosine(2.0 * phase), 0.0, -0.05 * forward});
 
   const auto place_leg = [&](Bone thigh, Bone shin, Bone foot, Bone toes, const Leg& leg) {
-    const double trunk = pose[Bone::pelvis].pitch;
-    pose[thigh].pitch = -leg.hip - trunk;
-    pose[thigh].roll = -pose[Bone::pelvis].roll;
-    pose[shin].pitch = leg.knee;
-    pose[foot].pitch = -leg.foot + leg.hip - leg.knee;
-    pose[toes].pitch = -leg.toes;
+    pose[thigh] = rotation({-leg.hip - pelvis.pitch, -pelvis.roll, 0.0});
+    pose[shin] = rotation({leg.knee, 0.0, 0.0});
+    pose[foot] = rotation({-leg.foot + leg.hip - leg.knee, 0.0, 0.0});
+    pose[toes] = rotation({-leg.toes, 0.0, 0.0});
   };
   place_leg(Bone::left_thigh, Bone::left_shin, Bone::left_foot, Bone::left_toes, leg_at(cycle));
   place_leg(Bone::right_thigh, Bone::right_shin, Bone::right_foot, Bone::right_toes,
             leg_at(fraction(cycle + 0.5)));
 
   // The arms swing against the legs.
-  pose[Bone::right_upper_arm] = {-0.38 * forward + 0.02, -0.13, 0.0};
-  pose[Bone::right_forearm] = {-0.35 - 0.18 * forward, 0.0, 0.0};
-  pose[Bone::right_hand] = {0.0, 0.05, 0.0};
+  pose[Bone::right_upper_arm] = rotation({-0.38 * forward + 0.02, -0.13, 0.0});
+  pose[Bone::right_forearm] = rotation({-0.35 - 0.18 * forward, 0.0, 0.0});
+  pose[Bone::right_hand] = rotation({0.0, 0.05, 0.0});
 
   const double time = kWalkPeriod * fraction(seconds / kWalkPeriod);
   const double wave = rise(0.2, 0.75, time) - rise(1.35, 1.9, time);
@@ -78,16 +77,17 @@ Pose walk(double seconds) {
     return swinging + (waving - swinging) * wave;
   };
   const double shake = sine(2.0 * kPi * 3.0 * (time - 0.5));
-  pose[Bone::left_upper_arm] = {mix(0.38 * forward + 0.02, -0.25), mix(0.13, 1.35), 0.0};
-  pose[Bone::left_forearm] = {mix(-0.35 + 0.18 * forward, -0.1), mix(0.0, 1.35 + 0.3 * shake),
-                              mix(0.0, -0.5 * kPi)};
-  pose[Bone::left_hand] = {0.0, mix(-0.05, 0.0), 0.0};
+  pose[Bone::left_upper_arm] = rotation({mix(0.38 * forward + 0.02, -0.25), mix(0.13, 1.35), 0.0});
+  pose[Bone::left_forearm] = rotation(
+      {mix(-0.35 + 0.18 * forward, -0.1), mix(0.0, 1.35 + 0.3 * shake), mix(0.0, -0.5 * kPi)});
+  pose[Bone::left_hand] = rotation({0.0, mix(-0.05, 0.0), 0.0});
+  stand_on_floor(pose);
   return pose;
 }
 
 std::span<const Motion> motions() {
   static constexpr std::array<Motion, 1> all = {{
-      {"walk", "walks on the spot and waves its left hand", kWalkPeriod, &walk},
+      {"walk", "walks on the spot and waves its left hand", 60, true, &walk},
   }};
   return all;
 }

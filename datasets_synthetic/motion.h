@@ -7,12 +7,20 @@
 
 namespace pointreel {
 
-/// A movement that begins again after `period` seconds without a jump.
+/// Motions are as long as so many poses at this rate, that of the paper's sequences (002, section
+/// V, Table I).
+inline constexpr double kPosesPerSecond = 30.0;
+
+/// A movement, defined at any time. One that loops begins again after seconds() without a jump;
+/// another holds its first pose before it and its last pose after it.
 struct Motion {
   std::string_view name;
   std::string_view summary;
-  double period;
+  int poses;  ///< at kPosesPerSecond
+  bool loops;
   Pose (*pose)(double seconds);
+
+  double seconds() const { return poses / kPosesPerSecond; }
 };
 
 /// All motions there are, by name.

@@ -92,6 +92,48 @@ TEST(Body, a_point_that_moves_with_its_bone_keeps_its_place_in_rest) {
   }
 }
 
+TEST(Body, shows_a_ball_where_the_pose_puts_it_without_being_grounded_by_it) {
+  Pose pose;
+  for (const auto kind : {Ball::Kind::soccer, Ball::Kind::basketball, Ball::Kind::baseball}) {
+    pose.ball = Ball{kind, {0.5, -1.0, 0.3}, rotation({0.3, 0.2, 0.1})};
+    stand_on_floor(pose);
+    EXPECT_NEAR(pose.offset.y, 0.0, 1e-9);
+    const Body body = pose_body(pose);
+    const glm::dvec3 top = pose.ball->center + glm::dvec3(0, radius(kind), 0);
+    const SurfaceDistance at = distance_to(body.surface, top);
+    EXPECT_NEAR(at.distance.value, 0.0, 1e-9);
+    EXPECT_EQ(body.parts[at.primitive].bone, Bone::ball);
+    std::set<std::tuple<int, int, int>> colours;
+    const auto points = sample_uniform(body.surface, 20000, 5);
+    for (const SurfacePoint& point : points.value()) {
+      if (point.primitive != at.primitive) continue;
+      const glm::u8vec3 c = color_at(body, point.primitive, point.position);
+      colours.emplace(c.x, c.y, c.z);
+    }
+    EXPECT_GE(colours.size(), 2u);
+  }
+}
+
+TEST(Body, shows_a_bat_along_its_axis) {
+  Pose pose;
+  pose.bat = Bat{{0.5, 1.0, 0.3}, rotation({0.3, 0.2, 0.1})};
+  const Body body = pose_body(pose);
+  const SurfaceDistance knob = distance_to(body.surface, pose.bat->knob);
+  EXPECT_NEAR(knob.distance.value, 0.0, 0.004);  // a fillet
+  EXPECT_EQ(body.parts[knob.primitive].bone, Bone::bat);
+  const glm::dvec3 end = pose.bat->knob + 0.84 * pose.bat->axes[1];
+  EXPECT_NEAR(distance_to(body.surface, end).distance.value, 0.0, 1e-6);
+}
+
+TEST(Body, is_lifted_from_the_floor_by_its_offset_and_set_down_by_standing_on_it) {
+  Pose pose = walk(0.3);
+  pose.offset += glm::dvec3(0.1, 0.3, -0.2);
+  const Box jumping = sampled_bounds(pose_body(pose));
+  EXPECT_NEAR(jumping.min.y, 0.3, 0.004);
+  stand_on_floor(pose);
+  EXPECT_NEAR(pose.offset.y, walk(0.3).offset.y, 1e-9);
+}
+
 TEST(Body, is_one_closed_piece) {
   const Body body = pose_body(walk(1.0));
   std::vector<std::size_t> piece(body.surface.primitives.size());
@@ -120,16 +162,17 @@ TEST(Body, is_one_closed_piece) {
 
 TEST(Motion, begins_again_without_a_jump_and_moves_in_between) {
   for (const Motion& motion : motions()) {
+    if (!motion.loops) continue;
     const auto place = [&](double time, Bone bone) {
       return pose_body(motion.pose(time)).frames[static_cast<std::size_t>(bone)].joint;
     };
     for (const Bone bone : {Bone::left_hand, Bone::right_hand, Bone::left_foot, Bone::head}) {
       const glm::dvec3 start = place(0.0, bone);
-      EXPECT_LT(glm::length(place(motion.period, bone) - start), 1e-9);
-      EXPECT_LT(glm::length(place(motion.period - 1e-3, bone) - start), 0.02);
+      EXPECT_LT(glm::length(place(motion.seconds(), bone) - start), 1e-9);
+      EXPECT_LT(glm::length(place(motion.seconds() - 1e-3, bone) - start), 0.02);
       double moved = 0.0;
       for (int i = 1; i < 60; ++i) {
-        const double time = motion.period * i / 60.0;
+        const double time = motion.seconds() * i / 60.0;
         moved = std::max(moved, glm::length(place(time, bone) - start));
         // No joint of a walking person is faster than 10 m/s.
         EXPECT_LT(glm::length(place(time, bone) - place(time - 1e-3, bone)), 0.01) << time;

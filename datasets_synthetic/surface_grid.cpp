@@ -1,0 +1,93 @@
+#include "datasets_synthetic/surface_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pointreel {
+
+Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
+  constexpr int kMaxLevels = 10;  // 11 m
+  if (surface.blends.empty()) return fail("cannot sample a surface without any parts");
+  const Box box = bounds(surface);
+  const glm::dvec3 extent = box.extent() + 4.0 * kShell;
+  const double largest = std::max({extent.x, extent.y, extent.z});
+  if (!(largest <= kCell * static_cast<double>(1 << kMaxLevels))) {
+    return fail("cannot sample a surface larger than 11 m");
+  }
+  for (const Primitive& primitive : surface.primitives) {
+    if (!std::isfinite(distance_to(primitive, box.min).value)) {
+      return fail("cannot sample a surface with a part that is not finite");
+    }
+  }
+  SurfaceGrid grid(std::move(surface));
+  grid.origin_ = box.min - 2.0 * kShell;
+  int levels = 0;
+  while (kCell * static_cast<double>(1 << levels) < largest) ++levels;
+  std::vector<std::uint16_t> all(grid.surface_.blends.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint16_t>(i);
+  grid.divide(grid.origin_, {0, 0, 0}, levels, all);
+  grid.make_lookup();
+  return grid;
+}
+
+// Divides cubes as an octree does. The distance changes by no more than the way moved, so a cube
+// whose centre is further from the shell than its corners are from the centre cannot meet it.
+void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int level,
+                         std::span<const std::uint16_t> candidates) {
+  const double edge = kCell * static_cast<double>(1u << level);
+  const double reach = 0.5 * std::sqrt(3.0) * edge + kShell;
+  std::vector<double> values(candidates.size());
+  const double nearest = blend_distances(surface_, candidates, min + 0.5 * edge, values);
+  if (std::abs(nearest) > reach) return;
+  // A blend that is nowhere within reach the nearest one has no say in the distance. A point on
+  // its way to the surface may leave the cell by kShell.
+  std::vector<std::uint16_t> kept;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (values[i] <= reach + kShell && values[i] - nearest <= 2.0 * (reach + kShell)) {
+      kept.push_back(candidates[i]);
+    }
+  }
+  if (level == 0) {
+    cells_.push_back({min, nearest, static_cast<std::uint32_t>(blends_.size()),
+                      static_cast<std::uint32_t>(kept.size())});
+    coordinates_.push_back(first);
+    blends_.insert(blends_.end(), kept.begin(), kept.end());
+    return;
+  }
+  for (int child = 0; child < 8; ++child) {
+    const glm::ivec3 step(child & 1, (child >> 1) & 1, child >> 2);
+    divide(min + 0.5 * edge * glm::dvec3(step), first + (1 << (level - 1)) * step, level - 1, kept);
+  }
+}
+
+void SurfaceGrid::make_lookup() {
+  for (const glm::ivec3& cell : coordinates_) {
+    size_ = glm::max(size_, kBlock * (cell / kBlock + 1));
+  }
+  const glm::ivec3 count = size_ / kBlock;
+  blocks_.assign(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y) *
+                     static_cast<std::size_t>(count.z),
+                 kNone);
+  constexpr std::size_t kCells = std::size_t{kBlock} * kBlock * kBlock;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const glm::ivec3 cell = coordinates_[i];
+    const glm::ivec3 at = cell / kBlock;
+    std::uint32_t& number =
+        blocks_[static_cast<std::size_t>(at.x + count.x * (at.y + count.y * at.z))];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(lookup_.size() / kCells);
+      lookup_.resize(lookup_.size() + kCells, kNone);
+    }
+    const glm::ivec3 local = cell % kBlock;
+    lookup_[number * kCells +
+            static_cast<std::size_t>(local.x + kBlock * (local.y + kBlock * local.z))] =
+        static_cast<std::uint32_t>(i);
+  }
+}
+
+glm::ivec3 SurfaceGrid::cell_at(const glm::dvec3& p) const {
+  return glm::ivec3(glm::floor((p - origin_) / kCell));
+}
+
+}  // namespace pointreel

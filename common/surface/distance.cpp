@@ -2,71 +2,269 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include <nanoflann.hpp>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include "common/surface/nearest.h"
 
 namespace pointreel {
 namespace {
 
-using Points = std::vector<glm::dvec3>;
+using Vectors = std::vector<glm::dvec3>;
 
-Points relative_to(const glm::dvec3& origin, const PointCloud& cloud) {
-  Points points(cloud.size());
-  const glm::dvec3 offset = cloud.origin - origin;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = glm::dvec3(cloud.positions[i]) + offset;
-  }
-  return points;
+/// The value of which `share` of all are no larger, by nearest rank. Reorders `values`, which are
+/// not empty.
+double percentile(std::vector<double>& values, double share) {
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  const auto nth =
+      values.begin() + std::max(std::ptrdiff_t{0}, static_cast<std::ptrdiff_t>(rank) - 1);
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
 }
 
-/// What nanoflann asks of a set of points.
-struct PointSet {
-  const Points& points;
+/// A unit vector, or zero where there is no direction.
+glm::dvec3 direction(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 1e-6 ? v / length : glm::dvec3(0.0);
+}
 
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i][static_cast<glm::length_t>(axis)];
+bool is_known(const glm::dvec3& normal) { return normal != glm::dvec3(0.0); }
+
+/// Y', Cb and Cr without their offsets, in 8-bit steps.
+glm::dvec3 to_ycbcr(const glm::dvec3& color) {
+  const glm::dvec3 c = color / 257.0;
+  const double y = 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+  return {y, (c.b - y) / 1.8556, (c.r - y) / 1.5748};
+}
+
+/// One of the two clouds.
+struct Side {
+  const PointCloud& cloud;
+  DistinctPoints distinct;
+  Vectors colors;   ///< Y', Cb, Cr; mean of each distinct position
+  Vectors normals;  ///< direction of each distinct position, or zero
+
+  Side(const PointCloud& source, const Cube& cube)
+      : cloud(source), distinct(distinct_points(source, cube)) {
+    if (cloud.has_colors()) {
+      colors = means([this](std::uint32_t i) { return to_ycbcr(glm::dvec3(cloud.colors[i])); });
+    }
+    if (cloud.has_normals()) {
+      normals = means([this](std::uint32_t i) { return glm::dvec3(cloud.normals[i]); });
+      for (glm::dvec3& normal : normals) normal = direction(normal);
+    }
   }
-  template <class BoundingBox>
-  bool kdtree_get_bbox(BoundingBox&) const {
-    return false;
+
+  std::size_t size() const { return distinct.size(); }
+
+ private:
+  template <class Value>
+  Vectors means(const Value& value) const {
+    Vectors result(size());
+    for (std::size_t i = 0; i < size(); ++i) {
+      const auto members = distinct.at(i);
+      for (const std::uint32_t member : members) result[i] += value(member);
+      result[i] /= static_cast<double>(members.size());
+    }
+    return result;
   }
 };
 
-OneWayDistance one_way(const Points& from, const Points& to) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointSet>,
-                                                   PointSet, 3, std::uint32_t>;
-  const PointSet set{to};
-  Tree tree(3, set, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  OneWayDistance result;
-  for (const glm::dvec3& p : from) {
-    std::uint32_t nearest = 0;
-    double squared = 0.0;
-    tree.knnSearch(&p.x, 1, &nearest, &squared);
-    result.mean_squared += squared;
-    result.max = std::max(result.max, squared);
+glm::dvec3 sum(const Vectors& values, std::span<const std::uint32_t> which) {
+  glm::dvec3 total(0.0);
+  for (const std::uint32_t i : which) total += values[i];
+  return total;
+}
+
+/// The normals of `from` handed on to the points of `to`, as pc_error does, but of unit length.
+Vectors transferred_normals(const Side& from, const Side& to, const NearestPoints& from_to,
+                            const NearestPoints& to_from) {
+  Vectors normals(to.size(), glm::dvec3(0.0));
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    for (const std::uint32_t k : from_to.of(i)) normals[k] += from.normals[i];
   }
-  result.mean_squared /= static_cast<double>(from.size());
-  result.max = std::sqrt(result.max);
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    normals[k] = direction(normals[k]);
+    if (!is_known(normals[k])) normals[k] = direction(sum(from.normals, to_from.of(k)));
+  }
+  return normals;
+}
+
+/// What one direction needs.
+struct Way {
+  const Side& from;
+  const Side& to;
+  const NearestPoints& nearest;
+  const Vectors& plane_normals;  ///< of `to`; empty if there are none
+};
+
+void compare_geometry(const Way& way, OneWayDistance& result) {
+  double total = 0.0, largest = 0.0, plane_total = 0.0;
+  std::size_t with_plane = 0;
+  for (std::size_t i = 0; i < way.from.size(); ++i) {
+    const auto points = static_cast<double>(way.from.distinct.at(i).size());
+    const double squared = way.nearest.squared_distances[i];
+    total += points * squared;
+    largest = std::max(largest, squared);
+    if (way.plane_normals.empty()) continue;
+    double plane = 0.0;
+    std::size_t known = 0;
+    for (const std::uint32_t k : way.nearest.of(i)) {
+      if (!is_known(way.plane_normals[k])) continue;
+      const double off = glm::dot(way.from.distinct.positions[i] - way.to.distinct.positions[k],
+                                  way.plane_normals[k]);
+      plane += off * off;
+      ++known;
+    }
+    if (known == 0) {
+      result.plane_unknown += way.from.distinct.at(i).size();
+      continue;
+    }
+    plane_total += points * plane / static_cast<double>(known);
+    with_plane += way.from.distinct.at(i).size();
+  }
+  result.mean_squared = total / static_cast<double>(way.from.cloud.size());
+  result.max = std::sqrt(largest);
+  if (with_plane > 0) result.plane_mean_squared = plane_total / static_cast<double>(with_plane);
+}
+
+void compare_colors(const Way& way, OneWayDistance& result) {
+  glm::dvec3 total(0.0);
+  for (std::size_t i = 0; i < way.from.size(); ++i) {
+    const auto neighbors = way.nearest.of(i);
+    const glm::dvec3 other = sum(way.to.colors, neighbors) / static_cast<double>(neighbors.size());
+    for (const std::uint32_t member : way.from.distinct.at(i)) {
+      const glm::dvec3 off = to_ycbcr(glm::dvec3(way.from.cloud.colors[member])) - other;
+      total += off * off;
+    }
+  }
+  result.colors = total / static_cast<double>(way.from.cloud.size());
+}
+
+void compare_normals(const Way& way, OneWayDistance& result) {
+  AngleError error;
+  std::vector<double> angles;
+  angles.reserve(way.from.cloud.size());
+  double total = 0.0;
+  for (std::size_t i = 0; i < way.from.size(); ++i) {
+    const glm::dvec3 other = direction(sum(way.to.normals, way.nearest.of(i)));
+    for (const std::uint32_t member : way.from.distinct.at(i)) {
+      const glm::dvec3 own(way.from.cloud.normals[member]);
+      if (!is_known(own) || !is_known(other)) {
+        ++error.unknown;
+        continue;
+      }
+      angles.push_back(std::atan2(glm::length(glm::cross(own, other)), glm::dot(own, other)));
+      total += angles.back();
+    }
+  }
+  if (angles.empty()) return;
+  error.mean = total / static_cast<double>(angles.size());
+  error.percentile_95 = percentile(angles, 0.95);
+  result.normals = error;
+}
+
+OneWayDistance compare(const Way& way) {
+  OneWayDistance result;
+  tbb::parallel_invoke([&] { compare_geometry(way, result); },
+                       [&] {
+                         if (!way.from.colors.empty() && !way.to.colors.empty())
+                           compare_colors(way, result);
+                       },
+                       [&] {
+                         if (!way.from.normals.empty() && !way.to.normals.empty())
+                           compare_normals(way, result);
+                       });
   return result;
+}
+
+/// The distance that two points may differ by and still be equally near: each coordinate is a float
+/// of up to the extent's size, rounded.
+double rounding(const PointCloud& a, const PointCloud& b) {
+  float largest = 0.0f;
+  for (const PointCloud* cloud : {&a, &b}) {
+    for (const glm::vec3& p : cloud->positions) {
+      largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+  }
+  return 2.0 * static_cast<double>(largest) * 0x1p-23;
 }
 
 }  // namespace
 
 double CloudDistance::d1() const { return std::max(a_to_b.mean_squared, b_to_a.mean_squared); }
 
+std::optional<double> CloudDistance::d2() const {
+  if (!a_to_b.plane_mean_squared || !b_to_a.plane_mean_squared) return std::nullopt;
+  return std::max(*a_to_b.plane_mean_squared, *b_to_a.plane_mean_squared);
+}
+
 double CloudDistance::max() const { return std::max(a_to_b.max, b_to_a.max); }
 
-double d1_psnr(double d1, double peak) { return 10.0 * std::log10(3.0 * peak * peak / d1); }
+std::optional<ColorError> CloudDistance::colors() const {
+  if (!a_to_b.colors || !b_to_a.colors) return std::nullopt;
+  return glm::max(*a_to_b.colors, *b_to_a.colors);
+}
+
+std::optional<AngleError> CloudDistance::normals() const {
+  if (!a_to_b.normals || !b_to_a.normals) return std::nullopt;
+  const AngleError &a = *a_to_b.normals, &b = *b_to_a.normals;
+  return AngleError{std::max(a.mean, b.mean), std::max(a.percentile_95, b.percentile_95),
+                    a.unknown + b.unknown};
+}
+
+double geometry_psnr(double mean_squared, double peak) {
+  return 10.0 * std::log10(3.0 * peak * peak / mean_squared);
+}
+
+glm::dvec3 color_psnr(const ColorError& mean_squared) {
+  const auto psnr = [](double e) { return 10.0 * std::log10(255.0 * 255.0 / e); };
+  return {psnr(mean_squared.x), psnr(mean_squared.y), psnr(mean_squared.z)};
+}
 
 Result<CloudDistance> cloud_distance(const PointCloud& a, const PointCloud& b) {
   if (a.empty() || b.empty()) return fail("a cloud without points has no distance to another");
   // The clouds may have different origins, both far from zero.
-  const Points in_a = relative_to(a.origin, a), in_b = relative_to(a.origin, b);
-  return CloudDistance{one_way(in_a, in_b), one_way(in_b, in_a)};
+  Box box = bounds(a);
+  box.grow(bounds(b));
+  const Cube cube = bounding_cube(box);
+  const double tolerance = rounding(a, b);
+  std::optional<Side> side_a, side_b;
+  tbb::parallel_invoke([&] { side_a.emplace(a, cube); }, [&] { side_b.emplace(b, cube); });
+  NearestPoints a_to_b, b_to_a;
+  const auto search = [tolerance](const Side& from, const Side& to, NearestPoints& nearest) {
+    nearest = nearest_points(from.distinct.positions, to.distinct.positions, tolerance);
+  };
+  tbb::parallel_invoke([&] { search(*side_a, *side_b, a_to_b); },
+                       [&] { search(*side_b, *side_a, b_to_a); });
+
+  Vectors normals_a, normals_b;
+  if (a.has_normals()) {
+    normals_a = side_a->normals;
+    normals_b = transferred_normals(*side_a, *side_b, a_to_b, b_to_a);
+  } else if (b.has_normals()) {
+    normals_b = side_b->normals;
+    normals_a = transferred_normals(*side_b, *side_a, b_to_a, a_to_b);
+  }
+  CloudDistance distance;
+  tbb::parallel_invoke([&] { distance.a_to_b = compare({*side_a, *side_b, a_to_b, normals_b}); },
+                       [&] { distance.b_to_a = compare({*side_b, *side_a, b_to_a, normals_a}); });
+  return distance;
+}
+
+DistanceSummary summarize(std::span<const double> distances) {
+  DistanceSummary summary;
+  if (distances.empty()) return summary;
+  std::vector<double> values(distances.begin(), distances.end());
+  for (const double distance : values) summary.mean += distance;
+  summary.mean /= static_cast<double>(values.size());
+  summary.percentile_95 = percentile(values, 0.95);
+  summary.percentile_999 = percentile(values, 0.999);
+  summary.max = *std::max_element(values.begin(), values.end());
+  return summary;
 }
 
 }  // namespace pointreel

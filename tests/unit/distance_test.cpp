@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include "common/surface/nearest.h"
 
 namespace pointreel {
 namespace {
@@ -59,7 +64,7 @@ TEST(Distance, of_a_cloud_to_itself_is_zero) {
   ASSERT_TRUE(distance.has_value());
   EXPECT_EQ(distance->d1(), 0.0);
   EXPECT_EQ(distance->max(), 0.0);
-  EXPECT_EQ(d1_psnr(distance->d1(), 1023.0), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(geometry_psnr(distance->d1(), 1023.0), std::numeric_limits<double>::infinity());
 }
 
 TEST(Distance, sees_a_point_that_only_one_cloud_has) {
@@ -74,14 +79,258 @@ TEST(Distance, sees_a_point_that_only_one_cloud_has) {
 }
 
 TEST(Distance, gives_a_peak_ratio_as_mpeg_defines_it) {
-  EXPECT_NEAR(d1_psnr(1.0, 1023.0), 64.97, 0.01);
-  EXPECT_NEAR(d1_psnr(3.0, 1.0), 0.0, 1e-12);
+  EXPECT_NEAR(geometry_psnr(1.0, 1023.0), 64.97, 0.01);
+  EXPECT_NEAR(geometry_psnr(3.0, 1.0), 0.0, 1e-12);
 }
 
 TEST(Distance, to_a_cloud_without_points_is_an_error) {
   const PointCloud cloud = random_cloud(3, 4, glm::dvec3(0.0));
   EXPECT_FALSE(cloud_distance(cloud, {}).has_value());
   EXPECT_FALSE(cloud_distance({}, cloud).has_value());
+}
+
+// --- nearest neighbours ---
+
+TEST(NearestPoints, are_all_those_and_only_those_that_brute_force_finds) {
+  // On a small lattice almost every point between has several neighbours, up to eight.
+  std::mt19937 random(5);
+  std::vector<glm::dvec3> points, queries;
+  for (int i = 0; i < 150; ++i) {
+    points.emplace_back(random() % 8, random() % 8, random() % 8);
+    queries.emplace_back(0.5 * static_cast<double>(random() % 16),
+                         0.5 * static_cast<double>(random() % 16),
+                         0.5 * static_cast<double>(random() % 16));
+  }
+  for (const double tolerance : {0.0, 1e-9, 0.3}) {
+    const NearestPoints nearest = nearest_points(queries, points, tolerance);
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      double best = std::numeric_limits<double>::infinity();
+      for (const glm::dvec3& p : points) best = std::min(best, glm::distance(queries[i], p));
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t k = 0; k < points.size(); ++k) {
+        if (glm::distance(queries[i], points[k]) <= best + tolerance) expected.push_back(k);
+      }
+      const auto found = nearest.of(i);
+      EXPECT_EQ(std::vector<std::uint32_t>(found.begin(), found.end()), expected);
+      EXPECT_NEAR(std::sqrt(nearest.squared_distances[i]), best, 1e-12);
+      most = std::max(most, expected.size());
+    }
+    EXPECT_GE(most, 4u);
+  }
+}
+
+TEST(NearestPoints, that_are_equally_near_without_end_are_bounded) {
+  std::vector<glm::dvec3> points(100'000, glm::dvec3(1.0));
+  points.push_back(glm::dvec3(0.5));
+  const NearestPoints nearest = nearest_points(std::vector(3, glm::dvec3(2.0)), points, 0.0);
+  EXPECT_EQ(nearest.of(2).size(), kMaxEquallyNear);
+  EXPECT_EQ(nearest.squared_distances[2], 3.0);
+}
+
+TEST(DistinctPoints, have_every_position_once_and_every_point_as_a_member) {
+  PointCloud cloud = random_cloud(200, 6, glm::dvec3(1e6, 0.0, 0.0));
+  for (std::size_t i = 0; i < 100; ++i) cloud.positions.push_back(cloud.positions[i / 2]);
+  const Cube cube = bounding_cube(bounds(cloud));
+  const DistinctPoints distinct = distinct_points(cloud, cube);
+  ASSERT_EQ(distinct.size(), 200u);
+  std::vector<int> seen(cloud.size());
+  for (std::size_t i = 0; i < distinct.size(); ++i) {
+    for (const std::uint32_t member : distinct.at(i)) {
+      ++seen[member];
+      EXPECT_LT(glm::distance(cube.origin + distinct.positions[i], cloud.world(member)), 1e-9);
+    }
+  }
+  EXPECT_EQ(seen, std::vector<int>(cloud.size(), 1));
+}
+
+// --- cases with known answers ---
+
+constexpr float kStep = 1.0f / 16.0f;
+
+/// A square of 16 x 16 points at height z that faces up, moved sideways.
+PointCloud plane(float z, float sideways = 0.0f) {
+  PointCloud cloud;
+  for (int i = 0; i < 256; ++i) {
+    const float x = static_cast<float>(i % 16), y = static_cast<float>(i / 16);
+    cloud.positions.emplace_back(x * kStep + sideways, y * kStep, z);
+    cloud.normals.emplace_back(0, 0, 1);
+    cloud.colors.push_back(glm::u16vec3(100, 120, 140) * std::uint16_t{257});
+  }
+  return cloud;
+}
+
+CloudDistance measure(const PointCloud& a, const PointCloud& b) {
+  const auto distance = cloud_distance(a, b);
+  EXPECT_TRUE(distance.has_value());
+  return distance.value_or(CloudDistance{});
+}
+
+TEST(PlaneDistance, of_a_plane_moved_along_its_normal_is_that_of_its_points) {
+  const CloudDistance distance = measure(plane(0.0f), plane(0.25f));
+  EXPECT_EQ(distance.d1(), 0.0625);
+  EXPECT_EQ(distance.d2().value(), 0.0625);
+  EXPECT_EQ(distance.max(), 0.25);
+}
+
+TEST(PlaneDistance, of_a_plane_moved_sideways_is_zero) {
+  const float shift = kStep / 4.0f;
+  const CloudDistance distance = measure(plane(0.0f), plane(0.0f, shift));
+  EXPECT_EQ(distance.d1(), static_cast<double>(shift * shift));
+  EXPECT_EQ(distance.d2().value(), 0.0);
+}
+
+TEST(PlaneDistance, takes_the_reference_s_normals_and_not_those_of_the_other) {
+  PointCloud a = plane(0.0f), b = plane(0.25f);
+  b.normals.assign(b.size(), glm::vec3(1, 0, 0));
+  EXPECT_EQ(measure(a, b).d2().value(), 0.0625);
+  b.normals.clear();
+  EXPECT_EQ(measure(a, b).d2().value(), 0.0625);
+  EXPECT_EQ(measure(b, a).d2().value(), 0.0625);  // the only ones there are
+  a.normals.clear();
+  EXPECT_FALSE(measure(a, b).d2());
+}
+
+TEST(PlaneDistance, leaves_out_and_counts_points_without_a_normal) {
+  PointCloud a = plane(0.0f), b = plane(0.25f);
+  for (std::size_t i = 0; i < 64; ++i) a.normals[i] = glm::vec3(0);
+  CloudDistance distance = measure(a, b);
+  EXPECT_EQ(distance.a_to_b.plane_unknown, 64u);
+  EXPECT_EQ(distance.b_to_a.plane_unknown, 64u);
+  EXPECT_EQ(distance.d2().value(), 0.0625);
+  a.normals.assign(a.size(), glm::vec3(0));
+  distance = measure(a, b);
+  EXPECT_EQ(distance.a_to_b.plane_unknown, 256u);
+  EXPECT_FALSE(distance.d2());
+}
+
+TEST(PlaneDistance, hands_the_mean_normal_of_its_points_to_a_neighbour) {
+  PointCloud a, b;
+  a.positions = {{-1, 0, 0}, {1, 0, 0}};
+  a.normals = {{0.6f, 0.8f, 0}, {-0.6f, 0.8f, 0}};
+  b.positions = {{0, 2, 0}};
+  const CloudDistance distance = measure(a, b);
+  EXPECT_NEAR(distance.a_to_b.plane_mean_squared.value(), 4.0, 1e-6);        // along (0, 1, 0)
+  EXPECT_NEAR(distance.b_to_a.plane_mean_squared.value(), 2.2 * 2.2, 1e-6);  // both equally near
+}
+
+TEST(ColorDistance, is_that_of_the_luma_and_chroma_of_bt_709) {
+  PointCloud a = plane(0.0f), b = a;
+  for (glm::u16vec3& c : b.colors) c += glm::u16vec3(10, 10, 10) * std::uint16_t{257};
+  ColorError error = measure(a, b).colors().value();
+  EXPECT_NEAR(error.x, 100.0, 1e-9);
+  EXPECT_NEAR(error.y, 0.0, 1e-20);
+  EXPECT_NEAR(error.z, 0.0, 1e-20);
+  EXPECT_NEAR(color_psnr(error).x, 28.13, 0.01);
+
+  b.colors = a.colors;
+  for (glm::u16vec3& c : b.colors) c.b = static_cast<std::uint16_t>(c.b + 10 * 257);
+  error = measure(a, b).colors().value();
+  EXPECT_NEAR(std::sqrt(error.x), 0.722, 1e-9);
+  EXPECT_NEAR(std::sqrt(error.y), 5.0, 1e-9);  // half of 10 (1 - 0.0722) / 0.9278
+  EXPECT_NEAR(std::sqrt(error.z), 0.722 / 1.5748, 1e-9);
+
+  b.colors.clear();
+  EXPECT_FALSE(measure(a, b).colors());
+}
+
+TEST(ColorDistance, takes_the_mean_of_neighbours_that_are_equally_near) {
+  PointCloud a, b;
+  a.positions = {{0, 0, 0}};
+  a.colors = {glm::u16vec3(50 * 257)};
+  b.positions = {{-1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 3, 0}};
+  b.colors = {glm::u16vec3(40 * 257), glm::u16vec3(50 * 257), glm::u16vec3(70 * 257),
+              glm::u16vec3(255 * 257)};
+  // 40 at one place, 60 at the other.
+  EXPECT_NEAR(measure(a, b).a_to_b.colors->x, 0.0, 1e-20);
+  // Further away by the last bit of a float, as rounding has it.
+  b.positions[0].x = std::nextafter(-1.0f, -2.0f);
+  EXPECT_NEAR(measure(a, b).a_to_b.colors->x, 0.0, 1e-20);
+}
+
+TEST(ColorDistance, in_the_symmetric_sense_is_the_worse_of_both_directions) {
+  PointCloud a = plane(0.0f), b = a;
+  b.positions.push_back({0, 0, 1});
+  b.colors.push_back(glm::u16vec3(0));
+  b.normals.push_back({0, 0, -1});
+  const CloudDistance distance = measure(a, b);
+  EXPECT_EQ(distance.a_to_b.colors->x, 0.0);
+  EXPECT_GT(distance.b_to_a.colors->x, 0.0);
+  EXPECT_EQ(distance.colors()->x, distance.b_to_a.colors->x);
+  EXPECT_NEAR(distance.normals()->mean, std::numbers::pi / 257.0, 1e-12);
+  EXPECT_EQ(distance.normals()->percentile_95, 0.0);
+}
+
+TEST(NormalDistance, is_the_angle_that_normals_were_tilted_by) {
+  for (const double angle : {1e-4, 0.1, 1.0, 3.0}) {
+    const PointCloud a = plane(0.0f);
+    PointCloud b = a;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      b.normals[i] =
+          glm::vec3(static_cast<float>(std::sin(angle)), 0.0f, static_cast<float>(std::cos(angle)));
+    }
+    const AngleError error = measure(a, b).normals().value();
+    EXPECT_NEAR(error.mean, angle, 1e-6);
+    EXPECT_NEAR(error.percentile_95, angle, 1e-6);
+    EXPECT_EQ(error.unknown, 0u);
+  }
+}
+
+TEST(NormalDistance, skips_and_counts_unknown_normals) {
+  const PointCloud a = plane(0.0f);
+  PointCloud b = a;
+  for (std::size_t i = 0; i < 10; ++i) b.normals[i] = glm::vec3(0);
+  const CloudDistance distance = measure(a, b);
+  EXPECT_EQ(distance.a_to_b.normals->unknown, 10u);
+  EXPECT_EQ(distance.normals()->unknown, 20u);
+  EXPECT_EQ(distance.normals()->mean, 0.0);
+  b.normals.assign(b.size(), glm::vec3(0));
+  EXPECT_FALSE(measure(a, b).normals());
+}
+
+TEST(Distance, is_the_same_for_any_number_of_threads_and_order_of_points) {
+  PointCloud a = random_cloud(6000, 7, glm::dvec3(0.0)), b = random_cloud(5000, 8, glm::dvec3(0.0));
+  for (PointCloud* cloud : {&a, &b}) {
+    for (glm::vec3& p : cloud->positions) {
+      p = glm::round(p * 16.0f) / 16.0f;  // duplicates, and several neighbours
+      cloud->normals.push_back(glm::normalize(p + glm::vec3(0.01f)));
+      cloud->colors.push_back(glm::u16vec3((p + 1.0f) * 30000.0f));
+    }
+  }
+  const auto in_threads = [&](int threads) {
+    tbb::task_arena arena(threads);
+    return arena.execute([&] { return measure(a, b); });
+  };
+  const CloudDistance one = in_threads(1), four = in_threads(4);
+  std::reverse(a.positions.begin(), a.positions.end());
+  std::reverse(a.normals.begin(), a.normals.end());
+  std::reverse(a.colors.begin(), a.colors.end());
+  const CloudDistance turned = measure(a, b);
+  const auto expect_equal = [](const OneWayDistance& x, const OneWayDistance& y) {
+    EXPECT_EQ(x.mean_squared, y.mean_squared);
+    EXPECT_EQ(x.plane_mean_squared, y.plane_mean_squared);
+    EXPECT_EQ(x.max, y.max);
+    EXPECT_EQ(x.colors, y.colors);
+    EXPECT_EQ(x.normals->mean, y.normals->mean);
+    EXPECT_EQ(x.normals->percentile_95, y.normals->percentile_95);
+  };
+  expect_equal(one.a_to_b, four.a_to_b);
+  expect_equal(one.b_to_a, four.b_to_a);
+  EXPECT_DOUBLE_EQ(one.d1(), turned.d1());
+  EXPECT_NEAR(one.d2().value(), turned.d2().value(), 1e-15);
+  EXPECT_NEAR(one.colors()->x, turned.colors()->x, 1e-9);
+}
+
+TEST(DistanceSummary, gives_mean_and_nearest_ranks) {
+  std::vector<double> distances;
+  for (int i = 1; i <= 1000; ++i) distances.push_back((i * 7 % 1000 + 1) * 0.001);
+  const DistanceSummary summary = summarize(distances);
+  EXPECT_NEAR(summary.mean, 0.5005, 1e-12);
+  EXPECT_NEAR(summary.percentile_95, 0.95, 1e-12);
+  EXPECT_NEAR(summary.percentile_999, 0.999, 1e-12);
+  EXPECT_EQ(summary.max, 1.0);
+  EXPECT_EQ(summarize({}).max, 0.0);
+  EXPECT_EQ(summarize(std::vector{2.0}).percentile_95, 2.0);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ struct Ellipsoid {
   glm::dvec3 radii;
 };
 
+/// Every one of them is convex: ray casting (ray_cast.cpp) rests on that.
 using Primitive = std::variant<RoundCone, Ellipsoid>;
 
 /// Exact distance, inside and outside (to 1e-6 within a micrometre of an ellipsoid's centre). Where

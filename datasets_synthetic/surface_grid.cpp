@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace pointreel {
 
 Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
@@ -27,6 +29,12 @@ Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
   std::vector<std::uint16_t> all(grid.surface_.blends.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint16_t>(i);
   grid.divide(grid.origin_, {0, 0, 0}, levels, all);
+  for (const Cell& cell : grid.cells_) {
+    if (cell.blend_count > kMaxBlends) {
+      return fail(fmt::format("cannot sample a surface with more than {} parts within {} mm",
+                              kMaxBlends, 1000.0 * kCell));
+    }
+  }
   grid.make_lookup();
   return grid;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -22,7 +23,8 @@ class SurfaceGrid {
       0.011;  ///< metres; about the fastest for 90,000 points on a person
   /// Every point at most this far from the surface (metres) lies in a cell that is listed.
   static constexpr double kShell = 0.0025;
-  static constexpr int kBlock = 8;  ///< cells along the edge of a block
+  static constexpr int kBlock = 8;               ///< cells along the edge of a block
+  static constexpr std::size_t kMaxBlends = 32;  ///< that matter in one cell
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   struct Cell {
@@ -31,7 +33,8 @@ class SurfaceGrid {
     std::uint32_t first_blend, blend_count;
   };
 
-  /// Refuses a surface without parts, one that is not finite, and one larger than 11 m.
+  /// Refuses a surface without parts, one that is not finite, one larger than 11 m, and one with
+  /// more than kMaxBlends blends in one place.
   static Result<SurfaceGrid> build(Surface surface);
 
   const Surface& surface() const { return surface_; }

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/base/memory.h"
+#include "tests/bench/compare.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
 
@@ -28,7 +29,7 @@ int main(int argc, char** argv) {
   pointreel::keep_freed_memory();
   CLI::App app{
       "Measures Pointreel: speed beside error, medians, and ratios against a peer or a "
-      "reference in the same run.\nExit codes: 0 done, 1 could not write, 2 usage.",
+      "reference in the same run.\nExit codes: 0 done, 1 could not read or write, 2 usage.",
       "pointreel-bench"};
   app.require_subcommand(1);
   SuiteOptions options;
@@ -42,11 +43,14 @@ int main(int argc, char** argv) {
   CLI::App* svo = add("svo", "building octrees, against the paper's recursive build");
   CLI::App* codec = add("codec", "encoding and decoding, octree against Draco");
   codec->add_option("files", options.files, ".ply or .drc files to measure as well");
+  int exit_code = 0;
+  add_compare_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (!svo->parsed() && !codec->parsed()) return exit_code;
   nlohmann::json report = svo->parsed() ? run_svo(options) : run_codec(options);
   report["benchmark"] = svo->parsed() ? "svo" : "codec";
   report["machine"] = machine();

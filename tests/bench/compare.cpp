@@ -1,0 +1,216 @@
+#include "tests/bench/compare.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "codec/cloud_file.h"
+
+namespace pointreel::bench {
+namespace {
+
+struct Options {
+  std::string a, b, json;
+  double peak = 0.0;  ///< 0: the largest extent of a
+  int bits = 0;       ///< 0: distances in voxels are not told
+};
+
+/// The worse of both directions.
+OneWayDistance symmetric(const CloudDistance& distance) {
+  OneWayDistance both;
+  both.mean_squared = distance.d1();
+  both.max = distance.max();
+  both.plane_mean_squared = distance.d2();
+  both.plane_unknown = distance.a_to_b.plane_unknown + distance.b_to_a.plane_unknown;
+  both.colors = distance.colors();
+  both.normals = distance.normals();
+  return both;
+}
+
+Result<PointCloud> load(const std::string& path) {
+  auto loaded = read_cloud_file(path);
+  if (!loaded) return tl::unexpected(loaded.error());
+  for (const std::string& warning : loaded->warnings) {
+    fmt::print(stderr, "pointreel-bench: {}: {}\n", path, warning);
+  }
+  if (loaded->cloud.empty()) return fail(path + ": has no points to compare");
+  return std::move(loaded->cloud);
+}
+
+std::string count(std::size_t n) {
+  std::string digits = std::to_string(n);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, ",");
+  return digits;
+}
+
+/// The table of one comparison: a row for each figure that there is.
+class Table {
+ public:
+  Table(const CloudDistance& distance, double voxel)
+      : columns_{distance.a_to_b, distance.b_to_a, symmetric(distance)}, voxel_(voxel) {
+    fmt::print("{:<26} {:>12} {:>12} {:>12}\n", "", "a to b", "b to a", "symmetric");
+  }
+
+  using Figure = std::function<std::optional<double>(const OneWayDistance&)>;
+
+  /// A length, in source units and then, if a voxel's size is known, in voxels.
+  void length(const std::string& name, const Figure& figure) const {
+    row(name, "units", figure, 1.0);
+    if (voxel_ > 0.0) row("", "voxels", figure, voxel_);
+  }
+  void ratio(const std::string& name, const Figure& figure) const { row(name, "dB", figure, 1.0); }
+  void angle(const std::string& name, const Figure& figure) const { row(name, "deg", figure, 1.0); }
+
+ private:
+  void row(const std::string& name, const char* unit, const Figure& figure, double scale) const {
+    std::string line = fmt::format("{:<19} {:<6}", name, unit);
+    for (const OneWayDistance& column : columns_) {
+      const auto value = figure(column);
+      if (!value) return;
+      line += fmt::format(" {:>12.5g}", *value / scale);
+    }
+    fmt::print("{}\n", line);
+  }
+
+  std::array<OneWayDistance, 3> columns_;
+  double voxel_;
+};
+
+void print(const CloudDistance& distance, double peak, double voxel) {
+  const Table table(distance, voxel);
+  const auto psnr = [peak](std::optional<double> mean_squared) {
+    return mean_squared ? std::optional(geometry_psnr(*mean_squared, peak)) : std::nullopt;
+  };
+  const auto root = [](std::optional<double> mean_squared) {
+    return mean_squared ? std::optional(std::sqrt(*mean_squared)) : std::nullopt;
+  };
+  table.length("D1 root mean square", [&](auto& d) { return root(d.mean_squared); });
+  table.ratio("D1 PSNR", [&](auto& d) { return psnr(d.mean_squared); });
+  table.length("D2 root mean square", [&](auto& d) { return root(d.plane_mean_squared); });
+  table.ratio("D2 PSNR", [&](auto& d) { return psnr(d.plane_mean_squared); });
+  table.length("maximum distance", [](auto& d) { return d.max; });
+  constexpr std::array<const char*, 3> kComponents = {"Y", "Cb", "Cr"};
+  for (int i = 0; i < 3; ++i) {
+    table.ratio(
+        fmt::format("colour PSNR {}", kComponents[static_cast<std::size_t>(i)]),
+        [i](auto& d) { return d.colors ? std::optional(color_psnr(*d.colors)[i]) : std::nullopt; });
+  }
+  table.angle("normals mean", [](auto& d) {
+    return d.normals ? std::optional(glm::degrees(d.normals->mean)) : std::nullopt;
+  });
+  table.angle("normals 95 %", [](auto& d) {
+    return d.normals ? std::optional(glm::degrees(d.normals->percentile_95)) : std::nullopt;
+  });
+  const auto normals = distance.normals();
+  if (normals && normals->unknown > 0) {
+    fmt::print("{} of both directions' pairs have an unknown normal and count for no angle\n",
+               count(normals->unknown));
+  }
+}
+
+bool write(const std::string& path, const nlohmann::json& report) {
+  if (path == "-") {
+    fmt::print("{}\n", report.dump(2));
+    return std::fflush(stdout) == 0;
+  }
+  std::ofstream file(path);
+  file << report.dump(2) << '\n';
+  file.close();
+  return file.good();
+}
+
+Result<void> compare(const Options& options) {
+  const auto a = load(options.a);
+  if (!a) return tl::unexpected(a.error());
+  const auto b = load(options.b);
+  if (!b) return tl::unexpected(b.error());
+  const auto distance = cloud_distance(*a, *b);
+  if (!distance) return tl::unexpected(distance.error());
+
+  const double peak = options.peak > 0.0 ? options.peak : bounding_cube(bounds(*a)).edge;
+  const double voxel = options.bits > 0 ? peak / (std::ldexp(1.0, options.bits) - 1.0) : 0.0;
+  if (options.json != "-") {
+    fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, count(a->size()), options.b,
+               count(b->size()));
+    fmt::print("peak {:g} {}", peak, options.peak > 0.0 ? "as given" : "(largest extent of a)");
+    if (voxel > 0.0) fmt::print(", voxel {:g} ({} bits)", voxel, options.bits);
+    fmt::print("\n\n");
+    print(*distance, peak, voxel);
+  }
+  if (options.json.empty()) return {};
+  nlohmann::json report = to_json(*distance, peak);
+  report["a"] = {{"file", options.a}, {"points", a->size()}};
+  report["b"] = {{"file", options.b}, {"points", b->size()}};
+  report["peak"] = peak;
+  if (voxel > 0.0) report["voxel"] = voxel;
+  if (!write(options.json, report)) return fail("cannot write " + options.json);
+  return {};
+}
+
+}  // namespace
+
+nlohmann::json to_json(const OneWayDistance& distance, double peak) {
+  // An infinite number is written as null: that is what the library does.
+  nlohmann::json json = {{"d1", distance.mean_squared},
+                         {"d1_psnr", geometry_psnr(distance.mean_squared, peak)},
+                         {"max", distance.max}};
+  if (distance.plane_mean_squared) {
+    json["d2"] = *distance.plane_mean_squared;
+    json["d2_psnr"] = geometry_psnr(*distance.plane_mean_squared, peak);
+    json["d2_unknown"] = distance.plane_unknown;
+  }
+  if (distance.colors) {
+    const glm::dvec3 psnr = color_psnr(*distance.colors);
+    json["color_psnr"] = {{"y", psnr.x}, {"cb", psnr.y}, {"cr", psnr.z}};
+  }
+  if (distance.normals) {
+    json["normals"] = {{"mean_degrees", glm::degrees(distance.normals->mean)},
+                       {"percentile_95_degrees", glm::degrees(distance.normals->percentile_95)},
+                       {"unknown", distance.normals->unknown}};
+  }
+  return json;
+}
+
+nlohmann::json to_json(const CloudDistance& distance, double peak) {
+  return {{"a_to_b", to_json(distance.a_to_b, peak)},
+          {"b_to_a", to_json(distance.b_to_a, peak)},
+          {"symmetric", to_json(symmetric(distance), peak)}};
+}
+
+void add_compare_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "compare",
+      "how far two clouds lie apart: D1, D2 and their PSNR, maximum, colours, normals\n\n"
+      "D1 is the mean squared distance from a point to its nearest neighbour in the other cloud, "
+      "D2 the same along the normals of A; the table shows their roots. PSNR is 10 log10(3 peak^2 "
+      "/ D), of colours 10 log10(255^2 / mean square) of Y'CbCr (BT.709). Symmetric is the worse "
+      "of both directions. Rows that the files have no attributes for are left out.");
+  auto options = std::make_shared<Options>();
+  command->add_option("A", options->a, "the reference, .ply or .drc")->required();
+  command->add_option("B", options->b, "the cloud to compare with it, .ply or .drc")->required();
+  command
+      ->add_option("--peak", options->peak,
+                   "largest coordinate of the source's grid, in the files' units, such as 1023 for "
+                   "10-bit voxels [the largest extent of A]")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--bits", options->bits,
+                   "also tell distances in voxels, of which peak has 2^bits - 1")
+      ->check(CLI::Range(1, 31));
+  command->add_option("--json", options->json,
+                      "write all figures to this file, - for standard output instead of the table; "
+                      "null stands for infinite");
+  command->callback([options, &exit_code] {
+    const auto done = compare(*options);
+    if (!done) fmt::print(stderr, "pointreel-bench: {}\n", done.error().message);
+    exit_code = done ? 0 : 1;
+  });
+}
+
+}  // namespace pointreel::bench

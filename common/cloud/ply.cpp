@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -150,11 +151,12 @@ class CloudBuilder {
   }
 
   glm::dvec3 choose_origin() const {
+    constexpr double kLargest = std::numeric_limits<float>::max();
     Box box;
     for (const glm::dvec3& p : positions_) {
-      // 0 for a finite point, else NaN.
-      const double test = (p.x - p.x) + (p.y - p.y) + (p.z - p.z);
-      if (test == 0.0) box.grow(p);
+      // False for NaN and for infinity, and for what would become infinite as a float.
+      const glm::dvec3 size = glm::abs(p);
+      if (size.x <= kLargest && size.y <= kLargest && size.z <= kLargest) box.grow(p);
     }
     if (box.empty()) return glm::dvec3(0.0);
     const glm::dvec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));

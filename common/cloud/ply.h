@@ -22,8 +22,8 @@ namespace pointreel {
 ///
 /// The cloud's origin is 0 unless the largest coordinate by magnitude exceeds twice the longest
 /// extent: then it is the minimum corner of the box, subtracted in double before the conversion to
-/// float. Points with a NaN or infinite coordinate are kept (`sanitize` drops them) but have no say
-/// in this.
+/// float. Points with a coordinate that no float can hold, finite, are kept (`sanitize` drops them)
+/// but have no say in this.
 ///
 /// Trust: `bytes` may be anything. Memory is at most a constant times bytes.size(), whatever the
 /// header declares, and time linear. The error is one line that names the line (header, ascii) or

@@ -341,6 +341,15 @@ TEST(Ply, keeps_points_that_are_not_finite_but_out_of_the_choice_of_origin) {
   EXPECT_EQ(cloud.positions[3], glm::vec3(1, 1, 0));
 }
 
+TEST(Ply, keeps_what_no_float_can_hold_out_of_the_choice_of_origin) {
+  const PointCloud cloud = read(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+      "property double z\nend_header\n1000000.0001 7 7\n0 1e300 0\n1000001 8 7\n");
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(cloud.origin, glm::dvec3(1000000.0001, 7, 7));
+  EXPECT_TRUE(std::isinf(cloud.positions[1].y));
+}
+
 PointCloud random_cloud(std::size_t n, const glm::dvec3& origin) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);

@@ -14,6 +14,7 @@
 #include "codec/draco/drc_reader.h"
 #include "common/base/natural_order.h"
 #include "common/cloud/ply.h"
+#include "common/surface/normals.h"
 
 namespace pointreel {
 namespace {
@@ -41,9 +42,8 @@ std::vector<std::string> warnings_of(const SanitizeReport& report) {
                                        ? std::string("1 point has")
                                        : fmt::format("{} points have", report.unknown_normals)));
   }
-  if (report.bad_radii > 0) {
-    warnings.push_back(
-        fmt::format("replaced {}", count(report.bad_radii, "unusable radius value")));
+  if (const std::size_t bad = report.unknown_radii + report.capped_radii; bad > 0) {
+    warnings.push_back(fmt::format("replaced {}", count(bad, "unusable radius value")));
   }
   return warnings;
 }
@@ -117,6 +117,7 @@ Result<LoadedCloud> read_cloud(ByteView bytes) {
   if (!cloud) return tl::unexpected(cloud.error());
   LoadedCloud loaded{std::move(*cloud), {}};
   loaded.warnings = warnings_of(sanitize(loaded.cloud));
+  estimate_unknown_radii(loaded.cloud);
   return loaded;
 }
 

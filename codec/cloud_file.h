@@ -10,7 +10,8 @@
 
 namespace pointreel {
 
-/// A cloud from a file, fit for use (see `sanitize`), and what had to be mended to make it so.
+/// A cloud from a file, fit for use (see `sanitize`; unusable radii estimated), and what had to be
+/// mended to make it so.
 struct LoadedCloud {
   PointCloud cloud;
   std::vector<std::string> warnings;  ///< one line each, without the file's name

@@ -26,31 +26,29 @@ void resize(PointCloud& cloud, std::size_t n) {
   if (radii) cloud.radii.resize(n);
 }
 
-std::size_t mend_radii(std::vector<float>& radii) {
+void mend_radii(std::vector<float>& radii, SanitizeReport& report) {
   std::vector<float> usable;
-  for (float r : radii) {
-    if (std::isfinite(r) && r > 0.0f) usable.push_back(r);
+  for (float& r : radii) {
+    if (std::isfinite(r) && r > 0.0f) {
+      usable.push_back(r);
+    } else {
+      r = 0.0f;
+      ++report.unknown_radii;
+    }
   }
   if (usable.empty()) {
-    const std::size_t bad = radii.size();
     radii.clear();
-    return bad;
+    return;
   }
-  const auto at_fraction = [&usable](double fraction) {
-    const auto nth = usable.begin() +
-                     static_cast<std::ptrdiff_t>(fraction * static_cast<double>(usable.size() - 1));
-    std::nth_element(usable.begin(), nth, usable.end());
-    return *nth;
-  };
-  const float median = at_fraction(0.5);
-  const float cap = 4.0f * at_fraction(0.99);
-  std::size_t bad = 0;
+  const auto nth =
+      usable.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(usable.size() - 1));
+  std::nth_element(usable.begin(), nth, usable.end());
+  const float cap = 4.0f * *nth;
   for (float& r : radii) {
-    if (std::isfinite(r) && r > 0.0f && r <= cap) continue;
-    r = std::isfinite(r) && r > cap ? cap : median;
-    ++bad;
+    if (r <= cap) continue;
+    r = cap;
+    ++report.capped_radii;
   }
-  return bad;
 }
 
 }  // namespace
@@ -92,7 +90,7 @@ SanitizeReport sanitize(PointCloud& cloud) {
       ++report.unknown_normals;
     }
   }
-  if (cloud.has_radii()) report.bad_radii = mend_radii(cloud.radii);
+  mend_radii(cloud.radii, report);
   return report;
 }
 

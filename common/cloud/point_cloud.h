@@ -41,15 +41,19 @@ bool colors_fit_8_bits(const PointCloud& cloud);
 struct SanitizeReport {
   std::size_t dropped_positions = 0;  ///< points with a NaN or infinite coordinate, removed
   std::size_t unknown_normals = 0;    ///< zero, NaN or infinite normals, set to zero
-  std::size_t bad_radii = 0;          ///< NaN, zero, negative or beyond the cap, replaced
+  std::size_t unknown_radii = 0;      ///< zero, negative, NaN or infinite radii, set to zero
+  std::size_t capped_radii = 0;       ///< radii beyond the cap, set to it
 
-  bool clean() const { return dropped_positions + unknown_normals + bad_radii == 0; }
+  bool clean() const {
+    return dropped_positions + unknown_normals + unknown_radii + capped_radii == 0;
+  }
 };
 
 /// Makes a cloud that came from outside fit for use: drops points that have no finite position
 /// (they must never reach a bounding box), normalises normals and zeroes those that have no
-/// direction, replaces unusable radii by the median of the usable ones and caps the rest at four
-/// times their 99th percentile. If no radius is usable, the attribute is removed.
+/// direction, zeroes unusable radii (`estimate_unknown_radii` takes them from the neighbours) and
+/// caps the rest at four times their 99th percentile. If no radius is usable, the attribute is
+/// removed.
 SanitizeReport sanitize(PointCloud& cloud);
 
 }  // namespace pointreel

@@ -381,6 +381,16 @@ void estimate_radii(PointCloud& cloud) {
   SurfaceEstimate(cloud).write_radii(cloud.radii);
 }
 
+void estimate_unknown_radii(PointCloud& cloud) {
+  if (std::find(cloud.radii.begin(), cloud.radii.end(), 0.0f) == cloud.radii.end()) return;
+  const float largest = *std::max_element(cloud.radii.begin(), cloud.radii.end());
+  std::vector<float> estimate;
+  SurfaceEstimate(cloud).write_radii(estimate);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.radii[i] == 0.0f) cloud.radii[i] = std::min(estimate[i], largest);
+  }
+}
+
 void estimate_normals_and_radii(PointCloud& cloud) {
   cloud.normals.clear();
   cloud.radii.clear();

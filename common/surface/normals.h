@@ -25,6 +25,11 @@ void estimate_normals(PointCloud& cloud);
 /// estimate_normals.
 void estimate_radii(PointCloud& cloud);
 
+/// Gives every point whose radius is zero (`sanitize` makes it so where it is unusable) one as
+/// estimate_radii would, but none above the largest that the cloud has. Nothing to do without
+/// radii.
+void estimate_unknown_radii(PointCloud& cloud);
+
 /// Both, for little more than the price of one.
 void estimate_normals_and_radii(PointCloud& cloud);
 

@@ -163,6 +163,26 @@ TEST(Radii, are_the_edge_of_a_square_with_one_point) {
   EXPECT_LT(radii.back(), 3.0 * expected);
 }
 
+TEST(Radii, are_estimated_where_they_are_unknown_and_kept_elsewhere) {
+  PointCloud cloud = sphere(20000).cloud;
+  PointCloud estimated = cloud;
+  estimate_radii(estimated);
+  cloud.radii.assign(cloud.size(), 0.02f);
+  cloud.radii[7] = 0.0f;
+  cloud.radii[11] = 1.0f;
+  estimate_unknown_radii(cloud);
+  EXPECT_EQ(cloud.radii[7], estimated.radii[7]);
+  EXPECT_EQ(cloud.radii[8], 0.02f);
+  EXPECT_EQ(cloud.radii[11], 1.0f);
+  cloud.radii.assign(cloud.size(), 1e-3f);  // below the spacing: no estimate exceeds what is there
+  cloud.radii[7] = 0.0f;
+  estimate_unknown_radii(cloud);
+  EXPECT_EQ(cloud.radii[7], 1e-3f);
+  cloud.radii.clear();
+  estimate_unknown_radii(cloud);
+  EXPECT_FALSE(cloud.has_radii());
+}
+
 TEST(Radii, follow_the_local_spacing) {
   // A plane whose right half has a sixteenth of the points of the left, and a line beside it.
   PointCloud cloud;

@@ -41,7 +41,7 @@ TEST(Sanitize, flags_zero_and_nan_normals_and_normalises_the_rest) {
   EXPECT_EQ(cloud.normals[4], glm::vec3(0));
 }
 
-TEST(Sanitize, replaces_unusable_radii_and_caps_huge_ones) {
+TEST(Sanitize, zeroes_unusable_radii_and_caps_huge_ones) {
   PointCloud cloud;
   cloud.positions.resize(200);
   cloud.radii.assign(200, 0.5f);
@@ -49,8 +49,11 @@ TEST(Sanitize, replaces_unusable_radii_and_caps_huge_ones) {
   cloud.radii[1] = -1.0f;
   cloud.radii[2] = kNan;
   cloud.radii[3] = 1e20f;
-  EXPECT_EQ(sanitize(cloud).bad_radii, 4u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(cloud.radii[i], 0.5f);
+  const SanitizeReport report = sanitize(cloud);
+  EXPECT_EQ(report.unknown_radii, 3u);
+  EXPECT_EQ(report.capped_radii, 1u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(cloud.radii[i], 0.0f);
+  EXPECT_EQ(cloud.radii[4], 0.5f);
   EXPECT_EQ(cloud.radii[3], 2.0f);
 }
 
@@ -58,7 +61,7 @@ TEST(Sanitize, removes_radii_of_which_none_is_usable) {
   PointCloud cloud;
   cloud.positions.resize(2);
   cloud.radii = {kNan, -1.0f};
-  EXPECT_EQ(sanitize(cloud).bad_radii, 2u);
+  EXPECT_EQ(sanitize(cloud).unknown_radii, 2u);
   EXPECT_FALSE(cloud.has_radii());
 }
 

@@ -1,15 +1,18 @@
 // pointreel-synth: writes synthetic sequences with a known surface as PLY files.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <system_error>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -19,16 +22,22 @@
 #include <tbb/parallel_for.h>
 
 #include "common/cloud/ply.h"
+#include "datasets_synthetic/hard_cases.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
+#include "datasets_synthetic/write_folder.h"
 
 namespace pointreel {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kHard = "hard";
+constexpr const char* kHardManifest = "manifest.json";
+constexpr const char* kHardSummary = "files that programs for point clouds stumble over";
+
 struct Options {
-  std::string motion;
+  std::string name;
   std::string output;
   int frames = 60;
   SequenceOptions sequence;
@@ -44,7 +53,12 @@ void print_list(bool json) {
     all.push_back({{"name", motion.name}, {"summary", motion.summary}, {"poses", motion.poses}});
     if (!json) fmt::print("{:<16}{} ({} poses)\n", motion.name, motion.summary, motion.poses);
   }
-  if (json) fmt::print("{}\n", all.dump());
+  all.push_back({{"name", kHard}, {"summary", kHardSummary}});
+  if (json) {
+    fmt::print("{}\n", all.dump());
+  } else {
+    fmt::print("{:<16}{}, with {}\n", kHard, kHardSummary, kHardManifest);
+  }
 }
 
 /// Writes all frames into the folder `where`, several at a time.
@@ -68,44 +82,52 @@ Result<void> write_frames(const Motion& motion, const Options& options, const fs
   return {};
 }
 
-/// Writes the sequence beside its place and moves it there whole, so that the folder is complete or
-/// absent. An existing folder is replaced only with --force, and only after all is written.
 Result<void> write_sequence(const Motion& motion, const Options& options) {
-  std::error_code error;
-  const fs::path output = fs::absolute(options.output).lexically_normal();
-  const fs::path place = output.has_filename() ? output : output.parent_path();
-  const bool replaces =
-      fs::exists(place, error) && !(fs::is_directory(place, error) && fs::is_empty(place, error));
-  if (replaces && !options.force) {
-    return fail(fmt::format("{}: exists; choose another folder or replace it with --force",
-                            options.output));
-  }
-  if (replaces && !fs::is_directory(place, error)) {
-    return fail(fmt::format("{}: is not a folder", options.output));
-  }
-  if (replaces) {  // never sweep away what this program did not write
-    for (const auto& entry : fs::directory_iterator(place, error)) {
-      const std::string name = entry.path().filename();
-      if (!name.starts_with("frame_") || !name.ends_with(".ply")) {
-        return fail(fmt::format("{}: holds {}, which is no frame of a sequence; move it away first",
-                                options.output, name));
-      }
+  const auto is_frame = [](std::string_view name) {
+    return name.starts_with("frame_") && name.ends_with(".ply");
+  };
+  return write_folder(options.output, options.force, is_frame, [&](const fs::path& folder) {
+    return write_frames(motion, options, folder);
+  });
+}
+
+Result<void> write_text(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text << std::flush;
+  if (!file) return fail(fmt::format("{}: cannot be written", path.string()));
+  return {};
+}
+
+Result<void> write_hard(const Options& options, const std::vector<HardCase>& cases) {
+  const auto is_ours = [&cases](std::string_view name) {
+    return name == kHardManifest || std::any_of(cases.begin(), cases.end(),
+                                                [name](const auto& c) { return c.file == name; });
+  };
+  return write_folder(options.output, options.force, is_ours, [&](const fs::path& folder) {
+    Result<void> written = write_text(folder / kHardManifest, hard_manifest(cases));
+    for (const HardCase& c : cases) {
+      if (written) written = write_text(folder / c.file, c.bytes);
     }
+    return written;
+  });
+}
+
+int report_failure(const Error& error) {
+  fmt::print(stderr, "pointreel-synth: {}\n", error.message);
+  return 1;
+}
+
+int run_hard(const Options& options) {
+  const std::vector<HardCase> cases = hard_cases();
+  const Result<void> written = write_hard(options, cases);
+  if (!written) return report_failure(written.error());
+  if (options.json) {
+    fmt::print("{}\n", nlohmann::json{{"output", options.output}, {"files", cases.size()}}.dump());
+  } else {
+    fmt::print("{}: {} files, and {} with what each must give\n", options.output, cases.size(),
+               kHardManifest);
   }
-  fs::path beside = place;
-  beside += ".partial";
-  fs::remove_all(beside, error);
-  if (!fs::create_directories(beside, error)) {
-    return fail(fmt::format("{}: cannot make the folder: {}", beside.string(), error.message()));
-  }
-  Result<void> written = write_frames(motion, options, beside);
-  if (written) {
-    fs::remove_all(place, error);
-    if (!error) fs::rename(beside, place, error);
-    if (error) written = fail(fmt::format("{}: {}", options.output, error.message()));
-  }
-  if (!written) fs::remove_all(beside, error);
-  return written;
+  return 0;
 }
 
 int run(const Options& options) {
@@ -113,27 +135,26 @@ int run(const Options& options) {
     print_list(options.json);
     return 0;
   }
-  const Motion* motion = find_motion(options.motion);
-  if (motion == nullptr || options.output.empty()) {
+  const bool hard = options.name == kHard;
+  const Motion* motion = find_motion(options.name);
+  if ((motion == nullptr && !hard) || options.output.empty()) {
     fmt::print(stderr, "pointreel-synth: {}\n",
-               motion != nullptr        ? "no folder to write to: give -o DIR"
-               : options.motion.empty() ? "no motion given: --list names them"
-                                        : options.motion + ": no such motion: --list names them");
+               motion != nullptr || hard ? "no folder to write to: give -o DIR"
+               : options.name.empty()    ? "no name given: --list shows them"
+                                         : options.name + ": no such name: --list shows them");
     return 2;
   }
+  if (hard) return run_hard(options);
   const auto threads = static_cast<std::size_t>(
       options.threads > 0 ? options.threads : tbb::info::default_concurrency());
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const auto begin = std::chrono::steady_clock::now();
   const Result<void> written = write_sequence(*motion, options);
-  if (!written) {
-    fmt::print(stderr, "pointreel-synth: {}\n", written.error().message);
-    return 1;
-  }
+  if (!written) return report_failure(written.error());
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json{{"motion", options.motion},
+    fmt::print("{}\n", nlohmann::json{{"motion", options.name},
                                       {"output", options.output},
                                       {"frames", options.frames},
                                       {"points", options.sequence.points},
@@ -156,10 +177,12 @@ int parse_and_run(int argc, char** argv) {
       "metres, y up, standing on y = 0, facing +z, with normals and colours. The same options "
       "give\n"
       "the same bytes on every machine.\n"
+      "\"hard\" writes a collection of difficult files instead; of the options below it knows "
+      "--force and --json.\n"
       "Exit codes: 0 written, 1 it failed, 2 wrong options.",
       "pointreel-synth"};
   Options options;
-  app.add_option("motion", options.motion, "what the figure does (--list)");
+  app.add_option("name", options.name, "what the figure does, or \"hard\" (--list)");
   app.add_option("-o,--output", options.output, "folder to write to; made if it is missing");
   app.add_option("--frames", options.frames, "number of frames")
       ->capture_default_str()
@@ -178,8 +201,8 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--threads", options.threads, "0: one for each core")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
-  app.add_flag("--force", options.force, "replace an existing sequence");
-  app.add_flag("--list", options.list, "name the motions");
+  app.add_flag("--force", options.force, "replace what is there if this program wrote it");
+  app.add_flag("--list", options.list, "show the names");
   app.add_flag("--json", options.json, "print what was done as JSON");
   try {
     app.parse(argc, argv);

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "datasets_synthetic/hard_case.h"
+
+namespace pointreel {
+
+/// Hard syntax: PLY files that are unusual but right, and files that are wrong and must be refused
+/// with a message that leads to the fault.
+void add_syntax_cases(std::vector<HardCase>& cases);
+
+}  // namespace pointreel

@@ -43,10 +43,10 @@ Result<PointCloud> load(const std::string& path) {
   return std::move(loaded->cloud);
 }
 
+/// 1234567 as 1,234,567.
 std::string count(std::size_t n) {
-  std::string digits = std::to_string(n);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, ",");
-  return digits;
+  if (n < 1000) return std::to_string(n);
+  return fmt::format("{},{:03}", count(n / 1000), n % 1000);
 }
 
 /// The table of one comparison: a row for each figure that there is.

@@ -110,7 +110,7 @@ Trunk add_trunk(Builder& b) {
   return {pelvis, chest, shoulders};
 }
 
-void add_arm(Builder& b, const Trunk& trunk, bool left) {
+void add_arm(Builder& b, const Trunk& trunk, const Pose& pose, bool left) {
   const double side = left ? 1.0 : -1.0;
   const double x = side * 0.185, z = -0.01;
   const Bone upper_bone = left ? Bone::left_upper_arm : Bone::right_upper_arm;
@@ -127,13 +127,21 @@ void add_arm(Builder& b, const Trunk& trunk, bool left) {
   b.blend(upper, fore, 0.02);
   b.blend(fore, palm, 0.02);
   b.blend(palm, thumb, 0.012);
-  constexpr std::array<double, 4> lengths = {0.055, 0.072, 0.078, 0.07};  // little finger first
+  // Fingers of two bones, which curl towards the palm; nothing else needs their frames.
+  const double curl = pose.curl[left ? 0 : 1];
+  const auto direction = [side](double angle) {  // 0 is along the palm
+    return glm::dvec3(-side * sine(angle), -cosine(angle), 0.0);
+  };
+  constexpr std::array<double, 4> lengths = {0.058, 0.075, 0.081, 0.073};  // little finger first
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     const double across = z - 0.03 + 0.02 * static_cast<double>(i);
-    const double knuckle = i == 0 ? 0.775 : 0.77;
-    const auto finger = b.cone(hand_bone, Material::skin, {x, knuckle, across}, 0.0105,
-                               {x - side * 0.018, knuckle - lengths[i], across}, 0.0085);
-    b.blend(palm, finger, 0.008);
+    const glm::dvec3 knuckle(x, i == 0 ? 0.775 : 0.77, across);
+    const glm::dvec3 middle = knuckle + 0.55 * lengths[i] * direction(0.1 + 1.35 * curl);
+    const glm::dvec3 tip = middle + 0.45 * lengths[i] * direction(0.2 + 3.0 * curl);
+    const auto near = b.cone(hand_bone, Material::skin, knuckle, 0.0105, middle, 0.0095);
+    const auto far = b.cone(hand_bone, Material::skin, middle, 0.0095, tip, 0.0085);
+    b.blend(palm, near, 0.008);
+    b.blend(near, far, 0.0);
   }
 }
 
@@ -330,7 +338,7 @@ Body pose_body(const Pose& pose) {
   Builder builder(body);
   const Trunk trunk = add_trunk(builder);
   for (const bool left : {true, false}) {
-    add_arm(builder, trunk, left);
+    add_arm(builder, trunk, pose, left);
     add_leg(builder, trunk, left);
   }
   if (pose.ball) add_ball(builder, *pose.ball);

@@ -72,6 +72,7 @@ struct Pose {
 
   std::array<glm::dmat3, kBoneCount> turns;  ///< rotations, each against the bone's parent
   glm::dvec3 offset{0.0};                    ///< the pelvis's, from its place in rest; metres
+  std::array<double, 2> curl{0.25, 0.25};    ///< fingers, left and right: 0 straight, 1 a fist
   std::optional<Ball> ball;
   std::optional<Bat> bat;
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "datasets_synthetic/motions/motions.h"
+#include "datasets_synthetic/motions/track.h"
 #include "datasets_synthetic/trigonometry.h"
 
 namespace pointreel {
@@ -11,12 +13,6 @@ namespace {
 
 constexpr double kStride = 1.0;      // seconds for two steps
 constexpr double kWalkPeriod = 2.0;  // two strides, one wave
-
-/// 0 up to `from`, 1 from `to` on, with a smooth rise between.
-double rise(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 /// Angles of one leg, radians: the hip's and the ankle's forwards and up, the knee's backwards.
 struct Leg {
@@ -37,8 +33,6 @@ Leg leg_at(double cycle) {
   leg.toes = 0.5 * (rise(0.4, 0.6, cycle) - rise(0.6, 0.72, cycle));
   return leg;
 }
-
-double fraction(double x) { return x - std::floor(x); }
 
 }  // namespace
 
@@ -86,7 +80,12 @@ Pose walk(double seconds) {
 }
 
 std::span<const Motion> motions() {
-  static constexpr std::array<Motion, 1> all = {{
+  static constexpr std::array<Motion, 6> all = {{
+      {"baseball", "waits for the ball and bats it away", 115, false, &baseball},
+      {"basketball", "dribbles, jumps and shoots", 114, false, &basketball},
+      {"kick", "a front kick, a roundhouse kick and a side kick", 150, true, &kick},
+      {"soccer-juggle", "keeps the ball up with feet and thighs", 116, true, &soccer_juggle},
+      {"soccer-shoot", "runs up to the ball and shoots it away", 60, false, &soccer_shoot},
       {"walk", "walks on the spot and waves its left hand", 60, true, &walk},
   }};
   return all;

@@ -177,7 +177,7 @@ TEST(Motion, begins_again_without_a_jump_and_moves_in_between) {
         // No joint of a walking person is faster than 10 m/s.
         EXPECT_LT(glm::length(place(time, bone) - place(time - 1e-3, bone)), 0.01) << time;
       }
-      EXPECT_GT(moved, bone == Bone::head ? 0.01 : 0.3);
+      EXPECT_GT(moved, bone == Bone::head ? 0.01 : 0.2);
     }
   }
 }

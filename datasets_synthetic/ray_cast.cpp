@@ -22,13 +22,8 @@ constexpr double kReached = 2e-10;
 constexpr double kLeft = 4e-10;
 constexpr int kMaxSteps = 200;  // in one cell; a handful is usual
 
-/// value + slope * s
-struct Line {
-  double value = 0.0, slope = 0.0;
-
-  double at(double s) const { return value + slope * s; }
-  double root() const { return slope != 0.0 ? -value / slope : kNever; }
-};
+/// Where the line is zero.
+double root(const Line& line) { return line.slope != 0.0 ? -line.value / line.slope : kNever; }
 
 double union_at(const Line& a, const Line& b, double blend, double s) {
   const double x = a.at(s), y = b.at(s);
@@ -41,7 +36,7 @@ double root_of_union(const Line& a, const Line& b, double blend) {
   double first = kNever;
   constexpr double kSlack = 1e-9;  // the pieces touch where they meet: let them overlap there
   const auto consider_line = [&](const Line& line, const Line& other) {
-    const double s = line.root();
+    const double s = root(line);
     if (s > 0.0 && s < first && other.at(s) >= blend * (1.0 - kSlack)) first = s;
   };
   consider_line(a, b);
@@ -64,14 +59,17 @@ double root_of_union(const Line& a, const Line& b, double blend) {
   return first;
 }
 
-/// What matters in one cell, along a ray.
+/// What matters in one cell, along a ray, from some place of it on.
 class CellRay {
  public:
   CellRay(const SurfaceGrid& grid, const SurfaceGrid::Cell& cell, const Ray& ray)
-      : surface_(grid.surface()), ray_(ray), blends_(grid.blends(cell)) {
-    for (std::size_t i = 0; i < blends_.size(); ++i) {
-      const Blend& blend = surface_.blends[blends_[i]];
-      pairs_[i] = {place_of(blend.first), place_of(blend.second)};
+      : grid_(grid), ray_(ray), all_(grid.blends(cell)), blend_count_(all_.size()) {
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const Blend& blend = grid.surface().blends[all_[i]];
+      const std::uint8_t first = place_of(blend.first);
+      // A primitive alone is no blend with itself.
+      const bool alone = blend.first == blend.second;
+      blends_[i] = {first, alone ? first : place_of(blend.second), alone ? 0.0 : blend.radius};
     }
   }
 
@@ -79,50 +77,83 @@ class CellRay {
   double move_to(double t) {
     const glm::dvec3 p = ray_.at(t);
     for (std::size_t i = 0; i < count_; ++i) {
-      const Distance at = distance_to(surface_.primitives[primitives_[i]], p);
-      lines_[i] = {at.value, glm::dot(at.gradient, ray_.direction)};
+      lines_[i] = grid_.ray_primitives()[primitives_[i]].along(p, ray_.direction);
     }
     double distance = kNever;
-    for_blends(lines_, [&](const Line& a, const Line& b, double blend) {
-      distance = std::min(distance, union_at(a, b, blend, 0.0));
-    });
+    for (std::size_t i = 0; i < blend_count_; ++i) {
+      values_[i] = with_lines(lines_, i, [](const Line& a, const Line& b, double blend) {
+        return union_at(a, b, blend, 0.0);
+      });
+      distance = std::min(distance, values_[i]);
+    }
     return distance;
+  }
+
+  /// After move_to: forgets the blends that stay outside for `length` from there on; false if
+  /// those were all.
+  bool keep_near(double length) {
+    std::size_t kept = 0;
+    std::uint64_t used = 0;
+    for (std::size_t i = 0; i < blend_count_; ++i) {
+      if (values_[i] > length + kLeft) continue;
+      blends_[kept++] = blends_[i];
+      used |= std::uint64_t{1} << blends_[i].first | std::uint64_t{1} << blends_[i].second;
+    }
+    if (kept == blend_count_) return true;
+    blend_count_ = kept;
+    std::array<std::uint8_t, kMaxPrimitives> places;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if ((used >> i & 1u) == 0) continue;
+      places[i] = static_cast<std::uint8_t>(count);
+      primitives_[count] = primitives_[i];
+      lines_[count++] = lines_[i];
+    }
+    count_ = count;
+    for (std::size_t i = 0; i < kept; ++i) {
+      blends_[i].first = places[blends_[i].first];
+      blends_[i].second = places[blends_[i].second];
+    }
+    return kept > 0;
   }
 
   /// From the tangents, outside: the surface is not nearer than this.
   double step_outside() const {
     double step = kNever;
-    for_blends(lines_, [&](const Line& a, const Line& b, double blend) {
-      step = std::min(step, root_of_union(a, b, blend));
-    });
+    for (std::size_t i = 0; i < blend_count_; ++i) {
+      step = std::min(step, with_lines(lines_, i, root_of_union));
+    }
     return step;
   }
 
   /// After move_to(t): the distance stays below `level` for this long, kNever if as far as `end`.
   double step_inside(double t, double end, double level) const {
     const glm::dvec3 p = ray_.at(end);
-    std::array<Line, kMaxPrimitives> chords;
+    Lines chords;
     for (std::size_t i = 0; i < count_; ++i) {
-      const double value = distance_to(surface_.primitives[primitives_[i]], p).value;
+      const double value = grid_.ray_primitives()[primitives_[i]].along(p, ray_.direction).value;
       chords[i] = {lines_[i].value - level, (value - lines_[i].value) / (end - t)};
     }
     // Each bound is a concave function: once it has risen above zero and fallen again, it stays
     // below. So the end is where the last of them rises, if the others have not fallen by then.
     double step = 0.0;
-    for_blends(chords, [&](const Line& a, const Line& b, double blend) {
-      if (union_at(a, b, blend, 0.0) < 0.0) step = std::max(step, root_of_union(a, b, blend));
-    });
+    for (std::size_t i = 0; i < blend_count_; ++i) {
+      if (values_[i] < level) step = std::max(step, with_lines(chords, i, root_of_union));
+    }
     if (!(step < end - t)) return kNever;
-    bool fallen = false;
-    for_blends(chords, [&](const Line& a, const Line& b, double blend) {
-      fallen |= union_at(a, b, blend, step) < -1e-12;
-    });
-    return fallen ? kNever : step;
+    for (std::size_t i = 0; i < blend_count_; ++i) {
+      const double value =
+          with_lines(chords, i, [step](const Line& a, const Line& b, double blend) {
+            return union_at(a, b, blend, step);
+          });
+      if (value < -1e-12) return kNever;
+    }
+    return step;
   }
 
   RayHit hit(double t, bool enters) const {
     const glm::dvec3 p = ray_.at(t);
-    const SurfaceDistance at = distance_to(surface_, blends_, p);
+    const SurfaceDistance at = distance_to(grid_.surface(), all_, p);
     const double square = glm::dot(at.distance.gradient, at.distance.gradient);
     const glm::dvec3 normal = square > 1e-12 ? at.distance.gradient / std::sqrt(square)
                                              : (enters ? -1.0 : 1.0) * ray_.direction;
@@ -132,6 +163,10 @@ class CellRay {
  private:
   static constexpr std::size_t kMaxPrimitives = 2 * SurfaceGrid::kMaxBlends;
   using Lines = std::array<Line, kMaxPrimitives>;
+  struct NearBlend {
+    std::uint8_t first, second;  // places in primitives_; the same for one that stands alone
+    double radius;
+  };
 
   std::uint8_t place_of(std::uint16_t primitive) {
     std::size_t i = 0;
@@ -141,24 +176,23 @@ class CellRay {
   }
 
   template <class Function>
-  void for_blends(const Lines& lines, const Function& function) const {
-    for (std::size_t i = 0; i < blends_.size(); ++i) {
-      // A primitive alone is no blend with itself.
-      const auto [first, second] = pairs_[i];
-      const bool alone = first == second;
-      function(lines[first], alone ? Line{kNever, 0.0} : lines[second],
-               alone ? 0.0 : surface_.blends[blends_[i]].radius);
-    }
+  double with_lines(const Lines& lines, std::size_t i, const Function& function) const {
+    const NearBlend& blend = blends_[i];
+    return function(lines[blend.first],
+                    blend.first == blend.second ? Line{kNever, 0.0} : lines[blend.second],
+                    blend.radius);
   }
 
-  const Surface& surface_;
+  const SurfaceGrid& grid_;
   const Ray& ray_;
-  std::span<const std::uint16_t> blends_;
-  std::size_t count_ = 0;
+  std::span<const std::uint16_t> all_;
+  std::size_t blend_count_, count_ = 0;
+  std::array<NearBlend, SurfaceGrid::kMaxBlends> blends_;
+  std::array<double, SurfaceGrid::kMaxBlends> values_;  // the unions' distances
   std::array<std::uint16_t, kMaxPrimitives> primitives_;
-  std::array<std::array<std::uint8_t, 2>, SurfaceGrid::kMaxBlends> pairs_;
   Lines lines_;
 };
+static_assert(2 * SurfaceGrid::kMaxBlends <= 64, "keep_near counts primitives in 64 bits");
 
 /// Follows a ray from cell to cell and knows on which side of the surface it is.
 class Caster {
@@ -228,11 +262,17 @@ class Caster {
       if (side_ == Side::unknown) side_ = cell.distance < 0.0 ? Side::inside : Side::outside;
       return true;
     }
+    if (side_ != Side::unknown) t = std::max(t, clear_until_);
+    if (t >= out) return true;
     CellRay along(grid_, cell, ray_);
     double end = out;
     for (int step = 0; step < kMaxSteps; ++step) {
       const double distance = along.move_to(t);
       if (side_ == Side::unknown) side_ = distance < 0.0 ? Side::inside : Side::outside;
+      if (step == 0) {
+        clear_until_ = t + std::abs(distance);  // also beyond this cell
+        if (side_ == Side::outside && !along.keep_near(out - t)) return true;
+      }
       if (side_ == Side::outside) {
         if (distance <= kReached) {
           side_ = Side::inside;
@@ -268,6 +308,7 @@ class Caster {
   const SurfaceGrid& grid_;
   const Ray& ray_;
   Side side_ = Side::unknown;
+  double clear_until_ = 0.0;  ///< no surface before this
 };
 
 }  // namespace

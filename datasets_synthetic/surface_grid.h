@@ -10,6 +10,7 @@
 
 #include "common/base/error.h"
 #include "common/cloud/geometry.h"
+#include "datasets_synthetic/ray_primitive.h"
 #include "datasets_synthetic/sdf.h"
 
 namespace pointreel {
@@ -39,6 +40,9 @@ class SurfaceGrid {
 
   const Surface& surface() const { return surface_; }
 
+  /// The surface's primitives, for rays.
+  std::span<const RayPrimitive> ray_primitives() const { return ray_primitives_; }
+
   /// The cells that are listed, those of a block together. None if the surface has no area.
   std::span<const Cell> cells() const { return cells_; }
 
@@ -67,7 +71,9 @@ class SurfaceGrid {
   }
 
  private:
-  explicit SurfaceGrid(Surface surface) : surface_(std::move(surface)) {}
+  explicit SurfaceGrid(Surface surface)
+      : surface_(std::move(surface)),
+        ray_primitives_(surface_.primitives.begin(), surface_.primitives.end()) {}
 
   void divide(const glm::dvec3& min, const glm::ivec3& first, int level,
               std::span<const std::uint16_t> candidates);
@@ -79,6 +85,7 @@ class SurfaceGrid {
   }
 
   Surface surface_;
+  std::vector<RayPrimitive> ray_primitives_;
   glm::dvec3 origin_{0.0};
   glm::ivec3 size_{0};
   std::vector<Cell> cells_;

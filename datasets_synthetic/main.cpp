@@ -8,6 +8,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -154,19 +155,23 @@ int run(const Options& options) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json{{"motion", options.name},
-                                      {"output", options.output},
-                                      {"frames", options.frames},
-                                      {"points", options.sequence.points},
-                                      {"fps", options.sequence.fps},
-                                      {"seed", options.sequence.seed},
-                                      {"noise", options.sequence.noise},
-                                      {"threads", threads},
-                                      {"seconds", seconds}}
-                           .dump());
+    fmt::print(
+        "{}\n",
+        nlohmann::json{{"motion", options.name},
+                       {"output", options.output},
+                       {"frames", options.frames},
+                       {"sampler", options.sequence.sampler == Sampler::scan ? "scan" : "uniform"},
+                       {"points", points_per_frame(*motion, options.sequence)},
+                       {"fps", options.sequence.fps},
+                       {"seed", options.sequence.seed},
+                       {"noise", options.sequence.noise},
+                       {"threads", threads},
+                       {"seconds", seconds}}
+            .dump());
   } else {
-    fmt::print("{}: {} frames of {} points in {:.1f} s ({:.1f} frames a second)\n", options.output,
-               options.frames, options.sequence.points, seconds, options.frames / seconds);
+    fmt::print("{}: {} frames of about {} points in {:.1f} s ({:.1f} frames a second)\n",
+               options.output, options.frames, points_per_frame(*motion, options.sequence), seconds,
+               options.frames / seconds);
   }
   return 0;
 }
@@ -187,9 +192,15 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--frames", options.frames, "number of frames")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--points", options.sequence.points, "points a frame")
+  const std::map<std::string, Sampler> samplers = {{"scan", Sampler::scan},
+                                                   {"uniform", Sampler::uniform}};
+  app.add_option("--sampler", options.sequence.sampler,
+                 "scan: curves that cameras see, with their errors; uniform: by area, exact")
+      ->transform(CLI::CheckedTransformer(samplers));
+  app.add_option("--points", options.sequence.points,
+                 "points a frame, a scan's on average; 0: as the paper's sequence has")
       ->capture_default_str()
-      ->check(CLI::Range(1, 50000000));
+      ->check(CLI::Range(0, 50000000));
   app.add_option("--fps", options.sequence.fps, "frames a second")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100000.0));

@@ -197,6 +197,7 @@ TEST(Trigonometry, agrees_with_the_standard_library) {
 
 TEST(Sequence, frames_have_what_was_asked_for) {
   SequenceOptions options;
+  options.sampler = Sampler::uniform;
   options.points = 5000;
   const auto frame = sequence_frame(*find_motion("walk"), options, 7);
   ASSERT_TRUE(frame) << frame.error().message;
@@ -211,6 +212,7 @@ TEST(Sequence, frames_have_what_was_asked_for) {
 
 TEST(Sequence, noise_moves_the_points_by_its_deviation_and_nothing_else) {
   SequenceOptions options;
+  options.sampler = Sampler::uniform;
   options.points = 20000;
   const auto clean = sequence_frame(*find_motion("walk"), options, 3);
   options.noise = 0.004;
@@ -232,6 +234,7 @@ TEST(Sequence, noise_moves_the_points_by_its_deviation_and_nothing_else) {
 
 TEST(Sequence, frames_and_seeds_differ) {
   SequenceOptions options;
+  options.sampler = Sampler::uniform;
   options.points = 1000;
   const Motion& motion = *find_motion("walk");
   const auto first = sequence_frame(motion, options, 0);

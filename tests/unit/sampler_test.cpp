@@ -135,6 +135,7 @@ TEST(UniformSampler, a_smaller_count_is_the_beginning_of_a_larger_one) {
 
 TEST(UniformSampler, the_same_seed_gives_the_same_bytes_with_one_and_with_two_threads) {
   SequenceOptions options;
+  options.sampler = Sampler::uniform;
   options.points = 20000;
   options.noise = 0.001;
   const auto bytes = [&](int threads) {

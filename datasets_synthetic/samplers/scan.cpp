@@ -1,0 +1,382 @@
+#include "datasets_synthetic/samplers/scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+
+#include "datasets_synthetic/random.h"
+#include "datasets_synthetic/ray_cast.h"
+#include "datasets_synthetic/samplers/depth_range.h"
+#include "datasets_synthetic/surface_grid.h"
+
+// A curve of the pattern is followed in steps of about two pixels by rays of its projector. Between
+// two steps on the same piece of the surface the depth is interpolated from both ends' depths and
+// normals and corrected by Newton's method, so a point costs one or two evaluations of the distance
+// instead of two rays.
+
+namespace pointreel {
+namespace {
+
+/// Streams of random numbers that belong to one frame, and what they decide.
+enum class Use : std::uint64_t { phase, calibration, patches, curve, pieces };
+
+/// A number for one use of the generator; `which` is small.
+std::uint64_t stream(Use use, std::uint64_t which) {
+  return static_cast<std::uint64_t>(use) << 48 | which;
+}
+
+/// A point of a curve that its projector lights.
+struct Lit {
+  double along = 0.0;  ///< coordinate of the projector's picture that runs along the curve
+  double depth = 0.0;  ///< along the projector's axis
+  double slope = 0.0;  ///< of the depth
+  glm::dvec3 position{0.0}, normal{0.0};
+};
+
+struct Patch {
+  glm::dvec3 center;
+  double radius;
+};
+
+/// A rigid motion close to none.
+struct Calibration {
+  glm::dvec3 shift{0.0}, turn{0.0};
+
+  glm::dvec3 apply(const glm::dvec3& p) const { return p + shift + glm::cross(turn, p); }
+};
+
+/// Everything that the curves of one frame share.
+struct Scene {
+  const Body& body;
+  const SurfaceGrid& grid;
+  const ScanOptions& options;
+  Rig rig;
+  double distance;  ///< working distance
+  std::vector<DepthRange> projector_ranges, camera_ranges;
+  std::vector<Calibration> calibrations;  ///< of the pairs
+  std::vector<Patch> patches;
+  std::uint64_t frame_seed;
+};
+
+double luminance(const glm::u8vec3& color) {
+  return (0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b) / 255.0;
+}
+
+/// Follows one curve and gives what each camera makes of it.
+class Curve {
+ public:
+  Curve(const Scene& scene, std::size_t projector, int family, std::int32_t number, double across)
+      : scene_(scene),
+        view_(scene.rig.projectors[projector]),
+        range_(scene.projector_ranges[projector]),
+        projector_(projector),
+        family_(family),
+        number_(number),
+        across_(across) {}
+
+  void trace(std::vector<ScanPoint>& points) {
+    light();
+    if (lit_.empty()) return;
+    for (std::size_t pair = 0; pair < scene_.rig.pairs.size(); ++pair) {
+      if (scene_.rig.pairs[pair].projector == projector_) observe(pair, points);
+    }
+  }
+
+ private:
+  glm::dvec3 toward(double along) const {
+    return family_ == 0 ? view_.toward(across_, along) : view_.toward(along, across_);
+  }
+  /// How toward() changes along the curve.
+  const glm::dvec3& change() const { return family_ == 0 ? view_.up : view_.right; }
+
+  /// Casts the rays; a gap in the curve is a Lit of depth 0.
+  void light() {
+    const double step = 2.0 * scene_.options.pixel / scene_.distance;
+    const int fixed = range_.tile_of(across_);
+    const auto steps = static_cast<int>(2.0 * scene_.options.rig.half_field / step);
+    for (int i = 0; i < steps; ++i) {
+      const double along = -scene_.options.rig.half_field + (i + 0.5) * step;
+      const int tile = range_.tile_of(along);
+      const DepthRange::Range range =
+          family_ == 0 ? range_.at(fixed, tile) : range_.at(tile, fixed);
+      if (range.empty()) {
+        // On to the last step of this tile.
+        const double end = range_.tile_begin(tile + 1);
+        i = std::max(i, static_cast<int>((end + scene_.options.rig.half_field) / step - 0.5));
+        add_gap();
+        continue;
+      }
+      const glm::dvec3 way = toward(along);
+      const double length = std::sqrt(glm::dot(way, way));
+      const Ray ray{view_.position, way / length};
+      const auto hit = first_hit(scene_.grid, ray, range.near, range.far);
+      const double cosine = hit ? -glm::dot(hit->normal, ray.direction) : 0.0;
+      if (cosine < scene_.options.least_cosine) {
+        add_gap();
+        continue;
+      }
+      // The surface's tangent plane: n . (z way)' = 0.
+      const double depth = hit->t / length;
+      const double slope = depth * glm::dot(hit->normal, change()) / (cosine * length);
+      lit_.push_back({along, depth, slope, hit->position, hit->normal});
+    }
+    add_gap();
+  }
+
+  void add_gap() {
+    if (!lit_.empty() && lit_.back().depth > 0.0) lit_.emplace_back();
+  }
+
+  /// Whether the surface runs on from one to the other, as far as can be told.
+  static bool connected(const Lit& a, const Lit& b) {
+    if (!(a.depth > 0.0 && b.depth > 0.0)) return false;
+    const glm::dvec3 way = b.position - a.position;
+    const double limit = 0.5 * std::sqrt(glm::dot(way, way));
+    return std::abs(glm::dot(way, a.normal)) < limit && std::abs(glm::dot(way, b.normal)) < limit &&
+           glm::dot(a.normal, b.normal) > 0.3;
+  }
+
+  bool visible(const Pinhole& camera, const DepthRange& range, const Lit& at,
+               const glm::dvec3& seen) const {
+    const double half = scene_.options.rig.half_field;
+    if (!(seen.z > 0.0 && std::abs(seen.x) < half && std::abs(seen.y) < half)) return false;
+    const glm::dvec3 way = at.position - camera.position;
+    const double length = std::sqrt(glm::dot(way, way));
+    if (-glm::dot(at.normal, way) < scene_.options.least_cosine * length) return false;
+    const double near = range.at(range.tile_of(seen.x), range.tile_of(seen.y)).near;
+    return !hits_anything(scene_.grid, {camera.position, way / length}, near, length - 1e-5);
+  }
+
+  void observe(std::size_t pair, std::vector<ScanPoint>& points) {
+    const std::size_t number = scene_.rig.pairs[pair].camera;
+    const Pinhole& camera = scene_.rig.cameras[number];
+    const double pixel = scene_.options.pixel / scene_.distance;
+    Random random(scene_.frame_seed,
+                  stream(Use::curve, (pair * 2 + static_cast<std::size_t>(family_)) << 24 |
+                                         (static_cast<std::uint64_t>(number_) & 0xffffff)));
+    const std::uint64_t pieces_seed = random.bits();
+    const double first_piece = random.uniform();
+    double wander = random.normal();
+    bool before = false;
+    double row_before = 0.0;
+    for (std::size_t i = 0; i < lit_.size(); ++i) {
+      bool now = false;
+      double row = 0.0;
+      if (lit_[i].depth > 0.0) {
+        const glm::dvec3 seen = camera.project(lit_[i].position);
+        now = visible(camera, scene_.camera_ranges[number], lit_[i], seen);
+        row = (family_ == 0 ? seen.y : seen.x) / pixel;
+      }
+      if (now && before && connected(lit_[i - 1], lit_[i])) {
+        const double low = std::min(row, row_before), high = std::max(row, row_before);
+        const double begin = std::floor(low) + 1.0, end = std::floor(high);
+        const auto count = static_cast<int>(end - begin) + 1;
+        for (int k = 0; k < count; ++k) {
+          const double at = row > row_before ? begin + k : end - k;
+          const double share = (at - row_before) / (row - row_before);
+          const double along = lit_[i - 1].along + share * (lit_[i].along - lit_[i - 1].along);
+          const double memory = scene_.options.noise_memory;
+          wander = memory * wander + std::sqrt(1.0 - memory * memory) * random.normal();
+          const double piece =
+              std::floor(along * scene_.distance / scene_.options.piece + first_piece);
+          const double luck =
+              Random(pieces_seed, static_cast<std::uint64_t>(static_cast<std::int64_t>(piece)))
+                  .uniform();
+          if (luck < scene_.options.lost) continue;
+          ScanPoint point;
+          if (!measure(camera, pair, lit_[i - 1], lit_[i], along, point)) continue;
+          const double chance = (luck - scene_.options.lost) / (1.0 - scene_.options.lost);
+          if (chance < scene_.options.lost_dark &&
+              luminance(color_at(scene_.body, point.primitive, point.truth)) <
+                  scene_.options.dark) {
+            continue;
+          }
+          if (lost_in_patch(point.truth)) continue;
+          disturb(camera, pair, wander, random, point);
+          points.push_back(point);
+        }
+      }
+      before = now;
+      row_before = row;
+    }
+  }
+
+  /// The surface's point at `along` between two lit ones; false where there is none or it is seen
+  /// at too flat an angle.
+  bool measure(const Pinhole& camera, std::size_t pair, const Lit& a, const Lit& b, double along,
+               ScanPoint& point) const {
+    const double h = b.along - a.along;
+    const double s = (along - a.along) / h;
+    // The cubic with the depths and slopes of both ends.
+    const double rise = b.depth - a.depth;
+    const double c2 = 3.0 * rise - h * (2.0 * a.slope + b.slope);
+    const double c3 = h * (a.slope + b.slope) - 2.0 * rise;
+    double depth = a.depth + s * (h * a.slope + s * (c2 + s * c3));
+    const glm::dvec3 way = toward(along);
+    for (int step = 0; step < 5; ++step) {
+      const glm::dvec3 p = view_.position + depth * way;
+      const glm::ivec3 cell = scene_.grid.cell_at(p);
+      if (glm::any(glm::lessThan(cell, glm::ivec3(0))) ||
+          glm::any(glm::greaterThanEqual(cell, scene_.grid.size()))) {
+        return false;
+      }
+      const std::uint32_t number = scene_.grid.find(cell);
+      if (number == SurfaceGrid::kNone) return false;
+      const SurfaceDistance at =
+          distance_to(scene_.grid.surface(), scene_.grid.blends(scene_.grid.cells()[number]), p);
+      const glm::dvec3& gradient = at.distance.gradient;
+      const double slope = glm::dot(gradient, way);
+      if (!(slope < -1e-3)) return false;
+      const double move = -at.distance.value / slope;
+      depth += move;
+      // The error left is about the curvature times the square of what was moved.
+      if (std::abs(move) < 5e-5) {
+        const double length = std::sqrt(glm::dot(gradient, gradient));
+        point.truth = view_.position + depth * way;
+        point.normal = gradient / length;
+        point.primitive = at.primitive;
+        point.pair = static_cast<std::uint16_t>(pair);
+        point.family = static_cast<std::uint16_t>(family_);
+        point.curve = number_;
+        const glm::dvec3 back = camera.position - point.truth;
+        return glm::dot(point.normal, back) >
+               scene_.options.least_cosine * std::sqrt(glm::dot(back, back));
+      }
+    }
+    return false;
+  }
+
+  bool lost_in_patch(const glm::dvec3& p) const {
+    for (const Patch& patch : scene_.patches) {
+      const glm::dvec3 d = p - patch.center;
+      if (glm::dot(d, d) < patch.radius * patch.radius) return true;
+    }
+    return false;
+  }
+
+  void disturb(const Pinhole& camera, std::size_t pair, double wander, Random& random,
+               ScanPoint& point) const {
+    const ScanOptions& options = scene_.options;
+    const glm::dvec3 way = point.truth - camera.position;
+    const double distance = std::sqrt(glm::dot(way, way));
+    const glm::dvec3 ray = way / distance;
+    const double cosine = std::max(-glm::dot(point.normal, ray), options.least_cosine);
+    const double far = distance / scene_.distance;
+    const double mixed = std::sqrt(options.noise_correlated) * wander +
+                         std::sqrt(1.0 - options.noise_correlated) * random.normal();
+    double offset = options.noise * far * far / cosine * mixed;
+    if (random.uniform() < options.outliers) {
+      const double u = 2.0 * random.uniform() - 1.0;
+      offset += options.outlier_reach * u * u * u;
+      point.outlier = true;
+    }
+    point.position = scene_.calibrations[pair].apply(point.truth + offset * ray);
+  }
+
+  const Scene& scene_;
+  const Pinhole& view_;
+  const DepthRange& range_;
+  std::size_t projector_;
+  int family_;
+  std::int32_t number_;
+  double across_;  ///< coordinate of the projector's picture that the curve keeps
+  std::vector<Lit> lit_;
+};
+
+Result<void> check(const ScanOptions& options) {
+  const auto share = [](double x) { return x >= 0.0 && x <= 1.0; };
+  if (!(options.rig.projectors >= 2 && options.rig.projectors <= 100 && options.rig.radius > 0.0 &&
+        options.rig.half_field > 0.0 && options.rig.half_field <= 5.0)) {
+    return fail("a scanner needs 2 to 100 projectors, a radius and a field of view");
+  }
+  if (!(options.curve_spacing > 0.0 && options.pixel >= 1e-5)) {
+    return fail("a scanner needs a curve spacing above 0 and a pixel of at least 0.01 mm");
+  }
+  if (!(options.least_cosine > 0.0 && options.least_cosine < 1.0 && options.noise >= 0.0 &&
+        options.piece > 0.0 && share(options.noise_correlated) && share(options.noise_memory) &&
+        share(options.outliers) && share(options.lost) && share(options.lost_dark) &&
+        options.outlier_reach >= 0.0 && options.patches >= 0 && options.patch_radius >= 0.0)) {
+    return fail("the scanner's noise, cosine or shares are out of range");
+  }
+  return {};
+}
+
+std::vector<Patch> place_patches(const SurfaceGrid& grid, const ScanOptions& options,
+                                 std::uint64_t seed) {
+  std::vector<Patch> patches;
+  Random random(seed, stream(Use::patches, 0));
+  for (int i = 0; i < options.patches; ++i) {
+    const auto& cell = grid.cells()[random.below(static_cast<std::uint32_t>(grid.cells().size()))];
+    const double size = random.uniform();
+    patches.push_back({cell.min + 0.5 * SurfaceGrid::kCell, options.patch_radius * size});
+  }
+  return patches;
+}
+
+std::vector<Calibration> calibrate(std::size_t pairs, const ScanOptions& options,
+                                   std::uint64_t seed) {
+  std::vector<Calibration> calibrations(pairs);
+  for (std::size_t i = 0; i < pairs; ++i) {
+    Random random(seed, stream(Use::calibration, i));
+    for (int axis = 0; axis < 3; ++axis) {
+      calibrations[i].shift[axis] = options.calibration_shift * random.normal();
+      calibrations[i].turn[axis] = options.calibration_turn * random.normal();
+    }
+  }
+  return calibrations;
+}
+
+}  // namespace
+
+Result<std::vector<ScanPoint>> scan(const Body& body, const ScanOptions& options,
+                                    std::uint64_t seed, int frame) {
+  if (const auto checked = check(options); !checked) return tl::unexpected(checked.error());
+  const auto grid = SurfaceGrid::build(body.surface);
+  if (!grid) return tl::unexpected(grid.error());
+  if (grid->cells().empty()) return fail("cannot sample a surface that has no area");
+
+  const std::uint64_t frame_seed =
+      Random(seed, static_cast<std::uint64_t>(static_cast<std::int64_t>(frame))).bits();
+  Scene scene{body,
+              *grid,
+              options,
+              make_rig(options.rig),
+              working_distance(options.rig),
+              {},
+              {},
+              {},
+              place_patches(*grid, options, frame_seed),
+              frame_seed};
+  scene.calibrations = calibrate(scene.rig.pairs.size(), options, seed);
+  const std::size_t count = scene.rig.projectors.size();
+  std::vector<std::optional<DepthRange>> ranges(2 * count);
+  tbb::parallel_for(std::size_t{0}, 2 * count, [&](std::size_t i) {
+    const Pinhole& view = i < count ? scene.rig.projectors[i] : scene.rig.cameras[i - count];
+    ranges[i].emplace(*grid, view, options.rig.half_field);
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    scene.projector_ranges.push_back(std::move(*ranges[i]));
+    scene.camera_ranges.push_back(std::move(*ranges[count + i]));
+  }
+
+  std::vector<std::vector<ScanPoint>> found(2 * count);
+  tbb::parallel_for(std::size_t{0}, 2 * count, [&](std::size_t i) {
+    const std::size_t projector = i / 2;
+    const int family = static_cast<int>(i % 2);
+    const double spacing = options.curve_spacing / scene.distance;
+    // The pattern lies anew in every frame.
+    const double phase = Random(frame_seed, stream(Use::phase, i)).uniform();
+    const double half = options.rig.half_field;
+    const auto first = static_cast<std::int32_t>(std::floor(-half / spacing - phase)) + 1;
+    for (std::int32_t number = first; (number + phase) * spacing < half; ++number) {
+      Curve(scene, projector, family, number, (number + phase) * spacing).trace(found[i]);
+    }
+  });
+  std::vector<ScanPoint> points;
+  for (const auto& some : found) points.insert(points.end(), some.begin(), some.end());
+  return points;
+}
+
+}  // namespace pointreel

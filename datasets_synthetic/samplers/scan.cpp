@@ -232,7 +232,7 @@ class Curve {
       const double move = -at.distance.value / slope;
       depth += move;
       // The error left is about the curvature times the square of what was moved.
-      if (std::abs(move) < 5e-5) {
+      if (std::abs(move) < 2e-5) {
         const double length = std::sqrt(glm::dot(gradient, gradient));
         point.truth = view_.position + depth * way;
         point.normal = gradient / length;

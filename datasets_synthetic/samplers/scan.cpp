@@ -240,9 +240,10 @@ class Curve {
         point.pair = static_cast<std::uint16_t>(pair);
         point.family = static_cast<std::uint16_t>(family_);
         point.curve = number_;
+        const double least = scene_.options.least_cosine;
         const glm::dvec3 back = camera.position - point.truth;
-        return glm::dot(point.normal, back) >
-               scene_.options.least_cosine * std::sqrt(glm::dot(back, back));
+        return -glm::dot(point.normal, way) > least * std::sqrt(glm::dot(way, way)) &&
+               glm::dot(point.normal, back) > least * std::sqrt(glm::dot(back, back));
       }
     }
     return false;

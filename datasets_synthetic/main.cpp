@@ -1,49 +1,40 @@
-// pointreel-synth: writes synthetic sequences with a known surface as PLY files.
+// pointreel-synth: writes synthetic sequences with a known surface, and hard files, as PLY files.
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <mutex>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 
-#include "common/cloud/ply.h"
-#include "datasets_synthetic/hard_cases.h"
 #include "datasets_synthetic/motion.h"
-#include "datasets_synthetic/sequences.h"
-#include "datasets_synthetic/write_folder.h"
+#include "datasets_synthetic/write_hard.h"
+#include "datasets_synthetic/write_sequence.h"
 
 namespace pointreel {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kHard = "hard";
-constexpr const char* kHardManifest = "manifest.json";
 constexpr const char* kHardSummary = "files that programs for point clouds stumble over";
+
+const std::map<std::string, Sampler> kSamplers = {
+    {"scan", Sampler::scan}, {"uniform", Sampler::uniform}, {"ldc", Sampler::ldc}};
 
 struct Options {
   std::string name;
-  std::string output;
-  int frames = 60;
-  SequenceOptions sequence;
+  SequenceJob job;
+  int frames = 0;        // 0: the motion's own
+  double spacing = 4.0;  // millimetres
+  int voxel_bits = 0;    // 0: no voxels
   int threads = 0;
-  bool force = false;
   bool list = false;
   bool json = false;
 };
@@ -62,118 +53,160 @@ void print_list(bool json) {
   }
 }
 
-/// Writes all frames into the folder `where`, several at a time.
-Result<void> write_frames(const Motion& motion, const Options& options, const fs::path& where) {
-  std::mutex mutex;
-  std::optional<Error> first_error;
-  std::atomic<bool> failed{false};
-  tbb::parallel_for(0, options.frames, [&](int number) {
-    if (failed) return;
-    const auto cloud = sequence_frame(motion, options.sequence, number);
-    const Result<void> written =
-        cloud ? write_ply(where / fmt::format("frame_{:04}.ply", number), *cloud)
-              : Result<void>(fail_at(fmt::format("frame {}", number), cloud.error()));
-    if (!written) {
-      const std::lock_guard lock(mutex);
-      if (!first_error) first_error = written.error();
-      failed = true;
-    }
-  });
-  if (first_error) return tl::unexpected(*first_error);
-  return {};
-}
-
-Result<void> write_sequence(const Motion& motion, const Options& options) {
-  const auto is_frame = [](std::string_view name) {
-    return name.starts_with("frame_") && name.ends_with(".ply");
-  };
-  return write_folder(options.output, options.force, is_frame, [&](const fs::path& folder) {
-    return write_frames(motion, options, folder);
-  });
-}
-
-Result<void> write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text << std::flush;
-  if (!file) return fail(fmt::format("{}: cannot be written", path.string()));
-  return {};
-}
-
-Result<void> write_hard(const Options& options, const std::vector<HardCase>& cases) {
-  const auto is_ours = [&cases](std::string_view name) {
-    return name == kHardManifest || std::any_of(cases.begin(), cases.end(),
-                                                [name](const auto& c) { return c.file == name; });
-  };
-  return write_folder(options.output, options.force, is_ours, [&](const fs::path& folder) {
-    Result<void> written = write_text(folder / kHardManifest, hard_manifest(cases));
-    for (const HardCase& c : cases) {
-      if (written) written = write_text(folder / c.file, c.bytes);
-    }
-    return written;
-  });
-}
-
-int report_failure(const Error& error) {
-  fmt::print(stderr, "pointreel-synth: {}\n", error.message);
-  return 1;
+int report(const std::string& message, int code) {
+  fmt::print(stderr, "pointreel-synth: {}\n", message);
+  return code;
 }
 
 int run_hard(const Options& options) {
-  const std::vector<HardCase> cases = hard_cases();
-  const Result<void> written = write_hard(options, cases);
-  if (!written) return report_failure(written.error());
+  const auto files = write_hard(options.job.output, options.job.force);
+  if (!files) return report(files.error().message, 1);
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json{{"output", options.output}, {"files", cases.size()}}.dump());
+    fmt::print("{}\n", nlohmann::json{{"output", options.job.output}, {"files", *files}}.dump());
   } else {
-    fmt::print("{}: {} files, and {} with what each must give\n", options.output, cases.size(),
+    fmt::print("{}: {} files, and {} with what each must give\n", options.job.output, *files,
                kHardManifest);
   }
   return 0;
 }
 
-int run(const Options& options) {
+/// What was written, for machines.
+nlohmann::json summary_json(const Options& options, const SequenceJob& job,
+                            const SequenceSummary& summary, std::size_t threads) {
+  const SequenceOptions& sequence = job.options;
+  nlohmann::json json{{"motion", options.name},
+                      {"output", job.output},
+                      {"frames", job.frames},
+                      {"points", summary.mean_points},
+                      {"points_min", summary.min_points},
+                      {"points_max", summary.max_points},
+                      {"fps", sequence.fps},
+                      {"threads", threads},
+                      {"seconds", summary.seconds}};
+  if (sequence.voxels) {
+    const VoxelGrid& grid = *sequence.voxels;
+    json["voxels"] = {{"bits", grid.bits},
+                      {"edge", grid.voxel},
+                      {"origin", {grid.origin.x, grid.origin.y, grid.origin.z}}};
+    return json;
+  }
+  for (const auto& [name, sampler] : kSamplers) {
+    if (sampler == sequence.sampler) json["sampler"] = name;
+  }
+  json["seed"] = sequence.seed;
+  json["noise"] = sequence.noise;
+  if (sequence.sampler == Sampler::ldc) {
+    json["spacing"] = sequence.ldc.spacing;
+    json["reduced"] = sequence.ldc.reduce;
+  }
+  return json;
+}
+
+int run_sequence(const Motion& motion, const Options& options) {
+  const auto threads = static_cast<std::size_t>(
+      options.threads > 0 ? options.threads : tbb::info::default_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  SequenceJob job = options.job;
+  SequenceOptions& sequence = job.options;
+  job.frames = options.frames > 0
+                   ? options.frames
+                   : std::max(1, static_cast<int>(std::round(motion.seconds() * sequence.fps)));
+  sequence.ldc.spacing = 1e-3 * options.spacing;
+  if (options.voxel_bits > 0) {  // one grid for all frames, so that voxels do not jump
+    sequence.voxels =
+        voxel_grid(sequence_bounds(motion, sequence.fps, job.frames), options.voxel_bits);
+  }
+  const auto summary = write_sequence(motion, job);
+  if (!summary) return report(summary.error().message, 1);
+  if (options.json) {
+    fmt::print("{}\n", summary_json(options, job, *summary, threads).dump());
+    return 0;
+  }
+  fmt::print("{}: {} frames of {:.0f} points on average in {:.1f} s ({:.1f} frames a second)\n",
+             job.output, job.frames, summary->mean_points, summary->seconds,
+             job.frames / summary->seconds);
+  if (sequence.voxels) {
+    const VoxelGrid& grid = *sequence.voxels;
+    fmt::print("voxels of {:.4f} mm; the centre of (0, 0, 0) is at ({:.4f}, {:.4f}, {:.4f}) m\n",
+               1e3 * grid.voxel, grid.origin.x, grid.origin.y, grid.origin.z);
+  }
+  return 0;
+}
+
+/// Sampler and voxel options that say nothing together, which CLI11 cannot see.
+std::string contradiction(const CLI::App& app, const Options& options) {
+  const auto given = [&app](const char* name) { return app.count(name) > 0; };
+  const bool ldc = options.job.options.sampler == Sampler::ldc;
+  if (options.voxel_bits > 0) {
+    for (const char* name :
+         {"--sampler", "--points", "--seed", "--noise", "--spacing", "--reduce"}) {
+      if (given(name)) return fmt::format("--voxelize takes no {}: it samples everywhere", name);
+    }
+  }
+  if (ldc && given("--points")) return "--sampler ldc takes no --points: give --spacing";
+  for (const char* name : {"--spacing", "--reduce"}) {
+    if (!ldc && given(name)) return fmt::format("{} is for --sampler ldc", name);
+  }
+  return {};
+}
+
+int run(const CLI::App& app, const Options& options) {
   if (options.list) {
     print_list(options.json);
     return 0;
   }
   const bool hard = options.name == kHard;
   const Motion* motion = find_motion(options.name);
-  if ((motion == nullptr && !hard) || options.output.empty()) {
-    fmt::print(stderr, "pointreel-synth: {}\n",
-               motion != nullptr || hard ? "no folder to write to: give -o DIR"
-               : options.name.empty()    ? "no name given: --list shows them"
-                                         : options.name + ": no such name: --list shows them");
-    return 2;
-  }
+  if (options.name.empty()) return report("no name given: --list shows them", 2);
+  if (motion == nullptr && !hard)
+    return report(options.name + ": no such name: --list shows them", 2);
+  if (options.job.output.empty()) return report("no folder to write to: give -o DIR", 2);
   if (hard) return run_hard(options);
-  const auto threads = static_cast<std::size_t>(
-      options.threads > 0 ? options.threads : tbb::info::default_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  const auto begin = std::chrono::steady_clock::now();
-  const Result<void> written = write_sequence(*motion, options);
-  if (!written) return report_failure(written.error());
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (options.json) {
-    fmt::print(
-        "{}\n",
-        nlohmann::json{{"motion", options.name},
-                       {"output", options.output},
-                       {"frames", options.frames},
-                       {"sampler", options.sequence.sampler == Sampler::scan ? "scan" : "uniform"},
-                       {"points", points_per_frame(*motion, options.sequence)},
-                       {"fps", options.sequence.fps},
-                       {"seed", options.sequence.seed},
-                       {"noise", options.sequence.noise},
-                       {"threads", threads},
-                       {"seconds", seconds}}
-            .dump());
-  } else {
-    fmt::print("{}: {} frames of about {} points in {:.1f} s ({:.1f} frames a second)\n",
-               options.output, options.frames, points_per_frame(*motion, options.sequence), seconds,
-               options.frames / seconds);
-  }
-  return 0;
+  const std::string wrong = contradiction(app, options);
+  if (!wrong.empty()) return report(wrong, 2);
+  return run_sequence(*motion, options);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  SequenceOptions& sequence = options.job.options;
+  app.add_option("name", options.name, "what the figure does, or \"hard\" (--list)");
+  app.add_option("-o,--output", options.job.output, "folder to write to; made if it is missing");
+  app.add_option("--frames", options.frames, "number of frames; 0: the motion once")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000000));
+  app.add_option("--fps", sequence.fps, "frames a second")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100000.0));
+  app.add_option(
+         "--sampler", sequence.sampler,
+         "scan: curves that cameras see, with their errors; uniform: by area, exact; ldc: a "
+         "layered depth cube, where parallel rays meet the surface (default: scan)")
+      ->transform(CLI::CheckedTransformer(kSamplers));
+  app.add_option("--points", sequence.points,
+                 "points a frame, a scan's on average; 0: as the paper's sequence has")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 50000000));
+  app.add_option("--seed", sequence.seed, "chooses another sample of the same surface")
+      ->capture_default_str();
+  app.add_option("--noise", sequence.noise, "standard deviation along each axis, metres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--spacing", options.spacing, "of the rays of a layered depth cube, millimetres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0));
+  app.add_flag("--reduce", sequence.ldc.reduce,
+               "move a layered depth cube's points to where its rays cross, one in each place");
+  app.add_option(
+         "--voxelize", options.voxel_bits,
+         "write every voxel that the surface passes through, as integers of so many bits in "
+         "one grid for all frames")
+      ->check(CLI::Range(1, 12));
+  app.add_option("--threads", options.threads, "0: one for each core")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  app.add_flag("--force", options.job.force, "replace what is there if this program wrote it");
+  app.add_flag("--list", options.list, "show the names");
+  app.add_flag("--json", options.json, "print what was done as JSON");
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -187,43 +220,15 @@ int parse_and_run(int argc, char** argv) {
       "Exit codes: 0 written, 1 it failed, 2 wrong options.",
       "pointreel-synth"};
   Options options;
-  app.add_option("name", options.name, "what the figure does, or \"hard\" (--list)");
-  app.add_option("-o,--output", options.output, "folder to write to; made if it is missing");
-  app.add_option("--frames", options.frames, "number of frames")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  const std::map<std::string, Sampler> samplers = {{"scan", Sampler::scan},
-                                                   {"uniform", Sampler::uniform}};
-  app.add_option("--sampler", options.sequence.sampler,
-                 "scan: curves that cameras see, with their errors; uniform: by area, exact")
-      ->transform(CLI::CheckedTransformer(samplers));
-  app.add_option("--points", options.sequence.points,
-                 "points a frame, a scan's on average; 0: as the paper's sequence has")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 50000000));
-  app.add_option("--fps", options.sequence.fps, "frames a second")
-      ->capture_default_str()
-      ->check(CLI::Range(0.001, 100000.0));
-  app.add_option("--seed", options.sequence.seed, "chooses another sample of the same surface")
-      ->capture_default_str();
-  app.add_option("--noise", options.sequence.noise, "standard deviation along each axis, metres")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--threads", options.threads, "0: one for each core")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
-  app.add_flag("--force", options.force, "replace what is there if this program wrote it");
-  app.add_flag("--list", options.list, "show the names");
-  app.add_flag("--json", options.json, "print what was done as JSON");
+  add_options(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "pointreel-synth: {} (--help shows the options)\n", error.what());
-    return 2;
+    return report(fmt::format("{} (--help shows the options)", error.what()), 2);
   }
-  return run(options);
+  return run(app, options);
 }
 
 }  // namespace

@@ -35,6 +35,18 @@ struct Sample {
   std::uint16_t primitive;
 };
 
+/// Points of the surface itself.
+Result<std::vector<SurfacePoint>> exact_points(const Body& body, const SequenceOptions& options,
+                                               std::size_t count, int number) {
+  if (options.sampler == Sampler::uniform) {
+    const std::uint64_t seed = Random(options.seed, 2 * static_cast<std::uint64_t>(number)).bits();
+    return sample_uniform(body.surface, count, seed);
+  }
+  const auto grid = SurfaceGrid::build(body.surface);
+  if (!grid) return tl::unexpected(grid.error());
+  return sample_ldc(*grid, options.ldc);
+}
+
 Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
                                    const SequenceOptions& options, int number) {
   const std::size_t count = points_per_frame(motion, options);
@@ -48,8 +60,7 @@ Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
     }
     return samples;
   }
-  const std::uint64_t seed = Random(options.seed, 2 * static_cast<std::uint64_t>(number)).bits();
-  const auto points = sample_uniform(body.surface, count, seed);
+  const auto points = exact_points(body, options, count, number);
   if (!points) return tl::unexpected(points.error());
   samples.reserve(points->size());
   for (const SurfacePoint& point : *points) {
@@ -59,6 +70,14 @@ Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
 }
 
 }  // namespace
+
+Box sequence_bounds(const Motion& motion, double fps, int frames) {
+  Box box;
+  for (int i = 0; i < frames; ++i) {
+    box.grow(bounds(pose_body(motion.pose(static_cast<double>(i) / fps)).surface));
+  }
+  return box;
+}
 
 std::size_t points_per_frame(const Motion& motion, const SequenceOptions& options) {
   return options.points > 0 ? options.points : scan_setting(motion).points;
@@ -82,6 +101,7 @@ ScanOptions scan_options(const Motion& motion, std::size_t points) {
 Result<PointCloud> sequence_frame(const Motion& motion, const SequenceOptions& options,
                                   int number) {
   const Body body = pose_body(motion.pose(static_cast<double>(number) / options.fps));
+  if (options.voxels) return voxelize(body, *options.voxels);
   const auto samples = sample(motion, body, options, number);
   if (!samples) return tl::unexpected(samples.error());
   const std::uint64_t noise_seed =

@@ -15,7 +15,7 @@ namespace pointreel {
 struct VoxelGrid {
   glm::dvec3 origin{0.0};
   double voxel = 1.0;  ///< metres
-  int bits = 10;       ///< 1 to 16
+  int bits = 10;       ///< 1 to 12
 };
 
 /// The grid in whose longest extent the box measures 2^bits - 1 voxels, as in MPEG's sequences: the

@@ -1,0 +1,106 @@
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "client/playback/buffer.h"
+#include "client/scene/camera.h"
+#include "client/scene/cut.h"
+#include "codec/codec.h"
+#include "tests/stability/check.h"
+#include "tests/stability/clouds.h"
+
+namespace pointreel::stability {
+namespace {
+
+void check_counts(Checks& checks) {
+  const std::size_t counts[] = {1000, 10, 10000, 0, 1, 100, 10000};
+  const Cube cube{glm::dvec3(-0.5), 1.0};  // one for the group of frames
+  Camera camera;
+  camera.frame_bounds({cube.origin, cube.origin + cube.edge}, 1.0);
+  VoxelCut cut;  // keeps its buffers between frames
+  for (const Setting& setting : settings(9)) {
+    std::size_t right = 0, stale = 0;
+    for (const std::size_t count : counts) {
+      const auto frame = encode_frame(ball_cloud(count), cube, setting.options);
+      if (!frame) continue;
+      const auto decoded = decode_frame(layer_views(frame->layers));
+      if (!decoded || decoded->source_points != count) continue;
+      ++right;
+      if (!decoded->svo) continue;
+      cut.run(*decoded->svo, camera, {100, 100}, 0.0f);
+      if (cut.nodes().size() != decoded->svo->leaf_count()) ++stale;
+      for (const CutNode& node : cut.nodes()) stale += node.node >= decoded->svo->node_count();
+    }
+    checks.push_back({"temporal", "point count changes by 10x", "no stale index",
+                      fmt::format("{}: {} of {} frames right, {} stale nodes", setting.name, right,
+                                  std::size(counts), stale),
+                      right == std::size(counts) && stale == 0});
+  }
+}
+
+/// What is shown while frame 1 is missing, frame 2 is late, and frame 3 is there.
+void check_missing(Checks& checks) {
+  FrameBuffer buffer({5, 4, false, DrawMode::point});
+  const auto answer = [&buffer](std::uint32_t frame, bool found) {
+    const auto request = buffer.next_wanted();
+    if (!request || request->frame != frame) return false;
+    if (!found) {
+      buffer.fail(*request);
+      return true;
+    }
+    auto scene = std::make_shared<SceneFrame>();
+    scene->index = frame;
+    buffer.deliver(*request, std::move(scene));
+    return true;
+  };
+  const auto shown = [&buffer](std::uint32_t frame) {
+    buffer.advance(frame);
+    const auto best = buffer.best();
+    return best ? static_cast<int>(best->index) : -1;
+  };
+  bool asked = answer(0, true) && answer(1, false);
+  const auto late = buffer.next_wanted();  // frame 2, answered only after its time
+  asked = asked && late && late->frame == 2 && answer(3, true);
+  const int at_0 = shown(0), at_1 = shown(1), at_2 = shown(2), at_3 = shown(3);
+  bool passed = asked && at_0 == 0 && at_1 == 0 && at_2 == 0 && at_3 == 3;
+  if (late) {
+    auto scene = std::make_shared<SceneFrame>();
+    scene->index = 2;
+    buffer.deliver(*late, std::move(scene));
+  }
+  const int after = shown(3);
+  passed = passed && after == 3;
+  checks.push_back(
+      {"temporal", "frame missing or late",
+       "the last frame is held; goes on at the next; a late one is not shown back",
+       fmt::format("1 missing, 2 late: shown {}, {}, {}, {}, {}", at_0, at_1, at_2, at_3, after),
+       passed});
+}
+
+void check_first_lost(Checks& checks) {
+  const Cube cube{glm::dvec3(-0.5), 1.0};
+  for (const Setting& setting : settings(8)) {
+    std::size_t decoded = 0;
+    for (std::size_t frame = 1; frame <= 4; ++frame) {  // frame 0 never arrives
+      const auto encoded = encode_frame(ball_cloud(500 + frame), cube, setting.options);
+      if (!encoded) continue;
+      const auto result = decode_frame(layer_views(encoded->layers));
+      decoded += result && result->source_points == 500 + frame;
+    }
+    checks.push_back(
+        {"temporal", "first frame of a group lost", "resumes at the next independent frame",
+         fmt::format("{}: all {} others decode, each alone", setting.name, decoded), decoded == 4});
+  }
+}
+
+}  // namespace
+
+Checks temporal_checks() {
+  Checks checks;
+  check_counts(checks);
+  check_missing(checks);
+  check_first_lost(checks);
+  return checks;
+}
+
+}  // namespace pointreel::stability

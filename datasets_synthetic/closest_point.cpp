@@ -37,10 +37,12 @@ class Search {
   Search(const Surface& surface, std::span<const std::uint16_t> blends, const glm::dvec3& p)
       : surface_(surface), blends_(blends), p_(p) {}
 
-  double run() {
+  /// Infinity where it is soon seen that the distance is above `limit`.
+  double run(double limit = kInfinity) {
     const SurfaceDistance here = distance_to(surface_, blends_, p_);
     // The value changes by no more than the way moved, so nothing is nearer than this.
     least_ = std::abs(here.distance.value);
+    if (least_ > limit) return kInfinity;
     outside_ = here.distance.value >= 0.0;
     glm::dvec3 x = p_ - here.distance.value * here.distance.gradient;
     for (int step = 0; step < kSteps; ++step) {
@@ -286,7 +288,8 @@ double true_distance(const SurfaceGrid& grid, const glm::dvec3& p) {
       glm::all(glm::lessThan(at, grid.size()))) {
     const std::uint32_t number = grid.find(at);
     if (number != SurfaceGrid::kNone) {
-      const double distance = Search(grid.surface(), grid.blends(grid.cells()[number]), p).run();
+      const double distance =
+          Search(grid.surface(), grid.blends(grid.cells()[number]), p).run(SurfaceGrid::kShell);
       if (distance <= SurfaceGrid::kShell) return distance;
     }
   }

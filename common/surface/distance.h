@@ -70,7 +70,7 @@ glm::dvec3 color_psnr(const ColorError& mean_squared);
 
 /// Compares two clouds in world coordinates, each relative to a common origin in double, with an
 /// exact nearest-neighbour search (k-d tree), in parallel (TBB's threads); the result does not
-/// depend on their number. 800,000 points against as many with all attributes take 1 s on two
+/// depend on their number. 800,000 points against as many with all attributes take 0.6 s on two
 /// cores. An error if either cloud is empty; positions are finite.
 Result<CloudDistance> cloud_distance(const PointCloud& a, const PointCloud& b);
 

@@ -288,6 +288,100 @@ TEST(NormalDistance, skips_and_counts_unknown_normals) {
   EXPECT_FALSE(measure(a, b).normals());
 }
 
+// --- the whole of it, the slow way ---
+
+/// A point of a cloud without duplicates: the mean of those at its place.
+struct Place {
+  glm::dvec3 at{0.0}, normal{0.0}, color{0.0};
+  double points = 0.0;
+};
+
+std::vector<Place> places(const PointCloud& cloud) {
+  std::vector<Place> all;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    auto place = std::find_if(all.begin(), all.end(),
+                              [&](const Place& p) { return p.at == cloud.world(i); });
+    if (place == all.end()) place = all.insert(all.end(), {cloud.world(i), {}, {}, 0.0});
+    place->normal += glm::dvec3(cloud.normals[i]);
+    place->color += glm::dvec3(cloud.colors[i]) / 257.0;
+    place->points += 1.0;
+  }
+  for (Place& place : all) {
+    place.color /= place.points;
+    place.normal = glm::normalize(place.normal);
+  }
+  return all;
+}
+
+std::vector<std::size_t> nearest_of(const glm::dvec3& p, const std::vector<Place>& all) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const Place& place : all) best = std::min(best, glm::distance(p, place.at));
+  std::vector<std::size_t> nearest;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (glm::distance(p, all[i].at) <= best + 1e-7) nearest.push_back(i);
+  }
+  return nearest;
+}
+
+TEST(Distance, agrees_with_brute_force_in_all_metrics_with_ties_and_duplicates) {
+  // On a lattice, some points twice; b on a coarser one, between the points of a.
+  std::mt19937 random(9);
+  const auto lattice = [&random](std::size_t n, float step, float shift) {
+    PointCloud cloud;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto one = [&] { return step * static_cast<float>(random() % 8) + shift; };
+      cloud.positions.emplace_back(one(), one(), one());
+      // About upwards, so that no mean of normals vanishes.
+      cloud.normals.push_back(glm::normalize(glm::vec3(0.1f * one(), 3.0f, 0.1f * one())));
+      cloud.colors.push_back(glm::u16vec3(random() % 256, random() % 256, random() % 256) *
+                             std::uint16_t{257});
+    }
+    return cloud;
+  };
+  const PointCloud a = lattice(400, 1.0f, 0.0f), b = lattice(60, 2.0f, -0.5f);
+  const std::vector<Place> in_a = places(a), in_b = places(b);
+  ASSERT_LT(in_a.size(), a.size());
+  ASSERT_LT(in_b.size(), b.size());
+
+  // The normals of a at the places of b.
+  std::vector<glm::dvec3> lent(in_b.size(), glm::dvec3(0.0));
+  for (const Place& place : in_a) {
+    for (const std::size_t k : nearest_of(place.at, in_b)) lent[k] += place.normal;
+  }
+  for (std::size_t k = 0; k < in_b.size(); ++k) {
+    if (lent[k] == glm::dvec3(0.0)) {
+      for (const std::size_t i : nearest_of(in_b[k].at, in_a)) lent[k] += in_a[i].normal;
+    }
+    lent[k] = glm::normalize(lent[k]);
+  }
+  double squared = 0.0, plane = 0.0, angle = 0.0;
+  glm::dvec3 color(0.0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto nearest = nearest_of(a.world(i), in_b);
+    const double count = static_cast<double>(nearest.size());
+    glm::dvec3 mean_color(0.0), mean_normal(0.0);
+    for (const std::size_t k : nearest) {
+      const glm::dvec3 off = a.world(i) - in_b[k].at;
+      squared += glm::dot(off, off) / count;
+      plane += std::pow(glm::dot(off, lent[k]), 2) / count;
+      mean_color += in_b[k].color / count;
+      mean_normal += in_b[k].normal;
+    }
+    angle +=
+        std::acos(std::min(glm::dot(glm::dvec3(a.normals[i]), glm::normalize(mean_normal)), 1.0));
+    const glm::dvec3 c = glm::dvec3(a.colors[i]) / 257.0 - mean_color;
+    const double y = 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+    color += glm::dvec3(y * y, std::pow((c.b - y) / (2.0 * (1.0 - 0.0722)), 2),
+                        std::pow((c.r - y) / (2.0 * (1.0 - 0.2126)), 2));
+  }
+  const double n = static_cast<double>(a.size());
+  const OneWayDistance distance = measure(a, b).a_to_b;
+  EXPECT_NEAR(distance.mean_squared, squared / n, 1e-9);
+  EXPECT_NEAR(distance.plane_mean_squared.value(), plane / n, 1e-9);
+  EXPECT_NEAR(distance.normals->mean, angle / n, 1e-5);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR((*distance.colors)[i], color[i] / n, 1e-9);
+}
+
 TEST(Distance, is_the_same_for_any_number_of_threads_and_order_of_points) {
   PointCloud a = random_cloud(6000, 7, glm::dvec3(0.0)), b = random_cloud(5000, 8, glm::dvec3(0.0));
   for (PointCloud* cloud : {&a, &b}) {

@@ -125,6 +125,26 @@ bool write(const std::string& path, const nlohmann::json& report) {
   return file.good();
 }
 
+/// The grid that errors refer to.
+struct Grid {
+  double peak;
+  double voxel;  ///< 0: not known
+  const char* reason;
+};
+
+Grid grid_of(const PointCloud& a, const Options& options) {
+  const double voxels = std::ldexp(1.0, options.bits) - 1.0;
+  const auto with = [&](double peak, const char* reason) {
+    return Grid{peak, options.bits > 0 ? peak / voxels : 0.0, reason};
+  };
+  if (options.peak > 0.0) return with(options.peak, "as given");
+  const double extent = bounding_cube(bounds(a)).edge;
+  bool whole = options.bits > 0 && extent <= voxels;
+  for (std::size_t i = 0; whole && i < a.size(); ++i) whole = a.world(i) == glm::floor(a.world(i));
+  return whole ? with(voxels, "all coordinates of a are voxels")
+               : with(extent, "largest extent of a");
+}
+
 Result<void> compare(const Options& options) {
   const auto a = load(options.a);
   if (!a) return tl::unexpected(a.error());
@@ -133,22 +153,21 @@ Result<void> compare(const Options& options) {
   const auto distance = cloud_distance(*a, *b);
   if (!distance) return tl::unexpected(distance.error());
 
-  const double peak = options.peak > 0.0 ? options.peak : bounding_cube(bounds(*a)).edge;
-  const double voxel = options.bits > 0 ? peak / (std::ldexp(1.0, options.bits) - 1.0) : 0.0;
+  const Grid grid = grid_of(*a, options);
   if (options.json != "-") {
     fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, count(a->size()), options.b,
                count(b->size()));
-    fmt::print("peak {:g} {}", peak, options.peak > 0.0 ? "as given" : "(largest extent of a)");
-    if (voxel > 0.0) fmt::print(", voxel {:g} ({} bits)", voxel, options.bits);
+    fmt::print("peak {:g} ({})", grid.peak, grid.reason);
+    if (grid.voxel > 0.0) fmt::print(", voxel {:g} ({} bits)", grid.voxel, options.bits);
     fmt::print("\n\n");
-    print(*distance, peak, voxel);
+    print(*distance, grid.peak, grid.voxel);
   }
   if (options.json.empty()) return {};
-  nlohmann::json report = to_json(*distance, peak);
+  nlohmann::json report = to_json(*distance, grid.peak);
   report["a"] = {{"file", options.a}, {"points", a->size()}};
   report["b"] = {{"file", options.b}, {"points", b->size()}};
-  report["peak"] = peak;
-  if (voxel > 0.0) report["voxel"] = voxel;
+  report["peak"] = grid.peak;
+  if (grid.voxel > 0.0) report["voxel"] = grid.voxel;
   if (!write(options.json, report)) return fail("cannot write " + options.json);
   return {};
 }
@@ -200,8 +219,10 @@ void add_compare_command(CLI::App& app, int& exit_code) {
                    "10-bit voxels [the largest extent of A]")
       ->check(CLI::PositiveNumber);
   command
-      ->add_option("--bits", options->bits,
-                   "also tell distances in voxels, of which peak has 2^bits - 1")
+      ->add_option(
+          "--bits", options->bits,
+          "also tell distances in voxels, of which peak has 2^bits - 1; a voxel is 1 where all "
+          "coordinates of A are whole numbers")
       ->check(CLI::Range(1, 31));
   command->add_option("--json", options->json,
                       "write all figures to this file, - for standard output instead of the table; "

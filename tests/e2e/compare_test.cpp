@@ -86,6 +86,16 @@ TEST_F(Compare, of_a_cloud_with_itself_is_infinite_which_json_calls_null) {
   EXPECT_TRUE(report.at("symmetric").at("color_psnr").at("cr").is_null());
 }
 
+TEST_F(Compare, takes_whole_coordinates_for_voxels_where_bits_are_given) {
+  const Outcome whole = compare({path("a.ply"), path("b.ply"), "--bits", "6", "--json", "-"});
+  EXPECT_EQ(json::parse(whole.out).at("peak"), 63.0);
+  EXPECT_EQ(json::parse(whole.out).at("voxel"), 1.0);
+  // At half heights they are none: the largest extent, 31, is 63 voxels.
+  const Outcome parts = compare({path("b.ply"), path("a.ply"), "--bits", "6", "--json", "-"});
+  EXPECT_EQ(json::parse(parts.out).at("peak"), 31.0);
+  EXPECT_NEAR(json::parse(parts.out).at("voxel").get<double>(), 31.0 / 63.0, 1e-12);
+}
+
 TEST_F(Compare, leaves_out_rows_without_attributes) {
   PointCloud bare = plane(0.0f, 0);
   bare.normals.clear();

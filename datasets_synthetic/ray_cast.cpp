@@ -62,16 +62,26 @@ double root_of_union(const Line& a, const Line& b, double blend) {
 /// What matters in one cell, along a ray, from some place of it on.
 class CellRay {
  public:
-  CellRay(const SurfaceGrid& grid, const SurfaceGrid::Cell& cell, const Ray& ray)
-      : grid_(grid), ray_(ray), all_(grid.blends(cell)), blend_count_(all_.size()) {
+  /// Of the cell's blends those that may come as near as `furthest` to its centre.
+  CellRay(const SurfaceGrid& grid, const SurfaceGrid::Cell& cell, const Ray& ray, double furthest)
+      : grid_(grid), ray_(ray), all_(grid.blends(cell)) {
+    const std::span<const float> values = grid.blend_values(cell);
     for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (values[i] > furthest) {
+        left_out_ = std::min(left_out_, static_cast<double>(values[i]));
+        continue;
+      }
       const Blend& blend = grid.surface().blends[all_[i]];
       const std::uint8_t first = place_of(blend.first);
       // A primitive alone is no blend with itself.
       const bool alone = blend.first == blend.second;
-      blends_[i] = {first, alone ? first : place_of(blend.second), alone ? 0.0 : blend.radius};
+      blends_[blend_count_++] = {first, alone ? first : place_of(blend.second),
+                                 alone ? 0.0 : blend.radius};
     }
   }
+
+  /// The least distance at the centre of those that are not among them.
+  double left_out() const { return left_out_; }
 
   /// Takes the tangents at t; returns the distance there.
   double move_to(double t) {
@@ -186,7 +196,8 @@ class CellRay {
   const SurfaceGrid& grid_;
   const Ray& ray_;
   std::span<const std::uint16_t> all_;
-  std::size_t blend_count_, count_ = 0;
+  std::size_t blend_count_ = 0, count_ = 0;
+  double left_out_ = kNever;
   std::array<NearBlend, SurfaceGrid::kMaxBlends> blends_;
   std::array<double, SurfaceGrid::kMaxBlends> values_;  // the unions' distances
   std::array<std::uint16_t, kMaxPrimitives> primitives_;
@@ -264,13 +275,16 @@ class Caster {
     }
     if (side_ != Side::unknown) t = std::max(t, clear_until_);
     if (t >= out) return true;
-    CellRay along(grid_, cell, ray_);
+    // A micrometre for the single precision of what it is compared with.
+    CellRay along(grid_, cell, ray_, std::sqrt(furthest) + 1e-6);
     double end = out;
     for (int step = 0; step < kMaxSteps; ++step) {
       const double distance = along.move_to(t);
       if (side_ == Side::unknown) side_ = distance < 0.0 ? Side::inside : Side::outside;
       if (step == 0) {
-        clear_until_ = t + std::abs(distance);  // also beyond this cell
+        const glm::dvec3 off = ray_.at(t) - center;
+        const double others = along.left_out() - std::sqrt(glm::dot(off, off)) - 1e-6;
+        clear_until_ = t + std::min(std::abs(distance), others);  // also beyond this cell
         if (side_ == Side::outside && !along.keep_near(out - t)) return true;
       }
       if (side_ == Side::outside) {

@@ -47,6 +47,24 @@ class RayPrimitive {
     return {x * sine_ + y * cosine_ - radius_a_, sine_ * across + cosine_ * away};
   }
 
+  /// At p, with the gradient.
+  Distance at(const glm::dvec3& p) const {
+    const glm::dvec3 d = p - a_;
+    if (kind_ == Kind::ellipsoid) {
+      const EllipsoidPoint nearest = nearest_of_ellipsoid(d);
+      return {nearest.distance, axes_ * nearest.normal};
+    }
+    if (kind_ == Kind::ball) return at_ball(d, radius_a_);
+    const double x = glm::dot(d, u_);
+    const glm::dvec3 away = d - x * u_;
+    const double y = std::sqrt(glm::dot(away, away));
+    const double place = x * cosine_ - y * sine_;
+    if (place <= 0.0) return at_ball(d, radius_a_);
+    if (place >= end_) return at_ball(p - b_, radius_b_);
+    const glm::dvec3 radial = y > 0.0 ? away / y : glm::dvec3(0.0);
+    return {x * sine_ + y * cosine_ - radius_a_, sine_ * u_ + cosine_ * radial};
+  }
+
  private:
   enum class Kind { ball, cone, ellipsoid };
 
@@ -67,13 +85,28 @@ class RayPrimitive {
     end_ = length * cosine_;
   }
 
+  static Distance at_ball(const glm::dvec3& d, double radius) {
+    const double length = std::sqrt(glm::dot(d, d));
+    return {length - radius, length > 0.0 ? d / length : glm::dvec3(0, 1, 0)};
+  }
+
   static Line along_ball(const glm::dvec3& d, const glm::dvec3& direction, double radius) {
     const double length = std::sqrt(glm::dot(d, d));
     return {length - radius, length > 0.0 ? glm::dot(d, direction) / length : 1.0};
   }
 
-  /// As distance_to(Ellipsoid) in sdf.cpp, which explains it.
   Line along_ellipsoid(const glm::dvec3& d, const glm::dvec3& direction) const {
+    const EllipsoidPoint nearest = nearest_of_ellipsoid(d);
+    return {nearest.distance, glm::dot(nearest.normal, direction * axes_)};
+  }
+
+  struct EllipsoidPoint {
+    double distance;
+    glm::dvec3 normal;  // unit length, along the ellipsoid's axes
+  };
+
+  /// As distance_to(Ellipsoid) in sdf.cpp, which explains it.
+  EllipsoidPoint nearest_of_ellipsoid(const glm::dvec3& d) const {
     const glm::dvec3 local = d * axes_;
     const glm::dvec3 q = glm::max(glm::abs(local), glm::dvec3(1e-12));
     const glm::dvec3 rq = radii_ * q;
@@ -87,14 +120,15 @@ class RayPrimitive {
       t = std::max(t + sum * (std::sqrt(sum) - 1.0) / glm::dot(ratio * ratio, inverse), lowest);
       if (std::abs(sum - 1.0) < 1e-6) break;
     }
-    // The surface's point is squares * n for this n, which is along the normal there.
+    // The surface's point is squares * n, and n is along the normal there.
     const glm::dvec3 n = q / (t + squares_);
     const glm::dvec3 across = q - squares_ * n;
     const double distance = std::sqrt(glm::dot(across, across));
-    const glm::dvec3 way = direction * axes_;
-    const glm::dvec3 toward(local.x < 0.0 ? -way.x : way.x, local.y < 0.0 ? -way.y : way.y,
-                            local.z < 0.0 ? -way.z : way.z);
-    return {t < 0.0 ? -distance : distance, glm::dot(n, toward) / std::sqrt(glm::dot(n, n))};
+    glm::dvec3 normal = n / std::sqrt(glm::dot(n, n));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (local[axis] < 0.0) normal[axis] = -normal[axis];
+    }
+    return {t < 0.0 ? -distance : distance, normal};
   }
 
   Kind kind_ = Kind::ball;

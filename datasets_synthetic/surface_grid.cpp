@@ -1,7 +1,9 @@
 #include "datasets_synthetic/surface_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,9 +53,11 @@ void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int lev
   // A blend that is nowhere within reach the nearest one has no say in the distance. A point on
   // its way to the surface may leave the cell by kShell.
   std::vector<std::uint16_t> kept;
+  kept.reserve(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (values[i] <= reach + kShell && values[i] - nearest <= 2.0 * (reach + kShell)) {
       kept.push_back(candidates[i]);
+      if (level == 0) blend_values_.push_back(static_cast<float>(values[i]));
     }
   }
   if (level == 0) {
@@ -92,6 +96,40 @@ void SurfaceGrid::make_lookup() {
             static_cast<std::size_t>(local.x + kBlock * (local.y + kBlock * local.z))] =
         static_cast<std::uint32_t>(i);
   }
+}
+
+SurfaceDistance SurfaceGrid::distance(const Cell& cell, const glm::dvec3& p) const {
+  // Blends share primitives: each is worked out once.
+  std::array<std::uint16_t, 2 * kMaxBlends> primitives;
+  std::array<Distance, 2 * kMaxBlends> distances;
+  std::size_t count = 0;
+  const auto at = [&](std::uint16_t primitive) {
+    std::size_t i = 0;
+    while (i < count && primitives[i] != primitive) ++i;
+    if (i == count) {
+      primitives[count] = primitive;
+      distances[count++] = ray_primitives_[primitive].at(p);
+    }
+    return i;
+  };
+  SurfaceDistance nearest;
+  nearest.distance.value = std::numeric_limits<double>::infinity();
+  for (const std::uint16_t number : blends(cell)) {
+    const Blend& blend = surface_.blends[number];
+    const Distance& first = distances[at(blend.first)];
+    if (blend.first == blend.second) {
+      if (first.value < nearest.distance.value) nearest = {first, blend.first};
+      continue;
+    }
+    const Distance& second = distances[at(blend.second)];
+    const double lower = std::min(first.value, second.value) - 0.25 * blend.radius;
+    if (lower >= nearest.distance.value) continue;
+    const Distance both = smooth_union(first, second, blend.radius);
+    if (both.value < nearest.distance.value) {
+      nearest = {both, first.value <= second.value ? blend.first : blend.second};
+    }
+  }
+  return nearest;
 }
 
 glm::ivec3 SurfaceGrid::cell_at(const glm::dvec3& p) const {

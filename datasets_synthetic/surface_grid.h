@@ -51,6 +51,15 @@ class SurfaceGrid {
     return {blends_.data() + cell.first_blend, cell.blend_count};
   }
 
+  /// The distance of each of them at the cell's centre.
+  std::span<const float> blend_values(const Cell& cell) const {
+    return {blend_values_.data() + cell.first_blend, cell.blend_count};
+  }
+
+  /// distance_to the surface at a point of the cell or up to kShell around it, to within rounding
+  /// (see RayPrimitive); faster.
+  SurfaceDistance distance(const Cell& cell, const glm::dvec3& p) const;
+
   /// Minimum corner and number of cells along each axis; whole blocks.
   const glm::dvec3& origin() const { return origin_; }
   const glm::ivec3& size() const { return size_; }
@@ -91,6 +100,7 @@ class SurfaceGrid {
   std::vector<Cell> cells_;
   std::vector<glm::ivec3> coordinates_;  ///< of each cell
   std::vector<std::uint16_t> blends_;
+  std::vector<float> blend_values_;
   std::vector<std::uint32_t> blocks_;  ///< number of each block that is not empty
   std::vector<std::uint32_t> lookup_;  ///< number of each cell of those blocks, x fastest
 };

@@ -224,8 +224,7 @@ class Curve {
       }
       const std::uint32_t number = scene_.grid.find(cell);
       if (number == SurfaceGrid::kNone) return false;
-      const SurfaceDistance at =
-          distance_to(scene_.grid.surface(), scene_.grid.blends(scene_.grid.cells()[number]), p);
+      const SurfaceDistance at = scene_.grid.distance(scene_.grid.cells()[number], p);
       const glm::dvec3& gradient = at.distance.gradient;
       const double slope = glm::dot(gradient, way);
       if (!(slope < -1e-3)) return false;

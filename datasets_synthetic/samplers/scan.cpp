@@ -11,10 +11,10 @@
 #include "datasets_synthetic/samplers/depth_range.h"
 #include "datasets_synthetic/surface_grid.h"
 
-// A curve of the pattern is followed in steps of about two pixels by rays of its projector. Between
-// two steps on the same piece of the surface the depth is interpolated from both ends' depths and
-// normals and corrected by Newton's method, so a point costs one or two evaluations of the distance
-// instead of two rays.
+// A curve of the pattern is followed in steps of a few pixels by rays of its projector, in shorter
+// ones where it bends or breaks off. Between two steps on the same piece of the surface the depth
+// is interpolated from both ends' depths and normals and corrected by Newton's method, so a point
+// costs one or two evaluations of the distance instead of two rays.
 
 namespace pointreel {
 namespace {
@@ -33,7 +33,15 @@ struct Lit {
   double depth = 0.0;  ///< along the projector's axis
   double slope = 0.0;  ///< of the depth
   glm::dvec3 position{0.0}, normal{0.0};
+
+  bool lit() const { return depth > 0.0; }
 };
+
+/// Rays along a curve: pixels from one to the next, at most so many metres, and how often that is
+/// halved where the curve bends, breaks off or is hidden.
+constexpr double kStepPixels = 4.0;
+constexpr double kLongestStep = 0.01;
+constexpr int kHalvings = 2;
 
 struct Patch {
   glm::dvec3 center;
@@ -91,121 +99,178 @@ class Curve {
   /// How toward() changes along the curve.
   const glm::dvec3& change() const { return family_ == 0 ? view_.up : view_.right; }
 
-  /// Casts the rays; a gap in the curve is a Lit of depth 0.
+  /// Casts the rays: lit_ are the points of the curve and a Lit of depth 0 wherever it breaks off.
   void light() {
-    const double step = 2.0 * scene_.options.pixel / scene_.distance;
+    const double half = scene_.options.rig.half_field;
+    const double step =
+        std::min(kStepPixels * scene_.options.pixel, kLongestStep) / scene_.distance;
     const int fixed = range_.tile_of(across_);
-    const auto steps = static_cast<int>(2.0 * scene_.options.rig.half_field / step);
+    const auto steps = static_cast<int>(2.0 * half / step);
+    Lit before{.along = -half};
     for (int i = 0; i < steps; ++i) {
-      const double along = -scene_.options.rig.half_field + (i + 0.5) * step;
+      const double along = -half + (i + 0.5) * step;
       const int tile = range_.tile_of(along);
-      const DepthRange::Range range =
-          family_ == 0 ? range_.at(fixed, tile) : range_.at(tile, fixed);
-      if (range.empty()) {
-        // On to the last step of this tile.
-        const double end = range_.tile_begin(tile + 1);
-        i = std::max(i, static_cast<int>((end + scene_.options.rig.half_field) / step - 0.5));
-        add_gap();
-        continue;
+      const bool empty = (family_ == 0 ? range_.at(fixed, tile) : range_.at(tile, fixed)).empty();
+      const Lit now = empty ? Lit{.along = along} : light_at(along);
+      add_between(before, now, kHalvings);
+      before = now;
+      if (empty) {  // on to the last step of this tile
+        i = std::max(i, static_cast<int>((range_.tile_begin(tile + 1) + half) / step - 0.5));
+        before.along = -half + (i + 0.5) * step;
       }
-      const glm::dvec3 way = toward(along);
-      const double length = std::sqrt(glm::dot(way, way));
-      const Ray ray{view_.position, way / length};
-      const auto hit = first_hit(scene_.grid, ray, range.near, range.far);
-      const double cosine = hit ? -glm::dot(hit->normal, ray.direction) : 0.0;
-      if (cosine < scene_.options.least_cosine) {
-        add_gap();
-        continue;
-      }
-      // The surface's tangent plane: n . (z way)' = 0.
-      const double depth = hit->t / length;
-      const double slope = depth * glm::dot(hit->normal, change()) / (cosine * length);
-      lit_.push_back({along, depth, slope, hit->position, hit->normal});
     }
     add_gap();
   }
 
+  Lit light_at(double along) const {
+    Lit lit{.along = along};
+    const int fixed = range_.tile_of(across_), tile = range_.tile_of(along);
+    const DepthRange::Range range = family_ == 0 ? range_.at(fixed, tile) : range_.at(tile, fixed);
+    const glm::dvec3 way = toward(along);
+    const double length = std::sqrt(glm::dot(way, way));
+    const Ray ray{view_.position, way / length};
+    const auto hit = first_hit(scene_.grid, ray, range.near, range.far);
+    const double cosine = hit ? -glm::dot(hit->normal, ray.direction) : 0.0;
+    if (cosine < scene_.options.least_cosine) return lit;
+    lit.depth = hit->t / length;
+    // The surface's tangent plane: n . (depth * way)' = 0.
+    lit.slope = lit.depth * glm::dot(hit->normal, change()) / (cosine * length);
+    lit.position = hit->position;
+    lit.normal = hit->normal;
+    return lit;
+  }
+
+  /// Adds b, which comes after a, and what must be known between them.
+  void add_between(const Lit& a, const Lit& b, int halvings) {
+    if (!a.lit() && !b.lit()) return;
+    const bool both = a.lit() && b.lit();
+    if (halvings > 0 && !(both && connected(a, b) && glm::dot(a.normal, b.normal) > 0.9)) {
+      const Lit middle = light_at(0.5 * (a.along + b.along));
+      add_between(a, middle, halvings - 1);
+      add_between(middle, b, halvings - 1);
+      return;
+    }
+    if (!both || !connected(a, b)) add_gap();
+    if (b.lit()) lit_.push_back(b);
+  }
+
   void add_gap() {
-    if (!lit_.empty() && lit_.back().depth > 0.0) lit_.emplace_back();
+    if (!lit_.empty() && lit_.back().lit()) lit_.emplace_back();
   }
 
   /// Whether the surface runs on from one to the other, as far as can be told.
   static bool connected(const Lit& a, const Lit& b) {
-    if (!(a.depth > 0.0 && b.depth > 0.0)) return false;
     const glm::dvec3 way = b.position - a.position;
     const double limit = 0.5 * std::sqrt(glm::dot(way, way));
     return std::abs(glm::dot(way, a.normal)) < limit && std::abs(glm::dot(way, b.normal)) < limit &&
            glm::dot(a.normal, b.normal) > 0.3;
   }
 
-  bool visible(const Pinhole& camera, const DepthRange& range, const Lit& at,
-               const glm::dvec3& seen) const {
+  /// What a camera makes of a place of the curve.
+  struct Sight {
+    bool visible = false;
+    double row = 0.0;  ///< or column: what the points are counted by
+  };
+
+  Sight sight(std::size_t number, const glm::dvec3& p, const glm::dvec3& normal) const {
+    const Pinhole& camera = scene_.rig.cameras[number];
     const double half = scene_.options.rig.half_field;
-    if (!(seen.z > 0.0 && std::abs(seen.x) < half && std::abs(seen.y) < half)) return false;
-    const glm::dvec3 way = at.position - camera.position;
+    const glm::dvec3 seen = camera.project(p);
+    if (!(seen.z > 0.0 && std::abs(seen.x) < half && std::abs(seen.y) < half)) return {};
+    Sight sight;
+    sight.row = (family_ == 0 ? seen.y : seen.x) * scene_.distance / scene_.options.pixel;
+    const glm::dvec3 way = p - camera.position;
     const double length = std::sqrt(glm::dot(way, way));
-    if (-glm::dot(at.normal, way) < scene_.options.least_cosine * length) return false;
+    if (-glm::dot(normal, way) < scene_.options.least_cosine * length) return sight;
+    const DepthRange& range = scene_.camera_ranges[number];
     const double near = range.at(range.tile_of(seen.x), range.tile_of(seen.y)).near;
-    return !hits_anything(scene_.grid, {camera.position, way / length}, near, length - 1e-5);
+    sight.visible =
+        !hits_anything(scene_.grid, {camera.position, way / length}, near, length - 1e-5);
+    return sight;
+  }
+
+  /// The part of the way from a to b that a camera sees, if it sees one end: from `begin` to `end`.
+  struct Part {
+    double begin = 0.0, end = 1.0;
+  };
+
+  Part visible_part(std::size_t number, const Lit& a, const Lit& b, bool sees_a) const {
+    double seen = sees_a ? 0.0 : 1.0, hidden = 1.0 - seen;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (seen + hidden);
+      ScanPoint point;
+      const bool visible = measure(number, a, b, a.along + middle * (b.along - a.along), point) &&
+                           sight(number, point.truth, point.normal).visible;
+      (visible ? seen : hidden) = middle;
+    }
+    return sees_a ? Part{0.0, seen} : Part{seen, 1.0};
   }
 
   void observe(std::size_t pair, std::vector<ScanPoint>& points) {
-    const std::size_t number = scene_.rig.pairs[pair].camera;
-    const Pinhole& camera = scene_.rig.cameras[number];
-    const double pixel = scene_.options.pixel / scene_.distance;
+    const std::size_t camera = scene_.rig.pairs[pair].camera;
     Random random(scene_.frame_seed,
                   stream(Use::curve, (pair * 2 + static_cast<std::size_t>(family_)) << 24 |
                                          (static_cast<std::uint64_t>(number_) & 0xffffff)));
-    const std::uint64_t pieces_seed = random.bits();
-    const double first_piece = random.uniform();
-    double wander = random.normal();
-    bool before = false;
-    double row_before = 0.0;
+    Detection detection{pair, random.bits(), random.uniform(), random.normal()};
+    Sight before;
     for (std::size_t i = 0; i < lit_.size(); ++i) {
-      bool now = false;
-      double row = 0.0;
-      if (lit_[i].depth > 0.0) {
-        const glm::dvec3 seen = camera.project(lit_[i].position);
-        now = visible(camera, scene_.camera_ranges[number], lit_[i], seen);
-        row = (family_ == 0 ? seen.y : seen.x) / pixel;
-      }
-      if (now && before && connected(lit_[i - 1], lit_[i])) {
-        const double low = std::min(row, row_before), high = std::max(row, row_before);
+      if (!lit_[i].lit()) continue;
+      const Sight now = sight(camera, lit_[i].position, lit_[i].normal);
+      if (i > 0 && lit_[i - 1].lit() && (now.visible || before.visible)) {
+        const Lit &a = lit_[i - 1], &b = lit_[i];
+        const Part part =
+            now.visible && before.visible ? Part{} : visible_part(camera, a, b, before.visible);
+        const double low = std::min(now.row, before.row), high = std::max(now.row, before.row);
         const double begin = std::floor(low) + 1.0, end = std::floor(high);
         const auto count = static_cast<int>(end - begin) + 1;
         for (int k = 0; k < count; ++k) {
-          const double at = row > row_before ? begin + k : end - k;
-          const double share = (at - row_before) / (row - row_before);
-          const double along = lit_[i - 1].along + share * (lit_[i].along - lit_[i - 1].along);
-          const double memory = scene_.options.noise_memory;
-          wander = memory * wander + std::sqrt(1.0 - memory * memory) * random.normal();
-          const double piece =
-              std::floor(along * scene_.distance / scene_.options.piece + first_piece);
-          const double luck =
-              Random(pieces_seed, static_cast<std::uint64_t>(static_cast<std::int64_t>(piece)))
-                  .uniform();
-          if (luck < scene_.options.lost) continue;
-          ScanPoint point;
-          if (!measure(camera, pair, lit_[i - 1], lit_[i], along, point)) continue;
-          const double chance = (luck - scene_.options.lost) / (1.0 - scene_.options.lost);
-          if (chance < scene_.options.lost_dark &&
-              luminance(color_at(scene_.body, point.primitive, point.truth)) <
-                  scene_.options.dark) {
-            continue;
-          }
-          if (lost_in_patch(point.truth)) continue;
-          disturb(camera, pair, wander, random, point);
-          points.push_back(point);
+          const double row = now.row > before.row ? begin + k : end - k;
+          const double share = (row - before.row) / (now.row - before.row);
+          if (share < part.begin || share > part.end) continue;
+          detect(a, b, a.along + share * (b.along - a.along), detection, random, points);
         }
       }
       before = now;
-      row_before = row;
     }
+  }
+
+  /// How a pair's camera fares along a curve.
+  struct Detection {
+    std::size_t pair;
+    std::uint64_t pieces_seed;
+    double first_piece;  ///< where the first piece begins
+    double wander;       ///< the error that runs on along the curve, of deviation 1
+  };
+
+  void detect(const Lit& a, const Lit& b, double along, Detection& detection, Random& random,
+              std::vector<ScanPoint>& points) const {
+    const ScanOptions& options = scene_.options;
+    const double memory = options.noise_memory;
+    detection.wander =
+        memory * detection.wander + std::sqrt(1.0 - memory * memory) * random.normal();
+    const double piece =
+        std::floor(along * scene_.distance / options.piece + detection.first_piece);
+    const double luck =
+        Random(detection.pieces_seed, static_cast<std::uint64_t>(static_cast<std::int64_t>(piece)))
+            .uniform();
+    if (luck < options.lost) return;
+    const std::size_t camera = scene_.rig.pairs[detection.pair].camera;
+    ScanPoint point;
+    if (!measure(camera, a, b, along, point)) return;
+    const double chance = (luck - options.lost) / (1.0 - options.lost);
+    if (chance < options.lost_dark &&
+        luminance(color_at(scene_.body, point.primitive, point.truth)) < options.dark) {
+      return;
+    }
+    if (lost_in_patch(point.truth)) return;
+    point.pair = static_cast<std::uint16_t>(detection.pair);
+    disturb(scene_.rig.cameras[camera], detection.wander, random, point);
+    points.push_back(point);
   }
 
   /// The surface's point at `along` between two lit ones; false where there is none or it is seen
   /// at too flat an angle.
-  bool measure(const Pinhole& camera, std::size_t pair, const Lit& a, const Lit& b, double along,
+  bool measure(std::size_t camera, const Lit& a, const Lit& b, double along,
                ScanPoint& point) const {
     const double h = b.along - a.along;
     const double s = (along - a.along) / h;
@@ -236,11 +301,10 @@ class Curve {
         point.truth = view_.position + depth * way;
         point.normal = gradient / length;
         point.primitive = at.primitive;
-        point.pair = static_cast<std::uint16_t>(pair);
         point.family = static_cast<std::uint16_t>(family_);
         point.curve = number_;
         const double least = scene_.options.least_cosine;
-        const glm::dvec3 back = camera.position - point.truth;
+        const glm::dvec3 back = scene_.rig.cameras[camera].position - point.truth;
         return -glm::dot(point.normal, way) > least * std::sqrt(glm::dot(way, way)) &&
                glm::dot(point.normal, back) > least * std::sqrt(glm::dot(back, back));
       }
@@ -256,8 +320,7 @@ class Curve {
     return false;
   }
 
-  void disturb(const Pinhole& camera, std::size_t pair, double wander, Random& random,
-               ScanPoint& point) const {
+  void disturb(const Pinhole& camera, double wander, Random& random, ScanPoint& point) const {
     const ScanOptions& options = scene_.options;
     const glm::dvec3 way = point.truth - camera.position;
     const double distance = std::sqrt(glm::dot(way, way));
@@ -272,7 +335,7 @@ class Curve {
       offset += options.outlier_reach * u * u * u;
       point.outlier = true;
     }
-    point.position = scene_.calibrations[pair].apply(point.truth + offset * ray);
+    point.position = scene_.calibrations[point.pair].apply(point.truth + offset * ray);
   }
 
   const Scene& scene_;

@@ -47,6 +47,20 @@ class RayPrimitive {
     return {x * sine_ + y * cosine_ - radius_a_, sine_ * across + cosine_ * away};
   }
 
+  /// At p.
+  double value(const glm::dvec3& p) const {
+    const glm::dvec3 d = p - a_;
+    if (kind_ == Kind::ellipsoid) return nearest_of_ellipsoid(d).distance;
+    if (kind_ == Kind::ball) return std::sqrt(glm::dot(d, d)) - radius_a_;
+    const double x = glm::dot(d, u_);
+    const double y = std::sqrt(std::max(glm::dot(d, d) - x * x, 0.0));
+    const double place = x * cosine_ - y * sine_;
+    if (place <= 0.0) return std::sqrt(glm::dot(d, d)) - radius_a_;
+    const glm::dvec3 e = p - b_;
+    if (place >= end_) return std::sqrt(glm::dot(e, e)) - radius_b_;
+    return x * sine_ + y * cosine_ - radius_a_;
+  }
+
   /// At p, with the gradient.
   Distance at(const glm::dvec3& p) const {
     const glm::dvec3 d = p - a_;

@@ -30,6 +30,7 @@ Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
   while (kCell * static_cast<double>(1 << levels) < largest) ++levels;
   std::vector<std::uint16_t> all(grid.surface_.blends.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint16_t>(i);
+  grid.known_.resize(grid.surface_.primitives.size());
   grid.divide(grid.origin_, {0, 0, 0}, levels, all);
   for (const Cell& cell : grid.cells_) {
     if (cell.blend_count > kMaxBlends) {
@@ -47,30 +48,57 @@ void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int lev
                          std::span<const std::uint16_t> candidates) {
   const double edge = kCell * static_cast<double>(1u << level);
   const double reach = 0.5 * std::sqrt(3.0) * edge + kShell;
-  std::vector<double> values(candidates.size());
-  const double nearest = blend_distances(surface_, candidates, min + 0.5 * edge, values);
+  const double nearest = blend_values_at(candidates, min + 0.5 * edge);
   if (std::abs(nearest) > reach) return;
   // A blend that is nowhere within reach the nearest one has no say in the distance. A point on
   // its way to the surface may leave the cell by kShell.
-  std::vector<std::uint16_t> kept;
-  kept.reserve(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (values[i] <= reach + kShell && values[i] - nearest <= 2.0 * (reach + kShell)) {
-      kept.push_back(candidates[i]);
-      if (level == 0) blend_values_.push_back(static_cast<float>(values[i]));
-    }
-  }
+  const auto matters = [&](double value) {
+    return value <= reach + kShell && value - nearest <= 2.0 * (reach + kShell);
+  };
   if (level == 0) {
-    cells_.push_back({min, nearest, static_cast<std::uint32_t>(blends_.size()),
-                      static_cast<std::uint32_t>(kept.size())});
+    const auto first_blend = static_cast<std::uint32_t>(blends_.size());
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!matters(values_[i])) continue;
+      blends_.push_back(candidates[i]);
+      blend_values_.push_back(static_cast<float>(values_[i]));
+    }
+    cells_.push_back(
+        {min, nearest, first_blend, static_cast<std::uint32_t>(blends_.size()) - first_blend});
     coordinates_.push_back(first);
-    blends_.insert(blends_.end(), kept.begin(), kept.end());
     return;
+  }
+  std::vector<std::uint16_t> kept;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (matters(values_[i])) kept.push_back(candidates[i]);
   }
   for (int child = 0; child < 8; ++child) {
     const glm::ivec3 step(child & 1, (child >> 1) & 1, child >> 2);
     divide(min + 0.5 * edge * glm::dvec3(step), first + (1 << (level - 1)) * step, level - 1, kept);
   }
+}
+
+double SurfaceGrid::blend_values_at(std::span<const std::uint16_t> blends, const glm::dvec3& p) {
+  // Blends share primitives: each is worked out once.
+  ++evaluation_;
+  const auto value = [&](std::uint16_t primitive) {
+    Known& known = known_[primitive];
+    if (known.evaluation != evaluation_) known = {evaluation_, ray_primitives_[primitive].value(p)};
+    return known.value;
+  };
+  values_.resize(blends.size());
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < blends.size(); ++i) {
+    const Blend& blend = surface_.blends[blends[i]];
+    const double first = value(blend.first);
+    const double second = blend.first == blend.second ? first : value(blend.second);
+    const double overlap = blend.radius - std::abs(first - second);
+    values_[i] = std::min(first, second);
+    if (blend.first != blend.second && overlap > 0.0) {
+      values_[i] -= 0.25 * overlap * (overlap / blend.radius);
+    }
+    nearest = std::min(nearest, values_[i]);
+  }
+  return nearest;
 }
 
 void SurfaceGrid::make_lookup() {

@@ -88,6 +88,9 @@ class SurfaceGrid {
               std::span<const std::uint16_t> candidates);
   void make_lookup();
 
+  /// The distances of blends at p, into values_; returns the smallest.
+  double blend_values_at(std::span<const std::uint16_t> blends, const glm::dvec3& p);
+
   std::uint32_t block(const glm::ivec3& cell) const {
     const glm::ivec3 at = cell / kBlock, count = size_ / kBlock;
     return blocks_[static_cast<std::size_t>(at.x + count.x * (at.y + count.y * at.z))];
@@ -101,6 +104,14 @@ class SurfaceGrid {
   std::vector<glm::ivec3> coordinates_;  ///< of each cell
   std::vector<std::uint16_t> blends_;
   std::vector<float> blend_values_;
+  /// While it is built: what is known of each primitive, and since which evaluation.
+  struct Known {
+    std::uint64_t evaluation = 0;
+    double value = 0.0;
+  };
+  std::vector<Known> known_;
+  std::vector<double> values_;
+  std::uint64_t evaluation_ = 0;
   std::vector<std::uint32_t> blocks_;  ///< number of each block that is not empty
   std::vector<std::uint32_t> lookup_;  ///< number of each cell of those blocks, x fastest
 };

@@ -46,7 +46,7 @@ struct ScanOptions {
   double lost = 0.06;
   double dark = 0.2;
   double lost_dark = 0.6;
-  /// Patches that no camera sees well: how many, and the largest radius.
+  /// Patches that no camera sees well: how many, and the radius of the largest.
   int patches = 12;
   double patch_radius = 0.05;
 };

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <vector>
 
@@ -55,6 +54,18 @@ struct Plane {
   glm::dvec3 variances{0.0};
 };
 
+/// cos(acos(c) / 3) for c in [-1, 1], from roots and divisions alone: libm's last bit differs
+/// between machines. It is the x in [1/2, 1] with 4 x^3 - 3 x = c, which is (2 x - 1)^2 (x + 1) =
+/// c + 1; Newton's method on x = (1 + sqrt((c + 1) / (x + 1))) / 2 has no double root to slow it.
+double cosine_of_third(double c) {
+  double x = 0.75;
+  for (int step = 0; step < 5; ++step) {
+    const double r = std::sqrt((1.0 + c) / (1.0 + x));
+    x -= (x - 0.5 - 0.5 * r) / (1.0 + 0.25 * r / (1.0 + x));
+  }
+  return std::clamp(x, 0.5, 1.0);
+}
+
 /// Eigenvalues in closed form (O. K. Smith, "Eigenvalues of a symmetric 3x3 matrix", CACM 4(4),
 /// 1961); the normal is the longest cross product of two rows of the matrix less the smallest.
 Plane fit_plane(const Moments& sums) {
@@ -79,9 +90,9 @@ Plane fit_plane(const Moments& sums) {
                              mixed.z * (mixed.z * d.z - mixed.x * mixed.y) +
                              mixed.y * (mixed.z * mixed.x - d.y * mixed.y);
   const double cosine = root > 0.0 ? std::clamp(0.5 * determinant / (q * root), -1.0, 1.0) : 1.0;
-  const double angle = std::acos(cosine) / 3.0;
-  const double largest = mean + 2.0 * root * std::cos(angle);
-  const double smallest = mean + 2.0 * root * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
+  const double third = cosine_of_third(cosine);
+  const double largest = mean + 2.0 * root * third;
+  const double smallest = mean - root * (third + std::sqrt(3.0 * (1.0 - third) * (1.0 + third)));
   const double middle = 1.0 - largest - smallest;
   plane.variances = glm::max(scale * glm::dvec3(smallest, middle, largest), 0.0);
   // On a line: the middle variance is no more than rounding or a wobble.

@@ -33,7 +33,7 @@ struct ScanOptions {
   double noise_memory = 0.85;
   /// How far a pair's calibration is off, the same in every frame: standard deviations of a shift
   /// along each axis and of a turn about it, radians.
-  double calibration_shift = 0.0007;
+  double calibration_shift = 0.0012;
   double calibration_turn = 0.0004;
   /// Share of points that are wrong, and by how much at most, along the camera's ray; most are off
   /// by far less.

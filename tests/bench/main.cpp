@@ -6,6 +6,7 @@
 #include "common/base/memory.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/report/report.h"
 #include "tests/bench/suites.h"
 
 namespace {
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
   codec->add_option("files", options.files, ".ply or .drc files to measure as well");
   int exit_code = 0;
   add_compare_command(app, exit_code);
+  add_report_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

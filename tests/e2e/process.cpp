@@ -7,6 +7,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -80,8 +81,10 @@ Outcome run(const std::string& program, const std::vector<std::string>& argument
   close(out.read);
   close(err.read);
   int status = 0;
-  waitpid(pid, &status, 0);
+  rusage usage{};
+  wait4(pid, &status, 0, &usage);
   outcome.exit_code = code_of(status);
+  outcome.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;  // Linux counts in KiB
   return outcome;
 }
 

@@ -11,6 +11,7 @@ namespace pointreel::e2e {
 struct Outcome {
   int exit_code = -1;
   std::string out, err;
+  double peak_mib = 0.0;  ///< resident memory
 };
 
 /// Runs one of Pointreel's executables to its end, at most `seconds` long.

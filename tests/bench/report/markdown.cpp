@@ -1,0 +1,241 @@
+#include "tests/bench/report/markdown.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+
+class Table {
+ public:
+  explicit Table(const std::vector<std::string>& head) {
+    row(head);
+    row(std::vector<std::string>(head.size(), "---"));
+  }
+  void row(const std::vector<std::string>& cells) {
+    text_ += '|';
+    for (const std::string& cell : cells) text_ += ' ' + escaped(cell) + " |";
+    text_ += '\n';
+  }
+  std::string text() const { return text_ + '\n'; }
+
+ private:
+  static std::string escaped(std::string cell) {
+    for (std::size_t i = 0; (i = cell.find('|', i)) != std::string::npos; i += 2) {
+      cell.insert(i, 1, '\\');
+    }
+    return cell;
+  }
+
+  std::string text_;
+};
+
+double number(const json& value) { return value.get<double>(); }
+
+/// Groups of three digits.
+std::string whole(const json& value) {
+  std::string digits = fmt::format("{:.0f}", number(value));
+  for (auto i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) {
+    digits.insert(static_cast<std::size_t>(i), 1, ',');
+  }
+  return digits;
+}
+
+/// `null` stands for infinity: an error of exactly zero.
+std::string decibels(const json& value) {
+  return value.is_null() ? "exact" : fmt::format("{:.1f}", number(value));
+}
+
+std::string percent(const json& value) { return fmt::format("{:.2f} %", 100.0 * number(value)); }
+
+std::string off_by(const json& ours, const json& papers) {
+  return fmt::format("{:+.1f} %", 100.0 * (number(ours) / number(papers) - 1.0));
+}
+
+std::string milliseconds(const json& timing) {
+  return fmt::format("{:.2f} ({:.2f} to {:.2f})", number(timing["median"]), number(timing["min"]),
+                     number(timing["max"]));
+}
+
+std::string points_a_pose(const json& structure) {
+  Table table({"sequence", "poses", "points a pose", "least", "most", "paper's", "difference"});
+  for (const json& sequence : structure) {
+    const json& points = sequence["points"];
+    table.row({sequence["dataset"],
+               fmt::format("{} of {}", sequence["measured_poses"].get<int>(),
+                           sequence["poses"].get<int>()),
+               whole(points["mean"]), whole(points["min"]), whole(points["max"]),
+               whole(sequence["paper"]["points"]),
+               off_by(points["mean"], sequence["paper"]["points"])});
+  }
+  return table.text();
+}
+
+std::string depths(const json& counts) {
+  std::string out;
+  for (const auto& [depth, poses] : counts.items()) {
+    out += fmt::format("{}{}", out.empty() ? "" : ", ", depth);
+    if (counts.size() > 1) out += fmt::format(" ({} poses)", poses.get<int>());
+  }
+  return out;
+}
+
+std::string octree_structure(const json& structure) {
+  Table table({"sequence", "delta", "depth", "paper's", "lost", "paper's", "inner nodes", "paper's",
+               "leaves", "paper's", "difference"});
+  for (const json& sequence : structure) {
+    for (const json& row : sequence["rows"]) {
+      const json& paper = row["paper"];
+      table.row({sequence["dataset"], fmt::format("{:.0f} %", 100 * number(row["delta"])),
+                 depths(row["poses_by_depth"]), whole(paper["depth"]), percent(row["loss"]),
+                 percent(paper["loss"]), whole(row["nodes"]), whole(paper["nodes"]),
+                 whole(row["leaves"]), whole(paper["leaves"]),
+                 off_by(row["leaves"], paper["leaves"])});
+    }
+  }
+  return table.text();
+}
+
+std::string octree_times(const json& structure) {
+  Table table({"sequence", "delta", "build, ms", "recursive build, ms", "ratio", "traverse, ms",
+               "paper's build", "paper's traverse"});
+  for (const json& sequence : structure) {
+    for (const json& row : sequence["rows"]) {
+      table.row({sequence["dataset"], fmt::format("{:.0f} %", 100 * number(row["delta"])),
+                 milliseconds(row["build_ms"]), milliseconds(row["recursive_ms"]),
+                 fmt::format("{:.1f}x", number(row["ratio"])), milliseconds(row["traverse_ms"]),
+                 fmt::format("{:.2f}", number(row["paper"]["build_ms"])),
+                 fmt::format("{:.2f}", number(row["paper"]["traverse_ms"]))});
+    }
+  }
+  return table.text();
+}
+
+/// Metres as millimetres.
+std::string millimetres(const json& metres) {
+  return fmt::format("{:.3f}", 1000.0 * number(metres));
+}
+
+std::string sizes_and_errors(const json& dataset) {
+  Table table({"codec", "setting", "points", "geometry", "colours", "normals", "all", "D1, dB",
+               "D2, dB", "largest, cells", "truth mean, mm", "95 %", "99.9 %", "Y / Cb / Cr, dB",
+               "normals mean / 95 %, deg"});
+  const json& scan = dataset["truth"];
+  table.row({"source", "", whole(dataset["points"]), "", "", "", "", "", "", "",
+             millimetres(scan["mean"]), millimetres(scan["p95"]), millimetres(scan["p999"]), "",
+             ""});
+  for (const json& row : dataset["rows"]) {
+    const json &bits = row["bits"], &truth = row["truth"], &color = row["color_psnr"];
+    const json& normal = row["normal_degrees"];
+    table.row({row["codec"], row["setting"], whole(row["coded_points"]),
+               fmt::format("{:.2f}", number(bits["geometry"])),
+               fmt::format("{:.2f}", number(bits["colors"])),
+               fmt::format("{:.2f}", number(bits["normals"])),
+               fmt::format("{:.2f}", number(bits["all"])), decibels(row["d1_psnr"]),
+               decibels(row["d2_psnr"]), fmt::format("{:.2f}", number(row["max_cells"])),
+               millimetres(truth["mean"]), millimetres(truth["p95"]), millimetres(truth["p999"]),
+               fmt::format("{} / {} / {}", decibels(color["y"]), decibels(color["cb"]),
+                           decibels(color["cr"])),
+               fmt::format("{:.2f} / {:.2f}", number(normal["mean"]), number(normal["p95"]))});
+  }
+  return table.text();
+}
+
+std::string speed_and_memory(const json& dataset) {
+  Table table({"codec", "setting", "encode, ms", "decode, ms", "to SVO, ms", "D1 rms, mm",
+               "pack, MiB", "unpack, MiB"});
+  for (const json& row : dataset["rows"]) {
+    table.row({row["codec"], row["setting"], milliseconds(row["encode_ms"]),
+               milliseconds(row["decode_ms"]), milliseconds(row["svo_ms"]),
+               millimetres(row["d1_rms"]), fmt::format("{:.0f}", number(row["pack_mib"])),
+               fmt::format("{:.0f}", number(row["unpack_mib"]))});
+  }
+  return table.text();
+}
+
+std::string codecs(const json& datasets) {
+  std::string out;
+  for (const json& dataset : datasets) {
+    out += fmt::format(
+        "### {}\n\n{} poses, {} points a pose; PSNR with the peak of {} bits; the cube's edge is "
+        "{:.3f} m.\n\n",
+        dataset["dataset"].get<std::string>(), dataset["poses"].get<int>(),
+        whole(dataset["points"]), dataset["peak_bits"].get<int>(), number(dataset["edge"]));
+    out += sizes_and_errors(dataset) + speed_and_memory(dataset);
+    for (const json& end : dataset["noise_ends"]) {
+      out += fmt::format(
+          "- {}: finer than {} buys nothing: there the mean distance to the true "
+          "surface is {} mm, the source's own {} mm.\n",
+          end["codec"].get<std::string>(), end["setting"].get<std::string>(),
+          millimetres(end["mean"]), millimetres(dataset["truth"]["mean"]));
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string stability(const json& checks) {
+  Table table({"stage", "case", "required", "measured", ""});
+  for (const json& check : checks) {
+    table.row({check["stage"], check["subject"], check["required"], check["outcome"],
+               check["passed"].get<bool>() ? "holds" : "**fails**"});
+  }
+  return table.text();
+}
+
+std::string bars(const json& list) {
+  Table table({"bar", "value", "limit", ""});
+  for (const json& bar : list) {
+    table.row({bar["name"],
+               fmt::format("{:.4g} {}", number(bar["value"]), bar["unit"].get<std::string>()),
+               fmt::format("{:g}", number(bar["limit"])),
+               bar["holds"].get<bool>() ? "holds" : "**fails**"});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string to_markdown(const json& report) {
+  const json& machine = report["machine"];
+  std::string out = fmt::format(
+      "# Speed against error\n\n"
+      "Written by `pointreel-bench report{}` at commit {} in {:.0f} s.\n"
+      "Machine: {}, {} threads; {}, {} build. Times are medians (least to most) of one thread, in "
+      "milliseconds;\nsizes are bits of a source point, headers included. Errors are those of "
+      "MPEG's pc_error: D1 from point to point,\nD2 from point to plane, the worse of the two "
+      "directions.\n\n",
+      report["quick"].get<bool>() ? " --quick" : "", machine["commit"].get<std::string>(),
+      number(report["seconds"]), machine["processor"].get<std::string>(),
+      machine["cores"].get<int>(), machine["compiler"].get<std::string>(),
+      machine["build"].get<std::string>());
+  out +=
+      "## Size against the distance to the true surface\n\n"
+      "![Size against distance to truth](size_truth.svg)\n\n"
+      "The dashed line is the source's own distance to the surface that was scanned. Where a "
+      "curve meets it, finer\ncoding only keeps the scanner's noise.\n\n"
+      "## Size against the distance to the source\n\n![Size against D1](size_d1.svg)\n\n"
+      "## Speed against error\n\n![Encoding time against D1](encode_d1.svg)\n\n"
+      "![Decoding time against D1](decode_d1.svg)\n\n"
+      "## Points a pose (paper 2, Table I)\n\n" +
+      points_a_pose(report["structure"]) + "## Octrees (paper 2, Table III)\n\n" +
+      octree_structure(report["structure"]) +
+      "Times of this machine. The ratio is that of the recursive build to ours in the same run: "
+      "it is what can be\ncompared. The paper's own times were taken in 2012 on an Intel Core "
+      "i5-2540M at 2.6 GHz and stand here for\nreference only.\n\n" +
+      octree_times(report["structure"]) +
+      "## Codecs\n\nColours and normals are compared with those of the nearest source point; "
+      "bits of colours and normals\ncount their headers. \"To SVO\" is from the encoded bytes to "
+      "a tree that can be traversed. Memory is the peak of\n`pointreel-server pack` and "
+      "`unpack` on one thread.\n\n" +
+      codecs(report["codecs"]) + "## Numerical stability\n\n" + stability(report["stability"]) +
+      "## Bars\n\n" + bars(report["bars"]);
+  return out;
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.h"
+#include "tests/bench/report/datasets.h"
+#include "tests/bench/report/settings.h"
+
+namespace pointreel::bench {
+
+/// Sizes, errors and times of one sequence under every setting, means over the poses and, for
+/// times, medians over all runs of all poses: one row for each setting. Distances are in metres,
+/// of the clouds as they were scanned. `done` is called after each setting of each pose.
+Result<nlohmann::json> measure_rates(const Dataset& dataset, const std::vector<int>& poses,
+                                     const std::vector<Setting>& settings, int runs,
+                                     const std::function<void()>& done);
+
+}  // namespace pointreel::bench

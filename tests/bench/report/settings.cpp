@@ -1,0 +1,50 @@
+#include "tests/bench/report/settings.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pointreel::bench {
+namespace {
+
+constexpr int kLeastBits = 8;
+constexpr int kEffortBits = 10;
+
+Setting octree(Entropy entropy, int depth) {
+  return {fmt::format("octree {}", name(entropy)),
+          fmt::format("depth {}", depth),
+          depth,
+          true,
+          {OctreeOptions{entropy, DepthRule::fixed(depth)}},
+          {"--codec", "octree", "--entropy", name(entropy), "--depth", std::to_string(depth)}};
+}
+
+Setting draco(int bits, int level, bool on_curve) {
+  DracoOptions options;
+  options.position_bits = bits;
+  options.compression_level = level;
+  return {
+      "draco",   on_curve ? fmt::format("qp {}", bits) : fmt::format("qp {}, cl {}", bits, level),
+      bits,      on_curve,
+      {options}, {"--codec", "draco", "--qp", std::to_string(bits), "--cl", std::to_string(level)}};
+}
+
+}  // namespace
+
+std::vector<Setting> report_settings(int max_bits) {
+  std::vector<Setting> settings;
+  for (const Entropy entropy : {Entropy::none, Entropy::zstd}) {
+    for (int depth = kLeastBits; depth <= max_bits; ++depth) {
+      settings.push_back(octree(entropy, depth));
+    }
+  }
+  const int usual = DracoOptions{}.compression_level;
+  for (int bits = kLeastBits; bits <= max_bits; ++bits)
+    settings.push_back(draco(bits, usual, true));
+  for (const int level : {0, 10}) {
+    settings.push_back(draco(std::min(kEffortBits, max_bits), level, false));
+  }
+  return settings;
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,101 @@
+// The report as a user makes it, with few figures: complete, readable, and true to what it says of
+// itself. No speed decides anything here.
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/e2e/process.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Report : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::path(testing::TempDir()) / "pointreel_report";
+    fs::remove_all(folder_);
+    outcome_ = run("pointreel-bench", {"report", "--quick", "-o", folder_}, 600);
+    report_ = json::parse(read(folder_ / "report.json"), nullptr, false);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static inline fs::path folder_;
+  static inline Outcome outcome_;
+  static inline json report_;
+};
+
+TEST_F(Report, is_written_with_every_dataset_and_codec) {
+  ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
+  ASSERT_TRUE(report_.is_object());
+  EXPECT_EQ(report_["structure"].size(), 5u);
+  ASSERT_EQ(report_["codecs"].size(), 6u);
+  for (const json& dataset : report_["codecs"]) {
+    std::set<std::string> codecs;
+    for (const json& row : dataset["rows"]) {
+      codecs.insert(row["codec"]);
+      EXPECT_GT(row["bits"]["all"], 0.0);
+      EXPECT_GT(row["pack_mib"], 1.0);
+      EXPECT_GT(row["truth"]["mean"], 0.0);
+      EXPECT_GE(row["max_cells"], 0.0);
+      EXPECT_LE(row["max_cells"], 0.9);  // half the diagonal of a cell, and rounding
+    }
+    EXPECT_GE(codecs.size(), 3u);
+  }
+}
+
+TEST_F(Report, says_less_error_for_more_bits) {
+  ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
+  for (const json& dataset : report_["codecs"]) {
+    const json* coarser = nullptr;
+    for (const json& row : dataset["rows"]) {
+      if (coarser != nullptr && (*coarser)["codec"] == row["codec"]) {
+        EXPECT_GT(row["bits"]["geometry"], (*coarser)["bits"]["geometry"]);
+        EXPECT_LT(row["d1_rms"], (*coarser)["d1_rms"]);
+      }
+      coarser = &row;
+    }
+  }
+}
+
+TEST_F(Report, holds_all_stability_checks) {
+  ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
+  EXPECT_GT(report_["stability"].size(), 30u);
+  for (const json& check : report_["stability"]) {
+    EXPECT_TRUE(check["passed"]) << check.dump();
+  }
+}
+
+TEST_F(Report, shows_its_plots_and_chapters) {
+  ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
+  const std::string text = read(folder_ / "report.md");
+  for (const char* chapter : {"Table I", "Table III", "Codecs", "Numerical stability", "Bars"}) {
+    EXPECT_NE(text.find(chapter), std::string::npos) << chapter;
+  }
+  int plots = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    if (entry.path().extension() != ".svg") continue;
+    ++plots;
+    const std::string svg = read(entry.path());
+    EXPECT_NE(svg.find("prefers-color-scheme: dark"), std::string::npos) << entry.path();
+    EXPECT_NE(svg.find("</svg>"), std::string::npos) << entry.path();
+    EXPECT_NE(text.find("](" + entry.path().filename().string() + ")"), std::string::npos);
+  }
+  EXPECT_EQ(plots, 4);
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

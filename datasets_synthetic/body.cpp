@@ -48,9 +48,15 @@ class Builder {
     return add(bone, material, RoundCone{place(bone, a), place(bone, b), radius_a, radius_b});
   }
   std::uint16_t ellipsoid(Bone bone, Material material, const glm::dvec3& center,
-                          const glm::dvec3& radii) {
-    return add(bone, material,
-               Ellipsoid{place(bone, center), body_.frames[index(bone)].axes, radii});
+                          const glm::dvec3& radii, const Turn& turn = {}) {
+    return add(
+        bone, material,
+        Ellipsoid{place(bone, center), body_.frames[index(bone)].axes * rotation(turn), radii});
+  }
+  std::uint16_t disc(Bone bone, Material material, const glm::dvec3& center, double radius,
+                     double thickness, const Turn& tilt) {
+    const glm::dvec3 axis = body_.frames[index(bone)].axes * rotation(tilt)[1];
+    return add(bone, material, Disc{place(bone, center), axis, radius, thickness});
   }
   void blend(std::uint16_t first, std::uint16_t second, double radius) {
     body_.surface.blends.push_back({first, second, radius});
@@ -69,9 +75,52 @@ class Builder {
   Body& body_;
 };
 
-struct Trunk {
-  std::uint16_t pelvis, chest, shoulders;
+/// A fold of cloth around a limb.
+struct Fold {
+  glm::dvec3 center;
+  double radius;  ///< to its outermost
+  Turn tilt;
 };
+
+void add_fold(Builder& b, Bone bone, Material material, std::uint16_t around, const Fold& fold) {
+  constexpr double kThickness = 0.0065;
+  const auto disc =
+      b.disc(bone, material, fold.center, fold.radius - kThickness, kThickness, fold.tilt);
+  b.blend(around, disc, 0.014);
+}
+
+struct Trunk {
+  std::uint16_t pelvis, abdomen, chest, shoulders;
+};
+
+/// The shirt's hem, its folds at the waist and from the armpits, and the collar.
+void add_shirt(Builder& b, const Trunk& trunk) {
+  const auto hem = b.ellipsoid(Bone::pelvis, Material::shirt, {0, 1.048, -0.003},
+                               {0.149, 0.017, 0.109}, {0.04, 0.03, 0});
+  b.blend(trunk.pelvis, hem, 0.008);
+  b.blend(trunk.abdomen, hem, 0.02);
+  struct Waist {
+    glm::dvec3 center, radii;
+    Turn tilt;
+  };
+  for (const Waist& fold : {Waist{{0, 1.098, 0}, {0.1465, 0.014, 0.1075}, {0.06, 0.16, 0}},
+                            Waist{{0, 1.143, 0}, {0.1475, 0.013, 0.108}, {-0.08, -0.13, 0}},
+                            Waist{{0, 1.192, -0.002}, {0.148, 0.013, 0.1075}, {0.1, 0.09, 0}}}) {
+    b.blend(trunk.abdomen,
+            b.ellipsoid(Bone::abdomen, Material::shirt, fold.center, fold.radii, fold.tilt), 0.014);
+  }
+  for (const double side : {1.0, -1.0}) {
+    const auto front = b.cone(Bone::chest, Material::shirt, {side * 0.122, 1.355, 0.062}, 0.009,
+                              {side * 0.045, 1.225, 0.0875}, 0.006);
+    const auto back = b.cone(Bone::chest, Material::shirt, {side * 0.118, 1.36, -0.075}, 0.01,
+                             {side * 0.075, 1.2, -0.087}, 0.007);
+    b.blend(trunk.chest, front, 0.02);
+    b.blend(trunk.chest, back, 0.022);
+  }
+  const auto collar =
+      b.disc(Bone::chest, Material::trim, {0, 1.447, -0.012}, 0.064, 0.009, {0.2, 0, 0});
+  b.blend(trunk.shoulders, collar, 0.012);
+}
 
 Trunk add_trunk(Builder& b) {
   const auto pelvis =
@@ -107,7 +156,7 @@ Trunk add_trunk(Builder& b) {
         b.ellipsoid(Bone::head, Material::head, {side * 0.081, 1.628, 0.004}, {0.012, 0.032, 0.02});
     b.blend(skull, ear, 0.008);
   }
-  return {pelvis, chest, shoulders};
+  return {pelvis, abdomen, chest, shoulders};
 }
 
 void add_arm(Builder& b, const Trunk& trunk, const Pose& pose, bool left) {
@@ -127,6 +176,11 @@ void add_arm(Builder& b, const Trunk& trunk, const Pose& pose, bool left) {
   b.blend(upper, fore, 0.02);
   b.blend(fore, palm, 0.02);
   b.blend(palm, thumb, 0.012);
+  for (const Fold& fold : {Fold{{x, 1.237, z}, 0.0545, {0.06, side * 0.08, 0}},
+                           Fold{{x, 1.288, z}, 0.0535, {0.3, side * -0.2, 0}},
+                           Fold{{x, 1.34, z}, 0.0555, {-0.25, side * 0.25, 0}}}) {
+    add_fold(b, upper_bone, Material::sleeve, upper, fold);
+  }
   // Fingers of two bones, which curl towards the palm; nothing else needs their frames.
   const double curl = pose.curl[left ? 0 : 1];
   const auto direction = [side](double angle) {  // 0 is along the palm
@@ -172,6 +226,19 @@ void add_leg(Builder& b, const Trunk& trunk, bool left) {
   b.blend(shin, ankle, 0.012);
   b.blend(ankle, foot, 0.02);
   b.blend(foot, toes, 0.0);
+  for (const Fold& fold : {Fold{{x, 0.82, 0}, 0.0825, {0.4, side * 0.3, 0}},
+                           Fold{{x, 0.555, 0}, 0.0645, {-0.3, side * 0.1, 0}}}) {
+    add_fold(b, thigh_bone, Material::trousers, thigh, fold);
+  }
+  for (const Fold& fold : {Fold{{x, 0.45, 0}, 0.0595, {0.32, side * -0.12, 0}},
+                           Fold{{x, 0.222, -0.007}, 0.051, {-0.2, side * 0.2, 0}},
+                           Fold{{x, 0.172, -0.008}, 0.0505, {0.22, side * -0.1, 0}},
+                           Fold{{x, 0.132, -0.009}, 0.0525, {-0.06, 0, 0}}}) {
+    add_fold(b, shin_bone, Material::trousers, shin, fold);
+  }
+  const auto crease = b.cone(thigh_bone, Material::trousers, {x, 0.78, 0.071}, 0.008,
+                             {x + side * 0.01, 0.6, 0.0595}, 0.006);
+  b.blend(thigh, crease, 0.018);
 }
 
 Material material_of(Ball::Kind kind) {
@@ -201,87 +268,6 @@ void add_bat(Builder& b) {
   b.blend(knob, handle, 0.01);
   b.blend(handle, taper, 0.02);
   b.blend(taper, barrel, 0.03);
-}
-
-constexpr glm::u8vec3 kSkin{224, 172, 138}, kHair{58, 38, 26}, kEye{40, 60, 90}, kLip{176, 84, 80},
-    kWhite{238, 236, 228}, kTeal{24, 132, 140}, kRed{196, 48, 44}, kNavy{40, 56, 110},
-    kYellow{248, 204, 40}, kDenim{52, 74, 118}, kBelt{70, 44, 28}, kShoe{36, 36, 40},
-    kSoleWhite{220, 220, 216};
-
-bool in_ellipse(double x, double y, double rx, double ry) {
-  return (x / rx) * (x / rx) + (y / ry) * (y / ry) <= 1.0;
-}
-
-glm::u8vec3 face(const glm::dvec3& q) {
-  if (q.z > 0.06) {
-    if (in_ellipse(std::abs(q.x) - 0.031, q.y - 1.648, 0.013, 0.007)) {
-      return in_ellipse(std::abs(q.x) - 0.031, q.y - 1.648, 0.006, 0.007) ? kEye : kWhite;
-    }
-    if (in_ellipse(std::abs(q.x) - 0.031, q.y - 1.667, 0.018, 0.004)) return kHair;  // brows
-    if (in_ellipse(q.x, q.y - 1.582, 0.024, 0.007)) return kLip;
-  }
-  return kSkin;
-}
-
-/// Stripes on the figure's left, plain on its right; a disc on the left of the front, a slanting
-/// bar on the right of the back.
-glm::u8vec3 shirt(const glm::dvec3& q) {
-  if (q.y > 1.415 && in_ellipse(q.x, q.z + 0.015, 0.078, 0.075)) return kSkin;  // the neckline
-  if (q.z > 0.0 && in_ellipse(q.x - 0.075, q.y - 1.33, 0.036, 0.036)) return kYellow;
-  if (q.z < 0.0 && q.x < -0.02 && std::abs(q.y - 1.25 - 1.2 * (q.x + 0.08)) < 0.035) {
-    return kYellow;
-  }
-  if (q.x <= 0.0) return kNavy;
-  const double stripe = q.y / 0.06;
-  return stripe - std::floor(stripe) < 0.5 ? kTeal : kWhite;
-}
-
-bool in_band(double x, double half) { return std::abs(x) < half; }
-
-/// A truncated icosahedron: the face that the direction leaves through.
-glm::u8vec3 soccer_ball(const glm::dvec3& n) {
-  constexpr double kGolden = 1.6180339887498949, kPentagon = 2.32744, kHexagon = 2.26728;
-  const double vertex_length = std::sqrt(1.0 + kGolden * kGolden), face_length = std::sqrt(3.0);
-  const glm::dvec3 a = glm::abs(n);
-  double pentagon = 0.0, first = 0.0, second = 0.0;
-  const auto face = [&](double along, double height) {
-    const double exit = along / height;
-    second = std::max(second, std::min(first, exit));
-    first = std::max(first, exit);
-    return exit;
-  };
-  for (int i = 0; i < 3; ++i) {
-    const double x = a[i], y = a[(i + 1) % 3], z = a[(i + 2) % 3];
-    // Icosahedron's corners (0, 1, golden) and two kinds of corners of the dodecahedron; those of
-    // the other signs are no nearer than the one across the plane, which only a seam could see.
-    pentagon = std::max(pentagon, face((x + kGolden * y) / vertex_length, kPentagon));
-    pentagon = std::max(pentagon, face((kGolden * y - x) / vertex_length, kPentagon));
-    face((y / kGolden + kGolden * z) / face_length, kHexagon);
-    face((kGolden * z - y / kGolden) / face_length, kHexagon);
-  }
-  face((a.x + a.y + a.z) / face_length, kHexagon);
-  if (pentagon >= first) return {28, 28, 30};
-  return first - second < 0.006 ? glm::u8vec3{120, 120, 118} : kWhite;
-}
-
-/// Two great circles and two arcs, as the eight panels of a basketball meet.
-glm::u8vec3 basketball(const glm::dvec3& n) {
-  constexpr double kSeam = 0.028;
-  const bool seam = in_band(n.x, kSeam) || in_band(n.y, kSeam) ||
-                    in_band(std::abs(n.x) - 0.45 - 0.32 * n.y * n.y, kSeam);
-  return seam ? glm::u8vec3{34, 26, 24} : glm::u8vec3{206, 98, 42};
-}
-
-/// The seam y^2 - x^2 = k z divides the ball in two halves of the same shape.
-glm::u8vec3 baseball(const glm::dvec3& n) {
-  return in_band(n.y * n.y - n.x * n.x - 0.45 * n.z, 0.1) ? kRed : kWhite;
-}
-
-glm::u8vec3 bat(const glm::dvec3& q) {
-  if (q.y < 0.28) return {44, 40, 40};                       // the grip's tape
-  if (q.y > 0.56 && q.y < 0.6) return {120, 40, 32};         // a ring
-  const double ring = q.y * 3.0 + 40.0 * q.x * (1.0 + q.z);  // the grain
-  return ring - std::floor(ring) < 0.3 ? glm::u8vec3{196, 150, 92} : glm::u8vec3{214, 172, 112};
 }
 
 }  // namespace
@@ -337,6 +323,7 @@ Body pose_body(const Pose& pose) {
   body.frames = skeleton(pose);
   Builder builder(body);
   const Trunk trunk = add_trunk(builder);
+  add_shirt(builder, trunk);
   for (const bool left : {true, false}) {
     add_arm(builder, trunk, pose, left);
     add_leg(builder, trunk, left);
@@ -355,45 +342,6 @@ void stand_on_floor(Pose& pose) {
     box.grow(bounds(primitive));
   }
   pose.offset.y -= box.min.y;
-}
-
-glm::u8vec3 color_at(const Body& body, std::size_t primitive, const glm::dvec3& p) {
-  const Body::Part& part = body.parts[primitive];
-  const glm::dvec3 q = body.in_rest(primitive, p);
-  const bool left = q.x > 0.0;
-  switch (part.material) {
-    case Material::skin:
-      return kSkin;
-    case Material::head:
-      return face(q);
-    case Material::hair:
-      return kHair;
-    case Material::shirt:
-      return shirt(q);
-    case Material::pelvis:
-      if (q.y > 1.035) return shirt(q);
-      return q.y > 1.005 ? kBelt : kDenim;
-    case Material::sleeve:
-      if (q.y < 1.22) return kSkin;
-      if (q.y < 1.235) return kWhite;  // the hem
-      return left ? kRed : kNavy;
-    case Material::trousers:
-      if (q.y < 0.125) return kSkin;
-      // A stripe down the outside of the right leg.
-      return !left && q.x < -0.1 && std::abs(q.z) < 0.016 ? kWhite : kDenim;
-    case Material::shoe:
-      if (q.y < 0.016) return kSoleWhite;
-      return left ? kRed : kShoe;
-    case Material::soccer_ball:
-      return soccer_ball(q / radius(Ball::Kind::soccer));
-    case Material::basketball:
-      return basketball(q / radius(Ball::Kind::basketball));
-    case Material::baseball:
-      return baseball(q / radius(Ball::Kind::baseball));
-    case Material::bat:
-      return bat(q);
-  }
-  return kSkin;
 }
 
 }  // namespace pointreel

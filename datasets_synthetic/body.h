@@ -86,6 +86,7 @@ enum class Material {
   head,
   hair,
   shirt,
+  trim,
   pelvis,
   sleeve,
   trousers,

@@ -19,6 +19,7 @@ namespace {
 constexpr double kOnSurface = 1e-9;  // |value| of a point that counts as on the surface
 constexpr double kGain = 1e-8;       // a surface nearer by less than this is not looked for
 constexpr double kDeep = 0.004;      // inside by more than this, more is tried
+constexpr double kFar = 0.02;        // further away than this, so too
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double length(const glm::dvec3& v) { return std::sqrt(glm::dot(v, v)); }
@@ -114,7 +115,9 @@ class Search {
     auto nearest = nearest_on(number, begin, alone);
     // Inside, the other side of a limb may be as near.
     const bool deep = !outside_ && least_ > kDeep;
-    if (blend.first == blend.second || (alone && !deep)) return nearest;
+    // From further away than a fold is high, so may a fold beside the one found.
+    const bool far = least_ > kFar;
+    if (blend.first == blend.second || (alone && !deep && !far)) return nearest;
     double best = nearest ? length(p_ - *nearest) : kInfinity;
     const auto try_from = [&](const glm::dvec3& x) {
       const auto other = nearest_on(number, x, alone);

@@ -29,6 +29,12 @@ class RayPrimitive {
       axes_ = ellipsoid->axes;
       radii_ = ellipsoid->radii;
       squares_ = radii_ * radii_;
+    } else if (const auto* disc = std::get_if<Disc>(&primitive)) {
+      kind_ = Kind::disc;
+      a_ = disc->center;
+      u_ = disc->axis;
+      radius_a_ = disc->radius;
+      radius_b_ = disc->thickness;
     }
   }
 
@@ -37,6 +43,10 @@ class RayPrimitive {
     const glm::dvec3 d = p - a_;
     if (kind_ == Kind::ellipsoid) return along_ellipsoid(d, direction);
     if (kind_ == Kind::ball) return along_ball(d, direction, radius_a_);
+    if (kind_ == Kind::disc) {
+      const Distance at = at_disc(d);
+      return {at.value, glm::dot(at.gradient, direction)};
+    }
     const double x = glm::dot(d, u_);
     const double y = std::sqrt(std::max(glm::dot(d, d) - x * x, 0.0));
     const double place = x * cosine_ - y * sine_;
@@ -52,6 +62,7 @@ class RayPrimitive {
     const glm::dvec3 d = p - a_;
     if (kind_ == Kind::ellipsoid) return nearest_of_ellipsoid(d).distance;
     if (kind_ == Kind::ball) return std::sqrt(glm::dot(d, d)) - radius_a_;
+    if (kind_ == Kind::disc) return at_disc(d).value;
     const double x = glm::dot(d, u_);
     const double y = std::sqrt(std::max(glm::dot(d, d) - x * x, 0.0));
     const double place = x * cosine_ - y * sine_;
@@ -69,6 +80,7 @@ class RayPrimitive {
       return {nearest.distance, axes_ * nearest.normal};
     }
     if (kind_ == Kind::ball) return at_ball(d, radius_a_);
+    if (kind_ == Kind::disc) return at_disc(d);
     const double x = glm::dot(d, u_);
     const glm::dvec3 away = d - x * u_;
     const double y = std::sqrt(glm::dot(away, away));
@@ -80,7 +92,7 @@ class RayPrimitive {
   }
 
  private:
-  enum class Kind { ball, cone, ellipsoid };
+  enum class Kind { ball, cone, ellipsoid, disc };
 
   void prepare(const RoundCone& cone) {
     const glm::dvec3 axis = cone.b - cone.a;
@@ -107,6 +119,14 @@ class RayPrimitive {
   static Line along_ball(const glm::dvec3& d, const glm::dvec3& direction, double radius) {
     const double length = std::sqrt(glm::dot(d, d));
     return {length - radius, length > 0.0 ? glm::dot(d, direction) / length : 1.0};
+  }
+
+  /// As distance_to(Disc) in sdf.cpp.
+  Distance at_disc(const glm::dvec3& d) const {
+    const glm::dvec3 across = d - glm::dot(d, u_) * u_;
+    const double square = glm::dot(across, across);
+    const double share = square > radius_a_ * radius_a_ ? radius_a_ / std::sqrt(square) : 1.0;
+    return at_ball(d - share * across, radius_b_);
   }
 
   Line along_ellipsoid(const glm::dvec3& d, const glm::dvec3& direction) const {

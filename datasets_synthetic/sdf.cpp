@@ -21,6 +21,15 @@ Distance distance_to_ball(const glm::dvec3& center, double radius, const glm::dv
   return {length - radius, length > 0.0 ? d / length : glm::dvec3(0, 1, 0)};
 }
 
+/// At most the distance to an ellipsoid, for little: that to the box around it along the box's
+/// axes; of other primitives, which cost little themselves, nothing is known.
+double least_distance_to(const Primitive& primitive, const glm::dvec3& p) {
+  const auto* ellipsoid = std::get_if<Ellipsoid>(&primitive);
+  if (ellipsoid == nullptr) return -std::numeric_limits<double>::infinity();
+  const glm::dvec3 beyond = glm::abs((p - ellipsoid->center) * ellipsoid->axes) - ellipsoid->radii;
+  return std::max({beyond.x, beyond.y, beyond.z});
+}
+
 /// The distances from one point to primitives, each worked out once: several blends share one.
 class Memory {
  public:
@@ -29,6 +38,11 @@ class Memory {
   SurfaceDistance distance_to(const Blend& blend) {
     const Distance first = distance_to(blend.first);
     if (blend.first == blend.second) return {first, blend.first};
+    // Many folds are about one limb and few of them near: saves the evaluation of those that are
+    // too far to have a say.
+    if (least_distance_to(surface_.primitives[blend.second], p_) - first.value > blend.radius) {
+      return {first, blend.first};
+    }
     const Distance second = distance_to(blend.second);
     return {smooth_union(first, second, blend.radius),
             first.value <= second.value ? blend.first : blend.second};
@@ -114,10 +128,23 @@ Distance distance_to(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
   return {t < 0.0 ? -distance : distance, ellipsoid.axes * normal};
 }
 
+// The flat disc has no inside, so the distance to it tells all.
+Distance distance_to(const Disc& disc, const glm::dvec3& p) {
+  const glm::dvec3 from_center = p - disc.center;
+  const double height = glm::dot(from_center, disc.axis);
+  const glm::dvec3 across = from_center - height * disc.axis;
+  const double square = glm::dot(across, across);
+  const double share = square > disc.radius * disc.radius ? disc.radius / std::sqrt(square) : 1.0;
+  const glm::dvec3 away = from_center - share * across;
+  const double length = std::sqrt(glm::dot(away, away));
+  return {length - disc.thickness, length > 0.0 ? away / length : disc.axis};
+}
+
 Distance distance_to(const Primitive& primitive, const glm::dvec3& p) {
-  const auto* cone = std::get_if<RoundCone>(&primitive);  // faster than std::visit
-  return cone != nullptr ? distance_to(*cone, p)
-                         : distance_to(*std::get_if<Ellipsoid>(&primitive), p);
+  // Faster than std::visit.
+  if (const auto* cone = std::get_if<RoundCone>(&primitive)) return distance_to(*cone, p);
+  if (const auto* disc = std::get_if<Disc>(&primitive)) return distance_to(*disc, p);
+  return distance_to(*std::get_if<Ellipsoid>(&primitive), p);
 }
 
 Box bounds(const Primitive& primitive) {
@@ -137,6 +164,14 @@ Box bounds(const Primitive& primitive) {
     }
     box.grow(ellipsoid->center - reach);
     box.grow(ellipsoid->center + reach);
+  } else if (const auto* disc = std::get_if<Disc>(&primitive)) {
+    glm::dvec3 reach;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = disc->axis[axis];
+      reach[axis] = disc->radius * std::sqrt(std::max(0.0, 1.0 - a * a)) + disc->thickness;
+    }
+    box.grow(disc->center - reach);
+    box.grow(disc->center + reach);
   }
   return box;
 }

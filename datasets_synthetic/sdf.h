@@ -30,14 +30,23 @@ struct Ellipsoid {
   glm::dvec3 radii;
 };
 
+/// A flat disc with a round rim: all points at most `thickness` from the disc of `radius` at right
+/// angles to `axis` (unit length). Both > 0.
+struct Disc {
+  glm::dvec3 center;
+  glm::dvec3 axis;
+  double radius, thickness;
+};
+
 /// Every one of them is convex: ray casting (ray_cast.cpp) rests on that.
-using Primitive = std::variant<RoundCone, Ellipsoid>;
+using Primitive = std::variant<RoundCone, Ellipsoid, Disc>;
 
 /// Exact distance, inside and outside (to 1e-6 within a micrometre of an ellipsoid's centre). Where
 /// several surface points are nearest, the gradient is that of one of them; it always has unit
 /// length.
 Distance distance_to(const RoundCone& cone, const glm::dvec3& p);
 Distance distance_to(const Ellipsoid& ellipsoid, const glm::dvec3& p);
+Distance distance_to(const Disc& disc, const glm::dvec3& p);
 Distance distance_to(const Primitive& primitive, const glm::dvec3& p);
 
 /// Bounds of a primitive, exact.

@@ -85,8 +85,9 @@ TEST(Body, a_point_that_moves_with_its_bone_keeps_its_place_in_rest) {
   for (std::size_t i = 0; i < rest.surface.primitives.size(); ++i) {
     const auto center = [&](const Body& body) {
       const Primitive& primitive = body.surface.primitives[i];
-      const auto* cone = std::get_if<RoundCone>(&primitive);
-      return body.in_rest(i, cone != nullptr ? cone->a : std::get<Ellipsoid>(primitive).center);
+      if (const auto* cone = std::get_if<RoundCone>(&primitive)) return body.in_rest(i, cone->a);
+      if (const auto* disc = std::get_if<Disc>(&primitive)) return body.in_rest(i, disc->center);
+      return body.in_rest(i, std::get<Ellipsoid>(primitive).center);
     };
     EXPECT_LT(glm::length(center(rest) - center(moved)), 1e-9) << i;
   }
@@ -155,6 +156,15 @@ TEST(Body, is_one_closed_piece) {
     for (int i = 0; i < 20 * 20 * 20; ++i) {
       const glm::dvec3 part(i % 20, i / 20 % 20, i / 400);
       deepest = std::min(deepest, depth(box.min + (part + 0.5) / 20.0 * box.extent()));
+    }
+    if (const auto* disc = std::get_if<Disc>(&body.surface.primitives[blend.second])) {
+      const glm::dvec3 x = glm::normalize(glm::cross(disc->axis, glm::dvec3(0.3, 0.2, 1.0)));
+      const glm::dvec3 z = glm::cross(x, disc->axis);
+      for (int i = 0; i < 64; ++i) {
+        const glm::dvec3 out = std::cos(0.1 * i) * x + std::sin(0.1 * i) * z;
+        deepest =
+            std::min(deepest, depth(disc->center + (disc->radius - 0.9 * disc->thickness) * out));
+      }
     }
     EXPECT_LT(deepest, 0.0) << blend.first << " and " << blend.second;
   }

@@ -15,6 +15,7 @@
 #include "datasets_synthetic/motions/flight.h"
 #include "datasets_synthetic/motions/motions.h"
 #include "datasets_synthetic/motions/track.h"
+#include "datasets_synthetic/surface_grid.h"
 
 namespace pointreel {
 namespace {
@@ -245,6 +246,15 @@ TEST_P(EveryMotion, stays_within_the_scanned_volume) {
     const glm::dvec3 extent = bounds(pose_body(pose(number)).surface).extent();
     EXPECT_LT(std::max({extent.x, extent.y, extent.z}), 2.35) << number;
     EXPECT_GT(extent.y, 1.3) << number;
+  }
+}
+
+TEST_P(EveryMotion, has_few_enough_parts_to_be_sampled_fast) {
+  for (const int number : {0, motion().poses / 3, motion().poses / 2}) {
+    const Body body = pose_body(pose(number));
+    EXPECT_LE(body.surface.primitives.size(), 90u);
+    const auto grid = SurfaceGrid::build(body.surface);  // refuses too many in one place
+    EXPECT_TRUE(grid) << grid.error().message;
   }
 }
 

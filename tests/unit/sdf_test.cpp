@@ -81,6 +81,52 @@ glm::dvec3 finite_difference(const Function& value, const glm::dvec3& p) {
   return gradient;
 }
 
+Disc some_disc() { return {{0.05, 0.1, -0.02}, some_rotation()[1], 0.3, 0.06}; }
+
+TEST(Sdf, distance_to_a_disc_is_that_to_the_nearest_of_many_balls_on_it) {
+  Random random(6, 0);
+  const Disc disc = some_disc();
+  const glm::dvec3 x = unit(glm::cross(disc.axis, {0.2, 0.3, 1.0}));
+  const glm::dvec3 z = glm::cross(x, disc.axis);
+  constexpr int kSteps = 600;
+  for (int i = 0; i < 40; ++i) {
+    const glm::dvec3 p = disc.center + random_point(random, 0.45);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int j = 0; j <= kSteps; ++j) {
+      for (int k = 0; k < kSteps; ++k) {
+        const double around = kTurn * k / kSteps;
+        const glm::dvec3 out = std::cos(around) * x + std::sin(around) * z;
+        nearest = std::min(nearest, glm::length(p - disc.center - disc.radius * j / kSteps * out) -
+                                        disc.thickness);
+      }
+    }
+    const Distance at = distance_to(disc, p);
+    EXPECT_NEAR(at.value, nearest, 3e-4);  // the balls are up to 3 mm apart
+    EXPECT_NEAR(glm::length(at.gradient), 1.0, 1e-12);
+    EXPECT_NEAR(distance_to(disc, p - at.value * at.gradient).value, 0.0, 1e-12);
+  }
+  EXPECT_NEAR(distance_to(disc, disc.center).value, -disc.thickness, 1e-12);
+  EXPECT_NEAR(distance_to(disc, disc.center + 0.5 * x).value, 0.2 - disc.thickness, 1e-12);
+}
+
+TEST(Sdf, blends_with_ellipsoids_that_are_far_are_what_they_are_in_full) {
+  Random random(7, 0);
+  Surface surface;
+  surface.primitives = {some_cone(), some_ellipsoid()};
+  surface.blends = {{0, 1, 0.05}};
+  int far = 0;
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 p = random_point(random, 0.8);
+    const Distance cone = distance_to(surface.primitives[0], p);
+    const Distance ellipsoid = distance_to(surface.primitives[1], p);
+    const Distance full = smooth_union(cone, ellipsoid, 0.05);
+    EXPECT_EQ(distance_to(surface, p).distance.value, full.value);
+    EXPECT_EQ(distance_to(surface, p).distance.gradient, full.gradient);
+    far += ellipsoid.value - cone.value > 0.05;
+  }
+  EXPECT_GT(far, 50);
+}
+
 TEST(Sdf, distance_to_a_round_cone_is_that_of_all_its_balls) {
   Random random(1, 0);
   const RoundCone cone = some_cone();
@@ -174,6 +220,20 @@ TEST(Sdf, bounds_are_those_of_many_points_on_the_primitive) {
   const Box box = bounds(Primitive(ellipsoid));
   EXPECT_LT(glm::length(box.min - of_points.min), 1e-5);
   EXPECT_LT(glm::length(box.max - of_points.max), 1e-5);
+
+  Box of_disc;
+  const Disc disc = some_disc();
+  const glm::dvec3 x = unit(glm::cross(disc.axis, {0.2, 0.3, 1.0}));
+  const glm::dvec3 z = glm::cross(x, disc.axis);
+  for (int i = 0; i < 100000; ++i) {
+    const double around = kTurn * i / 100000;
+    const glm::dvec3 rim =
+        disc.center + disc.radius * (std::cos(around) * x + std::sin(around) * z);
+    of_disc.grow(rim - disc.thickness);
+    of_disc.grow(rim + disc.thickness);
+  }
+  EXPECT_LT(glm::length(bounds(Primitive(disc)).min - of_disc.min), 1e-6);
+  EXPECT_LT(glm::length(bounds(Primitive(disc)).max - of_disc.max), 1e-6);
 
   const Box cone = bounds(Primitive(RoundCone{{0, 1, 0}, {1, 1.5, 0}, 0.5, 0.25}));
   EXPECT_EQ(cone.min, glm::dvec3(-0.5, 0.5, -0.5));

@@ -42,8 +42,9 @@ std::vector<std::string> warnings_of(const SanitizeReport& report) {
                                        ? std::string("1 point has")
                                        : fmt::format("{} points have", report.unknown_normals)));
   }
-  if (const std::size_t bad = report.unknown_radii + report.capped_radii; bad > 0) {
-    warnings.push_back(fmt::format("replaced {}", count(bad, "unusable radius value")));
+  if (report.unknown_radii > 0) {
+    warnings.push_back(
+        fmt::format("replaced {}", count(report.unknown_radii, "unusable radius value")));
   }
   return warnings;
 }

@@ -134,10 +134,6 @@ void add_drawing(std::vector<HardCase>& cases) {
   add(list, "depth", "thin_plate.ply", "Two sheets 1e-4 apart that face away from each other",
       with_normal(positions(plate),
                   [half](std::size_t row) { return glm::dvec3(0, 0, row < half ? -1 : 1); }));
-  PlyTable range = ball(2000);
-  const PlyTable far = ball(2000, {0, 0, -1e5});
-  range.rows.insert(range.rows.end(), far.rows.begin(), far.rows.end());
-  add(list, "depth", "far_and_near.ply", "A ball of 1 unit and another 1e5 units behind it", range);
   std::vector<glm::dvec3> circle;
   for (const auto& [x, y] : {std::pair{3, 4}, {4, 3}, {5, 0}, {0, 5}}) {
     for (const int sx : {-1, 1}) {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <string>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "codec/octree/chunk_payload.h"
+#include "codec/octree/color_coder.h"
 #include "codec/octree/leaf_attributes.h"
 
 namespace pointreel {
@@ -81,6 +83,30 @@ class AttributeDecoder {
   Codes codes_;
 };
 
+/// Decodes transformed colours of the layers that are there, from the base to the first that lacks
+/// them: those of the last level, or none if the base lacks them.
+Result<std::vector<glm::u16vec3>> decode_transformed_colors(const Svo& svo,
+                                                            const std::vector<LayerView>& layers,
+                                                            const std::vector<int>& last_levels,
+                                                            FrameTag tag) {
+  if (layers.front().colors.empty()) return std::vector<glm::u16vec3>{};
+  ColorDecoder decoder(svo);
+  for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
+    const ByteView bytes = layers[layer].colors;
+    if (bytes.empty()) break;
+    const auto chunk = read_chunk(bytes, ChunkKind::colors, static_cast<std::uint8_t>(layer), tag);
+    if (!chunk) return tl::unexpected(chunk.error());
+    if (chunk->header.entropy != Entropy::none || chunk->header.raw_size != chunk->payload.size() ||
+        chunk->header.last_level != last_levels[layer]) {
+      return fail("chunk header has a field out of range");
+    }
+    const auto decoded = decoder.decode_layer(chunk->payload, last_levels[layer]);
+    if (!decoded) return tl::unexpected(decoded.error());
+  }
+  decoder.inherit(last_levels.back());
+  return decoder.colors(last_levels.back());
+}
+
 /// Appends one layer's masks to the tree. `level_nodes` is the number of nodes at the level where
 /// the layer begins, and becomes that of the level where it ends.
 Result<void> decode_masks(const ParsedChunk& chunk, const FrameHeader& header, int first_level,
@@ -152,6 +178,9 @@ int layer_count(int depth) {
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
                                    const OctreeOptions& options, bool normals, bool colors) {
   if (cloud.size() >= std::size_t{1} << 31) return fail("a frame holds fewer than 2^31 points");
+  if (options.color_quality < 1 || options.color_quality > kLosslessColorQuality) {
+    return fail("the quality of colours is 1 to 100");
+  }
   if (!is_codable(cube)) return fail("the edge of the cube is not between 1e-30 and 1e30");
   const auto points = sort_to_depth(cloud, cube, options.depth);
   if (!points) return tl::unexpected(points.error());
@@ -162,15 +191,12 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   frame.depth = static_cast<std::uint8_t>(svo.depth);
   frame.has_colors = colors && cloud.has_colors();
   frame.has_normals = normals && cloud.has_normals();
-  frame.colors_16_bit = frame.has_colors && !colors_fit_8_bits(cloud);
+  frame.colors_transformed = frame.has_colors && options.color_quality < kLosslessColorQuality;
+  frame.colors_16_bit = frame.has_colors && !frame.colors_transformed && !colors_fit_8_bits(cloud);
   frame.layers = static_cast<std::uint8_t>(layer_count(svo.depth));
   frame.source_points = static_cast<std::uint32_t>(cloud.size());
   frame.coded_points = svo.leaf_count();
   frame.cube = cube;
-  NodeAttributes attributes;
-  if (frame.has_colors || frame.has_normals) {
-    attributes = mean_attributes(svo, cloud, points->sorted);
-  }
 
   EncodedFrame encoded;
   encoded.source_points = frame.source_points;
@@ -179,6 +205,19 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   encoded.layers.resize(frame.layers);
   const FrameTag tag = tag_of(svo);
   const CodeShape shape = color_shape(frame);
+  std::vector<glm::u16vec3> colors_of_nodes;
+  std::optional<ColorEncoder> color_transform;
+  if (frame.colors_transformed) {
+    std::vector<int> ends;
+    for (int layer = 0; layer < frame.layers; ++layer) {
+      ends.push_back(last_level_of_layer(layer, svo.depth));
+    }
+    color_transform.emplace(svo, mean_leaf_colors(svo, cloud, points->sorted), ends);
+  } else if (frame.has_colors) {
+    colors_of_nodes = mean_colors(svo, cloud, points->sorted);
+  }
+  std::vector<glm::i16vec3> normals_of_nodes;
+  if (frame.has_normals) normals_of_nodes = mean_normals(svo, cloud, points->sorted);
   AttributeEncoder color_encoder(ChunkKind::colors, shape);
   AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
   int first_level = 0;
@@ -193,14 +232,20 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
     pack_chunk(header, tag, ByteView(svo.masks).subspan(begin, end - begin), out.geometry);
 
     const std::size_t count = svo.node_count(last_level);
-    if (frame.has_colors) {
-      const glm::u16vec3* values = attributes.colors.data() + end;
-      color_encoder.encode_layer(svo, color_codes(values, count, shape.bits), header, tag,
-                                 out.colors);
+    if (color_transform) {
+      const ColorSteps steps = layer_steps(color_steps(options.color_quality), svo.leaf_count(),
+                                           static_cast<std::uint32_t>(count));
+      ChunkHeader color_header = header;
+      color_header.kind = ChunkKind::colors;
+      color_header.entropy = Entropy::none;
+      pack_chunk(color_header, tag, color_transform->encode_layer(steps), out.colors);
+    } else if (frame.has_colors) {
+      color_encoder.encode_layer(svo, color_codes(colors_of_nodes.data() + end, count, shape.bits),
+                                 header, tag, out.colors);
     }
     if (frame.has_normals) {
-      const glm::i16vec3* values = attributes.normals.data() + end;
-      normal_encoder.encode_layer(svo, normal_codes(values, count), header, tag, out.normals);
+      normal_encoder.encode_layer(svo, normal_codes(normals_of_nodes.data() + end, count), header,
+                                  tag, out.normals);
     }
     first_level = last_level;
   }
@@ -215,7 +260,8 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   const FrameHeader& header = parsed->header;
   if (header.codec != Codec::octree) return fail("not an octree frame");
   if (header.layers != layer_count(header.depth) ||
-      (header.coded_points == 0 && header.depth != 0)) {
+      (header.coded_points == 0 && header.depth != 0) ||
+      (header.colors_transformed && (!header.has_colors || header.colors_16_bit))) {
     return fail("frame header has a field out of range");
   }
   if (header.coded_points > limits.max_points) {
@@ -229,11 +275,16 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   const auto last_levels = decode_geometry(layers, *parsed, frame.svo);
   if (!last_levels) return tl::unexpected(last_levels.error());
 
+  if (header.colors_transformed) {
+    auto colors = decode_transformed_colors(frame.svo, layers, *last_levels, parsed->tag);
+    if (!colors) return fail_at("colors", colors.error());
+    frame.colors = std::move(*colors);
+  }
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
   AttributeDecoder normals(ChunkKind::normals, kNormalShape);
   for (std::size_t layer = 0; layer < last_levels->size(); ++layer) {
     const int number = static_cast<int>(layer), level = (*last_levels)[layer];
-    if (header.has_colors) {
+    if (header.has_colors && !header.colors_transformed) {
       const auto done =
           colors.decode_layer(frame.svo, layers[layer].colors, number, level, parsed->tag);
       if (!done) return fail_at("colors", done.error());
@@ -244,7 +295,9 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
       if (!done) return fail_at("normals", done.error());
     }
   }
-  frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
+  if (!header.colors_transformed) {
+    frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
+  }
   frame.normals = normals_from_codes(normals.codes());
   return frame;
 }

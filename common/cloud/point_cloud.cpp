@@ -26,29 +26,27 @@ void resize(PointCloud& cloud, std::size_t n) {
   if (radii) cloud.radii.resize(n);
 }
 
-void mend_radii(std::vector<float>& radii, SanitizeReport& report) {
+/// Zeroes unusable radii; returns how many.
+std::size_t clear_unusable(std::vector<float>& radii) {
   std::vector<float> usable;
+  for (const float r : radii) {
+    if (std::isfinite(r) && r > 0.0f) usable.push_back(r);
+  }
+  float cap = 0.0f;
+  if (!usable.empty()) {
+    const auto nth =
+        usable.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(usable.size() - 1));
+    std::nth_element(usable.begin(), nth, usable.end());
+    cap = 4.0f * *nth;
+  }
+  std::size_t unusable = 0;
   for (float& r : radii) {
-    if (std::isfinite(r) && r > 0.0f) {
-      usable.push_back(r);
-    } else {
-      r = 0.0f;
-      ++report.unknown_radii;
-    }
+    if (r > 0.0f && r <= cap) continue;  // false for NaN
+    r = 0.0f;
+    ++unusable;
   }
-  if (usable.empty()) {
-    radii.clear();
-    return;
-  }
-  const auto nth =
-      usable.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(usable.size() - 1));
-  std::nth_element(usable.begin(), nth, usable.end());
-  const float cap = 4.0f * *nth;
-  for (float& r : radii) {
-    if (r <= cap) continue;
-    r = cap;
-    ++report.capped_radii;
-  }
+  if (unusable == radii.size()) radii.clear();
+  return unusable;
 }
 
 }  // namespace
@@ -90,7 +88,7 @@ SanitizeReport sanitize(PointCloud& cloud) {
       ++report.unknown_normals;
     }
   }
-  mend_radii(cloud.radii, report);
+  report.unknown_radii = clear_unusable(cloud.radii);
   return report;
 }
 

@@ -41,19 +41,16 @@ bool colors_fit_8_bits(const PointCloud& cloud);
 struct SanitizeReport {
   std::size_t dropped_positions = 0;  ///< points with a NaN or infinite coordinate, removed
   std::size_t unknown_normals = 0;    ///< zero, NaN or infinite normals, set to zero
-  std::size_t unknown_radii = 0;      ///< zero, negative, NaN or infinite radii, set to zero
-  std::size_t capped_radii = 0;       ///< radii beyond the cap, set to it
+  std::size_t unknown_radii = 0;      ///< zero, negative, NaN or far too large radii, set to zero
 
-  bool clean() const {
-    return dropped_positions + unknown_normals + unknown_radii + capped_radii == 0;
-  }
+  bool clean() const { return dropped_positions + unknown_normals + unknown_radii == 0; }
 };
 
 /// Makes a cloud that came from outside fit for use: drops points that have no finite position
 /// (they must never reach a bounding box), normalises normals and zeroes those that have no
-/// direction, zeroes unusable radii (`estimate_unknown_radii` takes them from the neighbours) and
-/// caps the rest at four times their 99th percentile. If no radius is usable, the attribute is
-/// removed.
+/// direction, and zeroes unusable radii, those beyond four times the 99th percentile of the others
+/// included (`estimate_unknown_radii` takes them from the neighbours). If no radius is usable, the
+/// attribute is removed.
 SanitizeReport sanitize(PointCloud& cloud);
 
 }  // namespace pointreel

@@ -39,20 +39,27 @@ glm::u16vec3 mean(const glm::i64vec3& sum, std::uint32_t count) {
 
 /// Fills the leaves of a tree from the points in each. Get gives a point's value as a Sum.
 template <class Sum, class Value, class Get, class Average>
-void fill_leaves(const Svo& svo, const SortedPoints& sorted, std::vector<Value>& values, Get get,
+void fill_leaves(const Svo& svo, const SortedPoints& sorted, Value* leaf, Get get,
                  Average average) {
   const int shift = 3 * (sorted.levels - svo.depth);
   const KeyIndex* point = sorted.points.data();
   const KeyIndex* const end = point + sorted.points.size();
-  for (std::size_t leaf = svo.internal_count(); point < end; ++leaf) {
+  for (; point < end; ++leaf) {
     const std::uint64_t key = point->key >> shift;
     Sum sum = get(point->index);
     std::uint32_t count = 1;
     for (++point; point < end && point->key >> shift == key; ++point, ++count) {
       sum += get(point->index);
     }
-    values[leaf] = average(sum, count);
+    *leaf = average(sum, count);
   }
+}
+
+void fill_leaf_colors(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted,
+                      glm::u16vec3* leaf) {
+  fill_leaves<glm::i64vec3>(
+      svo, sorted, leaf, [&](std::uint32_t point) { return glm::i64vec3(cloud.colors[point]); },
+      mean);
 }
 
 /// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
@@ -93,31 +100,39 @@ void fill_inner(const Svo& svo, std::vector<Value>& values, Average average) {
   }
 }
 
-void fill_inner(const Svo& svo, NodeAttributes& attributes) {
-  if (!attributes.colors.empty()) fill_inner<glm::i64vec3>(svo, attributes.colors, mean);
-  if (!attributes.normals.empty())
-    fill_inner<glm::i64vec3>(svo, attributes.normals, mean_direction);
+}  // namespace
+
+std::vector<glm::u16vec3> mean_colors(const Svo& svo, const PointCloud& cloud,
+                                      const SortedPoints& sorted) {
+  std::vector<glm::u16vec3> colors(svo.node_count());
+  fill_leaf_colors(svo, cloud, sorted, colors.data() + svo.internal_count());
+  fill_inner<glm::i64vec3>(svo, colors, mean);
+  return colors;
 }
 
-}  // namespace
+std::vector<glm::i16vec3> mean_normals(const Svo& svo, const PointCloud& cloud,
+                                       const SortedPoints& sorted) {
+  std::vector<glm::i16vec3> normals(svo.node_count());
+  fill_leaves<glm::i64vec3>(
+      svo, sorted, normals.data() + svo.internal_count(),
+      [&](std::uint32_t point) { return fixed_point(cloud.normals[point]); }, mean_direction);
+  fill_inner<glm::i64vec3>(svo, normals, mean_direction);
+  return normals;
+}
 
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud,
                                const SortedPoints& sorted) {
   NodeAttributes attributes;
-  if (cloud.has_colors()) {
-    attributes.colors.resize(svo.node_count());
-    fill_leaves<glm::i64vec3>(
-        svo, sorted, attributes.colors,
-        [&](std::uint32_t point) { return glm::i64vec3(cloud.colors[point]); }, mean);
-  }
-  if (cloud.has_normals()) {
-    attributes.normals.resize(svo.node_count());
-    fill_leaves<glm::i64vec3>(
-        svo, sorted, attributes.normals,
-        [&](std::uint32_t point) { return fixed_point(cloud.normals[point]); }, mean_direction);
-  }
-  fill_inner(svo, attributes);
+  if (cloud.has_colors()) attributes.colors = mean_colors(svo, cloud, sorted);
+  if (cloud.has_normals()) attributes.normals = mean_normals(svo, cloud, sorted);
   return attributes;
+}
+
+std::vector<glm::u16vec3> mean_leaf_colors(const Svo& svo, const PointCloud& cloud,
+                                           const SortedPoints& sorted) {
+  std::vector<glm::u16vec3> colors(svo.leaf_count());
+  fill_leaf_colors(svo, cloud, sorted, colors.data());
+  return colors;
 }
 
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves) {
@@ -125,6 +140,7 @@ NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves) {
   if (leaves.has_colors()) {
     attributes.colors.resize(svo.internal_count());
     attributes.colors.insert(attributes.colors.end(), leaves.colors.begin(), leaves.colors.end());
+    fill_inner<glm::i64vec3>(svo, attributes.colors, mean);
   }
   if (leaves.has_normals()) {
     attributes.normals.resize(svo.internal_count());
@@ -132,8 +148,8 @@ NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves) {
     for (const glm::vec3& n : leaves.normals) {
       attributes.normals.push_back(direction(fixed_point(n)));
     }
+    fill_inner<glm::i64vec3>(svo, attributes.normals, mean_direction);
   }
-  fill_inner(svo, attributes);
   return attributes;
 }
 

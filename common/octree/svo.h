@@ -108,7 +108,17 @@ std::vector<glm::uvec3> leaf_cells(const Svo& svo);
 /// each leaf counting once. Integer sums: the result does not depend on the order of the points.
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted);
 
-/// The same where the cloud holds exactly one point for each leaf, in the order of the leaves.
+/// Either of them alone; the cloud has it.
+std::vector<glm::u16vec3> mean_colors(const Svo& svo, const PointCloud& cloud,
+                                      const SortedPoints& sorted);
+std::vector<glm::i16vec3> mean_normals(const Svo& svo, const PointCloud& cloud,
+                                       const SortedPoints& sorted);
+/// Mean colours of the leaves only, in their order.
+std::vector<glm::u16vec3> mean_leaf_colors(const Svo& svo, const PointCloud& cloud,
+                                           const SortedPoints& sorted);
+
+/// mean_attributes where the cloud holds exactly one point for each leaf, in the order of the
+/// leaves.
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves);
 
 }  // namespace pointreel

@@ -25,7 +25,7 @@ struct PackArguments {
   std::string output, name;
   std::string codec = "octree", entropy = "zstd", cube = "group", up = "y";
   double delta = 0.05, voxel = 0.0, fps = 30.0;
-  int depth = 10, threads = 0;
+  int depth = 10, threads = 0, quality = kDefaultColorQuality;
   std::uint32_t segment = 30;
   DracoOptions draco;
   bool no_normals = false, no_colors = false, force = false;
@@ -60,6 +60,7 @@ Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
   octree.entropy = arguments.entropy == "none" ? Entropy::none : Entropy::zstd;
   octree.depth = arguments.depth_option->count() > 0 ? DepthRule::fixed(arguments.depth)
                                                      : DepthRule::by_delta(arguments.delta);
+  octree.color_quality = arguments.quality;
   options.codec = octree;
   return options;
 }
@@ -199,6 +200,13 @@ void add_octree_options(CLI::App& command, PackArguments& a) {
       ->excludes(a.voxel_option);
   a.depth_option->group(group)->excludes(a.voxel_option);
   a.voxel_option->group(group);
+  a.octree_only.push_back(
+      command
+          .add_option("--quality", a.quality,
+                      "of colours, 1 to 100: 14 more halve their error, 100 is lossless")
+          ->check(CLI::Range(1, kLosslessColorQuality))
+          ->capture_default_str()
+          ->group(group));
   for (CLI::Option* option : {a.delta_option, a.depth_option, a.voxel_option}) {
     a.octree_only.push_back(option);
   }

@@ -129,8 +129,8 @@ Packed pack_command(const std::filesystem::path& from, const std::filesystem::pa
   add_pack_command(app, packed.code);
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  app.parse(std::vector<std::string>{"frame", "--cube", reel.string(), "-o", from.string(), "-i",
-                                     "pack"});
+  app.parse(std::vector<std::string>{"1", "--threads", "frame", "--cube", reel.string(), "-o",
+                                     from.string(), "-i", "pack"});
   std::fflush(stdout);
   testing::internal::GetCapturedStdout();
   packed.errors = testing::internal::GetCapturedStderr();

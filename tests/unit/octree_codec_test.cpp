@@ -43,8 +43,8 @@ PointCloud permuted(const PointCloud& cloud) {
 }
 
 EncodedFrame encode(const PointCloud& cloud, DepthRule depth, Entropy entropy = Entropy::zstd,
-                    Cube cube = {}) {
-  auto frame = encode_octree(cloud, cube, {entropy, depth}, true, true);
+                    Cube cube = {}, int color_quality = kLosslessColorQuality) {
+  auto frame = encode_octree(cloud, cube, {entropy, depth, color_quality}, true, true);
   EXPECT_TRUE(frame) << frame.error().message;
   return frame.value_or(EncodedFrame{});
 }
@@ -172,6 +172,52 @@ TEST(OctreeCodecLayers, a_layer_without_its_attributes_inherits_those_above) {
   EXPECT_TRUE(bare->normals.empty());
 }
 
+TEST(OctreeCodecAttributes, colours_come_closer_with_their_quality) {
+  const PointCloud cloud = bumpy_sphere(20000);
+  const auto lossless =
+      decode_octree(layer_views(encode(cloud, DepthRule::fixed(9)).layers), kLimits);
+  ASSERT_TRUE(lossless);
+  double last = HUGE_VAL;
+  for (const int quality : {10, 30, 50, 70, 90, kLosslessColorQuality}) {
+    const EncodedFrame encoded = encode(cloud, DepthRule::fixed(9), Entropy::zstd, {}, quality);
+    const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
+    ASSERT_TRUE(frame) << frame.error().message;
+    double error = 0.0;
+    for (std::size_t i = 0; i < frame->cloud.size(); ++i) {
+      const glm::dvec3 d =
+          glm::dvec3(frame->cloud.colors[i]) - glm::dvec3(lossless->cloud.colors[i]);
+      error += glm::dot(d, d);
+    }
+    EXPECT_LT(error, last) << quality;
+    last = error;
+  }
+  EXPECT_EQ(last, 0.0);
+}
+
+TEST(OctreeCodecAttributes, refuses_a_quality_that_is_none) {
+  for (const int quality : {-1, 0, 101}) {
+    EXPECT_FALSE(encode_octree(bumpy_sphere(10), Cube{},
+                               {Entropy::none, DepthRule::fixed(3), quality}, true, true));
+  }
+}
+
+TEST(OctreeCodecAttributes, lossy_colours_after_a_layer_without_them_are_inherited) {
+  const EncodedFrame frame =
+      encode(bumpy_sphere(20000), DepthRule::fixed(10), Entropy::zstd, {}, 60);
+  auto base = layer_views(frame.layers);
+  for (std::size_t layer = 1; layer < 3; ++layer) base[layer].colors = {};
+  const auto expected = decode_octree_tree(base, kLimits);
+  auto gap = layer_views(frame.layers);
+  gap[1].colors = {};
+  const auto tree = decode_octree_tree(gap, kLimits);
+  ASSERT_TRUE(expected && tree);
+  EXPECT_EQ(tree->colors, expected->colors);
+  gap[0].colors = {};
+  const auto bare = decode_octree_tree(gap, kLimits);
+  ASSERT_TRUE(bare);
+  EXPECT_TRUE(bare->colors.empty());
+}
+
 TEST(OctreeCodecAttributes, keeps_16_bit_colours_and_unknown_normals) {
   PointCloud cloud;
   cloud.positions = {{0.1f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}};
@@ -233,8 +279,16 @@ TEST(OctreeCodecHardCases, refuses_a_delta_that_is_none) {
 
 // --- hostile bytes ---
 
-TEST(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) {
-  const EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8));
+/// With lossless and with lossy colours.
+class OctreeCodecHostile : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Colours, OctreeCodecHostile, testing::Values(kLosslessColorQuality, 80),
+                         [](const auto& quality) {
+                           return quality.param == kLosslessColorQuality ? "lossless" : "lossy";
+                         });
+
+TEST_P(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) {
+  const EncodedFrame frame =
+      encode(bumpy_sphere(60), DepthRule::fixed(8), Entropy::zstd, {}, GetParam());
   for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
     for (const auto part : {&LayerView::geometry, &LayerView::colors, &LayerView::normals}) {
       const std::size_t size = (layer_views(frame.layers)[layer].*part).size();
@@ -247,8 +301,8 @@ TEST(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) 
   }
 }
 
-TEST(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
-  EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8));
+TEST_P(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
+  EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8), Entropy::zstd, {}, GetParam());
   ASSERT_TRUE(decode_octree(layer_views(frame.layers), kLimits));
   for (EncodedLayer& layer : frame.layers) {
     for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
@@ -263,9 +317,10 @@ TEST(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
   }
 }
 
-TEST(OctreeCodecHostile, layers_of_different_frames_are_not_mixed) {
-  const EncodedFrame a = encode(bumpy_sphere(500, 1), DepthRule::fixed(9));
-  const EncodedFrame b = encode(bumpy_sphere(500, 2), DepthRule::fixed(9));
+TEST_P(OctreeCodecHostile, layers_of_different_frames_are_not_mixed) {
+  const DepthRule depth = DepthRule::fixed(9);
+  const EncodedFrame a = encode(bumpy_sphere(500, 1), depth, Entropy::zstd, {}, GetParam());
+  const EncodedFrame b = encode(bumpy_sphere(500, 2), depth, Entropy::zstd, {}, GetParam());
   auto mixed = layer_views(a.layers);
   mixed[1].geometry = layer_views(b.layers)[1].geometry;
   EXPECT_FALSE(decode_octree(mixed, kLimits));
@@ -289,7 +344,7 @@ FrameHeader small_header(std::uint8_t depth, std::uint32_t points) {
   return header;
 }
 
-TEST(OctreeCodecHostile, forged_counts_are_refused_before_memory_is_taken) {
+TEST(OctreeCodecForged, forged_counts_are_refused_before_memory_is_taken) {
   const auto decodes = [](const Bytes& bytes) {
     return decode_octree_tree({{bytes, {}, {}}}, kLimits).has_value();
   };
@@ -317,7 +372,7 @@ TEST(OctreeCodecHostile, forged_counts_are_refused_before_memory_is_taken) {
   EXPECT_FALSE(decodes(forged(small_header(22, 2), chunk(7, 1), {0b11})));
 }
 
-TEST(OctreeCodecHostile, a_cube_that_is_none_is_refused) {
+TEST(OctreeCodecForged, a_cube_that_is_none_is_refused) {
   const ChunkHeader chunk{ChunkKind::geometry, Entropy::none, 0, 1, 1};
   for (const double edge : {0.0, -1.0, std::nan(""), HUGE_VAL, 5e-324, 1e31}) {
     EXPECT_FALSE(encode_octree(bumpy_sphere(10), {glm::dvec3(0), edge}, {}, true, true)) << edge;
@@ -327,7 +382,7 @@ TEST(OctreeCodecHostile, a_cube_that_is_none_is_refused) {
   }
 }
 
-TEST(OctreeCodecHostile, more_points_than_the_caller_allows_are_refused) {
+TEST(OctreeCodecForged, more_points_than_the_caller_allows_are_refused) {
   const EncodedFrame frame = encode(bumpy_sphere(500), DepthRule::fixed(9));
   EXPECT_FALSE(decode_octree(layer_views(frame.layers), {frame.coded_points - 1}));
   EXPECT_TRUE(decode_octree(layer_views(frame.layers), {frame.coded_points}));

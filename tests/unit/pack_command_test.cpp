@@ -79,6 +79,9 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
                                                        {"--depth", "3", "--voxel", "1"},
                                                        {"--codec", "draco", "--depth", "3"},
                                                        {"--codec", "draco", "--entropy", "none"},
+                                                       {"--codec", "draco", "--quality", "50"},
+                                                       {"--quality", "0"},
+                                                       {"--quality", "101"},
                                                        {"--qp", "11"},
                                                        {"--delta", "nan"},
                                                        {"--delta", "-0.1"},
@@ -102,6 +105,18 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
     EXPECT_NE(outcome.errors, "") << testing::PrintToString(arguments);
   }
   EXPECT_TRUE(outputs().empty());
+}
+
+TEST_F(PackCommand, colours_of_a_lower_quality_take_fewer_bytes) {
+  write_frames(1);
+  double last = 0.0;
+  for (const char* quality : {"20", "60", "100"}) {
+    const Outcome outcome = run_pack({"--quality", quality, "--depth", "8", "--force", "--json"});
+    ASSERT_EQ(outcome.code, kExitOk) << outcome.errors;
+    const double bits = json::parse(outcome.out).at("bits_per_point").at("colors").get<double>();
+    EXPECT_GT(bits, last) << quality;
+    last = bits;
+  }
 }
 
 TEST_F(PackCommand, ends_with_1_and_one_line_when_it_fails) {

@@ -1,0 +1,436 @@
+#include "codec/octree/color_coder.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "codec/octree/coefficient_coder.h"
+#include "codec/octree/color_space.h"
+#include "codec/octree/raht.h"
+
+namespace pointreel {
+namespace {
+
+Short4 store(const Int4& value, std::int16_t fourth) {
+  Short4 stored = narrow(clamp(value, kLeastValue, kMostValue));
+  stored.lanes[3] = fourth;
+  return stored;
+}
+
+/// Numbers of nodes at a layer's last level below each node of the levels before it; at most 2^26.
+class Weights {
+ public:
+  Weights(const Svo& svo, int first_level, int last_level)
+      : begin_(svo.level_begin[static_cast<std::size_t>(first_level)]),
+        end_(svo.level_begin[static_cast<std::size_t>(last_level)]),
+        weights_(end_ - begin_) {
+    for (std::uint32_t node = end_; node-- > begin_;) {
+      const std::uint32_t first = svo.first_child[node];
+      const auto children = static_cast<std::uint32_t>(std::popcount(svo.masks[node]));
+      std::uint32_t sum = 0;
+      for (std::uint32_t child = first; child < first + children; ++child) sum += (*this)[child];
+      weights_[node - begin_] = std::min(sum, std::uint32_t{1} << 26);
+    }
+  }
+
+  std::uint32_t operator[](std::uint32_t node) const {
+    return node < end_ ? weights_[node - begin_] : 1;
+  }
+
+ private:
+  std::uint32_t begin_, end_;
+  std::vector<std::uint32_t> weights_;
+};
+
+/// The scales of a node's pairs. `unit`: its children are of the layer's last level.
+void find_scales(const MergeOrder& order, const PairScales& table, const Weights& weights,
+                 std::uint32_t first_child, bool unit, NodeScales& scales) {
+  if (unit) {
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      const auto [w0, w1] = order.unit_weights[i];
+      scales.pair[i] = &table(w0, w1, scales.made[i]);
+    }
+    return;
+  }
+  std::array<std::uint32_t, 8> weight;
+  for (std::uint32_t c = 0; c <= order.pairs; ++c) weight[c] = weights[first_child + c];
+  for (std::size_t i = 0; i < order.pairs; ++i) {
+    const auto [first, second] = order.pair[i];
+    scales.pair[i] = &table(weight[first], weight[second], scales.made[i]);
+    weight[first] += weight[second];
+  }
+}
+
+/// How a value is rounded to a multiple of its step: up from 1 - kRounding / 64 of it on. Less than
+/// a half, since zeros are cheap.
+constexpr std::int32_t kRounding = 21;
+
+std::int32_t quantize(std::int32_t difference, std::int32_t step) {
+  const std::int64_t magnitude =
+      ((std::int64_t{std::abs(difference)} << 8) + (std::int64_t{step} * kRounding >> 6)) / step;
+  const auto bounded = static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, 32768));
+  return difference < 0 ? -bounded : bounded;
+}
+
+/// A difference is at most 2^16 either way, whatever the bytes say.
+std::int32_t dequantize(std::int32_t q, std::int32_t step) {
+  const std::int64_t magnitude = (std::int64_t{std::abs(q)} * step + 128) >> 8;
+  const auto bounded = static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, 65536));
+  return q < 0 ? -bounded : bounded;
+}
+
+/// Codes the levels of one layer, in either direction.
+template <class Coder>
+class LayerCoder {
+ public:
+  LayerCoder(const Svo& svo, int first_level, int last_level, const ColorSteps& steps,
+             Neighborhoods* neighborhoods, CoefficientContexts& contexts, Coder& coder,
+             const std::vector<Short4>* source, std::vector<Short4>& decoded)
+      : svo_(svo),
+        first_level_(first_level),
+        last_level_(last_level),
+        weights_(svo, first_level, last_level),
+        scales_(steps.luma, steps.chroma),
+        luma_step_(steps.luma / 4),
+        neighborhoods_(neighborhoods),
+        contexts_(contexts),
+        coder_(coder),
+        source_(source),
+        decoded_(decoded) {}
+
+  void run() {
+    for (int level = first_level_; level < last_level_; ++level) {
+      unit_ = level == last_level_ - 1;
+      if (neighborhoods_ != nullptr && level > 0) {
+        predicted_level(level);
+      } else {
+        const std::size_t l = static_cast<std::size_t>(level);
+        for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
+          code_node<false>(node, 0);
+        }
+      }
+    }
+  }
+
+ private:
+  void predicted_level(int level) {
+    while (neighborhoods_->level() < level - 1) neighborhoods_->descend();
+    const std::size_t l = static_cast<std::size_t>(level);
+    for (std::uint32_t above = svo_.level_begin[l - 1]; above < svo_.level_begin[l]; ++above) {
+      neighborhoods_->load(above, decoded_, block_);
+      std::uint32_t node = svo_.first_child[above];
+      for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
+        code_node<true>(node, ValueBlock::cell(std::countr_zero(mask)));
+      }
+    }
+  }
+
+  template <bool kPredicts>
+  void code_node(std::uint32_t node, int cell) {
+    const unsigned mask = svo_.masks[node];
+    const MergeOrder& order = kMergeOrders[mask];
+    const std::uint32_t first = svo_.first_child[node];
+    if (order.pairs == 0) {
+      decoded_[first] = decoded_[node];
+      return;
+    }
+    find_scales(order, scales_, weights_, first, unit_, node_scales_);
+
+    std::array<Int4, 8> expected;
+    Int4 mean = load(decoded_[node]);
+    int gradient = 0;
+    std::int32_t weight = kPredicts ? 0 : 1;
+    std::int32_t near_activity = kPredicts ? 0 : last_activity_;
+    if constexpr (kPredicts) {
+      unsigned octants = mask;
+      Int4 least = mean, most = mean;
+      std::array<Int4, 8> merged;
+      for (std::size_t c = 0; octants != 0; octants &= octants - 1, ++c) {
+        expected[c] = merged[c] =
+            block_.predict(cell, std::countr_zero(octants), weight, near_activity);
+        least = min(least, expected[c]);
+        most = max(most, expected[c]);
+      }
+      std::array<Int4, 7> unused;
+      merge(order, node_scales_, merged.data(), unused.data());
+      mean -= merged[0];
+      gradient = gradient_class(most[0] - least[0]);
+    }
+
+    std::array<Triple, 7> q;
+    if constexpr (Coder::kEncodes) quantize_node<kPredicts>(order, first, expected, q);
+    const bool coded = code_coefficients(order, gradient, activity_class(near_activity, weight), q);
+    last_activity_ = coded ? activity_of(order, q) : 0;
+    const auto fourth = static_cast<std::int16_t>(1 + last_activity_ * kActivityUnit);
+    if constexpr (kPredicts) {
+      decoded_[node].lanes[3] = fourth;
+      block_.values[static_cast<std::size_t>(cell)].lanes[3] = fourth;
+    }
+
+    std::array<Int4, 8> values;
+    values[0] = mean;
+    if (coded) {
+      std::array<Int4, 7> differences;
+      for (std::size_t i = 0; i < order.pairs; ++i) {
+        const Int4& steps = node_scales_.pair[i]->steps;
+        differences[i] = Int4{dequantize(q[i][0], steps[0]), dequantize(q[i][1], steps[1]),
+                              dequantize(q[i][2], steps[2]), 0};
+      }
+      split(order, node_scales_, values.data(), differences.data());
+    } else {
+      for (std::size_t c = 1; c <= order.pairs; ++c) values[c] = mean;
+    }
+    for (std::size_t c = 0; c <= order.pairs; ++c) {
+      if constexpr (kPredicts) values[c] += expected[c];
+      decoded_[first + c] = store(values[c], fourth);
+    }
+  }
+
+  /// How much the expected luma of a node's children varies, in terms of the quantisation.
+  int gradient_class(std::int32_t range) const {
+    int gradient = 0;
+    for (range *= 8; gradient < 4 && range >= luma_step_; range /= 2) ++gradient;
+    return gradient;
+  }
+
+  /// How much there was to code in the neighbours of a node.
+  static int activity_class(std::int32_t activity, std::int32_t weight) {
+    if (activity == 0) return 0;
+    if (2 * activity < weight) return 1;
+    if (activity < weight) return 2;
+    if (2 * activity < 5 * weight) return 3;
+    return activity < 6 * weight ? 4 : 5;
+  }
+
+  /// 0 to kMostActivity.
+  static std::int32_t activity_of(const MergeOrder& order, const std::array<Triple, 7>& q) {
+    std::int32_t sum = 0;
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      sum += 2 * std::abs(q[i][0]) + std::abs(q[i][1]) + std::abs(q[i][2]);
+    }
+    return std::min(4 * sum / order.pairs, kMostActivity);
+  }
+
+  template <bool kPredicts>
+  void quantize_node(const MergeOrder& order, std::uint32_t first,
+                     const std::array<Int4, 8>& expected, std::array<Triple, 7>& q) const {
+    std::array<Int4, 8> values;
+    for (std::size_t c = 0; c <= order.pairs; ++c) {
+      values[c] = load((*source_)[first + c]);
+      if constexpr (kPredicts) values[c] -= expected[c];
+    }
+    std::array<Int4, 7> differences;
+    merge(order, node_scales_, values.data(), differences.data());
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      const Int4& steps = node_scales_.pair[i]->steps;
+      for (int k = 0; k < 3; ++k) {
+        q[i][static_cast<std::size_t>(k)] = quantize(differences[i][k], steps[k]);
+      }
+    }
+  }
+
+  /// Codes what q holds, or fills it; false if all of it is zero.
+  bool code_coefficients(const MergeOrder& order, int gradient, int activity,
+                         std::array<Triple, 7>& q) {
+    bool any = false;
+    if constexpr (Coder::kEncodes) {
+      for (std::size_t i = 0; i < order.pairs; ++i) any = any || !is_zero(q[i]);
+    }
+    const int size = order.pairs == 1 ? 0 : order.pairs == 2 ? 1 : order.pairs <= 4 ? 2 : 3;
+    any = coder_.code(contexts_.node[gradient][activity][size], any) != 0;
+    if (!any) return false;
+    int nonzero = 0;
+    for (int i = order.pairs - 1; i >= 0; --i) {
+      Triple& triple = q[static_cast<std::size_t>(i)];
+      code_triple(coder_, contexts_, gradient, std::min(nonzero, 2), activity, i > 0 || nonzero > 0,
+                  triple);
+      nonzero += !is_zero(triple);
+    }
+    return true;
+  }
+
+  const Svo& svo_;
+  int first_level_, last_level_;
+  bool unit_ = false;
+  Weights weights_;
+  PairScales scales_;
+  std::int32_t luma_step_;
+  Neighborhoods* neighborhoods_;
+  CoefficientContexts& contexts_;
+  Coder& coder_;
+  const std::vector<Short4>* source_;
+  std::vector<Short4>& decoded_;
+  /// Of the node coded last; what contexts go by without a neighbourhood.
+  std::int32_t last_activity_ = 0;
+  ValueBlock block_;
+  NodeScales node_scales_;
+};
+
+/// In quarters.
+constexpr std::uint32_t kChromaOverLuma = 6;
+
+constexpr std::uint8_t kPredictionFlag = 1;
+constexpr std::size_t kParametersSize = 5;
+constexpr std::size_t kRootSize = 6;
+
+/// Means of the nodes of one layer, from those of its last level.
+void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Short4>& values) {
+  const Weights weights(svo, first_level, last_level);
+  const PairScales table(256, 256);
+  NodeScales scales;
+  std::array<Int4, 8> children;
+  std::array<Int4, 7> unused;
+  const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
+  const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
+  const std::uint32_t unit_begin =
+      last_level == 0 ? 0 : svo.level_begin[static_cast<std::size_t>(last_level) - 1];
+  for (std::uint32_t node = end; node-- > begin;) {
+    const MergeOrder& order = kMergeOrders[svo.masks[node]];
+    const std::uint32_t first = svo.first_child[node];
+    find_scales(order, table, weights, first, node >= unit_begin, scales);
+    for (std::uint32_t c = 0; c <= order.pairs; ++c) children[c] = load(values[first + c]);
+    merge(order, scales, children.data(), unused.data());
+    values[node] = store(children[0], 1);
+  }
+}
+
+}  // namespace
+
+ColorEncoder::ColorEncoder(const Svo& svo, const std::vector<glm::u16vec3>& leaf_colors,
+                           const std::vector<int>& layer_ends)
+    : svo_(svo),
+      layer_ends_(layer_ends),
+      source_(svo.node_count()),
+      decoded_(svo.node_count()),
+      neighborhoods_(svo) {
+  for (std::size_t i = 0; i < leaf_colors.size(); ++i) {
+    source_[svo.internal_count() + i] = store(ycbcr_from_rgb(leaf_colors[i]), 1);
+  }
+  for (std::size_t layer = layer_ends.size(); layer-- > 0;) {
+    fill_means(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], source_);
+  }
+}
+
+/// Whether prediction makes differences of luma smaller by a twentieth: what it costs in time, it
+/// must save in bits. Looks at a sixteenth of the level's nodes, or a few hundred.
+bool ColorEncoder::prediction_pays(int level) {
+  while (neighborhoods_.level() < level - 1) neighborhoods_.descend();
+  const std::size_t l = static_cast<std::size_t>(level);
+  const std::uint32_t begin = svo_.level_begin[l - 1], end = svo_.level_begin[l];
+  const std::uint32_t stride = std::clamp((end - begin) / 256, 1u, 16u);
+  std::int64_t without = 0, with = 0;
+  ValueBlock block;
+  for (std::uint32_t above = begin; above < end; above += stride) {
+    neighborhoods_.load(above, source_, block);
+    std::uint32_t node = svo_.first_child[above];
+    for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
+      const int cell = ValueBlock::cell(std::countr_zero(mask));
+      std::uint32_t child = svo_.first_child[node];
+      std::int32_t first = 0, first_residual = 0, unused = 0;
+      for (unsigned octants = svo_.masks[node]; octants != 0; octants &= octants - 1, ++child) {
+        const std::int32_t luma = source_[child].lanes[0];
+        const std::int32_t residual =
+            luma - block.predict(cell, std::countr_zero(octants), unused, unused)[0];
+        if (octants == svo_.masks[node]) {
+          first = luma;
+          first_residual = residual;
+        }
+        without += std::abs(luma - first);
+        with += std::abs(residual - first_residual);
+      }
+    }
+  }
+  return 20 * with < 19 * without;
+}
+
+Bytes ColorEncoder::encode_layer(const ColorSteps& steps) {
+  const int first_level = layer_ == 0 ? 0 : layer_ends_[layer_ - 1];
+  const bool predicts = layer_ == 0 || prediction_pays(first_level);
+  Bytes out;
+  ByteWriter writer(out);
+  writer.put(predicts ? kPredictionFlag : std::uint8_t{0});
+  writer.put(steps.luma);
+  writer.put(steps.chroma);
+  if (layer_ == 0 && !decoded_.empty()) {
+    for (int k = 0; k < 3; ++k) writer.put(source_[0].lanes[k]);
+    decoded_[0] = source_[0];
+  }
+  CoefficientWriter coder(out);
+  LayerCoder<CoefficientWriter>(svo_, first_level, layer_ends_[layer_], steps,
+                                predicts ? &neighborhoods_ : nullptr, contexts_, coder, &source_,
+                                decoded_)
+      .run();
+  coder.finish();
+  ++layer_;
+  return out;
+}
+
+ColorDecoder::ColorDecoder(const Svo& svo)
+    : svo_(svo), decoded_(svo.node_count()), neighborhoods_(svo) {}
+
+Result<void> ColorDecoder::decode_layer(ByteView bytes, int last_level) {
+  ByteReader reader(bytes);
+  const auto flags = reader.get<std::uint8_t>();
+  ColorSteps steps;
+  steps.luma = reader.get<std::uint16_t>();
+  steps.chroma = reader.get<std::uint16_t>();
+  if (level_ == 0 && !decoded_.empty()) {
+    Int4 root = {};
+    for (int k = 0; k < 3; ++k) root[k] = reader.get<std::int16_t>();
+    decoded_[0] = store(root, 1);
+  }
+  if (!reader.ok() || flags > kPredictionFlag || steps.luma == 0 || steps.chroma == 0) {
+    return fail("a field is out of range");
+  }
+  CoefficientReader coder(reader.rest());
+  Neighborhoods* neighborhoods = (flags & kPredictionFlag) != 0 ? &neighborhoods_ : nullptr;
+  LayerCoder<CoefficientReader>(svo_, level_, last_level, steps, neighborhoods, contexts_, coder,
+                                nullptr, decoded_)
+      .run();
+  if (!coder.complete()) return fail("the bytes do not fit the tree");
+  level_ = last_level;
+  return {};
+}
+
+void ColorDecoder::inherit(int last_level) {
+  for (; level_ < last_level; ++level_) {
+    const std::size_t l = static_cast<std::size_t>(level_);
+    Short4* child = decoded_.data() + svo_.level_begin[l + 1];
+    for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
+      for (int count = std::popcount(svo_.masks[node]); count > 0; --count) {
+        *child++ = decoded_[node];
+      }
+    }
+  }
+}
+
+std::vector<glm::u16vec3> ColorDecoder::colors(int level) const {
+  const std::size_t l = static_cast<std::size_t>(level);
+  std::vector<glm::u16vec3> colors;
+  colors.reserve(svo_.node_count(level));
+  for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
+    colors.push_back(rgb_from_ycbcr(load(decoded_[node])));
+  }
+  return colors;
+}
+
+ColorSteps color_steps(int quality) {
+  // 256 * 2^(i / 14), rounded.
+  constexpr std::array<std::uint32_t, 14> kFractions = {256, 269, 283, 297, 312, 328, 345,
+                                                        362, 380, 400, 420, 441, 464, 487};
+  const auto below = static_cast<std::uint32_t>(99 - quality);
+  const std::uint32_t luma = kFractions[below % 14] << below / 14;
+  const std::uint32_t chroma = luma * kChromaOverLuma / 4;
+  return {static_cast<std::uint16_t>(luma),
+          static_cast<std::uint16_t>(std::min(chroma, std::uint32_t{65535}))};
+}
+
+ColorSteps layer_steps(const ColorSteps& steps, std::uint32_t leaves, std::uint32_t nodes) {
+  const auto scaled = [&](std::uint64_t step) {
+    // Twice the step, to round it to nearest.
+    const std::uint32_t twice = square_root(4 * step * step * nodes / leaves);
+    return static_cast<std::uint16_t>(std::max((twice + 1) / 2, 1u));
+  };
+  return {scaled(steps.luma), scaled(steps.chroma)};
+}
+
+}  // namespace pointreel

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+/// Four integers at once: the three components of a colour and one lane for the caller. Vector
+/// extensions of GCC and Clang, so that one source serves every processor, WebAssembly included.
+namespace pointreel {
+
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
+
+/// What is stored of an Int4 whose lanes fit 16 bits.
+struct Short4 {
+  std::int16_t lanes[4];
+};
+
+inline Int4 load(const Short4& value) {
+  typedef std::int16_t Vector __attribute__((vector_size(8)));
+  Vector vector;
+  std::memcpy(&vector, value.lanes, sizeof(vector));
+  return __builtin_convertvector(vector, Int4);
+}
+
+inline Short4 narrow(const Int4& value) {
+  typedef std::int16_t Vector __attribute__((vector_size(8)));
+  const Vector vector = __builtin_convertvector(value, Vector);
+  Short4 stored;
+  std::memcpy(stored.lanes, &vector, sizeof(vector));
+  return stored;
+}
+
+inline Int4 broadcast(std::int32_t v) { return Int4{v, v, v, v}; }
+
+inline Int4 min(const Int4& a, const Int4& b) { return a < b ? a : b; }
+inline Int4 max(const Int4& a, const Int4& b) { return a > b ? a : b; }
+inline Int4 clamp(const Int4& v, std::int32_t least, std::int32_t most) {
+  return min(max(v, broadcast(least)), broadcast(most));
+}
+inline Int4 abs(const Int4& v) { return max(v, -v); }
+
+}  // namespace pointreel

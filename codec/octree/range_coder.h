@@ -1,0 +1,108 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "common/base/bytes.h"
+
+/// A binary range coder (Martin, "Range encoding", 1979): 64 bits of range, 16 bits of probability,
+/// four bytes at a time. FORMAT.md, "Range coder".
+///
+/// Trust: the decoder reads hostile bytes. It never reads past their end: beyond it stand zeros,
+/// and `complete` tells whether the bytes were those of the decisions that were asked for.
+namespace pointreel {
+
+namespace range_coder {
+
+inline constexpr int kProbabilityBits = 16;
+/// The range never gets below this: four bytes are shifted out first.
+inline constexpr std::uint64_t kLeastRange = std::uint64_t{1} << 32;
+
+/// The part of the range that stands for a one, at the range's lower end.
+inline std::uint64_t width_of_one(std::uint64_t range, std::uint32_t probability) {
+  return (range >> kProbabilityBits) * probability;
+}
+
+/// Appends four bytes, highest first, after adding a carry to those that are there.
+void append_word(Bytes& out, std::size_t begin, std::uint32_t word, bool carry);
+
+}  // namespace range_coder
+
+class RangeEncoder {
+ public:
+  /// Appends to `out`, which nobody else changes before `finish`.
+  explicit RangeEncoder(Bytes& out) : out_(&out), begin_(out.size()) {}
+
+  /// Codes a bit whose probability of being one is probability / 65536, 1 to 65535.
+  void encode(unsigned bit, std::uint32_t probability) {
+    using namespace range_coder;
+    const std::uint64_t one = width_of_one(range_, probability);
+    const std::uint64_t zeros = std::uint64_t{bit} - 1;  // all ones if the bit is zero
+    const std::uint64_t low = low_ + (one & zeros);
+    carry_ |= low < low_;
+    low_ = low;
+    range_ = bit != 0 ? one : range_ - one;
+    if (range_ < kLeastRange) {
+      append_word(*out_, begin_, static_cast<std::uint32_t>(low_ >> 32), carry_);
+      carry_ = false;
+      low_ <<= 32;
+      range_ <<= 32;
+    }
+  }
+
+  /// Appends the last one to four bytes.
+  void finish();
+
+ private:
+  Bytes* out_;
+  std::size_t begin_;
+  std::uint64_t low_ = 0;
+  std::uint64_t range_ = ~std::uint64_t{0};
+  bool carry_ = false;
+};
+
+class RangeDecoder {
+ public:
+  explicit RangeDecoder(ByteView bytes) : bytes_(bytes.data()), size_(bytes.size()) {
+    value_ = std::uint64_t{next_word()} << 32;
+    value_ |= next_word();
+  }
+
+  unsigned decode(std::uint32_t probability) {
+    using namespace range_coder;
+    const std::uint64_t one = width_of_one(range_, probability);
+    const bool bit = value_ < one;
+    value_ -= bit ? 0 : one;
+    range_ = bit ? one : range_ - one;
+    if (__builtin_expect(range_ < kLeastRange, 0)) {
+      value_ = value_ << 32 | next_word();
+      range_ <<= 32;
+    }
+    return bit;
+  }
+
+  /// Whether these decisions need all bytes but zeros at the end, and no more of them: the decoder
+  /// is four to seven bytes ahead of the encoder's last.
+  bool complete() const;
+
+ private:
+  std::uint32_t next_word() {
+    const std::size_t at = next_;
+    next_ += 4;
+    if (__builtin_expect(next_ > size_, 0)) return word_at_end(bytes_, size_, at);
+    std::uint32_t word;
+    std::memcpy(&word, bytes_ + at, 4);
+    return __builtin_bswap32(word);
+  }
+
+  static std::uint32_t word_at_end(const std::uint8_t* bytes, std::size_t size, std::size_t at);
+
+  const std::uint8_t* bytes_;
+  std::size_t size_;
+  std::size_t next_ = 0;  ///< may lie past the end
+  std::uint64_t value_ = 0;
+  std::uint64_t range_ = ~std::uint64_t{0};
+};
+
+}  // namespace pointreel

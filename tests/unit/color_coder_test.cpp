@@ -1,0 +1,212 @@
+#include "codec/octree/color_coder.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "codec/octree/color_space.h"
+
+namespace pointreel {
+namespace {
+
+/// A bumpy closed surface whose colours are waves and noise.
+PointCloud colored_sphere(std::size_t n, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> gauss;
+  PointCloud cloud;
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::vec3 d = glm::normalize(glm::vec3(gauss(random), gauss(random), gauss(random)));
+    cloud.positions.push_back(d * (0.4f + 0.05f * std::sin(9.0f * d.x)) + 0.5f);
+    const glm::vec3 wave = 0.5f + 0.3f * glm::sin(20.0f * d) + 0.03f * gauss(random);
+    cloud.colors.push_back(glm::u16vec3(glm::clamp(wave, 0.0f, 1.0f) * 255.0f) *
+                           std::uint16_t{257});
+  }
+  return cloud;
+}
+
+/// A tree, the colours of its leaves and how it is cut into layers.
+struct Sample {
+  Svo svo;
+  std::vector<glm::u16vec3> colors;
+  std::vector<int> layer_ends;
+};
+
+Sample sample(std::size_t points, int depth, std::vector<int> layer_ends) {
+  const PointCloud cloud = colored_sphere(points);
+  const SortedPoints sorted = sort_points(cloud, Cube{});
+  Sample made{build_svo(sorted, depth), {}, std::move(layer_ends)};
+  made.colors = mean_leaf_colors(made.svo, cloud, sorted);
+  return made;
+}
+
+std::vector<Bytes> encode(const Sample& s, const ColorSteps& steps) {
+  ColorEncoder encoder(s.svo, s.colors, s.layer_ends);
+  std::vector<Bytes> layers;
+  for (const int end : s.layer_ends) {
+    layers.push_back(
+        encoder.encode_layer(layer_steps(steps, s.svo.leaf_count(), s.svo.node_count(end))));
+  }
+  return layers;
+}
+
+/// Colours at the end of the last of the given layers.
+std::vector<glm::u16vec3> decode(const Sample& s, const std::vector<Bytes>& layers) {
+  const Svo svo = truncate(s.svo, s.layer_ends[layers.size() - 1]);
+  ColorDecoder decoder(svo);
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const auto decoded = decoder.decode_layer(layers[layer], s.layer_ends[layer]);
+    EXPECT_TRUE(decoded) << decoded.error().message;
+  }
+  return decoder.colors(svo.depth);
+}
+
+double mean_squared_luma_error(const std::vector<glm::u16vec3>& a,
+                               const std::vector<glm::u16vec3>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double d = (ycbcr_from_rgb(a[i])[0] - ycbcr_from_rgb(b[i])[0]) / double{kValuesPerStep};
+    sum += d * d;
+  }
+  return sum / static_cast<double>(a.size());
+}
+
+std::size_t total(const std::vector<Bytes>& layers) {
+  std::size_t bytes = 0;
+  for (const Bytes& layer : layers) bytes += layer.size();
+  return bytes;
+}
+
+TEST(ColorSpace, gives_back_every_8_bit_colour_within_one_step) {
+  for (int r = 0; r < 256; r += 5) {
+    for (int g = 0; g < 256; g += 3) {
+      for (int b = 0; b < 256; b += 15) {
+        const glm::u16vec3 color(r * 257, g * 257, b * 257);
+        EXPECT_EQ(rgb_from_ycbcr(ycbcr_from_rgb(color)), color);
+      }
+    }
+  }
+}
+
+TEST(ColorSpace, of_a_grey_has_no_chroma_and_clamps_what_is_no_colour) {
+  for (int v = 0; v < 256; ++v) {
+    const glm::u16vec3 grey(static_cast<std::uint16_t>(v * 257));
+    const Int4 value = ycbcr_from_rgb(grey);
+    EXPECT_EQ(value[0], v * kValuesPerStep);
+    EXPECT_EQ(value[1], 0);
+    EXPECT_EQ(value[2], 0);
+  }
+  EXPECT_EQ(rgb_from_ycbcr(Int4{16383, 16383, 16383, 1}), glm::u16vec3(65535, 0x5858, 65535));
+  EXPECT_EQ(rgb_from_ycbcr(Int4{-16384, 0, 0, 1}), glm::u16vec3(0));
+}
+
+TEST(ColorCoder, error_and_size_follow_the_step) {
+  const Sample s = sample(30000, 8, {7, 8});
+  double last_error = 0.0;
+  std::size_t last_size = ~std::size_t{0};
+  for (const int step : {1, 2, 4, 8, 16, 32}) {
+    const auto scaled = static_cast<std::uint16_t>(256 * step);
+    const std::vector<Bytes> layers = encode(s, {scaled, scaled});
+    const double error = mean_squared_luma_error(decode(s, layers), s.colors);
+    // Rounding to 8 bits adds a twelfth; the dead zone makes up to a quarter of squared steps.
+    EXPECT_LE(error, 0.25 * step * step + 0.2) << step;
+    EXPECT_GT(error, last_error) << step;
+    EXPECT_LT(total(layers), last_size) << step;
+    last_error = error;
+    last_size = total(layers);
+  }
+}
+
+TEST(ColorCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colours) {
+  const Sample s = sample(40000, 11, {7, 9, 11});
+  const std::vector<Bytes> layers = encode(s, {512, 512});
+  const PointCloud cloud = colored_sphere(40000);
+  const std::vector<glm::u16vec3> means = mean_colors(s.svo, cloud, sort_points(cloud, Cube{}));
+  for (std::size_t count = 1; count <= 3; ++count) {
+    const int level = s.layer_ends[count - 1];
+    const auto colors = decode(s, {layers.begin(), layers.begin() + static_cast<long>(count)});
+    const auto first = means.begin() + s.svo.level_begin[static_cast<std::size_t>(level)];
+    const std::vector<glm::u16vec3> expected(first, first + s.svo.node_count(level));
+    ASSERT_EQ(colors.size(), expected.size());
+    EXPECT_LT(mean_squared_luma_error(colors, expected), 1.5) << level;
+  }
+}
+
+TEST(ColorCoder, nodes_that_inherit_have_their_ancestor_s_colour) {
+  const Sample s = sample(5000, 9, {7, 9});
+  const std::vector<Bytes> layers = encode(s, {1024, 1024});
+  ColorDecoder decoder(s.svo);
+  ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
+  const std::vector<glm::u16vec3> coarse = decoder.colors(7);
+  decoder.inherit(9);
+  const std::vector<glm::u16vec3> fine = decoder.colors(9);
+  std::size_t at = 0;
+  const auto check = [&](auto&& self, std::uint32_t node, int level, std::size_t ancestor) -> void {
+    if (level == 9) {
+      EXPECT_EQ(fine[at++], coarse[ancestor]);
+      return;
+    }
+    const auto children = static_cast<std::uint32_t>(std::popcount(s.svo.masks[node]));
+    for (std::uint32_t c = 0; c < children; ++c) {
+      self(self, s.svo.first_child[node] + c, level + 1, ancestor);
+    }
+  };
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    check(check, s.svo.level_begin[7] + static_cast<std::uint32_t>(i), 7, i);
+  }
+  EXPECT_EQ(at, fine.size());
+}
+
+TEST(ColorCoder, of_one_color_takes_next_to_nothing) {
+  Sample s = sample(20000, 9, {7, 9});
+  for (glm::u16vec3& color : s.colors) color = glm::u16vec3(100, 7, 31) * std::uint16_t{257};
+  const std::vector<Bytes> layers = encode(s, {1024, 1024});
+  EXPECT_LT(total(layers), 60u + s.svo.internal_count() / 1000);
+  for (const glm::u16vec3& color : decode(s, layers)) ASSERT_EQ(color, s.colors[0]);
+}
+
+TEST(ColorCoder, of_a_single_cell_is_its_color) {
+  PointCloud cloud;
+  cloud.positions = {glm::vec3(0.3f)};
+  const Sample s{build_svo(sort_points(cloud, Cube{}), 0), {{65535, 257, 0}}, {0}};
+  EXPECT_EQ(decode(s, encode(s, {65535, 65535})), s.colors);
+}
+
+TEST(ColorCoder, bytes_cut_short_or_added_to_are_an_error) {
+  const Sample s = sample(300, 5, {5});
+  const std::vector<Bytes> layers = encode(s, {2048, 2048});
+  ASSERT_EQ(decode(s, layers).size(), s.colors.size());
+  for (std::size_t size = 0; size + 4 < layers[0].size(); ++size) {
+    ColorDecoder decoder(s.svo);
+    EXPECT_FALSE(decoder.decode_layer(ByteView(layers[0]).first(size), 5)) << size;
+  }
+  Bytes longer = layers[0];
+  longer.insert(longer.end(), 12, 0x5a);
+  EXPECT_FALSE(ColorDecoder(s.svo).decode_layer(longer, 5));
+}
+
+TEST(ColorCoder, any_bytes_give_colours_or_an_error) {
+  const Sample s = sample(200, 6, {6});
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    Bytes bytes(20 + random() % 300);
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    bytes[0] &= 1;
+    ColorDecoder decoder(s.svo);
+    (void)decoder.decode_layer(bytes, 6);
+    EXPECT_EQ(decoder.colors(6).size(), s.svo.leaf_count());
+  }
+}
+
+TEST(ColorSteps, halve_every_14_steps_of_quality) {
+  EXPECT_EQ(color_steps(99).luma, 256);
+  EXPECT_EQ(color_steps(85).luma, 512);
+  EXPECT_EQ(color_steps(1).luma, 32768);
+  for (int quality = 2; quality <= 99; ++quality) {
+    EXPECT_LT(color_steps(quality).luma, color_steps(quality - 1).luma);
+    EXPECT_GE(color_steps(quality).chroma, color_steps(quality).luma);
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

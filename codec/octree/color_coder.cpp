@@ -41,34 +41,62 @@ class Weights {
   std::vector<std::uint32_t> weights_;
 };
 
-/// The scales of a node's pairs. `unit`: its children are of the layer's last level.
-void find_scales(const MergeOrder& order, const PairScales& table, const Weights& weights,
-                 std::uint32_t first_child, bool unit, NodeScales& scales) {
-  if (unit) {
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      const auto [w0, w1] = order.unit_weights[i];
-      scales.pair[i] = &table(w0, w1, scales.made[i]);
+/// Finds the scales of nodes' pairs in one layer.
+class Scales {
+ public:
+  Scales(const Svo& svo, const Weights& weights, const ColorSteps& steps)
+      : svo_(svo), weights_(weights), table_(steps.luma, steps.chroma), of_units_(256) {
+    for (std::size_t mask = 1; mask < 256; ++mask) {
+      const MergeOrder& order = kMergeOrders[mask];
+      for (std::size_t i = 0; i < order.pairs; ++i) {
+        const auto [w0, w1] = order.unit_weights[i];
+        of_units_[mask].pair[i] = &table_(w0, w1, of_units_[mask].made[i]);
+      }
     }
-    return;
   }
-  std::array<std::uint32_t, 8> weight;
-  for (std::uint32_t c = 0; c <= order.pairs; ++c) weight[c] = weights[first_child + c];
-  for (std::size_t i = 0; i < order.pairs; ++i) {
-    const auto [first, second] = order.pair[i];
-    scales.pair[i] = &table(weight[first], weight[second], scales.made[i]);
-    weight[first] += weight[second];
-  }
-}
 
-/// How a value is rounded to a multiple of its step: up from 1 - kRounding / 64 of it on. Less than
-/// a half, since zeros are cheap.
+  /// `unit`: the node's children are of the layer's last level.
+  const NodeScales& operator()(std::uint32_t node, bool unit) {
+    const std::uint8_t mask = svo_.masks[node];
+    if (unit) return of_units_[mask];
+    const MergeOrder& order = kMergeOrders[mask];
+    std::array<std::uint32_t, 8> weight;
+    for (std::uint32_t c = 0; c <= order.pairs; ++c) {
+      weight[c] = weights_[svo_.first_child[node] + c];
+    }
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      const auto [first, second] = order.pair[i];
+      found_.pair[i] = &table_(weight[first], weight[second], found_.made[i]);
+      weight[first] += weight[second];
+    }
+    return found_;
+  }
+
+ private:
+  const Svo& svo_;
+  const Weights& weights_;
+  PairScales table_;
+  std::vector<NodeScales> of_units_;  ///< by mask
+  NodeScales found_;
+};
+
+/// How a difference is rounded to a multiple of its step: up from 1 - kRounding / 64 of it on. Less
+/// than a half, since zeros are cheap.
 constexpr std::int32_t kRounding = 21;
 
+/// |difference| is at most 2^16.
 std::int32_t quantize(std::int32_t difference, std::int32_t step) {
-  const std::int64_t magnitude =
-      ((std::int64_t{std::abs(difference)} << 8) + (std::int64_t{step} * kRounding >> 6)) / step;
-  const auto bounded = static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, 32768));
-  return difference < 0 ? -bounded : bounded;
+  const auto scaled = static_cast<std::uint32_t>(std::abs(difference)) << 8;
+  const auto magnitude =
+      static_cast<std::int32_t>((scaled + static_cast<std::uint32_t>((step >> 6) * kRounding)) /
+                                static_cast<std::uint32_t>(step));
+  return difference < 0 ? -magnitude : magnitude;
+}
+
+/// Whether no component of a difference rounds to more than zero.
+bool rounds_to_zero(const Int4& difference, const Int4& steps) {
+  const Int4 above = (abs(difference) << 8) + (steps >> 6) * kRounding >= steps;
+  return (above[0] | above[1] | above[2]) == 0;
 }
 
 /// A difference is at most 2^16 either way, whatever the bytes say.
@@ -89,7 +117,7 @@ class LayerCoder {
         first_level_(first_level),
         last_level_(last_level),
         weights_(svo, first_level, last_level),
-        scales_(steps.luma, steps.chroma),
+        scales_(svo, weights_, steps),
         luma_step_(steps.luma / 4),
         neighborhoods_(neighborhoods),
         contexts_(contexts),
@@ -133,7 +161,7 @@ class LayerCoder {
       decoded_[first] = decoded_[node];
       return;
     }
-    find_scales(order, scales_, weights_, first, unit_, node_scales_);
+    const NodeScales& scales = scales_(node, unit_);
 
     std::array<Int4, 8> expected;
     Int4 mean = load(decoded_[node]);
@@ -151,13 +179,13 @@ class LayerCoder {
         most = max(most, expected[c]);
       }
       std::array<Int4, 7> unused;
-      merge(order, node_scales_, merged.data(), unused.data());
+      merge(order, scales, merged.data(), unused.data());
       mean -= merged[0];
       gradient = gradient_class(most[0] - least[0]);
     }
 
     std::array<Triple, 7> q;
-    if constexpr (Coder::kEncodes) quantize_node<kPredicts>(order, first, expected, q);
+    if constexpr (Coder::kEncodes) quantize_node<kPredicts>(order, scales, first, expected, q);
     const bool coded = code_coefficients(order, gradient, activity_class(near_activity, weight), q);
     last_activity_ = coded ? activity_of(order, q) : 0;
     const auto fourth = static_cast<std::int16_t>(1 + last_activity_ * kActivityUnit);
@@ -171,11 +199,11 @@ class LayerCoder {
     if (coded) {
       std::array<Int4, 7> differences;
       for (std::size_t i = 0; i < order.pairs; ++i) {
-        const Int4& steps = node_scales_.pair[i]->steps;
+        const Int4& steps = scales.pair[i]->steps;
         differences[i] = Int4{dequantize(q[i][0], steps[0]), dequantize(q[i][1], steps[1]),
                               dequantize(q[i][2], steps[2]), 0};
       }
-      split(order, node_scales_, values.data(), differences.data());
+      split(order, scales, values.data(), differences.data());
     } else {
       for (std::size_t c = 1; c <= order.pairs; ++c) values[c] = mean;
     }
@@ -211,7 +239,7 @@ class LayerCoder {
   }
 
   template <bool kPredicts>
-  void quantize_node(const MergeOrder& order, std::uint32_t first,
+  void quantize_node(const MergeOrder& order, const NodeScales& scales, std::uint32_t first,
                      const std::array<Int4, 8>& expected, std::array<Triple, 7>& q) const {
     std::array<Int4, 8> values;
     for (std::size_t c = 0; c <= order.pairs; ++c) {
@@ -219,9 +247,13 @@ class LayerCoder {
       if constexpr (kPredicts) values[c] -= expected[c];
     }
     std::array<Int4, 7> differences;
-    merge(order, node_scales_, values.data(), differences.data());
+    merge(order, scales, values.data(), differences.data());
     for (std::size_t i = 0; i < order.pairs; ++i) {
-      const Int4& steps = node_scales_.pair[i]->steps;
+      const Int4& steps = scales.pair[i]->steps;
+      if (rounds_to_zero(differences[i], steps)) {
+        q[i] = {};
+        continue;
+      }
       for (int k = 0; k < 3; ++k) {
         q[i][static_cast<std::size_t>(k)] = quantize(differences[i][k], steps[k]);
       }
@@ -252,7 +284,7 @@ class LayerCoder {
   int first_level_, last_level_;
   bool unit_ = false;
   Weights weights_;
-  PairScales scales_;
+  Scales scales_;
   std::int32_t luma_step_;
   Neighborhoods* neighborhoods_;
   CoefficientContexts& contexts_;
@@ -262,7 +294,6 @@ class LayerCoder {
   /// Of the node coded last; what contexts go by without a neighbourhood.
   std::int32_t last_activity_ = 0;
   ValueBlock block_;
-  NodeScales node_scales_;
 };
 
 /// In quarters.
@@ -272,24 +303,33 @@ constexpr std::uint8_t kPredictionFlag = 1;
 constexpr std::size_t kParametersSize = 5;
 constexpr std::size_t kRootSize = 6;
 
-/// Means of the nodes of one layer, from those of its last level.
+/// Means of the nodes of one layer, from those of its last level. (As exact as need be: what
+/// differs from the transform's own mean is coded with the children.)
 void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Short4>& values) {
   const Weights weights(svo, first_level, last_level);
-  const PairScales table(256, 256);
-  NodeScales scales;
-  std::array<Int4, 8> children;
-  std::array<Int4, 7> unused;
   const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
   const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
-  const std::uint32_t unit_begin =
-      last_level == 0 ? 0 : svo.level_begin[static_cast<std::size_t>(last_level) - 1];
   for (std::uint32_t node = end; node-- > begin;) {
-    const MergeOrder& order = kMergeOrders[svo.masks[node]];
     const std::uint32_t first = svo.first_child[node];
-    find_scales(order, table, weights, first, node >= unit_begin, scales);
-    for (std::uint32_t c = 0; c <= order.pairs; ++c) children[c] = load(values[first + c]);
-    merge(order, scales, children.data(), unused.data());
-    values[node] = store(children[0], 1);
+    const auto children = static_cast<std::uint32_t>(std::popcount(svo.masks[node]));
+    if (first >= end) {
+      Int4 sum = load(values[first]);
+      for (std::uint32_t c = 1; c < children; ++c) sum += load(values[first + c]);
+      const auto reciprocal = static_cast<std::int32_t>(65536 / children);
+      values[node] = store((sum * reciprocal + (1 << 15)) >> 16, 1);
+      continue;
+    }
+    std::array<std::int64_t, 3> sum{};
+    std::int64_t weight = 0;
+    for (std::uint32_t c = first; c < first + children; ++c) {
+      const std::int64_t w = weights[c];
+      weight += w;
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += w * values[c].lanes[k];
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      values[node].lanes[k] = static_cast<std::int16_t>(sum[k] / weight);
+    }
+    values[node].lanes[3] = 1;
   }
 }
 

@@ -72,7 +72,8 @@ PairScale PairScales::make(std::uint32_t w0, std::uint32_t w1) const {
   };
   PairScale scale;
   scale.ratio = static_cast<std::int32_t>(((std::uint64_t{w1} << 14) + sum / 2) / sum);
-  scale.steps = Int4{step(luma_step_), step(chroma_step_), step(chroma_step_), 1};
+  scale.steps = Int4{step(luma_step_), step(chroma_step_), step(chroma_step_),
+                     static_cast<std::int32_t>(kMostStep)};
   return scale;
 }
 

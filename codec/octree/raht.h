@@ -42,7 +42,7 @@ extern const std::array<MergeOrder, 256> kMergeOrders;
 struct PairScale {
   /// Weight of the second over both, in 1/2^14: the mean is v0 + d * ratio.
   std::int32_t ratio;
-  /// Quantisation steps of the components' differences, in 1/256 of a value, fourth lane 1.
+  /// Quantisation steps of the components' differences, in 1/256 of a value; fourth lane 2^24.
   Int4 steps;
 };
 

@@ -46,6 +46,7 @@ EncodedFrame forged_frame(ByteView bytes) {
   header.has_colors = fields[1] & 1;
   header.has_normals = fields[1] & 2;
   header.colors_16_bit = fields[1] & 4;
+  header.colors_transformed = fields[1] & 8;
   header.layers = static_cast<std::uint8_t>(layer_count(std::min<int>(header.depth, kMaxDepth)));
   header.coded_points = header.source_points = fields[2] | fields[3] << 8;
   EncodedFrame frame;
@@ -83,12 +84,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto frame = decode_frame(layer_views(input.layers), kLimits);
   if (!tree || !frame) return 0;
   if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
+  if (frame->cloud.has_colors() && frame->cloud.colors.size() != frame->cloud.size()) std::abort();
 
   // Cells come back exactly where a float tells them apart: always, in a cube at the origin.
   PointCloud cloud = frame->cloud;
   cloud.origin = glm::dvec3(0.0);
   const Cube cube{glm::dvec3(0.0), frame->cube.edge};
-  const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth)};
+  const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth), 1 + data[0] % 100};
   const auto again = encode_frame(cloud, cube, {options, true, true});
   if (!again) std::abort();
   const auto twice = decode_octree_tree(layer_views(again->layers), kLimits);

@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "codec/octree/color_space.h"
+#include "tests/reference/color_decoder.h"
 
 namespace pointreel {
 namespace {
@@ -129,6 +131,29 @@ TEST(ColorCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colours) {
     const std::vector<glm::u16vec3> expected(first, first + s.svo.node_count(level));
     ASSERT_EQ(colors.size(), expected.size());
     EXPECT_LT(mean_squared_luma_error(colors, expected), 1.5) << level;
+  }
+}
+
+TEST(ColorCoder, agrees_with_the_slow_decoder_of_the_format) {
+  // Dense and sparse, few layers and many, noise and flat colours.
+  for (const auto& [points, depth, ends] :
+       {std::tuple(3000, 6, std::vector<int>{6}), std::tuple(4000, 7, std::vector<int>{3, 5, 7}),
+        std::tuple(700, 12, std::vector<int>{7, 9, 12}), std::tuple(5, 3, std::vector<int>{3})}) {
+    Sample s = sample(static_cast<std::size_t>(points), depth, ends);
+    for (const bool flat : {false, true}) {
+      if (flat) {
+        for (std::size_t i = 0; i < s.colors.size(); ++i) {
+          s.colors[i] =
+              i < s.colors.size() / 2 ? glm::u16vec3(65535, 0, 0) : glm::u16vec3(0, 65535, 0);
+        }
+      }
+      for (const std::uint16_t step : std::initializer_list<std::uint16_t>{1, 700, 9000, 65535}) {
+        const std::vector<Bytes> layers =
+            encode(s, {step, static_cast<std::uint16_t>(step / 2 + 1)});
+        EXPECT_EQ(decode(s, layers), reference::decode_colors(leaf_cells(s.svo), layers, ends))
+            << points << " points, step " << step;
+      }
+    }
   }
 }
 

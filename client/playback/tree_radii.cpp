@@ -14,6 +14,10 @@ constexpr int kBlockLevels = 2;
 /// Of the radius that the whole surface has on average: a block with a corner of the surface, or
 /// one stray point, would otherwise get discs that stick out.
 constexpr double kMaxRadius = 3.0;
+/// Of the edge of a cell of the closed level. Points along curves lie denser than their gaps are
+/// wide, and it is the gaps that discs must close: they are about as wide as the finest cells that
+/// none of them leaves empty. Random points have no smaller radius than this anyway.
+constexpr double kLeastOfClosedCell = 0.3;
 
 /// The level above the finest that still looks like a closed surface, because in that one up to a
 /// third of the cells may be missing already; the leaves' if none looks so.
@@ -72,7 +76,8 @@ std::vector<Block> measure_blocks(const Svo& svo) {
 }  // namespace
 
 std::vector<float> leaf_radii(const Svo& svo) {
-  const double least = 0.5 * std::sqrt(3.0) * svo.cell_size(svo.depth);
+  const double least = std::max(0.5 * std::sqrt(3.0) * svo.cell_size(svo.depth),
+                                kLeastOfClosedCell * svo.cell_size(closed_level(svo)));
   const std::vector<Block> blocks = measure_blocks(svo);
   const double most = std::max(least, cap_of(blocks, svo.leaf_count()));
   std::vector<float> radii(svo.leaf_count());

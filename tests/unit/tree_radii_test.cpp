@@ -53,6 +53,26 @@ TEST(LeafRadii, BridgeTheGapsBetweenSparseLeaves) {
   }
 }
 
+TEST(LeafRadii, ReachAcrossTheGapsBetweenCurves) {
+  // A grid of curves on a plane, as a scanner's pattern draws it: 24 gaps of 1/24, and 40 points on
+  // the way from one crossing to the next.
+  constexpr int kGaps = 24, kPoints = 40 * kGaps;
+  PointCloud cloud;
+  for (int curve = 0; curve <= kGaps; ++curve) {
+    for (int i = 0; i < kPoints; ++i) {
+      const float across = static_cast<float>(curve) / kGaps;
+      const float along = static_cast<float>(i) / kPoints;
+      cloud.positions.push_back({across, along, 0.5f});
+      cloud.positions.push_back({along, across, 0.5f});
+    }
+  }
+  const Svo svo = build_svo(sort_points(cloud, Cube{glm::dvec3(0.0), 1.0}, 11), 11);
+  const auto radii = leaf_radii(svo);
+  // Enlarged twice, as they are drawn, they close the middle of a mesh.
+  EXPECT_GT(2.0f * *std::min_element(radii.begin(), radii.end()), 0.5f / kGaps);
+  EXPECT_LT(*std::max_element(radii.begin(), radii.end()), 1.0f / kGaps);
+}
+
 TEST(LeafRadii, FollowTheDensity) {
   // The half with x > 0 has a sixteenth of the points.
   std::mt19937 random(4);

@@ -17,7 +17,7 @@
 namespace pointreel {
 
 enum class Codec : std::uint8_t { octree = 1, draco = 2 };
-enum class Entropy : std::uint8_t { none = 0, zstd = 1 };
+enum class Entropy : std::uint8_t { none = 0, zstd = 1, context = 2 };
 
 /// A quality of colours whose error is seen on a second look: luma at about 41 dB on a dense human.
 inline constexpr int kDefaultColorQuality = 57;
@@ -110,7 +110,7 @@ Result<PartSizes> measure_parts(const EncodedFrame& frame, const PointCloud& clo
 Result<DecodedFrame> decode_frame(const std::vector<LayerView>& layers,
                                   const DecodeLimits& limits = {});
 
-/// "octree", "draco", "none", "zstd".
+/// "octree", "draco", "none", "zstd", "context".
 const char* name(Codec codec);
 const char* name(Entropy entropy);
 

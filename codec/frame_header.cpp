@@ -126,7 +126,7 @@ Result<ParsedChunk> read_chunk(ByteView bytes, ChunkKind kind, std::uint8_t laye
     return fail("chunk is another part of the frame than the one asked for");
   }
   if (stored_tag != tag) return fail("chunk belongs to another frame");
-  if (entropy > static_cast<unsigned>(Entropy::zstd)) {
+  if (entropy > static_cast<unsigned>(Entropy::context)) {
     return fail("chunk has unknown entropy coding " + std::to_string(entropy) +
                 ": update Pointreel");
   }

@@ -47,6 +47,8 @@ Result<PartSizes> measure_parts(const EncodedFrame& frame, const PointCloud& clo
 
 const char* name(Codec codec) { return codec == Codec::octree ? "octree" : "draco"; }
 
-const char* name(Entropy entropy) { return entropy == Entropy::none ? "none" : "zstd"; }
+const char* name(Entropy entropy) {
+  return entropy == Entropy::none ? "none" : entropy == Entropy::zstd ? "zstd" : "context";
+}
 
 }  // namespace pointreel

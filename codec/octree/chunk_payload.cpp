@@ -9,9 +9,6 @@ namespace {
 
 constexpr int kZstdLevel = 3;
 
-/// How much a zstd payload may expand to: what a few hostile bytes can make a reader allocate.
-std::size_t max_raw_size(std::size_t stored) { return 64 * 1024 + 1024 * stored; }
-
 }  // namespace
 
 void pack_chunk(ChunkHeader header, FrameTag tag, ByteView raw, Bytes& out) {
@@ -30,6 +27,9 @@ void pack_chunk(ChunkHeader header, FrameTag tag, ByteView raw, Bytes& out) {
 }
 
 Result<Bytes> unpack_chunk(const ParsedChunk& chunk, std::size_t expected_size) {
+  if (chunk.header.entropy == Entropy::context) {
+    return fail("chunk has entropy coding context where it is none or zstd");
+  }
   const bool stored = chunk.header.entropy == Entropy::none;
   const std::size_t most = stored ? chunk.payload.size() : max_raw_size(chunk.payload.size());
   if (chunk.header.raw_size != expected_size || expected_size > most ||

@@ -7,8 +7,12 @@
 /// The payload of a chunk: raw bytes as they are, or zstd.
 namespace pointreel {
 
+/// The most raw bytes that a payload of this size may stand for: what a few hostile bytes can make
+/// a reader allocate.
+inline std::size_t max_raw_size(std::size_t stored) { return 64 * 1024 + 1024 * stored; }
+
 /// Appends a chunk that holds `raw`. Falls back to Entropy::none where zstd would gain nothing or
-/// break the bound on expansion that readers rely on.
+/// break max_raw_size. The entropy is one of these two.
 void pack_chunk(ChunkHeader header, FrameTag tag, ByteView raw, Bytes& out);
 
 /// Undoes the entropy coding. `expected_size` is what the caller knows the raw bytes must be; it is

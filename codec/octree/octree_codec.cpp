@@ -11,6 +11,7 @@
 
 #include "codec/octree/chunk_payload.h"
 #include "codec/octree/color_coder.h"
+#include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
 
 namespace pointreel {
@@ -37,6 +38,7 @@ class AttributeEncoder {
     const Codes predicted =
         header.layer == 0 ? Codes(codes.size()) : inherit(svo, previous_, level_, level);
     header.kind = kind_;
+    if (header.entropy == Entropy::context) header.entropy = Entropy::zstd;
     pack_chunk(header, tag, code_differences(codes, predicted, shape_), out);
     previous_ = std::move(codes);
     level_ = level;
@@ -107,37 +109,11 @@ Result<std::vector<glm::u16vec3>> decode_transformed_colors(const Svo& svo,
   return decoder.colors(last_levels.back());
 }
 
-/// Appends one layer's masks to the tree. `level_nodes` is the number of nodes at the level where
-/// the layer begins, and becomes that of the level where it ends.
-Result<void> decode_masks(const ParsedChunk& chunk, const FrameHeader& header, int first_level,
-                          std::uint64_t& level_nodes, Svo& svo) {
-  // A tree has at most as many nodes on a level as it has leaves.
-  const int levels = chunk.header.last_level - first_level;
-  if (chunk.header.raw_size > std::uint64_t{header.coded_points} * static_cast<unsigned>(levels)) {
-    return fail("chunk holds more nodes than the frame can have");
-  }
-  const auto masks = unpack_chunk(chunk, chunk.header.raw_size);
-  if (!masks) return tl::unexpected(masks.error());
-  std::size_t at = 0;
-  for (int level = first_level; level < chunk.header.last_level; ++level) {
-    if (level_nodes > masks->size() - at) return fail("level sizes disagree with the masks");
-    std::uint64_t children = 0;
-    for (const std::size_t end = at + level_nodes; at < end; ++at) {
-      children += static_cast<unsigned>(std::popcount((*masks)[at]));
-    }
-    if (children > header.coded_points) return fail("more nodes than the header has points");
-    level_nodes = children;
-  }
-  if (at != masks->size()) return fail("level sizes disagree with the masks");
-  svo.masks.insert(svo.masks.end(), masks->begin(), masks->end());
-  return {};
-}
-
 /// Decodes the geometry of the layers that are there; the last level of each.
 Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
                                          const ParsedFrameHeader& frame, Svo& svo) {
   const FrameHeader& header = frame.header;
-  std::uint64_t level_nodes = header.coded_points > 0 ? 1 : 0;
+  GeometryDecoder geometry(header.coded_points);
   std::vector<int> last_levels;
   for (int layer = 0; layer < header.layers; ++layer) {
     const std::size_t number = static_cast<std::size_t>(layer);
@@ -151,12 +127,12 @@ Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
     const int last_level = last_level_of_layer(layer, header.depth);
     if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
     const int first_level = last_levels.empty() ? 0 : last_levels.back();
-    const auto masks = decode_masks(*chunk, header, first_level, level_nodes, svo);
+    const auto masks = geometry.decode_layer(*chunk, first_level, svo.masks);
     if (!masks) return tl::unexpected(masks.error());
     last_levels.push_back(last_level);
   }
   svo.depth = last_levels.back();
-  if (svo.depth == header.depth && level_nodes != header.coded_points) {
+  if (svo.depth == header.depth && geometry.level_nodes() != header.coded_points) {
     return fail("the number of leaves disagrees with the header");
   }
   if (!index_svo(svo, header.coded_points > 0)) return fail("the masks are no octree");
@@ -218,6 +194,8 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   }
   std::vector<glm::i16vec3> normals_of_nodes;
   if (frame.has_normals) normals_of_nodes = mean_normals(svo, cloud, points->sorted);
+  auto geometry = GeometryEncoder::create(options.entropy);
+  if (!geometry) return tl::unexpected(geometry.error());
   AttributeEncoder color_encoder(ChunkKind::colors, shape);
   AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
   int first_level = 0;
@@ -226,11 +204,10 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
     const int last_level = last_level_of_layer(layer, svo.depth);
     const ChunkHeader header{ChunkKind::geometry, options.entropy, static_cast<std::uint8_t>(layer),
                              static_cast<std::uint8_t>(last_level), 0};
-    const std::size_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
-    const std::size_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
     if (layer == 0) write_frame_header(frame, tag, out.geometry);
-    pack_chunk(header, tag, ByteView(svo.masks).subspan(begin, end - begin), out.geometry);
+    geometry->encode_layer(svo, first_level, header, tag, out.geometry);
 
+    const std::size_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
     const std::size_t count = svo.node_count(last_level);
     if (color_transform) {
       const ColorSteps steps = layer_steps(color_steps(options.color_quality), svo.leaf_count(),

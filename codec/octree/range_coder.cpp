@@ -1,5 +1,7 @@
 #include "codec/octree/range_coder.h"
 
+#include <algorithm>
+
 namespace pointreel {
 
 void range_coder::append_word(Bytes& out, std::size_t begin, std::uint32_t word, bool carry) {
@@ -12,18 +14,10 @@ void range_coder::append_word(Bytes& out, std::size_t begin, std::uint32_t word,
 }
 
 void RangeEncoder::finish() {
-  // The number in [low, low + range) with the most zeros at its end; at least 32, as the range is
-  // at least 2^32.
-  std::uint64_t value = low_;
-  int zeros = 56;
-  for (; zeros >= 32; zeros -= 8) {
-    const std::uint64_t below = (std::uint64_t{1} << zeros) - 1;
-    value = (low_ + below) & ~below;
-    if (value - low_ < range_) break;
-  }
+  // The range is at least 2^32, so it holds a number whose low half is zero.
+  const std::uint64_t value = low_ + (range_coder::kLeastRange - 1);
   carry_ |= value < low_;
   range_coder::append_word(*out_, begin_, static_cast<std::uint32_t>(value >> 32), carry_);
-  out_->resize(out_->size() - static_cast<std::size_t>((zeros - 32) / 8));
 }
 
 std::uint32_t RangeDecoder::word_at_end(const std::uint8_t* bytes, std::size_t size,
@@ -34,11 +28,8 @@ std::uint32_t RangeDecoder::word_at_end(const std::uint8_t* bytes, std::size_t s
 }
 
 bool RangeDecoder::complete() const {
-  if (next_ >= size_) return next_ - size_ <= 7;
-  for (std::size_t i = next_; i < size_; ++i) {
-    if (bytes_[i] != 0) return false;
-  }
-  return true;
+  const std::size_t end = next_ - kAhead;
+  return end <= size_ && std::all_of(bytes_ + end, bytes_ + size_, [](auto b) { return b == 0; });
 }
 
 }  // namespace pointreel

@@ -10,7 +10,7 @@
 /// four bytes at a time. FORMAT.md, "Range coder".
 ///
 /// Trust: the decoder reads hostile bytes. It never reads past their end: beyond it stand zeros,
-/// and `complete` tells whether the bytes were those of the decisions that were asked for.
+/// and `complete` tells whether there were as many as the decisions that were asked for take.
 namespace pointreel {
 
 namespace range_coder {
@@ -51,7 +51,7 @@ class RangeEncoder {
     }
   }
 
-  /// Appends the last one to four bytes.
+  /// Appends the last four bytes.
   void finish();
 
  private:
@@ -82,11 +82,13 @@ class RangeDecoder {
     return bit;
   }
 
-  /// Whether these decisions need all bytes but zeros at the end, and no more of them: the decoder
-  /// is four to seven bytes ahead of the encoder's last.
+  /// Whether these are all the bytes that an encoder made for the decisions so far, but for zeros
+  /// behind them.
   bool complete() const;
 
  private:
+  static constexpr std::size_t kAhead = 4;  ///< bytes that the decoder is ahead of the encoder
+
   std::uint32_t next_word() {
     const std::size_t at = next_;
     next_ += 4;

@@ -8,6 +8,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/report/report.h"
 #include "tests/bench/suites.h"
+#include "tests/bench/training/train_command.h"
 
 namespace {
 
@@ -47,6 +48,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   add_compare_command(app, exit_code);
   add_report_command(app, exit_code);
+  add_train_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

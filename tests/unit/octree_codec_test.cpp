@@ -64,10 +64,9 @@ double degrees_between(const glm::vec3& a, const glm::vec3& b) {
 }
 
 class OctreeCodec : public testing::TestWithParam<Entropy> {};
-INSTANTIATE_TEST_SUITE_P(Entropies, OctreeCodec, testing::Values(Entropy::none, Entropy::zstd),
-                         [](const auto& entropy) {
-                           return entropy.param == Entropy::none ? "none" : "zstd";
-                         });
+INSTANTIATE_TEST_SUITE_P(Entropies, OctreeCodec,
+                         testing::Values(Entropy::none, Entropy::zstd, Entropy::context),
+                         [](const auto& entropy) { return name(entropy.param); });
 
 TEST_P(OctreeCodec, gives_back_the_encoder_s_voxels_at_every_depth) {
   const PointCloud cloud = bumpy_sphere(3000);
@@ -279,16 +278,16 @@ TEST(OctreeCodecHardCases, refuses_a_delta_that_is_none) {
 
 // --- hostile bytes ---
 
-/// With lossless and with lossy colours.
-class OctreeCodecHostile : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Colours, OctreeCodecHostile, testing::Values(kLosslessColorQuality, 80),
-                         [](const auto& quality) {
-                           return quality.param == kLosslessColorQuality ? "lossless" : "lossy";
-                         });
+/// The codings of geometry, with lossless and with lossy colours.
+class OctreeCodecHostile : public testing::TestWithParam<std::pair<Entropy, int>> {};
+INSTANTIATE_TEST_SUITE_P(Codings, OctreeCodecHostile,
+                         testing::Values(std::pair{Entropy::zstd, kLosslessColorQuality},
+                                         std::pair{Entropy::context, 80}),
+                         [](const auto& coding) { return name(coding.param.first); });
 
 TEST_P(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) {
   const EncodedFrame frame =
-      encode(bumpy_sphere(60), DepthRule::fixed(8), Entropy::zstd, {}, GetParam());
+      encode(bumpy_sphere(60), DepthRule::fixed(8), GetParam().first, {}, GetParam().second);
   for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
     for (const auto part : {&LayerView::geometry, &LayerView::colors, &LayerView::normals}) {
       const std::size_t size = (layer_views(frame.layers)[layer].*part).size();
@@ -302,7 +301,8 @@ TEST_P(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error
 }
 
 TEST_P(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
-  EncodedFrame frame = encode(bumpy_sphere(60), DepthRule::fixed(8), Entropy::zstd, {}, GetParam());
+  EncodedFrame frame =
+      encode(bumpy_sphere(60), DepthRule::fixed(8), GetParam().first, {}, GetParam().second);
   ASSERT_TRUE(decode_octree(layer_views(frame.layers), kLimits));
   for (EncodedLayer& layer : frame.layers) {
     for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
@@ -319,8 +319,10 @@ TEST_P(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
 
 TEST_P(OctreeCodecHostile, layers_of_different_frames_are_not_mixed) {
   const DepthRule depth = DepthRule::fixed(9);
-  const EncodedFrame a = encode(bumpy_sphere(500, 1), depth, Entropy::zstd, {}, GetParam());
-  const EncodedFrame b = encode(bumpy_sphere(500, 2), depth, Entropy::zstd, {}, GetParam());
+  const EncodedFrame a =
+      encode(bumpy_sphere(500, 1), depth, GetParam().first, {}, GetParam().second);
+  const EncodedFrame b =
+      encode(bumpy_sphere(500, 2), depth, GetParam().first, {}, GetParam().second);
   auto mixed = layer_views(a.layers);
   mixed[1].geometry = layer_views(b.layers)[1].geometry;
   EXPECT_FALSE(decode_octree(mixed, kLimits));
@@ -370,6 +372,53 @@ TEST(OctreeCodecForged, forged_counts_are_refused_before_memory_is_taken) {
   EXPECT_FALSE(decodes(forged(small_header(0, 0), chunk(0, 1), {1})));
   EXPECT_FALSE(decodes(forged(small_header(5, 0), chunk(5, 0), {})));
   EXPECT_FALSE(decodes(forged(small_header(22, 2), chunk(7, 1), {0b11})));
+}
+
+TEST(OctreeCodecForged, contexts_that_are_damaged_are_refused) {
+  const auto decodes = [](std::uint32_t points, std::uint32_t masks, const Bytes& payload) {
+    const ChunkHeader chunk{ChunkKind::geometry, Entropy::context, 0, 7, masks};
+    return decode_octree_tree({{forged(small_header(7, points), chunk, payload), {}, {}}}, kLimits)
+        .has_value();
+  };
+  const Bytes zeros(100, 0);
+  const Bytes classes = {1, 5, 5, 5, 5, 5, 5, 5};
+  EXPECT_FALSE(decodes(1u << 20, 7, {})) << "no tables";
+  EXPECT_FALSE(decodes(1u << 20, 7, {1})) << "no classes";
+  EXPECT_FALSE(decodes(1u << 20, 7, {2, 5, 5, 5, 5, 5, 5, 5, 0})) << "unknown tables";
+  EXPECT_FALSE(decodes(1u << 20, 0, classes)) << "no masks";
+  EXPECT_FALSE(decodes(1u << 26, 64 * 1024 + 1024 * 8 + 1, classes)) << "more than the bytes allow";
+  EXPECT_FALSE(decodes(1u << 20, 299'593, zeros)) << "unknown tables 0";
+  // Zeros decode to ones, so to a full tree, which these many bytes may not stand for.
+  EXPECT_FALSE(decodes(1u << 21, 64 * 1024, classes));
+}
+
+TEST(OctreeCodecContext, is_smaller_than_zstd_and_has_no_other_coding_beside_it) {
+  const PointCloud cloud = bumpy_sphere(20000);
+  const EncodedFrame context = encode(cloud, DepthRule::fixed(8), Entropy::context);
+  const EncodedFrame zstd = encode(cloud, DepthRule::fixed(8), Entropy::zstd);
+  std::size_t sizes[2] = {};
+  for (std::size_t i = 0; i < 2; ++i) {
+    sizes[0] += context.layers[i].geometry.size();
+    sizes[1] += zstd.layers[i].geometry.size();
+  }
+  EXPECT_LT(static_cast<double>(sizes[0]), 0.9 * static_cast<double>(sizes[1]));
+  auto mixed = layer_views(context.layers);
+  mixed[1].geometry = layer_views(zstd.layers)[1].geometry;
+  EXPECT_FALSE(decode_octree_tree(mixed, kLimits));
+  mixed = layer_views(zstd.layers);
+  mixed[1].geometry = layer_views(context.layers)[1].geometry;
+  EXPECT_FALSE(decode_octree_tree(mixed, kLimits));
+}
+
+TEST(OctreeCodecContext, pads_what_would_stand_for_more_than_a_reader_takes) {
+  PointCloud solid;
+  for (int i = 0; i < 1 << 18; ++i) {
+    solid.positions.push_back((glm::vec3(i & 63, i >> 6 & 63, i >> 12) + 0.5f) / 64.0f);
+  }
+  const EncodedFrame frame = encode(solid, DepthRule::fixed(6), Entropy::context);
+  const auto tree = decode_octree_tree(layer_views(frame.layers), kLimits);
+  ASSERT_TRUE(tree) << tree.error().message;
+  EXPECT_EQ(tree->svo.leaf_count(), solid.size());
 }
 
 TEST(OctreeCodecForged, a_cube_that_is_none_is_refused) {

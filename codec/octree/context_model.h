@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "codec/octree/raster_walk.h"
+#include "common/base/bytes.h"
+#include "common/base/error.h"
+
+/// Which probability a decision about a node's children has: its slot and the node's neighbourhood
+/// word lead through two tables to a leaf, which adapts as decisions are coded. FORMAT.md,
+/// "Contexts".
+namespace pointreel {
+
+/// Levels of one class share tables. Classes go by the branching factor: children a node.
+inline constexpr int kLevelClasses = 6;
+/// Slots 0 to 7: whether the node has that child. 8: whether it has exactly one. 9 to 15: which one
+/// that is, as a path down a binary tree: 9 for bit 2 of the child's number, 10 + bit 2 for bit 1,
+/// 12 + 2 bit 2 + bit 1 for bit 0.
+inline constexpr int kSlots = 16;
+inline constexpr int kOnlyChildSlot = 8;
+inline constexpr int kPositionSlot = 9;
+
+/// The class that an encoder gives a level; a decoder is told it.
+int level_class(std::size_t nodes, std::size_t children);
+
+/// In the classes of few children a node's first decision is whether it has exactly one.
+inline bool codes_only_child(int level_class) { return level_class < 3; }
+
+/// Probability of a one, and how much is known of it.
+struct Leaf {
+  std::uint16_t probability = 32768;  ///< of 65536; kLeastProbability to 65536 - kLeastProbability
+  std::uint16_t count = 0;            ///< of the decisions that it stands for, up to kCountLimit
+};
+inline constexpr int kLeastProbability = 32;
+inline constexpr int kCountLimit = 255;
+
+/// How far a leaf moves towards a decision, of 65536: after n decisions about 1 / (n + 1.6).
+inline constexpr auto kAdaptationRates = [] {
+  std::array<std::uint16_t, kCountLimit + 1> rates{};
+  for (std::uint32_t n = 0; n < rates.size(); ++n) {
+    rates[n] = static_cast<std::uint16_t>(655360u / (10u * n + 16u));
+  }
+  return rates;
+}();
+
+inline void adapt(Leaf& leaf, unsigned bit) {
+  const std::int32_t probability = leaf.probability;
+  const std::int32_t step = ((bit != 0 ? 65535 : 0) - probability) * kAdaptationRates[leaf.count];
+  std::int32_t moved = probability + (step >> 16);
+  moved = moved < kLeastProbability ? kLeastProbability : moved;
+  moved = moved > 65536 - kLeastProbability ? 65536 - kLeastProbability : moved;
+  leaf.probability = static_cast<std::uint16_t>(moved);
+  leaf.count = static_cast<std::uint16_t>(leaf.count + (leaf.count < kCountLimit ? 1 : 0));
+}
+
+/// Trained tables: cell = first_cell + extract(word, mask) of the slot, leaf = first_leaf +
+/// extract(word, mask) of the cell.
+struct ContextTables {
+  struct Slot {
+    std::uint64_t mask = 0;
+    std::uint32_t first_cell = 0;
+  };
+  struct Cell {
+    std::uint64_t mask = 0;
+    std::uint32_t first_leaf = 0;
+  };
+  std::array<std::array<Slot, kSlots>, kLevelClasses> slots;
+  std::vector<Cell> cells;
+  std::vector<Leaf> leaves;  ///< as they are when a frame begins
+};
+
+/// A leaf as tables store it: six bits of log odds, two of confidence.
+Leaf unpack_leaf(std::uint8_t packed);
+/// The nearest that can be stored, to a share of ones and the number of decisions it comes from.
+std::uint8_t pack_leaf(double probability, double decisions);
+
+/// Trust: takes hostile bytes (a package's own tables). Masks and counts are bounded (2^20 cells,
+/// 2^22 leaves) and compared with the bytes that are there before memory is taken.
+Result<ContextTables> parse_tables(ByteView bytes);
+
+/// The tables' masks and, for every leaf in order, its byte; FORMAT.md, "Tables".
+Bytes write_tables(const ContextTables& tables, ByteView packed_leaves);
+
+/// Looks contexts up, with leaves of its own.
+template <class Extract>
+class ContextLookup {
+ public:
+  ContextLookup(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves)
+      : slots_(tables.slots[static_cast<std::size_t>(level_class)].data()),
+        cells_(tables.cells.data()),
+        leaves_(leaves.data()) {}
+
+  Leaf& operator()(int slot, std::uint64_t word) const {
+    const ContextTables::Slot& s = slots_[slot];
+    const ContextTables::Cell& cell = cells_[s.first_cell + Extract::extract(word, s.mask)];
+    return leaves_[cell.first_leaf + Extract::extract(word, cell.mask)];
+  }
+
+ private:
+  const ContextTables::Slot* slots_;
+  const ContextTables::Cell* cells_;
+  Leaf* leaves_;
+};
+
+/// Says what there is to decide about a node with this (non-zero) mask: `code(slot, word, bit)`
+/// for each decision in order.
+template <class Code>
+void for_each_decision(bool only_child_first, std::uint64_t word, std::uint32_t mask, Code&& code) {
+  const bool only = std::has_single_bit(mask);
+  if (only_child_first) {
+    code(kOnlyChildSlot, word, static_cast<unsigned>(only));
+    if (only) {
+      const unsigned child = static_cast<unsigned>(std::countr_zero(mask));
+      code(kPositionSlot, word, child >> 2);
+      code(kPositionSlot + 1 + static_cast<int>(child >> 2), word, child >> 1 & 1u);
+      code(kPositionSlot + 3 + static_cast<int>(child >> 1), word, child & 1u);
+      return;
+    }
+  }
+  // The last children are known where without them there would be too few.
+  const int least = only_child_first ? 2 : 1;
+  std::uint32_t own = 0;
+  for (int child = 0; child < 8; ++child) {
+    if (std::popcount(own) + 8 - child <= least) return;
+    code(child, word | std::uint64_t{own} << neighborhood::kOwn, mask >> child & 1u);
+    own |= mask & 1u << child;
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "codec/octree/context_model.h"
+#include "common/base/error.h"
+
+/// The trained tables that are part of the format. A frame names its tables by number, and a number
+/// stands for the same tables for good: better ones get the next number. tables/README.md tells
+/// how they were trained.
+namespace pointreel {
+
+/// What an encoder uses. Known numbers are 1 to this.
+inline constexpr std::uint8_t kNewestTables = 1;
+
+/// Unpacked when first asked for, and shared from then on; safe from any thread.
+Result<std::shared_ptr<const ContextTables>> tables_of_number(std::uint8_t number);
+
+}  // namespace pointreel

@@ -1,0 +1,96 @@
+#include "codec/octree/geometry_chunks.h"
+
+#include <bit>
+#include <string>
+
+#include "codec/octree/chunk_payload.h"
+#include "codec/octree/context_tables.h"
+
+namespace pointreel {
+
+Result<GeometryEncoder> GeometryEncoder::create(Entropy entropy) {
+  GeometryEncoder encoder;
+  if (entropy == Entropy::context) {
+    auto tables = tables_of_number(kNewestTables);
+    if (!tables) return tl::unexpected(tables.error());
+    encoder.context_.emplace(std::move(*tables));
+  }
+  return encoder;
+}
+
+void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader header,
+                                   FrameTag tag, Bytes& out) {
+  const std::size_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
+  const std::size_t end = svo.level_begin[header.last_level];
+  const ByteView masks = ByteView(svo.masks).subspan(begin, end - begin);
+  if (!context_ || masks.empty()) {
+    if (header.entropy == Entropy::context) header.entropy = Entropy::none;
+    pack_chunk(header, tag, masks, out);
+    return;
+  }
+  Bytes payload;
+  if (header.layer == 0) payload.push_back(kNewestTables);
+  context_->encode_layer(svo, first_level, header.last_level, payload);
+  // Zeros behind what is coded keep the bound on expansion that readers rely on.
+  while (max_raw_size(payload.size()) < masks.size()) {
+    payload.resize((masks.size() - max_raw_size(0) + 1023) / 1024);
+  }
+  header.raw_size = static_cast<std::uint32_t>(masks.size());
+  write_chunk(header, tag, payload, out);
+}
+
+Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_level,
+                                           Bytes& masks) {
+  // A tree has at most as many nodes on a level as it has leaves.
+  const int levels = chunk.header.last_level - first_level;
+  if (chunk.header.raw_size > std::uint64_t{points_} * static_cast<unsigned>(levels)) {
+    return fail("chunk holds more nodes than the frame can have");
+  }
+  const std::size_t begin = masks.size();
+  if (chunk.header.entropy == Entropy::context) {
+    const auto decoded = decode_context(chunk, first_level, masks);
+    if (!decoded) return decoded;
+  } else {
+    if (context_) return fail("chunk has another entropy coding than the layers before it");
+    const auto raw = unpack_chunk(chunk, chunk.header.raw_size);
+    if (!raw) return tl::unexpected(raw.error());
+    masks.insert(masks.end(), raw->begin(), raw->end());
+  }
+  return count_nodes(ByteView(masks).subspan(begin), levels);
+}
+
+Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first_level,
+                                             Bytes& masks) {
+  ByteView payload = chunk.payload;
+  if (chunk.header.raw_size == 0 || chunk.header.raw_size > max_raw_size(payload.size())) {
+    return fail("chunk holds " + std::to_string(chunk.header.raw_size) + " masks in " +
+                std::to_string(payload.size()) + " bytes: no number that it can");
+  }
+  if (chunk.header.layer == 0) {
+    if (payload.empty()) return fail("chunk is cut short");
+    auto tables = tables_of_number(payload.front());
+    if (!tables) return tl::unexpected(tables.error());
+    context_.emplace(std::move(*tables));
+    payload = payload.subspan(1);
+  }
+  if (!context_) return fail("chunk has another entropy coding than the layers before it");
+  return context_->decode_layer(payload, first_level, chunk.header.last_level,
+                                chunk.header.raw_size, points_, masks);
+}
+
+Result<void> GeometryDecoder::count_nodes(ByteView masks, int levels) {
+  std::size_t at = 0;
+  for (int level = 0; level < levels; ++level) {
+    if (level_nodes_ > masks.size() - at) return fail("level sizes disagree with the masks");
+    std::uint64_t children = 0;
+    for (const std::size_t end = at + level_nodes_; at < end; ++at) {
+      children += static_cast<unsigned>(std::popcount(masks[at]));
+    }
+    if (children > points_) return fail("more nodes than the header has points");
+    level_nodes_ = children;
+  }
+  if (at != masks.size()) return fail("level sizes disagree with the masks");
+  return {};
+}
+
+}  // namespace pointreel

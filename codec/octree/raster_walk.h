@@ -1,0 +1,247 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "common/base/bytes.h"
+
+/// The nodes of one level of an octree in raster order (by z, then y, then x), and the walk over
+/// them in that order that shows each node what of its neighbourhood a decoder knows by then.
+/// FORMAT.md, "Neighbourhood". Nothing here trusts the tree to be an encoder's: any masks will do.
+namespace pointreel {
+
+/// Raster order is what the neighbourhood needs, Morton order what the SVO has: each node carries
+/// its number in Morton order along.
+struct RasterLevel {
+  /// Nodes of the same y and z; they end where the next row begins.
+  struct Row {
+    std::uint32_t y, z, begin;
+  };
+  int level = 0;
+  std::vector<Row> rows;            ///< and one behind the last, which only begins
+  std::vector<std::uint32_t> x;     ///< of each node
+  std::vector<std::uint32_t> rank;  ///< number of each node in its level in Morton order
+  Bytes masks;                      ///< of each node, once known
+
+  std::size_t size() const { return x.size(); }
+};
+
+/// Level 0 of a tree that is not empty.
+RasterLevel root_level();
+
+/// The level below. `first_child` gives for each node, by rank, the rank of its first child.
+/// `children` is made anew; its masks are zero.
+void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child,
+            std::size_t child_count, RasterLevel& children);
+
+// --- Neighbourhood word
+// ---------------------------------------------------------------------------
+
+/// The 63 bits that a node's decisions see. "Cells" are those of the level below. Bits 28 to 34
+/// hold the node's own children 0 to 6 as far as they are known: the walk leaves them zero.
+namespace neighborhood {
+
+inline constexpr int kBelow = 0;     ///< 4 x 4 cells of plane 2z-1, from (2x-1, 2y-1) on, x fastest
+inline constexpr int kNearRow = 16;  ///< 4 cells of plane 2z, row 2y-1, from 2x-1 on
+inline constexpr int kFarRow = 20;   ///< the same of plane 2z+1
+inline constexpr int kLeft = 24;     ///< children 1, 3, 5, 7 of the node at x-1
+inline constexpr int kOwn = 28;
+inline constexpr int kNodes = 35;    ///< the 26 nodes around, z slowest, without the node itself
+inline constexpr int kDensity = 61;  ///< how many of those there are: 0-2, 3-5, 6-9, 10 or more
+inline constexpr int kBits = 63;
+
+/// `cells` are bits 0 to 27; `nodes` are 27 bits, of which the 14th is the node itself.
+inline std::uint64_t word(std::uint32_t cells, std::uint32_t nodes) {
+  const std::uint32_t around = (nodes & 0x1fffu) | (nodes >> 14 << 13);
+  const unsigned count = static_cast<unsigned>(std::popcount(around));
+  const std::uint64_t density =
+      (count >= 3 ? 1u : 0u) + (count >= 6 ? 1u : 0u) + (count >= 10 ? 1u : 0u);
+  return std::uint64_t{cells} | std::uint64_t{around} << kNodes | density << kDensity;
+}
+
+/// Children 1, 3, 5, 7 of a mask as four bits.
+inline std::uint32_t right_half(std::uint32_t mask) {
+  return (mask >> 1 & 1u) | (mask >> 2 & 2u) | (mask >> 3 & 4u) | (mask >> 4 & 8u);
+}
+
+}  // namespace neighborhood
+
+// --- Neighbours from bit planes
+// -------------------------------------------------------------------
+
+/// A plane of bits with a margin of one cell at least on every side.
+class BitPlane {
+ public:
+  /// Zero, for coordinates -1 to `side` + 1.
+  void reset(std::size_t side) {
+    stride_ = side / 8 + 4;
+    bytes_.assign(stride_ * (side + 3) + 8, 0);
+  }
+  std::size_t stride() const { return stride_; }
+  std::uint8_t* row(std::uint32_t y) { return bytes_.data() + (std::size_t{y} + 1) * stride_; }
+  std::uint8_t* row_above(std::uint32_t y) { return bytes_.data() + std::size_t{y} * stride_; }
+
+  /// The bits from column x - 1 on, the lowest first; at least 9 of them are right.
+  static std::uint32_t from(const std::uint8_t* row, std::uint32_t x) {
+    const std::uint32_t at = x + 7;
+    std::uint16_t bits;
+    std::memcpy(&bits, row + (at >> 3), 2);
+    return static_cast<std::uint32_t>(bits) >> (at & 7u);
+  }
+
+ private:
+  std::size_t stride_ = 0;
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Rolling bit planes: three of the nodes' level (the slice and those before and after it) and
+/// three of the cells' (below the slice and its own two). Constant time for a node; memory is
+/// quadratic in the side of the level.
+class PlaneNeighbors {
+ public:
+  /// Bytes that the planes take at a level.
+  static std::size_t memory(int level) { return (std::size_t{15} << (2 * level)) / 8; }
+
+  explicit PlaneNeighbors(const RasterLevel& level);
+
+  void begin_slice(std::size_t first_row, std::size_t end_row);
+  void end_slice();
+
+  /// The nodes of one row, from left to right.
+  class Row {
+   public:
+    std::uint64_t word(std::uint32_t x) const {
+      const std::uint32_t column = 2 * x;
+      std::uint32_t cells = 0;
+      const std::uint8_t* row = below_;
+      for (int i = 0; i < 4; ++i, row += cell_stride_) {
+        cells |= (BitPlane::from(row, column) & 15u) << (4 * i);
+      }
+      cells |= (BitPlane::from(near_above_, column) & 15u) << neighborhood::kNearRow;
+      cells |= (BitPlane::from(far_above_, column) & 15u) << neighborhood::kFarRow;
+      cells |= x == left_x_ ? neighborhood::right_half(left_mask_) << neighborhood::kLeft : 0u;
+      std::uint32_t nodes = 0;
+      for (int plane = 0; plane < 3; ++plane) {
+        row = nodes_[static_cast<std::size_t>(plane)];
+        for (int i = 0; i < 3; ++i, row += node_stride_) {
+          nodes |= (BitPlane::from(row, x) & 7u) << (9 * plane + 3 * i);
+        }
+      }
+      return neighborhood::word(cells, nodes);
+    }
+
+    void set(std::uint32_t x, std::uint32_t mask) {
+      const std::uint32_t at = 2 * x + 8, byte = at >> 3, shift = at & 7u;
+      near_[byte] = static_cast<std::uint8_t>(near_[byte] | (mask & 3u) << shift);
+      far_[byte] = static_cast<std::uint8_t>(far_[byte] | (mask >> 4 & 3u) << shift);
+      std::uint8_t* second = near_ + cell_stride_ + byte;
+      *second = static_cast<std::uint8_t>(*second | (mask >> 2 & 3u) << shift);
+      second = far_ + cell_stride_ + byte;
+      *second = static_cast<std::uint8_t>(*second | (mask >> 6 & 3u) << shift);
+      left_x_ = x + 1;
+      left_mask_ = mask;
+    }
+
+   private:
+    friend class PlaneNeighbors;
+    const std::uint8_t *below_, *near_above_, *far_above_;
+    std::array<const std::uint8_t*, 3> nodes_;
+    std::uint8_t *near_, *far_;
+    std::size_t cell_stride_, node_stride_;
+    std::uint32_t left_x_ = ~0u, left_mask_ = 0;  ///< x of the node whose left one is known
+  };
+  Row row(std::size_t number);
+
+ private:
+  struct Rows {
+    std::size_t begin = 0, end = 0;
+  };
+  void mark(BitPlane& plane, Rows rows);
+  void clear_nodes(BitPlane& plane, Rows rows);
+  void clear_cells(BitPlane& plane, Rows rows);
+  Rows next_slice(Rows rows) const;
+
+  const RasterLevel& level_;
+  Rows before_, slice_, after_;  ///< whose marks lie in the planes
+  BitPlane nodes_before_, nodes_, nodes_after_;
+  BitPlane cells_below_, cells_near_, cells_far_;
+};
+
+// --- Neighbours by searching
+// ----------------------------------------------------------------------
+
+/// The same from the sorted rows themselves: for levels whose planes would be too large. Takes no
+/// memory; time for a node does not depend on the side of the level.
+class SearchNeighbors {
+ public:
+  explicit SearchNeighbors(const RasterLevel& level) : level_(level) {}
+
+  void begin_slice(std::size_t first_row, std::size_t end_row);
+  void end_slice() {}
+
+  class Row {
+   public:
+    std::uint64_t word(std::uint32_t x);
+    void set(std::uint32_t, std::uint32_t) {}
+
+   private:
+    friend class SearchNeighbors;
+    struct Range {
+      std::uint32_t next = 0, end = 0;
+    };
+    const RasterLevel* level_ = nullptr;
+    std::array<Range, 9> rows_;  ///< around, z slowest
+  };
+  Row row(std::size_t number);
+
+ private:
+  Row::Range find(std::size_t begin, std::size_t end, std::uint32_t y) const;
+
+  const RasterLevel& level_;
+  std::array<std::size_t, 4> slices_{};  ///< rows where the slices z-1, z, z+1 begin and end
+};
+
+// --- Walk
+// -----------------------------------------------------------------------------------------
+
+/// Calls `visit(node, word)` for each node in raster order; it returns the node's mask, which is
+/// stored in `level.masks` and seen by the nodes that follow.
+template <class Neighbors, class Visit>
+void walk_with(RasterLevel& level, Visit&& visit) {
+  if (level.size() == 0) return;
+  Neighbors neighbors(level);
+  const std::size_t rows = level.rows.size() - 1;
+  for (std::size_t slice = 0, end; slice < rows; slice = end) {
+    end = slice + 1;
+    while (end < rows && level.rows[end].z == level.rows[slice].z) ++end;
+    neighbors.begin_slice(slice, end);
+    for (std::size_t r = slice; r < end; ++r) {
+      auto row = neighbors.row(r);
+      const std::uint32_t row_end = level.rows[r + 1].begin;
+      for (std::uint32_t i = level.rows[r].begin; i < row_end; ++i) {
+        const std::uint32_t x = level.x[i];
+        const std::uint32_t mask = visit(i, row.word(x));
+        level.masks[i] = static_cast<std::uint8_t>(mask);
+        row.set(x, mask);
+      }
+    }
+    neighbors.end_slice();
+  }
+}
+
+/// With planes where they take no more memory than some bytes a node.
+template <class Visit>
+void walk(RasterLevel& level, Visit&& visit) {
+  if (PlaneNeighbors::memory(level.level) <= 65536 + 64 * level.size()) {
+    walk_with<PlaneNeighbors>(level, visit);
+  } else {
+    walk_with<SearchNeighbors>(level, visit);
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,73 @@
+#include "tests/bench/training/train_command.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include "tests/bench/measure.h"
+#include "tests/bench/training/context_trainer.h"
+#include "tests/bench/training/training_clouds.h"
+
+namespace pointreel::bench {
+namespace {
+
+struct Options {
+  std::filesystem::path output;
+  std::uint64_t seed = 1;
+  TrainingOptions training;
+};
+
+int train(const Options& options) {
+  const double begin = now_ms();
+  ContextTrainer trainer;
+  const auto made = for_each_training_tree(options.seed, [&](const std::string& name,
+                                                             const Svo& svo) {
+    trainer.add(svo);
+    fmt::print("{:<28} {:>9} cells {:>9} nodes\n", name, svo.leaf_count(), svo.internal_count());
+  });
+  if (!made) {
+    fmt::print(stderr, "pointreel-bench: {}\n", made.error().message);
+    return 1;
+  }
+  fmt::print("{} decisions after {:.0f} s\n", trainer.sample_count(), (now_ms() - begin) / 1e3);
+  const ContextTrainer::Result result = trainer.train(options.training);
+  Bytes packed(ZSTD_compressBound(result.tables.size()));
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), result.tables.data(),
+                              result.tables.size(), ZSTD_maxCLevel()));
+  std::ofstream file(options.output, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(packed.data()),
+             static_cast<std::streamsize>(packed.size()));
+  file.close();
+  if (!file) {
+    fmt::print(stderr, "pointreel-bench: cannot write {}\n", options.output.string());
+    return 1;
+  }
+  fmt::print("{} cells, {} leaves, {:.4f} bits a decision, {} bytes, {:.0f} s\n", result.cells,
+             result.leaves, result.bits_per_decision, packed.size(), (now_ms() - begin) / 1e3);
+  return 0;
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "train-context",
+      "train the tables of --entropy context, from synthetic data alone; the same for the same "
+      "seed. codec/octree/tables/README.md tells what to do with them");
+  auto options = std::make_shared<Options>();
+  command->add_option("-o,--output", options->output, "the file to write")->required();
+  command->add_option("--seed", options->seed, "of the synthetic data")->capture_default_str();
+  command
+      ->add_option("--leaf-cost", options->training.leaf_cost,
+                   "bits that a leaf must save: more makes smaller tables")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = train(*options); });
+}
+
+}  // namespace pointreel::bench

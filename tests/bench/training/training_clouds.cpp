@@ -1,0 +1,285 @@
+#include "tests/bench/training/training_clouds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "common/octree/svo.h"
+#include "datasets_synthetic/body.h"
+#include "datasets_synthetic/motion.h"
+#include "datasets_synthetic/random.h"
+#include "datasets_synthetic/samplers/uniform.h"
+#include "datasets_synthetic/trigonometry.h"
+#include "tests/bench/training/relief.h"
+
+namespace pointreel::bench {
+namespace {
+
+/// A point of a surface and its normal, in units of the surface's largest extent or so.
+struct Sample {
+  glm::dvec3 position, normal;
+};
+using SampledSurface = std::vector<Sample>;
+
+// --- Surfaces
+// -------------------------------------------------------------------------------------
+
+glm::dmat3 random_turn(Random& random, bool upright) {
+  const double a = 2.0 * kPi * random.uniform();
+  const glm::dmat3 about_y(cosine(a), 0, -sine(a), 0, 1, 0, sine(a), 0, cosine(a));
+  if (upright) return about_y;
+  const double b = 2.0 * kPi * random.uniform(), c = 2.0 * kPi * random.uniform();
+  const glm::dmat3 about_x(1, 0, 0, 0, cosine(b), sine(b), 0, -sine(b), cosine(b));
+  const glm::dmat3 about_z(cosine(c), sine(c), 0, -sine(c), cosine(c), 0, 0, 0, 1);
+  return about_z * about_x * about_y;
+}
+
+/// A posed figure of the synthetic sequences. Its samples are in random order.
+Result<SampledSurface> figure(std::size_t count, Random& random) {
+  const std::span<const Motion> all = motions();
+  const Motion& motion = all[random.below(static_cast<std::uint32_t>(all.size()))];
+  const Body body = pose_body(motion.pose(motion.seconds() * random.uniform()));
+  const auto points = sample_uniform(body.surface, count, random.bits());
+  if (!points) return tl::unexpected(points.error());
+  const glm::dmat3 turn = random_turn(random, true);
+  SampledSurface surface;
+  surface.reserve(points->size());
+  for (const SurfacePoint& point : *points) {
+    surface.push_back({turn * point.position / 1.76, turn * point.normal});
+  }
+  return surface;
+}
+
+/// Ground, as an aircraft sees it: one height for each place.
+SampledSurface terrain(std::size_t count, Random& random) {
+  const Relief relief = Relief::fractal(0.7, 0.001, 0.08, 1.0, 0.3, random);
+  SampledSurface surface(count);
+  for (Sample& sample : surface) {
+    const double x = random.uniform(), y = random.uniform();
+    sample = {{x, y, relief.height({x, y, 0.5})}, {0, 0, 1}};
+  }
+  return surface;
+}
+
+/// Moves every point along its normal.
+SampledSurface displaced(const SampledSurface& surface, const Relief& relief) {
+  SampledSurface out(surface.size());
+  tbb::parallel_for(std::size_t{0}, surface.size(), [&](std::size_t i) {
+    const Sample& sample = surface[i];
+    out[i] = {sample.position + relief.height(sample.position) * sample.normal, sample.normal};
+  });
+  return out;
+}
+
+/// Two directions across a normal (Duff et al., JCGT 6(1), 2017).
+void tangents(const glm::dvec3& n, glm::dvec3& u, glm::dvec3& v) {
+  const double sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
+  u = {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  v = {b, sign + n.y * n.y * a, -n.y};
+}
+
+// --- Samplers
+// -------------------------------------------------------------------------------------
+
+/// Each sample as five, a little apart on the surface: so that no voxel of it stays empty.
+SampledSurface filled(const SampledSurface& surface, double spacing) {
+  SampledSurface out;
+  out.reserve(5 * surface.size());
+  for (const Sample& sample : surface) {
+    glm::dvec3 u, v;
+    tangents(sample.normal, u, v);
+    out.push_back(sample);
+    for (const glm::dvec3& d : {u, -u, v, -v}) {
+      out.push_back({sample.position + spacing * d, sample.normal});
+    }
+  }
+  return out;
+}
+
+SampledSurface first(const SampledSurface& surface, std::size_t count) {
+  return {surface.begin(),
+          surface.begin() + static_cast<std::ptrdiff_t>(std::min(count, surface.size()))};
+}
+
+/// As the vertices of a scanned mesh lie: none nearer to another than a distance that varies
+/// slowly over the surface (dart throwing: Cook, "Stochastic sampling in computer graphics", 1986).
+SampledSurface spaced(const SampledSurface& surface, double distance, double variation,
+                      Random& random) {
+  constexpr std::size_t kBuckets = 1u << 20;
+  const std::uint64_t seed = random.bits();
+  const double cell = distance * (1.0 + variation);
+  std::vector<std::uint32_t> head(kBuckets, ~0u), next;
+  SampledSurface out;
+  const auto bucket = [](const glm::ivec3& c) {
+    return (static_cast<std::uint32_t>(c.x) * 73856093u ^
+            static_cast<std::uint32_t>(c.y) * 19349663u ^
+            static_cast<std::uint32_t>(c.z) * 83492791u) %
+           kBuckets;
+  };
+  for (const Sample& sample : surface) {
+    const glm::ivec3 at(glm::floor(sample.position / cell));
+    const double here = distance * (1.0 + variation * lattice_noise(sample.position * 12.0, seed));
+    bool apart = true;
+    for (int i = 0; i < 27 && apart; ++i) {
+      const glm::ivec3 around = at + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      for (std::uint32_t other = head[bucket(around)]; other != ~0u && apart; other = next[other]) {
+        const glm::dvec3 d = out[other].position - sample.position;
+        apart = glm::dot(d, d) >= here * here;
+      }
+    }
+    if (!apart) continue;
+    next.push_back(head[bucket(at)]);
+    head[bucket(at)] = static_cast<std::uint32_t>(out.size());
+    out.push_back(sample);
+  }
+  return out;
+}
+
+/// What cameras around the surface see: the nearest point in each of their pixels.
+SampledSurface scanned(const SampledSurface& surface, int cameras, double pixel, Random& random) {
+  SampledSurface out;
+  const double begin = random.uniform();
+  for (int camera = 0; camera < cameras; ++camera) {
+    const double a = 2.0 * kPi * (begin + (camera + 0.3 * random.uniform()) / cameras);
+    const glm::dvec3 to_camera =
+        glm::normalize(glm::dvec3(cosine(a), 0.6 * (random.uniform() - 0.4), sine(a)));
+    glm::dvec3 u, v;
+    tangents(to_camera, u, v);
+    constexpr int kSide = 1 << 11;
+    std::vector<std::uint32_t> nearest(std::size_t{kSide} * kSide, ~0u);
+    for (std::uint32_t i = 0; i < surface.size(); ++i) {
+      if (glm::dot(surface[i].normal, to_camera) < 0.15) continue;
+      const auto x = static_cast<int>(std::floor(glm::dot(surface[i].position, u) / pixel));
+      const auto y = static_cast<int>(std::floor(glm::dot(surface[i].position, v) / pixel));
+      std::uint32_t& best =
+          nearest[static_cast<std::size_t>((x & (kSide - 1)) * kSide + (y & (kSide - 1)))];
+      if (best == ~0u ||
+          glm::dot(surface[i].position, to_camera) > glm::dot(surface[best].position, to_camera)) {
+        best = i;
+      }
+    }
+    for (const std::uint32_t i : nearest) {
+      if (i != ~0u) out.push_back({surface[i].position, to_camera});
+    }
+  }
+  return out;
+}
+
+/// Errors along the normal (the line of sight where scanned), now and then much larger ones, and
+/// points that are nowhere near.
+void disturb(SampledSurface& surface, double noise, double outliers, Random& random) {
+  for (Sample& sample : surface) {
+    const double scale = random.uniform() < 0.1 ? 3.0 * noise : noise;
+    sample.position += scale * random.normal() * sample.normal;
+    if (random.uniform() >= outliers) continue;
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    sample.position += 0.02 * glm::dvec3(x, y, z);
+  }
+}
+
+/// As the lines of an airborne scanner: near in a line, further apart from line to line, with some
+/// returns from above the ground.
+SampledSurface flown_over(const SampledSurface& ground, double line, double vegetation,
+                          Random& random) {
+  const std::uint64_t seed = random.bits();
+  SampledSurface out;
+  for (Sample sample : ground) {
+    const double lines = sample.position.x / line;
+    const double spread = 0.25 * random.uniform();
+    sample.position.x = line * (std::floor(lines) + spread * random.normal());
+    const double wood = lattice_noise(sample.position * 9.0, seed) - 0.1;
+    if (wood > 0.0 && random.uniform() < vegetation) {
+      const double top = 0.01 + 0.03 * wood;
+      sample.position.z += top * random.uniform();
+    }
+    out.push_back(sample);
+  }
+  return out;
+}
+
+// --- Voxels
+// ---------------------------------------------------------------------------------------
+
+/// The tree of the occupied cells of a grid of 2^bits cells along the largest extent, a little less
+/// if `margin` is above 0.
+Svo tree_of(const SampledSurface& surface, int bits, double margin = 0.0) {
+  glm::dvec3 low(1e30), high(-1e30);
+  for (const Sample& sample : surface) {
+    low = glm::min(low, sample.position);
+    high = glm::max(high, sample.position);
+  }
+  const glm::dvec3 extent = high - low;
+  const double edge = std::max({extent.x, extent.y, extent.z, 1e-9});
+  const double cells = std::ldexp(1.0, bits), scale = (cells - 1.0) * (1.0 - margin) / edge;
+  PointCloud cloud;
+  cloud.positions.reserve(surface.size());
+  for (const Sample& sample : surface) {
+    cloud.positions.emplace_back(glm::floor((sample.position - low) * scale + 0.5) + 0.5);
+  }
+  return build_svo(sort_points(cloud, Cube{glm::dvec3(0.0), cells}, bits), bits);
+}
+
+}  // namespace
+
+Result<void> for_each_training_tree(
+    std::uint64_t seed, const std::function<void(const std::string& name, const Svo& svo)>& use) {
+  constexpr int kFigures = 6;
+  constexpr std::size_t kSamples = 1'200'000;
+  const auto give = [&use](const std::string& name, const SampledSurface& surface, int bits,
+                           double margin = 0.0) { use(name, tree_of(surface, bits, margin)); };
+  for (int f = 0; f < kFigures; ++f) {
+    Random random(seed, static_cast<std::uint64_t>(f));
+    const auto smooth = figure(kSamples, random);
+    if (!smooth) return tl::unexpected(smooth.error());
+    const auto name = [f](const char* what) { return fmt::format("figure {} {}", f, what); };
+    const double roughness = 0.2 + 1.2 * random.uniform();
+    const SampledSurface rough =
+        displaced(*smooth, Relief::fractal(0.12, 0.001, 0.006 * roughness, 1.0, 0.4, random));
+    const SampledSurface fine =
+        displaced(rough, Relief::fractal(0.01, 0.0005, 0.0012 * roughness, 0.5, 0.0, random));
+
+    const SampledSurface& dense = f % 2 == 0 ? rough : fine;
+    give(name("dense 10"), filled(dense, 0.4 / 1024), 10, 0.05 * random.uniform());
+    if (f % 3 == 0) give(name("dense 9"), dense, 9, 0.3 * random.uniform());
+
+    give(name("random 90,000 10"), first(f % 2 == 0 ? *smooth : rough, 90'000), 10,
+         0.1 * random.uniform());
+    if (f % 3 == 1) give(name("random 250,000 12"), first(rough, 250'000), 12);
+    if (f % 3 == 2) give(name("random 60,000 9"), first(rough, 60'000), 9);
+
+    const SampledSurface vertices = spaced(fine, 0.0022, 0.1 + 0.4 * random.uniform(), random);
+    give(name("spaced 10"), vertices, 10);
+    give(name("spaced 12"), vertices, 12);
+    if (f % 2 == 0) give(name("spaced 11"), spaced(rough, 0.004, 0.3, random), 11);
+
+    SampledSurface seen = scanned(rough, 5, (1.8 + 3.0 * random.uniform()) / 1024, random);
+    disturb(seen, (0.3 + random.uniform()) / 1024, 0.004, random);
+    give(name("scanned 10"), seen, 10);
+    if (f % 3 == 0) {
+      SampledSurface noisy = first(rough, 400'000);
+      disturb(noisy, (0.4 + random.uniform()) / 1024, 0.001, random);
+      give(name("noisy 10"), noisy, 10);
+    }
+  }
+  for (int t = 0; t < 3; ++t) {
+    Random random(seed, 1000 + static_cast<std::uint64_t>(t));
+    const SampledSurface ground = terrain(400'000, random);
+    const SampledSurface flown =
+        flown_over(ground, 0.0008 + 0.0015 * random.uniform(), 0.3, random);
+    give(fmt::format("terrain {} 12", t), flown, 12);
+    if (t == 0) give(fmt::format("terrain {} 10", t), ground, 10);
+  }
+  Random random(seed, 2000);
+  SampledSurface cloudy(40'000);
+  for (Sample& sample : cloudy) {
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+    sample = {{x, y, z}, {0, 0, 1}};
+  }
+  give("volume 8", cloudy, 8);
+  return {};
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,246 @@
+#include "tests/reference/context_decoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include <zstd.h>
+
+namespace pointreel::reference {
+namespace {
+
+using Cell = std::tuple<int, int, int>;  // z, y, x: sorts in raster order
+
+constexpr std::array<int, 64> kProbabilities = {
+    49,    61,    77,    97,    122,   153,   192,   241,   303,   381,   478,   599,   751,
+    941,   1179,  1475,  1843,  2299,  2864,  3559,  4412,  5451,  6707,  8214,  10001, 12096,
+    14514, 17260, 20318, 23652, 27205, 30898, 34638, 38331, 41884, 45218, 48276, 51022, 53440,
+    55535, 57322, 58829, 60085, 61124, 61977, 62672, 63237, 63693, 64061, 64357, 64595, 64785,
+    64937, 65058, 65155, 65233, 65295, 65344, 65383, 65414, 65439, 65459, 65475, 65487};
+
+std::uint64_t gather(std::uint64_t word, std::uint64_t mask) {
+  std::uint64_t out = 0;
+  int to = 0;
+  for (int from = 0; from < 64; ++from) {
+    if ((mask >> from & 1) == 0) continue;
+    out |= (word >> from & 1) << to;
+    ++to;
+  }
+  return out;
+}
+
+std::size_t ones(std::uint64_t mask) {
+  std::size_t count = 0;
+  for (int i = 0; i < 64; ++i) count += mask >> i & 1;
+  return count;
+}
+
+struct Tables {
+  struct Entry {
+    std::uint64_t mask;
+    std::size_t first;
+  };
+  struct Leaf {
+    long long p, n;
+  };
+  std::vector<Entry> slots, cells;
+  std::vector<Leaf> leaves;
+};
+
+Tables read_tables(ByteView file) {
+  Bytes bytes(ZSTD_getFrameContentSize(file.data(), file.size()));
+  ZSTD_decompress(bytes.data(), bytes.size(), file.data(), file.size());
+  std::size_t at = 0;
+  const auto mask = [&] {
+    std::uint64_t value = 0;
+    for (int i = 0; i < 8; ++i) value |= static_cast<std::uint64_t>(bytes.at(at++)) << (8 * i);
+    return value;
+  };
+  Tables tables;
+  std::size_t cells = 0, leaves = 0;
+  for (int i = 0; i < 6 * 16; ++i) {
+    tables.slots.push_back({mask(), cells});
+    cells += std::size_t{1} << ones(tables.slots.back().mask);
+  }
+  for (std::size_t i = 0; i < cells; ++i) {
+    tables.cells.push_back({mask(), leaves});
+    leaves += std::size_t{1} << ones(tables.cells.back().mask);
+  }
+  constexpr std::array<int, 4> kCounts = {1, 3, 8, 16};
+  for (std::size_t i = 0; i < leaves; ++i) {
+    const unsigned v = bytes.at(at++);
+    tables.leaves.push_back({kProbabilities[v >> 2], kCounts[v & 3]});
+  }
+  return tables;
+}
+
+class Coder {
+ public:
+  explicit Coder(ByteView bytes) : bytes_(bytes) {
+    for (int i = 0; i < 8; ++i) value_ = value_ << 8 | next();
+  }
+
+  int decide(long long p) {
+    const std::uint64_t one = (range_ >> 16) * static_cast<std::uint64_t>(p);
+    const int bit = value_ < one ? 1 : 0;
+    if (bit == 0) value_ -= one;
+    range_ = bit == 1 ? one : range_ - one;
+    if (range_ < 4294967296) {
+      range_ <<= 32;
+      for (int i = 0; i < 4; ++i) value_ = value_ << 8 | next();
+    }
+    return bit;
+  }
+
+ private:
+  std::uint64_t next() { return at_ < bytes_.size() ? bytes_[at_++] : 0; }
+
+  ByteView bytes_;
+  std::size_t at_ = 0;
+  std::uint64_t range_ = 0xffffffffffffffff, value_ = 0;
+};
+
+/// Everything that is known while one level is decoded.
+struct Level {
+  std::set<Cell> nodes;
+  std::map<Cell, int> masks;  ///< of the nodes that are decoded
+  std::set<Cell> cells;       ///< their children
+};
+
+std::uint64_t word_of(const Level& level, int x, int y, int z) {
+  std::uint64_t word = 0;
+  const auto cell = [&](int bit, int cx, int cy, int cz) {
+    if (level.cells.contains({cz, cy, cx})) word |= std::uint64_t{1} << bit;
+  };
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) cell(4 * j + i, 2 * x - 1 + i, 2 * y - 1 + j, 2 * z - 1);
+  }
+  for (int i = 0; i < 4; ++i) {
+    cell(16 + i, 2 * x - 1 + i, 2 * y - 1, 2 * z);
+    cell(20 + i, 2 * x - 1 + i, 2 * y - 1, 2 * z + 1);
+  }
+  for (int k = 0; k < 2; ++k) {
+    for (int j = 0; j < 2; ++j) cell(24 + 2 * k + j, 2 * x - 1, 2 * y + j, 2 * z + k);
+  }
+  int bit = 35;
+  int around = 0;
+  for (int k = -1; k <= 1; ++k) {
+    for (int j = -1; j <= 1; ++j) {
+      for (int i = -1; i <= 1; ++i) {
+        if (i == 0 && j == 0 && k == 0) continue;
+        if (level.nodes.contains({z + k, y + j, x + i})) {
+          word |= std::uint64_t{1} << bit;
+          ++around;
+        }
+        ++bit;
+      }
+    }
+  }
+  const std::uint64_t density = around <= 2 ? 0 : around <= 5 ? 1 : around <= 9 ? 2 : 3;
+  return word | density << 61;
+}
+
+class LevelDecoder {
+ public:
+  LevelDecoder(Tables& tables, Coder& coder, int level_class)
+      : tables_(tables), coder_(coder), class_(level_class) {}
+
+  int mask(std::uint64_t word) {
+    int least = 1;
+    if (class_ <= 2) {
+      if (decide(8, word) == 1) {
+        int child = decide(9, word);
+        child = 2 * child + decide(10 + child, word);
+        child = 2 * child + decide(12 + child, word);
+        return 1 << child;
+      }
+      least = 2;
+    }
+    int mask = 0, count = 0;
+    for (int child = 0; child < 8; ++child) {
+      // Children `child` to 7 are the last that can make up the number.
+      const bool must = count + (8 - child) == least;
+      const std::uint64_t own = static_cast<std::uint64_t>(mask) << 28;
+      const int bit = must ? 1 : decide(child, word | own);
+      mask |= bit << child;
+      count += bit;
+    }
+    return mask;
+  }
+
+ private:
+  int decide(int slot, std::uint64_t word) {
+    const auto& s = tables_.slots.at(static_cast<std::size_t>(class_ * 16 + slot));
+    const auto& cell = tables_.cells.at(s.first + gather(word, s.mask));
+    auto& leaf = tables_.leaves.at(cell.first + gather(word, cell.mask));
+    const int bit = coder_.decide(leaf.p);
+    const long long step = ((bit == 1 ? 65535 : 0) - leaf.p) * (655360 / (10 * leaf.n + 16));
+    leaf.p += static_cast<long long>(std::floor(static_cast<double>(step) / 65536.0));
+    leaf.p = std::min(std::max(leaf.p, 32LL), 65504LL);
+    leaf.n = std::min(leaf.n + 1, 255LL);
+    return bit;
+  }
+
+  Tables& tables_;
+  Coder& coder_;
+  int class_;
+};
+
+bool in_morton_order(const Cell& a, const Cell& b) {
+  // The highest bit that differs decides; of equal ones z before y before x.
+  const auto [az, ay, ax] = a;
+  const auto [bz, by, bx] = b;
+  for (int bit = 30; bit >= 0; --bit) {
+    for (const auto& [p, q] : {std::pair{az, bz}, {ay, by}, {ax, bx}}) {
+      if ((p >> bit & 1) != (q >> bit & 1)) return (p >> bit & 1) < (q >> bit & 1);
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file) {
+  Tables tables = read_tables(tables_file);
+  std::set<Cell> nodes = {{0, 0, 0}};
+  Bytes masks;
+  for (std::size_t number = 0; number < layers.size(); ++number) {
+    ByteView payload = layers[number].payload;
+    if (number == 0) {
+      if (payload.empty() || payload[0] != 1) return fail("not tables 1");
+      payload = payload.subspan(1);
+    }
+    const auto levels =
+        static_cast<std::size_t>(layers[number].last_level - layers[number].first_level);
+    if (payload.size() < levels) return fail("no level classes");
+    Coder coder(payload.subspan(levels));
+    for (std::size_t l = 0; l < levels; ++l) {
+      LevelDecoder decoder(tables, coder, payload[l]);
+      Level level;
+      level.nodes = nodes;
+      for (const Cell& node : nodes) {
+        const auto [z, y, x] = node;
+        const int mask = decoder.mask(word_of(level, x, y, z));
+        level.masks[node] = mask;
+        for (int c = 0; c < 8; ++c) {
+          if (mask >> c & 1) {
+            level.cells.insert({2 * z + (c >> 2), 2 * y + (c >> 1 & 1), 2 * x + (c & 1)});
+          }
+        }
+      }
+      std::vector<Cell> ordered(nodes.begin(), nodes.end());
+      std::sort(ordered.begin(), ordered.end(), in_morton_order);
+      for (const Cell& node : ordered) {
+        masks.push_back(static_cast<std::uint8_t>(level.masks[node]));
+      }
+      nodes = level.cells;
+    }
+  }
+  return masks;
+}
+
+}  // namespace pointreel::reference

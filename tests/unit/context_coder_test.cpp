@@ -1,0 +1,251 @@
+#include "codec/octree/context_coder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "codec/octree/context_tables.h"
+#include "tests/reference/context_decoder.h"
+
+namespace pointreel {
+namespace {
+
+Svo tree_of_cells(const std::vector<glm::uvec3>& cells, int depth) {
+  SortedPoints sorted;
+  sorted.levels = depth;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    sorted.points.push_back({morton_encode(cells[i]), i});
+  }
+  std::sort(sorted.points.begin(), sorted.points.end(),
+            [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
+  return build_svo(sorted, depth);
+}
+
+/// Cells at random, in clusters, so that there are dense and sparse places.
+Svo clustered_tree(int depth, std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  const std::uint32_t side = 1u << depth;
+  std::vector<glm::uvec3> cells;
+  glm::uvec3 center(0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % 40 == 0) center = {random() % side, random() % side, random() % side};
+    const std::uint32_t spread = std::min(side, 1u << (i / 40 % 4));
+    cells.push_back({(center.x + random() % spread) % side, (center.y + random() % spread) % side,
+                     (center.z + random() % spread) % side});
+  }
+  return tree_of_cells(cells, depth);
+}
+
+/// A bumpy shell, from integers alone.
+Svo shell_tree(int depth, std::int64_t thickness) {
+  const std::int64_t side = std::int64_t{1} << depth, radius = side * 3 / 8;
+  std::vector<glm::uvec3> cells;
+  for (std::int64_t z = 0; z < side; ++z) {
+    for (std::int64_t y = 0; y < side; ++y) {
+      for (std::int64_t x = 0; x < side; ++x) {
+        const std::int64_t dx = x - side / 2, dy = y - side / 2, dz = z - side / 2;
+        const std::int64_t square = dx * dx + dy * dy + dz * dz + (dx * dy * dz) / side;
+        if (std::abs(square - radius * radius) < thickness * radius) {
+          cells.push_back(
+              {static_cast<unsigned>(x), static_cast<unsigned>(y), static_cast<unsigned>(z)});
+        }
+      }
+    }
+  }
+  return tree_of_cells(cells, depth);
+}
+
+Svo full_tree(int depth) {
+  Svo svo;
+  svo.depth = depth;
+  for (int level = 0; level < depth; ++level) {
+    svo.masks.insert(svo.masks.end(), std::size_t{1} << (3 * level), 0xff);
+  }
+  index_svo(svo, true);
+  return svo;
+}
+
+std::shared_ptr<const ContextTables> tables() { return tables_of_number(1).value(); }
+
+std::vector<Bytes> encode(const Svo& svo, const std::vector<int>& ends,
+                          ExtractPath path = ExtractPath::fastest) {
+  ContextEncoder encoder(tables(), path);
+  std::vector<Bytes> layers;
+  int begin = 0;
+  for (const int end : ends) {
+    encoder.encode_layer(svo, begin, end, layers.emplace_back());
+    begin = end;
+  }
+  return layers;
+}
+
+Result<Bytes> decode(const Svo& svo, const std::vector<Bytes>& layers, const std::vector<int>& ends,
+                     ExtractPath path = ExtractPath::fastest) {
+  ContextDecoder decoder(tables(), path);
+  Bytes masks;
+  int begin = 0;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    // A buffer of its own that ends with the payload, so that a read past the end is noticed.
+    const auto exact = std::make_unique<std::uint8_t[]>(layers[i].size());
+    std::copy(layers[i].begin(), layers[i].end(), exact.get());
+    const std::size_t count = svo.level_begin[static_cast<std::size_t>(ends[i])] -
+                              svo.level_begin[static_cast<std::size_t>(begin)];
+    const auto done = decoder.decode_layer({exact.get(), layers[i].size()}, begin, ends[i], count,
+                                           svo.leaf_count(), masks);
+    if (!done) return tl::unexpected(done.error());
+    begin = ends[i];
+  }
+  return masks;
+}
+
+std::vector<Svo> small_trees() {
+  return {tree_of_cells({{0, 0, 0}}, 1),
+          tree_of_cells({{5, 9, 14}}, 4),
+          tree_of_cells({{0, 0, 0}, {255, 255, 255}, {255, 0, 7}}, 8),
+          full_tree(3),
+          shell_tree(5, 3),
+          clustered_tree(6, 700, 1),
+          clustered_tree(9, 900, 2),
+          clustered_tree(kMaxDepth, 300, 3)};
+}
+
+TEST(RasterWalk, finds_the_same_neighbours_by_planes_and_by_searching) {
+  for (const Svo& svo :
+       {shell_tree(5, 4), clustered_tree(7, 3000, 1), clustered_tree(9, 2000, 2)}) {
+    RasterLevel level = root_level();
+    for (int number = 0; number < svo.depth; ++number) {
+      const std::size_t begin = svo.level_begin[static_cast<std::size_t>(number)];
+      std::vector<std::uint32_t> first_child(level.size());
+      Bytes masks(level.size());
+      for (std::size_t i = 0; i < level.size(); ++i) {
+        masks[i] = svo.masks[begin + level.rank[i]];
+        first_child[i] =
+            svo.first_child[begin + i] - svo.level_begin[static_cast<std::size_t>(number) + 1];
+      }
+      std::vector<std::uint64_t> by_planes, by_searching;
+      walk_with<PlaneNeighbors>(level, [&](std::uint32_t node, std::uint64_t word) {
+        by_planes.push_back(word);
+        return std::uint32_t{masks[node]};
+      });
+      std::fill(level.masks.begin(), level.masks.end(), std::uint8_t{0});
+      walk_with<SearchNeighbors>(level, [&](std::uint32_t node, std::uint64_t word) {
+        by_searching.push_back(word);
+        return std::uint32_t{masks[node]};
+      });
+      ASSERT_EQ(by_planes, by_searching) << "level " << number;
+      ASSERT_EQ(level.masks, masks);
+      RasterLevel below;
+      expand(level, first_child, svo.node_count(number + 1), below);
+      level = std::move(below);
+    }
+    EXPECT_EQ(level.size(), svo.leaf_count());
+  }
+}
+
+TEST(ContextCoder, gives_back_every_tree_with_one_layer_or_many) {
+  for (const Svo& svo : small_trees()) {
+    std::vector<int> each(static_cast<std::size_t>(svo.depth));
+    for (int i = 0; i < svo.depth; ++i) each[static_cast<std::size_t>(i)] = i + 1;
+    for (const std::vector<int>& ends : {std::vector<int>{svo.depth}, each}) {
+      const auto masks = decode(svo, encode(svo, ends), ends);
+      ASSERT_TRUE(masks) << masks.error().message;
+      EXPECT_EQ(*masks, svo.masks);
+    }
+  }
+}
+
+TEST(ContextCoder, makes_and_reads_the_same_bytes_with_and_without_bmi2) {
+  for (const Svo& svo : small_trees()) {
+    const std::vector<int> ends = {svo.depth};
+    const auto fast = encode(svo, ends), plain = encode(svo, ends, ExtractPath::portable);
+    EXPECT_EQ(fast, plain);
+    const auto masks = decode(svo, fast, ends, ExtractPath::portable);
+    ASSERT_TRUE(masks) << masks.error().message;
+    EXPECT_EQ(*masks, svo.masks);
+  }
+}
+
+TEST(ContextCoder, agrees_with_the_decoder_written_from_the_format_s_description) {
+  std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
+  const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
+  for (const Svo& svo : small_trees()) {
+    const int middle = (svo.depth + 1) / 2;
+    const std::vector<int> ends =
+        middle < svo.depth ? std::vector<int>{middle, svo.depth} : std::vector<int>{svo.depth};
+    auto layers = encode(svo, ends);
+    layers[0].insert(layers[0].begin(), 1);
+    std::vector<reference::ContextLayer> reference;
+    int begin = 0;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      reference.push_back({layers[i], begin, ends[i]});
+      begin = ends[i];
+    }
+    const auto masks = reference::decode_context_layers(reference, tables_file);
+    ASSERT_TRUE(masks) << masks.error().message;
+    EXPECT_EQ(*masks, svo.masks);
+  }
+}
+
+TEST(ContextCoder, a_payload_cut_at_any_byte_is_an_error) {
+  const Svo svo = clustered_tree(6, 300, 4);
+  const auto layers = encode(svo, {6});
+  for (std::size_t cut = 0; cut < layers[0].size(); ++cut) {
+    const Bytes part(layers[0].begin(), layers[0].begin() + static_cast<std::ptrdiff_t>(cut));
+    ASSERT_FALSE(decode(svo, {part}, {6})) << cut;
+  }
+}
+
+TEST(ContextCoder, refuses_other_sizes_than_the_bytes_hold) {
+  const Svo svo = clustered_tree(6, 300, 4);
+  const Bytes payload = encode(svo, {6}).front();
+  const auto decodes = [&](std::size_t mask_count, std::size_t most_nodes) {
+    ContextDecoder decoder(tables());
+    Bytes masks;
+    return decoder.decode_layer(payload, 0, 6, mask_count, most_nodes, masks).has_value();
+  };
+  EXPECT_TRUE(decodes(svo.masks.size(), svo.leaf_count()));
+  EXPECT_FALSE(decodes(svo.masks.size() - 1, svo.leaf_count()));
+  EXPECT_FALSE(decodes(svo.masks.size() + 1, svo.leaf_count()));
+  EXPECT_FALSE(decodes(svo.masks.size(), svo.leaf_count() - 1));
+  Bytes unknown_class = payload;
+  unknown_class[2] = kLevelClasses;
+  ContextDecoder decoder(tables());
+  Bytes masks;
+  EXPECT_FALSE(
+      decoder.decode_layer(unknown_class, 0, 6, svo.masks.size(), svo.leaf_count(), masks));
+}
+
+TEST(ContextTables, that_are_damaged_are_refused) {
+  ContextTables none;
+  none.cells.resize(kLevelClasses * kSlots);
+  const Bytes leaves(kLevelClasses * kSlots, 0x80);
+  Bytes bytes = write_tables(none, leaves);
+  ASSERT_TRUE(parse_tables(bytes));
+  for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
+    EXPECT_FALSE(parse_tables(ByteView(bytes).first(cut))) << cut;
+  }
+  bytes.push_back(0);
+  EXPECT_FALSE(parse_tables(bytes)) << "a leaf too many";
+  bytes.pop_back();
+  bytes[7] = 0x80;  // bit 63 of a mask
+  EXPECT_FALSE(parse_tables(bytes));
+  std::fill(bytes.begin(), bytes.begin() + 7, std::uint8_t{0xff});
+  bytes[7] = 0x7f;  // 2^63 cells
+  EXPECT_FALSE(parse_tables(bytes));
+}
+
+TEST(ContextTables, of_an_unknown_number_are_refused) {
+  EXPECT_FALSE(tables_of_number(0));
+  EXPECT_FALSE(tables_of_number(kNewestTables + 1));
+}
+
+}  // namespace
+}  // namespace pointreel

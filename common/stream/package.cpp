@@ -377,8 +377,8 @@ Result<Manifest> parse_root(const json& root) {
   const json& segments = fields.array("segments");
   if (manifest.codec == "octree") {
     manifest.entropy = fields.text("entropy");
-    if (manifest.entropy != "none" && manifest.entropy != "zstd") {
-      fields.refuse("entropy", "is neither \"none\" nor \"zstd\"");
+    if (manifest.entropy != "none" && manifest.entropy != "zstd" && manifest.entropy != "context") {
+      fields.refuse("entropy", "is none of \"none\", \"zstd\" and \"context\"");
     }
   } else if (manifest.codec != "draco") {
     fields.refuse("codec", "is neither \"octree\" nor \"draco\"");

@@ -51,7 +51,7 @@ struct Segment {
 struct Manifest {
   std::string name;
   std::string codec;              ///< "octree" or "draco"
-  std::string entropy;            ///< "none" or "zstd"; empty for Draco
+  std::string entropy;            ///< "none", "zstd" or "context"; empty for Draco
   double fps = 30.0;              ///< nominal rate; times_us rules
   std::uint64_t duration_us = 0;  ///< of one pass, the last frame's own duration included
   char up = 'y';                  ///< 'y' or 'z'

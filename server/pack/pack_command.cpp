@@ -57,7 +57,9 @@ Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
     return options;
   }
   OctreeOptions octree;
-  octree.entropy = arguments.entropy == "none" ? Entropy::none : Entropy::zstd;
+  octree.entropy = arguments.entropy == "none"   ? Entropy::none
+                   : arguments.entropy == "zstd" ? Entropy::zstd
+                                                 : Entropy::context;
   octree.depth = arguments.depth_option->count() > 0 ? DepthRule::fixed(arguments.depth)
                                                      : DepthRule::by_delta(arguments.delta);
   octree.color_quality = arguments.quality;
@@ -185,7 +187,7 @@ int run_pack(const PackArguments& arguments) {
 void add_octree_options(CLI::App& command, PackArguments& a) {
   const char* group = "Octree";
   a.octree_only.push_back(command.add_option("--entropy", a.entropy, "entropy stage")
-                              ->check(CLI::IsMember({"none", "zstd"}))
+                              ->check(CLI::IsMember({"none", "zstd", "context"}))
                               ->capture_default_str()
                               ->group(group));
   a.delta_option = command.add_option("--delta", a.delta,

@@ -50,8 +50,8 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-/// The range that holds these values with a margin, and on a logarithmic axis marks at 1, 2 and 5
-/// of each decade: an axis of less than a decade has few marks otherwise.
+/// The range that holds these values with a margin, and on a logarithmic axis several marks in
+/// each decade: an axis of less than a decade would have few otherwise.
 std::string axis(char name, bool logarithmic, const std::vector<double>& values) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   if (least == values.end()) return {};
@@ -62,7 +62,7 @@ std::string axis(char name, bool logarithmic, const std::vector<double>& values)
   constexpr double kMargin = 1.3;
   std::string marks;
   for (double decade = 1e-6; decade < 1e6; decade *= 10.0) {
-    for (const double digit : {1.0, 2.0, 5.0}) {
+    for (const double digit : {1.0, 1.5, 2.0, 3.0, 5.0, 7.0}) {
       marks += fmt::format("{}{:.9g}", marks.empty() ? "" : ", ", digit * decade);
     }
   }

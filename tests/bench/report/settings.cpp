@@ -10,13 +10,20 @@ namespace {
 constexpr int kLeastBits = 8;
 constexpr int kEffortBits = 10;
 
-Setting octree(Entropy entropy, int depth) {
-  return {fmt::format("octree {}", name(entropy)),
-          fmt::format("depth {}", depth),
-          depth,
-          true,
-          {OctreeOptions{entropy, DepthRule::fixed(depth)}},
-          {"--codec", "octree", "--entropy", name(entropy), "--depth", std::to_string(depth)}};
+Setting octree(Entropy entropy, int depth, int quality) {
+  const bool usual = quality == kDefaultColorQuality;
+  OctreeOptions options;
+  options.entropy = entropy;
+  options.depth = DepthRule::fixed(depth);
+  options.color_quality = quality;
+  return {
+      fmt::format("octree {}", name(entropy)),
+      usual ? fmt::format("depth {}", depth) : fmt::format("depth {}, quality {}", depth, quality),
+      depth,
+      usual,
+      {options},
+      {"--codec", "octree", "--entropy", name(entropy), "--depth", std::to_string(depth),
+       "--quality", std::to_string(quality)}};
 }
 
 Setting draco(int bits, int level, bool on_curve) {
@@ -33,10 +40,13 @@ Setting draco(int bits, int level, bool on_curve) {
 
 std::vector<Setting> report_settings(int max_bits) {
   std::vector<Setting> settings;
-  for (const Entropy entropy : {Entropy::none, Entropy::zstd}) {
+  for (const Entropy entropy : {Entropy::none, Entropy::zstd, Entropy::context}) {
     for (int depth = kLeastBits; depth <= max_bits; ++depth) {
-      settings.push_back(octree(entropy, depth));
+      settings.push_back(octree(entropy, depth, kDefaultColorQuality));
     }
+  }
+  for (const int quality : {30, 80, kLosslessColorQuality}) {
+    settings.push_back(octree(Entropy::context, std::min(kEffortBits, max_bits), quality));
   }
   const int usual = DracoOptions{}.compression_level;
   for (int bits = kLeastBits; bits <= max_bits; ++bits)

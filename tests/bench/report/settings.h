@@ -19,7 +19,7 @@ struct Setting {
 };
 
 /// Every codec at each of its settings that matter for `max_bits` of a coordinate: depths and
-/// position bits from 8 up, and the effort levels of Draco at 10 bits.
+/// position bits from 8 up, and at 10 bits qualities of the octree's colours and Draco's efforts.
 std::vector<Setting> report_settings(int max_bits);
 
 }  // namespace pointreel::bench

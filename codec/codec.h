@@ -22,6 +22,9 @@ enum class Entropy : std::uint8_t { none = 0, zstd = 1, context = 2 };
 /// A quality of colours whose error is seen on a second look: luma at about 41 dB on a dense human.
 inline constexpr int kDefaultColorQuality = 57;
 inline constexpr int kLosslessColorQuality = 100;
+/// A quality of normals of about one degree on a dense human, two on a sparse one.
+inline constexpr int kDefaultNormalQuality = 43;
+inline constexpr int kBestNormalQuality = 100;
 
 struct OctreeOptions {
   Entropy entropy = Entropy::zstd;
@@ -29,6 +32,9 @@ struct OctreeOptions {
   /// 1 to 100. Below 100 colours are transformed and quantised by 2^((99 - quality) / 14) 8-bit
   /// steps: 14 more halve the step. 100 keeps them as they are.
   int color_quality = kDefaultColorQuality;
+  /// The same of normals, a step being 1/127.5 of their length. At 100 they are rounded to half a
+  /// degree.
+  int normal_quality = kDefaultNormalQuality;
 };
 
 /// Names and defaults of draco_encoder.

@@ -12,7 +12,13 @@ namespace {
 constexpr std::uint32_t kFrameMagic = 0x46525250u;  // "PRRF"
 constexpr std::uint16_t kChunkMagic = 0x4352u;      // "RC"
 
-enum Flags : std::uint8_t { kColors = 1, kNormals = 2, kColors16 = 4, kTransformed = 8 };
+enum Flags : std::uint8_t {
+  kColors = 1,
+  kNormals = 2,
+  kColors16 = 4,
+  kTransformed = 8,
+  kNormalsTransformed = 16
+};
 
 /// A checksum over the header's bytes before the checksum itself, then the payload.
 std::uint64_t checksum(ByteView header, ByteView payload) {
@@ -36,7 +42,8 @@ void write_frame_header(const FrameHeader& header, FrameTag tag, Bytes& out) {
   writer.put(header.depth);
   writer.put(static_cast<std::uint8_t>(
       (header.has_colors ? kColors : 0) | (header.has_normals ? kNormals : 0) |
-      (header.colors_16_bit ? kColors16 : 0) | (header.colors_transformed ? kTransformed : 0)));
+      (header.colors_16_bit ? kColors16 : 0) | (header.colors_transformed ? kTransformed : 0) |
+      (header.normals_transformed ? kNormalsTransformed : 0)));
   writer.put(header.source_points);
   writer.put(header.coded_points);
   writer.put(static_cast<std::uint32_t>(header.layers));
@@ -78,9 +85,9 @@ Result<ParsedFrameHeader> read_frame_header(ByteView bytes) {
       codec != static_cast<std::uint8_t>(Codec::draco)) {
     return fail("frame has unknown codec " + std::to_string(codec));
   }
-  if (header.depth > kMaxDepth || flags > (kColors | kNormals | kColors16 | kTransformed) ||
-      layers < 1 || layers > 255 || header.coded_points > header.source_points ||
-      !is_codable(header.cube)) {
+  if (header.depth > kMaxDepth ||
+      flags > (kColors | kNormals | kColors16 | kTransformed | kNormalsTransformed) || layers < 1 ||
+      layers > 255 || header.coded_points > header.source_points || !is_codable(header.cube)) {
     return fail("frame header has a field out of range");
   }
   header.codec = static_cast<Codec>(codec);
@@ -88,6 +95,7 @@ Result<ParsedFrameHeader> read_frame_header(ByteView bytes) {
   header.has_normals = flags & kNormals;
   header.colors_16_bit = flags & kColors16;
   header.colors_transformed = flags & kTransformed;
+  header.normals_transformed = flags & kNormalsTransformed;
   header.layers = static_cast<std::uint8_t>(layers);
   parsed.rest = reader.rest();
   return parsed;

@@ -26,8 +26,9 @@ struct FrameHeader {
   bool has_colors = false;
   bool has_normals = false;
   bool colors_16_bit = false;
-  bool colors_transformed = false;  ///< octree: lossy colours, color_coder.h
-  std::uint8_t layers = 1;          ///< that the whole frame has
+  bool colors_transformed = false;   ///< octree: lossy colours, attribute_coder.h
+  bool normals_transformed = false;  ///< octree: normals likewise
+  std::uint8_t layers = 1;           ///< that the whole frame has
   std::uint32_t source_points = 0;
   std::uint32_t coded_points = 0;
   Cube cube;

@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "codec/octree/int4.h"
+#include "codec/octree/neighbor_prediction.h"
 
 /// The colours that the transform works on: Y', Cb, Cr of ITU-R BT.709 from R'G'B' as they are
 /// stored (sRGB), full range, in steps of 1/64 of an 8-bit value, in integers. FORMAT.md, "Colour
@@ -23,6 +23,10 @@ inline Int4 ycbcr_from_rgb(const glm::u16vec3& color) {
   return (sum + 32768) >> 16;
 }
 
+inline Short4 value_from_color(const glm::u16vec3& color) {
+  return stored_value(ycbcr_from_rgb(color));
+}
+
 /// Rounded to 8 bits, times 257. Values that no colour has are clamped; |v| <= 2^14.
 inline glm::u16vec3 rgb_from_ycbcr(const Int4& v) {
   const Int4 sum = (v[0] << 14) + v[1] * Int4{0, -3069, 30402, 0} + v[2] * Int4{25802, -7670, 0, 0};
@@ -30,5 +34,7 @@ inline glm::u16vec3 rgb_from_ycbcr(const Int4& v) {
   return {static_cast<std::uint16_t>(rgb[0]), static_cast<std::uint16_t>(rgb[1]),
           static_cast<std::uint16_t>(rgb[2])};
 }
+
+inline glm::u16vec3 color_from_value(const Short4& value) { return rgb_from_ycbcr(load(value)); }
 
 }  // namespace pointreel

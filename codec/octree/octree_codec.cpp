@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <optional>
 #include <string>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "codec/octree/attribute_coder.h"
 #include "codec/octree/chunk_payload.h"
-#include "codec/octree/color_coder.h"
+#include "codec/octree/color_space.h"
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
+#include "codec/octree/normal_space.h"
 
 namespace pointreel {
 namespace {
@@ -85,18 +86,40 @@ class AttributeDecoder {
   Codes codes_;
 };
 
-/// Decodes transformed colours of the layers that are there, from the base to the first that lacks
-/// them: those of the last level, or none if the base lacks them.
-Result<std::vector<glm::u16vec3>> decode_transformed_colors(const Svo& svo,
-                                                            const std::vector<LayerView>& layers,
-                                                            const std::vector<int>& last_levels,
-                                                            FrameTag tag) {
-  if (layers.front().colors.empty()) return std::vector<glm::u16vec3>{};
-  ColorDecoder decoder(svo);
+/// Encodes one transformed attribute of all layers into the chunks that `part` names.
+void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, ChunkKind kind,
+                        const CoefficientSteps& frame_steps, FrameTag tag,
+                        Bytes EncodedLayer::* part, std::vector<EncodedLayer>& layers) {
+  std::vector<int> ends;
+  for (int layer = 0; layer < static_cast<int>(layers.size()); ++layer) {
+    ends.push_back(last_level_of_layer(layer, svo.depth));
+  }
+  TransformEncoder encoder(svo, leaves, ends);
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const ChunkHeader header{kind, Entropy::none, static_cast<std::uint8_t>(layer),
+                             static_cast<std::uint8_t>(ends[layer]), 0};
+    const CoefficientSteps steps =
+        layer_steps(frame_steps, svo.leaf_count(), svo.node_count(ends[layer]));
+    pack_chunk(header, tag, encoder.encode_layer(steps), layers[layer].*part);
+  }
+}
+
+/// Decodes a transformed attribute of the layers that are there, from the base to the first that
+/// lacks it; `convert` makes the attribute of a value. That of the last level, or none if the base
+/// lacks it.
+template <class Attribute, class Convert>
+Result<std::vector<Attribute>> decode_transformed(const Svo& svo,
+                                                  const std::vector<LayerView>& layers,
+                                                  const std::vector<int>& last_levels,
+                                                  ChunkKind kind, ByteView LayerView::* part,
+                                                  FrameTag tag, Convert convert) {
+  std::vector<Attribute> attributes;
+  if ((layers.front().*part).empty()) return attributes;
+  TransformDecoder decoder(svo);
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
-    const ByteView bytes = layers[layer].colors;
+    const ByteView bytes = layers[layer].*part;
     if (bytes.empty()) break;
-    const auto chunk = read_chunk(bytes, ChunkKind::colors, static_cast<std::uint8_t>(layer), tag);
+    const auto chunk = read_chunk(bytes, kind, static_cast<std::uint8_t>(layer), tag);
     if (!chunk) return tl::unexpected(chunk.error());
     if (chunk->header.entropy != Entropy::none || chunk->header.raw_size != chunk->payload.size() ||
         chunk->header.last_level != last_levels[layer]) {
@@ -106,7 +129,18 @@ Result<std::vector<glm::u16vec3>> decode_transformed_colors(const Svo& svo,
     if (!decoded) return tl::unexpected(decoded.error());
   }
   decoder.inherit(last_levels.back());
-  return decoder.colors(last_levels.back());
+  const std::span<const Short4> values = decoder.values(last_levels.back());
+  attributes.reserve(values.size());
+  for (const Short4& value : values) attributes.push_back(convert(value));
+  return attributes;
+}
+
+template <class Attribute, class Convert>
+std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert convert) {
+  std::vector<Short4> values;
+  values.reserve(attributes.size());
+  for (const Attribute& attribute : attributes) values.push_back(convert(attribute));
+  return values;
 }
 
 /// Decodes the geometry of the layers that are there; the last level of each.
@@ -157,6 +191,9 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   if (options.color_quality < 1 || options.color_quality > kLosslessColorQuality) {
     return fail("the quality of colours is 1 to 100");
   }
+  if (options.normal_quality < 1 || options.normal_quality > kBestNormalQuality) {
+    return fail("the quality of normals is 1 to 100");
+  }
   if (!is_codable(cube)) return fail("the edge of the cube is not between 1e-30 and 1e30");
   const auto points = sort_to_depth(cloud, cube, options.depth);
   if (!points) return tl::unexpected(points.error());
@@ -169,6 +206,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   frame.has_normals = normals && cloud.has_normals();
   frame.colors_transformed = frame.has_colors && options.color_quality < kLosslessColorQuality;
   frame.colors_16_bit = frame.has_colors && !frame.colors_transformed && !colors_fit_8_bits(cloud);
+  frame.normals_transformed = frame.has_normals && options.normal_quality < kBestNormalQuality;
   frame.layers = static_cast<std::uint8_t>(layer_count(svo.depth));
   frame.source_points = static_cast<std::uint32_t>(cloud.size());
   frame.coded_points = svo.leaf_count();
@@ -181,19 +219,12 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   encoded.layers.resize(frame.layers);
   const FrameTag tag = tag_of(svo);
   const CodeShape shape = color_shape(frame);
-  std::vector<glm::u16vec3> colors_of_nodes;
-  std::optional<ColorEncoder> color_transform;
-  if (frame.colors_transformed) {
-    std::vector<int> ends;
-    for (int layer = 0; layer < frame.layers; ++layer) {
-      ends.push_back(last_level_of_layer(layer, svo.depth));
-    }
-    color_transform.emplace(svo, mean_leaf_colors(svo, cloud, points->sorted), ends);
-  } else if (frame.has_colors) {
-    colors_of_nodes = mean_colors(svo, cloud, points->sorted);
-  }
-  std::vector<glm::i16vec3> normals_of_nodes;
-  if (frame.has_normals) normals_of_nodes = mean_normals(svo, cloud, points->sorted);
+  const bool exact_colors = frame.has_colors && !frame.colors_transformed;
+  const bool exact_normals = frame.has_normals && !frame.normals_transformed;
+  std::vector<glm::u16vec3> node_colors;
+  if (exact_colors) node_colors = mean_colors(svo, cloud, points->sorted);
+  std::vector<glm::i16vec3> node_normals;
+  if (exact_normals) node_normals = mean_normals(svo, cloud, points->sorted);
   auto geometry = GeometryEncoder::create(options.entropy);
   if (!geometry) return tl::unexpected(geometry.error());
   AttributeEncoder color_encoder(ChunkKind::colors, shape);
@@ -209,22 +240,27 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
 
     const std::size_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
     const std::size_t count = svo.node_count(last_level);
-    if (color_transform) {
-      const ColorSteps steps = layer_steps(color_steps(options.color_quality), svo.leaf_count(),
-                                           static_cast<std::uint32_t>(count));
-      ChunkHeader color_header = header;
-      color_header.kind = ChunkKind::colors;
-      color_header.entropy = Entropy::none;
-      pack_chunk(color_header, tag, color_transform->encode_layer(steps), out.colors);
-    } else if (frame.has_colors) {
-      color_encoder.encode_layer(svo, color_codes(colors_of_nodes.data() + end, count, shape.bits),
+    if (exact_colors) {
+      color_encoder.encode_layer(svo, color_codes(node_colors.data() + end, count, shape.bits),
                                  header, tag, out.colors);
     }
-    if (frame.has_normals) {
-      normal_encoder.encode_layer(svo, normal_codes(normals_of_nodes.data() + end, count), header,
-                                  tag, out.normals);
+    if (exact_normals) {
+      normal_encoder.encode_layer(svo, normal_codes(node_normals.data() + end, count), header, tag,
+                                  out.normals);
     }
     first_level = last_level;
+  }
+  if (frame.colors_transformed) {
+    encode_transformed(svo,
+                       values_of(mean_leaf_colors(svo, cloud, points->sorted), value_from_color),
+                       ChunkKind::colors, color_steps(options.color_quality), tag,
+                       &EncodedLayer::colors, encoded.layers);
+  }
+  if (frame.normals_transformed) {
+    encode_transformed(svo,
+                       values_of(mean_leaf_normals(svo, cloud, points->sorted), value_from_normal),
+                       ChunkKind::normals, normal_steps(options.normal_quality), tag,
+                       &EncodedLayer::normals, encoded.layers);
   }
   return encoded;
 }
@@ -238,7 +274,8 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   if (header.codec != Codec::octree) return fail("not an octree frame");
   if (header.layers != layer_count(header.depth) ||
       (header.coded_points == 0 && header.depth != 0) ||
-      (header.colors_transformed && (!header.has_colors || header.colors_16_bit))) {
+      (header.colors_transformed && (!header.has_colors || header.colors_16_bit)) ||
+      (header.normals_transformed && !header.has_normals)) {
     return fail("frame header has a field out of range");
   }
   if (header.coded_points > limits.max_points) {
@@ -252,11 +289,6 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   const auto last_levels = decode_geometry(layers, *parsed, frame.svo);
   if (!last_levels) return tl::unexpected(last_levels.error());
 
-  if (header.colors_transformed) {
-    auto colors = decode_transformed_colors(frame.svo, layers, *last_levels, parsed->tag);
-    if (!colors) return fail_at("colors", colors.error());
-    frame.colors = std::move(*colors);
-  }
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
   AttributeDecoder normals(ChunkKind::normals, kNormalShape);
   for (std::size_t layer = 0; layer < last_levels->size(); ++layer) {
@@ -266,16 +298,28 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
           colors.decode_layer(frame.svo, layers[layer].colors, number, level, parsed->tag);
       if (!done) return fail_at("colors", done.error());
     }
-    if (header.has_normals) {
+    if (header.has_normals && !header.normals_transformed) {
       const auto done =
           normals.decode_layer(frame.svo, layers[layer].normals, number, level, parsed->tag);
       if (!done) return fail_at("normals", done.error());
     }
   }
-  if (!header.colors_transformed) {
-    frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
-  }
+  frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
+  if (header.colors_transformed) {
+    auto decoded =
+        decode_transformed<glm::u16vec3>(frame.svo, layers, *last_levels, ChunkKind::colors,
+                                         &LayerView::colors, parsed->tag, color_from_value);
+    if (!decoded) return fail_at("colors", decoded.error());
+    frame.colors = std::move(*decoded);
+  }
+  if (header.normals_transformed) {
+    auto decoded =
+        decode_transformed<glm::vec3>(frame.svo, layers, *last_levels, ChunkKind::normals,
+                                      &LayerView::normals, parsed->tag, normal_from_value);
+    if (!decoded) return fail_at("normals", decoded.error());
+    frame.normals = std::move(*decoded);
+  }
   return frame;
 }
 

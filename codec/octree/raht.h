@@ -16,14 +16,12 @@
 /// sqrt(w0 w1 / (w0 + w1)), which makes the transform orthonormal: here that factor goes into the
 /// quantisation step of the difference, so that values stay small integers and means are means.
 ///
-/// Values are colours in steps of 1/64 of an 8-bit value, within kLeastValue and kMostValue; means
-/// of nodes therefore come out of the transform.
+/// Values are small integers (colours: in steps of 1/64 of an 8-bit value); means of nodes come out
+/// of the transform.
 namespace pointreel {
 
 /// The largest r with r * r <= v.
 std::uint32_t square_root(std::uint64_t v);
-
-inline constexpr std::int32_t kLeastValue = -16384, kMostValue = 16383;
 
 /// In what order the children of a node with a given mask are merged: their number in the node, not
 /// their octant. The mean of a pair takes the place of its first.

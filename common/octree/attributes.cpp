@@ -62,6 +62,13 @@ void fill_leaf_colors(const Svo& svo, const PointCloud& cloud, const SortedPoint
       mean);
 }
 
+void fill_leaf_normals(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted,
+                       glm::i16vec3* leaf) {
+  fill_leaves<glm::i64vec3>(
+      svo, sorted, leaf, [&](std::uint32_t point) { return fixed_point(cloud.normals[point]); },
+      mean_direction);
+}
+
 /// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
 /// the leaves below each node. Average makes a value of a sum and the number of leaves in it.
 template <class Sum, class Value, class Average>
@@ -113,9 +120,7 @@ std::vector<glm::u16vec3> mean_colors(const Svo& svo, const PointCloud& cloud,
 std::vector<glm::i16vec3> mean_normals(const Svo& svo, const PointCloud& cloud,
                                        const SortedPoints& sorted) {
   std::vector<glm::i16vec3> normals(svo.node_count());
-  fill_leaves<glm::i64vec3>(
-      svo, sorted, normals.data() + svo.internal_count(),
-      [&](std::uint32_t point) { return fixed_point(cloud.normals[point]); }, mean_direction);
+  fill_leaf_normals(svo, cloud, sorted, normals.data() + svo.internal_count());
   fill_inner<glm::i64vec3>(svo, normals, mean_direction);
   return normals;
 }
@@ -133,6 +138,13 @@ std::vector<glm::u16vec3> mean_leaf_colors(const Svo& svo, const PointCloud& clo
   std::vector<glm::u16vec3> colors(svo.leaf_count());
   fill_leaf_colors(svo, cloud, sorted, colors.data());
   return colors;
+}
+
+std::vector<glm::i16vec3> mean_leaf_normals(const Svo& svo, const PointCloud& cloud,
+                                            const SortedPoints& sorted) {
+  std::vector<glm::i16vec3> normals(svo.leaf_count());
+  fill_leaf_normals(svo, cloud, sorted, normals.data());
+  return normals;
 }
 
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves) {

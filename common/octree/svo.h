@@ -113,9 +113,12 @@ std::vector<glm::u16vec3> mean_colors(const Svo& svo, const PointCloud& cloud,
                                       const SortedPoints& sorted);
 std::vector<glm::i16vec3> mean_normals(const Svo& svo, const PointCloud& cloud,
                                        const SortedPoints& sorted);
-/// Mean colours of the leaves only, in their order.
+/// Those of the leaves only, in their order.
 std::vector<glm::u16vec3> mean_leaf_colors(const Svo& svo, const PointCloud& cloud,
                                            const SortedPoints& sorted);
+
+std::vector<glm::i16vec3> mean_leaf_normals(const Svo& svo, const PointCloud& cloud,
+                                            const SortedPoints& sorted);
 
 /// mean_attributes where the cloud holds exactly one point for each leaf, in the order of the
 /// leaves.

@@ -26,6 +26,8 @@ struct PackArguments {
   std::string codec = "octree", entropy = "zstd", cube = "group", up = "y";
   double delta = 0.05, voxel = 0.0, fps = 30.0;
   int depth = 10, threads = 0, quality = kDefaultColorQuality;
+  int normal_quality = kDefaultNormalQuality;
+  std::string normals = "send";
   std::uint32_t segment = 30;
   DracoOptions draco;
   bool no_normals = false, no_colors = false, force = false;
@@ -45,7 +47,7 @@ const CLI::Option* given(const std::vector<CLI::Option*>& options) {
 
 Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
   EncodeOptions options;
-  options.normals = !arguments.no_normals;
+  options.normals = !arguments.no_normals && arguments.normals == "send";
   options.colors = !arguments.no_colors;
   const bool draco = arguments.codec == "draco";
   if (const CLI::Option* wrong = given(draco ? arguments.octree_only : arguments.draco_only)) {
@@ -63,6 +65,7 @@ Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
   octree.depth = arguments.depth_option->count() > 0 ? DepthRule::fixed(arguments.depth)
                                                      : DepthRule::by_delta(arguments.delta);
   octree.color_quality = arguments.quality;
+  octree.normal_quality = arguments.normal_quality;
   options.codec = octree;
   return options;
 }
@@ -209,6 +212,13 @@ void add_octree_options(CLI::App& command, PackArguments& a) {
           ->check(CLI::Range(1, kLosslessColorQuality))
           ->capture_default_str()
           ->group(group));
+  a.octree_only.push_back(
+      command
+          .add_option("--normal-quality", a.normal_quality,
+                      "of normals, 1 to 100, on the same scale; 100 is half a degree")
+          ->check(CLI::Range(1, kBestNormalQuality))
+          ->capture_default_str()
+          ->group(group));
   for (CLI::Option* option : {a.delta_option, a.depth_option, a.voxel_option}) {
     a.octree_only.push_back(option);
   }
@@ -254,7 +264,14 @@ void add_pack_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", a.threads, "0 for all processors")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_flag("--no-normals", a.no_normals, "leave normals out");
+  CLI::Option* normals =
+      command
+          ->add_option("--normals", a.normals,
+                       "send those of the source, or let the client derive them from the points")
+          ->check(CLI::IsMember({"send", "derive"}))
+          ->capture_default_str();
+  command->add_flag("--no-normals", a.no_normals, "leave normals out, as --normals derive")
+      ->excludes(normals);
   command->add_flag("--no-colors", a.no_colors, "leave colours out");
   command->add_flag("--force", a.force, "replace a package that is there already");
   a.json_option =

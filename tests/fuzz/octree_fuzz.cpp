@@ -47,6 +47,7 @@ EncodedFrame forged_frame(ByteView bytes) {
   header.has_normals = fields[1] & 2;
   header.colors_16_bit = fields[1] & 4;
   header.colors_transformed = fields[1] & 8;
+  header.normals_transformed = fields[1] & 16;
   header.layers = static_cast<std::uint8_t>(layer_count(std::min<int>(header.depth, kMaxDepth)));
   header.coded_points = header.source_points = fields[2] | fields[3] << 8;
   EncodedFrame frame;
@@ -90,7 +91,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   PointCloud cloud = frame->cloud;
   cloud.origin = glm::dvec3(0.0);
   const Cube cube{glm::dvec3(0.0), frame->cube.edge};
-  const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth), 1 + data[0] % 100};
+  const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth), 1 + data[0] % 100,
+                              1 + data[0] % 100};
   const auto again = encode_frame(cloud, cube, {options, true, true});
   if (!again) std::abort();
   const auto twice = decode_octree_tree(layer_views(again->layers), kLimits);

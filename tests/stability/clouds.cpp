@@ -47,11 +47,13 @@ PointCloud shuffled(const PointCloud& cloud) {
 std::vector<Setting> settings(int depth) {
   DracoOptions draco;
   draco.position_bits = std::max(depth, 1);
-  return {
-      {"octree", {OctreeOptions{Entropy::none, DepthRule::fixed(depth), kLosslessColorQuality}}},
-      {"octree zstd",
-       {OctreeOptions{Entropy::zstd, DepthRule::fixed(depth), kLosslessColorQuality}}},
-      {"Draco", {draco}}};
+  return {{"octree",
+           {OctreeOptions{Entropy::none, DepthRule::fixed(depth), kLosslessColorQuality,
+                          kBestNormalQuality}}},
+          {"octree zstd",
+           {OctreeOptions{Entropy::zstd, DepthRule::fixed(depth), kLosslessColorQuality,
+                          kBestNormalQuality}}},
+          {"Draco", {draco}}};
 }
 
 double allowed_cells(const Setting& setting, int depth) {

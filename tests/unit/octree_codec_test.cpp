@@ -43,8 +43,8 @@ PointCloud permuted(const PointCloud& cloud) {
 }
 
 EncodedFrame encode(const PointCloud& cloud, DepthRule depth, Entropy entropy = Entropy::zstd,
-                    Cube cube = {}, int color_quality = kLosslessColorQuality) {
-  auto frame = encode_octree(cloud, cube, {entropy, depth, color_quality}, true, true);
+                    Cube cube = {}, int quality = kLosslessColorQuality) {
+  auto frame = encode_octree(cloud, cube, {entropy, depth, quality, quality}, true, true);
   EXPECT_TRUE(frame) << frame.error().message;
   return frame.value_or(EncodedFrame{});
 }
@@ -193,10 +193,41 @@ TEST(OctreeCodecAttributes, colours_come_closer_with_their_quality) {
   EXPECT_EQ(last, 0.0);
 }
 
+TEST(OctreeCodecAttributes, normals_come_closer_with_their_quality_and_are_unit_or_unknown) {
+  PointCloud cloud = bumpy_sphere(20000);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.positions[i].x > 0.7f) cloud.normals[i] = glm::vec3(0);  // none known around there
+  }
+  double last = HUGE_VAL;
+  for (const int quality : {30, 50, 70, 90}) {
+    const EncodedFrame encoded = encode(cloud, DepthRule::fixed(9), Entropy::zstd, {}, quality);
+    const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
+    ASSERT_TRUE(frame) << frame.error().message;
+    double sum = 0.0;
+    std::size_t known = 0;
+    for (std::size_t i = 0; i < frame->cloud.size(); ++i) {
+      const glm::vec3& normal = frame->cloud.normals[i];
+      if (normal == glm::vec3(0)) {
+        EXPECT_GT(frame->cloud.positions[i].x, 0.65f);
+        continue;
+      }
+      EXPECT_NEAR(glm::length(normal), 1.0f, 1e-5f);
+      if (frame->cloud.positions[i].x > 0.69f) continue;
+      sum += degrees_between(normal, frame->cloud.positions[i] - 0.5f);
+      ++known;
+    }
+    EXPECT_GT(known, frame->cloud.size() / 2);
+    EXPECT_LT(sum, last) << quality;
+    last = sum;
+  }
+}
+
 TEST(OctreeCodecAttributes, refuses_a_quality_that_is_none) {
   for (const int quality : {-1, 0, 101}) {
     EXPECT_FALSE(encode_octree(bumpy_sphere(10), Cube{},
                                {Entropy::none, DepthRule::fixed(3), quality}, true, true));
+    EXPECT_FALSE(encode_octree(bumpy_sphere(10), Cube{},
+                               {Entropy::none, DepthRule::fixed(3), 50, quality}, true, true));
   }
 }
 

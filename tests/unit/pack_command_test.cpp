@@ -82,6 +82,9 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
                                                        {"--codec", "draco", "--quality", "50"},
                                                        {"--quality", "0"},
                                                        {"--quality", "101"},
+                                                       {"--normal-quality", "0"},
+                                                       {"--normals", "guess"},
+                                                       {"--normals", "send", "--no-normals"},
                                                        {"--qp", "11"},
                                                        {"--delta", "nan"},
                                                        {"--delta", "-0.1"},
@@ -117,6 +120,22 @@ TEST_F(PackCommand, colours_of_a_lower_quality_take_fewer_bytes) {
     EXPECT_GT(bits, last) << quality;
     last = bits;
   }
+}
+
+TEST_F(PackCommand, normals_that_are_derived_are_not_sent) {
+  write_frames(1);
+  const auto bits_of_normals = [&](const std::vector<std::string>& how) {
+    std::vector<std::string> all = {"--depth", "8", "--force", "--json"};
+    all.insert(all.begin(), how.begin(), how.end());
+    const Outcome outcome = run_pack(all);
+    EXPECT_EQ(outcome.code, kExitOk) << outcome.errors;
+    return json::parse(outcome.out).at("bits_per_point").at("normals").get<double>();
+  };
+  const double sent = bits_of_normals({"--normals", "send"});
+  EXPECT_GT(sent, 0.0);
+  EXPECT_GT(bits_of_normals({"--normal-quality", "90"}), sent);
+  EXPECT_EQ(bits_of_normals({"--normals", "derive"}), 0.0);
+  EXPECT_EQ(bits_of_normals({"--no-normals"}), 0.0);
 }
 
 TEST_F(PackCommand, ends_with_1_and_one_line_when_it_fails) {

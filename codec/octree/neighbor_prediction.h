@@ -7,13 +7,22 @@
 #include "codec/octree/int4.h"
 #include "common/octree/svo.h"
 
-/// Predicts the colours of children from those of their parent and of the parent's neighbours, as
+/// Predicts the values of children from those of their parent and of the parent's neighbours, as
 /// far as they touch the child. FORMAT.md, "Prediction".
 namespace pointreel {
 
 /// The fourth lane of a node's value: 1 for being there, and how much there was to code around it.
 inline constexpr std::int32_t kActivityUnit = 256;
 inline constexpr std::int32_t kMostActivity = 127;
+
+/// A value as it is stored, clamped; it leaves room for sums of three.
+inline constexpr std::int32_t kLeastValue = -16384, kMostValue = 16383;
+
+inline Short4 stored_value(const Int4& value, std::int32_t activity = 0) {
+  Short4 stored = narrow(clamp(value, kLeastValue, kMostValue));
+  stored.lanes[3] = static_cast<std::int16_t>(1 + activity * kActivityUnit);
+  return stored;
+}
 
 /// The values around the eight octants of one node: cells of the level below it, 4 along an axis, x
 /// fastest, of which the middle 2 x 2 x 2 are its own. Where no node is, all lanes are 0.
@@ -56,7 +65,7 @@ class Neighborhoods {
   std::vector<Around> nodes_;
 };
 
-namespace color_prediction {
+namespace neighbor_prediction {
 
 inline constexpr int kParentWeight = 18, kFaceWeight = 8, kEdgeWeight = 3;
 inline constexpr int kMostWeight = kParentWeight + 3 * kFaceWeight + 3 * kEdgeWeight;
@@ -71,11 +80,11 @@ inline constexpr auto kReciprocals = [] {
   return all;
 }();
 
-}  // namespace color_prediction
+}  // namespace neighbor_prediction
 
 inline Int4 ValueBlock::predict(int cell, int octant, std::int32_t& weight,
                                 std::int32_t& activity) const {
-  using namespace color_prediction;
+  using namespace neighbor_prediction;
   const int x = octant & 1 ? 1 : -1, y = octant & 2 ? 4 : -4, z = octant & 4 ? 16 : -16;
   const auto at = [&](int where) {
     return pointreel::load(values[static_cast<std::size_t>(where)]);

@@ -1,20 +1,13 @@
-#include "codec/octree/color_coder.h"
+#include "codec/octree/attribute_coder.h"
 
 #include <algorithm>
 #include <bit>
 
 #include "codec/octree/coefficient_coder.h"
-#include "codec/octree/color_space.h"
 #include "codec/octree/raht.h"
 
 namespace pointreel {
 namespace {
-
-Short4 store(const Int4& value, std::int16_t fourth) {
-  Short4 stored = narrow(clamp(value, kLeastValue, kMostValue));
-  stored.lanes[3] = fourth;
-  return stored;
-}
 
 /// Numbers of nodes at a layer's last level below each node of the levels before it; at most 2^26.
 class Weights {
@@ -44,7 +37,7 @@ class Weights {
 /// Finds the scales of nodes' pairs in one layer.
 class Scales {
  public:
-  Scales(const Svo& svo, const Weights& weights, const ColorSteps& steps)
+  Scales(const Svo& svo, const Weights& weights, const CoefficientSteps& steps)
       : svo_(svo), weights_(weights), table_(steps.luma, steps.chroma), of_units_(256) {
     for (std::size_t mask = 1; mask < 256; ++mask) {
       const MergeOrder& order = kMergeOrders[mask];
@@ -110,7 +103,7 @@ std::int32_t dequantize(std::int32_t q, std::int32_t step) {
 template <class Coder>
 class LayerCoder {
  public:
-  LayerCoder(const Svo& svo, int first_level, int last_level, const ColorSteps& steps,
+  LayerCoder(const Svo& svo, int first_level, int last_level, const CoefficientSteps& steps,
              Neighborhoods* neighborhoods, CoefficientContexts& contexts, Coder& coder,
              const std::vector<Short4>* source, std::vector<Short4>& decoded)
       : svo_(svo),
@@ -188,10 +181,9 @@ class LayerCoder {
     if constexpr (Coder::kEncodes) quantize_node<kPredicts>(order, scales, first, expected, q);
     const bool coded = code_coefficients(order, gradient, activity_class(near_activity, weight), q);
     last_activity_ = coded ? activity_of(order, q) : 0;
-    const auto fourth = static_cast<std::int16_t>(1 + last_activity_ * kActivityUnit);
     if constexpr (kPredicts) {
-      decoded_[node].lanes[3] = fourth;
-      block_.values[static_cast<std::size_t>(cell)].lanes[3] = fourth;
+      decoded_[node] = stored_value(load(decoded_[node]), last_activity_);
+      block_.values[static_cast<std::size_t>(cell)] = decoded_[node];
     }
 
     std::array<Int4, 8> values;
@@ -209,7 +201,7 @@ class LayerCoder {
     }
     for (std::size_t c = 0; c <= order.pairs; ++c) {
       if constexpr (kPredicts) values[c] += expected[c];
-      decoded_[first + c] = store(values[c], fourth);
+      decoded_[first + c] = stored_value(values[c], last_activity_);
     }
   }
 
@@ -296,9 +288,6 @@ class LayerCoder {
   ValueBlock block_;
 };
 
-/// In quarters.
-constexpr std::uint32_t kChromaOverLuma = 6;
-
 constexpr std::uint8_t kPredictionFlag = 1;
 constexpr std::size_t kParametersSize = 5;
 constexpr std::size_t kRootSize = 6;
@@ -316,7 +305,7 @@ void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Sho
       Int4 sum = load(values[first]);
       for (std::uint32_t c = 1; c < children; ++c) sum += load(values[first + c]);
       const auto reciprocal = static_cast<std::int32_t>(65536 / children);
-      values[node] = store((sum * reciprocal + (1 << 15)) >> 16, 1);
+      values[node] = stored_value((sum * reciprocal + (1 << 15)) >> 16);
       continue;
     }
     std::array<std::int64_t, 3> sum{};
@@ -335,16 +324,14 @@ void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Sho
 
 }  // namespace
 
-ColorEncoder::ColorEncoder(const Svo& svo, const std::vector<glm::u16vec3>& leaf_colors,
-                           const std::vector<int>& layer_ends)
+TransformEncoder::TransformEncoder(const Svo& svo, const std::vector<Short4>& leaves,
+                                   const std::vector<int>& layer_ends)
     : svo_(svo),
       layer_ends_(layer_ends),
       source_(svo.node_count()),
       decoded_(svo.node_count()),
       neighborhoods_(svo) {
-  for (std::size_t i = 0; i < leaf_colors.size(); ++i) {
-    source_[svo.internal_count() + i] = store(ycbcr_from_rgb(leaf_colors[i]), 1);
-  }
+  std::copy(leaves.begin(), leaves.end(), source_.begin() + svo.internal_count());
   for (std::size_t layer = layer_ends.size(); layer-- > 0;) {
     fill_means(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], source_);
   }
@@ -352,7 +339,7 @@ ColorEncoder::ColorEncoder(const Svo& svo, const std::vector<glm::u16vec3>& leaf
 
 /// Whether prediction makes differences of luma smaller by a twentieth: what it costs in time, it
 /// must save in bits. Looks at a sixteenth of the level's nodes, or a few hundred.
-bool ColorEncoder::prediction_pays(int level) {
+bool TransformEncoder::prediction_pays(int level) {
   while (neighborhoods_.level() < level - 1) neighborhoods_.descend();
   const std::size_t l = static_cast<std::size_t>(level);
   const std::uint32_t begin = svo_.level_begin[l - 1], end = svo_.level_begin[l];
@@ -382,7 +369,7 @@ bool ColorEncoder::prediction_pays(int level) {
   return 20 * with < 19 * without;
 }
 
-Bytes ColorEncoder::encode_layer(const ColorSteps& steps) {
+Bytes TransformEncoder::encode_layer(const CoefficientSteps& steps) {
   const int first_level = layer_ == 0 ? 0 : layer_ends_[layer_ - 1];
   const bool predicts = layer_ == 0 || prediction_pays(first_level);
   Bytes out;
@@ -404,19 +391,19 @@ Bytes ColorEncoder::encode_layer(const ColorSteps& steps) {
   return out;
 }
 
-ColorDecoder::ColorDecoder(const Svo& svo)
+TransformDecoder::TransformDecoder(const Svo& svo)
     : svo_(svo), decoded_(svo.node_count()), neighborhoods_(svo) {}
 
-Result<void> ColorDecoder::decode_layer(ByteView bytes, int last_level) {
+Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
   ByteReader reader(bytes);
   const auto flags = reader.get<std::uint8_t>();
-  ColorSteps steps;
+  CoefficientSteps steps;
   steps.luma = reader.get<std::uint16_t>();
   steps.chroma = reader.get<std::uint16_t>();
   if (level_ == 0 && !decoded_.empty()) {
     Int4 root = {};
     for (int k = 0; k < 3; ++k) root[k] = reader.get<std::int16_t>();
-    decoded_[0] = store(root, 1);
+    decoded_[0] = stored_value(root);
   }
   if (!reader.ok() || flags > kPredictionFlag || steps.luma == 0 || steps.chroma == 0) {
     return fail("a field is out of range");
@@ -431,7 +418,7 @@ Result<void> ColorDecoder::decode_layer(ByteView bytes, int last_level) {
   return {};
 }
 
-void ColorDecoder::inherit(int last_level) {
+void TransformDecoder::inherit(int last_level) {
   for (; level_ < last_level; ++level_) {
     const std::size_t l = static_cast<std::size_t>(level_);
     Short4* child = decoded_.data() + svo_.level_begin[l + 1];
@@ -443,28 +430,32 @@ void ColorDecoder::inherit(int last_level) {
   }
 }
 
-std::vector<glm::u16vec3> ColorDecoder::colors(int level) const {
-  const std::size_t l = static_cast<std::size_t>(level);
-  std::vector<glm::u16vec3> colors;
-  colors.reserve(svo_.node_count(level));
-  for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
-    colors.push_back(rgb_from_ycbcr(load(decoded_[node])));
-  }
-  return colors;
+std::span<const Short4> TransformDecoder::values(int level) const {
+  return std::span(decoded_).subspan(svo_.level_begin[static_cast<std::size_t>(level)],
+                                     svo_.node_count(level));
 }
 
-ColorSteps color_steps(int quality) {
+std::uint32_t coefficient_step(int quality) {
   // 256 * 2^(i / 14), rounded.
   constexpr std::array<std::uint32_t, 14> kFractions = {256, 269, 283, 297, 312, 328, 345,
                                                         362, 380, 400, 420, 441, 464, 487};
   const auto below = static_cast<std::uint32_t>(99 - quality);
-  const std::uint32_t luma = kFractions[below % 14] << below / 14;
-  const std::uint32_t chroma = luma * kChromaOverLuma / 4;
-  return {static_cast<std::uint16_t>(luma),
-          static_cast<std::uint16_t>(std::min(chroma, std::uint32_t{65535}))};
+  return kFractions[below % 14] << below / 14;
 }
 
-ColorSteps layer_steps(const ColorSteps& steps, std::uint32_t leaves, std::uint32_t nodes) {
+CoefficientSteps color_steps(int quality) {
+  const std::uint32_t luma = coefficient_step(quality);
+  const std::uint32_t chroma = std::min(luma * 3 / 2, std::uint32_t{65535});
+  return {static_cast<std::uint16_t>(luma), static_cast<std::uint16_t>(chroma)};
+}
+
+CoefficientSteps normal_steps(int quality) {
+  const auto step = static_cast<std::uint16_t>(coefficient_step(quality));
+  return {step, step};
+}
+
+CoefficientSteps layer_steps(const CoefficientSteps& steps, std::uint32_t leaves,
+                             std::uint32_t nodes) {
   const auto scaled = [&](std::uint64_t step) {
     // Twice the step, to round it to nearest.
     const std::uint32_t twice = square_root(4 * step * step * nodes / leaves);

@@ -1,4 +1,4 @@
-#include "codec/octree/color_prediction.h"
+#include "codec/octree/neighbor_prediction.h"
 
 #include <bit>
 

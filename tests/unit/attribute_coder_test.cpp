@@ -1,4 +1,4 @@
-#include "codec/octree/color_coder.h"
+#include "codec/octree/attribute_coder.h"
 
 #include <cmath>
 #include <random>
@@ -42,8 +42,10 @@ Sample sample(std::size_t points, int depth, std::vector<int> layer_ends) {
   return made;
 }
 
-std::vector<Bytes> encode(const Sample& s, const ColorSteps& steps) {
-  ColorEncoder encoder(s.svo, s.colors, s.layer_ends);
+std::vector<Bytes> encode(const Sample& s, const CoefficientSteps& steps) {
+  std::vector<Short4> leaves;
+  for (const glm::u16vec3& color : s.colors) leaves.push_back(value_from_color(color));
+  TransformEncoder encoder(s.svo, leaves, s.layer_ends);
   std::vector<Bytes> layers;
   for (const int end : s.layer_ends) {
     layers.push_back(
@@ -52,15 +54,21 @@ std::vector<Bytes> encode(const Sample& s, const ColorSteps& steps) {
   return layers;
 }
 
+std::vector<glm::u16vec3> colors(const TransformDecoder& decoder, int level) {
+  std::vector<glm::u16vec3> all;
+  for (const Short4& value : decoder.values(level)) all.push_back(color_from_value(value));
+  return all;
+}
+
 /// Colours at the end of the last of the given layers.
 std::vector<glm::u16vec3> decode(const Sample& s, const std::vector<Bytes>& layers) {
   const Svo svo = truncate(s.svo, s.layer_ends[layers.size() - 1]);
-  ColorDecoder decoder(svo);
+  TransformDecoder decoder(svo);
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
     const auto decoded = decoder.decode_layer(layers[layer], s.layer_ends[layer]);
     EXPECT_TRUE(decoded) << decoded.error().message;
   }
-  return decoder.colors(svo.depth);
+  return colors(decoder, svo.depth);
 }
 
 double mean_squared_luma_error(const std::vector<glm::u16vec3>& a,
@@ -102,7 +110,7 @@ TEST(ColorSpace, of_a_grey_has_no_chroma_and_clamps_what_is_no_colour) {
   EXPECT_EQ(rgb_from_ycbcr(Int4{-16384, 0, 0, 1}), glm::u16vec3(0));
 }
 
-TEST(ColorCoder, error_and_size_follow_the_step) {
+TEST(AttributeCoder, error_and_size_follow_the_step) {
   const Sample s = sample(30000, 8, {7, 8});
   double last_error = 0.0;
   std::size_t last_size = ~std::size_t{0};
@@ -119,7 +127,7 @@ TEST(ColorCoder, error_and_size_follow_the_step) {
   }
 }
 
-TEST(ColorCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colours) {
+TEST(AttributeCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colours) {
   const Sample s = sample(40000, 11, {7, 9, 11});
   const std::vector<Bytes> layers = encode(s, {512, 512});
   const PointCloud cloud = colored_sphere(40000);
@@ -134,7 +142,7 @@ TEST(ColorCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colours) {
   }
 }
 
-TEST(ColorCoder, agrees_with_the_slow_decoder_of_the_format) {
+TEST(AttributeCoder, agrees_with_the_slow_decoder_of_the_format) {
   // Dense and sparse, few layers and many, noise and flat colours.
   for (const auto& [points, depth, ends] :
        {std::tuple(3000, 6, std::vector<int>{6}), std::tuple(4000, 7, std::vector<int>{3, 5, 7}),
@@ -157,14 +165,14 @@ TEST(ColorCoder, agrees_with_the_slow_decoder_of_the_format) {
   }
 }
 
-TEST(ColorCoder, nodes_that_inherit_have_their_ancestor_s_colour) {
+TEST(AttributeCoder, nodes_that_inherit_have_their_ancestor_s_colour) {
   const Sample s = sample(5000, 9, {7, 9});
   const std::vector<Bytes> layers = encode(s, {1024, 1024});
-  ColorDecoder decoder(s.svo);
+  TransformDecoder decoder(s.svo);
   ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
-  const std::vector<glm::u16vec3> coarse = decoder.colors(7);
+  const std::vector<glm::u16vec3> coarse = colors(decoder, 7);
   decoder.inherit(9);
-  const std::vector<glm::u16vec3> fine = decoder.colors(9);
+  const std::vector<glm::u16vec3> fine = colors(decoder, 9);
   std::size_t at = 0;
   const auto check = [&](auto&& self, std::uint32_t node, int level, std::size_t ancestor) -> void {
     if (level == 9) {
@@ -182,7 +190,7 @@ TEST(ColorCoder, nodes_that_inherit_have_their_ancestor_s_colour) {
   EXPECT_EQ(at, fine.size());
 }
 
-TEST(ColorCoder, of_one_color_takes_next_to_nothing) {
+TEST(AttributeCoder, of_one_color_takes_next_to_nothing) {
   Sample s = sample(20000, 9, {7, 9});
   for (glm::u16vec3& color : s.colors) color = glm::u16vec3(100, 7, 31) * std::uint16_t{257};
   const std::vector<Bytes> layers = encode(s, {1024, 1024});
@@ -190,46 +198,47 @@ TEST(ColorCoder, of_one_color_takes_next_to_nothing) {
   for (const glm::u16vec3& color : decode(s, layers)) ASSERT_EQ(color, s.colors[0]);
 }
 
-TEST(ColorCoder, of_a_single_cell_is_its_color) {
+TEST(AttributeCoder, of_a_single_cell_is_its_color) {
   PointCloud cloud;
   cloud.positions = {glm::vec3(0.3f)};
   const Sample s{build_svo(sort_points(cloud, Cube{}), 0), {{65535, 257, 0}}, {0}};
   EXPECT_EQ(decode(s, encode(s, {65535, 65535})), s.colors);
 }
 
-TEST(ColorCoder, bytes_cut_short_or_added_to_are_an_error) {
+TEST(AttributeCoder, bytes_cut_short_or_added_to_are_an_error) {
   const Sample s = sample(300, 5, {5});
   const std::vector<Bytes> layers = encode(s, {2048, 2048});
   ASSERT_EQ(decode(s, layers).size(), s.colors.size());
   for (std::size_t size = 0; size + 4 < layers[0].size(); ++size) {
-    ColorDecoder decoder(s.svo);
+    TransformDecoder decoder(s.svo);
     EXPECT_FALSE(decoder.decode_layer(ByteView(layers[0]).first(size), 5)) << size;
   }
   Bytes longer = layers[0];
   longer.insert(longer.end(), 12, 0x5a);
-  EXPECT_FALSE(ColorDecoder(s.svo).decode_layer(longer, 5));
+  EXPECT_FALSE(TransformDecoder(s.svo).decode_layer(longer, 5));
 }
 
-TEST(ColorCoder, any_bytes_give_colours_or_an_error) {
+TEST(AttributeCoder, any_bytes_give_colours_or_an_error) {
   const Sample s = sample(200, 6, {6});
   std::mt19937 random(3);
   for (int trial = 0; trial < 300; ++trial) {
     Bytes bytes(20 + random() % 300);
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
     bytes[0] &= 1;
-    ColorDecoder decoder(s.svo);
+    TransformDecoder decoder(s.svo);
     (void)decoder.decode_layer(bytes, 6);
-    EXPECT_EQ(decoder.colors(6).size(), s.svo.leaf_count());
+    EXPECT_EQ(colors(decoder, 6).size(), s.svo.leaf_count());
   }
 }
 
-TEST(ColorSteps, halve_every_14_steps_of_quality) {
+TEST(CoefficientSteps, halve_every_14_steps_of_quality) {
   EXPECT_EQ(color_steps(99).luma, 256);
   EXPECT_EQ(color_steps(85).luma, 512);
   EXPECT_EQ(color_steps(1).luma, 32768);
   for (int quality = 2; quality <= 99; ++quality) {
     EXPECT_LT(color_steps(quality).luma, color_steps(quality - 1).luma);
     EXPECT_GE(color_steps(quality).chroma, color_steps(quality).luma);
+    EXPECT_EQ(normal_steps(quality).luma, color_steps(quality).luma);
   }
 }
 

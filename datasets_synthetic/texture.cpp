@@ -3,18 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets_synthetic/random.h"
-
 namespace pointreel {
 namespace {
 
-/// A random number, -1 to 1, that belongs to a place of the integer grid.
-double at_corner(const glm::dvec3& corner, std::uint64_t seed) {
-  const auto bits = [](double x) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & 0x1fffffu;
-  };
-  const std::uint64_t place = bits(corner.x) | bits(corner.y) << 21 | bits(corner.z) << 42;
-  return 2.0 * Random(seed, place).uniform() - 1.0;
+/// The finalizer of SplitMix64: what Random draws from.
+std::uint64_t mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
 }
 
 /// Up and down between -1 and 1 with the period 2, from parabolas.
@@ -31,13 +27,25 @@ double value_noise(const glm::dvec3& p, std::uint64_t seed) {
   const glm::dvec3 corner(std::floor(p.x), std::floor(p.y), std::floor(p.z));
   glm::dvec3 s = p - corner;
   s = s * s * (3.0 - 2.0 * s);
-  double sum = 0.0;
-  for (unsigned i = 0; i < 8; ++i) {
-    const glm::dvec3 step(i & 1u, (i >> 1) & 1u, (i >> 2) & 1u);
-    const glm::dvec3 weight = step * s + (1.0 - step) * (1.0 - s);
-    sum += weight.x * weight.y * weight.z * at_corner(corner + step, seed);
-  }
-  return sum;
+  // A random number, 0 to 2, belongs to each place of the integer grid.
+  constexpr std::uint64_t kX = 0x9e3779b97f4a7c15u, kY = 0xc2b2ae3d27d4eb4fu,
+                          kZ = 0x165667b19e3779f9u;
+  const auto whole = [](double x) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
+  };
+  const std::uint64_t place = seed * 0xd6e8feb86659fd93u + whole(corner.x) * kX +
+                              whole(corner.y) * kY + whole(corner.z) * kZ;
+  const auto along_x = [&](std::uint64_t at) {
+    const auto a = static_cast<double>(static_cast<std::int64_t>(mix(at) >> 11));
+    const auto b = static_cast<double>(static_cast<std::int64_t>(mix(at + kX) >> 11));
+    return a + s.x * (b - a);
+  };
+  const auto along_y = [&](std::uint64_t at) {
+    const double a = along_x(at), b = along_x(at + kY);
+    return a + s.y * (b - a);
+  };
+  const double a = along_y(place), b = along_y(place + kZ);
+  return (a + s.z * (b - a)) * 0x1p-52 - 1.0;
 }
 
 double weave(const glm::dvec3& p, double thread) {

@@ -59,28 +59,49 @@ double root_of_union(const Line& a, const Line& b, double blend) {
   return first;
 }
 
+/// Blends that a ray has behind it: both primitives' distances grow along it, and as they are
+/// convex they do so for ever.
+class LeftBehind {
+ public:
+  bool holds(std::uint16_t blend) const {
+    return blend < kMost && (bits_[blend / 64] >> (blend % 64) & 1u) != 0;
+  }
+  void add(std::uint16_t blend) {
+    if (blend < kMost) bits_[blend / 64] |= std::uint64_t{1} << (blend % 64);
+  }
+
+ private:
+  static constexpr std::size_t kMost = 512;  // what is beyond is looked at again
+  std::array<std::uint64_t, kMost / 64> bits_{};
+};
+
 /// What matters in one cell, along a ray, from some place of it on.
 class CellRay {
  public:
-  /// Of the cell's blends those that may come as near as `furthest` to its centre.
-  CellRay(const SurfaceGrid& grid, const SurfaceGrid::Cell& cell, const Ray& ray, double furthest)
-      : grid_(grid), ray_(ray), all_(grid.blends(cell)) {
+  /// Of the cell's blends those that may come as near as `furthest` to its centre and that are not
+  /// left behind.
+  CellRay(const SurfaceGrid& grid, const SurfaceGrid::Cell& cell, const Ray& ray, double furthest,
+          const LeftBehind& behind)
+      : grid_(grid), cell_(cell), ray_(ray), all_(grid.blends(cell)) {
     const std::span<const float> values = grid.blend_values(cell);
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (values[i] > furthest) {
-        left_out_ = std::min(left_out_, static_cast<double>(values[i]));
-        continue;
+        left_out_ = values[i];  // those that follow are further
+        break;
       }
+      if (behind.holds(all_[i])) continue;
       const Blend& blend = grid.surface().blends[all_[i]];
       const std::uint8_t first = place_of(blend.first);
       // A primitive alone is no blend with itself.
       const bool alone = blend.first == blend.second;
-      blends_[blend_count_++] = {first, alone ? first : place_of(blend.second),
+      blends_[blend_count_++] = {first, alone ? first : place_of(blend.second), all_[i],
                                  alone ? 0.0 : blend.radius};
     }
   }
 
-  /// The least distance at the centre of those that are not among them.
+  bool empty() const { return blend_count_ == 0; }
+
+  /// The least distance at the centre of those that are neither among them nor left behind.
   double left_out() const { return left_out_; }
 
   /// Takes the tangents at t; returns the distance there.
@@ -99,12 +120,19 @@ class CellRay {
     return distance;
   }
 
-  /// After move_to: forgets the blends that stay outside for `length` from there on; false if
-  /// those were all.
-  bool keep_near(double length) {
+  /// After move_to: forgets the blends that stay outside for `length` from there on, and those that
+  /// stay behind; false if those were all. `nearest` is the least distance of those not behind.
+  bool keep_near(double length, LeftBehind& behind, double& nearest) {
+    nearest = kNever;
     std::size_t kept = 0;
     std::uint64_t used = 0;
     for (std::size_t i = 0; i < blend_count_; ++i) {
+      if (values_[i] > kLeft && lines_[blends_[i].first].slope >= 0.0 &&
+          lines_[blends_[i].second].slope >= 0.0) {
+        behind.add(blends_[i].number);
+        continue;
+      }
+      nearest = std::min(nearest, values_[i]);
       if (values_[i] > length + kLeft) continue;
       blends_[kept++] = blends_[i];
       used |= std::uint64_t{1} << blends_[i].first | std::uint64_t{1} << blends_[i].second;
@@ -163,7 +191,7 @@ class CellRay {
 
   RayHit hit(double t, bool enters) const {
     const glm::dvec3 p = ray_.at(t);
-    const SurfaceDistance at = distance_to(grid_.surface(), all_, p);
+    const SurfaceDistance at = grid_.distance(cell_, p);
     const double square = glm::dot(at.distance.gradient, at.distance.gradient);
     const glm::dvec3 normal = square > 1e-12 ? at.distance.gradient / std::sqrt(square)
                                              : (enters ? -1.0 : 1.0) * ray_.direction;
@@ -175,6 +203,7 @@ class CellRay {
   using Lines = std::array<Line, kMaxPrimitives>;
   struct NearBlend {
     std::uint8_t first, second;  // places in primitives_; the same for one that stands alone
+    std::uint16_t number;        // of the surface's
     double radius;
   };
 
@@ -194,10 +223,11 @@ class CellRay {
   }
 
   const SurfaceGrid& grid_;
+  const SurfaceGrid::Cell& cell_;
   const Ray& ray_;
   std::span<const std::uint16_t> all_;
   std::size_t blend_count_ = 0, count_ = 0;
-  double left_out_ = kNever;
+  double left_out_ = SurfaceGrid::kListed;
   std::array<NearBlend, SurfaceGrid::kMaxBlends> blends_;
   std::array<double, SurfaceGrid::kMaxBlends> values_;  // the unions' distances
   std::array<std::uint16_t, kMaxPrimitives> primitives_;
@@ -226,27 +256,26 @@ class Caster {
       to = std::min(to, std::max(a, b));
     }
     if (!(from < to)) return;
-    const auto limit = grid_.size() - 1;
+    const glm::ivec3 limit = grid_.size() - 1;
     glm::ivec3 cell = glm::clamp(grid_.cell_at(ray_.at(from)), glm::ivec3(0), limit);
+    // The ray reaches the plane between the cells i - 1 and i of an axis at start + i * step.
+    const glm::dvec3 start = (grid_.origin() - ray_.origin) * inverse;
+    const glm::dvec3 step = SurfaceGrid::kCell * inverse;
+    const auto plane_at = [&](int axis, int plane) {
+      return ray_.direction[axis] != 0.0 ? start[axis] + step[axis] * plane : kNever;
+    };
+    const glm::ivec3 onward(ray_.direction.x > 0.0, ray_.direction.y > 0.0, ray_.direction.z > 0.0);
     double t = from;
     while (t < to) {
       const bool occupied = grid_.block_occupied(cell);
       // The cell or the whole empty block: to the nearest of the planes ahead.
       const int edge = occupied ? 1 : SurfaceGrid::kBlock;
-      const glm::ivec3 first = occupied ? cell : cell / edge * edge;
-      double out = kNever;
-      int axis = 0;
-      for (int i = 0; i < 3; ++i) {
-        if (ray_.direction[i] == 0.0) continue;
-        const int plane = first[i] + (ray_.direction[i] > 0.0 ? edge : 0);
-        const double at =
-            (grid_.origin()[i] + SurfaceGrid::kCell * plane - ray_.origin[i]) * inverse[i];
-        if (at < out) {
-          out = at;
-          axis = i;
-        }
-      }
-      out = std::max(out, t);
+      const glm::ivec3 first(cell.x & -edge, cell.y & -edge, cell.z & -edge);
+      const double x = plane_at(0, first.x + edge * onward.x);
+      const double y = plane_at(1, first.y + edge * onward.y);
+      const double z = plane_at(2, first.z + edge * onward.z);
+      const int axis = x <= y ? (x <= z ? 0 : 2) : (y <= z ? 1 : 2);
+      const double out = std::max(std::min(x, std::min(y, z)), t);
       if (occupied) {
         const std::uint32_t number = grid_.find(cell);
         if (number != SurfaceGrid::kNone &&
@@ -257,7 +286,7 @@ class Caster {
         cell = glm::clamp(grid_.cell_at(ray_.at(out)), first, first + edge - 1);
       }
       t = out;
-      cell[axis] = ray_.direction[axis] > 0.0 ? first[axis] + edge : first[axis] - 1;
+      cell[axis] = onward[axis] != 0 ? first[axis] + edge : first[axis] - 1;
       if (cell[axis] < 0 || cell[axis] > limit[axis]) return;
     }
   }
@@ -276,7 +305,8 @@ class Caster {
     if (side_ != Side::unknown) t = std::max(t, clear_until_);
     if (t >= out) return true;
     // A micrometre for the single precision of what it is compared with.
-    CellRay along(grid_, cell, ray_, std::sqrt(furthest) + 1e-6);
+    CellRay along(grid_, cell, ray_, std::sqrt(furthest) + 1e-6, behind_);
+    if (along.empty()) return true;  // all that there is lies behind
     double end = out;
     for (int step = 0; step < kMaxSteps; ++step) {
       const double distance = along.move_to(t);
@@ -284,8 +314,10 @@ class Caster {
       if (step == 0) {
         const glm::dvec3 off = ray_.at(t) - center;
         const double others = along.left_out() - std::sqrt(glm::dot(off, off)) - 1e-6;
-        clear_until_ = t + std::min(std::abs(distance), others);  // also beyond this cell
-        if (side_ == Side::outside && !along.keep_near(out - t)) return true;
+        double nearest = std::abs(distance);
+        const bool any = side_ != Side::outside || along.keep_near(out - t, behind_, nearest);
+        clear_until_ = t + std::min(nearest, others);  // also beyond this cell
+        if (!any) return true;
       }
       if (side_ == Side::outside) {
         if (distance <= kReached) {
@@ -323,6 +355,7 @@ class Caster {
   const Ray& ray_;
   Side side_ = Side::unknown;
   double clear_until_ = 0.0;  ///< no surface before this
+  LeftBehind behind_;
 };
 
 }  // namespace

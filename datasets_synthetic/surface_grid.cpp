@@ -59,8 +59,17 @@ void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int lev
     const auto first_blend = static_cast<std::uint32_t>(blends_.size());
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!matters(values_[i])) continue;
+      // The nearest first: what looks for the smallest may leave the rest out.
+      const auto value = static_cast<float>(values_[i]);
+      std::size_t place = blends_.size();
       blends_.push_back(candidates[i]);
-      blend_values_.push_back(static_cast<float>(values_[i]));
+      blend_values_.push_back(value);
+      for (; place > first_blend && blend_values_[place - 1] > value; --place) {
+        blends_[place] = blends_[place - 1];
+        blend_values_[place] = blend_values_[place - 1];
+      }
+      blends_[place] = candidates[i];
+      blend_values_[place] = value;
     }
     cells_.push_back(
         {min, nearest, first_blend, static_cast<std::uint32_t>(blends_.size()) - first_blend});
@@ -127,37 +136,48 @@ void SurfaceGrid::make_lookup() {
 }
 
 SurfaceDistance SurfaceGrid::distance(const Cell& cell, const glm::dvec3& p) const {
-  // Blends share primitives: each is worked out once.
+  // Blends share primitives: each is worked out once. Their gradients only where they decide.
   std::array<std::uint16_t, 2 * kMaxBlends> primitives;
-  std::array<Distance, 2 * kMaxBlends> distances;
+  std::array<double, 2 * kMaxBlends> values;
   std::size_t count = 0;
-  const auto at = [&](std::uint16_t primitive) {
+  const auto value = [&](std::uint16_t primitive) {
     std::size_t i = 0;
     while (i < count && primitives[i] != primitive) ++i;
     if (i == count) {
       primitives[count] = primitive;
-      distances[count++] = ray_primitives_[primitive].at(p);
+      values[count++] = ray_primitives_[primitive].value(p);
     }
-    return i;
+    return values[i];
   };
-  SurfaceDistance nearest;
-  nearest.distance.value = std::numeric_limits<double>::infinity();
-  for (const std::uint16_t number : blends(cell)) {
-    const Blend& blend = surface_.blends[number];
-    const Distance& first = distances[at(blend.first)];
-    if (blend.first == blend.second) {
-      if (first.value < nearest.distance.value) nearest = {first, blend.first};
-      continue;
-    }
-    const Distance& second = distances[at(blend.second)];
-    const double lower = std::min(first.value, second.value) - 0.25 * blend.radius;
-    if (lower >= nearest.distance.value) continue;
-    const Distance both = smooth_union(first, second, blend.radius);
-    if (both.value < nearest.distance.value) {
-      nearest = {both, first.value <= second.value ? blend.first : blend.second};
+  const glm::dvec3 off = p - (cell.min + 0.5 * kCell);
+  // A micrometre for the single precision of what it is compared with.
+  const double moved = std::sqrt(glm::dot(off, off)) + 1e-6;
+  const std::span<const std::uint16_t> all = blends(cell);
+  const std::span<const float> at_center = blend_values(cell);
+  double nearest = std::numeric_limits<double>::infinity();
+  const Blend* best = nullptr;
+  bool mixed = false, first_is_nearer = true;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (at_center[i] - moved >= nearest) break;  // so are all that follow
+    const Blend& blend = surface_.blends[all[i]];
+    const double first = value(blend.first);
+    const double second = blend.first == blend.second ? first : value(blend.second);
+    const double overlap =
+        blend.first == blend.second ? 0.0 : blend.radius - std::abs(first - second);
+    double both = std::min(first, second);
+    if (overlap > 0.0) both -= 0.25 * overlap * (overlap / blend.radius);
+    if (both < nearest) {
+      nearest = both;
+      best = &blend;
+      mixed = overlap > 0.0;
+      first_is_nearer = first <= second;
     }
   }
-  return nearest;
+  const std::uint16_t nearer = first_is_nearer ? best->first : best->second;
+  if (!mixed) return {ray_primitives_[nearer].at(p), nearer};
+  return {smooth_union(ray_primitives_[best->first].at(p), ray_primitives_[best->second].at(p),
+                       best->radius),
+          nearer};
 }
 
 glm::ivec3 SurfaceGrid::cell_at(const glm::dvec3& p) const {

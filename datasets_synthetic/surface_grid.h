@@ -24,6 +24,8 @@ class SurfaceGrid {
       0.011;  ///< metres; about the fastest for 90,000 points on a person
   /// Every point at most this far from the surface (metres) lies in a cell that is listed.
   static constexpr double kShell = 0.0025;
+  /// A cell lists all blends that are at most this far from its centre: half its diagonal, kShell.
+  static constexpr double kListed = 0.5 * 1.7320508075688772 * kCell + kShell;
   static constexpr int kBlock = 8;               ///< cells along the edge of a block
   static constexpr std::size_t kMaxBlends = 32;  ///< that matter in one cell
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -46,7 +48,8 @@ class SurfaceGrid {
   /// The cells that are listed, those of a block together. None if the surface has no area.
   std::span<const Cell> cells() const { return cells_; }
 
-  /// The blends that decide the distance in the cell and up to kShell around it.
+  /// The blends that decide the distance in the cell and up to kShell around it, by their distance
+  /// at the cell's centre.
   std::span<const std::uint16_t> blends(const Cell& cell) const {
     return {blends_.data() + cell.first_blend, cell.blend_count};
   }
@@ -74,8 +77,8 @@ class SurfaceGrid {
   std::uint32_t find(const glm::ivec3& cell) const {
     const std::uint32_t number = block(cell);
     if (number == kNone) return kNone;
-    const auto local = static_cast<std::size_t>(
-        (cell.x % kBlock) + kBlock * ((cell.y % kBlock) + kBlock * (cell.z % kBlock)));
+    const glm::uvec3 at = glm::uvec3(cell) % unsigned{kBlock};
+    const std::size_t local = at.x + kBlock * (at.y + kBlock * at.z);
     return lookup_[std::size_t{number} * kBlock * kBlock * kBlock + local];
   }
 
@@ -92,8 +95,9 @@ class SurfaceGrid {
   double blend_values_at(std::span<const std::uint16_t> blends, const glm::dvec3& p);
 
   std::uint32_t block(const glm::ivec3& cell) const {
-    const glm::ivec3 at = cell / kBlock, count = size_ / kBlock;
-    return blocks_[static_cast<std::size_t>(at.x + count.x * (at.y + count.y * at.z))];
+    const glm::uvec3 at = glm::uvec3(cell) / unsigned{kBlock};
+    const glm::uvec3 count = glm::uvec3(size_) / unsigned{kBlock};
+    return blocks_[at.x + std::size_t{count.x} * (at.y + std::size_t{count.y} * at.z)];
   }
 
   Surface surface_;

@@ -15,6 +15,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
+#include "common/base/memory.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"
 #include "datasets_synthetic/write_sequence.h"
@@ -235,6 +236,7 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace pointreel
 
 int main(int argc, char** argv) {
+  pointreel::keep_freed_memory();
   try {
     return pointreel::parse_and_run(argc, argv);
   } catch (const std::exception& error) {  // out of memory, mostly

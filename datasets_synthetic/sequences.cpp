@@ -24,8 +24,8 @@ struct ScanSetting {
 };
 constexpr std::array<ScanSetting, 6> kScanSettings = {{
     {"walk", 90000, 0.0190, 0.00253, 0.0012},
-    {"baseball", 88315, 0.01752, 0.002612, 0.00194},
-    {"basketball", 87003, 0.0226, 0.002124, 0.0018},
+    {"baseball", 88315, 0.017511, 0.0026106, 0.00194},
+    {"basketball", 87003, 0.022562, 0.0021204, 0.0018},
     {"kick", 101931, 0.015406, 0.0024545, 0.000448},
     {"soccer-juggle", 92352, 0.01927, 0.002378, 0.00194},
     {"soccer-shoot", 60976, 0.0262, 0.00265, 0.00097},
@@ -38,10 +38,10 @@ const ScanSetting& scan_setting(const Motion& motion) {
   return kScanSettings.front();
 }
 
-/// A point of the surface and where it was found to be.
+/// A point of the surface where it was found to be.
 struct Sample {
-  glm::dvec3 position, truth, normal;
-  std::uint16_t primitive;
+  glm::dvec3 position, normal;
+  glm::u8vec3 color;
 };
 
 /// Points of the surface itself.
@@ -65,7 +65,7 @@ Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
     if (!points) return tl::unexpected(points.error());
     samples.reserve(points->size());
     for (const ScanPoint& point : *points) {
-      samples.push_back({point.position, point.truth, point.normal, point.primitive});
+      samples.push_back({point.position, point.normal, point.color});
     }
     return samples;
   }
@@ -73,7 +73,8 @@ Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
   if (!points) return tl::unexpected(points.error());
   samples.reserve(points->size());
   for (const SurfacePoint& point : *points) {
-    samples.push_back({point.position, point.position, point.normal, point.primitive});
+    samples.push_back(
+        {point.position, point.normal, color_at(body, point.primitive, point.position)});
   }
   return samples;
 }
@@ -94,12 +95,8 @@ std::size_t points_per_frame(const Motion& motion, const SequenceOptions& option
 
 ScanOptions scan_options(const Motion& motion, std::size_t points) {
   const ScanSetting& setting = scan_setting(motion);
-  // Both spacings change together: f times as fine gives f^2 times the points, but for the pixel
-  // that a curve loses at its ends: with those it is (1 + kEnds) f^2 - kEnds f times.
-  constexpr double kEnds = 0.015;
-  const double more = static_cast<double>(points) / static_cast<double>(setting.points);
-  const double finer =
-      (kEnds + std::sqrt(kEnds * kEnds + 4.0 * (1.0 + kEnds) * more)) / (2.0 * (1.0 + kEnds));
+  // Both spacings change together: f times as fine gives f^2 times the points.
+  const double finer = std::sqrt(static_cast<double>(points) / static_cast<double>(setting.points));
   ScanOptions options;
   options.curve_spacing = setting.curve_spacing / finer;
   options.pixel = setting.pixel / finer;
@@ -128,8 +125,7 @@ Result<PointCloud> sequence_frame(const Motion& motion, const SequenceOptions& o
       position += options.noise * glm::dvec3(x, y, z);
     }
     cloud.positions.emplace_back(position);
-    cloud.colors.push_back(glm::u16vec3(color_at(body, at.primitive, at.truth)) *
-                           std::uint16_t{257});
+    cloud.colors.push_back(glm::u16vec3(at.color) * std::uint16_t{257});
   }
   if (options.sampler == Sampler::scan) {
     estimate_normals_and_radii(cloud);

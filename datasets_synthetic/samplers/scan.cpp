@@ -1,6 +1,7 @@
 #include "datasets_synthetic/samplers/scan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -33,19 +34,34 @@ struct Lit {
   double depth = 0.0;  ///< along the projector's axis
   double slope = 0.0;  ///< of the depth
   glm::dvec3 position{0.0}, normal{0.0};
+  bool between = false;  ///< taken to be lit as both its neighbours are
 
   bool lit() const { return depth > 0.0; }
 };
 
 /// Rays along a curve: pixels from one to the next, at most so many metres, and how often that is
-/// halved where the curve bends, breaks off or is hidden.
-constexpr double kStepPixels = 4.0;
-constexpr double kLongestStep = 0.01;
-constexpr int kHalvings = 2;
+/// halved where the curve bends or breaks off. Where it is smooth, a point between two of them that
+/// costs no ray takes the place of the first halving.
+constexpr double kStepPixels = 8.0;
+constexpr double kLongestStep = 0.02;
+constexpr int kHalvings = 3;
+/// How often the way between two points is halved of which a camera sees one.
+constexpr int kHidingHalvings = 2;
 
-struct Patch {
+struct Ball {
   glm::dvec3 center;
   double radius;
+
+  bool holds(const glm::dvec3& p) const {
+    const glm::dvec3 d = p - center;
+    return glm::dot(d, d) < radius * radius;
+  }
+};
+
+/// Three balls that overlap: not as round as one.
+struct Patch {
+  Ball around;
+  std::array<Ball, 3> balls;
 };
 
 /// A rigid motion close to none.
@@ -155,7 +171,16 @@ class Curve {
   void add_between(const Lit& a, const Lit& b, int halvings) {
     if (!a.lit() && !b.lit()) return;
     const bool both = a.lit() && b.lit();
-    if (halvings > 0 && !(both && connected(a, b) && glm::dot(a.normal, b.normal) > 0.9)) {
+    const bool smooth = both && connected(a, b) && glm::dot(a.normal, b.normal) > 0.9;
+    if (smooth && halvings == kHalvings) {
+      const Lit middle = between(a, b);
+      if (middle.lit()) {
+        lit_.push_back(middle);
+        lit_.push_back(b);
+        return;
+      }
+    }
+    if (halvings > 0 && !smooth) {
       const Lit middle = light_at(0.5 * (a.along + b.along));
       add_between(a, middle, halvings - 1);
       add_between(middle, b, halvings - 1);
@@ -163,6 +188,19 @@ class Curve {
     }
     if (!both || !connected(a, b)) add_gap();
     if (b.lit()) lit_.push_back(b);
+  }
+
+  /// The point halfway between two lit ones of a smooth piece.
+  Lit between(const Lit& a, const Lit& b) const {
+    Lit middle{.along = 0.5 * (a.along + b.along), .between = true};
+    Found found;
+    if (!find(a, b, middle.along, found)) return middle;
+    middle.depth = found.depth;
+    middle.slope = -found.depth * glm::dot(found.normal, change()) /
+                   glm::dot(found.normal, toward(middle.along));
+    middle.position = found.position;
+    middle.normal = found.normal;
+    return middle;
   }
 
   void add_gap() {
@@ -180,24 +218,54 @@ class Curve {
   /// What a camera makes of a place of the curve.
   struct Sight {
     bool visible = false;
-    double row = 0.0;  ///< or column: what the points are counted by
+    double row = 0.0;   ///< or column: what the points are counted by
+    double near = 0.0;  ///< nothing is nearer to the camera on the way to it
   };
 
-  Sight sight(std::size_t number, const glm::dvec3& p, const glm::dvec3& normal) const {
+  /// Visible if nothing stands between.
+  Sight unhidden_sight(std::size_t number, const glm::dvec3& p, const glm::dvec3& normal) const {
     const Pinhole& camera = scene_.rig.cameras[number];
     const double half = scene_.options.rig.half_field;
     const glm::dvec3 seen = camera.project(p);
     if (!(seen.z > 0.0 && std::abs(seen.x) < half && std::abs(seen.y) < half)) return {};
-    Sight sight;
-    sight.row = (family_ == 0 ? seen.y : seen.x) * scene_.distance / scene_.options.pixel;
     const glm::dvec3 way = p - camera.position;
-    const double length = std::sqrt(glm::dot(way, way));
-    if (-glm::dot(normal, way) < scene_.options.least_cosine * length) return sight;
     const DepthRange& range = scene_.camera_ranges[number];
-    const double near = range.at(range.tile_of(seen.x), range.tile_of(seen.y)).near;
-    sight.visible =
-        !hits_anything(scene_.grid, {camera.position, way / length}, near, length - 1e-5);
+    return {-glm::dot(normal, way) >= scene_.options.least_cosine * std::sqrt(glm::dot(way, way)),
+            (family_ == 0 ? seen.y : seen.x) * scene_.distance / scene_.options.pixel,
+            range.at(range.tile_of(seen.x), range.tile_of(seen.y)).near};
+  }
+
+  /// Whether anything stands between a point of the surface and a camera. Looked for from here:
+  /// most of what is near is left behind at once.
+  bool hidden(std::size_t number, const glm::dvec3& p, double near) const {
+    const glm::dvec3 way = scene_.rig.cameras[number].position - p;
+    const double length = std::sqrt(glm::dot(way, way));
+    return hits_anything(scene_.grid, {p, way / length}, 1e-5, length - near);
+  }
+
+  Sight sight(std::size_t number, const glm::dvec3& p, const glm::dvec3& normal) const {
+    Sight sight = unhidden_sight(number, p, normal);
+    if (sight.visible) sight.visible = !hidden(number, p, sight.near);
     return sight;
+  }
+
+  /// What a camera makes of all lit points, into sights_.
+  void look(std::size_t number) {
+    sights_.resize(lit_.size());
+    for (std::size_t i = 0; i < lit_.size(); ++i) {
+      if (!lit_[i].lit() || lit_[i].between) continue;
+      sights_[i] = sight(number, lit_[i].position, lit_[i].normal);
+    }
+    for (std::size_t i = 0; i < lit_.size(); ++i) {
+      if (!lit_[i].lit() || !lit_[i].between) continue;
+      Sight& now = sights_[i];
+      now = unhidden_sight(number, lit_[i].position, lit_[i].normal);
+      if (sights_[i - 1].visible == sights_[i + 1].visible) {
+        now.visible = now.visible && sights_[i - 1].visible;
+      } else if (now.visible) {
+        now.visible = !hidden(number, lit_[i].position, now.near);
+      }
+    }
   }
 
   /// The part of the way from a to b that a camera sees, if it sees one end: from `begin` to `end`.
@@ -207,7 +275,7 @@ class Curve {
 
   Part visible_part(std::size_t number, const Lit& a, const Lit& b, bool sees_a) const {
     double seen = sees_a ? 0.0 : 1.0, hidden = 1.0 - seen;
-    for (int i = 0; i < kHalvings; ++i) {
+    for (int i = 0; i < kHidingHalvings; ++i) {
       const double middle = 0.5 * (seen + hidden);
       ScanPoint point;
       const bool visible = measure(number, a, b, a.along + middle * (b.along - a.along), point) &&
@@ -223,10 +291,11 @@ class Curve {
                   stream(Use::curve, (pair * 2 + static_cast<std::size_t>(family_)) << 24 |
                                          (static_cast<std::uint64_t>(number_) & 0xffffff)));
     Detection detection{pair, random.bits(), random.uniform(), random.normal()};
+    look(camera);
     Sight before;
     for (std::size_t i = 0; i < lit_.size(); ++i) {
       if (!lit_[i].lit()) continue;
-      const Sight now = sight(camera, lit_[i].position, lit_[i].normal);
+      const Sight now = sights_[i];
       if (i > 0 && lit_[i - 1].lit() && (now.visible || before.visible)) {
         const Lit &a = lit_[i - 1], &b = lit_[i];
         const Part part =
@@ -268,21 +337,25 @@ class Curve {
     const std::size_t camera = scene_.rig.pairs[detection.pair].camera;
     ScanPoint point;
     if (!measure(camera, a, b, along, point)) return;
-    const double chance = (luck - options.lost) / (1.0 - options.lost);
-    if (chance < options.lost_dark &&
-        luminance(color_at(scene_.body, point.primitive, point.truth)) < options.dark) {
-      return;
-    }
     if (lost_in_patch(point.truth)) return;
+    const double chance = (luck - options.lost) / (1.0 - options.lost);
+    point.color = color_at(scene_.body, point.primitive, point.truth);
+    if (chance < options.lost_dark && luminance(point.color) < options.dark) return;
     point.pair = static_cast<std::uint16_t>(detection.pair);
     disturb(scene_.rig.cameras[camera], detection.wander, random, point);
     points.push_back(point);
   }
 
-  /// The surface's point at `along` between two lit ones; false where there is none or it is seen
-  /// at too flat an angle.
-  bool measure(std::size_t camera, const Lit& a, const Lit& b, double along,
-               ScanPoint& point) const {
+  /// A point of the surface on the curve.
+  struct Found {
+    double depth;
+    glm::dvec3 position, normal;
+    std::uint16_t primitive;
+  };
+
+  /// The surface's point at `along` between two lit ones; false where there is none or the
+  /// projector lights it at too flat an angle.
+  bool find(const Lit& a, const Lit& b, double along, Found& found) const {
     const double h = b.along - a.along;
     const double s = (along - a.along) / h;
     // The cubic with the depths and slopes of both ends.
@@ -308,25 +381,35 @@ class Curve {
       depth += move;
       // The error left is about the curvature times the square of what was moved.
       if (std::abs(move) < 2e-5) {
-        const double length = std::sqrt(glm::dot(gradient, gradient));
-        point.truth = view_.position + depth * way;
-        point.normal = gradient / length;
-        point.primitive = at.primitive;
-        point.family = static_cast<std::uint16_t>(family_);
-        point.curve = number_;
-        const double least = scene_.options.least_cosine;
-        const glm::dvec3 back = scene_.rig.cameras[camera].position - point.truth;
-        return -glm::dot(point.normal, way) > least * std::sqrt(glm::dot(way, way)) &&
-               glm::dot(point.normal, back) > least * std::sqrt(glm::dot(back, back));
+        const double square = glm::dot(gradient, gradient);
+        found = {depth, view_.position + depth * way, gradient / std::sqrt(square), at.primitive};
+        return -slope > scene_.options.least_cosine * std::sqrt(square * glm::dot(way, way));
       }
     }
     return false;
   }
 
+  /// The same for a point that a camera may see; false also where it looks at it too flatly.
+  bool measure(std::size_t camera, const Lit& a, const Lit& b, double along,
+               ScanPoint& point) const {
+    Found found;
+    if (!find(a, b, along, found)) return false;
+    point.truth = found.position;
+    point.normal = found.normal;
+    point.primitive = found.primitive;
+    point.family = static_cast<std::uint16_t>(family_);
+    point.curve = number_;
+    const glm::dvec3 back = scene_.rig.cameras[camera].position - point.truth;
+    return glm::dot(point.normal, back) >
+           scene_.options.least_cosine * std::sqrt(glm::dot(back, back));
+  }
+
   bool lost_in_patch(const glm::dvec3& p) const {
     for (const Patch& patch : scene_.patches) {
-      const glm::dvec3 d = p - patch.center;
-      if (glm::dot(d, d) < patch.radius * patch.radius) return true;
+      if (!patch.around.holds(p)) continue;
+      for (const Ball& ball : patch.balls) {
+        if (ball.holds(p)) return true;
+      }
     }
     return false;
   }
@@ -357,6 +440,7 @@ class Curve {
   std::int32_t number_;
   double across_;  ///< coordinate of the projector's picture that the curve keeps
   std::vector<Lit> lit_;
+  std::vector<Sight> sights_;  ///< of a camera, one for each of lit_
 };
 
 Result<void> check(const ScanOptions& options) {
@@ -384,13 +468,14 @@ std::vector<Patch> place_patches(const SurfaceGrid& grid, const ScanOptions& opt
   for (int i = 0; i < options.patches; ++i) {
     const auto& cell = grid.cells()[random.below(static_cast<std::uint32_t>(grid.cells().size()))];
     const double radius = options.patch_radius * random.uniform();
-    // Three balls that overlap: not as round as one.
-    for (int ball = 0; ball < 3; ++ball) {
+    const glm::dvec3 center = cell.min + 0.5 * SurfaceGrid::kCell;
+    // The balls' centres are at most 0.6 of it away on each axis, and their radii below 0.8 of it.
+    Patch& patch = patches.emplace_back();
+    patch.around = {center, 1.85 * radius};
+    for (Ball& ball : patch.balls) {
       const double x = random.uniform(), y = random.uniform(), z = random.uniform();
       const double share = 0.4 + 0.4 * random.uniform();
-      patches.push_back(
-          {cell.min + 0.5 * SurfaceGrid::kCell + radius * (1.2 * glm::dvec3(x, y, z) - 0.6),
-           share * radius});
+      ball = {center + radius * (1.2 * glm::dvec3(x, y, z) - 0.6), share * radius};
     }
   }
   return patches;

@@ -56,6 +56,7 @@ struct ScanPoint {
   glm::dvec3 position;  ///< as measured: with calibration, noise and outliers
   glm::dvec3 truth;     ///< on the surface, within 1e-7 m
   glm::dvec3 normal;    ///< of the surface there
+  glm::u8vec3 color{0};
   std::uint16_t primitive = 0;
   std::uint16_t pair = 0;  ///< of make_rig
   std::uint16_t family =

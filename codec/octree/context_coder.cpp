@@ -47,8 +47,10 @@ void encode_level(const ContextTables& tables, int level_class, std::vector<Leaf
   const bool only_child_first = codes_only_child(level_class);
   RangeEncoder encoder = shared_encoder;  // a local one stays in registers
   const std::uint8_t* masks = level.masks.data();
+  const std::uint32_t* parents = level.parents.data();
   walk(level, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
     const std::uint32_t mask = masks[node];
+    if (only_child_first) word = neighborhood::sparse_word(word, parents[node]);
     for_each_decision(only_child_first, word, mask,
                       [&](int slot, std::uint64_t context, unsigned bit) {
                         Leaf& leaf = lookup(slot, context);
@@ -111,8 +113,10 @@ std::size_t decode_level(const ContextTables& tables, int level_class, std::vect
   const ContextLookup<Extract> lookup(tables, level_class, leaves);
   const bool only_child_first = codes_only_child(level_class);
   RangeDecoder decoder = shared_decoder;
+  const std::uint32_t* parents = level.parents.data();
   std::size_t children = 0;
-  walk(level, [&](std::uint32_t, std::uint64_t word) {
+  walk(level, [&](std::uint32_t node, std::uint64_t word) {
+    if (only_child_first) word = neighborhood::sparse_word(word, parents[node]);
     const std::uint32_t mask = decode_node(lookup, only_child_first, word, decoder);
     children += static_cast<unsigned>(std::popcount(mask));
     return mask;

@@ -10,6 +10,8 @@ RasterLevel root_level() {
   root.x = {0};
   root.rank = {0};
   root.masks = {0};
+  root.around = {0};
+  root.parents = {0};
   return root;
 }
 
@@ -20,10 +22,12 @@ void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child
   // Two spare entries: both children of a row are written, whether or not they are there.
   children.x.resize(child_count + 2);
   children.rank.resize(child_count + 2);
+  children.parents.resize(child_count + 2);
   std::vector<std::uint32_t> first(level.size());
   for (std::size_t i = 0; i < first.size(); ++i) first[i] = first_child[level.rank[i]];
   std::uint32_t* x = children.x.data();
   std::uint32_t* rank = children.rank.data();
+  std::uint32_t* parents = children.parents.data();
   std::uint32_t count = 0;
   const std::size_t rows = level.rows.size() - 1;
   for (std::size_t slice = 0, end; slice < rows; slice = end) {
@@ -41,9 +45,11 @@ void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child
             const std::uint32_t child =
                 first[i] + static_cast<std::uint32_t>(std::popcount(mask & earlier));
             x[count] = 2 * level.x[i];
+            parents[count] = level.around[i] | shift << 26;
             rank[count] = child;
             count += left;
             x[count] = 2 * level.x[i] + 1;
+            parents[count] = level.around[i] | (shift + 1) << 26;
             rank[count] = child + left;
             count += mask >> (shift + 1) & 1u;
           }
@@ -55,6 +61,8 @@ void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child
   children.rows.push_back({0, 0, count});
   children.x.resize(child_count);
   children.rank.resize(child_count);
+  children.parents.resize(child_count);
+  children.around.resize(child_count);
   children.masks.assign(child_count, 0);
 }
 

@@ -27,6 +27,10 @@ struct RasterLevel {
   std::vector<std::uint32_t> x;     ///< of each node
   std::vector<std::uint32_t> rank;  ///< number of each node in its level in Morton order
   Bytes masks;                      ///< of each node, once known
+  /// Of each node: the 26 nodes around it, as in its neighbourhood word; known once walked.
+  std::vector<std::uint32_t> around;
+  /// Of each node: its parent's `around`, and from bit 26 on which child of it the node is.
+  std::vector<std::uint32_t> parents;
 
   std::size_t size() const { return x.size(); }
 };
@@ -62,6 +66,41 @@ inline std::uint64_t word(std::uint32_t cells, std::uint32_t nodes) {
   const std::uint64_t density =
       (count >= 3 ? 1u : 0u) + (count >= 6 ? 1u : 0u) + (count >= 10 ? 1u : 0u);
   return std::uint64_t{cells} | std::uint64_t{around} << kNodes | density << kDensity;
+}
+
+inline constexpr std::uint32_t kAroundBits = (1u << 26) - 1;
+
+/// The bits of `around` whose nodes lie on this side (-1 or 1) along this axis.
+constexpr std::uint32_t on_side(int axis, int side) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 27; ++i) {
+    const int offset[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+    if (i != 13 && offset[axis] == side) bits |= 1u << (i < 13 ? i : i - 1);
+  }
+  return bits;
+}
+
+/// To which side most of the nodes of `around` lie: 1 up, 2 down, and 4 if by more than two.
+template <int axis>
+std::uint64_t lean(std::uint32_t around) {
+  constexpr std::uint32_t up = on_side(axis, 1), down = on_side(axis, -1);
+  const int by = std::popcount(around & up) - std::popcount(around & down);
+  return (by > 0 ? 1u : 0u) | (by < 0 ? 2u : 0u) | (by > 2 || by < -2 ? 4u : 0u);
+}
+
+/// The word as decisions in sparse levels see it: only the 12 cells that touch the node's faces,
+/// and instead of the others what is around its parent. Where nodes are few, a surface shows there.
+inline std::uint64_t sparse_word(std::uint64_t word, std::uint32_t parent) {
+  constexpr std::uint64_t cells = (std::uint64_t{1} << kOwn) - 1;
+  const std::uint64_t faces = (word >> (kBelow + 5) & 3u) | (word >> (kBelow + 9) & 3u) << 2 |
+                              (word >> (kNearRow + 1) & 3u) << 4 |
+                              (word >> (kFarRow + 1) & 3u) << 6 | (word >> kLeft & 15u) << 8;
+  const std::uint32_t around = parent & kAroundBits;
+  const int count = std::popcount(around);
+  const std::uint64_t density =
+      (count >= 5 ? 1u : 0u) + (count >= 8 ? 1u : 0u) + (count >= 11 ? 1u : 0u);
+  return (word & ~cells) | faces | std::uint64_t{parent >> 26} << 12 | lean<0>(around) << 15 |
+         lean<1>(around) << 18 | lean<2>(around) << 21 | density << 24;
 }
 
 /// Children 1, 3, 5, 7 of a mask as four bits.
@@ -225,7 +264,10 @@ void walk_with(RasterLevel& level, Visit&& visit) {
       const std::uint32_t row_end = level.rows[r + 1].begin;
       for (std::uint32_t i = level.rows[r].begin; i < row_end; ++i) {
         const std::uint32_t x = level.x[i];
-        const std::uint32_t mask = visit(i, row.word(x));
+        const std::uint64_t word = row.word(x);
+        level.around[i] =
+            static_cast<std::uint32_t>(word >> neighborhood::kNodes) & neighborhood::kAroundBits;
+        const std::uint32_t mask = visit(i, word);
         level.masks[i] = static_cast<std::uint8_t>(mask);
         row.set(x, mask);
       }

@@ -7,6 +7,7 @@
 #include "codec/octree/octree_codec.h"
 #include "common/surface/distance.h"
 #include "tests/bench/clouds.h"
+#include "tests/bench/grid_suite.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
 
@@ -20,7 +21,7 @@ struct Setting {
 
 std::vector<Setting> settings(bool attributes) {
   std::vector<Setting> list;
-  for (const Entropy entropy : {Entropy::none, Entropy::zstd}) {
+  for (const Entropy entropy : {Entropy::none, Entropy::zstd, Entropy::context}) {
     list.push_back({fmt::format("octree {} 10", name(entropy)),
                     {OctreeOptions{entropy, DepthRule::fixed(10)}, attributes, attributes}});
   }
@@ -107,8 +108,9 @@ nlohmann::json run_codec(const SuiteOptions& options) {
           measure_setting(file.filename().string(), loaded->cloud, setting, runs, nullptr));
     }
   }
+  const auto grids = run_grids(options, bars);
   print(bars);
-  return {{"rows", rows}, {"bars", to_json(bars)}};
+  return {{"rows", rows}, {"grids", grids}, {"bars", to_json(bars)}};
 }
 
 }  // namespace pointreel::bench

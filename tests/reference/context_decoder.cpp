@@ -144,6 +144,38 @@ std::uint64_t word_of(const Level& level, int x, int y, int z) {
   return word | density << 61;
 }
 
+/// The word of classes 0 to 2, from the other one and that of the parent.
+std::uint64_t sparse_word(std::uint64_t word, std::uint64_t parent, int x, int y, int z) {
+  std::uint64_t out = word >> 28 << 28;
+  int to = 0;
+  for (const int from : {5, 6, 9, 10, 17, 18, 21, 22, 24, 25, 26, 27}) {
+    out |= (word >> from & 1) << to++;
+  }
+  for (const int coordinate : {x, y, z}) out |= static_cast<std::uint64_t>(coordinate & 1) << to++;
+  int up[3] = {}, down[3] = {}, all = 0, bit = 35;
+  for (int k = -1; k <= 1; ++k) {
+    for (int j = -1; j <= 1; ++j) {
+      for (int i = -1; i <= 1; ++i) {
+        if (i == 0 && j == 0 && k == 0) continue;
+        if ((parent >> bit++ & 1) == 0) continue;
+        ++all;
+        const int offset[3] = {i, j, k};
+        for (int axis = 0; axis < 3; ++axis) {
+          up[axis] += offset[axis] == 1 ? 1 : 0;
+          down[axis] += offset[axis] == -1 ? 1 : 0;
+        }
+      }
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = up[axis], d = down[axis];
+    out |= static_cast<std::uint64_t>(u > d) << to++;
+    out |= static_cast<std::uint64_t>(u < d) << to++;
+    out |= static_cast<std::uint64_t>(u - d > 2 || d - u > 2) << to++;
+  }
+  return out | static_cast<std::uint64_t>(all <= 4 ? 0 : all <= 7 ? 1 : all <= 10 ? 2 : 3) << 24;
+}
+
 class LevelDecoder {
  public:
   LevelDecoder(Tables& tables, Coder& coder, int level_class)
@@ -207,6 +239,7 @@ bool in_morton_order(const Cell& a, const Cell& b) {
 Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file) {
   Tables tables = read_tables(tables_file);
   std::set<Cell> nodes = {{0, 0, 0}};
+  std::map<Cell, std::uint64_t> words_above;
   Bytes masks;
   for (std::size_t number = 0; number < layers.size(); ++number) {
     ByteView payload = layers[number].payload;
@@ -222,9 +255,15 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, Byt
       LevelDecoder decoder(tables, coder, payload[l]);
       Level level;
       level.nodes = nodes;
+      std::map<Cell, std::uint64_t> words;
       for (const Cell& node : nodes) {
         const auto [z, y, x] = node;
-        const int mask = decoder.mask(word_of(level, x, y, z));
+        std::uint64_t word = words[node] = word_of(level, x, y, z);
+        if (payload[l] <= 2) {
+          const auto parent = words_above.find({z / 2, y / 2, x / 2});
+          word = sparse_word(word, parent == words_above.end() ? 0 : parent->second, x, y, z);
+        }
+        const int mask = decoder.mask(word);
         level.masks[node] = mask;
         for (int c = 0; c < 8; ++c) {
           if (mask >> c & 1) {
@@ -238,6 +277,7 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, Byt
         masks.push_back(static_cast<std::uint8_t>(level.masks[node]));
       }
       nodes = level.cells;
+      words_above = words;
     }
   }
   return masks;

@@ -232,12 +232,13 @@ void ContextTrainer::add(const Svo& svo) {
     }
     const std::size_t children = svo.node_count(number + 1);
     const int level_class = pointreel::level_class(level.size(), children);
+    const bool sparse = codes_only_child(level_class);
     walk(level, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
-      for_each_decision(
-          codes_only_child(level_class), word, level.masks[node],
-          [&](int slot, std::uint64_t context, unsigned bit) {
-            samples_[level_class][slot].push_back(context | std::uint64_t{bit} << kOutcome);
-          });
+      if (sparse) word = neighborhood::sparse_word(word, level.parents[node]);
+      const auto keep = [&](int slot, std::uint64_t context, unsigned bit) {
+        samples_[level_class][slot].push_back(context | std::uint64_t{bit} << kOutcome);
+      };
+      for_each_decision(sparse, word, level.masks[node], keep);
       return level.masks[node];
     });
     std::vector<std::uint32_t> first_child(level.size());

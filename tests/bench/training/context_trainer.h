@@ -15,9 +15,9 @@
 namespace pointreel::bench {
 
 struct TrainingOptions {
-  int slot_bits = 11;       ///< most bits of a slot's mask
-  int cell_bits = 8;        ///< most bits of a cell's mask
-  double leaf_cost = 14.0;  ///< bits that a leaf must save
+  int slot_bits = 11;      ///< most bits of a slot's mask
+  int cell_bits = 8;       ///< most bits of a cell's mask
+  double leaf_cost = 8.0;  ///< bits that a leaf must save
 };
 
 class ContextTrainer {

@@ -250,7 +250,7 @@ Result<void> for_each_training_tree(
     if (f % 3 == 1) give(name("random 250,000 12"), first(rough, 250'000), 12);
     if (f % 3 == 2) give(name("random 60,000 9"), first(rough, 60'000), 9);
 
-    const SampledSurface vertices = spaced(fine, 0.0022, 0.1 + 0.4 * random.uniform(), random);
+    const SampledSurface vertices = spaced(fine, 0.0014 + 0.0002 * f, 0.15 + 0.05 * f, random);
     give(name("spaced 10"), vertices, 10);
     give(name("spaced 12"), vertices, 12);
     if (f % 2 == 0) give(name("spaced 11"), spaced(rough, 0.004, 0.3, random), 11);

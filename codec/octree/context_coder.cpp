@@ -65,8 +65,8 @@ void encode_level(const ContextTables& tables, int level_class, std::vector<Leaf
 /// One node's mask. Where the next decision's context depends on the bit that is being decoded,
 /// both leaves are looked up beforehand: the look-ups then take place while the bit is decoded.
 template <class Lookup>
-std::uint32_t decode_node(const Lookup& lookup, bool only_child_first, std::uint64_t word,
-                          RangeDecoder& decoder) {
+[[gnu::always_inline]] inline std::uint32_t decode_node(const Lookup& lookup, bool only_child_first,
+                                                        std::uint64_t word, RangeDecoder& decoder) {
   const auto decode = [&decoder](Leaf& leaf) {
     const unsigned bit = decoder.decode(leaf.probability);
     adapt(leaf, bit);

@@ -109,7 +109,8 @@ class ContextLookup {
 /// Says what there is to decide about a node with this (non-zero) mask: `code(slot, word, bit)`
 /// for each decision in order.
 template <class Code>
-void for_each_decision(bool only_child_first, std::uint64_t word, std::uint32_t mask, Code&& code) {
+[[gnu::always_inline]] inline void for_each_decision(bool only_child_first, std::uint64_t word,
+                                                     std::uint32_t mask, Code&& code) {
   const bool only = std::has_single_bit(mask);
   if (only_child_first) {
     code(kOnlyChildSlot, word, static_cast<unsigned>(only));

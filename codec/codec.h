@@ -20,7 +20,7 @@ enum class Codec : std::uint8_t { octree = 1, draco = 2 };
 enum class Entropy : std::uint8_t { none = 0, zstd = 1, context = 2 };
 
 /// A quality of colours whose error is seen on a second look: luma at about 41 dB on a dense human.
-inline constexpr int kDefaultColorQuality = 57;
+inline constexpr int kDefaultColorQuality = 50;
 inline constexpr int kLosslessColorQuality = 100;
 /// A quality of normals of about one degree on a dense human, two on a sparse one.
 inline constexpr int kDefaultNormalQuality = 43;

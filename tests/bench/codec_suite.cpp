@@ -109,8 +109,10 @@ nlohmann::json run_codec(const SuiteOptions& options) {
     }
   }
   const auto grids = run_grids(options, bars);
+  auto attributes = nlohmann::json::array();
+  run_attributes(options, attributes, bars);
   print(bars);
-  return {{"rows", rows}, {"grids", grids}, {"bars", to_json(bars)}};
+  return {{"rows", rows}, {"grids", grids}, {"attributes", attributes}, {"bars", to_json(bars)}};
 }
 
 }  // namespace pointreel::bench

@@ -62,7 +62,7 @@ EncodedFrame forged_frame(ByteView bytes) {
       const ByteView payload = take(bytes, take_length(bytes));
       ChunkHeader chunk;
       chunk.kind = static_cast<ChunkKind>(kind++);
-      chunk.entropy = !coding.empty() && coding[0] & 1 ? Entropy::zstd : Entropy::none;
+      chunk.entropy = coding.empty() ? Entropy::none : static_cast<Entropy>(coding[0] % 3);
       chunk.layer = layer;
       chunk.last_level = static_cast<std::uint8_t>(
           last_level_of_layer(layer, std::min<int>(header.depth, kMaxDepth)));
@@ -74,13 +74,56 @@ EncodedFrame forged_frame(ByteView bytes) {
   return frame;
 }
 
+/// A valid frame of entropy context, of the points that the input begins with, whose geometry
+/// payloads are then changed as the rest of the input says, behind checksums that are right.
+EncodedFrame changed_frame(ByteView bytes) {
+  const ByteView fields = take(bytes, 2);
+  if (fields.size() < 2) return {};
+  const int depth = fields[0] % (kMaxDepth + 1);
+  const ByteView points = take(bytes, 3 * (std::size_t{fields[1]} + 1));
+  PointCloud cloud;
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
+    cloud.positions.push_back(glm::vec3(points[i], points[i + 1], points[i + 2]) / 256.0f);
+  }
+  const OctreeOptions options{Entropy::context, DepthRule::fixed(depth)};
+  auto frame = encode_octree(cloud, Cube{}, options, false, false);
+  if (!frame) std::abort();
+  const auto header = read_frame_header(frame->layers.front().geometry);
+  for (std::uint8_t layer = 0; layer < frame->layers.size(); ++layer) {
+    Bytes& geometry = frame->layers[layer].geometry;
+    const std::size_t begin = layer == 0 ? kFrameHeaderSize : 0;
+    const auto chunk =
+        read_chunk(ByteView(geometry).subspan(begin), ChunkKind::geometry, layer, header->tag);
+    if (!chunk) std::abort();
+    Bytes payload(chunk->payload.begin(), chunk->payload.end());
+    ChunkHeader changed = chunk->header;
+    for (std::size_t changes = take_length(bytes) % 5; changes > 0; --changes) {
+      const std::size_t at = take_length(bytes);
+      const ByteView value = take(bytes, 1);
+      if (value.empty()) break;
+      if (at % 8 == 7) {
+        payload.resize(payload.size() * value[0] / 128);
+      } else if (at % 8 == 6) {
+        changed.raw_size += value[0] - 128u;
+      } else if (!payload.empty()) {
+        payload[at / 8 % payload.size()] ^= value[0];
+      }
+    }
+    geometry.resize(begin);
+    write_chunk(changed, header->tag, payload, geometry);
+  }
+  return std::move(*frame);
+}
+
 }  // namespace
 
 /// Whatever decodes must be consistent, and come back the same from encoding and decoding again.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const ByteView bytes(data + 1, size - 1);
-  const EncodedFrame input = data[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
+  const EncodedFrame input = data[0] & 2   ? changed_frame(bytes)
+                             : data[0] & 1 ? forged_frame(bytes)
+                                           : raw_frame(bytes);
   const auto tree = decode_octree_tree(layer_views(input.layers), kLimits);
   const auto frame = decode_frame(layer_views(input.layers), kLimits);
   if (!tree || !frame) return 0;
@@ -91,7 +134,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   PointCloud cloud = frame->cloud;
   cloud.origin = glm::dvec3(0.0);
   const Cube cube{glm::dvec3(0.0), frame->cube.edge};
-  const OctreeOptions options{Entropy::zstd, DepthRule::fixed(tree->svo.depth), 1 + data[0] % 100,
+  const OctreeOptions options{data[0] & 4 ? Entropy::context : Entropy::zstd,
+                              DepthRule::fixed(tree->svo.depth), 1 + data[0] % 100,
                               1 + data[0] % 100};
   const auto again = encode_frame(cloud, cube, {options, true, true});
   if (!again) std::abort();

@@ -16,8 +16,9 @@
 ///
 /// - Positions are quantised to the cells that the cube has at octree level `position_bits`, and
 ///   decode to the cells' centres: at most half a cell off on each axis, the same cells in every
-///   frame that shares the cube, and the same as the octree codec's at that depth. Points outside
-///   the cube clamp to its boundary cells (ERRATA 12).
+///   frame that shares the cube, and the same as the octree codec's at that depth. Draco computes
+///   in single precision, so that at 20 and 21 bits a point here and there is in the next cell.
+///   Points outside the cube clamp to its boundary cells (ERRATA 12).
 /// - Normals are quantised to `normal_bits` on each axis with 0 among the values, so that unknown
 ///   normals stay unknown. Off by at most asin(sqrt(3) / (2^bits - 2)): 0.4 degrees at 8 bits.
 /// - Colours are exact.

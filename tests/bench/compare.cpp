@@ -224,10 +224,15 @@ void add_compare_command(CLI::App& app, int& exit_code) {
           "also tell distances in voxels, of which peak has 2^bits - 1; a voxel is 1 where all "
           "coordinates of A are whole numbers")
       ->check(CLI::Range(1, 31));
-  command->add_option("--json", options->json,
-                      "write all figures to this file, - for standard output instead of the table; "
-                      "null stands for infinite");
-  command->callback([options, &exit_code] {
+  const CLI::Option* json =
+      command
+          ->add_option("--json", options->json,
+                       "write all figures to this file, or without one or for - to standard output "
+                       "instead of the table; null stands for infinite")
+          ->expected(0, 1)
+          ->type_name("[FILE]");
+  command->callback([options, json, &exit_code] {
+    if (json->count() > 0 && options->json.empty()) options->json = "-";
     const auto done = compare(*options);
     if (!done) fmt::print(stderr, "pointreel-bench: {}\n", done.error().message);
     exit_code = done ? 0 : 1;

@@ -76,7 +76,7 @@ TEST_F(Compare, tells_known_errors_in_units_voxels_and_decibels) {
 }
 
 TEST_F(Compare, of_a_cloud_with_itself_is_infinite_which_json_calls_null) {
-  const Outcome outcome = compare({path("a.ply"), path("a.ply"), "--json", "-"});
+  const Outcome outcome = compare({path("a.ply"), path("a.ply"), "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json report = json::parse(outcome.out);  // and no table
   EXPECT_EQ(report.at("peak"), 31.0);

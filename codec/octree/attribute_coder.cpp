@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "codec/octree/coefficient_coder.h"
 #include "codec/octree/raht.h"
@@ -19,8 +20,13 @@ class Weights {
     for (std::uint32_t node = end_; node-- > begin_;) {
       const std::uint32_t first = svo.first_child[node];
       const auto children = static_cast<std::uint32_t>(std::popcount(svo.masks[node]));
-      std::uint32_t sum = 0;
-      for (std::uint32_t child = first; child < first + children; ++child) sum += (*this)[child];
+      std::uint32_t sum = children;
+      if (first < end_) {
+        sum = 0;
+        for (std::uint32_t child = first; child < first + children; ++child) {
+          sum += weights_[child - begin_];
+        }
+      }
       weights_[node - begin_] = std::min(sum, std::uint32_t{1} << 26);
     }
   }
@@ -45,6 +51,7 @@ class Scales {
         const auto [w0, w1] = order.unit_weights[i];
         of_units_[mask].pair[i] = &table_(w0, w1, of_units_[mask].made[i]);
       }
+      find_least_steps(order, of_units_[mask]);
     }
   }
 
@@ -62,10 +69,18 @@ class Scales {
       found_.pair[i] = &table_(weight[first], weight[second], found_.made[i]);
       weight[first] += weight[second];
     }
+    find_least_steps(order, found_);
     return found_;
   }
 
  private:
+  static void find_least_steps(const MergeOrder& order, NodeScales& scales) {
+    scales.least_steps = broadcast(std::numeric_limits<std::int32_t>::max());
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      scales.least_steps = min(scales.least_steps, scales.pair[i]->steps);
+    }
+  }
+
   const Svo& svo_;
   const Weights& weights_;
   PairScales table_;
@@ -135,12 +150,15 @@ class LayerCoder {
  private:
   void predicted_level(int level) {
     while (neighborhoods_->level() < level - 1) neighborhoods_->descend();
+    neighborhoods_->set_values(decoded_);
     const std::size_t l = static_cast<std::size_t>(level);
     for (std::uint32_t above = svo_.level_begin[l - 1]; above < svo_.level_begin[l]; ++above) {
-      neighborhoods_->load(above, decoded_, block_);
+      neighborhoods_->load(above, block_);
       std::uint32_t node = svo_.first_child[above];
       for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
-        code_node<true>(node, ValueBlock::cell(std::countr_zero(mask)));
+        const int octant = std::countr_zero(mask);
+        code_node<true>(node, ValueBlock::cell(octant));
+        neighborhoods_->set_value(above, octant, decoded_[node]);
       }
     }
   }
@@ -154,10 +172,12 @@ class LayerCoder {
       decoded_[first] = decoded_[node];
       return;
     }
+    const std::size_t children = std::size_t{order.pairs} + 1;
     const NodeScales& scales = scales_(node, unit_);
 
     std::array<Int4, 8> expected;
-    Int4 mean = load(decoded_[node]);
+    const Int4 own = load(decoded_[node]) & kComponents;
+    Int4 mean = own;
     int gradient = 0;
     std::int32_t weight = kPredicts ? 0 : 1;
     std::int32_t near_activity = kPredicts ? 0 : last_activity_;
@@ -165,51 +185,60 @@ class LayerCoder {
       unsigned octants = mask;
       Int4 least = mean, most = mean;
       std::array<Int4, 8> merged;
-      for (std::size_t c = 0; octants != 0; octants &= octants - 1, ++c) {
-        expected[c] = merged[c] =
-            block_.predict(cell, std::countr_zero(octants), weight, near_activity);
-        least = min(least, expected[c]);
-        most = max(most, expected[c]);
+      for (std::size_t c = 0; c < children; ++c, octants &= octants - 1) {
+        const Int4 value = block_.predict(cell, std::countr_zero(octants), weight, near_activity);
+        expected[c] = merged[c] = value;
+        least = min(least, value);
+        most = max(most, value);
       }
-      std::array<Int4, 7> unused;
-      merge(order, scales, merged.data(), unused.data());
-      mean -= merged[0];
+      mean -= merge(order, scales, merged.data());
       gradient = gradient_class(most[0] - least[0]);
     }
 
     std::array<Triple, 7> q;
-    if constexpr (Coder::kEncodes) quantize_node<kPredicts>(order, scales, first, expected, q);
-    const bool coded = code_coefficients(order, gradient, activity_class(near_activity, weight), q);
+    bool coded = false;
+    if constexpr (Coder::kEncodes) {
+      coded = quantize_node<kPredicts>(order, scales, first, expected, q);
+    }
+    coded = code_coefficients(order, gradient, activity_class(near_activity, weight), coded, q);
     last_activity_ = coded ? activity_of(order, q) : 0;
+    const Int4 fourth = fourth_lane(last_activity_);
     if constexpr (kPredicts) {
-      decoded_[node] = stored_value(load(decoded_[node]), last_activity_);
+      decoded_[node] = narrow(own | fourth);
       block_.values[static_cast<std::size_t>(cell)] = decoded_[node];
     }
 
+    if (!coded) {
+      for (std::size_t c = 0; c < children; ++c) {
+        if constexpr (kPredicts) {
+          decoded_[first + c] = stored_value((mean + expected[c]) | fourth);
+        } else {
+          decoded_[first + c] = stored_value(mean | fourth);
+        }
+      }
+      return;
+    }
+    std::array<Int4, 7> differences;
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      const Int4& steps = scales.pair[i]->steps;
+      differences[i] = is_zero(q[i])
+                           ? Int4{}
+                           : Int4{dequantize(q[i][0], steps[0]), dequantize(q[i][1], steps[1]),
+                                  dequantize(q[i][2], steps[2]), 0};
+    }
     std::array<Int4, 8> values;
     values[0] = mean;
-    if (coded) {
-      std::array<Int4, 7> differences;
-      for (std::size_t i = 0; i < order.pairs; ++i) {
-        const Int4& steps = scales.pair[i]->steps;
-        differences[i] = Int4{dequantize(q[i][0], steps[0]), dequantize(q[i][1], steps[1]),
-                              dequantize(q[i][2], steps[2]), 0};
-      }
-      split(order, scales, values.data(), differences.data());
-    } else {
-      for (std::size_t c = 1; c <= order.pairs; ++c) values[c] = mean;
-    }
-    for (std::size_t c = 0; c <= order.pairs; ++c) {
+    split(order, scales, values.data(), differences.data());
+    for (std::size_t c = 0; c < children; ++c) {
       if constexpr (kPredicts) values[c] += expected[c];
-      decoded_[first + c] = stored_value(values[c], last_activity_);
+      decoded_[first + c] = stored_value(values[c] | fourth);
     }
   }
 
   /// How much the expected luma of a node's children varies, in terms of the quantisation.
   int gradient_class(std::int32_t range) const {
-    int gradient = 0;
-    for (range *= 8; gradient < 4 && range >= luma_step_; range /= 2) ++gradient;
-    return gradient;
+    return (8 * range >= luma_step_) + (4 * range >= luma_step_) + (2 * range >= luma_step_) +
+           (range >= luma_step_);
   }
 
   /// How much there was to code in the neighbours of a node.
@@ -230,37 +259,39 @@ class LayerCoder {
     return std::min(4 * sum / order.pairs, kMostActivity);
   }
 
+  /// Fills q unless all of it is zero.
   template <bool kPredicts>
-  void quantize_node(const MergeOrder& order, const NodeScales& scales, std::uint32_t first,
+  bool quantize_node(const MergeOrder& order, const NodeScales& scales, std::uint32_t first,
                      const std::array<Int4, 8>& expected, std::array<Triple, 7>& q) const {
     std::array<Int4, 8> values;
+    Int4 least, most;
     for (std::size_t c = 0; c <= order.pairs; ++c) {
       values[c] = load((*source_)[first + c]);
       if constexpr (kPredicts) values[c] -= expected[c];
+      least = c == 0 ? values[c] : min(least, values[c]);
+      most = c == 0 ? values[c] : max(most, values[c]);
     }
+    // No difference of means is larger than the largest of values.
+    if (rounds_to_zero(most - least, scales.least_steps)) return false;
     std::array<Int4, 7> differences;
     merge(order, scales, values.data(), differences.data());
+    std::int32_t any = 0;
     for (std::size_t i = 0; i < order.pairs; ++i) {
       const Int4& steps = scales.pair[i]->steps;
-      if (rounds_to_zero(differences[i], steps)) {
-        q[i] = {};
-        continue;
-      }
-      for (int k = 0; k < 3; ++k) {
-        q[i][static_cast<std::size_t>(k)] = quantize(differences[i][k], steps[k]);
+      q[i] = {};
+      if (rounds_to_zero(differences[i], steps)) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        q[i][k] = quantize(differences[i][static_cast<int>(k)], steps[static_cast<int>(k)]);
+        any |= q[i][k];
       }
     }
+    return any != 0;
   }
 
-  /// Codes what q holds, or fills it; false if all of it is zero.
-  bool code_coefficients(const MergeOrder& order, int gradient, int activity,
+  /// Codes what q holds if `any` of it is not zero, or fills it; false if all of it is zero.
+  bool code_coefficients(const MergeOrder& order, int gradient, int activity, bool any,
                          std::array<Triple, 7>& q) {
-    bool any = false;
-    if constexpr (Coder::kEncodes) {
-      for (std::size_t i = 0; i < order.pairs; ++i) any = any || !is_zero(q[i]);
-    }
-    const int size = order.pairs == 1 ? 0 : order.pairs == 2 ? 1 : order.pairs <= 4 ? 2 : 3;
-    any = coder_.code(contexts_.node[gradient][activity][size], any) != 0;
+    any = coder_.code(contexts_.node[gradient][activity][order.size_class], any) != 0;
     if (!any) return false;
     int nonzero = 0;
     for (int i = order.pairs - 1; i >= 0; --i) {
@@ -305,7 +336,8 @@ void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Sho
       Int4 sum = load(values[first]);
       for (std::uint32_t c = 1; c < children; ++c) sum += load(values[first + c]);
       const auto reciprocal = static_cast<std::int32_t>(65536 / children);
-      values[node] = stored_value((sum * reciprocal + (1 << 15)) >> 16);
+      values[node] =
+          stored_value((((sum * reciprocal + (1 << 15)) >> 16) & kComponents) + fourth_lane(0));
       continue;
     }
     std::array<std::int64_t, 3> sum{};
@@ -341,13 +373,14 @@ TransformEncoder::TransformEncoder(const Svo& svo, const std::vector<Short4>& le
 /// must save in bits. Looks at a sixteenth of the level's nodes, or a few hundred.
 bool TransformEncoder::prediction_pays(int level) {
   while (neighborhoods_.level() < level - 1) neighborhoods_.descend();
+  neighborhoods_.set_values(source_);
   const std::size_t l = static_cast<std::size_t>(level);
   const std::uint32_t begin = svo_.level_begin[l - 1], end = svo_.level_begin[l];
   const std::uint32_t stride = std::clamp((end - begin) / 256, 1u, 16u);
   std::int64_t without = 0, with = 0;
   ValueBlock block;
   for (std::uint32_t above = begin; above < end; above += stride) {
-    neighborhoods_.load(above, source_, block);
+    neighborhoods_.load(above, block);
     std::uint32_t node = svo_.first_child[above];
     for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
       const int cell = ValueBlock::cell(std::countr_zero(mask));
@@ -403,7 +436,7 @@ Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
   if (level_ == 0 && !decoded_.empty()) {
     Int4 root = {};
     for (int k = 0; k < 3; ++k) root[k] = reader.get<std::int16_t>();
-    decoded_[0] = stored_value(root);
+    decoded_[0] = stored_value(root + fourth_lane(0));
   }
   if (!reader.ok() || flags > kPredictionFlag || steps.luma == 0 || steps.chroma == 0) {
     return fail("a field is out of range");

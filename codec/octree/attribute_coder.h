@@ -24,9 +24,8 @@ namespace pointreel {
 
 /// How one layer is quantised.
 struct CoefficientSteps {
-  /// Quantisation steps of coefficients of the first and the two other components, in 64/256 of a
-  /// value; 1 to 65535. Those of an
-  /// orthonormal transform of the layer's last level.
+  /// Quantisation steps of the first component's coefficients and of the two others', in 64/256 of
+  /// a value; 1 to 65535. Those of an orthonormal transform of the layer's last level.
   std::uint16_t luma = 256, chroma = 256;
 };
 
@@ -62,7 +61,7 @@ class TransformEncoder {
   CoefficientContexts contexts_;
 };
 
-/// Decodes them. Memory: 8 bytes a node of the tree, and 112 a node of its finest level but two.
+/// Decodes them. Memory: 8 bytes a node of the tree, and 172 a node of its finest level but two.
 ///
 /// Trust: takes hostile bytes. What it allocates depends on the tree alone; it reads no byte beyond
 /// the end; values are clamped, whatever the coefficients. Bytes that are too many or too few for

@@ -24,7 +24,7 @@ inline Int4 ycbcr_from_rgb(const glm::u16vec3& color) {
 }
 
 inline Short4 value_from_color(const glm::u16vec3& color) {
-  return stored_value(ycbcr_from_rgb(color));
+  return stored_value(ycbcr_from_rgb(color) + fourth_lane(0));
 }
 
 /// Rounded to 8 bits, times 257. Values that no colour has are clamped; |v| <= 2^14.

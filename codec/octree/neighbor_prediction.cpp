@@ -1,114 +1,123 @@
 #include "codec/octree/neighbor_prediction.h"
 
 #include <bit>
+#include <cstring>
 
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr std::size_t kPlaces = 19;
 
-/// One place around a node: the octants there that touch the node, and where they lie in the
-/// 4 x 4 x 4 cells around its own.
-struct Place {
-  int offset = 0;  ///< from a cell to its neighbour at this place
-  std::array<std::uint8_t, 8> octant{}, cell{};
+/// From a cell to its neighbour at each place: itself, faces, edges.
+struct Step {
+  int x = 0, y = 0, z = 0;
+  constexpr int cells() const { return x + 4 * y + 16 * z; }
 };
 
-constexpr std::array<Place, 19> make_places() {
-  std::array<Place, 19> places{};
+constexpr std::array<Step, kPlaces> make_steps() {
+  std::array<Step, kPlaces> steps{};
   std::size_t count = 0;
-  for (int away = 0; away <= 2; ++away) {  // itself, faces, edges
+  for (int away = 0; away <= 2; ++away) {
     for (int at = 0; at < 27; ++at) {
-      const int step[3] = {at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
-      if ((step[0] != 0) + (step[1] != 0) + (step[2] != 0) != away) continue;
-      Place& place = places[count++];
-      place.offset = step[0] + 4 * step[1] + 16 * step[2];
-      std::size_t touching = 0;
-      for (int octant = 0; octant < 8; ++octant) {
-        int cell = 0;
-        bool touches = true;
-        for (int axis = 2; axis >= 0; --axis) {
-          const int x = 1 + 2 * step[axis] + (octant >> axis & 1);
-          touches = touches && x >= 0 && x < 4;
-          cell = 4 * cell + x;
-        }
-        if (!touches) continue;
-        place.octant[touching] = static_cast<std::uint8_t>(octant);
-        place.cell[touching++] = static_cast<std::uint8_t>(cell);
+      const Step step{at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
+      if ((step.x != 0) + (step.y != 0) + (step.z != 0) == away) steps[count++] = step;
+    }
+  }
+  return steps;
+}
+
+constexpr std::array<Step, kPlaces> kSteps = make_steps();
+
+/// One octant, or two along x, at a place around a node: of those that touch the node. `cell`:
+/// where they lie in the 4 x 4 x 4 cells around its own.
+struct Run {
+  std::uint8_t place, octant, length, cell;
+};
+
+constexpr std::size_t kRuns = 40;
+
+constexpr std::array<Run, kRuns> make_runs() {
+  std::array<Run, kRuns> runs{};
+  std::size_t count = 0;
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    const Step& step = kSteps[place];
+    for (int octant = 0; octant < 8; ++octant) {
+      const int x = 1 + 2 * step.x + (octant & 1), y = 1 + 2 * step.y + (octant >> 1 & 1),
+                z = 1 + 2 * step.z + (octant >> 2);
+      if (x < 0 || x > 3 || y < 0 || y > 3 || z < 0 || z > 3) continue;
+      if (step.x == 0 && (octant & 1) != 0) {
+        ++runs[count - 1].length;
+      } else {
+        runs[count++] = {static_cast<std::uint8_t>(place), static_cast<std::uint8_t>(octant), 1,
+                         static_cast<std::uint8_t>(x + 4 * y + 16 * z)};
       }
     }
   }
-  return places;
+  return runs;
 }
 
-constexpr std::array<Place, 19> kPlaces = make_places();
+constexpr std::array<Run, kRuns> kRunsAround = make_runs();
+static_assert(kRunsAround.back().place == kPlaces - 1);
 
 }  // namespace
 
-Neighborhoods::Neighborhoods(const Svo& svo) : svo_(&svo), nodes_(svo.node_count(0)) {
-  for (Around& around : nodes_) {
-    around.fill(kNone);
-    around[0] = 0;
-  }
+Neighborhoods::Neighborhoods(const Svo& svo) : svo_(&svo), around_(svo.node_count(0)) {
+  for (Around& around : around_) around = {1};
 }
 
-/// Calls visit(cell, node, there) for each of the 56 cells that touch the node's octants, edges
-/// included; `there` is all ones or, where no node is, zero. Without branches, which could not be
-/// foreseen.
-template <class Visit>
-void Neighborhoods::visit_cells(const Around& around, Visit visit) const {
-  const std::uint8_t* masks = svo_->masks.data();
-  const std::uint32_t* first_child = svo_->first_child.data();
-  const auto visit_place = [&](std::size_t number, std::size_t touching) {
-    const std::uint32_t node = around[number];
-    const bool there = node != kNone;
-    const std::size_t index = there ? node : 0;
-    const unsigned mask = there ? masks[index] : 0u;
-    const std::uint32_t first = first_child[index];
-    const Place& place = kPlaces[number];
-    for (std::size_t i = 0; i < touching; ++i) {
-      const unsigned bit = 1u << place.octant[i];
-      const auto before = static_cast<std::uint32_t>(std::popcount(mask & (bit - 1)));
-      visit(place.cell[i], first + before, (mask & bit) != 0 ? ~std::uint32_t{0} : 0u);
+/// A group for each node of the current level; get(child) is what it holds of a child.
+template <class T, class Get>
+std::vector<Neighborhoods::Group<T>> Neighborhoods::groups(Get get) const {
+  const std::size_t begin = svo_->level_begin[static_cast<std::size_t>(level_)];
+  std::vector<Group<T>> groups(around_.size() + 1);
+  for (std::size_t i = 0; i < around_.size(); ++i) {
+    std::uint32_t child = svo_->first_child[begin + i];
+    for (unsigned mask = svo_->masks[begin + i]; mask != 0; mask &= mask - 1, ++child) {
+      groups[i + 1][static_cast<std::size_t>(std::countr_zero(mask))] = get(child);
     }
-  };
-  visit_place(0, 8);
-  for (std::size_t face = 1; face < 7; ++face) visit_place(face, 4);
-  for (std::size_t edge = 7; edge < 19; ++edge) visit_place(edge, 2);
+  }
+  return groups;
+}
+
+/// Fills the 56 cells that touch a node's octants, edges included. Without branches, which could
+/// not be foreseen.
+template <class T, std::size_t... kRun>
+void Neighborhoods::gather(const Around& around, const std::vector<Group<T>>& groups, T* cells,
+                           std::index_sequence<kRun...>) {
+  (std::memcpy(cells + kRunsAround[kRun].cell,
+               groups[around[kRunsAround[kRun].place]].data() + kRunsAround[kRun].octant,
+               kRunsAround[kRun].length * sizeof(T)),
+   ...);
 }
 
 void Neighborhoods::descend() {
-  std::vector<Around> below(svo_->node_count(level_ + 1));
-  Around* child = below.data();
-  const std::size_t begin = svo_->level_begin[static_cast<std::size_t>(level_)];
-  std::array<std::uint32_t, 64> cells;
-  cells.fill(kNone);
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    visit_cells(nodes_[i], [&](std::size_t cell, std::uint32_t node, std::uint32_t there) {
-      cells[cell] = node | ~there;
-    });
+  const std::size_t l = static_cast<std::size_t>(level_);
+  const std::size_t begin = svo_->level_begin[l], below = svo_->level_begin[l + 1];
+  const auto children = groups<std::uint32_t>(
+      [&](std::uint32_t child) { return child - static_cast<std::uint32_t>(below) + 1; });
+  std::vector<Around> around_below(svo_->node_count(level_ + 1));
+  Around* child = around_below.data();
+  std::array<std::uint32_t, 64> cells{};
+  for (std::size_t i = 0; i < around_.size(); ++i) {
+    gather(around_[i], children, cells.data(), std::make_index_sequence<kRuns>());
     for (unsigned mask = svo_->masks[begin + i]; mask != 0; mask &= mask - 1, ++child) {
       const int middle = ValueBlock::cell(std::countr_zero(mask));
-      for (std::size_t place = 0; place < kPlaces.size(); ++place) {
-        (*child)[place] = cells[static_cast<std::size_t>(middle + kPlaces[place].offset)];
+      for (std::size_t place = 0; place < kPlaces; ++place) {
+        (*child)[place] = cells[static_cast<std::size_t>(middle + kSteps[place].cells())];
       }
     }
   }
-  nodes_.swap(below);
+  around_.swap(around_below);
   ++level_;
 }
 
-void Neighborhoods::load(std::uint32_t node, const std::vector<Short4>& values,
-                         ValueBlock& block) const {
-  const Around& around = nodes_[node - svo_->level_begin[static_cast<std::size_t>(level_)]];
-  const Short4* value = values.data();
-  visit_cells(around, [&](std::size_t cell, std::uint32_t at, std::uint32_t there) {
-    std::uint64_t lanes;
-    std::memcpy(&lanes, value + (at & there), sizeof(lanes));
-    lanes &=
-        static_cast<std::uint64_t>(static_cast<std::int64_t>(static_cast<std::int32_t>(there)));
-    std::memcpy(block.values.data() + cell, &lanes, sizeof(lanes));
-  });
+void Neighborhoods::set_values(const std::vector<Short4>& values) {
+  values_ = groups<Short4>([&](std::uint32_t child) { return values[child]; });
+}
+
+void Neighborhoods::load(std::uint32_t node, ValueBlock& block) const {
+  gather(around_[group_of(node) - 1], values_, block.values.data(),
+         std::make_index_sequence<kRuns>());
 }
 
 }  // namespace pointreel

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "codec/octree/int4.h"
@@ -18,10 +20,19 @@ inline constexpr std::int32_t kMostActivity = 127;
 /// A value as it is stored, clamped; it leaves room for sums of three.
 inline constexpr std::int32_t kLeastValue = -16384, kMostValue = 16383;
 
-inline Short4 stored_value(const Int4& value, std::int32_t activity = 0) {
-  Short4 stored = narrow(clamp(value, kLeastValue, kMostValue));
-  stored.lanes[3] = static_cast<std::int16_t>(1 + activity * kActivityUnit);
-  return stored;
+/// All bits of the lanes that hold a value's components.
+inline constexpr Int4 kComponents = {-1, -1, -1, 0};
+
+/// The fourth lane of a node of this activity; the others are 0.
+inline Int4 fourth_lane(std::int32_t activity) {
+  return Int4{0, 0, 0, 1 + activity * kActivityUnit};
+}
+
+/// The fourth lane is kept.
+inline Short4 stored_value(const Int4& value) {
+  constexpr Int4 kLeast = {kLeastValue, kLeastValue, kLeastValue, 0};
+  constexpr Int4 kMost = {kMostValue, kMostValue, kMostValue, 32767};
+  return narrow(min(max(value, kLeast), kMost));
 }
 
 /// The values around the eight octants of one node: cells of the level below it, 4 along an axis, x
@@ -40,7 +51,7 @@ struct ValueBlock {
 };
 
 /// The neighbours of the nodes of one level, found level by level from the root down without any
-/// search. Memory: 76 bytes for each node of the level.
+/// search, and the values of their children. Memory: 140 bytes for each node of the level.
 class Neighborhoods {
  public:
   explicit Neighborhoods(const Svo& svo);
@@ -49,20 +60,38 @@ class Neighborhoods {
   /// To the next level; the current one is at most svo.depth - 1.
   void descend();
 
-  /// Loads the values of the cells around node `node` of the current level; `values` are those of
-  /// all nodes of the tree, of which the level's children are used.
-  void load(std::uint32_t node, const std::vector<Short4>& values, ValueBlock& block) const;
+  /// Takes the values of the current level's children from those of all nodes of the tree.
+  void set_values(const std::vector<Short4>& values);
+  /// Of one child of a node of the current level.
+  void set_value(std::uint32_t node, int octant, const Short4& value) {
+    values_[group_of(node)][static_cast<std::size_t>(octant)] = value;
+  }
+
+  /// Loads the values of the cells around node `node` of the current level.
+  void load(std::uint32_t node, ValueBlock& block) const;
 
  private:
-  /// A node itself, then those across its 6 faces and 12 edges.
+  /// Groups of children: a node itself, then those across its 6 faces and 12 edges. A node's group
+  /// is its number in its level plus one; group 0 is of no node, and all zero.
   using Around = std::array<std::uint32_t, 19>;
+  /// Something of each child of a node, zero where there is none.
+  template <class T>
+  using Group = std::array<T, 8>;
 
-  template <class Visit>
-  void visit_cells(const Around& around, Visit visit) const;
+  std::size_t group_of(std::uint32_t node) const {
+    return node - svo_->level_begin[static_cast<std::size_t>(level_)] + 1;
+  }
+
+  template <class T, class Get>
+  std::vector<Group<T>> groups(Get get) const;
+  template <class T, std::size_t... kRun>
+  static void gather(const Around& around, const std::vector<Group<T>>& groups, T* cells,
+                     std::index_sequence<kRun...>);
 
   const Svo* svo_;
   int level_ = 0;
-  std::vector<Around> nodes_;
+  std::vector<Around> around_;
+  std::vector<Group<Short4>> values_;
 };
 
 namespace neighbor_prediction {
@@ -96,8 +125,8 @@ inline Int4 ValueBlock::predict(int cell, int octant, std::int32_t& weight,
   const std::uint32_t weights = fourth % kActivityUnit;
   weight += static_cast<std::int32_t>(weights);
   activity += static_cast<std::int32_t>(fourth / kActivityUnit);
-  const Int4 colors = sum & Int4{-1, -1, -1, 0};
-  return (colors * kReciprocals[weights] + (1 << 15)) >> 16;
+  const Int4 components = sum & kComponents;
+  return (components * kReciprocals[weights] + (1 << 15)) >> 16;
 }
 
 }  // namespace pointreel

@@ -14,7 +14,7 @@ inline constexpr std::int32_t kUnitNormal = 8160;
 inline Short4 value_from_normal(const glm::i16vec3& normal) {
   Int4 value{normal.x, normal.y, normal.z, 0};
   value = (value * kUnitNormal + (1 << 14)) >> 15;
-  return stored_value(value);
+  return stored_value(value + fourth_lane(0));
 }
 
 /// Unit length; zero, for unknown, where less than a quarter of it is left of the mean or of an

@@ -1,7 +1,7 @@
 #include "codec/octree/raht.h"
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
 
 namespace pointreel {
 namespace {
@@ -34,6 +34,9 @@ constexpr std::array<MergeOrder, 256> make_orders() {
         weight[other] = 0;
       }
     }
+    order.size_class = static_cast<std::uint8_t>(order.pairs <= 2 ? order.pairs - (order.pairs > 0)
+                                                 : order.pairs <= 4 ? 2
+                                                                    : 3);
   }
   return orders;
 }
@@ -47,11 +50,10 @@ constexpr std::uint64_t kMostStep = std::uint64_t{1} << 24;
 constinit const std::array<MergeOrder, 256> kMergeOrders = make_orders();
 
 std::uint32_t square_root(std::uint64_t v) {
-  std::uint64_t root = 0;
-  for (int bit = 31; bit >= 0; --bit) {
-    const std::uint64_t candidate = root | std::uint64_t{1} << bit;
-    if (candidate * candidate <= v) root = candidate;
-  }
+  // IEEE 754 rounds square roots alike everywhere; what rounding did to v is put right.
+  auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(v)));
+  while (root > 0xffffffff || root * root > v) --root;
+  while (root < 0xffffffff && (root + 1) * (root + 1) <= v) ++root;
   return static_cast<std::uint32_t>(root);
 }
 

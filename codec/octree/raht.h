@@ -29,7 +29,8 @@ struct MergeOrder {
   struct Pair {
     std::uint8_t first, second;
   };
-  std::uint8_t pairs = 0;  ///< one fewer than children
+  std::uint8_t pairs = 0;       ///< one fewer than children
+  std::uint8_t size_class = 0;  ///< 0 to 3: one, two, three or four, more pairs
   std::array<Pair, 7> pair{};
   /// Weights of the halves where all children weigh 1, 1 to 4.
   std::array<Pair, 7> unit_weights{};
@@ -73,6 +74,7 @@ inline Int4 mean_offset(const Int4& difference, std::int32_t ratio) {
 struct NodeScales {
   std::array<const PairScale*, 7> pair;
   std::array<PairScale, 7> made;  ///< those that no table holds
+  Int4 least_steps;               ///< the least steps of all pairs
 };
 
 /// Merges values[0 .. pairs] in place: values[0] becomes the mean; the difference of each pair goes
@@ -85,6 +87,16 @@ inline void merge(const MergeOrder& order, const NodeScales& scales, Int4* value
     differences[i] = d;
     values[first] += mean_offset(d, scales.pair[static_cast<std::size_t>(i)]->ratio);
   }
+}
+
+/// The mean of values[0 .. pairs], which are of no use then.
+inline Int4 merge(const MergeOrder& order, const NodeScales& scales, Int4* values) {
+  for (int i = 0; i < order.pairs; ++i) {
+    const auto [first, second] = order.pair[static_cast<std::size_t>(i)];
+    values[first] += mean_offset(values[second] - values[first],
+                                 scales.pair[static_cast<std::size_t>(i)]->ratio);
+  }
+  return values[0];
 }
 
 /// Undoes merge: values[0] is the mean.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
+#include "tests/bench/output.h"
 
 namespace pointreel::bench {
 namespace {
@@ -41,12 +41,6 @@ Result<PointCloud> load(const std::string& path) {
   }
   if (loaded->cloud.empty()) return fail(path + ": has no points to compare");
   return std::move(loaded->cloud);
-}
-
-/// 1234567 as 1,234,567.
-std::string count(std::size_t n) {
-  if (n < 1000) return std::to_string(n);
-  return fmt::format("{},{:03}", count(n / 1000), n % 1000);
 }
 
 /// The table of one comparison: a row for each figure that there is.
@@ -110,19 +104,8 @@ void print(const CloudDistance& distance, double peak, double voxel) {
   const auto normals = distance.normals();
   if (normals && normals->unknown > 0) {
     fmt::print("{} of both directions' pairs have an unknown normal and count for no angle\n",
-               count(normals->unknown));
+               grouped(normals->unknown));
   }
-}
-
-bool write(const std::string& path, const nlohmann::json& report) {
-  if (path == "-") {
-    fmt::print("{}\n", report.dump(2));
-    return std::fflush(stdout) == 0;
-  }
-  std::ofstream file(path);
-  file << report.dump(2) << '\n';
-  file.close();
-  return file.good();
 }
 
 /// The grid that errors refer to.
@@ -155,8 +138,8 @@ Result<void> compare(const Options& options) {
 
   const Grid grid = grid_of(*a, options);
   if (options.json != "-") {
-    fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, count(a->size()), options.b,
-               count(b->size()));
+    fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, grouped(a->size()), options.b,
+               grouped(b->size()));
     fmt::print("peak {:g} ({})", grid.peak, grid.reason);
     if (grid.voxel > 0.0) fmt::print(", voxel {:g} ({} bits)", grid.voxel, options.bits);
     fmt::print("\n\n");
@@ -168,8 +151,7 @@ Result<void> compare(const Options& options) {
   report["b"] = {{"file", options.b}, {"points", b->size()}};
   report["peak"] = grid.peak;
   if (grid.voxel > 0.0) report["voxel"] = grid.voxel;
-  if (!write(options.json, report)) return fail("cannot write " + options.json);
-  return {};
+  return write_json(options.json, report);
 }
 
 }  // namespace

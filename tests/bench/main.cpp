@@ -1,4 +1,3 @@
-#include <fstream>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -6,25 +5,10 @@
 #include "common/base/memory.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/output.h"
 #include "tests/bench/report/report.h"
 #include "tests/bench/suites.h"
 #include "tests/bench/training/train_command.h"
-
-namespace {
-
-/// Writes to the file, or to standard output for "-". False if that fails.
-bool write_json(const std::string& path, const nlohmann::json& report) {
-  if (path == "-") {
-    std::cout << report.dump(2) << '\n';
-    return std::cout.good();
-  }
-  std::ofstream file(path);
-  file << report.dump(2) << '\n';
-  file.close();
-  return file.good();
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   using namespace pointreel::bench;
@@ -58,9 +42,8 @@ int main(int argc, char** argv) {
   nlohmann::json report = svo->parsed() ? run_svo(options) : run_codec(options);
   report["benchmark"] = svo->parsed() ? "svo" : "codec";
   report["machine"] = machine();
-  if (!json.empty() && !write_json(json, report)) {
-    std::cerr << "pointreel-bench: cannot write " << json << '\n';
-    return 1;
-  }
-  return 0;
+  if (json.empty()) return 0;
+  const auto written = write_json(json, report);
+  if (!written) std::cerr << "pointreel-bench: " << written.error().message << '\n';
+  return written ? 0 : 1;
 }

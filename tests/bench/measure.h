@@ -13,9 +13,13 @@ struct Timing {
   double median = 0.0, min = 0.0, max = 0.0;
 };
 
-/// One warm-up, then `runs` timed calls, one thread.
+/// Milliseconds of each of `runs` calls, after one that is not timed.
 template <class Work>
-Timing measure(int runs, Work work);
+std::vector<double> time_runs(int runs, const Work& work);
+
+/// What these come to.
+template <class Work>
+Timing measure(int runs, const Work& work);
 
 /// A limit that an issue sets on a figure.
 struct Bar {
@@ -39,7 +43,7 @@ Timing summarise(std::vector<double> milliseconds);
 double now_ms();
 
 template <class Work>
-Timing measure(int runs, Work work) {
+std::vector<double> time_runs(int runs, const Work& work) {
   work();
   std::vector<double> milliseconds;
   for (int i = 0; i < runs; ++i) {
@@ -47,7 +51,12 @@ Timing measure(int runs, Work work) {
     work();
     milliseconds.push_back(now_ms() - begin);
   }
-  return summarise(std::move(milliseconds));
+  return milliseconds;
+}
+
+template <class Work>
+Timing measure(int runs, const Work& work) {
+  return summarise(time_runs(runs, work));
 }
 
 }  // namespace pointreel::bench

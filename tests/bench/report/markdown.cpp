@@ -1,10 +1,13 @@
 #include "tests/bench/report/markdown.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "tests/bench/output.h"
 
 namespace pointreel::bench {
 namespace {
@@ -37,13 +40,9 @@ class Table {
 
 double number(const json& value) { return value.get<double>(); }
 
-/// Groups of three digits.
+/// Rounded, in groups of three digits.
 std::string whole(const json& value) {
-  std::string digits = fmt::format("{:.0f}", number(value));
-  for (auto i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) {
-    digits.insert(static_cast<std::size_t>(i), 1, ',');
-  }
-  return digits;
+  return grouped(static_cast<std::size_t>(std::llround(number(value))));
 }
 
 /// `null` stands for infinity: an error of exactly zero.

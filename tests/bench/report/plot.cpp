@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "tests/bench/output.h"
+
 namespace pointreel::bench {
 namespace {
 
@@ -113,11 +115,7 @@ Result<void> add_style_sheet(const fs::path& file) {
   const std::size_t place = svg.find("<g id=\"gnuplot_canvas\">");
   if (!in || place == std::string::npos) return fail(file.string() + ": Gnuplot drew no picture");
   svg.insert(place, kStyleSheet);
-  std::ofstream out(file, std::ios::binary);
-  out << svg;
-  out.close();
-  if (!out) return fail(file.string() + ": cannot be written");
-  return {};
+  return write_text(file, svg);
 }
 
 }  // namespace

@@ -113,12 +113,8 @@ Result<void> measure(const Source& source, const Dataset& dataset, const Setting
   add(sums.truth, *truth);
 
   const auto time = [runs](std::vector<double>& to, const auto& work) {
-    work();
-    for (int run = 0; run < runs; ++run) {
-      const double begin = now_ms();
-      work();
-      to.push_back(now_ms() - begin);
-    }
+    const std::vector<double> times = time_runs(runs, work);
+    to.insert(to.end(), times.begin(), times.end());
   };
   time(sums.encode, [&] { (void)encode(); });
   time(sums.decode, [&] { (void)decode_frame(layers); });

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -12,6 +11,7 @@
 
 #include "common/base/progress.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/output.h"
 #include "tests/bench/report/datasets.h"
 #include "tests/bench/report/markdown.h"
 #include "tests/bench/report/memory.h"
@@ -182,14 +182,6 @@ std::vector<Bar> bars_of(const json& report) {
                     dataset["frames_made_per_second"].get<double>(), "/s", 10.0, true});
   }
   return bars;
-}
-
-Result<void> write_text(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) return fail(file.string() + ": cannot be written");
-  return {};
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+#include "tests/bench/output.h"
+
+#include <cstdio>
+#include <fstream>
+
+#include <fmt/format.h>
+
+namespace pointreel::bench {
+
+std::string grouped(std::size_t n) {
+  if (n < 1000) return std::to_string(n);
+  return fmt::format("{},{:03}", grouped(n / 1000), n % 1000);
+}
+
+Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) return fail(file.string() + ": cannot be written");
+  return {};
+}
+
+Result<void> write_json(const std::string& file, const nlohmann::json& report) {
+  const std::string text = report.dump(2) + "\n";
+  const bool written = file == "-"
+                           ? std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
+                                 std::fflush(stdout) == 0
+                           : write_text(file, text).has_value();
+  if (!written) return fail("cannot write " + file);
+  return {};
+}
+
+}  // namespace pointreel::bench

@@ -1,6 +1,5 @@
 // pointreel-bench compare, as a user runs it, on clouds whose errors are known.
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "common/cloud/ply.h"
 #include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
 namespace {
@@ -34,12 +34,9 @@ PointCloud plane(float z, int red) {
 class Compare : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "pointreel-compare-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     ASSERT_TRUE(write_ply(path("a.ply"), plane(0.0f, 100)));
     ASSERT_TRUE(write_ply(path("b.ply"), plane(0.5f, 110)));
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
@@ -48,7 +45,7 @@ class Compare : public testing::Test {
     return run("pointreel-bench", arguments);
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Compare, tells_known_errors_in_units_voxels_and_decibels) {
@@ -118,7 +115,7 @@ TEST_F(Compare, reads_drc_files) {
 
 TEST_F(Compare, fails_in_one_line) {
   ASSERT_TRUE(write_ply(path("empty.ply"), PointCloud{}));
-  std::ofstream(path("noise.ply")) << "noise";
+  folder_.write("noise.ply", "noise");
   for (const char* bad : {"empty.ply", "noise.ply", "missing.ply"}) {
     const Outcome outcome = compare({path("a.ply"), path(bad)});
     EXPECT_EQ(outcome.exit_code, 1) << bad;

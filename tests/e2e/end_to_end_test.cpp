@@ -16,6 +16,7 @@
 #include "common/surface/distance.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
 namespace {
@@ -54,20 +55,6 @@ PointCloud scene(int frame) {
   return cloud;
 }
 
-/// A folder of its own for each test, gone at its end.
-class TempFolder {
- public:
-  TempFolder() {
-    std::string pattern = (fs::temp_directory_path() / "pointreel-e2e-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TempFolder() { fs::remove_all(path_); }
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
 class EndToEnd : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -88,7 +75,7 @@ class EndToEnd : public testing::TestWithParam<const char*> {
   bool draco() const { return GetParam() == std::string("draco"); }
   fs::path reel() const { return folder_ / "reel"; }
 
-  TempFolder folder_;
+  TemporaryFolder folder_;
 };
 INSTANTIATE_TEST_SUITE_P(Codecs, EndToEnd, testing::Values("octree", "draco"),
                          [](const auto& codec) { return std::string(codec.param); });

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
 namespace {
@@ -26,14 +28,13 @@ std::string read(const fs::path& file) {
 class Report : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = fs::path(testing::TempDir()) / "pointreel_report";
-    fs::remove_all(folder_);
-    outcome_ = run("pointreel-bench", {"report", "--quick", "-o", folder_}, 600);
-    report_ = json::parse(read(folder_ / "report.json"), nullptr, false);
+    folder_.emplace();
+    outcome_ = run("pointreel-bench", {"report", "--quick", "-o", folder_->path()}, 600);
+    report_ = json::parse(read(*folder_ / "report.json"), nullptr, false);
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  static void TearDownTestSuite() { folder_.reset(); }
 
-  static inline fs::path folder_;
+  static inline std::optional<TemporaryFolder> folder_;
   static inline Outcome outcome_;
   static inline json report_;
 };
@@ -81,12 +82,12 @@ TEST_F(Report, holds_all_stability_checks) {
 
 TEST_F(Report, shows_its_plots_and_chapters) {
   ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
-  const std::string text = read(folder_ / "report.md");
+  const std::string text = read(*folder_ / "report.md");
   for (const char* chapter : {"Table I", "Table III", "Codecs", "Numerical stability", "Bars"}) {
     EXPECT_NE(text.find(chapter), std::string::npos) << chapter;
   }
   int plots = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_->path())) {
     if (entry.path().extension() != ".svg") continue;
     ++plots;
     const std::string svg = read(entry.path());

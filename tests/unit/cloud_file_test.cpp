@@ -1,14 +1,11 @@
 #include "codec/cloud_file.h"
 
-#include <cstdlib>
-#include <fstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "codec/draco/draco_payload.h"
 #include "common/cloud/ply.h"
+#include "tests/temporary_folder.h"
 
 namespace pointreel {
 namespace {
@@ -18,26 +15,16 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A fresh folder, removed at the end.
 class CloudFile : public testing::Test {
  protected:
-  CloudFile() {
-    std::string name = (fs::temp_directory_path() / "pointreel_cloud_file_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~CloudFile() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& content) const {
-    const fs::path path = folder_ / name;
-    fs::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << content;
-    return path;
+    return folder_.write(name, content);
   }
   fs::path write(const std::string& name, const Bytes& content) const {
     return write(name, std::string(content.begin(), content.end()));
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 const std::string kPly =
@@ -98,7 +85,7 @@ TEST_F(CloudFile, ErrorsBeginWithThePathAndAreOneLine) {
     EXPECT_EQ(loaded.error().message.find('\n'), std::string::npos);
   };
   expect_error(missing, "no such file");
-  expect_error(folder_, "folder");
+  expect_error(folder_.path(), "folder");
   expect_error(write("empty.ply", std::string()), "empty");
   expect_error(write("text.ply", std::string("hello, world")), "neither a PLY nor a Draco file");
   expect_error(write("cut.drc", std::string("DRACO\x02")), "truncated");
@@ -111,7 +98,7 @@ TEST_F(CloudFile, AFolderGivesItsFramesInNaturalOrder) {
     write(name, kPly);
   }
   write("inner.ply/frame0.ply", kPly);  // a folder is no frame, whatever its name
-  const auto files = list_cloud_files({folder_});
+  const auto files = list_cloud_files({folder_.path()});
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_THAT(names(*files), ElementsAre("frame1.drc", "frame2.PLY", "frame10.ply"));
 }
@@ -130,7 +117,7 @@ TEST_F(CloudFile, AMissingInputOrAFolderWithoutFramesIsAnError) {
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message, HasSubstr("nowhere: no such file or folder"));
   write("notes.txt", kPly);
-  const auto none = list_cloud_files({folder_});
+  const auto none = list_cloud_files({folder_.path()});
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("has no .ply or .drc files"));
   EXPECT_FALSE(list_cloud_files({}));

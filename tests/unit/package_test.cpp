@@ -1,12 +1,13 @@
 #include "common/stream/package.h"
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "tests/temporary_folder.h"
 
 namespace pointreel {
 namespace {
@@ -298,17 +299,14 @@ TEST(Manifest, cut_at_any_byte_is_refused) {
 }
 
 TEST(Manifest, is_read_from_a_folder_and_errors_begin_with_the_path) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "pointreel_manifest_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directory(folder);
+  const TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
   EXPECT_THAT(read_manifest(folder).error().message, HasSubstr("is not a package"));
   EXPECT_THAT(read_manifest(folder).error().message, HasSubstr(folder.string() + ": "));
-  std::ofstream(folder / "reel.json") << write_manifest(example());
+  temporary.write("reel.json", write_manifest(example()));
   EXPECT_TRUE(read_manifest(folder));
-  std::ofstream(folder / "reel.json") << "{}";
+  temporary.write("reel.json", "{}");
   EXPECT_THAT(read_manifest(folder).error().message, HasSubstr("reel.json: format: is missing"));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Checksum, is_xxh3_with_64_bits) {

@@ -16,6 +16,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/temporary_folder.h"
+
 namespace pointreel {
 namespace {
 
@@ -407,13 +409,12 @@ TEST(Ply, writes_doubles_where_floats_would_lose_world_coordinates) {
 }
 
 TEST(Ply, writes_files_and_reports_where_it_cannot) {
-  const std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) / "pointreel_ply_test.ply";
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "cloud.ply";
   const PointCloud cloud = random_cloud(10, glm::dvec3(0));
   ASSERT_TRUE(write_ply(path, cloud).has_value());
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  std::filesystem::remove(path);
   EXPECT_EQ(text, text_of(ply_bytes(cloud)));
   const Result<void> failed = write_ply("/no/such/folder/a.ply", cloud);
   ASSERT_FALSE(failed.has_value());

@@ -131,7 +131,7 @@ class ServeCommandTest : public testing::Test {
     return text;
   }
 
-  TemporaryFolder temporary_;
+  pointreel::TemporaryFolder temporary_;
   fs::path reel_ = temporary_.path() / "walk";
 };
 

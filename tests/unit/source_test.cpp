@@ -1,7 +1,5 @@
 #include <atomic>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -15,6 +13,7 @@
 #include <unistd.h>
 
 #include "client/source/open_source.h"
+#include "tests/temporary_folder.h"
 
 namespace pointreel {
 namespace {
@@ -53,22 +52,6 @@ Bytes offsets(std::size_t from, std::size_t size) {
 }
 
 std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "pointreel-source-XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { fs::remove_all(path_); }
-  const fs::path& path() const { return path_; }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-  }
-
- private:
-  fs::path path_;
-};
 
 /// An HTTP server of raw sockets on loopback, one thread a connection. The handler gets the head of
 /// each request and the socket, and says whether the connection lives on.

@@ -27,7 +27,7 @@ inline constexpr int kDefaultNormalQuality = 43;
 inline constexpr int kBestNormalQuality = 100;
 
 struct OctreeOptions {
-  Entropy entropy = Entropy::zstd;
+  Entropy entropy = Entropy::context;
   DepthRule depth;
   /// 1 to 100. Below 100 colours are transformed and quantised by 2^((99 - quality) / 14) 8-bit
   /// steps: 14 more halve the step. 100 keeps them as they are.

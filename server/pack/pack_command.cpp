@@ -23,7 +23,7 @@ using nlohmann::ordered_json;
 struct PackArguments {
   std::vector<std::string> inputs;
   std::string output, name;
-  std::string codec = "octree", entropy = "zstd", cube = "group", up = "y";
+  std::string codec = "octree", entropy = "context", cube = "group", up = "y";
   double delta = 0.05, voxel = 0.0, fps = 30.0;
   int depth = 10, threads = 0, quality = kDefaultColorQuality;
   int normal_quality = kDefaultNormalQuality;

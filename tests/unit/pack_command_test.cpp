@@ -56,6 +56,7 @@ TEST_F(PackCommand, writes_its_summary_as_json_and_nothing_else) {
   EXPECT_EQ(summary.at("frames"), 3);
   EXPECT_EQ(summary.at("points"), 201 + 202 + 203);
   EXPECT_EQ(summary.at("depth"), (json{{"min", 9}, {"max", 9}}));
+  EXPECT_EQ(summary.at("entropy"), "context");
   const json& bits = summary.at("bits_per_point");
   EXPECT_NEAR(bits.at("geometry").get<double>() + bits.at("colors").get<double>() +
                   bits.at("normals").get<double>(),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,9 @@
 /// Bytes <-> frames. Every encoded frame stands alone: it needs no frame before it. Formats are
 /// described byte by byte in FORMAT.md.
 namespace pointreel {
+
+/// Trained tables of Entropy::context: codec/octree/context_model.h.
+struct ContextTables;
 
 enum class Codec : std::uint8_t { octree = 1, draco = 2 };
 enum class Entropy : std::uint8_t { none = 0, zstd = 1, context = 2 };
@@ -35,6 +39,9 @@ struct OctreeOptions {
   /// The same of normals, a step being 1/127.5 of their length. At 100 they are rounded to half a
   /// degree.
   int normal_quality = kDefaultNormalQuality;
+  /// Of entropy context; null: the newest that are part of the codec. Given ones have a checksum,
+  /// and whoever decodes must be given the same.
+  std::shared_ptr<const ContextTables> tables = nullptr;
 };
 
 /// Names and defaults of draco_encoder.
@@ -84,9 +91,11 @@ struct LayerView {
 /// The chunks of encoded layers, which must outlive the views.
 std::vector<LayerView> layer_views(std::span<const EncodedLayer> layers);
 
-/// Bounds on what a decoder may be made to produce, whatever the bytes claim.
+/// Bounds on what a decoder may be made to produce, whatever the bytes claim, and what it may use.
 struct DecodeLimits {
   std::uint32_t max_points = 1u << 26;
+  /// The context tables that come with the frames, if any do; they outlive the call.
+  const ContextTables* tables = nullptr;
 };
 
 struct DecodedFrame {

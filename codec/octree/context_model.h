@@ -71,6 +71,8 @@ struct ContextTables {
   std::array<std::array<Slot, kSlots>, kLevelClasses> slots;
   std::vector<Cell> cells;
   std::vector<Leaf> leaves;  ///< as they are when a frame begins
+  /// Of tables that are not part of the codec: what their frames name them by.
+  std::uint64_t checksum = 0;
 };
 
 /// A leaf as tables store it: six bits of log odds, two of confidence.

@@ -13,6 +13,8 @@ namespace pointreel {
 
 /// What an encoder uses. Known numbers are 1 to this.
 inline constexpr std::uint8_t kNewestTables = 1;
+/// Stands for tables that come with the frames; their checksum follows it.
+inline constexpr std::uint8_t kGivenTables = 255;
 
 /// Unpacked when first asked for, and shared from then on; safe from any thread.
 Result<std::shared_ptr<const ContextTables>> tables_of_number(std::uint8_t number);

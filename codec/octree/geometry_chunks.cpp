@@ -8,13 +8,21 @@
 
 namespace pointreel {
 
-Result<GeometryEncoder> GeometryEncoder::create(Entropy entropy) {
+Result<GeometryEncoder> GeometryEncoder::create(
+    Entropy entropy, const std::shared_ptr<const ContextTables>& tables) {
   GeometryEncoder encoder;
-  if (entropy == Entropy::context) {
-    auto tables = tables_of_number(kNewestTables);
-    if (!tables) return tl::unexpected(tables.error());
-    encoder.context_.emplace(std::move(*tables));
+  if (entropy != Entropy::context) return encoder;
+  ByteWriter name(encoder.tables_name_);
+  if (tables) {
+    name.put(kGivenTables);
+    name.put(tables->checksum);
+    encoder.context_.emplace(tables);
+    return encoder;
   }
+  auto newest = tables_of_number(kNewestTables);
+  if (!newest) return tl::unexpected(newest.error());
+  name.put(kNewestTables);
+  encoder.context_.emplace(std::move(*newest));
   return encoder;
 }
 
@@ -29,7 +37,7 @@ void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader 
     return;
   }
   Bytes payload;
-  if (header.layer == 0) payload.push_back(kNewestTables);
+  if (header.layer == 0) payload = tables_name_;
   context_->encode_layer(svo, first_level, header.last_level, payload);
   // Zeros behind what is coded keep the bound on expansion that readers rely on.
   while (max_raw_size(payload.size()) < masks.size()) {
@@ -67,15 +75,29 @@ Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first
                 std::to_string(payload.size()) + " bytes: no number that it can");
   }
   if (chunk.header.layer == 0) {
-    if (payload.empty()) return fail("chunk is cut short");
-    auto tables = tables_of_number(payload.front());
+    auto tables = take_tables(payload);
     if (!tables) return tl::unexpected(tables.error());
     context_.emplace(std::move(*tables));
-    payload = payload.subspan(1);
   }
   if (!context_) return fail("chunk has another entropy coding than the layers before it");
   return context_->decode_layer(payload, first_level, chunk.header.last_level,
                                 chunk.header.raw_size, points_, masks);
+}
+
+Result<std::shared_ptr<const ContextTables>> GeometryDecoder::take_tables(ByteView& payload) const {
+  ByteReader reader(payload);
+  const auto number = reader.get<std::uint8_t>();
+  const auto checksum = number == kGivenTables ? reader.get<std::uint64_t>() : 0;
+  if (!reader.ok()) return fail("chunk is cut short");
+  payload = reader.rest();
+  if (number != kGivenTables) return tables_of_number(number);
+  if (given_tables_ == nullptr) {
+    return fail("frame needs the context tables of its package, which are not there");
+  }
+  if (given_tables_->checksum != checksum) {
+    return fail("frame needs other context tables than those of its package");
+  }
+  return std::shared_ptr<const ContextTables>(std::shared_ptr<void>(), given_tables_);
 }
 
 Result<void> GeometryDecoder::count_nodes(ByteView masks, int levels) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -21,19 +22,23 @@ namespace pointreel {
 
 class GeometryEncoder {
  public:
-  static Result<GeometryEncoder> create(Entropy entropy);
+  /// `tables` as in OctreeOptions.
+  static Result<GeometryEncoder> create(Entropy entropy,
+                                        const std::shared_ptr<const ContextTables>& tables);
 
   /// Appends the chunk of the levels from `first_level` to before header.last_level.
   void encode_layer(const Svo& svo, int first_level, ChunkHeader header, FrameTag tag, Bytes& out);
 
  private:
   std::optional<ContextEncoder> context_;  ///< with entropy context
+  Bytes tables_name_;                      ///< what a frame of entropy context begins with
 };
 
 class GeometryDecoder {
  public:
-  /// `points`: number of leaves of the whole frame.
-  explicit GeometryDecoder(std::uint32_t points) : points_(points), level_nodes_(points > 0) {}
+  /// `points`: number of leaves of the whole frame. `tables`: as in DecodeLimits.
+  explicit GeometryDecoder(std::uint32_t points, const ContextTables* tables)
+      : points_(points), level_nodes_(points > 0), given_tables_(tables) {}
 
   /// Appends one layer's masks, level by level in Morton order.
   Result<void> decode_layer(const ParsedChunk& chunk, int first_level, Bytes& masks);
@@ -43,10 +48,13 @@ class GeometryDecoder {
 
  private:
   Result<void> decode_context(const ParsedChunk& chunk, int first_level, Bytes& masks);
+  /// The tables that the first layer's payload names; takes the name off its front.
+  Result<std::shared_ptr<const ContextTables>> take_tables(ByteView& payload) const;
   Result<void> count_nodes(ByteView masks, int levels);
 
   std::uint32_t points_;
   std::uint64_t level_nodes_;
+  const ContextTables* given_tables_;
   std::optional<ContextDecoder> context_;  ///< if the first layer's entropy coding is context
 };
 

@@ -145,9 +145,10 @@ std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert 
 
 /// Decodes the geometry of the layers that are there; the last level of each.
 Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
-                                         const ParsedFrameHeader& frame, Svo& svo) {
+                                         const ParsedFrameHeader& frame,
+                                         const ContextTables* tables, Svo& svo) {
   const FrameHeader& header = frame.header;
-  GeometryDecoder geometry(header.coded_points);
+  GeometryDecoder geometry(header.coded_points, tables);
   std::vector<int> last_levels;
   for (int layer = 0; layer < header.layers; ++layer) {
     const std::size_t number = static_cast<std::size_t>(layer);
@@ -225,7 +226,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   if (exact_colors) node_colors = mean_colors(svo, cloud, points->sorted);
   std::vector<glm::i16vec3> node_normals;
   if (exact_normals) node_normals = mean_normals(svo, cloud, points->sorted);
-  auto geometry = GeometryEncoder::create(options.entropy);
+  auto geometry = GeometryEncoder::create(options.entropy, options.tables);
   if (!geometry) return tl::unexpected(geometry.error());
   AttributeEncoder color_encoder(ChunkKind::colors, shape);
   AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
@@ -286,7 +287,7 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   OctreeFrame frame;
   frame.header = header;
   frame.svo.cube = header.cube;
-  const auto last_levels = decode_geometry(layers, *parsed, frame.svo);
+  const auto last_levels = decode_geometry(layers, *parsed, limits.tables, frame.svo);
   if (!last_levels) return tl::unexpected(last_levels.error());
 
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));

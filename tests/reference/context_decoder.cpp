@@ -244,8 +244,8 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, Byt
   for (std::size_t number = 0; number < layers.size(); ++number) {
     ByteView payload = layers[number].payload;
     if (number == 0) {
-      if (payload.empty() || payload[0] != 1) return fail("not tables 1");
-      payload = payload.subspan(1);
+      if (payload.empty() || (payload[0] != 1 && payload[0] != 255)) return fail("no such tables");
+      payload = payload.subspan(payload[0] == 1 ? 1 : 9);
     }
     const auto levels =
         static_cast<std::size_t>(layers[number].last_level - layers[number].first_level);

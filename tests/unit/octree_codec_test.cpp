@@ -5,7 +5,10 @@
 #include <numeric>
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "codec/octree/context_model.h"
 
 namespace pointreel {
 namespace {
@@ -439,6 +442,35 @@ TEST(OctreeCodecContext, is_smaller_than_zstd_and_has_no_other_coding_beside_it)
   mixed = layer_views(zstd.layers);
   mixed[1].geometry = layer_views(context.layers)[1].geometry;
   EXPECT_FALSE(decode_octree_tree(mixed, kLimits));
+}
+
+/// Tables of one leaf for each slot, that stand for what comes with the frames.
+std::shared_ptr<const ContextTables> plain_tables(std::uint64_t checksum) {
+  ContextTables plain;
+  plain.cells.resize(kLevelClasses * kSlots);
+  auto tables = parse_tables(write_tables(plain, Bytes(kLevelClasses * kSlots, 0x80))).value();
+  tables.checksum = checksum;
+  return std::make_shared<const ContextTables>(std::move(tables));
+}
+
+TEST(OctreeCodecContext, frames_of_given_tables_decode_with_these_and_with_no_others) {
+  const PointCloud cloud = bumpy_sphere(2000);
+  const auto tables = plain_tables(7), others = plain_tables(8);
+  OctreeOptions options{Entropy::context, DepthRule::fixed(9)};
+  const auto built_in = encode_octree(cloud, Cube{}, options, false, false);
+  options.tables = tables;
+  const auto given = encode_octree(cloud, Cube{}, options, false, false);
+  ASSERT_TRUE(built_in && given);
+  const auto decode = [](const EncodedFrame& frame, const ContextTables* with) {
+    DecodeLimits limits;
+    limits.tables = with;
+    return decode_octree_tree(layer_views(frame.layers), limits);
+  };
+  ASSERT_TRUE(decode(*given, tables.get()));
+  EXPECT_EQ(decode(*given, tables.get())->svo.masks, decode(*built_in, nullptr)->svo.masks);
+  EXPECT_TRUE(decode(*built_in, tables.get())) << "a frame may name built-in tables all the same";
+  EXPECT_THAT(decode(*given, nullptr).error().message, testing::HasSubstr("are not there"));
+  EXPECT_THAT(decode(*given, others.get()).error().message, testing::HasSubstr("other"));
 }
 
 TEST(OctreeCodecContext, pads_what_would_stand_for_more_than_a_reader_takes) {

@@ -6,7 +6,7 @@
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kMaxCells = 1u << 20, kMaxLeaves = 1u << 22;
+constexpr std::uint32_t kMaxCells = 1u << 18, kMaxLeaves = 1u << 20;
 constexpr int kMaxMaskBits = 20;
 
 /// 65536 / (1 + exp(-x)) for 64 values of x from -7.2 to 7.2, rounded: listed, since they decide
@@ -53,49 +53,71 @@ std::uint8_t pack_leaf(double probability, double decisions) {
   return static_cast<std::uint8_t>(best << 2 | confidence);
 }
 
-Result<ContextTables> parse_tables(ByteView bytes) {
-  ByteReader reader(bytes);
-  ContextTables tables;
-  std::uint32_t cells = 0, leaves = 0;
-  std::vector<std::uint64_t> masks;
+Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
   const auto valid = [](std::uint64_t mask) {
     return mask >> neighborhood::kBits == 0 && std::popcount(mask) <= kMaxMaskBits;
   };
-  for (auto& slots : tables.slots) {
-    for (ContextTables::Slot& slot : slots) {
-      slot.mask = reader.get<std::uint64_t>();
-      if (!valid(slot.mask)) return fail("context tables have a mask out of range");
-      slot.first_cell = cells;
-      cells += 1u << std::popcount(slot.mask);
-      if (cells > kMaxCells) return fail("context tables have too many cells");
+  ByteReader reader(bytes);
+  ContextTables tables;
+  /// Where a slot is the base's: that one; else null.
+  std::array<const ContextTables::Slot*, kLevelClasses * kSlots> of_base{};
+  std::uint32_t cells = 0, own_cells = 0, leaves = 0;
+  for (std::size_t i = 0; i < of_base.size(); ++i) {
+    ContextTables::Slot& slot = tables.slots[i / kSlots][i % kSlots];
+    slot.mask = reader.get<std::uint64_t>();
+    if (base != nullptr && slot.mask == kBaseSlot) {
+      of_base[i] = &base->slots[i / kSlots][i % kSlots];
+      slot.mask = of_base[i]->mask;
     }
+    if (!valid(slot.mask)) return fail("context tables have a mask out of range");
+    slot.first_cell = cells;
+    cells += 1u << std::popcount(slot.mask);
+    if (of_base[i] == nullptr) own_cells += 1u << std::popcount(slot.mask);
+    if (cells > kMaxCells) return fail("context tables have too many cells");
   }
-  if (reader.rest().size() < cells * sizeof(std::uint64_t)) {
+  if (reader.rest().size() < own_cells * sizeof(std::uint64_t)) {
     return fail("context tables are cut short");
   }
   tables.cells.resize(cells);
-  for (ContextTables::Cell& cell : tables.cells) {
-    cell.mask = reader.get<std::uint64_t>();
-    if (!valid(cell.mask)) return fail("context tables have a mask out of range");
-    cell.first_leaf = leaves;
-    leaves += 1u << std::popcount(cell.mask);
-    if (leaves > kMaxLeaves) return fail("context tables have too many leaves");
+  ByteView packed = reader.rest().subspan(own_cells * sizeof(std::uint64_t));
+  for (std::size_t i = 0; i < of_base.size(); ++i) {
+    const ContextTables::Slot& slot = tables.slots[i / kSlots][i % kSlots];
+    for (std::uint32_t c = 0; c < 1u << std::popcount(slot.mask); ++c) {
+      ContextTables::Cell& cell = tables.cells[slot.first_cell + c];
+      const ContextTables::Cell* theirs =
+          of_base[i] != nullptr ? &base->cells[of_base[i]->first_cell + c] : nullptr;
+      cell.mask = theirs != nullptr ? theirs->mask : reader.get<std::uint64_t>();
+      if (!valid(cell.mask)) return fail("context tables have a mask out of range");
+      const std::uint32_t count = 1u << std::popcount(cell.mask);
+      cell.first_leaf = leaves;
+      leaves += count;
+      if (leaves > kMaxLeaves) return fail("context tables have too many leaves");
+      if (theirs != nullptr) {
+        const auto from = base->leaves.begin() + theirs->first_leaf;
+        tables.leaves.insert(tables.leaves.end(), from, from + count);
+        continue;
+      }
+      if (packed.size() < count) return fail("context tables have too few leaves");
+      for (const std::uint8_t leaf : packed.first(count)) {
+        tables.leaves.push_back(unpack_leaf(leaf));
+      }
+      packed = packed.subspan(count);
+    }
   }
-  const ByteView packed = reader.rest();
-  if (packed.size() != leaves) return fail("context tables have the wrong number of leaves");
-  tables.leaves.reserve(leaves);
-  for (const std::uint8_t leaf : packed) tables.leaves.push_back(unpack_leaf(leaf));
+  if (!packed.empty()) return fail("context tables have too many leaves");
   return tables;
 }
 
-Bytes write_tables(const ContextTables& tables, ByteView packed_leaves) {
+Bytes write_tables(std::span<const SlotTables, kLevelClasses * kSlots> slots) {
   Bytes bytes;
   ByteWriter writer(bytes);
-  for (const auto& slots : tables.slots) {
-    for (const ContextTables::Slot& slot : slots) writer.put(slot.mask);
+  for (const SlotTables& slot : slots) writer.put(slot.mask);
+  for (const SlotTables& slot : slots) {
+    for (const std::uint64_t mask : slot.cells) writer.put(mask);
   }
-  for (const ContextTables::Cell& cell : tables.cells) writer.put(cell.mask);
-  bytes.insert(bytes.end(), packed_leaves.begin(), packed_leaves.end());
+  for (const SlotTables& slot : slots) {
+    bytes.insert(bytes.end(), slot.leaves.begin(), slot.leaves.end());
+  }
   return bytes;
 }
 

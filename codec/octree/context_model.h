@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "codec/octree/raster_walk.h"
@@ -80,12 +81,23 @@ Leaf unpack_leaf(std::uint8_t packed);
 /// The nearest that can be stored, to a share of ones and the number of decisions it comes from.
 std::uint8_t pack_leaf(double probability, double decisions);
 
-/// Trust: takes hostile bytes (a package's own tables). Masks and counts are bounded (2^20 cells,
-/// 2^22 leaves) and compared with the bytes that are there before memory is taken.
-Result<ContextTables> parse_tables(ByteView bytes);
+/// One slot's part of tables as they are stored.
+struct SlotTables {
+  std::uint64_t mask = 0;
+  std::vector<std::uint64_t> cells;  ///< masks, 2^(ones in `mask`)
+  Bytes leaves;                      ///< packed, 2^(ones in a cell's mask) for each cell in order
+};
+/// As a slot's mask: the slot is as in the tables that these are based on, and nothing of it
+/// stored.
+inline constexpr std::uint64_t kBaseSlot = std::uint64_t{1} << 63;
 
-/// The tables' masks and, for every leaf in order, its byte; FORMAT.md, "Tables".
-Bytes write_tables(const ContextTables& tables, ByteView packed_leaves);
+/// FORMAT.md, "Tables". `base`: what slots of mask kBaseSlot are taken from; null: there are none.
+/// Trust: takes hostile bytes (a package's own tables). Masks and counts are bounded (2^18 cells,
+/// 2^20 leaves) and compared with the bytes that are there before memory is taken.
+Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base = nullptr);
+
+/// `slots`: all of class 0, then all of class 1, and so on.
+Bytes write_tables(std::span<const SlotTables, kLevelClasses * kSlots> slots);
 
 /// Looks contexts up, with leaves of its own.
 template <class Extract>

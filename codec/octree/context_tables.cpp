@@ -1,7 +1,10 @@
 #include "codec/octree/context_tables.h"
 
 #include <string>
+#include <utility>
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 #include <zstd.h>
 
 namespace pointreel {
@@ -12,16 +15,19 @@ extern const std::size_t kTables1Size;
 
 namespace {
 
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 24;
+constexpr std::size_t kMostUnpacked = std::size_t{1} << 22;
 
-Result<std::shared_ptr<const ContextTables>> unpack(ByteView packed) {
+Result<ContextTables> unpack(ByteView packed, const ContextTables* base) {
   const auto size = ZSTD_getFrameContentSize(packed.data(), packed.size());
   if (size > kMostUnpacked) return fail("context tables are no zstd frame of a known size");
   Bytes bytes(static_cast<std::size_t>(size));
   if (ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size()) != size) {
     return fail("context tables are damaged");
   }
-  auto tables = parse_tables(bytes);
+  return parse_tables(bytes, base);
+}
+
+Result<std::shared_ptr<const ContextTables>> shared(Result<ContextTables> tables) {
   if (!tables) return tl::unexpected(tables.error());
   return std::make_shared<const ContextTables>(std::move(*tables));
 }
@@ -33,8 +39,29 @@ Result<std::shared_ptr<const ContextTables>> tables_of_number(std::uint8_t numbe
     return fail("frame needs context tables " + std::to_string(number) +
                 ", which this version does not have: update Pointreel");
   }
-  static const auto tables = unpack({kTables1, kTables1Size});
+  static const auto tables = shared(unpack({kTables1, kTables1Size}, nullptr));
   return tables;
+}
+
+Result<Bytes> write_table_file(ByteView tables) {
+  Bytes file(1 + ZSTD_compressBound(tables.size()));
+  file.front() = kNewestTables;
+  const std::size_t size = ZSTD_compress(file.data() + 1, file.size() - 1, tables.data(),
+                                         tables.size(), ZSTD_maxCLevel());
+  if (ZSTD_isError(size)) return fail("context tables cannot be compressed");
+  file.resize(1 + size);
+  return file;
+}
+
+Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file) {
+  if (file.empty()) return fail("context tables are cut short");
+  if (file.size() > kMaxTableFile) return fail("context tables are larger than 1 MiB");
+  const auto base = tables_of_number(file.front());
+  if (!base) return tl::unexpected(base.error());
+  auto tables = unpack(file.subspan(1), base->get());
+  if (!tables) return tl::unexpected(tables.error());
+  tables->checksum = XXH3_64bits(file.data(), file.size());
+  return shared(std::move(tables));
 }
 
 }  // namespace pointreel

@@ -51,7 +51,8 @@ struct Tables {
   std::vector<Leaf> leaves;
 };
 
-Tables read_tables(ByteView file) {
+/// `base`: what slots of mask 2^63 are taken from, if there are such.
+Tables read_tables(ByteView file, const Tables& base) {
   Bytes bytes(ZSTD_getFrameContentSize(file.data(), file.size()));
   ZSTD_decompress(bytes.data(), bytes.size(), file.data(), file.size());
   std::size_t at = 0;
@@ -61,19 +62,34 @@ Tables read_tables(ByteView file) {
     return value;
   };
   Tables tables;
-  std::size_t cells = 0, leaves = 0;
-  for (int i = 0; i < 6 * 16; ++i) {
-    tables.slots.push_back({mask(), cells});
-    cells += std::size_t{1} << ones(tables.slots.back().mask);
+  std::vector<bool> stored;
+  std::size_t cells = 0;
+  for (std::size_t i = 0; i < 6 * 16; ++i) {
+    std::uint64_t slot = mask();
+    stored.push_back(slot >> 63 == 0);
+    if (!stored[i]) slot = base.slots.at(i).mask;
+    tables.slots.push_back({slot, cells});
+    cells += std::size_t{1} << ones(slot);
   }
-  for (std::size_t i = 0; i < cells; ++i) {
-    tables.cells.push_back({mask(), leaves});
-    leaves += std::size_t{1} << ones(tables.cells.back().mask);
+  for (std::size_t i = 0; i < 6 * 16; ++i) {
+    for (std::size_t c = 0; c < std::size_t{1} << ones(tables.slots[i].mask); ++c) {
+      tables.cells.push_back({stored[i] ? mask() : base.cells.at(base.slots[i].first + c).mask, 0});
+    }
   }
   constexpr std::array<int, 4> kCounts = {1, 3, 8, 16};
-  for (std::size_t i = 0; i < leaves; ++i) {
-    const unsigned v = bytes.at(at++);
-    tables.leaves.push_back({kProbabilities[v >> 2], kCounts[v & 3]});
+  for (std::size_t i = 0; i < 6 * 16; ++i) {
+    for (std::size_t c = 0; c < std::size_t{1} << ones(tables.slots[i].mask); ++c) {
+      Tables::Entry& cell = tables.cells.at(tables.slots[i].first + c);
+      cell.first = tables.leaves.size();
+      for (std::size_t l = 0; l < std::size_t{1} << ones(cell.mask); ++l) {
+        if (!stored[i]) {
+          tables.leaves.push_back(base.leaves.at(base.cells[base.slots[i].first + c].first + l));
+          continue;
+        }
+        const unsigned v = bytes.at(at++);
+        tables.leaves.push_back({kProbabilities[v >> 2], kCounts[v & 3]});
+      }
+    }
   }
   return tables;
 }
@@ -236,8 +252,9 @@ bool in_morton_order(const Cell& a, const Cell& b) {
 
 }  // namespace
 
-Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file) {
-  Tables tables = read_tables(tables_file);
+Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file,
+                                    ByteView own_tables) {
+  Tables tables = read_tables(tables_file, {});
   std::set<Cell> nodes = {{0, 0, 0}};
   std::map<Cell, std::uint64_t> words_above;
   Bytes masks;
@@ -245,7 +262,10 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, Byt
     ByteView payload = layers[number].payload;
     if (number == 0) {
       if (payload.empty() || (payload[0] != 1 && payload[0] != 255)) return fail("no such tables");
-      payload = payload.subspan(payload[0] == 1 ? 1 : 9);
+      const bool own = payload[0] == 255;
+      if (own && (own_tables.empty() || own_tables[0] != 1)) return fail("not based on tables 1");
+      if (own) tables = read_tables(own_tables.subspan(1), tables);
+      payload = payload.subspan(own ? 9 : 1);
     }
     const auto levels =
         static_cast<std::size_t>(layers[number].last_level - layers[number].first_level);

@@ -15,9 +15,10 @@ struct ContextLayer {
 
 /// Decodes layers as codec/FORMAT.md tells it ("Entropy coding context"), in the plainest way: sets
 /// of cells, words put together bit by bit, tables read from the file as it is. Knows nothing of
-/// the codec's code. `tables_file` is the content of codec/octree/tables/1.zst, or
-/// of the tables that come with the frames. Returns the masks,
+/// the codec's code. `tables_file` is the content of codec/octree/tables/1.zst,
+/// `own_tables` of the package's table file, if it has one. Returns the masks,
 /// level by level in Morton order. For valid payloads only: others may give any masks or an error.
-Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file);
+Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file,
+                                    ByteView own_tables = {});
 
 }  // namespace pointreel::reference

@@ -223,11 +223,14 @@ TEST(ContextCoder, refuses_other_sizes_than_the_bytes_hold) {
       decoder.decode_layer(unknown_class, 0, 6, svo.masks.size(), svo.leaf_count(), masks));
 }
 
+std::array<SlotTables, kLevelClasses * kSlots> all_slots(const SlotTables& slot) {
+  std::array<SlotTables, kLevelClasses * kSlots> slots;
+  slots.fill(slot);
+  return slots;
+}
+
 TEST(ContextTables, that_are_damaged_are_refused) {
-  ContextTables none;
-  none.cells.resize(kLevelClasses * kSlots);
-  const Bytes leaves(kLevelClasses * kSlots, 0x80);
-  Bytes bytes = write_tables(none, leaves);
+  Bytes bytes = write_tables(all_slots({0, {0}, {0x80}}));
   ASSERT_TRUE(parse_tables(bytes));
   for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
     EXPECT_FALSE(parse_tables(ByteView(bytes).first(cut))) << cut;
@@ -240,6 +243,53 @@ TEST(ContextTables, that_are_damaged_are_refused) {
   std::fill(bytes.begin(), bytes.begin() + 7, std::uint8_t{0xff});
   bytes[7] = 0x7f;  // 2^63 cells
   EXPECT_FALSE(parse_tables(bytes));
+}
+
+TEST(ContextTables, of_a_package_take_slots_that_they_do_not_hold_from_the_built_in_ones) {
+  auto slots = all_slots({kBaseSlot, {}, {}});
+  slots[kSlots + 3] = {0b101, {0, 0b10, 0, 0}, {4, 8, 12, 16, 20}};
+  const auto file = write_table_file(write_tables(slots));
+  ASSERT_TRUE(file) << file.error().message;
+  const auto tables_of_file = read_table_file(*file);
+  ASSERT_TRUE(tables_of_file) << tables_of_file.error().message;
+  const ContextTables &merged = **tables_of_file, &base = *tables();
+  EXPECT_EQ(merged.checksum, XXH3_64bits(file->data(), file->size()));
+  for (std::size_t c = 0; c < kLevelClasses; ++c) {
+    for (std::size_t s = 0; s < kSlots; ++s) {
+      const auto &mine = merged.slots[c][s], &theirs = base.slots[c][s];
+      if (c == 1 && s == 3) {
+        EXPECT_EQ(mine.mask, 0b101u);
+        const auto& cell = merged.cells[mine.first_cell + 1];
+        EXPECT_EQ(cell.mask, 0b10u);
+        EXPECT_EQ(merged.leaves[cell.first_leaf + 1].probability, unpack_leaf(12).probability);
+        continue;
+      }
+      ASSERT_EQ(mine.mask, theirs.mask);
+      const std::uint32_t last = (1u << std::popcount(mine.mask)) - 1;
+      const auto &my_cell = merged.cells[mine.first_cell + last],
+                 &their_cell = base.cells[theirs.first_cell + last];
+      ASSERT_EQ(my_cell.mask, their_cell.mask);
+      ASSERT_EQ(merged.leaves[my_cell.first_leaf].probability,
+                base.leaves[their_cell.first_leaf].probability);
+    }
+  }
+}
+
+TEST(ContextTables, of_a_package_that_are_damaged_are_refused) {
+  const auto file = write_table_file(write_tables(all_slots({0b1, {0, 0}, {0x80, 0x81}})));
+  ASSERT_TRUE(file && read_table_file(*file));
+  for (std::size_t cut = 0; cut < file->size(); ++cut) {
+    EXPECT_FALSE(read_table_file(ByteView(*file).first(cut))) << cut;
+  }
+  Bytes other = *file;
+  other.front() = kNewestTables + 1;
+  EXPECT_FALSE(read_table_file(other)) << "based on unknown tables";
+  other = *file;
+  other.resize(kMaxTableFile + 1);
+  EXPECT_FALSE(read_table_file(other));
+  const auto huge = write_table_file(Bytes((std::size_t{1} << 22) + 1));
+  EXPECT_FALSE(read_table_file(*huge)) << "unpacks to too much";
+  EXPECT_FALSE(parse_tables(write_tables(all_slots({kBaseSlot, {}, {}})))) << "without a base";
 }
 
 TEST(ContextTables, of_an_unknown_number_are_refused) {

@@ -446,9 +446,10 @@ TEST(OctreeCodecContext, is_smaller_than_zstd_and_has_no_other_coding_beside_it)
 
 /// Tables of one leaf for each slot, that stand for what comes with the frames.
 std::shared_ptr<const ContextTables> plain_tables(std::uint64_t checksum) {
-  ContextTables plain;
-  plain.cells.resize(kLevelClasses * kSlots);
-  auto tables = parse_tables(write_tables(plain, Bytes(kLevelClasses * kSlots, 0x80))).value();
+  const std::vector<SlotTables> plain(kLevelClasses * kSlots, {0, {0}, {0x80}});
+  auto tables =
+      parse_tables(write_tables(std::span<const SlotTables, kLevelClasses * kSlots>(plain)))
+          .value();
   tables.checksum = checksum;
   return std::make_shared<const ContextTables>(std::move(tables));
 }

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include "codec/training/context_trainer.h"
 #include "tests/bench/measure.h"
-#include "tests/bench/training/context_trainer.h"
 #include "tests/bench/training/training_clouds.h"
 
 namespace pointreel::bench {
@@ -36,9 +36,10 @@ int train(const Options& options) {
   }
   fmt::print("{} decisions after {:.0f} s\n", trainer.sample_count(), (now_ms() - begin) / 1e3);
   const ContextTrainer::Result result = trainer.train(options.training);
-  Bytes packed(ZSTD_compressBound(result.tables.size()));
-  packed.resize(ZSTD_compress(packed.data(), packed.size(), result.tables.data(),
-                              result.tables.size(), ZSTD_maxCLevel()));
+  const Bytes tables = write_tables(result.slots);
+  Bytes packed(ZSTD_compressBound(tables.size()));
+  packed.resize(
+      ZSTD_compress(packed.data(), packed.size(), tables.data(), tables.size(), ZSTD_maxCLevel()));
   std::ofstream file(options.output, std::ios::binary);
   file.write(reinterpret_cast<const char*>(packed.data()),
              static_cast<std::streamsize>(packed.size()));

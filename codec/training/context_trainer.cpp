@@ -1,4 +1,4 @@
-#include "tests/bench/training/context_trainer.h"
+#include "codec/training/context_trainer.h"
 
 #include <algorithm>
 #include <array>
@@ -11,34 +11,24 @@
 
 #include "codec/octree/raster_walk.h"
 
-namespace pointreel::bench {
+namespace pointreel {
 namespace {
 
 using Samples = std::span<std::uint64_t>;
 constexpr int kOutcome = 63;
-
-/// log2 by additions, multiplications and divisions only: libm's last bit differs between machines.
-double log2_of(double value) {
-  int exponent = 0;
-  const double mantissa = std::frexp(value, &exponent);  // 0.5 to 1
-  const double t = (mantissa - 0.70710678118654752) / (mantissa + 0.70710678118654752);
-  double power = t, sum = 0.0;
-  for (int n = 1; n <= 21; n += 2, power *= t * t) sum += power / n;
-  return 2.8853900817779268 * sum + exponent - 0.5;
-}
 
 /// n log2 n, and half of log2 (n + 1).
 class Logarithms {
  public:
   Logarithms() {
     for (std::size_t n = 1; n < kTabled; ++n) {
-      n_log_n_[n] = static_cast<double>(n) * log2_of(static_cast<double>(n));
-      half_log_[n] = 0.5 * log2_of(static_cast<double>(n + 1));
+      n_log_n_[n] = static_cast<double>(n) * portable_log2(static_cast<double>(n));
+      half_log_[n] = 0.5 * portable_log2(static_cast<double>(n + 1));
     }
   }
-  double n_log_n(std::uint32_t n) const { return n < kTabled ? n_log_n_[n] : n * log2_of(n); }
+  double n_log_n(std::uint32_t n) const { return n < kTabled ? n_log_n_[n] : n * portable_log2(n); }
   double half_log(std::uint32_t n) const {
-    return n < kTabled ? half_log_[n] : 0.5 * log2_of(n + 1.0);
+    return n < kTabled ? half_log_[n] : 0.5 * portable_log2(n + 1.0);
   }
 
  private:
@@ -177,9 +167,7 @@ std::uint64_t allowed_bits(int slot) {
 }
 
 struct TrainedSlot {
-  std::uint64_t mask = 0;
-  std::vector<std::uint64_t> cells;
-  Bytes leaves;
+  SlotTables tables;
   double bits = 0.0;
 };
 
@@ -188,17 +176,19 @@ TrainedSlot train_slot(std::vector<std::uint64_t> samples, int slot, const Train
   TrainedSlot trained;
   const GreedyMask greedy(logs, options.leaf_cost);
   const std::uint64_t allowed = allowed_bits(slot);
-  trained.mask = greedy.choose(samples, allowed, options.slot_bits);
-  std::vector<std::vector<std::uint64_t>> cells(std::size_t{1} << std::popcount(trained.mask));
+  trained.tables.mask = greedy.choose(samples, allowed, options.slot_bits);
+  std::vector<std::vector<std::uint64_t>> cells(std::size_t{1}
+                                                << std::popcount(trained.tables.mask));
   double ones = 1.0;
   for (const std::uint64_t word : samples) {
-    cells[gather(word, trained.mask)].push_back(word);
+    cells[gather(word, trained.tables.mask)].push_back(word);
     ones += static_cast<double>(word >> kOutcome);
   }
   const double share = ones / (static_cast<double>(samples.size()) + 2.0);
   for (std::vector<std::uint64_t>& cell : cells) {
-    const std::uint64_t mask = greedy.choose(cell, allowed & ~trained.mask, options.cell_bits);
-    trained.cells.push_back(mask);
+    const std::uint64_t mask =
+        greedy.choose(cell, allowed & ~trained.tables.mask, options.cell_bits);
+    trained.tables.cells.push_back(mask);
     std::vector<Counts> leaves(std::size_t{1} << std::popcount(mask));
     Counts whole;
     for (const std::uint64_t word : cell) {
@@ -212,7 +202,7 @@ TrainedSlot train_slot(std::vector<std::uint64_t> samples, int slot, const Train
     const double cell_share = (whole.ones + 2.0 * share) / (whole.all + 2.0);
     for (const Counts& leaf : leaves) {
       const double probability = (leaf.ones + cell_share) / (leaf.all + 1.0);
-      trained.leaves.push_back(pack_leaf(probability, leaf.all));
+      trained.tables.leaves.push_back(pack_leaf(probability, leaf.all));
       trained.bits +=
           logs.n_log_n(leaf.all) - logs.n_log_n(leaf.ones) - logs.n_log_n(leaf.all - leaf.ones);
     }
@@ -222,7 +212,18 @@ TrainedSlot train_slot(std::vector<std::uint64_t> samples, int slot, const Train
 
 }  // namespace
 
-void ContextTrainer::add(const Svo& svo) {
+double portable_log2(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);  // 0.5 to 1
+  const double t = (mantissa - 0.70710678118654752) / (mantissa + 0.70710678118654752);
+  double power = t, sum = 0.0;
+  for (int n = 1; n <= 21; n += 2, power *= t * t) sum += power / n;
+  return 2.8853900817779268 * sum + exponent - 0.5;
+}
+
+void for_each_decision_of(
+    const Svo& svo,
+    const std::function<void(int level_class, int slot, std::uint64_t word, unsigned bit)>& use) {
   if (svo.node_count() == 0) return;
   RasterLevel level = root_level();
   for (int number = 0; number < svo.depth; ++number) {
@@ -235,10 +236,10 @@ void ContextTrainer::add(const Svo& svo) {
     const bool sparse = codes_only_child(level_class);
     walk(level, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
       if (sparse) word = neighborhood::sparse_word(word, level.parents[node]);
-      const auto keep = [&](int slot, std::uint64_t context, unsigned bit) {
-        samples_[level_class][slot].push_back(context | std::uint64_t{bit} << kOutcome);
-      };
-      for_each_decision(sparse, word, level.masks[node], keep);
+      for_each_decision(sparse, word, level.masks[node],
+                        [&](int slot, std::uint64_t context, unsigned bit) {
+                          use(level_class, slot, context, bit);
+                        });
       return level.masks[node];
     });
     std::vector<std::uint32_t> first_child(level.size());
@@ -250,6 +251,12 @@ void ContextTrainer::add(const Svo& svo) {
     expand(level, first_child, children, below);
     level = std::move(below);
   }
+}
+
+void ContextTrainer::add(const Svo& svo) {
+  for_each_decision_of(svo, [this](int level_class, int slot, std::uint64_t word, unsigned bit) {
+    samples_[level_class][slot].push_back(word | std::uint64_t{bit} << kOutcome);
+  });
 }
 
 std::size_t ContextTrainer::sample_count() const {
@@ -267,21 +274,16 @@ ContextTrainer::Result ContextTrainer::train(const TrainingOptions& options) con
     const int slot = static_cast<int>(i % kSlots);
     trained[i] = train_slot(samples_[i / kSlots][slot], slot, options, logs);
   });
-  ContextTables tables;
-  Bytes leaves;
   Result result;
   double bits = 0.0;
   for (std::size_t i = 0; i < trained.size(); ++i) {
-    tables.slots[i / kSlots][i % kSlots].mask = trained[i].mask;
-    for (const std::uint64_t mask : trained[i].cells) tables.cells.push_back({mask, 0});
-    leaves.insert(leaves.end(), trained[i].leaves.begin(), trained[i].leaves.end());
+    result.cells += trained[i].tables.cells.size();
+    result.leaves += trained[i].tables.leaves.size();
     bits += trained[i].bits;
+    result.slots[i] = std::move(trained[i].tables);
   }
-  result.cells = tables.cells.size();
-  result.leaves = leaves.size();
   result.bits_per_decision = bits / static_cast<double>(std::max<std::size_t>(1, sample_count()));
-  result.tables = write_tables(tables, leaves);
   return result;
 }
 
-}  // namespace pointreel::bench
+}  // namespace pointreel

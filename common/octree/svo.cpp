@@ -88,18 +88,23 @@ SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels) 
 
 Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule) {
+  if (rule.most < 0 || rule.most > kMaxDepth) {
+    return fail("depth " + std::to_string(rule.most) + " is not between 0 and " +
+                std::to_string(kMaxDepth));
+  }
   if (rule.kind == DepthRule::Kind::fixed) {
     if (rule.depth < 0 || rule.depth > kMaxDepth) {
       return fail("depth " + std::to_string(rule.depth) + " is not between 0 and " +
                   std::to_string(kMaxDepth));
     }
-    return rule.depth;
+    return std::min(rule.depth, rule.most);
   }
   if (!(rule.delta >= 0.0)) return fail("delta must be a number of at least 0");
   // ERRATA 4: the criterion alone never ends where points coincide, so it also stops at the level
   // that tells all distinct points apart. A level like the one above it is no reason to stop.
   std::size_t depth = 0;
-  while (depth + 1 < occupied.size() && occupied[depth] < occupied.back() &&
+  const auto most = static_cast<std::size_t>(rule.most);
+  while (depth < most && depth + 1 < occupied.size() && occupied[depth] < occupied.back() &&
          !meets(rule, occupied[depth], n)) {
     ++depth;
   }
@@ -120,7 +125,7 @@ Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
     // A depth that does not meet the rule was only the last at which these levels tell points
     // apart.
     const std::uint32_t cells = sorted.occupied[static_cast<std::size_t>(*depth)];
-    if (levels == kMaxDepth || meets(rule, cells, cloud.size())) {
+    if (levels == kMaxDepth || *depth == rule.most || meets(rule, cells, cloud.size())) {
       return SortedToDepth{std::move(sorted), *depth};
     }
   }

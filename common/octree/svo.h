@@ -53,6 +53,7 @@ struct DepthRule {
   Kind kind = Kind::delta;
   double delta = 0.05;  ///< acceptable share of points lost to merging; 0.05 is the paper's default
   int depth = 10;       ///< 0 to kMaxDepth
+  int most = kMaxDepth;  ///< whatever the rule says, no deeper than this; 0 to kMaxDepth
 
   static DepthRule by_delta(double delta) { return {Kind::delta, delta, 0}; }
   static DepthRule fixed(int depth) { return {Kind::fixed, 0.0, depth}; }
@@ -73,9 +74,9 @@ struct SortedPoints {
 SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels = kMaxDepth);
 
 /// The smallest h with oct(h) / n >= 1 - delta, at most the level at which all distinct points are
-/// apart (ERRATA 4); or the fixed depth. `occupied` holds oct(h) of every level that there is; `n`
-/// is the number of points that the delta refers to: the input points, duplicates included. Refuses
-/// a NaN or negative delta and a fixed depth out of range.
+/// apart (ERRATA 4); or the fixed depth; but never more than rule.most. `occupied` holds oct(h) of
+/// every level that there is; `n` is the number of points that the delta refers to: the input
+/// points, duplicates included. Refuses a NaN or negative delta and depths out of range.
 Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule);
 

@@ -176,6 +176,25 @@ TEST(DepthRule, refuses_what_is_no_delta_and_takes_what_is) {
   EXPECT_EQ(choose_depth(occupied, 8, DepthRule::fixed(21)).value(), 21);
 }
 
+TEST(DepthRule, goes_no_deeper_than_it_may) {
+  const PointCloud cloud = random_shell(5000, 8);
+  const Cube cube = bounding_cube(bounds(cloud));
+  for (DepthRule rule :
+       {DepthRule::by_delta(0.0), DepthRule::by_delta(0.05), DepthRule::fixed(13)}) {
+    const int free = sort_to_depth(cloud, cube, rule)->depth;
+    for (const int most : {0, 3, free - 1, free, kMaxDepth}) {
+      rule.most = most;
+      const auto sorted = sort_to_depth(cloud, cube, rule);
+      EXPECT_EQ(sorted->depth, std::min(free, most));
+      EXPECT_GE(sorted->sorted.levels, sorted->depth);
+    }
+    rule.most = -1;
+    EXPECT_FALSE(sort_to_depth(cloud, cube, rule));
+    rule.most = kMaxDepth + 1;
+    EXPECT_FALSE(sort_to_depth(cloud, cube, rule));
+  }
+}
+
 TEST(Svo, truncated_equals_one_built_shallower) {
   const SortedPoints sorted = sort_points(random_shell(5000, 4), Cube{glm::dvec3(-1.0), 2.0});
   const Svo deep = build_svo(sorted, 9);

@@ -44,12 +44,17 @@ struct OctreeOptions {
   std::shared_ptr<const ContextTables> tables = nullptr;
 };
 
+/// In which order Draco codes points: one after another along the Morton curve, or as a kd-tree.
+/// `automatic` is draco_encoder's choice: sequential at level 0, else the kd-tree.
+enum class DracoMethod : std::uint8_t { automatic, sequential, kd_tree };
+
 /// Names and defaults of draco_encoder.
 struct DracoOptions {
   int position_bits = 11;     ///< --qp, 1 to 21, relative to the edge of the cube
   int normal_bits = 8;        ///< --qn, 2 to 16
   int generic_bits = 8;       ///< --qg; no attribute of ours is generic today
   int compression_level = 7;  ///< --cl, 0 (fastest) to 10 (smallest)
+  DracoMethod method = DracoMethod::automatic;
 };
 
 struct EncodeOptions {

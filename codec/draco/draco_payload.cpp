@@ -67,11 +67,28 @@ struct NormalGrid {
   }
 };
 
+/// What the options and the cloud make of a frame.
+struct Plan {
+  bool sequential = false, normals = false, colors = false, wide_colors = false;
+};
+
+Plan plan_for(const PointCloud& cloud, const DracoOptions& options, bool normals, bool colors) {
+  const bool automatic = options.method == DracoMethod::automatic;
+  Plan plan;
+  plan.sequential =
+      automatic ? options.compression_level == 0 : options.method == DracoMethod::sequential;
+  plan.normals = normals && cloud.has_normals();
+  plan.colors = colors && cloud.has_colors();
+  plan.wide_colors = plan.colors && !colors_fit_8_bits(cloud);
+  return plan;
+}
+
 /// A point as it will be coded: cell, then what tells points in the same cell apart.
 struct CodedPoint {
-  std::uint64_t key;
-  glm::ivec3 normal;
-  glm::u16vec3 color;
+  std::uint64_t key = 0;
+  glm::ivec3 normal{
+      0};  ///< on the grid; for the sequential coder, which has its own, the floats' bits
+  glm::u16vec3 color{0};
 
   auto order() const {
     return std::tuple(key, color.x, color.y, color.z, normal.x, normal.y, normal.z);
@@ -80,15 +97,18 @@ struct CodedPoint {
 
 /// The points in an order that only the set of them decides.
 std::vector<CodedPoint> quantise_and_sort(const PointCloud& cloud, const Cube& cube,
-                                          const DracoOptions& options, bool normals, bool colors) {
+                                          const DracoOptions& options, const Plan& plan) {
   const SortedPoints sorted = sort_points(cloud, cube, options.position_bits);
   const NormalGrid grid(options.normal_bits);
   std::vector<CodedPoint> points(sorted.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [key, index] = sorted.points[i];
     points[i].key = key;
-    points[i].normal = normals ? grid.quantise(cloud.normals[index]) : glm::ivec3(0);
-    points[i].color = colors ? cloud.colors[index] : glm::u16vec3(0);
+    if (plan.normals) {
+      const glm::vec3& normal = cloud.normals[index];
+      points[i].normal = plan.sequential ? glm::floatBitsToInt(normal) : grid.quantise(normal);
+    }
+    if (plan.colors) points[i].color = cloud.colors[index];
   }
   const auto less = [](const CodedPoint& a, const CodedPoint& b) { return a.order() < b.order(); };
   for (auto first = points.begin(); first != points.end();) {
@@ -100,23 +120,46 @@ std::vector<CodedPoint> quantise_and_sort(const PointCloud& cloud, const Cube& c
   return points;
 }
 
-/// Adds an attribute of three components; `component(i, c)` is component c of point i.
-template <class T, class Component>
+/// Adds an attribute of `n` components; `component(i, c)` is component c of point i.
+template <class T, int n, class Component>
 int add_attribute(draco::PointCloud& cloud, GeometryAttribute::Type type, draco::DataType data_type,
                   bool normalized, Component component) {
   GeometryAttribute description;
-  description.Init(type, nullptr, 3, data_type, normalized, 3 * sizeof(T), 0);
+  description.Init(type, nullptr, n, data_type, normalized, n * sizeof(T), 0);
   const int id = cloud.AddAttribute(description, true, cloud.num_points());
   std::uint8_t* out = cloud.attribute(id)->buffer()->data();
   for (std::size_t i = 0; i < cloud.num_points(); ++i) {
-    const std::array<T, 3> v = {component(i, 0), component(i, 1), component(i, 2)};
+    std::array<T, n> v;
+    for (int c = 0; c < n; ++c) v[static_cast<std::size_t>(c)] = component(i, c);
     std::memcpy(out + i * sizeof(v), v.data(), sizeof(v));
   }
   return id;
 }
 
+void add_colors(draco::PointCloud& cloud, const std::vector<CodedPoint>& points, bool wide) {
+  if (wide) {
+    add_attribute<std::uint16_t, 3>(cloud, GeometryAttribute::COLOR, draco::DT_UINT16, true,
+                                    [&](std::size_t i, int c) { return points[i].color[c]; });
+  } else {
+    add_attribute<std::uint8_t, 3>(
+        cloud, GeometryAttribute::COLOR, draco::DT_UINT8, true,
+        [&](std::size_t i, int c) { return static_cast<std::uint8_t>(points[i].color[c] / 257); });
+  }
+}
+
+/// Says which normals are known, where not all are: the octahedron has no place for others.
+void add_known(draco::PointCloud& cloud, const std::vector<glm::vec3>& normals) {
+  const auto known = [&normals](std::size_t i, int = 0) {
+    return static_cast<std::uint8_t>(normals[i] != glm::vec3(0.0f) ? 1 : 0);
+  };
+  bool all = true;
+  for (std::size_t i = 0; i < normals.size(); ++i) all = all && known(i) != 0;
+  if (all) return;
+  add_attribute<std::uint8_t, 1>(cloud, GeometryAttribute::GENERIC, draco::DT_UINT8, false, known);
+}
+
 Result<Bytes> encode(const std::vector<CodedPoint>& points, const Cube& cube,
-                     const DracoOptions& options, bool normals, bool colors, bool wide_colors) {
+                     const DracoOptions& options, const Plan& plan) {
   draco::PointCloud cloud;
   cloud.set_num_points(static_cast<std::uint32_t>(points.size()));
 
@@ -128,27 +171,25 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const Cube& cube,
     values[i] = glm::vec3((glm::dvec3(morton_decode(points[i].key)) + 0.5) * cell);
   }
   const int position_id =
-      add_attribute<float>(cloud, GeometryAttribute::POSITION, draco::DT_FLOAT32, false, value);
+      add_attribute<float, 3>(cloud, GeometryAttribute::POSITION, draco::DT_FLOAT32, false, value);
   const NormalGrid grid(options.normal_bits);
   int normal_id = -1;
-  if (normals) {
-    for (std::size_t i = 0; i < points.size(); ++i) values[i] = grid.value(points[i].normal);
+  if (plan.normals) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const glm::ivec3& normal = points[i].normal;
+      values[i] = plan.sequential ? glm::intBitsToFloat(normal) : grid.value(normal);
+    }
     normal_id =
-        add_attribute<float>(cloud, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, value);
+        add_attribute<float, 3>(cloud, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, value);
   }
-  if (colors && wide_colors) {
-    add_attribute<std::uint16_t>(cloud, GeometryAttribute::COLOR, draco::DT_UINT16, true,
-                                 [&](std::size_t i, int c) { return points[i].color[c]; });
-  } else if (colors) {
-    add_attribute<std::uint8_t>(
-        cloud, GeometryAttribute::COLOR, draco::DT_UINT8, true,
-        [&](std::size_t i, int c) { return static_cast<std::uint8_t>(points[i].color[c] / 257); });
-  }
+  if (plan.colors) add_colors(cloud, points, plan.wide_colors);
+  if (plan.normals && plan.sequential) add_known(cloud, values);
 
   draco::ExpertEncoder encoder(cloud);
   const int speed = 10 - options.compression_level;
   encoder.SetSpeedOptions(speed, speed);
-  encoder.SetEncodingMethod(draco::POINT_CLOUD_KD_TREE_ENCODING);
+  encoder.SetEncodingMethod(plan.sequential ? draco::POINT_CLOUD_SEQUENTIAL_ENCODING
+                                            : draco::POINT_CLOUD_KD_TREE_ENCODING);
   // Draco's grid has its first and last value at the ends of the range, the cube's cells have their
   // centres half a cell within it.
   const std::array<float, 3> first_center = [&] {
@@ -158,7 +199,9 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const Cube& cube,
   encoder.SetAttributeExplicitQuantization(position_id, options.position_bits, 3,
                                            first_center.data(),
                                            static_cast<float>(cube.edge - cell));
-  if (normals) {
+  if (plan.normals && plan.sequential) {
+    encoder.SetAttributeQuantization(normal_id, options.normal_bits);
+  } else if (plan.normals) {
     const std::array<float, 3> lowest = {-1.0f, -1.0f, -1.0f};
     encoder.SetAttributeExplicitQuantization(normal_id, options.normal_bits, 3, lowest.data(),
                                              grid.range());
@@ -178,33 +221,47 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const Cube& cube,
   return bytes;
 }
 
-/// Whether the header describes what `encode` writes.
-bool is_ours(const DrcHeader& header) {
-  if (header.mesh || header.method != draco::POINT_CLOUD_KD_TREE_ENCODING || header.metadata ||
-      header.version != 2 * 256 + 3 || header.attribute_decoders != 1 ||
-      header.attributes.empty()) {
-    return false;
-  }
-  int last_type = -1;  // POSITION < NORMAL < COLOR: each at most once, in this order
-  for (const DrcAttribute& attribute : header.attributes) {
-    const bool color = attribute.type == GeometryAttribute::COLOR;
-    const bool type_fits =
-        color ? attribute.data_type == draco::DT_UINT8 || attribute.data_type == draco::DT_UINT16
-              : attribute.data_type == draco::DT_FLOAT32;
-    if (attribute.type > GeometryAttribute::COLOR || attribute.type <= last_type ||
-        attribute.components != 3 || attribute.normalized != color || !type_fits) {
+/// Whether an attribute is one of those that `encode` writes.
+bool is_ours(const DrcAttribute& attribute) {
+  switch (attribute.type) {
+    case GeometryAttribute::POSITION:
+    case GeometryAttribute::NORMAL:
+      return attribute.data_type == draco::DT_FLOAT32 && attribute.components == 3 &&
+             !attribute.normalized;
+    case GeometryAttribute::COLOR:
+      return (attribute.data_type == draco::DT_UINT8 || attribute.data_type == draco::DT_UINT16) &&
+             attribute.components == 3 && attribute.normalized;
+    case GeometryAttribute::GENERIC:
+      return attribute.data_type == draco::DT_UINT8 && attribute.components == 1 &&
+             !attribute.normalized;
+    default:
       return false;
-    }
-    last_type = attribute.type;
   }
-  return header.attributes.front().type == GeometryAttribute::POSITION;
 }
 
-/// The values of an attribute of three components that `is_ours` and `is_readable` have accepted.
-template <class T>
-glm::vec<3, T> read(const draco::PointAttribute& attribute, std::uint32_t i) {
-  glm::vec<3, T> v;
-  std::memcpy(&v.x, attribute.GetAddressOfMappedIndex(draco::PointIndex(i)), 3 * sizeof(T));
+/// Whether the header describes what `encode` writes.
+bool is_ours(const DrcHeader& header) {
+  if (header.mesh || header.metadata || header.version != 2 * 256 + 3 ||
+      header.attribute_decoders != 1 || header.attributes.empty()) {
+    return false;
+  }
+  int last_type = -1;  // POSITION < NORMAL < COLOR < GENERIC: each at most once, in this order
+  bool normals = false;
+  for (const DrcAttribute& attribute : header.attributes) {
+    if (!is_ours(attribute) || attribute.type <= last_type) return false;
+    normals = normals || attribute.type == GeometryAttribute::NORMAL;
+    last_type = attribute.type;
+  }
+  const bool sequential = header.method == draco::POINT_CLOUD_SEQUENTIAL_ENCODING;
+  return header.attributes.front().type == GeometryAttribute::POSITION &&
+         (last_type != GeometryAttribute::GENERIC || (sequential && normals));
+}
+
+/// The values of an attribute that `is_ours` and `is_readable` have accepted.
+template <class T, int n = 3>
+glm::vec<n, T> read(const draco::PointAttribute& attribute, std::uint32_t i) {
+  glm::vec<n, T> v;
+  std::memcpy(&v.x, attribute.GetAddressOfMappedIndex(draco::PointIndex(i)), n * sizeof(T));
   return v;
 }
 
@@ -215,7 +272,8 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube) {
   const auto* positions = decoded.GetNamedAttribute(GeometryAttribute::POSITION);
   const auto* normals = decoded.GetNamedAttribute(GeometryAttribute::NORMAL);
   const auto* colors = decoded.GetNamedAttribute(GeometryAttribute::COLOR);
-  for (const auto* attribute : {positions, normals, colors}) {
+  const auto* known = decoded.GetNamedAttribute(GeometryAttribute::GENERIC);
+  for (const auto* attribute : {positions, normals, colors, known}) {
     if (attribute != nullptr && !is_readable(*attribute, n)) {
       return fail("the Draco frame maps points to values that do not exist");
     }
@@ -235,8 +293,9 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube) {
       const glm::vec3 v = read<float>(*normals, i);
       // Quantised unit vectors are longer than this, and unknown normals are 0 but for rounding.
       const float length = glm::length(v);
-      const bool known = length > 0.5f && std::isfinite(length);
-      cloud.normals[i] = known ? v / length : glm::vec3(0.0f);
+      const bool usable = length > 0.5f && std::isfinite(length) &&
+                          (known == nullptr || read<std::uint8_t, 1>(*known, i).x != 0);
+      cloud.normals[i] = usable ? v / length : glm::vec3(0.0f);
     }
   }
   if (colors != nullptr) {
@@ -257,11 +316,9 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
   const Result<void> checked = check(cloud, cube, options);
   if (!checked) return tl::unexpected(checked.error());
   if (cloud.empty()) return Bytes{};
-  normals = normals && cloud.has_normals();
-  colors = colors && cloud.has_colors();
+  const Plan plan = plan_for(cloud, options, normals, colors);
   try {
-    return encode(quantise_and_sort(cloud, cube, options, normals, colors), cube, options, normals,
-                  colors, !colors_fit_8_bits(cloud));
+    return encode(quantise_and_sort(cloud, cube, options, plan), cube, options, plan);
   } catch (const std::bad_alloc&) {
     return fail("not enough memory to encode the frame with Draco");
   } catch (const std::exception& error) {
@@ -280,7 +337,7 @@ Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube,
   const Result<DrcHeader> header = parse_drc_header(payload, kPointsPerFrameByte, limits);
   if (!header) return tl::unexpected(header.error());
   if (!is_ours(*header)) {
-    return fail("the Draco frame is not a kd-tree point cloud of positions, normals and colours");
+    return fail("the Draco frame is not a point cloud of positions, normals and colours");
   }
   const auto decoded = run_draco_decoder(payload, *header, limits);
   if (!decoded) return tl::unexpected(decoded.error());

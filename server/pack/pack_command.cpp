@@ -27,7 +27,7 @@ struct PackArguments {
   double delta = 0.05, voxel = 0.0, fps = 30.0;
   int depth = 10, threads = 0, quality = kDefaultColorQuality;
   int normal_quality = kDefaultNormalQuality;
-  std::string normals = "send";
+  std::string normals = "send", method = "auto";
   std::uint32_t segment = 30;
   DracoOptions draco;
   bool no_normals = false, no_colors = false, force = false;
@@ -55,7 +55,11 @@ Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
         fmt::format("{} belongs to --codec {}", wrong->get_name(), draco ? "octree" : "draco"));
   }
   if (draco) {
-    options.codec = arguments.draco;
+    DracoOptions draco_options = arguments.draco;
+    draco_options.method = arguments.method == "auto"         ? DracoMethod::automatic
+                           : arguments.method == "sequential" ? DracoMethod::sequential
+                                                              : DracoMethod::kd_tree;
+    options.codec = draco_options;
     return options;
   }
   OctreeOptions octree;
@@ -235,6 +239,11 @@ void add_draco_options(CLI::App& command, PackArguments& a) {
   add("--qn", a.draco.normal_bits, "bits of a normal", 2, 16);
   add("--qg", a.draco.generic_bits, "bits of a generic attribute", 1, 30);
   add("--cl", a.draco.compression_level, "compression level, 10 smallest", 0, 10);
+  a.draco_only.push_back(
+      command.add_option("--method", a.method, "auto: sequential at --cl 0, else kd-tree")
+          ->check(CLI::IsMember({"auto", "kd-tree", "sequential"}))
+          ->capture_default_str()
+          ->group("Draco"));
 }
 
 }  // namespace

@@ -44,10 +44,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(box.max[axis] <= cube.origin[axis] + cube.edge + 1e-6);
     }
     // What decodes encodes again, and to as many points.
-    const auto again = pointreel::encode_draco_payload(*cloud, cube, {}, true, true);
-    require(again.has_value());
-    const auto decoded = pointreel::decode_draco_payload(*again, cube, limits);
-    require(decoded.has_value() && decoded->size() == cloud->size());
+    for (const auto method :
+         {pointreel::DracoMethod::kd_tree, pointreel::DracoMethod::sequential}) {
+      pointreel::DracoOptions options;
+      options.method = method;
+      const auto again = pointreel::encode_draco_payload(*cloud, cube, options, true, true);
+      require(again.has_value());
+      const auto decoded = pointreel::decode_draco_payload(*again, cube, limits);
+      require(decoded.has_value() && decoded->size() == cloud->size());
+    }
   }
   return 0;
 }

@@ -48,6 +48,32 @@ PointCloud permuted(const PointCloud& cloud, unsigned seed) {
   return out;
 }
 
+/// Ways of coding: levels as draco_encoder takes them, and methods at each end of them.
+std::vector<DracoOptions> ways() {
+  std::vector<DracoOptions> ways;
+  for (const int level : {0, 5, 7, 10}) {
+    for (const DracoMethod method :
+         {DracoMethod::automatic, DracoMethod::sequential, DracoMethod::kd_tree}) {
+      DracoOptions options;
+      options.compression_level = level;
+      options.method = method;
+      ways.push_back(options);
+    }
+  }
+  return ways;
+}
+
+bool is_sequential(const DracoOptions& options) {
+  return options.method == DracoMethod::sequential ||
+         (options.method == DracoMethod::automatic && options.compression_level == 0);
+}
+
+/// How far off a normal may be, radians: draco_payload.h.
+double normal_bound(const DracoOptions& options) {
+  const double steps = (1 << options.normal_bits) - 2;
+  return std::asin(std::min(1.0, (is_sequential(options) ? 4.0 : std::sqrt(3.0)) / steps)) + 1e-3;
+}
+
 Cube cube_of(const PointCloud& cloud) { return bounding_cube(bounds(cloud)); }
 
 Result<DecodedFrame> decode(const EncodedFrame& frame, const DecodeLimits& limits = {}) {
@@ -101,9 +127,7 @@ std::map<ColorKey, std::size_t> by_color(const PointCloud& cloud) {
 TEST(DracoCodec, EveryPointComesBackWithinHalfACellWithItsOwnColorAndNormal) {
   const PointCloud cloud = sphere(5000);
   const Cube cube = cube_of(cloud);
-  for (int level : {0, 5, 7, 10}) {
-    DracoOptions options;
-    options.compression_level = level;
+  for (const DracoOptions& options : ways()) {
     const PointCloud decoded = round_trip(cloud, cube, options);
     ASSERT_EQ(decoded.size(), cloud.size());
     EXPECT_EQ(decoded.origin, cube.origin);
@@ -115,7 +139,7 @@ TEST(DracoCodec, EveryPointComesBackWithinHalfACellWithItsOwnColorAndNormal) {
       const glm::dvec3 error = glm::abs(decoded.world(i) - cloud.world(found->second));
       EXPECT_LE(std::max({error.x, error.y, error.z}), half);
       const double cosine = glm::dot(decoded.normals[i], cloud.normals[found->second]);
-      EXPECT_GE(cosine, std::cos(glm::radians(0.4)));
+      EXPECT_GE(cosine, std::cos(normal_bound(options)));
       EXPECT_NEAR(glm::length(decoded.normals[i]), 1.0, 1e-5);
     }
   }
@@ -124,9 +148,15 @@ TEST(DracoCodec, EveryPointComesBackWithinHalfACellWithItsOwnColorAndNormal) {
 TEST(DracoCodec, PositionsAreTheCentresOfTheCellsOfTheOctree) {
   const PointCloud cloud = sphere(3000);
   const Cube cube = cube_of(cloud);
-  for (int bits : {1, 2, 8, 11}) {
+  for (const auto& [bits, method] : {std::pair{1, DracoMethod::kd_tree},
+                                     {1, DracoMethod::sequential},
+                                     {2, DracoMethod::kd_tree},
+                                     {8, DracoMethod::sequential},
+                                     {11, DracoMethod::kd_tree},
+                                     {11, DracoMethod::sequential}}) {
     DracoOptions options;
     options.position_bits = bits;
+    options.method = method;
     const PointCloud decoded = round_trip(cloud, cube, options);
     EXPECT_EQ(sorted_cells(decoded, cube, bits), sorted_cells(cloud, cube, bits));
     const double cell = std::ldexp(cube.edge, -bits);
@@ -179,37 +209,62 @@ TEST(DracoCodec, SixteenBitColorsComeBackExactly) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud.colors[i] = glm::u16vec3(i * 31 + 1, 65535 - i, i);
   }
-  const PointCloud decoded = round_trip(cloud, cube_of(cloud));
-  ASSERT_EQ(decoded.size(), cloud.size());
-  std::vector<ColorKey> sent, received;
+  std::vector<ColorKey> sent;
   for (const auto& c : cloud.colors) sent.push_back(key(c));
-  for (const auto& c : decoded.colors) received.push_back(key(c));
   std::sort(sent.begin(), sent.end());
-  std::sort(received.begin(), received.end());
-  EXPECT_EQ(received, sent);
+  for (const DracoOptions& options : ways()) {
+    const PointCloud decoded = round_trip(cloud, cube_of(cloud), options);
+    std::vector<ColorKey> received;
+    for (const auto& c : decoded.colors) received.push_back(key(c));
+    std::sort(received.begin(), received.end());
+    EXPECT_EQ(received, sent);
+  }
 }
 
 TEST(DracoCodec, UnknownNormalsStayUnknown) {
   PointCloud cloud = sphere(1000);
   for (std::size_t i = 0; i < cloud.size(); i += 3) cloud.normals[i] = glm::vec3(0.0f);
-  for (int bits : {2, 3, 8, 16}) {
-    for (int level : {0, 7}) {
-      DracoOptions options;
+  const auto index = by_color(cloud);
+  for (const int bits : {2, 3, 8, 16}) {
+    for (DracoOptions options : ways()) {
       options.normal_bits = bits;
-      options.compression_level = level;
       const PointCloud decoded = round_trip(cloud, cube_of(cloud), options);
       ASSERT_EQ(decoded.size(), cloud.size());
-      const auto index = by_color(cloud);
-      const double bound = std::asin(std::min(1.0, std::sqrt(3.0) / ((1 << bits) - 2))) + 1e-3;
       for (std::size_t i = 0; i < decoded.size(); ++i) {
         const glm::vec3 sent = cloud.normals[index.at(key(decoded.colors[i]))];
         if (sent == glm::vec3(0.0f)) {
           EXPECT_EQ(decoded.normals[i], glm::vec3(0.0f));
         } else {
-          EXPECT_GE(glm::dot(decoded.normals[i], sent), std::cos(bound)) << bits << " bits";
+          EXPECT_GE(glm::dot(decoded.normals[i], sent), std::cos(normal_bound(options)))
+              << bits << " bits";
         }
       }
     }
+  }
+}
+
+TEST(DracoCodec, TheSequentialCoderSaysWhichNormalsAreKnownOnlyWhereSomeAreNot) {
+  PointCloud cloud = sphere(1000);
+  DracoOptions options;
+  options.method = DracoMethod::sequential;
+  const Cube cube = cube_of(cloud);
+  const Bytes known = *encode_draco_payload(cloud, cube, options, true, true);
+  cloud.normals[7] = glm::vec3(0.0f);
+  const Bytes unknown = *encode_draco_payload(cloud, cube, options, true, true);
+  const auto attributes = [](const Bytes& bytes) {
+    return parse_drc_header(bytes, kPointsPerFrameByte, {})->attributes.size();
+  };
+  EXPECT_EQ(attributes(known), 3u);
+  EXPECT_EQ(attributes(unknown), 4u);
+}
+
+TEST(DracoCodec, LevelZeroIsSequentialUnlessAMethodIsAskedFor) {
+  const PointCloud cloud = sphere(100);
+  for (const DracoOptions& options : ways()) {
+    const Bytes payload = *encode_draco_payload(cloud, cube_of(cloud), options, true, true);
+    const int method = parse_drc_header(payload, kPointsPerFrameByte, {})->method;
+    EXPECT_EQ(method, is_sequential(options) ? draco::POINT_CLOUD_SEQUENTIAL_ENCODING
+                                             : draco::POINT_CLOUD_KD_TREE_ENCODING);
   }
 }
 
@@ -219,9 +274,7 @@ TEST(DracoCodec, BytesDoNotDependOnTheOrderOfThePoints) {
     cloud.positions[i] = cloud.positions[i % 7];
   }
   const Cube cube = cube_of(cloud);
-  for (int level : {0, 3, 7}) {
-    DracoOptions options;
-    options.compression_level = level;
+  for (const DracoOptions& options : ways()) {
     const auto first = encode_draco(cloud, cube, options, true, true);
     ASSERT_TRUE(first);
     for (unsigned seed = 1; seed < 4; ++seed) {
@@ -266,14 +319,18 @@ TEST(DracoCodec, OnePointAndFlatCloudsWork) {
 
 TEST(DracoCodec, DuplicatesAreKeptHoweverMany) {
   PointCloud cloud;
-  cloud.positions.assign(300000, glm::vec3(1, 2, 3));
+  cloud.positions.assign(100000, glm::vec3(1, 2, 3));
   const Cube cube{glm::dvec3(0.0), 4.0};
-  const auto payload = encode_draco_payload(cloud, cube, {}, true, true);
-  ASSERT_TRUE(payload);
-  EXPECT_LT(payload->size(), 5000u) << "padding beyond what the decoder asks for";
-  const PointCloud decoded = round_trip(cloud, cube);
-  ASSERT_EQ(decoded.size(), cloud.size());
-  EXPECT_EQ(sorted_cells(decoded, cube, 11), sorted_cells(cloud, cube, 11));
+  for (const DracoMethod method : {DracoMethod::kd_tree, DracoMethod::sequential}) {
+    DracoOptions options;
+    options.method = method;
+    const auto payload = encode_draco_payload(cloud, cube, options, true, true);
+    ASSERT_TRUE(payload);
+    EXPECT_LT(payload->size(), 5000u) << "padding beyond what the decoder asks for";
+    const PointCloud decoded = round_trip(cloud, cube, options);
+    ASSERT_EQ(decoded.size(), cloud.size());
+    EXPECT_EQ(sorted_cells(decoded, cube, 11), sorted_cells(cloud, cube, 11));
+  }
 }
 
 TEST(DracoCodec, AttributesThatAreSwitchedOffOrAbsentStayAbsent) {
@@ -331,18 +388,22 @@ TEST(DracoCodec, PartsAddUpToTheFrame) {
 
 TEST(DracoCodec, FramesCutShortOrWithAnyBitFlippedAreErrors) {
   const PointCloud cloud = sphere(40);
-  const auto frame = encode_draco(cloud, cube_of(cloud), {}, true, true);
-  ASSERT_TRUE(frame);
-  EncodedFrame damaged = *frame;
-  Bytes& bytes = damaged.layers[0].geometry;
-  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
-    bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
-    EXPECT_FALSE(decode(damaged)) << "bit " << bit;
-    bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
-  }
-  while (!bytes.empty()) {
-    bytes.pop_back();
-    EXPECT_FALSE(decode(damaged)) << bytes.size() << " bytes";
+  for (const int level : {0, 7}) {
+    DracoOptions options;
+    options.compression_level = level;
+    const auto frame = encode_draco(cloud, cube_of(cloud), options, true, true);
+    ASSERT_TRUE(frame);
+    EncodedFrame damaged = *frame;
+    Bytes& bytes = damaged.layers[0].geometry;
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
+      EXPECT_FALSE(decode(damaged)) << "bit " << bit;
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
+    }
+    while (!bytes.empty()) {
+      bytes.pop_back();
+      EXPECT_FALSE(decode(damaged)) << bytes.size() << " bytes";
+    }
   }
 }
 
@@ -366,11 +427,16 @@ void expect_harmless(const Bytes& bytes, const Cube& cube, std::size_t most_poin
 }
 
 TEST(DracoCodec, PayloadsCutShortOrWithAnyBitFlippedNeverCrash) {
-  const PointCloud cloud = sphere(40);
+  PointCloud cloud = sphere(20);
+  cloud.normals[3] = glm::vec3(0.0f);
   const Cube cube = cube_of(cloud);
-  for (int level : {0, 4, 7}) {
+  for (const auto& [level, method] : {std::pair{0, DracoMethod::sequential},
+                                      {7, DracoMethod::sequential},
+                                      {0, DracoMethod::kd_tree},
+                                      {7, DracoMethod::kd_tree}}) {
     DracoOptions options;
     options.compression_level = level;
+    options.method = method;
     const Bytes payload = *encode_draco_payload(cloud, cube, options, true, true);
     for (std::size_t bit = 0; bit < 8 * payload.size(); ++bit) {
       Bytes damaged = payload;
@@ -423,7 +489,7 @@ TEST(DracoCodec, AMeshIsNoFrame) {
   const Bytes bytes(buffer.data(), buffer.data() + buffer.size());
   const auto decoded = decode_draco_payload(bytes, Cube{});
   ASSERT_FALSE(decoded);
-  EXPECT_NE(decoded.error().message.find("not a kd-tree point cloud"), std::string::npos);
+  EXPECT_NE(decoded.error().message.find("not a point cloud"), std::string::npos);
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ class AttributeDecoder {
     if (bytes.empty() || !present_) return {};
     const auto chunk = read_chunk(bytes, kind_, static_cast<std::uint8_t>(layer), tag);
     if (!chunk) return tl::unexpected(chunk.error());
+    if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
     const auto raw = unpack_chunk(*chunk, shape_.bytes(codes_.size()));
     if (!raw) return tl::unexpected(raw.error());
     codes_ = add_differences(*raw, codes_, shape_);

@@ -45,6 +45,13 @@ class RangeDecoder {
     return result;
   }
 
+  /// Whether the bytes end where the bits do, but for zeros.
+  bool complete() const {
+    const std::size_t end = next_ - 4;
+    return end <= bytes_.size() && std::all_of(bytes_.begin() + static_cast<std::ptrdiff_t>(end),
+                                               bytes_.end(), [](auto byte) { return byte == 0; });
+  }
+
  private:
   void shift(int count) {
     for (; count > 0; --count, ++next_) {
@@ -134,14 +141,18 @@ class Decoder {
     }
   }
 
-  void layer(ByteView bytes, int first_level, int last_level, bool base) {
+  Result<void> layer(ByteView bytes, int first_level, int last_level, bool base) {
     ByteReader reader(bytes);
-    predicts_ = (reader.get<std::uint8_t>() & 1) != 0;
+    const unsigned flags = reader.get<std::uint8_t>();
+    if (flags > 1) return fail("flags");
+    predicts_ = flags == 1;
     const std::int64_t luma = reader.get<std::uint16_t>(), chroma = reader.get<std::uint16_t>();
     steps_ = {luma, chroma, chroma};
-    if (base) {
+    if (luma == 0 || chroma == 0) return fail("steps");
+    if (base && !levels_[0].empty()) {
       for (std::int64_t& v : levels_[0].begin()->second.value) v = reader.get<std::int16_t>();
     }
+    if (!reader.ok()) return fail("cut short");
     RangeDecoder range(bytes, bytes.size() - reader.rest().size());
     for (auto& [key, node] : levels_[static_cast<std::size_t>(last_level)]) node.weight = 1;
     for (int level = last_level; level-- > first_level;) {
@@ -161,21 +172,15 @@ class Decoder {
         code_node(range, level, key, node);
       }
     }
+    return range.complete() ? Result<void>{} : fail("coded bytes end elsewhere");
   }
 
-  std::vector<glm::u16vec3> colors() const {
-    std::vector<glm::u16vec3> colors;
+  std::vector<glm::ivec3> values() const {
+    std::vector<glm::ivec3> values;
     for (const auto& [key, node] : levels_.back()) {
-      const auto [y, b, r] = node.value;
-      const auto component = [](std::int64_t v) {
-        return static_cast<std::uint16_t>(257 *
-                                          std::clamp<std::int64_t>((v + (1 << 19)) >> 20, 0, 255));
-      };
-      colors.emplace_back(component(16384 * y + 25802 * r),
-                          component(16384 * y - 3069 * b - 7670 * r),
-                          component(16384 * y + 30402 * b));
+      values.emplace_back(node.value[0], node.value[1], node.value[2]);
     }
-    return colors;
+    return values;
   }
 
  private:
@@ -334,14 +339,36 @@ class Decoder {
 
 }  // namespace
 
+Result<std::vector<glm::ivec3>> decode_values(const std::vector<glm::uvec3>& leaves,
+                                              const std::vector<Bytes>& layers,
+                                              const std::vector<int>& layer_ends) {
+  Decoder decoder(leaves, layer_ends[layers.size() - 1]);
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const auto decoded =
+        decoder.layer(layers[i], i == 0 ? 0 : layer_ends[i - 1], layer_ends[i], i == 0);
+    if (!decoded) return tl::unexpected(decoded.error());
+  }
+  return decoder.values();
+}
+
+glm::u16vec3 color_of_value(const glm::ivec3& value) {
+  const std::int64_t y = value.x, b = value.y, r = value.z;
+  const auto component = [](std::int64_t v) {
+    return static_cast<std::uint16_t>(257 *
+                                      std::clamp<std::int64_t>((v + (1 << 19)) >> 20, 0, 255));
+  };
+  return {component(16384 * y + 25802 * r), component(16384 * y - 3069 * b - 7670 * r),
+          component(16384 * y + 30402 * b)};
+}
+
 std::vector<glm::u16vec3> decode_colors(const std::vector<glm::uvec3>& leaves,
                                         const std::vector<Bytes>& layers,
                                         const std::vector<int>& layer_ends) {
-  Decoder decoder(leaves, layer_ends[layers.size() - 1]);
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    decoder.layer(layers[i], i == 0 ? 0 : layer_ends[i - 1], layer_ends[i], i == 0);
-  }
-  return decoder.colors();
+  std::vector<glm::u16vec3> colors;
+  const auto values = decode_values(leaves, layers, layer_ends);
+  if (!values) return colors;
+  for (const glm::ivec3& value : *values) colors.push_back(color_of_value(value));
+  return colors;
 }
 
 }  // namespace pointreel::reference

@@ -39,20 +39,8 @@ std::size_t ones(std::uint64_t mask) {
   return count;
 }
 
-struct Tables {
-  struct Entry {
-    std::uint64_t mask;
-    std::size_t first;
-  };
-  struct Leaf {
-    long long p, n;
-  };
-  std::vector<Entry> slots, cells;
-  std::vector<Leaf> leaves;
-};
-
 /// `base`: what slots of mask 2^63 are taken from, if there are such.
-Tables read_tables(ByteView file, const Tables& base) {
+Tables read_tables_on(ByteView file, const Tables& base) {
   Bytes bytes(ZSTD_getFrameContentSize(file.data(), file.size()));
   ZSTD_decompress(bytes.data(), bytes.size(), file.data(), file.size());
   std::size_t at = 0;
@@ -72,16 +60,19 @@ Tables read_tables(ByteView file, const Tables& base) {
     cells += std::size_t{1} << ones(slot);
   }
   for (std::size_t i = 0; i < 6 * 16; ++i) {
-    for (std::size_t c = 0; c < std::size_t{1} << ones(tables.slots[i].mask); ++c) {
+    const std::size_t count = std::size_t{1} << ones(tables.slots[i].mask);
+    for (std::size_t c = 0; c < count; ++c) {
       tables.cells.push_back({stored[i] ? mask() : base.cells.at(base.slots[i].first + c).mask, 0});
     }
   }
   constexpr std::array<int, 4> kCounts = {1, 3, 8, 16};
   for (std::size_t i = 0; i < 6 * 16; ++i) {
-    for (std::size_t c = 0; c < std::size_t{1} << ones(tables.slots[i].mask); ++c) {
+    const std::size_t count = std::size_t{1} << ones(tables.slots[i].mask);
+    for (std::size_t c = 0; c < count; ++c) {
       Tables::Entry& cell = tables.cells.at(tables.slots[i].first + c);
       cell.first = tables.leaves.size();
-      for (std::size_t l = 0; l < std::size_t{1} << ones(cell.mask); ++l) {
+      const std::size_t leaves = std::size_t{1} << ones(cell.mask);
+      for (std::size_t l = 0; l < leaves; ++l) {
         if (!stored[i]) {
           tables.leaves.push_back(base.leaves.at(base.cells[base.slots[i].first + c].first + l));
           continue;
@@ -112,8 +103,20 @@ class Coder {
     return bit;
   }
 
+  /// Whether the bytes end where the decisions do, but for zeros.
+  bool complete() const {
+    if (at_ - 4 > bytes_.size()) return false;
+    for (std::size_t i = at_ - 4; i < bytes_.size(); ++i) {
+      if (bytes_[i] != 0) return false;
+    }
+    return true;
+  }
+
  private:
-  std::uint64_t next() { return at_ < bytes_.size() ? bytes_[at_++] : 0; }
+  std::uint64_t next() {
+    const std::size_t at = at_++;
+    return at < bytes_.size() ? bytes_[at] : 0;
+  }
 
   ByteView bytes_;
   std::size_t at_ = 0;
@@ -252,9 +255,15 @@ bool in_morton_order(const Cell& a, const Cell& b) {
 
 }  // namespace
 
-Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file,
-                                    ByteView own_tables) {
-  Tables tables = read_tables(tables_file, {});
+Tables read_tables(ByteView file) { return read_tables_on(file, {}); }
+
+Tables read_package_tables(ByteView file, const Tables& tables1) {
+  return read_tables_on(file.subspan(1), tables1);
+}
+
+Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, const Tables& tables1,
+                                    const Tables* own) {
+  Tables tables;
   std::set<Cell> nodes = {{0, 0, 0}};
   std::map<Cell, std::uint64_t> words_above;
   Bytes masks;
@@ -262,16 +271,18 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, Byt
     ByteView payload = layers[number].payload;
     if (number == 0) {
       if (payload.empty() || (payload[0] != 1 && payload[0] != 255)) return fail("no such tables");
-      const bool own = payload[0] == 255;
-      if (own && (own_tables.empty() || own_tables[0] != 1)) return fail("not based on tables 1");
-      if (own) tables = read_tables(own_tables.subspan(1), tables);
-      payload = payload.subspan(own ? 9 : 1);
+      if (payload[0] == 255 && (own == nullptr || payload.size() < 9)) return fail("no own tables");
+      tables = payload[0] == 255 ? *own : tables1;
+      payload = payload.subspan(payload[0] == 255 ? 9 : 1);
     }
     const auto levels =
         static_cast<std::size_t>(layers[number].last_level - layers[number].first_level);
     if (payload.size() < levels) return fail("no level classes");
     Coder coder(payload.subspan(levels));
+    const std::size_t end = masks.size() + layers[number].masks;
     for (std::size_t l = 0; l < levels; ++l) {
+      if (payload[l] > 5) return fail("no such level class");
+      if (nodes.size() > end - masks.size()) return fail("more masks than told");
       LevelDecoder decoder(tables, coder, payload[l]);
       Level level;
       level.nodes = nodes;
@@ -299,6 +310,8 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, Byt
       nodes = level.cells;
       words_above = words;
     }
+    if (masks.size() != end) return fail("fewer masks than told");
+    if (!coder.complete()) return fail("coded bytes end elsewhere");
   }
   return masks;
 }

@@ -1,24 +1,45 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "common/base/bytes.h"
 #include "common/base/error.h"
 
 namespace pointreel::reference {
 
-/// One layer's payload of entropy coding context, and which levels' masks it holds.
+/// One layer's payload of entropy coding context, which levels' masks it holds, and how many.
 struct ContextLayer {
   ByteView payload;
   int first_level = 0, last_level = 0;
+  std::size_t masks = 0;
 };
 
+/// Context tables as FORMAT.md describes them, one number an entry.
+struct Tables {
+  struct Entry {
+    std::uint64_t mask;
+    std::size_t first;
+  };
+  struct Leaf {
+    long long p, n;
+  };
+  std::vector<Entry> slots, cells;
+  std::vector<Leaf> leaves;
+};
+
+/// Of a good file, codec/octree/tables/1.zst.
+Tables read_tables(ByteView file);
+
+/// Of a package's good table file, based on tables 1.
+Tables read_package_tables(ByteView file, const Tables& tables1);
+
 /// Decodes layers as codec/FORMAT.md tells it ("Entropy coding context"), in the plainest way: sets
-/// of cells, words put together bit by bit, tables read from the file as it is. Knows nothing of
-/// the codec's code. `tables_file` is the content of codec/octree/tables/1.zst,
-/// `own_tables` of the package's table file, if it has one. Returns the masks,
-/// level by level in Morton order. For valid payloads only: others may give any masks or an error.
-Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, ByteView tables_file,
-                                    ByteView own_tables = {});
+/// of cells, words put together bit by bit. Knows nothing of the codec's code. `own`: the package's
+/// tables, if it has any. Returns the masks, level by level in Morton order. Payloads that do not
+/// hold just these masks are errors.
+Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, const Tables& tables1,
+                                    const Tables* own = nullptr);
 
 }  // namespace pointreel::reference

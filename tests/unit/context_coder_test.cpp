@@ -176,6 +176,7 @@ TEST(ContextCoder, makes_and_reads_the_same_bytes_with_and_without_bmi2) {
 TEST(ContextCoder, agrees_with_the_decoder_written_from_the_format_s_description) {
   std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
+  const reference::Tables tables1 = reference::read_tables(tables_file);
   for (const Svo& svo : small_trees()) {
     const int middle = (svo.depth + 1) / 2;
     const std::vector<int> ends =
@@ -185,10 +186,12 @@ TEST(ContextCoder, agrees_with_the_decoder_written_from_the_format_s_description
     std::vector<reference::ContextLayer> reference;
     int begin = 0;
     for (std::size_t i = 0; i < ends.size(); ++i) {
-      reference.push_back({layers[i], begin, ends[i]});
+      reference.push_back({layers[i], begin, ends[i],
+                           svo.level_begin[static_cast<std::size_t>(ends[i])] -
+                               svo.level_begin[static_cast<std::size_t>(begin)]});
       begin = ends[i];
     }
-    const auto masks = reference::decode_context_layers(reference, tables_file);
+    const auto masks = reference::decode_context_layers(reference, tables1);
     ASSERT_TRUE(masks) << masks.error().message;
     EXPECT_EQ(*masks, svo.masks);
   }

@@ -100,8 +100,10 @@ TEST(SequenceTables, are_read_alike_by_the_decoder_written_from_the_format_s_des
   Bytes payload = {kGivenTables, 0, 0, 0, 0, 0, 0, 0, 0};
   const Bytes masks = coded(trees[0], read_table_file(file).value());
   payload.insert(payload.end(), masks.begin(), masks.end());
-  const auto decoded =
-      reference::decode_context_layers({{payload, 0, trees[0].depth}}, tables_file, file);
+  const reference::Tables tables1 = reference::read_tables(tables_file);
+  const reference::Tables own = reference::read_package_tables(file, tables1);
+  const auto decoded = reference::decode_context_layers(
+      {{payload, 0, trees[0].depth, trees[0].masks.size()}}, tables1, &own);
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(*decoded, trees[0].masks);
 }

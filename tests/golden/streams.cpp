@@ -1,0 +1,115 @@
+#include "tests/golden/streams.h"
+
+#include <fstream>
+#include <span>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include "common/octree/svo.h"
+
+namespace pointreel::golden {
+namespace {
+
+template <class T>
+std::string hash(const std::vector<T>& values) {
+  return fmt::format("{:016x}", XXH3_64bits(values.data(), values.size() * sizeof(T)));
+}
+
+/// Of an octree the cells of the leaves, of Draco those that the points are in the middle of.
+std::vector<glm::uvec3> cells_of(const DecodedFrame& frame, int depth) {
+  if (frame.svo) return leaf_cells(*frame.svo);
+  std::vector<glm::uvec3> cells;
+  const double scale = static_cast<double>(1 << depth) / frame.cube.edge;
+  for (const glm::vec3& p : frame.cloud.positions) cells.emplace_back(glm::dvec3(p) * scale);
+  return cells;
+}
+
+nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {
+  auto views = layer_views(encoded.layers);
+  views.resize(layers);
+  const auto frame = decode_frame(views);
+  if (!frame) return {{"error", frame.error().message}};
+  const int depth = frame->svo ? frame->svo->depth : encoded.layers.front().geometry[6];
+  nlohmann::json out = {
+      {"depth", depth}, {"points", frame->cloud.size()}, {"cells", hash(cells_of(*frame, depth))}};
+  if (frame->cloud.has_colors()) out["colors"] = hash(frame->cloud.colors);
+  if (frame->cloud.has_normals()) out["normals"] = hash(frame->cloud.normals);
+  return out;
+}
+
+Result<void> write(const std::filesystem::path& file, ByteView bytes) {
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) return fail(file.string() + ": cannot be written");
+  return {};
+}
+
+}  // namespace
+
+nlohmann::json outcome(const EncodedFrame& frame) {
+  nlohmann::json whole = decoded(frame, frame.layers.size());
+  if (whole.contains("error")) return whole;
+  nlohmann::json prefixes = nlohmann::json::array();
+  for (std::size_t layers = 1; layers < frame.layers.size(); ++layers) {
+    prefixes.push_back(decoded(frame, layers));
+  }
+  prefixes.push_back(std::move(whole));
+  return {{"layers", prefixes}};
+}
+
+Bytes file_of(const EncodedFrame& frame) {
+  Bytes file;
+  ByteWriter writer(file);
+  writer.put(static_cast<std::uint32_t>(frame.layers.size()));
+  for (const EncodedLayer& layer : frame.layers) {
+    for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
+      writer.put(static_cast<std::uint32_t>(part->size()));
+      file.insert(file.end(), part->begin(), part->end());
+    }
+  }
+  return file;
+}
+
+Result<EncodedFrame> frame_of(ByteView file) {
+  EncodedFrame frame;
+  ByteReader reader(file);
+  const auto layers = reader.get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < layers && reader.ok(); ++i) {
+    EncodedLayer& layer = frame.layers.emplace_back();
+    for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
+      const auto size = reader.get<std::uint32_t>();
+      const ByteView rest = reader.rest();
+      if (size > rest.size()) return fail("file of a stream is cut short");
+      part->assign(rest.begin(), rest.begin() + size);
+      reader = ByteReader(rest.subspan(size));
+    }
+  }
+  if (!reader.ok() || !reader.rest().empty()) return fail("no file of a stream");
+  return frame;
+}
+
+Result<void> write_streams(const std::filesystem::path& folder) {
+  nlohmann::json outcomes;
+  for (const auto make : {good_streams, changed_streams}) {
+    const auto streams = make();
+    if (!streams) return tl::unexpected(streams.error());
+    for (const Stream& stream : *streams) {
+      outcomes[stream.name] = outcome(stream.frame);
+      const bool bad = stream.name.starts_with("bad_");
+      if (outcomes[stream.name].contains("error") != bad) {
+        return fail(stream.name +
+                    (bad ? ": decodes" : ": " + outcomes[stream.name]["error"].get<std::string>()));
+      }
+      const auto written = write(folder / (stream.name + ".frame"), file_of(stream.frame));
+      if (!written) return written;
+    }
+  }
+  const std::string text = outcomes.dump(1) + "\n";
+  return write(folder / "outcomes.json",
+               {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+}  // namespace pointreel::golden

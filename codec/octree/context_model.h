@@ -37,7 +37,7 @@ struct Leaf {
   std::uint16_t count = 0;            ///< of the decisions that it stands for, up to kCountLimit
 };
 inline constexpr int kLeastProbability = 32;
-inline constexpr int kCountLimit = 255;
+inline constexpr std::uint32_t kCountLimit = 255;
 
 /// How far a leaf moves towards a decision, of 65536: after n decisions about 1 / (n + 1.6).
 inline constexpr auto kAdaptationRates = [] {
@@ -50,12 +50,13 @@ inline constexpr auto kAdaptationRates = [] {
 
 inline void adapt(Leaf& leaf, unsigned bit) {
   const std::int32_t probability = leaf.probability;
-  const std::int32_t step = ((bit != 0 ? 65535 : 0) - probability) * kAdaptationRates[leaf.count];
-  std::int32_t moved = probability + (step >> 16);
+  const std::uint32_t count = leaf.count;
+  const std::int32_t aim = static_cast<std::int32_t>((0u - bit) & 65535u);  // without a branch
+  std::int32_t moved = probability + ((aim - probability) * kAdaptationRates[count] >> 16);
   moved = moved < kLeastProbability ? kLeastProbability : moved;
   moved = moved > 65536 - kLeastProbability ? 65536 - kLeastProbability : moved;
   leaf.probability = static_cast<std::uint16_t>(moved);
-  leaf.count = static_cast<std::uint16_t>(leaf.count + (leaf.count < kCountLimit ? 1 : 0));
+  leaf.count = static_cast<std::uint16_t>(count + (count < kCountLimit ? 1u : 0u));
 }
 
 /// Trained tables: cell = first_cell + extract(word, mask) of the slot, leaf = first_leaf +
@@ -108,10 +109,13 @@ class ContextLookup {
         cells_(tables.cells.data()),
         leaves_(leaves.data()) {}
 
-  Leaf& operator()(int slot, std::uint64_t word) const {
+  Leaf& operator()(int slot, std::uint64_t word) const { return leaves_[number(slot, word)]; }
+
+  /// The leaf's number.
+  std::uint32_t number(int slot, std::uint64_t word) const {
     const ContextTables::Slot& s = slots_[slot];
     const ContextTables::Cell& cell = cells_[s.first_cell + Extract::extract(word, s.mask)];
-    return leaves_[cell.first_leaf + Extract::extract(word, cell.mask)];
+    return cell.first_leaf + static_cast<std::uint32_t>(Extract::extract(word, cell.mask));
   }
 
  private:
@@ -139,8 +143,9 @@ template <class Code>
   // The last children are known where without them there would be too few.
   const int least = only_child_first ? 2 : 1;
   std::uint32_t own = 0;
+#pragma GCC unroll 8
   for (int child = 0; child < 8; ++child) {
-    if (std::popcount(own) + 8 - child <= least) return;
+    if (child + least >= 8 && std::popcount(own) + 8 - child <= least) return;
     code(child, word | std::uint64_t{own} << neighborhood::kOwn, mask >> child & 1u);
     own |= mask & 1u << child;
   }

@@ -4,20 +4,20 @@
 
 namespace pointreel {
 
-void range_coder::append_word(Bytes& out, std::size_t begin, std::uint32_t word, bool carry) {
-  // A carry never runs past the first byte: the number coded so far is below one.
-  for (std::size_t i = out.size(); carry && i > begin; --i) carry = ++out[i - 1] == 0;
-  const std::size_t at = out.size();
-  out.resize(at + 4);
-  word = __builtin_bswap32(word);
-  std::memcpy(out.data() + at, &word, 4);
+void RangeEncoder::add_carry(Bytes& out, std::size_t begin, std::size_t end) {
+  // It never runs past the first byte: the number coded so far is below one.
+  while (end > begin && ++out[--end] == 0) {
+  }
 }
+
+void RangeEncoder::grow(Bytes& out) { out.resize(2 * out.size() + 4096); }
 
 void RangeEncoder::finish() {
   // The range is at least 2^32, so it holds a number whose low half is zero.
   const std::uint64_t value = low_ + (range_coder::kLeastRange - 1);
-  carry_ |= value < low_;
-  range_coder::append_word(*out_, begin_, static_cast<std::uint32_t>(value >> 32), carry_);
+  carry_ += value < low_ ? 1u : 0u;
+  append_word(static_cast<std::uint32_t>(value >> 32));
+  out_->resize(end_);
 }
 
 std::uint32_t RangeDecoder::word_at_end(const std::uint8_t* bytes, std::size_t size,

@@ -20,32 +20,27 @@ inline constexpr int kProbabilityBits = 16;
 inline constexpr std::uint64_t kLeastRange = std::uint64_t{1} << 32;
 
 /// The part of the range that stands for a one, at the range's lower end.
-inline std::uint64_t width_of_one(std::uint64_t range, std::uint32_t probability) {
+inline std::uint64_t width_of_one(std::uint64_t range, std::uint64_t probability) {
   return (range >> kProbabilityBits) * probability;
 }
-
-/// Appends four bytes, highest first, after adding a carry to those that are there.
-void append_word(Bytes& out, std::size_t begin, std::uint32_t word, bool carry);
 
 }  // namespace range_coder
 
 class RangeEncoder {
  public:
-  /// Appends to `out`, which nobody else changes before `finish`.
-  explicit RangeEncoder(Bytes& out) : out_(&out), begin_(out.size()) {}
+  /// Appends to `out`, which nobody else touches before `finish`.
+  explicit RangeEncoder(Bytes& out) : out_(&out), begin_(out.size()), end_(out.size()) {}
 
-  /// Codes a bit whose probability of being one is probability / 65536, 1 to 65535.
+  /// Codes a bit whose probability of being one is probability / 65536, 1 to 65535. Without a
+  /// branch on the bit, which would often be guessed wrong.
   void encode(unsigned bit, std::uint32_t probability) {
     using namespace range_coder;
+    const std::uint64_t zero = std::uint64_t{bit} - 1;  // all ones if the bit is zero
     const std::uint64_t one = width_of_one(range_, probability);
-    const std::uint64_t zeros = std::uint64_t{bit} - 1;  // all ones if the bit is zero
-    const std::uint64_t low = low_ + (one & zeros);
-    carry_ |= low < low_;
-    low_ = low;
-    range_ = bit != 0 ? one : range_ - one;
-    if (range_ < kLeastRange) {
-      append_word(*out_, begin_, static_cast<std::uint32_t>(low_ >> 32), carry_);
-      carry_ = false;
+    range_ = __builtin_expect_with_probability(bit != 0, 1, 0.5) ? one : range_ - one;
+    carry_ += __builtin_add_overflow(low_, one & zero, &low_) ? 1u : 0u;
+    if (__builtin_expect(range_ < kLeastRange, 0)) {
+      append_word(static_cast<std::uint32_t>(low_ >> 32));
       low_ <<= 32;
       range_ <<= 32;
     }
@@ -55,11 +50,25 @@ class RangeEncoder {
   void finish();
 
  private:
+  /// Appends four bytes, highest first, after adding the carry to those that are there.
+  void append_word(std::uint32_t word) {
+    if (__builtin_expect(carry_ != 0, 0)) add_carry(*out_, begin_, end_);
+    carry_ = 0;
+    if (__builtin_expect(out_->size() - end_ < 4, 0)) grow(*out_);
+    word = __builtin_bswap32(word);
+    std::memcpy(out_->data() + end_, &word, 4);
+    end_ += 4;
+  }
+
+  // Without `this`, so that an encoder can stay in registers.
+  static void add_carry(Bytes& out, std::size_t begin, std::size_t end);
+  static void grow(Bytes& out);
+
   Bytes* out_;
-  std::size_t begin_;
+  std::size_t begin_, end_;  ///< of what is written; `out` may be longer until `finish`
   std::uint64_t low_ = 0;
   std::uint64_t range_ = ~std::uint64_t{0};
-  bool carry_ = false;
+  unsigned carry_ = 0;  ///< 1 if the bytes written are to be one higher
 };
 
 class RangeDecoder {

@@ -71,8 +71,19 @@ void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child
 
 PlaneNeighbors::PlaneNeighbors(const RasterLevel& level) : level_(level) {
   const std::size_t side = std::size_t{1} << level.level;
-  for (BitPlane* plane : {&nodes_before_, &nodes_, &nodes_after_}) plane->reset(side);
-  for (BitPlane* plane : {&cells_below_, &cells_near_, &cells_far_}) plane->reset(2 * side);
+  node_stride_ = side / 8 + 4;
+  cell_stride_ = 2 * side / 8 + 4;
+  const std::size_t nodes = node_stride_ * (side + 3), cells = cell_stride_ * (2 * side + 3);
+  bytes_.assign(3 * nodes + 3 * cells, 0);
+  std::uint8_t* next = bytes_.data();
+  for (std::uint8_t** plane : {&nodes_before_, &nodes_, &nodes_after_}) {
+    *plane = next;
+    next += nodes;
+  }
+  for (std::uint8_t** plane : {&cells_below_, &cells_near_, &cells_far_}) {
+    *plane = next;
+    next += cells;
+  }
 }
 
 PlaneNeighbors::Rows PlaneNeighbors::next_slice(Rows rows) const {
@@ -108,46 +119,49 @@ void PlaneNeighbors::end_slice() {
 }
 
 PlaneNeighbors::Row PlaneNeighbors::row(std::size_t number) {
-  const std::uint32_t y = level_.rows[number].y;
+  const std::size_t node_row = level_.rows[number].y * node_stride_;
+  const std::size_t cell_row = 2 * level_.rows[number].y * cell_stride_;
   Row row;
-  row.below_ = cells_below_.row_above(2 * y);
-  row.near_above_ = cells_near_.row_above(2 * y);
-  row.far_above_ = cells_far_.row_above(2 * y);
-  row.nodes_ = {nodes_before_.row_above(y), nodes_.row_above(y), nodes_after_.row_above(y)};
-  row.near_ = cells_near_.row(2 * y);
-  row.far_ = cells_far_.row(2 * y);
-  row.cell_stride_ = cells_near_.stride();
-  row.node_stride_ = nodes_.stride();
+  row.below_ = cells_below_ + cell_row;
+  row.near_above_ = cells_near_ + cell_row;
+  row.far_above_ = cells_far_ + cell_row;
+  row.nodes_ = {nodes_before_ + node_row, nodes_ + node_row, nodes_after_ + node_row};
+  row.near_ = cells_near_ + cell_row + cell_stride_;
+  row.far_ = cells_far_ + cell_row + cell_stride_;
+  row.cell_stride_ = cell_stride_;
+  row.node_stride_ = node_stride_;
   return row;
 }
 
-void PlaneNeighbors::mark(BitPlane& plane, Rows rows) {
+void PlaneNeighbors::mark(std::uint8_t* plane, Rows rows) {
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
-    std::uint8_t* row = plane.row(level_.rows[r].y);
-    for (std::uint32_t i = level_.rows[r].begin; i < level_.rows[r + 1].begin; ++i) {
-      const std::uint32_t at = level_.x[i] + 8;
-      row[at >> 3] = static_cast<std::uint8_t>(row[at >> 3] | 1u << (at & 7u));
+    std::uint8_t* row = plane + (level_.rows[r].y + 1) * node_stride_;
+    const std::uint32_t end = level_.rows[r + 1].begin;
+    for (std::uint32_t i = level_.rows[r].begin; i < end; ++i) {
+      const std::uint32_t at = level_.x[i] + kMargin;
+      row[at / 8] = static_cast<std::uint8_t>(row[at / 8] | 1u << at % 8);
     }
   }
 }
 
-void PlaneNeighbors::clear_nodes(BitPlane& plane, Rows rows) {
+// Rows are short as a rule: byte by byte is faster than a call for each.
+void PlaneNeighbors::clear_nodes(std::uint8_t* plane, Rows rows) {
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
-    const std::uint32_t first = level_.x[level_.rows[r].begin];
-    const std::uint32_t last = level_.x[level_.rows[r + 1].begin - 1];
-    const std::size_t from = (first + 8) >> 3, to = (last + 8) >> 3;
-    std::memset(plane.row(level_.rows[r].y) + from, 0, to + 1 - from);
+    std::uint8_t* row = plane + (level_.rows[r].y + 1) * node_stride_;
+    const std::uint32_t end = level_.rows[r + 1].begin;
+    for (std::uint32_t i = level_.rows[r].begin; i < end; ++i) row[(level_.x[i] + kMargin) / 8] = 0;
   }
 }
 
-void PlaneNeighbors::clear_cells(BitPlane& plane, Rows rows) {
+void PlaneNeighbors::clear_cells(std::uint8_t* plane, Rows rows) {
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
-    const std::uint32_t first = level_.x[level_.rows[r].begin];
-    const std::uint32_t last = level_.x[level_.rows[r + 1].begin - 1];
-    const std::size_t from = (2 * first + 8) >> 3, to = (2 * last + 9) >> 3;
-    std::uint8_t* row = plane.row(2 * level_.rows[r].y);
-    std::memset(row + from, 0, to + 1 - from);
-    std::memset(row + plane.stride() + from, 0, to + 1 - from);
+    std::uint8_t* row = plane + (2 * level_.rows[r].y + 1) * cell_stride_;
+    const std::uint32_t end = level_.rows[r + 1].begin;
+    for (std::uint32_t i = level_.rows[r].begin; i < end; ++i) {
+      const std::uint32_t byte = (2 * level_.x[i] + kMargin) / 8;
+      row[byte] = 0;
+      row[byte + cell_stride_] = 0;
+    }
   }
 }
 
@@ -188,10 +202,9 @@ SearchNeighbors::Row SearchNeighbors::row(std::size_t number) {
   return row;
 }
 
-std::uint64_t SearchNeighbors::Row::word(std::uint32_t x) {
+std::uint64_t SearchNeighbors::Row::word(std::uint32_t x, std::uint32_t left_mask) {
   using namespace neighborhood;
-  // Masks of the nodes at x - 1, x, x + 1 of each row; what is not known yet counts only as there.
-  constexpr std::uint32_t kThere = 256;
+  // Masks of the nodes at x - 1, x, x + 1 of each row.
   std::array<std::array<std::uint32_t, 3>, 9> masks{};
   std::uint32_t nodes = 0;
   for (std::uint32_t r = 0; r < 9; ++r) {
@@ -199,7 +212,7 @@ std::uint64_t SearchNeighbors::Row::word(std::uint32_t x) {
     while (range.next < range.end && level_->x[range.next] + 1 < x) ++range.next;
     for (std::uint32_t i = range.next; i < range.end && level_->x[i] <= x + 1; ++i) {
       const std::uint32_t column = level_->x[i] + 1 - x;
-      masks[r][column] = level_->masks[i] | kThere;
+      masks[r][column] = level_->masks[i];
       nodes |= 1u << (3 * r + column);
     }
   }
@@ -210,7 +223,7 @@ std::uint64_t SearchNeighbors::Row::word(std::uint32_t x) {
   };
   const std::uint32_t cells = cells_of(0, 6) | cells_of(1, 4) << 4 | cells_of(1, 6) << 8 |
                               cells_of(2, 4) << 12 | cells_of(3, 2) << kNearRow |
-                              cells_of(3, 6) << kFarRow | right_half(masks[4][0] & 255u) << kLeft;
+                              cells_of(3, 6) << kFarRow | right_half(left_mask) << kLeft;
   return neighborhood::word(cells, nodes);
 }
 

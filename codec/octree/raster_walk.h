@@ -84,8 +84,11 @@ constexpr std::uint32_t on_side(int axis, int side) {
 template <int axis>
 std::uint64_t lean(std::uint32_t around) {
   constexpr std::uint32_t up = on_side(axis, 1), down = on_side(axis, -1);
-  const int by = std::popcount(around & up) - std::popcount(around & down);
-  return (by > 0 ? 1u : 0u) | (by < 0 ? 2u : 0u) | (by > 2 || by < -2 ? 4u : 0u);
+  // By how much the nodes above outnumber those below: -9 to 9.
+  static constexpr std::array<std::uint8_t, 19> kLean = {6, 6, 6, 6, 6, 6, 6, 2, 2, 0,
+                                                         1, 1, 5, 5, 5, 5, 5, 5, 5};
+  return kLean[static_cast<std::size_t>(9 + std::popcount(around & up) -
+                                        std::popcount(around & down))];
 }
 
 /// The word as decisions in sparse levels see it: only the 12 cells that touch the node's faces,
@@ -113,31 +116,6 @@ inline std::uint32_t right_half(std::uint32_t mask) {
 // --- Neighbours from bit planes
 // -------------------------------------------------------------------
 
-/// A plane of bits with a margin of one cell at least on every side.
-class BitPlane {
- public:
-  /// Zero, for coordinates -1 to `side` + 1.
-  void reset(std::size_t side) {
-    stride_ = side / 8 + 4;
-    bytes_.assign(stride_ * (side + 3) + 8, 0);
-  }
-  std::size_t stride() const { return stride_; }
-  std::uint8_t* row(std::uint32_t y) { return bytes_.data() + (std::size_t{y} + 1) * stride_; }
-  std::uint8_t* row_above(std::uint32_t y) { return bytes_.data() + std::size_t{y} * stride_; }
-
-  /// The bits from column x - 1 on, the lowest first; at least 9 of them are right.
-  static std::uint32_t from(const std::uint8_t* row, std::uint32_t x) {
-    const std::uint32_t at = x + 7;
-    std::uint16_t bits;
-    std::memcpy(&bits, row + (at >> 3), 2);
-    return static_cast<std::uint32_t>(bits) >> (at & 7u);
-  }
-
- private:
-  std::size_t stride_ = 0;
-  std::vector<std::uint8_t> bytes_;
-};
-
 /// Rolling bit planes: three of the nodes' level (the slice and those before and after it) and
 /// three of the cells' (below the slice and its own two). Constant time for a node; memory is
 /// quadratic in the side of the level.
@@ -154,61 +132,69 @@ class PlaneNeighbors {
   /// The nodes of one row, from left to right.
   class Row {
    public:
-    std::uint64_t word(std::uint32_t x) const {
-      const std::uint32_t column = 2 * x;
-      std::uint32_t cells = 0;
+    /// `left_mask` is the mask of the node at x - 1, zero if none is there.
+    std::uint64_t word(std::uint32_t x, std::uint32_t left_mask) const {
+      using namespace neighborhood;
+      std::uint32_t cells = from(near_above_, 2 * x, 15) << kNearRow |
+                            from(far_above_, 2 * x, 15) << kFarRow | right_half(left_mask) << kLeft;
       const std::uint8_t* row = below_;
-      for (int i = 0; i < 4; ++i, row += cell_stride_) {
-        cells |= (BitPlane::from(row, column) & 15u) << (4 * i);
-      }
-      cells |= (BitPlane::from(near_above_, column) & 15u) << neighborhood::kNearRow;
-      cells |= (BitPlane::from(far_above_, column) & 15u) << neighborhood::kFarRow;
-      cells |= x == left_x_ ? neighborhood::right_half(left_mask_) << neighborhood::kLeft : 0u;
+      for (int i = 0; i < 4; ++i, row += cell_stride_) cells |= from(row, 2 * x, 15) << (4 * i);
       std::uint32_t nodes = 0;
       for (int plane = 0; plane < 3; ++plane) {
         row = nodes_[static_cast<std::size_t>(plane)];
         for (int i = 0; i < 3; ++i, row += node_stride_) {
-          nodes |= (BitPlane::from(row, x) & 7u) << (9 * plane + 3 * i);
+          nodes |= from(row, x, 7) << (9 * plane + 3 * i);
         }
       }
       return neighborhood::word(cells, nodes);
     }
 
     void set(std::uint32_t x, std::uint32_t mask) {
-      const std::uint32_t at = 2 * x + 8, byte = at >> 3, shift = at & 7u;
-      near_[byte] = static_cast<std::uint8_t>(near_[byte] | (mask & 3u) << shift);
-      far_[byte] = static_cast<std::uint8_t>(far_[byte] | (mask >> 4 & 3u) << shift);
-      std::uint8_t* second = near_ + cell_stride_ + byte;
-      *second = static_cast<std::uint8_t>(*second | (mask >> 2 & 3u) << shift);
-      second = far_ + cell_stride_ + byte;
-      *second = static_cast<std::uint8_t>(*second | (mask >> 6 & 3u) << shift);
-      left_x_ = x + 1;
-      left_mask_ = mask;
+      const std::uint32_t at = 2 * x + kMargin, byte = at / 8, shift = at % 8;
+      const auto add = [=](std::uint8_t* row, std::uint32_t cells) {
+        row[byte] = static_cast<std::uint8_t>(row[byte] | cells << shift);
+      };
+      add(near_, mask & 3u);
+      add(far_, mask >> 4 & 3u);
+      add(near_ + cell_stride_, mask >> 2 & 3u);
+      add(far_ + cell_stride_, mask >> 6);
     }
 
    private:
     friend class PlaneNeighbors;
+    /// The bits from column x - 1 on, the lowest first, as many as the mask has.
+    static std::uint32_t from(const std::uint8_t* row, std::uint32_t x, std::uint32_t mask) {
+      const std::uint32_t at = x + kMargin - 1;
+      std::uint16_t bits;
+      std::memcpy(&bits, row + at / 8, 2);
+      return static_cast<std::uint32_t>(bits) >> at % 8 & mask;
+    }
+
     const std::uint8_t *below_, *near_above_, *far_above_;
     std::array<const std::uint8_t*, 3> nodes_;
     std::uint8_t *near_, *far_;
     std::size_t cell_stride_, node_stride_;
-    std::uint32_t left_x_ = ~0u, left_mask_ = 0;  ///< x of the node whose left one is known
   };
   Row row(std::size_t number);
 
  private:
+  static constexpr std::uint32_t kMargin = 8;  ///< columns to the left of a plane
+
   struct Rows {
     std::size_t begin = 0, end = 0;
   };
-  void mark(BitPlane& plane, Rows rows);
-  void clear_nodes(BitPlane& plane, Rows rows);
-  void clear_cells(BitPlane& plane, Rows rows);
+  void mark(std::uint8_t* plane, Rows rows);
+  void clear_nodes(std::uint8_t* plane, Rows rows);
+  void clear_cells(std::uint8_t* plane, Rows rows);
   Rows next_slice(Rows rows) const;
 
   const RasterLevel& level_;
-  Rows before_, slice_, after_;  ///< whose marks lie in the planes
-  BitPlane nodes_before_, nodes_, nodes_after_;
-  BitPlane cells_below_, cells_near_, cells_far_;
+  Rows before_, slice_, after_;            ///< whose marks lie in the planes
+  std::size_t node_stride_, cell_stride_;  ///< bytes of a row
+  std::vector<std::uint8_t> bytes_;
+  /// Of each plane the row -1, which is there, as are some rows behind the last.
+  std::uint8_t *nodes_before_, *nodes_, *nodes_after_;
+  std::uint8_t *cells_below_, *cells_near_, *cells_far_;
 };
 
 // --- Neighbours by searching
@@ -225,7 +211,8 @@ class SearchNeighbors {
 
   class Row {
    public:
-    std::uint64_t word(std::uint32_t x);
+    /// As of PlaneNeighbors, but for one x after the other.
+    std::uint64_t word(std::uint32_t x, std::uint32_t left_mask);
     void set(std::uint32_t, std::uint32_t) {}
 
    private:
@@ -248,10 +235,9 @@ class SearchNeighbors {
 // --- Walk
 // -----------------------------------------------------------------------------------------
 
-/// Calls `visit(node, word)` for each node in raster order; it returns the node's mask, which is
-/// stored in `level.masks` and seen by the nodes that follow.
-template <class Neighbors, class Visit>
-void walk_with(RasterLevel& level, Visit&& visit) {
+/// Calls `visit_slice(neighbors, first row, end row)` for one z after the other.
+template <class Neighbors, class VisitSlice>
+void for_each_slice(RasterLevel& level, VisitSlice&& visit_slice) {
   if (level.size() == 0) return;
   Neighbors neighbors(level);
   const std::size_t rows = level.rows.size() - 1;
@@ -259,30 +245,90 @@ void walk_with(RasterLevel& level, Visit&& visit) {
     end = slice + 1;
     while (end < rows && level.rows[end].z == level.rows[slice].z) ++end;
     neighbors.begin_slice(slice, end);
-    for (std::size_t r = slice; r < end; ++r) {
-      auto row = neighbors.row(r);
-      const std::uint32_t row_end = level.rows[r + 1].begin;
-      for (std::uint32_t i = level.rows[r].begin; i < row_end; ++i) {
-        const std::uint32_t x = level.x[i];
-        const std::uint64_t word = row.word(x);
-        level.around[i] =
-            static_cast<std::uint32_t>(word >> neighborhood::kNodes) & neighborhood::kAroundBits;
-        const std::uint32_t mask = visit(i, word);
-        level.masks[i] = static_cast<std::uint8_t>(mask);
-        row.set(x, mask);
-      }
-    }
+    visit_slice(neighbors, slice, end);
     neighbors.end_slice();
   }
 }
 
-/// With planes where they take no more memory than some bytes a node.
+/// Calls `visit(row, node, x, word)` for each node of these rows; it returns the node's mask.
+template <class Neighbors, class Visit>
+[[gnu::always_inline]] inline void for_each_node(RasterLevel& level, Neighbors& neighbors,
+                                                 std::size_t first_row, std::size_t end_row,
+                                                 Visit&& visit) {
+  for (std::size_t r = first_row; r < end_row; ++r) {
+    auto row = neighbors.row(r);
+    const std::uint32_t row_end = level.rows[r + 1].begin;
+    std::uint32_t after_left = ~0u, mask = 0;  // x right of the last node, and that node's mask
+    for (std::uint32_t i = level.rows[r].begin; i < row_end; ++i) {
+      const std::uint32_t x = level.x[i];
+      const std::uint64_t word = row.word(x, x == after_left ? mask : 0u);
+      level.around[i] =
+          static_cast<std::uint32_t>(word >> neighborhood::kNodes) & neighborhood::kAroundBits;
+      after_left = x + 1;
+      mask = visit(row, i, x, word);
+    }
+  }
+}
+
+/// Calls `visit(node, word)` for each node in raster order; it returns the node's mask, which is
+/// stored in `level.masks` and seen by the nodes that follow.
+template <class Neighbors, class Visit>
+void walk_with(RasterLevel& level, Visit&& visit) {
+  for_each_slice<Neighbors>(level, [&](Neighbors& neighbors, std::size_t first, std::size_t end) {
+    for_each_node(level, neighbors, first, end,
+                  [&](auto& row, std::uint32_t i, std::uint32_t x, std::uint64_t word) {
+                    const std::uint32_t mask = visit(i, word);
+                    level.masks[i] = static_cast<std::uint8_t>(mask);
+                    row.set(x, mask);
+                    return mask;
+                  });
+  });
+}
+
+/// The same where `level.masks` is known beforehand: `visit(first node, words)` is called for all
+/// nodes of one z after the other. No word waits for the one before.
+template <class Neighbors, class Visit>
+void walk_known_with(RasterLevel& level, Visit&& visit) {
+  std::vector<std::uint64_t> words;
+  for_each_slice<Neighbors>(level, [&](Neighbors& neighbors, std::size_t first, std::size_t end) {
+    for (std::size_t r = first; r < end; ++r) {
+      auto row = neighbors.row(r);
+      const std::uint32_t row_end = level.rows[r + 1].begin;
+      for (std::uint32_t i = level.rows[r].begin; i < row_end; ++i) {
+        row.set(level.x[i], level.masks[i]);
+      }
+    }
+    const std::uint32_t begin = level.rows[first].begin;
+    words.resize(level.rows[end].begin - begin);
+    for_each_node(level, neighbors, first, end,
+                  [&](auto&, std::uint32_t i, std::uint32_t, std::uint64_t word) {
+                    words[i - begin] = word;
+                    return std::uint32_t{level.masks[i]};
+                  });
+    visit(begin, std::span<const std::uint64_t>(words));
+  });
+}
+
+/// Planes are for levels where they take no more memory than some bytes a node.
+inline bool planes_fit(const RasterLevel& level) {
+  return PlaneNeighbors::memory(level.level) <= 65536 + 64 * level.size();
+}
+
 template <class Visit>
 void walk(RasterLevel& level, Visit&& visit) {
-  if (PlaneNeighbors::memory(level.level) <= 65536 + 64 * level.size()) {
+  if (planes_fit(level)) {
     walk_with<PlaneNeighbors>(level, visit);
   } else {
     walk_with<SearchNeighbors>(level, visit);
+  }
+}
+
+template <class Visit>
+void walk_known(RasterLevel& level, Visit&& visit) {
+  if (planes_fit(level)) {
+    walk_known_with<PlaneNeighbors>(level, visit);
+  } else {
+    walk_known_with<SearchNeighbors>(level, visit);
   }
 }
 

@@ -141,6 +141,15 @@ TEST(RasterWalk, finds_the_same_neighbours_by_planes_and_by_searching) {
         return std::uint32_t{masks[node]};
       });
       ASSERT_EQ(by_planes, by_searching) << "level " << number;
+      std::vector<std::uint64_t> known_by_planes, known_by_searching;
+      walk_known_with<PlaneNeighbors>(level, [&](std::uint32_t, auto words) {
+        known_by_planes.insert(known_by_planes.end(), words.begin(), words.end());
+      });
+      walk_known_with<SearchNeighbors>(level, [&](std::uint32_t, auto words) {
+        known_by_searching.insert(known_by_searching.end(), words.begin(), words.end());
+      });
+      ASSERT_EQ(by_planes, known_by_planes) << "level " << number;
+      ASSERT_EQ(by_planes, known_by_searching) << "level " << number;
       ASSERT_EQ(level.masks, masks);
       RasterLevel below;
       expand(level, first_child, svo.node_count(number + 1), below);

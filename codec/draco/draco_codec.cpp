@@ -70,7 +70,8 @@ Result<DecodedFrame> decode_draco(const std::vector<LayerView>& layers,
     return fail("chunk header has a field out of range");
   }
   // No more points than the header says: where there are fewer, the check below finds out.
-  auto cloud = decode_draco_payload(chunk->payload, header.cube, DecodeLimits{header.coded_points});
+  auto cloud = decode_draco_payload(chunk->payload, header.cube, header.depth,
+                                    DecodeLimits{header.coded_points});
   if (!cloud) return tl::unexpected(cloud.error());
   const bool some = !cloud->empty();
   if (cloud->size() != header.coded_points ||

@@ -158,17 +158,16 @@ void add_known(draco::PointCloud& cloud, const std::vector<glm::vec3>& normals) 
   add_attribute<std::uint8_t, 1>(cloud, GeometryAttribute::GENERIC, draco::DT_UINT8, false, known);
 }
 
-Result<Bytes> encode(const std::vector<CodedPoint>& points, const Cube& cube,
-                     const DracoOptions& options, const Plan& plan) {
+Result<Bytes> encode(const std::vector<CodedPoint>& points, const DracoOptions& options,
+                     const Plan& plan) {
   draco::PointCloud cloud;
   cloud.set_num_points(static_cast<std::uint32_t>(points.size()));
 
   std::vector<glm::vec3> values(points.size());
   const auto value = [&values](std::size_t i, int c) { return values[i][c]; };
 
-  const double cell = std::ldexp(cube.edge, -options.position_bits);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    values[i] = glm::vec3((glm::dvec3(morton_decode(points[i].key)) + 0.5) * cell);
+    values[i] = glm::vec3(morton_decode(points[i].key)) + 0.5f;
   }
   const int position_id =
       add_attribute<float, 3>(cloud, GeometryAttribute::POSITION, draco::DT_FLOAT32, false, value);
@@ -190,15 +189,12 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const Cube& cube,
   encoder.SetSpeedOptions(speed, speed);
   encoder.SetEncodingMethod(plan.sequential ? draco::POINT_CLOUD_SEQUENTIAL_ENCODING
                                             : draco::POINT_CLOUD_KD_TREE_ENCODING);
-  // Draco's grid has its first and last value at the ends of the range, the cube's cells have their
-  // centres half a cell within it.
-  const std::array<float, 3> first_center = [&] {
-    const auto half = static_cast<float>(0.5 * cell);
-    return std::array<float, 3>{half, half, half};
-  }();
+  // In cells Draco's steps are 1, its arithmetic is exact, and the range is too: the library passes
+  // it on as text of six decimals, in which a small cube's own edge would be lost.
+  const std::array<float, 3> first_center = {0.5f, 0.5f, 0.5f};
   encoder.SetAttributeExplicitQuantization(position_id, options.position_bits, 3,
                                            first_center.data(),
-                                           static_cast<float>(cube.edge - cell));
+                                           static_cast<float>((1 << options.position_bits) - 1));
   if (plan.normals && plan.sequential) {
     encoder.SetAttributeQuantization(normal_id, options.normal_bits);
   } else if (plan.normals) {
@@ -265,7 +261,7 @@ glm::vec<n, T> read(const draco::PointAttribute& attribute, std::uint32_t i) {
   return v;
 }
 
-Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube) {
+Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube, int position_bits) {
   PointCloud cloud;
   cloud.origin = cube.origin;
   const std::uint32_t n = decoded.num_points();
@@ -278,14 +274,15 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube) {
       return fail("the Draco frame maps points to values that do not exist");
     }
   }
-  const auto edge = static_cast<float>(cube.edge);
+  const double cell = std::ldexp(cube.edge, -position_bits);
+  const auto end = static_cast<float>(1 << position_bits);
   cloud.positions.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const glm::vec3 p = read<float>(*positions, i);
-    const bool inside = p.x >= 0.0f && p.y >= 0.0f && p.z >= 0.0f && p.x <= edge && p.y <= edge &&
-                        p.z <= edge;  // false for NaN
+    const bool inside = p.x >= 0.0f && p.y >= 0.0f && p.z >= 0.0f && p.x <= end && p.y <= end &&
+                        p.z <= end;  // false for NaN
     if (!inside) return fail("the Draco frame has points outside its cube");
-    cloud.positions[i] = p;
+    cloud.positions[i] = glm::vec3(glm::dvec3(p) * cell);
   }
   if (normals != nullptr) {
     cloud.normals.resize(n);
@@ -318,7 +315,7 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
   if (cloud.empty()) return Bytes{};
   const Plan plan = plan_for(cloud, options, normals, colors);
   try {
-    return encode(quantise_and_sort(cloud, cube, options, plan), cube, options, plan);
+    return encode(quantise_and_sort(cloud, cube, options, plan), options, plan);
   } catch (const std::bad_alloc&) {
     return fail("not enough memory to encode the frame with Draco");
   } catch (const std::exception& error) {
@@ -326,7 +323,7 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
   }
 }
 
-Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube,
+Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int position_bits,
                                         const DecodeLimits& limits) {
   if (!is_codable(cube)) return fail("the Draco frame has an unusable cube");
   if (payload.empty()) {
@@ -342,7 +339,7 @@ Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube,
   const auto decoded = run_draco_decoder(payload, *header, limits);
   if (!decoded) return tl::unexpected(decoded.error());
   try {
-    return convert(**decoded, cube);
+    return convert(**decoded, cube, position_bits);
   } catch (const std::bad_alloc&) {
     return fail("not enough memory for the points of the Draco frame");
   }

@@ -11,14 +11,13 @@
 /// Point clouds as Draco codes them: what a Draco frame carries besides the common headers.
 ///
 /// A payload is a complete .drc file (bitstream 2.3, kd-tree or sequential, no metadata), which any
-/// Draco decoder reads, with float positions relative to the cube's minimum corner, optionally
+/// Draco decoder reads, with float positions in cells from the cube's minimum corner, optionally
 /// float normals, and colours of 8 bits where all of them fit, else 16.
 ///
-/// - Positions are quantised to the cells that the cube has at octree level `position_bits`, and
-///   decode to the cells' centres: at most half a cell off on each axis, the same cells in every
-///   frame that shares the cube, and the same as the octree codec's at that depth. Draco computes
-///   in single precision, so that at 20 and 21 bits a point here and there is in the next cell.
-///   Points outside the cube clamp to its boundary cells (ERRATA 12).
+/// - Positions are the centres of the cells that the cube has at octree level `position_bits`, a
+///   cell being 1: at most half a cell off on each axis, the same cells in every frame that shares
+///   the cube, and the same as the octree codec's at that depth. Points outside the cube clamp to
+///   its boundary cells (ERRATA 12).
 /// - Normals of a kd-tree are quantised to `normal_bits` on each axis with 0 among the values, so
 ///   that unknown normals stay unknown. Off by at most asin(sqrt(3) / (2^bits - 2)): 0.4 degrees at
 ///   8 bits.
@@ -39,14 +38,15 @@ namespace pointreel {
 Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
                                    const DracoOptions& options, bool normals, bool colors);
 
-/// Decodes into a cloud whose origin is the cube's.
+/// Decodes what was encoded with these `position_bits`, 1 to 21, into a cloud whose origin is the
+/// cube's.
 ///
 /// Trust: the payload may be hostile. Only what the encoder writes is accepted: a point cloud of
 /// the attributes above, in that order. Counts are bounded by `limits` and by kFreePoints +
 /// kPointsPerFrameByte * payload.size() before Draco takes memory (about 100 bytes a point);
 /// positions that decode to a place outside the cube, and NaN, are refused; nothing is thrown. The
 /// decoding itself is Draco's and as memory-safe as the installed libdraco.
-Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube,
+Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int position_bits,
                                         const DecodeLimits& limits = {});
 
 }  // namespace pointreel

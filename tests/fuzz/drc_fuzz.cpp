@@ -35,7 +35,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
 
   const pointreel::Cube cube{{1.0, 2.0, 3.0}, 4.0};
-  if (const auto cloud = pointreel::decode_draco_payload(bytes, cube, limits)) {
+  const int bits = pointreel::DracoOptions{}.position_bits;
+  if (const auto cloud = pointreel::decode_draco_payload(bytes, cube, bits, limits)) {
     check_sizes(*cloud, limits.max_points);
     if (cloud->empty()) return 0;
     const pointreel::Box box = pointreel::bounds(*cloud);
@@ -50,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       options.method = method;
       const auto again = pointreel::encode_draco_payload(*cloud, cube, options, true, true);
       require(again.has_value());
-      const auto decoded = pointreel::decode_draco_payload(*again, cube, limits);
+      const auto decoded = pointreel::decode_draco_payload(*again, cube, bits, limits);
       require(decoded.has_value() && decoded->size() == cloud->size());
     }
   }

@@ -173,18 +173,22 @@ TEST(DracoCodec, PositionsAreTheCentresOfTheCellsOfTheOctree) {
   }
 }
 
-TEST(DracoCodec, TwentyOneBitsAreWithinACell) {
-  const PointCloud cloud = sphere(2000);
-  const Cube cube = cube_of(cloud);
-  DracoOptions options;
-  options.position_bits = 21;
-  const PointCloud decoded = round_trip(cloud, cube, options);
-  ASSERT_EQ(decoded.size(), cloud.size());
-  const auto index = by_color(cloud);
-  for (std::size_t i = 0; i < decoded.size(); ++i) {
-    const glm::dvec3 error =
-        glm::abs(decoded.world(i) - cloud.world(index.at(key(decoded.colors[i]))));
-    EXPECT_LE(std::max({error.x, error.y, error.z}), std::ldexp(cube.edge, -21));
+TEST(DracoCodec, CellsAreExactHoweverFineTheyAreAndHoweverSmallOrLargeTheCube) {
+  for (const double scale : {1e-27, 1e-6, 1.0, 1e6, 1e27}) {
+    PointCloud cloud = sphere(1000);
+    cloud.origin = glm::dvec3(0.0);
+    for (glm::vec3& p : cloud.positions) p = glm::vec3(glm::dvec3(p) * scale);
+    const Cube cube = cube_of(cloud);
+    for (const int bits : {1, 11, 20, 21}) {
+      for (const DracoMethod method : {DracoMethod::kd_tree, DracoMethod::sequential}) {
+        DracoOptions options;
+        options.position_bits = bits;
+        options.method = method;
+        const PointCloud decoded = round_trip(cloud, cube, options);
+        EXPECT_EQ(sorted_cells(decoded, cube, bits), sorted_cells(cloud, cube, bits))
+            << bits << " bits, scale " << scale;
+      }
+    }
   }
 }
 
@@ -410,7 +414,7 @@ TEST(DracoCodec, FramesCutShortOrWithAnyBitFlippedAreErrors) {
 /// Decodes a copy that ends where its bytes end, so that a sanitiser sees reads beyond.
 void expect_harmless(const Bytes& bytes, const Cube& cube, std::size_t most_points) {
   const Bytes exact(bytes);
-  const auto decoded = decode_draco_payload(exact, cube, DecodeLimits{1u << 16});
+  const auto decoded = decode_draco_payload(exact, cube, 11, DecodeLimits{1u << 16});
   if (!decoded) {
     EXPECT_FALSE(decoded.error().message.empty());
     return;
@@ -457,7 +461,7 @@ TEST(DracoCodec, ImpossibleCountsAreRefusedBeforeMemoryIsTaken) {
   for (std::uint32_t count : {1u << 31, 0xffffffffu, 0x7fffffffu, 1u << 27, 100000u}) {
     Bytes damaged = payload;
     std::memcpy(damaged.data() + 11, &count, 4);
-    const auto decoded = decode_draco_payload(damaged, cube);
+    const auto decoded = decode_draco_payload(damaged, cube, 11);
     ASSERT_FALSE(decoded);
     EXPECT_NE(decoded.error().message.find(std::to_string(count)), std::string::npos)
         << decoded.error().message;
@@ -487,7 +491,7 @@ TEST(DracoCodec, AMeshIsNoFrame) {
   draco::EncoderBuffer buffer;
   ASSERT_TRUE(encoder.EncodeMeshToBuffer(mesh, &buffer).ok());
   const Bytes bytes(buffer.data(), buffer.data() + buffer.size());
-  const auto decoded = decode_draco_payload(bytes, Cube{});
+  const auto decoded = decode_draco_payload(bytes, Cube{}, 11);
   ASSERT_FALSE(decoded);
   EXPECT_NE(decoded.error().message.find("not a point cloud"), std::string::npos);
 }

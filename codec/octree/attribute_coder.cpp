@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "codec/octree/coefficient_coder.h"
+#include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/raht.h"
 
 namespace pointreel {
@@ -88,25 +89,6 @@ class Scales {
   NodeScales found_;
 };
 
-/// How a difference is rounded to a multiple of its step: up from 1 - kRounding / 64 of it on. Less
-/// than a half, since zeros are cheap.
-constexpr std::int32_t kRounding = 21;
-
-/// |difference| is at most 2^16.
-std::int32_t quantize(std::int32_t difference, std::int32_t step) {
-  const auto scaled = static_cast<std::uint32_t>(std::abs(difference)) << 8;
-  const auto magnitude =
-      static_cast<std::int32_t>((scaled + static_cast<std::uint32_t>((step >> 6) * kRounding)) /
-                                static_cast<std::uint32_t>(step));
-  return difference < 0 ? -magnitude : magnitude;
-}
-
-/// Whether no component of a difference rounds to more than zero.
-bool rounds_to_zero(const Int4& difference, const Int4& steps) {
-  const Int4 above = (abs(difference) << 8) + (steps >> 6) * kRounding >= steps;
-  return (above[0] | above[1] | above[2]) == 0;
-}
-
 /// A difference is at most 2^16 either way, whatever the bytes say.
 std::int32_t dequantize(std::int32_t q, std::int32_t step) {
   const std::int64_t magnitude = (std::int64_t{std::abs(q)} * step + 128) >> 8;
@@ -114,13 +96,24 @@ std::int32_t dequantize(std::int32_t q, std::int32_t step) {
   return q < 0 ? -bounded : bounded;
 }
 
-/// Codes the levels of one layer, in either direction.
+/// What the encoder is given: values of inner nodes and leaves.
+struct SourceValues {
+  const std::vector<Short4>& inner;
+  const std::vector<Short4>& leaves;
+
+  /// Of a node and those that follow it on its level.
+  const Short4* at(std::uint32_t node) const {
+    return node < inner.size() ? inner.data() + node : leaves.data() + (node - inner.size());
+  }
+};
+
+/// Codes the levels of one layer, in either direction. The encoder needs no decoded leaves.
 template <class Coder>
 class LayerCoder {
  public:
   LayerCoder(const Svo& svo, int first_level, int last_level, const CoefficientSteps& steps,
              Neighborhoods* neighborhoods, CoefficientContexts& contexts, Coder& coder,
-             const std::vector<Short4>* source, std::vector<Short4>& decoded)
+             const SourceValues* source, Short4* decoded)
       : svo_(svo),
         first_level_(first_level),
         last_level_(last_level),
@@ -136,6 +129,7 @@ class LayerCoder {
   void run() {
     for (int level = first_level_; level < last_level_; ++level) {
       unit_ = level == last_level_ - 1;
+      decodes_ = !Coder::kEncodes || level < svo_.depth - 1;
       if (neighborhoods_ != nullptr && level > 0) {
         predicted_level(level);
       } else {
@@ -169,7 +163,7 @@ class LayerCoder {
     const MergeOrder& order = kMergeOrders[mask];
     const std::uint32_t first = svo_.first_child[node];
     if (order.pairs == 0) {
-      decoded_[first] = decoded_[node];
+      if (decodes_) decoded_[first] = decoded_[node];
       return;
     }
     const std::size_t children = std::size_t{order.pairs} + 1;
@@ -191,16 +185,24 @@ class LayerCoder {
         least = min(least, value);
         most = max(most, value);
       }
-      mean -= merge(order, scales, merged.data());
+      merge(order, scales, merged.data(), expected_differences_.data());
+      mean -= merged[0];
       gradient = gradient_class(most[0] - least[0]);
     }
 
+    const int activity = activity_class(near_activity, weight);
     std::array<Triple, 7> q;
     bool coded = false;
     if constexpr (Coder::kEncodes) {
-      coded = quantize_node<kPredicts>(order, scales, first, expected, q);
+      std::array<Int4, 8> residuals;
+      const Short4* source = source_->at(first);
+      for (std::size_t c = 0; c < children; ++c) {
+        residuals[c] = load(source[c]);
+        if constexpr (kPredicts) residuals[c] -= expected[c];
+      }
+      coded = quantize_node(order, scales, residuals, contexts_, gradient, activity, q);
     }
-    coded = code_coefficients(order, gradient, activity_class(near_activity, weight), coded, q);
+    coded = code_coefficients<kPredicts>(order, gradient, activity, coded, q);
     last_activity_ = coded ? activity_of(order, q) : 0;
     const Int4 fourth = fourth_lane(last_activity_);
     if constexpr (kPredicts) {
@@ -208,6 +210,7 @@ class LayerCoder {
       block_.values[static_cast<std::size_t>(cell)] = decoded_[node];
     }
 
+    if (!decodes_) return;
     if (!coded) {
       for (std::size_t c = 0; c < children; ++c) {
         if constexpr (kPredicts) {
@@ -247,7 +250,8 @@ class LayerCoder {
     if (2 * activity < weight) return 1;
     if (activity < weight) return 2;
     if (2 * activity < 5 * weight) return 3;
-    return activity < 6 * weight ? 4 : 5;
+    if (activity < 6 * weight) return 4;
+    return activity < 12 * weight ? 5 : 6;
   }
 
   /// 0 to kMostActivity.
@@ -259,64 +263,43 @@ class LayerCoder {
     return std::min(4 * sum / order.pairs, kMostActivity);
   }
 
-  /// Fills q unless all of it is zero.
-  template <bool kPredicts>
-  bool quantize_node(const MergeOrder& order, const NodeScales& scales, std::uint32_t first,
-                     const std::array<Int4, 8>& expected, std::array<Triple, 7>& q) const {
-    std::array<Int4, 8> values;
-    Int4 least, most;
-    for (std::size_t c = 0; c <= order.pairs; ++c) {
-      values[c] = load((*source_)[first + c]);
-      if constexpr (kPredicts) values[c] -= expected[c];
-      least = c == 0 ? values[c] : min(least, values[c]);
-      most = c == 0 ? values[c] : max(most, values[c]);
-    }
-    // No difference of means is larger than the largest of values.
-    if (rounds_to_zero(most - least, scales.least_steps)) return false;
-    std::array<Int4, 7> differences;
-    merge(order, scales, values.data(), differences.data());
-    std::int32_t any = 0;
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      const Int4& steps = scales.pair[i]->steps;
-      q[i] = {};
-      if (rounds_to_zero(differences[i], steps)) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        q[i][k] = quantize(differences[i][static_cast<int>(k)], steps[static_cast<int>(k)]);
-        any |= q[i][k];
-      }
-    }
-    return any != 0;
-  }
-
   /// Codes what q holds if `any` of it is not zero, or fills it; false if all of it is zero.
+  template <bool kPredicts>
   bool code_coefficients(const MergeOrder& order, int gradient, int activity, bool any,
                          std::array<Triple, 7>& q) {
     any = coder_.code(contexts_.node[gradient][activity][order.size_class], any) != 0;
     if (!any) return false;
-    int nonzero = 0;
+    TripleContext context{gradient, activity};
     for (int i = order.pairs - 1; i >= 0; --i) {
-      Triple& triple = q[static_cast<std::size_t>(i)];
-      code_triple(coder_, contexts_, gradient, std::min(nonzero, 2), activity, i > 0 || nonzero > 0,
-                  triple);
-      nonzero += !is_zero(triple);
+      const auto pair = static_cast<std::size_t>(i);
+      if constexpr (kPredicts) {
+        for (int k = 0; k < 3; ++k) {
+          const std::int32_t d = expected_differences_[pair][k];
+          context.expected[static_cast<std::size_t>(k)] = d > 0 ? 1 : d < 0 ? 2 : 0;
+        }
+      }
+      code_triple(coder_, contexts_, context, i > 0 || context.stage > 0, q[pair]);
+      context.stage = std::min(context.stage + !is_zero(q[pair]), 2);
+      context.place = std::min(context.place + 1, 2);
     }
     return true;
   }
 
   const Svo& svo_;
   int first_level_, last_level_;
-  bool unit_ = false;
+  bool unit_ = false, decodes_ = true;
   Weights weights_;
   Scales scales_;
   std::int32_t luma_step_;
   Neighborhoods* neighborhoods_;
   CoefficientContexts& contexts_;
   Coder& coder_;
-  const std::vector<Short4>* source_;
-  std::vector<Short4>& decoded_;
+  const SourceValues* source_;
+  Short4* decoded_;
   /// Of the node coded last; what contexts go by without a neighbourhood.
   std::int32_t last_activity_ = 0;
   ValueBlock block_;
+  std::array<Int4, 7> expected_differences_;  ///< of the pairs of the node that is coded
 };
 
 constexpr std::uint8_t kPredictionFlag = 1;
@@ -325,32 +308,33 @@ constexpr std::size_t kRootSize = 6;
 
 /// Means of the nodes of one layer, from those of its last level. (As exact as need be: what
 /// differs from the transform's own mean is coded with the children.)
-void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Short4>& values) {
+void fill_means(const Svo& svo, int first_level, int last_level, const SourceValues& source,
+                std::vector<Short4>& means) {
   const Weights weights(svo, first_level, last_level);
   const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
   const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
   for (std::uint32_t node = end; node-- > begin;) {
     const std::uint32_t first = svo.first_child[node];
     const auto children = static_cast<std::uint32_t>(std::popcount(svo.masks[node]));
+    const Short4* child = source.at(first);
     if (first >= end) {
-      Int4 sum = load(values[first]);
-      for (std::uint32_t c = 1; c < children; ++c) sum += load(values[first + c]);
+      Int4 sum = load(*child);
+      for (std::uint32_t c = 1; c < children; ++c) sum += load(child[c]);
       const auto reciprocal = static_cast<std::int32_t>(65536 / children);
-      values[node] =
-          stored_value((((sum * reciprocal + (1 << 15)) >> 16) & kComponents) + fourth_lane(0));
+      means[node] = narrow((sum * reciprocal + (1 << 15)) >> 16);
       continue;
     }
     std::array<std::int64_t, 3> sum{};
     std::int64_t weight = 0;
-    for (std::uint32_t c = first; c < first + children; ++c) {
-      const std::int64_t w = weights[c];
+    for (std::uint32_t c = 0; c < children; ++c) {
+      const std::int64_t w = weights[first + c];
       weight += w;
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += w * values[c].lanes[k];
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += w * child[c].lanes[k];
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      values[node].lanes[k] = static_cast<std::int16_t>(sum[k] / weight);
+      means[node].lanes[k] = static_cast<std::int16_t>(sum[k] / weight);
     }
-    values[node].lanes[3] = 1;
+    means[node].lanes[3] = 1;
   }
 }
 
@@ -359,24 +343,25 @@ void fill_means(const Svo& svo, int first_level, int last_level, std::vector<Sho
 TransformEncoder::TransformEncoder(const Svo& svo, const std::vector<Short4>& leaves,
                                    const std::vector<int>& layer_ends)
     : svo_(svo),
+      leaves_(leaves),
       layer_ends_(layer_ends),
-      source_(svo.node_count()),
-      decoded_(svo.node_count()),
+      means_(svo.internal_count()),
+      decoded_(svo.internal_count()),
       neighborhoods_(svo) {
-  std::copy(leaves.begin(), leaves.end(), source_.begin() + svo.internal_count());
   for (std::size_t layer = layer_ends.size(); layer-- > 0;) {
-    fill_means(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], source_);
+    fill_means(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], {means_, leaves_},
+               means_);
   }
 }
 
 /// Whether prediction makes differences of luma smaller by a twentieth: what it costs in time, it
-/// must save in bits. Looks at a sixteenth of the level's nodes, or a few hundred.
+/// must save in bits. Looks at the children of a few hundred nodes of the level above.
 bool TransformEncoder::prediction_pays(int level) {
   while (neighborhoods_.level() < level - 1) neighborhoods_.descend();
-  neighborhoods_.set_values(source_);
+  neighborhoods_.set_values(means_.data());
   const std::size_t l = static_cast<std::size_t>(level);
   const std::uint32_t begin = svo_.level_begin[l - 1], end = svo_.level_begin[l];
-  const std::uint32_t stride = std::clamp((end - begin) / 256, 1u, 16u);
+  const std::uint32_t stride = std::max((end - begin) / 512, 1u);
   std::int64_t without = 0, with = 0;
   ValueBlock block;
   for (std::uint32_t above = begin; above < end; above += stride) {
@@ -384,10 +369,10 @@ bool TransformEncoder::prediction_pays(int level) {
     std::uint32_t node = svo_.first_child[above];
     for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
       const int cell = ValueBlock::cell(std::countr_zero(mask));
-      std::uint32_t child = svo_.first_child[node];
+      const Short4* child = SourceValues{means_, leaves_}.at(svo_.first_child[node]);
       std::int32_t first = 0, first_residual = 0, unused = 0;
       for (unsigned octants = svo_.masks[node]; octants != 0; octants &= octants - 1, ++child) {
-        const std::int32_t luma = source_[child].lanes[0];
+        const std::int32_t luma = child->lanes[0];
         const std::int32_t residual =
             luma - block.predict(cell, std::countr_zero(octants), unused, unused)[0];
         if (octants == svo_.masks[node]) {
@@ -410,14 +395,15 @@ Bytes TransformEncoder::encode_layer(const CoefficientSteps& steps) {
   writer.put(predicts ? kPredictionFlag : std::uint8_t{0});
   writer.put(steps.luma);
   writer.put(steps.chroma);
-  if (layer_ == 0 && !decoded_.empty()) {
-    for (int k = 0; k < 3; ++k) writer.put(source_[0].lanes[k]);
-    decoded_[0] = source_[0];
+  const SourceValues source{means_, leaves_};
+  if (layer_ == 0 && svo_.node_count() > 0) {
+    for (int k = 0; k < 3; ++k) writer.put(source.at(0)->lanes[k]);
+    if (!decoded_.empty()) decoded_[0] = *source.at(0);
   }
   CoefficientWriter coder(out);
   LayerCoder<CoefficientWriter>(svo_, first_level, layer_ends_[layer_], steps,
-                                predicts ? &neighborhoods_ : nullptr, contexts_, coder, &source_,
-                                decoded_)
+                                predicts ? &neighborhoods_ : nullptr, contexts_, coder, &source,
+                                decoded_.data())
       .run();
   coder.finish();
   ++layer_;
@@ -425,7 +411,9 @@ Bytes TransformEncoder::encode_layer(const CoefficientSteps& steps) {
 }
 
 TransformDecoder::TransformDecoder(const Svo& svo)
-    : svo_(svo), decoded_(svo.node_count()), neighborhoods_(svo) {}
+    : svo_(svo),
+      decoded_(std::make_unique_for_overwrite<Short4[]>(svo.node_count())),
+      neighborhoods_(svo) {}
 
 Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
   ByteReader reader(bytes);
@@ -433,7 +421,7 @@ Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
   CoefficientSteps steps;
   steps.luma = reader.get<std::uint16_t>();
   steps.chroma = reader.get<std::uint16_t>();
-  if (level_ == 0 && !decoded_.empty()) {
+  if (level_ == 0 && svo_.node_count() > 0) {
     Int4 root = {};
     for (int k = 0; k < 3; ++k) root[k] = reader.get<std::int16_t>();
     decoded_[0] = stored_value(root + fourth_lane(0));
@@ -444,7 +432,7 @@ Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
   CoefficientReader coder(reader.rest());
   Neighborhoods* neighborhoods = (flags & kPredictionFlag) != 0 ? &neighborhoods_ : nullptr;
   LayerCoder<CoefficientReader>(svo_, level_, last_level, steps, neighborhoods, contexts_, coder,
-                                nullptr, decoded_)
+                                nullptr, decoded_.get())
       .run();
   if (!coder.complete()) return fail("the bytes do not fit the tree");
   level_ = last_level;
@@ -454,7 +442,7 @@ Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
 void TransformDecoder::inherit(int last_level) {
   for (; level_ < last_level; ++level_) {
     const std::size_t l = static_cast<std::size_t>(level_);
-    Short4* child = decoded_.data() + svo_.level_begin[l + 1];
+    Short4* child = decoded_.get() + svo_.level_begin[l + 1];
     for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
       for (int count = std::popcount(svo_.masks[node]); count > 0; --count) {
         *child++ = decoded_[node];
@@ -464,8 +452,8 @@ void TransformDecoder::inherit(int last_level) {
 }
 
 std::span<const Short4> TransformDecoder::values(int level) const {
-  return std::span(decoded_).subspan(svo_.level_begin[static_cast<std::size_t>(level)],
-                                     svo_.node_count(level));
+  return {decoded_.get() + svo_.level_begin[static_cast<std::size_t>(level)],
+          svo_.node_count(level)};
 }
 
 std::uint32_t coefficient_step(int quality) {
@@ -478,7 +466,7 @@ std::uint32_t coefficient_step(int quality) {
 
 CoefficientSteps color_steps(int quality) {
   const std::uint32_t luma = coefficient_step(quality);
-  const std::uint32_t chroma = std::min(luma * 3 / 2, std::uint32_t{65535});
+  const std::uint32_t chroma = std::min(luma * 2, std::uint32_t{65535});
   return {static_cast<std::uint16_t>(luma), static_cast<std::uint16_t>(chroma)};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,8 +30,9 @@ struct CoefficientSteps {
   std::uint16_t luma = 256, chroma = 256;
 };
 
-/// Steps of a whole frame for qualities below lossless, 1 to 99: OctreeOptions. Chroma is half
-/// coarser than luma, as eyes are.
+/// Steps of a whole frame for qualities below lossless, 1 to 99: OctreeOptions. Chroma is coarser
+/// than luma by 2, as eyes are: the usual weights of 6 to 1 of their squared errors would make it
+/// 2.4.
 CoefficientSteps color_steps(int quality);
 CoefficientSteps normal_steps(int quality);
 
@@ -42,7 +44,8 @@ CoefficientSteps layer_steps(const CoefficientSteps& steps, std::uint32_t leaves
 /// Encodes the layers of one frame, base first.
 class TransformEncoder {
  public:
-  /// `leaves`: a value for each leaf. `layer_ends`: the last level of each layer.
+  /// `leaves`: a value for each leaf. `layer_ends`: the last level of each layer. The tree and the
+  /// leaves must outlive the encoder.
   TransformEncoder(const Svo& svo, const std::vector<Short4>& leaves,
                    const std::vector<int>& layer_ends);
 
@@ -53,10 +56,11 @@ class TransformEncoder {
   bool prediction_pays(int level);
 
   const Svo& svo_;
+  const std::vector<Short4>& leaves_;
   std::vector<int> layer_ends_;
   std::size_t layer_ = 0;
-  std::vector<Short4> source_;   ///< of all nodes, before quantisation
-  std::vector<Short4> decoded_;  ///< of all nodes so far, as the decoder gets them
+  std::vector<Short4> means_;    ///< of the inner nodes, before quantisation
+  std::vector<Short4> decoded_;  ///< of the inner nodes so far, as the decoder gets them
   Neighborhoods neighborhoods_;
   CoefficientContexts contexts_;
 };
@@ -82,7 +86,7 @@ class TransformDecoder {
  private:
   const Svo& svo_;
   int level_ = 0;
-  std::vector<Short4> decoded_;
+  std::unique_ptr<Short4[]> decoded_;  ///< of all nodes; not set from beyond level_ on
   Neighborhoods neighborhoods_;
   CoefficientContexts contexts_;
 };

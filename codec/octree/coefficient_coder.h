@@ -59,13 +59,21 @@ inline bool is_zero(const Triple& q) { return (q[0] | q[1] | q[2]) == 0; }
 
 /// What is learnt of a layer's coefficients.
 struct CoefficientContexts {
-  static constexpr int kActivities = 6, kGradients = 5;
+  static constexpr int kActivities = 7, kGradients = 5;
   AdaptiveBit node[kGradients][kActivities][4];
-  AdaptiveBit triple[kGradients][3][kActivities];
+  AdaptiveBit triple[kGradients][3][kActivities][3];
   AdaptiveBit component[3][3][kActivities];
   AdaptiveBit above_one[3][kActivities], above_two[3][kActivities];
-  AdaptiveBit length[3][16];
-  AdaptiveBit sign[3][9];
+  AdaptiveBit length[3][16], second_digit[3][17];
+  AdaptiveBit sign[3][9][3];
+};
+
+/// What is known before a pair's triple is coded.
+struct TripleContext {
+  int gradient = 0, activity = 0;  ///< classes, of the node
+  int place = 0;                   ///< 0 to 2: last pair, last but one, others
+  int stage = 0;                   ///< 0 to 2: triples of the node that are not zero so far
+  std::array<int, 3> expected{};   ///< by component: the sign of the expected difference; 2: minus
 };
 
 /// A magnitude of 1 or more.
@@ -84,7 +92,10 @@ std::int32_t code_magnitude(Coder& coder, CoefficientContexts& contexts, int com
     }
   }
   std::uint32_t decoded = 1;
-  for (int digit = digits - 2; digit >= 0; --digit) {
+  if (digits > 1) {
+    decoded = 2 | coder.code(contexts.second_digit[component][digits], rest >> (digits - 2) & 1);
+  }
+  for (int digit = digits - 3; digit >= 0; --digit) {
     decoded = decoded << 1 | coder.code_even(rest >> digit & 1);
   }
   return static_cast<std::int32_t>(decoded) + 2;
@@ -92,9 +103,11 @@ std::int32_t code_magnitude(Coder& coder, CoefficientContexts& contexts, int com
 
 /// A triple that may be zero only if `may_be_zero`.
 template <class Coder>
-void code_triple(Coder& coder, CoefficientContexts& contexts, int gradient, int stage, int activity,
+void code_triple(Coder& coder, CoefficientContexts& contexts, const TripleContext& context,
                  bool may_be_zero, Triple& q) {
-  if (may_be_zero && coder.code(contexts.triple[gradient][stage][activity], !is_zero(q)) == 0) {
+  const int activity = context.activity;
+  AdaptiveBit& any = contexts.triple[context.gradient][context.stage][activity][context.place];
+  if (may_be_zero && coder.code(any, !is_zero(q)) == 0) {
     q = {};
     return;
   }
@@ -108,7 +121,7 @@ void code_triple(Coder& coder, CoefficientContexts& contexts, int gradient, int 
       continue;
     }
     const std::int32_t magnitude = code_magnitude(coder, contexts, k, activity, std::abs(q[c]));
-    const bool negative = coder.code(contexts.sign[k][signs], q[c] < 0) != 0;
+    const bool negative = coder.code(contexts.sign[k][signs][context.expected[c]], q[c] < 0) != 0;
     q[c] = negative ? -magnitude : magnitude;
     ++before;
     if (k == 0) signs += negative ? 3 : -3;

@@ -111,7 +111,7 @@ void Neighborhoods::descend() {
   ++level_;
 }
 
-void Neighborhoods::set_values(const std::vector<Short4>& values) {
+void Neighborhoods::set_values(const Short4* values) {
   values_ = groups<Short4>([&](std::uint32_t child) { return values[child]; });
 }
 

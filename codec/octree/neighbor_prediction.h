@@ -60,8 +60,8 @@ class Neighborhoods {
   /// To the next level; the current one is at most svo.depth - 1.
   void descend();
 
-  /// Takes the values of the current level's children from those of all nodes of the tree.
-  void set_values(const std::vector<Short4>& values);
+  /// Takes the values of the current level's children from those of the tree's nodes.
+  void set_values(const Short4* values);
   /// Of one child of a node of the current level.
   void set_value(std::uint32_t node, int octant, const Short4& value) {
     values_[group_of(node)][static_cast<std::size_t>(octant)] = value;

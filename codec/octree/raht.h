@@ -89,16 +89,6 @@ inline void merge(const MergeOrder& order, const NodeScales& scales, Int4* value
   }
 }
 
-/// The mean of values[0 .. pairs], which are of no use then.
-inline Int4 merge(const MergeOrder& order, const NodeScales& scales, Int4* values) {
-  for (int i = 0; i < order.pairs; ++i) {
-    const auto [first, second] = order.pair[static_cast<std::size_t>(i)];
-    values[first] += mean_offset(values[second] - values[first],
-                                 scales.pair[static_cast<std::size_t>(i)]->ratio);
-  }
-  return values[0];
-}
-
 /// Undoes merge: values[0] is the mean.
 inline void split(const MergeOrder& order, const NodeScales& scales, Int4* values,
                   const Int4* differences) {

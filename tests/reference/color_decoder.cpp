@@ -67,20 +67,29 @@ class RangeDecoder {
 class AdaptiveBits {
  public:
   bool decode(RangeDecoder& range, const std::string& context) {
-    auto& [f, s] = learnt_.try_emplace(context, 32768u, 32768u).first->second;
-    const bool bit = range.bit((f + s) >> 1);
-    if (bit) {
-      f = 65535 - ((65535 - f) - ((65535 - f) >> 4));
-      s = 65535 - ((65535 - s) - ((65535 - s) >> 7));
-    } else {
-      f -= f >> 4;
-      s -= s >> 7;
-    }
+    Learnt& known = learnt_[context];
+    ++known.decisions;
+    int digits = 0;
+    while (digits < 7 && known.decisions >> digits != 0) ++digits;
+    const bool bit = range.bit((known.f + known.s) >> 1);
+    const auto follow = [bit](std::uint32_t& estimate, int shift) {
+      if (bit) {
+        estimate = 65535 - ((65535 - estimate) - ((65535 - estimate) >> shift));
+      } else {
+        estimate -= estimate >> shift;
+      }
+    };
+    follow(known.f, std::min(digits, 3));
+    follow(known.s, digits);
     return bit;
   }
 
  private:
-  std::map<std::string, std::pair<std::uint32_t, std::uint32_t>> learnt_;
+  struct Learnt {
+    std::uint32_t f = 32768, s = 32768;
+    std::uint64_t decisions = 0;
+  };
+  std::map<std::string, Learnt> learnt_;
 };
 
 std::string context(const char* name, std::initializer_list<std::int64_t> numbers) {
@@ -255,10 +264,23 @@ class Decoder {
                          : near_activity < near_weight         ? 2
                          : 2 * near_activity < 5 * near_weight ? 3
                          : near_activity < 6 * near_weight     ? 4
-                                                               : 5;
+                         : near_activity < 12 * near_weight    ? 5
+                                                               : 6;
     std::array<int, 8> moved_to{};
     const std::vector<Pair> pairs = pairs_of(weight, moved_to);
     const int size = pairs.size() == 1 ? 0 : pairs.size() == 2 ? 1 : pairs.size() <= 4 ? 2 : 3;
+
+    // Differences of the expected values.
+    std::vector<Components> expected_difference(pairs.size());
+    std::array<Components, 8> e = expected;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      Components& lower = e[static_cast<std::size_t>(pairs[i].lower)];
+      const Components& higher = e[static_cast<std::size_t>(pairs[i].higher)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        expected_difference[i][k] = higher[k] - lower[k];
+        lower[k] += (expected_difference[i][k] * ratio_of(pairs[i]) + (1 << 13)) >> 14;
+      }
+    }
 
     // Coefficients.
     std::vector<Components> q(pairs.size());
@@ -266,7 +288,11 @@ class Decoder {
     if (bits_.decode(range, context("node", {gradient, activity, size}))) {
       int nonzero = 0;
       for (std::size_t i = pairs.size(); i-- > 0;) {
-        q[i] = triple(range, gradient, std::min(nonzero, 2), activity, i == 0 && nonzero == 0);
+        const auto place =
+            static_cast<std::int64_t>(std::min<std::size_t>(pairs.size() - 1 - i, 2));
+        const std::string any =
+            context("triple", {gradient, std::min(nonzero, 2), activity, place});
+        q[i] = triple(range, any, activity, expected_difference[i], i == 0 && nonzero == 0);
         nonzero += q[i] != Components{};
         sum += 2 * std::abs(q[i][0]) + std::abs(q[i][1]) + std::abs(q[i][2]);
       }
@@ -274,17 +300,11 @@ class Decoder {
     const auto count = static_cast<std::int64_t>(pairs.size());
     node.activity = last_activity_ = std::min<std::int64_t>(127, 4 * sum / count);
 
-    // The mean of what was expected, then the transform undone.
+    // The transform undone.
     const auto top = static_cast<std::size_t>(moved_to[0]);
     for (std::size_t k = 0; k < 3; ++k) {
-      std::array<std::int64_t, 8> e{}, v{};
-      for (std::size_t octant = 0; octant < 8; ++octant) e[octant] = expected[octant][k];
-      for (const Pair& pair : pairs) {
-        auto& lower = e[static_cast<std::size_t>(pair.lower)];
-        const std::int64_t d = e[static_cast<std::size_t>(pair.higher)] - lower;
-        lower += (d * ratio_of(pair) + (1 << 13)) >> 14;
-      }
-      v[top] = node.value[k] - e[top];
+      std::array<std::int64_t, 8> v{};
+      v[top] = node.value[k] - e[top][k];
       for (std::size_t i = pairs.size(); i-- > 0;) {
         const std::int64_t magnitude = std::min<std::int64_t>(
             (std::abs(q[i][k]) * step_of(pairs[i], steps_[k]) + (1 << 7)) >> 8, 1 << 16);
@@ -302,9 +322,10 @@ class Decoder {
     }
   }
 
-  Components triple(RangeDecoder& range, int gradient, int n, int activity, bool certain) {
+  Components triple(RangeDecoder& range, const std::string& any, int activity,
+                    const Components& expected_difference, bool certain) {
     Components q{};
-    if (!certain && !bits_.decode(range, context("triple", {gradient, n, activity}))) return q;
+    if (!certain && !bits_.decode(range, any)) return q;
     int m = 0, s = 4;
     for (int k = 0; k < 3; ++k) {
       if (!(k == 2 && m == 0) && !bits_.decode(range, context("component", {k, m, activity}))) {
@@ -317,11 +338,17 @@ class Decoder {
           int digits = 1;
           while (digits < 16 && bits_.decode(range, context("length", {k, digits}))) ++digits;
           std::int64_t rest = 1;
-          for (int i = 1; i < digits; ++i) rest = 2 * rest + range.bit(32768);
+          for (int i = 1; i < digits; ++i) {
+            const bool digit = i == 1 ? bits_.decode(range, context("second_digit", {k, digits}))
+                                      : range.bit(32768);
+            rest = 2 * rest + digit;
+          }
           magnitude = rest + 2;
         }
       }
-      const bool negative = bits_.decode(range, context("sign", {k, s}));
+      const std::int64_t expected = expected_difference[static_cast<std::size_t>(k)];
+      const int e = expected > 0 ? 1 : expected < 0 ? 2 : 0;
+      const bool negative = bits_.decode(range, context("sign", {k, s, e}));
       q[static_cast<std::size_t>(k)] = negative ? -magnitude : magnitude;
       ++m;
       if (k == 0) s += negative ? 3 : -3;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/color_space.h"
 #include "tests/reference/color_decoder.h"
 
@@ -108,6 +109,59 @@ TEST(ColorSpace, of_a_grey_has_no_chroma_and_clamps_what_is_no_colour) {
   }
   EXPECT_EQ(rgb_from_ycbcr(Int4{16383, 16383, 16383, 1}), glm::u16vec3(65535, 0x5858, 65535));
   EXPECT_EQ(rgb_from_ycbcr(Int4{-16384, 0, 0, 1}), glm::u16vec3(0));
+}
+
+TEST(AdaptiveBit, learns_most_from_the_first_decisions_and_is_never_certain) {
+  AdaptiveBit bit;
+  EXPECT_EQ(bit.probability(), 32768u);
+  bit.update(0);
+  EXPECT_EQ(bit.probability(), 16384u);
+  bit.update(1);  // a half from the first, an estimate's quarter from the second
+  EXPECT_NEAR(bit.probability(), 16384.0 + 0.25 * 49152.0, 2.0);
+  for (int i = 0; i < 3000; ++i) bit.update(0);
+  EXPECT_EQ(bit.probability(), 67u);
+  for (int i = 0; i < 3000; ++i) bit.update(1);
+  EXPECT_EQ(bit.probability(), 65468u);
+}
+
+TEST(AdaptiveBit, tells_the_bits_of_a_decision) {
+  AdaptiveBit bit;
+  for (int i = 0; i < 400; ++i) {
+    for (const unsigned value : {0u, 1u}) {
+      const double p = bit.probability() / 65536.0;
+      const double bits = -std::log2(value == 1 ? p : 1.0 - p);
+      // The table's steps of 1/256 are coarse for what is rare.
+      if (bits < 6.0) {
+        EXPECT_NEAR(bit.cost(value) / 16.0, bits, 0.2) << p;
+      }
+    }
+    bit.update(i % 7 == 0);
+  }
+}
+
+TEST(CoefficientQuantizer, leaves_out_what_takes_more_bits_than_it_is_worth) {
+  // Two children a little more than half a step apart.
+  const MergeOrder& order = kMergeOrders[0b11];
+  const PairScales table(1024, 1024);
+  NodeScales scales;
+  scales.pair[0] = &table(1, 1, scales.made[0]);
+  scales.least_steps = scales.pair[0]->steps;
+  const std::int32_t step = scales.pair[0]->steps[0] / 256;
+  const auto quantized = [&](const CoefficientContexts& contexts, std::int32_t difference) {
+    std::array<Int4, 8> values{Int4{}, Int4{difference, 0, 0, 0}};
+    std::array<Triple, 7> q{};
+    return quantize_node(order, scales, values, contexts, 0, 0, q) ? q[0][0] : 0;
+  };
+  CoefficientContexts rare, frequent;
+  for (int i = 0; i < 100; ++i) {
+    rare.node[0][0][0].update(0);
+    frequent.node[0][0][0].update(1);
+  }
+  EXPECT_EQ(quantized(rare, step * 3 / 4), 0);
+  EXPECT_EQ(quantized(frequent, step * 3 / 4), 1);
+  EXPECT_EQ(quantized(rare, step * 3), 3);
+  EXPECT_EQ(quantized(rare, -step * 3), -3);
+  EXPECT_EQ(quantized(frequent, step / 2), 0);
 }
 
 TEST(AttributeCoder, error_and_size_follow_the_step) {

@@ -37,7 +37,9 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   }
   std::vector<LayerView> views;
   for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
-  auto frame = decode_frame(views);
+  DecodeLimits limits;
+  limits.tables = fetched.tables.get();
+  auto frame = decode_frame(views, limits);
   // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
   // do not jump from frame to frame (ERRATA 12).
   if (frame && !frame->svo) frame->cube = manifest.segments[locate(manifest, index).segment].cube;

@@ -10,8 +10,12 @@ namespace {
 
 class HttpSource : public Source {
  public:
-  HttpSource(std::string base, std::unique_ptr<HttpClient> client, Manifest manifest)
-      : base_(std::move(base)), client_(std::move(client)), manifest_(std::move(manifest)) {}
+  HttpSource(std::string base, std::unique_ptr<HttpClient> client, Manifest manifest,
+             std::shared_ptr<const ContextTables> tables)
+      : base_(std::move(base)),
+        client_(std::move(client)),
+        manifest_(std::move(manifest)),
+        tables_(std::move(tables)) {}
 
   const Manifest& manifest() const override { return manifest_; }
 
@@ -19,6 +23,7 @@ class HttpSource : public Source {
     const auto ranges = ranges_of(manifest_, frame, request);
     if (!ranges) return tl::unexpected(ranges.error());
     FetchedFrame fetched;
+    fetched.tables = tables_;
     for (const LayerRange& range : *ranges) {
       FetchedLayer layer{{}, range.sizes};
       if (range.sizes.total() > 0) {
@@ -38,6 +43,7 @@ class HttpSource : public Source {
   const std::string base_;
   const std::unique_ptr<HttpClient> client_;
   const Manifest manifest_;
+  const std::shared_ptr<const ContextTables> tables_;
 };
 
 }  // namespace
@@ -56,7 +62,17 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
   if (!text) return fail_at(manifest_url, text.error());
   auto manifest = parse_manifest({reinterpret_cast<const char*>(text->data()), text->size()});
   if (!manifest) return fail_at(manifest_url, manifest.error());
-  return std::make_unique<HttpSource>(std::move(base), std::move(client), std::move(*manifest));
+  std::shared_ptr<const ContextTables> tables;
+  if (manifest->tables) {
+    const std::string tables_url = base + "/" + manifest->tables->path;
+    const auto bytes = client->get(tables_url, manifest->tables->bytes);
+    if (!bytes) return fail_at(tables_url, bytes.error());
+    auto read = read_tables(*manifest->tables, *bytes);
+    if (!read) return fail_at(tables_url, read.error());
+    tables = std::move(*read);
+  }
+  return std::make_unique<HttpSource>(std::move(base), std::move(client), std::move(*manifest),
+                                      std::move(tables));
 }
 
 }  // namespace pointreel

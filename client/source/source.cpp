@@ -4,12 +4,21 @@
 
 #include <fmt/format.h>
 
+#include "codec/octree/context_tables.h"
+
 namespace pointreel {
 
 LayerView FetchedLayer::view() const {
   const ByteView all(bytes);
   return {all.subspan(0, sizes.geometry), all.subspan(sizes.geometry, sizes.colors),
           all.subspan(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)};
+}
+
+Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes) {
+  if (bytes.size() != file.bytes || checksum_of(bytes) != file.checksum) {
+    return fail("is not the file that the manifest names; the package is damaged");
+  }
+  return read_table_file(bytes);
 }
 
 Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,

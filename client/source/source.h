@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ struct FetchedLayer {
 /// A frame as it came: either layers of a package, or a whole PLY or .drc file.
 struct FetchedFrame {
   std::vector<FetchedLayer> layers;
-  Bytes file;             ///< used if `layers` is empty
-  std::string file_name;  ///< of `file`, for errors
+  std::shared_ptr<const ContextTables> tables;  ///< of the package that `layers` are of, if any
+  Bytes file;                                   ///< used if `layers` is empty
+  std::string file_name;                        ///< of `file`, for errors
 };
 
 /// Where frames come from.
@@ -49,6 +51,10 @@ class Source {
   /// Makes fetches under way, and all later ones, fail soon. From any thread.
   virtual void cancel() {}
 };
+
+/// The package's tables, from the bytes that came for the manifest's entry: what the entry
+/// promises, or an error.
+Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes);
 
 struct SourceOptions {
   // For folders of files, which say neither.

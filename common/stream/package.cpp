@@ -145,19 +145,29 @@ bool is_uint32(const json& v) {
   return v.is_number_unsigned() && v.get<std::uint64_t>() <= kMaxUint32;
 }
 
-Result<LayerFile> parse_file(const json& object, std::uint32_t frame_count) {
+/// What all files have.
+Result<PackageFile> parse_file(const json& object, std::uint64_t max_bytes) {
   Fields fields(object);
-  LayerFile file;
+  PackageFile file;
   file.path = fields.text("path");
-  file.bytes = fields.integer("bytes", kMaxInteger);
+  file.bytes = fields.integer("bytes", max_bytes);
   const std::string checksum = fields.text("xxh3");
-  const json& frames = fields.array("frames");
   if (fields.error()) return tl::unexpected(*fields.error());
 
   if (!is_file_name(file.path)) return fail("path: is not a plain file name of the package");
   const std::optional<std::uint64_t> value = parse_checksum(checksum);
   if (!value) return fail("xxh3: is not 16 lowercase hexadecimal digits");
   file.checksum = *value;
+  return file;
+}
+
+Result<LayerFile> parse_layer(const json& object, std::uint32_t frame_count) {
+  Result<PackageFile> whole = parse_file(object, kMaxInteger);
+  if (!whole) return tl::unexpected(whole.error());
+  LayerFile file{std::move(*whole), {}};
+  Fields fields(object);
+  const json& frames = fields.array("frames");
+  if (fields.error()) return tl::unexpected(*fields.error());
   if (frames.size() != frame_count) {
     return fail(fmt::format("frames: {} entries for {} frames", frames.size(), frame_count));
   }
@@ -270,7 +280,7 @@ Result<Segment> parse_segment(const json& object, const Manifest& manifest, std:
     return fail(fmt::format("files: {} for {} layers", files.size(), manifest.layer_names.size()));
   }
   for (const json& entry : files) {
-    Result<LayerFile> file = parse_file(entry, segment.frame_count());
+    Result<LayerFile> file = parse_layer(entry, segment.frame_count());
     if (!file) return fail_at(fmt::format("files[{}]", segment.layers.size()), file.error());
     segment.layers.push_back(std::move(*file));
   }
@@ -283,6 +293,7 @@ Result<Segment> parse_segment(const json& object, const Manifest& manifest, std:
 Result<void> parse_segments(const json& entries, Manifest& manifest) {
   std::uint64_t frames = 0, last_time = 0;
   std::set<std::string> paths;
+  if (manifest.tables) paths.insert(manifest.tables->path);
   bool any_point = false;
   for (const json& entry : entries) {
     const std::string place = fmt::format("segments[{}]", manifest.segments.size());
@@ -403,6 +414,12 @@ Result<Manifest> parse_root(const json& root) {
   if (const Result<void> names = parse_layer_names(layers, manifest); !names) {
     return tl::unexpected(names.error());
   }
+  if (fields.has("tables")) {
+    if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\"");
+    Result<PackageFile> tables = parse_file(*fields.value("tables"), kMaxTablesBytes);
+    if (!tables) return fail_at("tables", tables.error());
+    manifest.tables = std::move(*tables);
+  }
   if (const Result<void> all = parse_segments(segments, manifest); !all) {
     return tl::unexpected(all.error());
   }
@@ -448,15 +465,19 @@ class TokenGuard {
 
 ordered_json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
+ordered_json to_json(const PackageFile& file) {
+  return {
+      {"path", file.path}, {"bytes", file.bytes}, {"xxh3", fmt::format("{:016x}", file.checksum)}};
+}
+
 ordered_json to_json(const LayerFile& file) {
   ordered_json frames = ordered_json::array();
   for (const LayerSizes& sizes : file.frames) {
     frames.push_back({sizes.geometry, sizes.colors, sizes.normals});
   }
-  return {{"path", file.path},
-          {"bytes", file.bytes},
-          {"xxh3", fmt::format("{:016x}", file.checksum)},
-          {"frames", std::move(frames)}};
+  ordered_json whole = to_json(static_cast<const PackageFile&>(file));
+  whole["frames"] = std::move(frames);
+  return whole;
 }
 
 ordered_json to_json(const Segment& segment) {
@@ -478,6 +499,15 @@ std::string dump(const ordered_json& value) {
 
 std::uint32_t Manifest::frame_count() const {
   return segments.empty() ? 0 : segments.back().first_frame + segments.back().frame_count();
+}
+
+std::vector<const PackageFile*> Manifest::files() const {
+  std::vector<const PackageFile*> files;
+  if (tables) files.push_back(&*tables);
+  for (const Segment& segment : segments) {
+    for (const LayerFile& file : segment.layers) files.push_back(&file);
+  }
+  return files;
 }
 
 std::uint64_t checksum_of(ByteView bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
@@ -529,6 +559,7 @@ std::string write_manifest(const Manifest& manifest) {
   if (!manifest.bounds.empty()) {
     head["bounds"] = {{"min", to_json(manifest.bounds.min)}, {"max", to_json(manifest.bounds.max)}};
   }
+  if (manifest.tables) head["tables"] = to_json(*manifest.tables);
   head["layers"] = manifest.layer_names;
 
   std::string text = "{\n";

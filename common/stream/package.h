@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,12 +28,17 @@ struct LayerSizes {
   bool operator==(const LayerSizes&) const = default;
 };
 
-/// One immutable file: the chunks of one layer of all frames of a segment, frame after frame.
-struct LayerFile {
+/// One immutable file of a package.
+struct PackageFile {
   std::string path;            ///< relative to the manifest; letters, digits, '.', '_', '-' only
-  std::uint64_t bytes = 0;     ///< the file's size, the sum of `frames`
+  std::uint64_t bytes = 0;     ///< the file's size
   std::uint64_t checksum = 0;  ///< `checksum_of` the whole file
-  std::vector<LayerSizes> frames;  ///< one entry for each frame of the segment
+};
+
+/// The chunks of one layer of all frames of a segment, frame after frame.
+struct LayerFile : PackageFile {
+  std::vector<LayerSizes>
+      frames;  ///< one entry for each frame of the segment; their sum is `bytes`
 };
 
 /// A group of consecutive frames that share one cube (with --cube frame: the bounds' cube; each
@@ -58,11 +64,17 @@ struct Manifest {
   bool colors = false, normals = false;
   std::uint32_t depth_min = 0, depth_max = 0;
   Box bounds;                            ///< of all frames; empty if no frame has a point
+  std::optional<PackageFile> tables;     ///< context tables that frames refer to, if there are any
   std::vector<std::string> layer_names;  ///< of the layers, coarse to fine
   std::vector<Segment> segments;
 
   std::uint32_t frame_count() const;
+  /// All files that the manifest names: tables, then layers, segment by segment.
+  std::vector<const PackageFile*> files() const;
 };
+
+/// A larger file of tables is refused.
+inline constexpr std::uint64_t kMaxTablesBytes = 1u << 20;
 
 /// XXH3 with 64 bits and seed 0, written in reel.json as 16 lowercase hexadecimal digits.
 std::uint64_t checksum_of(ByteView bytes);

@@ -14,6 +14,7 @@
 #include <xxhash.h>
 
 #include "codec/frame_header.h"
+#include "codec/octree/context_tables.h"
 #include "common/cloud/ply.h"
 #include "server/pack/output_folder.h"
 
@@ -63,8 +64,17 @@ Result<std::uint64_t> file_checksum(const fs::path& path) {
   return XXH3_64bits_digest(hash.get());
 }
 
+Result<std::shared_ptr<const ContextTables>> load_tables(const fs::path& folder,
+                                                         const PackageFile& file) {
+  std::ifstream in(folder / file.path, std::ios::binary);
+  Bytes bytes(file.bytes);  // parse_manifest bounds it
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!in) return fail("cannot be read, or is cut off");
+  return read_table_file(bytes);
+}
+
 /// What is wrong with a file as a whole, if anything.
-Result<void> check_file(const fs::path& folder, const LayerFile& file) {
+Result<void> check_file(const fs::path& folder, const PackageFile& file) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(folder / file.path, error);
   if (error) return fail(error.message());
@@ -80,9 +90,20 @@ Result<void> check_file(const fs::path& folder, const LayerFile& file) {
   return {};
 }
 
+/// What decoding a package's frames takes.
+struct Decoder {
+  std::shared_ptr<const ContextTables> tables;
+
+  Result<DecodedFrame> operator()(const std::vector<LayerView>& layers) const {
+    DecodeLimits limits;
+    limits.tables = tables.get();
+    return decode_frame(layers, limits);
+  }
+};
+
 /// The layer that keeps a frame from being decoded: the last of its shortest prefix that fails.
-std::size_t layer_at_fault(std::vector<LayerView> layers) {
-  while (layers.size() > 1 && !decode_frame({layers.begin(), layers.end() - 1})) layers.pop_back();
+std::size_t layer_at_fault(const Decoder& decode, std::vector<LayerView> layers) {
+  while (layers.size() > 1 && !decode({layers.begin(), layers.end() - 1})) layers.pop_back();
   return layers.size() - 1;
 }
 
@@ -116,7 +137,7 @@ Result<void> check_promises(const Manifest& manifest, std::uint32_t frame, std::
 
 /// What is wrong with a frame, if anything.
 std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
-                              std::uint32_t frame) {
+                              const Decoder& decode, std::uint32_t frame) {
   const std::vector<LayerFile>& files = manifest.segments[locate(manifest, frame).segment].layers;
   const auto fault = [&](std::size_t layer, const Error& error) {
     return Fault{files[layer].path, frame, error.message};
@@ -130,8 +151,8 @@ std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
   }
   const Result<ParsedFrameHeader> parsed = read_frame_header(bytes.layers.front().geometry);
   if (!parsed) return fault(0, parsed.error());
-  const Result<DecodedFrame> decoded = decode_frame(layer_views(bytes.layers));
-  if (!decoded) return fault(layer_at_fault(layer_views(bytes.layers)), decoded.error());
+  const Result<DecodedFrame> decoded = decode(layer_views(bytes.layers));
+  if (!decoded) return fault(layer_at_fault(decode, layer_views(bytes.layers)), decoded.error());
   const Result<void> kept =
       check_promises(manifest, frame, bytes.layers.size(), parsed->header, *decoded);
   if (!kept) return fault(bytes.layers.size() - 1, kept.error());
@@ -154,13 +175,8 @@ VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
                            const InspectListener& listener) {
   VerifyReport report;
   report.frames = manifest.frame_count();
-  std::vector<const LayerFile*> files;
-  for (const Segment& segment : manifest.segments) {
-    for (const LayerFile& file : segment.layers) {
-      files.push_back(&file);
-      report.bytes += file.bytes;
-    }
-  }
+  const std::vector<const PackageFile*> files = manifest.files();
+  for (const PackageFile* file : files) report.bytes += file->bytes;
   report.files = static_cast<std::uint32_t>(files.size());
   if (listener.begin) listener.begin(report.frames);
 
@@ -173,8 +189,17 @@ VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
       of_files.push_back({i, {files[i]->path, std::nullopt, good.error().message}});
     }
   });
+  Decoder decoder;
+  if (manifest.tables) {
+    auto tables = load_tables(folder, *manifest.tables);
+    // A file that is not the manifest's has been found at fault already.
+    if (tables) decoder.tables = std::move(*tables);
+    if (!tables && of_files.empty()) {
+      of_files.push_back({0, {manifest.tables->path, std::nullopt, tables.error().message}});
+    }
+  }
   for_each_frame(report.frames, listener, [&](std::uint32_t i) {
-    if (std::optional<Fault> fault = fault_of(folder, manifest, i)) {
+    if (std::optional<Fault> fault = fault_of(folder, manifest, decoder, i)) {
       const std::lock_guard lock(mutex);
       of_frames.push_back({i, std::move(*fault)});
     }
@@ -210,10 +235,10 @@ Result<void> may_replace_frames(const fs::path& folder) {
 }
 
 Result<void> unpack_frame(const UnpackOptions& options, const Manifest& manifest,
-                          std::uint32_t frame, const fs::path& path) {
+                          const Decoder& decode, std::uint32_t frame, const fs::path& path) {
   const Result<FrameBytes> bytes = read_frame(options.input, manifest, frame, options.layers);
   if (!bytes) return tl::unexpected(bytes.error());
-  const Result<DecodedFrame> decoded = decode_frame(layer_views(bytes->layers));
+  const Result<DecodedFrame> decoded = decode(layer_views(bytes->layers));
   if (!decoded) {
     return fail_at(fmt::format("{}: frame {}", options.input.string(), frame), decoded.error());
   }
@@ -230,6 +255,14 @@ Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest
                     "each must be asked for",
                     options.input.string(), frames, manifest.layer_names.size()));
   }
+  Decoder decoder;
+  if (manifest.tables) {
+    auto tables = load_tables(options.input, *manifest.tables);
+    if (!tables) {
+      return fail_at((options.input / manifest.tables->path).string(), tables.error());
+    }
+    decoder.tables = std::move(*tables);
+  }
   Result<OutputFolder> folder = OutputFolder::create(
       options.output, options.force ? may_replace_frames : OutputFolder::MayReplace{});
   if (!folder) return tl::unexpected(folder.error());
@@ -243,7 +276,7 @@ Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest
   for_each_frame(count, listener, [&](std::uint32_t i) {
     const std::uint32_t frame = options.first_frame + i;
     const fs::path path = folder->path() / fmt::format("frame_{:0{}}.ply", frame, digits);
-    if (const Result<void> done = unpack_frame(options, manifest, frame, path); !done) {
+    if (const Result<void> done = unpack_frame(options, manifest, decoder, frame, path); !done) {
       const std::lock_guard lock(mutex);
       if (!first_error || frame < first_error->first) first_error = {frame, done.error()};
     }

@@ -32,7 +32,7 @@ struct Fault {
 
 struct VerifyReport {
   std::uint32_t frames = 0, files = 0;
-  std::uint64_t bytes = 0;    ///< of the segment files
+  std::uint64_t bytes = 0;    ///< of the layer files and tables
   std::vector<Fault> faults;  ///< files first, then frames, each in order
 };
 

@@ -45,6 +45,7 @@ Totals totals_of(const Manifest& manifest) {
       totals.bytes += segment.layers[i].bytes;
     }
   }
+  if (manifest.tables) totals.bytes += manifest.tables->bytes;
   if (manifest.segments.empty()) totals.fewest = 0;
   return totals;
 }
@@ -59,8 +60,9 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
   if (!manifest.bounds.empty()) {
     bounds = {{"min", vector(manifest.bounds.min)}, {"max", vector(manifest.bounds.max)}};
   }
-  ordered_json entropy;
+  ordered_json entropy, tables;
   if (!manifest.entropy.empty()) entropy = manifest.entropy;
+  if (manifest.tables) tables = {{"bytes", manifest.tables->bytes}};
   return {{"name", manifest.name},
           {"version", kPackageVersion},
           {"codec", manifest.codec},
@@ -76,7 +78,8 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"depth", {{"min", manifest.depth_min}, {"max", manifest.depth_max}}},
           {"bounds", bounds},
           {"bytes", totals.bytes},
-          {"layers", layers}};
+          {"layers", layers},
+          {"tables", tables}};
 }
 
 void print_info(const Manifest& manifest, const Totals& totals) {
@@ -101,6 +104,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   for (std::size_t i = 0; i < manifest.layer_names.size(); ++i) {
     fmt::print("    {:8} {}\n", manifest.layer_names[i], totals.layer_bytes[i]);
   }
+  if (manifest.tables) fmt::print("    {:8} {}\n", "tables", manifest.tables->bytes);
 }
 
 int run_info(const std::string& reel, bool json) {

@@ -30,7 +30,7 @@ struct PackArguments {
   std::string normals = "send", method = "auto";
   std::uint32_t segment = 30;
   DracoOptions draco;
-  bool no_normals = false, no_colors = false, force = false;
+  bool no_normals = false, no_colors = false, train = false, force = false;
   std::string json;
   CLI::Option *delta_option = nullptr, *depth_option = nullptr, *voxel_option = nullptr;
   CLI::Option* json_option = nullptr;
@@ -92,6 +92,10 @@ Result<PackOptions> make_options(const PackArguments& arguments) {
     }
     options.voxel = arguments.voxel;
   }
+  if (arguments.train && arguments.entropy != "context") {
+    return fail("--train belongs to --entropy context");
+  }
+  options.train = arguments.train;
   options.cube_per_frame = arguments.cube == "frame";
   options.fps = arguments.fps;
   options.segment_frames = arguments.segment;
@@ -125,6 +129,12 @@ ordered_json to_json(const PackSummary& summary) {
                        {"codec", summary.codec}};
   json["entropy"] = nullptr;
   if (!summary.entropy.empty()) json["entropy"] = summary.entropy;
+  json["tables"] = nullptr;
+  if (summary.learnt) {
+    json["tables"] = {{"samples", summary.learnt->samples},
+                      {"bytes", summary.learnt->bytes},
+                      {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
+  }
   json["seconds"] = summary.seconds;
   json["warnings"] = summary.warnings;
   return json;
@@ -143,6 +153,14 @@ void print_summary(const std::string& output, const PackSummary& summary) {
   fmt::print("  codec         {}{}{}, depth {} to {}\n", summary.codec,
              summary.entropy.empty() ? "" : " ", summary.entropy, summary.depth_min,
              summary.depth_max);
+  if (!summary.learnt) return;
+  if (summary.learnt->bytes == 0) {
+    fmt::print("  tables        built-in: those learnt from {} frames would save nothing\n",
+               summary.learnt->samples);
+  } else {
+    fmt::print("  tables        learnt from {} frames, {} bytes, which save {:.0f}\n",
+               summary.learnt->samples, summary.learnt->bytes, summary.learnt->saved_bytes);
+  }
 }
 
 int report(const PackArguments& arguments, const PackSummary& summary) {
@@ -197,6 +215,11 @@ void add_octree_options(CLI::App& command, PackArguments& a) {
                               ->check(CLI::IsMember({"none", "zstd", "context"}))
                               ->capture_default_str()
                               ->group(group));
+  a.octree_only.push_back(
+      command
+          .add_flag("--train", a.train,
+                    "learn the contexts from the frames: smaller, if they are many or noisy")
+          ->group(group));
   a.delta_option = command.add_option("--delta", a.delta,
                                       "depth by the share of points that may merge into others");
   a.depth_option =

@@ -16,12 +16,15 @@
 #include <tbb/task_arena.h>
 
 #include "codec/cloud_file.h"
+#include "codec/octree/context_tables.h"
+#include "codec/training/sequence_tables.h"
 #include "common/cloud/geometry.h"
-#include "common/octree/morton.h"
 #include "common/stream/package.h"
+#include "server/pack/grid.h"
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
 #include "server/pack/output_folder.h"
+#include "server/pack/sample_trees.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -61,24 +64,6 @@ Result<void> may_replace_package(const fs::path& folder) {
   }
   if (error) return fail(error.message());
   return {};
-}
-
-/// The cube that encodes points within `box`, and what the voxel size makes of the depth.
-struct Grid {
-  Cube cube;
-  EncodeOptions encode;
-};
-Result<Grid> grid_for(const Box& box, const PackOptions& options) {
-  if (!options.voxel) return Grid{bounding_cube(box), options.encode};
-  const VoxelCube voxels = voxel_cube(box, *options.voxel);
-  if (voxels.depth > kMaxDepth) {
-    return fail(
-        fmt::format("voxels of {} need an octree deeper than {} levels here: give a larger --voxel",
-                    *options.voxel, kMaxDepth));
-  }
-  Grid grid{voxels.cube, options.encode};
-  std::get<OctreeOptions>(grid.encode.codec).depth = DepthRule::fixed(voxels.depth);
-  return grid;
 }
 
 struct PackedFrame {
@@ -148,6 +133,11 @@ class Packer {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));
     tbb::task_arena arena(threads);
+    if (options_.train) {
+      Result<void> learnt;
+      arena.execute([&] { learnt = learn(); });
+      if (!learnt) return tl::unexpected(learnt.error());
+    }
     for (std::size_t first = 0; first < files_.size(); first += options_.segment_frames) {
       const std::size_t count =
           std::min<std::size_t>(options_.segment_frames, files_.size() - first);
@@ -162,6 +152,26 @@ class Packer {
   std::uint64_t time_us(std::size_t frame) const {
     return static_cast<std::uint64_t>(
         std::llround(static_cast<double>(frame) * 1e6 / options_.fps));
+  }
+
+  /// Learns context tables and makes them part of the package, if that makes it smaller.
+  Result<void> learn() {
+    const auto samples = sample_trees(files_, options_, listener_.stop);
+    if (listener_.stop.stop_requested()) return fail(kInterrupted);
+    if (!samples) return tl::unexpected(samples.error());
+    const Result<SequenceTables> learnt = learn_tables(*samples, files_.size());
+    if (!learnt) return tl::unexpected(learnt.error());
+    summary_.learnt = LearntTables{samples->size(), learnt->file.size(), learnt->saved_bytes};
+    if (learnt->file.empty()) return {};
+    auto tables = read_table_file(learnt->file);
+    if (!tables) return tl::unexpected(tables.error());
+    LayerWriter writer(folder_, "tables");
+    writer.append({learnt->file, {}, {}});
+    Result<LayerFile> file = writer.finish();
+    if (!file) return fail_at(options_.output.string(), file.error());
+    manifest_.tables = std::move(*file);
+    std::get<OctreeOptions>(options_.encode.codec).tables = std::move(*tables);
+    return {};
   }
 
   Result<void> pack_segment(std::size_t first, std::size_t count, int threads) {
@@ -297,9 +307,7 @@ class Packer {
     if (!out) return fail_at(options_.output.string(), {"cannot be written, is the disk full?"});
 
     summary_.bytes = text.size();
-    for (const Segment& segment : manifest_.segments) {
-      for (const LayerFile& file : segment.layers) summary_.bytes += file.bytes;
-    }
+    for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
     summary_.encode_ms = spread_of(std::move(encode_ms_));
     summary_.depth_min = manifest_.depth_min;
     summary_.depth_max = manifest_.depth_max;
@@ -308,7 +316,7 @@ class Packer {
     return std::move(summary_);
   }
 
-  const PackOptions& options_;
+  PackOptions options_;  ///< with the tables that were learnt
   const PackListener& listener_;
   const std::vector<fs::path> files_;
   const fs::path folder_;

@@ -8,25 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
 #include "common/base/error.h"
+#include "server/pack/pack_options.h"
 
 namespace pointreel {
-
-struct PackOptions {
-  std::vector<std::filesystem::path> inputs;  ///< folders and files, see list_cloud_files
-  std::filesystem::path output;
-  std::string name;  ///< empty: the output folder's name without ".reel"
-  EncodeOptions encode;
-  /// Edge of a voxel in world units, cells centred on its multiples; it sets the octree's depth.
-  std::optional<double> voxel;
-  bool cube_per_frame = false;  ///< the paper's mode: each frame its own bounding cube (ERRATA 12)
-  double fps = 30.0;
-  std::uint32_t segment_frames = 30;
-  char up = 'y';
-  int threads = 0;     ///< 0: as many as there are processors
-  bool force = false;  ///< replace a package that is there already
-};
 
 /// What pack tells while it works; every member may be empty. `warn` and `frame_done` are called
 /// from any thread, one call at a time.
@@ -43,6 +28,13 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);
 
+/// What came of PackOptions::train.
+struct LearntTables {
+  std::size_t samples = 0;   ///< frames that they were learnt from
+  std::uint64_t bytes = 0;   ///< that they take in the package; 0: the built-in ones are used
+  double saved_bytes = 0.0;  ///< by them, their own taken off: an estimate from the samples
+};
+
 struct PackSummary {
   std::uint32_t frames = 0;
   std::uint64_t points = 0;        ///< in the sources, all frames
@@ -50,6 +42,7 @@ struct PackSummary {
   std::uint64_t bytes = 0;         ///< of all files of the package, reel.json included
   /// Of the encoded parts, headers included; their sum is that of the segment files.
   std::uint64_t geometry_bytes = 0, color_bytes = 0, normal_bytes = 0;
+  std::optional<LearntTables> learnt;
   Spread encode_ms;  ///< a frame, from the cloud in memory to the encoded bytes
   std::uint32_t depth_min = 0, depth_max = 0;
   std::string codec, entropy;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kJson = "application/json";
 /// The content may change when the server is started again: ask each time, with the entity tag.
 constexpr const char* kRevalidate = "no-cache";
-/// A package's layer files never change under their name and checksum.
+/// A package's files never change under their name and checksum.
 constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
 std::int64_t modified_ns(const struct stat& status) {
@@ -90,24 +90,24 @@ Result<std::string> read_manifest_text(const fs::path& file) {
   return text;
 }
 
-Result<Resource> file_resource(const fs::path& folder, const LayerFile& layer) {
-  const auto file = file_inside(folder, layer.path);
+Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed) {
+  const auto file = file_inside(folder, listed.path);
   if (!file) return tl::unexpected(file.error());
   struct stat status{};
   if (::stat(file->c_str(), &status) != 0 || ::access(file->c_str(), R_OK) != 0) {
-    return fail(fmt::format("{}: {}", layer.path, std::generic_category().message(errno)));
+    return fail(fmt::format("{}: {}", listed.path, std::generic_category().message(errno)));
   }
-  if (static_cast<std::uint64_t>(status.st_size) != layer.bytes) {
-    return fail(fmt::format("{}: has {} bytes, the manifest says {}; pack it again", layer.path,
-                            status.st_size, layer.bytes));
+  if (static_cast<std::uint64_t>(status.st_size) != listed.bytes) {
+    return fail(fmt::format("{}: has {} bytes, the manifest says {}; pack it again", listed.path,
+                            status.st_size, listed.bytes));
   }
   Resource resource;
   resource.kind = Resource::Kind::kFile;
   resource.content_type = "application/octet-stream";
   resource.cache_control = kImmutable;
-  resource.etag = make_etag(layer.checksum);
+  resource.etag = make_etag(listed.checksum);
   resource.file = *file;
-  resource.size = layer.bytes;
+  resource.size = listed.bytes;
   resource.modified_ns = modified_ns(status);
   return resource;
 }
@@ -162,16 +162,14 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
 
     std::uint64_t bytes = text->size();
     resources.emplace(manifest_path, text_resource(kJson, kRevalidate, *std::move(text)));
-    for (const Segment& segment : manifest->segments) {
-      for (const LayerFile& layer : segment.layers) {
-        auto resource = file_resource(folder, layer);
-        if (!resource) return fail_at(given.string(), resource.error());
-        bytes += layer.bytes;
-        if (!resources.emplace(fmt::format("/{}/{}", *name, layer.path), *std::move(resource))
-                 .second) {
-          return fail(fmt::format("{}: the manifest names the file '{}' twice", given.string(),
-                                  layer.path));
-        }
+    for (const PackageFile* listed : manifest->files()) {
+      auto resource = file_resource(folder, *listed);
+      if (!resource) return fail_at(given.string(), resource.error());
+      bytes += listed->bytes;
+      if (!resources.emplace(fmt::format("/{}/{}", *name, listed->path), *std::move(resource))
+               .second) {
+        return fail(fmt::format("{}: the manifest names the file '{}' twice", given.string(),
+                                listed->path));
       }
     }
 

@@ -63,7 +63,7 @@ class Catalog {
   ///   /healthz            "ok"
   ///   /NAME, /NAME/       redirects to the manifest
   ///   /NAME/reel.json     the manifest as it is on disk now
-  ///   /NAME/FILE          each layer file
+  ///   /NAME/FILE          each file that the manifest names
   /// NAME is the folder's name. Errors: a folder that is no package, an incomplete package, two
   /// folders of one name, a symbolic link that leads out of its package.
   static Result<Catalog> load(const std::vector<std::filesystem::path>& folders);

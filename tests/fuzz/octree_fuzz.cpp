@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 
 #include "codec/codec.h"
 #include "codec/frame_header.h"
+#include "codec/octree/context_tables.h"
 #include "codec/octree/octree_codec.h"
 
 using namespace pointreel;
@@ -115,12 +117,39 @@ EncodedFrame changed_frame(ByteView bytes) {
   return std::move(*frame);
 }
 
+/// Whatever tables can be read code the points that the input begins with, and give them back.
+void check_tables(ByteView bytes) {
+  (void)read_table_file(bytes);
+  const ByteView points = take(bytes, 48);
+  const auto tables = parse_tables(bytes, tables_of_number(kNewestTables)->get());
+  if (!tables) return;
+  OctreeOptions options{Entropy::context, DepthRule::fixed(points.empty() ? 0 : points[0] % 12)};
+  options.tables = std::make_shared<const ContextTables>(*tables);
+  PointCloud cloud;
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
+    cloud.positions.push_back(glm::vec3(points[i], points[i + 1], points[i + 2]) / 256.0f);
+  }
+  const auto frame = encode_octree(cloud, Cube{}, options, false, false);
+  DecodeLimits limits = kLimits;
+  limits.tables = options.tables.get();
+  options.entropy = Entropy::none;
+  const auto plain = encode_octree(cloud, Cube{}, options, false, false);
+  if (!frame || !plain) std::abort();
+  const auto tree = decode_octree_tree(layer_views(frame->layers), limits);
+  const auto same = decode_octree_tree(layer_views(plain->layers), kLimits);
+  if (!tree || !same || tree->svo.masks != same->svo.masks) std::abort();
+}
+
 }  // namespace
 
 /// Whatever decodes must be consistent, and come back the same from encoding and decoding again.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const ByteView bytes(data + 1, size - 1);
+  if (data[0] == 0xff) {
+    check_tables(bytes);
+    return 0;
+  }
   const EncodedFrame input = data[0] & 2   ? changed_frame(bytes)
                              : data[0] & 1 ? forged_frame(bytes)
                                            : raw_frame(bytes);

@@ -15,6 +15,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (manifest.error().message.empty()) std::abort();
     return 0;
   }
+  if (manifest->tables &&
+      (manifest->entropy != "context" || manifest->tables->bytes > kMaxTablesBytes)) {
+    std::abort();
+  }
   std::uint64_t last_time = 0;
   for (std::uint32_t frame = 0; frame < manifest->frame_count(); ++frame) {
     const FrameLocation at = locate(*manifest, frame);

@@ -80,6 +80,8 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
                                                        {"--depth", "3", "--voxel", "1"},
                                                        {"--codec", "draco", "--depth", "3"},
                                                        {"--codec", "draco", "--entropy", "none"},
+                                                       {"--codec", "draco", "--train"},
+                                                       {"--train", "--entropy", "zstd"},
                                                        {"--codec", "draco", "--quality", "50"},
                                                        {"--quality", "0"},
                                                        {"--quality", "101"},

@@ -64,6 +64,30 @@ std::string error_at(const std::string& pointer, const json& value) {
   return error_of(root.dump());
 }
 
+TEST(Manifest, names_tables_only_where_frames_may_use_them) {
+  Manifest m = example();
+  m.entropy = "context";
+  m.tables = PackageFile{"tables.01234567.prs", 1000, 0x0123456789abcdefu};
+  const Result<Manifest> back = parse_manifest(write_manifest(m));
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_TRUE(back->tables);
+  EXPECT_EQ(back->tables->path, m.tables->path);
+  EXPECT_EQ(back->tables->bytes, 1000u);
+  EXPECT_EQ(back->tables->checksum, m.tables->checksum);
+  ASSERT_EQ(back->files().size(), 5u);
+  EXPECT_EQ(back->files().front()->path, m.tables->path);
+  EXPECT_EQ(write_manifest(*back), write_manifest(m));
+
+  m.tables->bytes = kMaxTablesBytes + 1;
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("tables: bytes"));
+  m.tables = PackageFile{"../tables", 1, 1};
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("tables: path"));
+  m.tables->path = m.segments[0].layers[0].path;
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("used twice"));
+  EXPECT_THAT(error_with({{"tables", {{"path", "a"}, {"bytes", 1}, {"xxh3", "0"}}}}),
+              HasSubstr("belong to entropy"));
+}
+
 TEST(Manifest, comes_back_as_it_was_written) {
   const Manifest m = example();
   const Result<Manifest> back = parse_manifest(write_manifest(m));

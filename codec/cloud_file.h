@@ -18,7 +18,10 @@ struct LoadedCloud {
 };
 
 /// Reads a .ply or .drc file (point cloud or mesh: its vertices), told apart by its first bytes,
-/// not its name. The error does not repeat the file's name. Memory is bounded by the bytes given.
+/// not its name. The error does not repeat the file's name.
+///
+/// Trust: the bytes may be hostile; memory is bounded by them, for meshes of Draco's as
+/// drc_reader.h says.
 Result<LoadedCloud> read_cloud(ByteView bytes);
 
 /// The same from a path; the error begins with it.

@@ -53,7 +53,8 @@ class Source {
 };
 
 /// The package's tables, from the bytes that came for the manifest's entry: what the entry
-/// promises, or an error.
+/// promises, or an error. Trust: the bytes may be hostile; context_tables.h tells how they are
+/// read.
 Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes);
 
 struct SourceOptions {

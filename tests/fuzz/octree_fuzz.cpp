@@ -76,47 +76,6 @@ EncodedFrame forged_frame(ByteView bytes) {
   return frame;
 }
 
-/// A valid frame of entropy context, of the points that the input begins with, whose geometry
-/// payloads are then changed as the rest of the input says, behind checksums that are right.
-EncodedFrame changed_frame(ByteView bytes) {
-  const ByteView fields = take(bytes, 2);
-  if (fields.size() < 2) return {};
-  const int depth = fields[0] % (kMaxDepth + 1);
-  const ByteView points = take(bytes, 3 * (std::size_t{fields[1]} + 1));
-  PointCloud cloud;
-  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
-    cloud.positions.push_back(glm::vec3(points[i], points[i + 1], points[i + 2]) / 256.0f);
-  }
-  const OctreeOptions options{Entropy::context, DepthRule::fixed(depth)};
-  auto frame = encode_octree(cloud, Cube{}, options, false, false);
-  if (!frame) std::abort();
-  const auto header = read_frame_header(frame->layers.front().geometry);
-  for (std::uint8_t layer = 0; layer < frame->layers.size(); ++layer) {
-    Bytes& geometry = frame->layers[layer].geometry;
-    const std::size_t begin = layer == 0 ? kFrameHeaderSize : 0;
-    const auto chunk =
-        read_chunk(ByteView(geometry).subspan(begin), ChunkKind::geometry, layer, header->tag);
-    if (!chunk) std::abort();
-    Bytes payload(chunk->payload.begin(), chunk->payload.end());
-    ChunkHeader changed = chunk->header;
-    for (std::size_t changes = take_length(bytes) % 5; changes > 0; --changes) {
-      const std::size_t at = take_length(bytes);
-      const ByteView value = take(bytes, 1);
-      if (value.empty()) break;
-      if (at % 8 == 7) {
-        payload.resize(payload.size() * value[0] / 128);
-      } else if (at % 8 == 6) {
-        changed.raw_size += value[0] - 128u;
-      } else if (!payload.empty()) {
-        payload[at / 8 % payload.size()] ^= value[0];
-      }
-    }
-    geometry.resize(begin);
-    write_chunk(changed, header->tag, payload, geometry);
-  }
-  return std::move(*frame);
-}
-
 /// Whatever tables can be read code the points that the input begins with, and give them back.
 void check_tables(ByteView bytes) {
   (void)read_table_file(bytes);
@@ -150,9 +109,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_tables(bytes);
     return 0;
   }
-  const EncodedFrame input = data[0] & 2   ? changed_frame(bytes)
-                             : data[0] & 1 ? forged_frame(bytes)
-                                           : raw_frame(bytes);
+  const EncodedFrame input = data[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
   const auto tree = decode_octree_tree(layer_views(input.layers), kLimits);
   const auto frame = decode_frame(layer_views(input.layers), kLimits);
   if (!tree || !frame) return 0;

@@ -319,38 +319,6 @@ INSTANTIATE_TEST_SUITE_P(Codings, OctreeCodecHostile,
                                          std::pair{Entropy::context, 80}),
                          [](const auto& coding) { return name(coding.param.first); });
 
-TEST_P(OctreeCodecHostile, a_frame_truncated_at_any_byte_of_any_part_is_an_error) {
-  const EncodedFrame frame =
-      encode(bumpy_sphere(60), DepthRule::fixed(8), GetParam().first, {}, GetParam().second);
-  for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
-    for (const auto part : {&LayerView::geometry, &LayerView::colors, &LayerView::normals}) {
-      const std::size_t size = (layer_views(frame.layers)[layer].*part).size();
-      for (std::size_t cut = 1; cut < size; ++cut) {
-        auto layers = layer_views(frame.layers);
-        layers[layer].*part = (layers[layer].*part).first(cut);
-        ASSERT_FALSE(decode_octree(layers, kLimits)) << layer << " cut at " << cut;
-      }
-    }
-  }
-}
-
-TEST_P(OctreeCodecHostile, a_frame_with_any_bit_flipped_is_an_error) {
-  EncodedFrame frame =
-      encode(bumpy_sphere(60), DepthRule::fixed(8), GetParam().first, {}, GetParam().second);
-  ASSERT_TRUE(decode_octree(layer_views(frame.layers), kLimits));
-  for (EncodedLayer& layer : frame.layers) {
-    for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
-      for (std::uint8_t& byte : *part) {
-        for (int bit = 0; bit < 8; ++bit) {
-          byte = static_cast<std::uint8_t>(byte ^ 1 << bit);
-          ASSERT_FALSE(decode_octree(layer_views(frame.layers), kLimits));
-          byte = static_cast<std::uint8_t>(byte ^ 1 << bit);
-        }
-      }
-    }
-  }
-}
-
 TEST_P(OctreeCodecHostile, layers_of_different_frames_are_not_mixed) {
   const DepthRule depth = DepthRule::fixed(9);
   const EncodedFrame a =

@@ -1,0 +1,118 @@
+// Valid frames of both codecs, of points that the input begins with, whose headers and payloads are
+// then changed as the rest of the input says, behind checksums that are right.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "codec/codec.h"
+#include "tests/forge.h"
+
+using namespace pointreel;
+
+namespace {
+
+constexpr DecodeLimits kLimits{1u << 16};
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+/// The input, byte by byte; zeros behind its end.
+class Input {
+ public:
+  explicit Input(ByteView bytes) : rest_(bytes) {}
+
+  std::uint8_t byte() {
+    if (rest_.empty()) return 0;
+    const std::uint8_t first = rest_.front();
+    rest_ = rest_.subspan(1);
+    return first;
+  }
+  std::size_t word() {
+    const std::size_t low = byte();
+    return low | static_cast<std::size_t>(byte()) << 8;
+  }
+
+ private:
+  ByteView rest_;
+};
+
+EncodeOptions options_of(Input& input) {
+  const std::uint8_t choice = input.byte();
+  const int parameter = input.byte();
+  EncodeOptions options;
+  options.colors = choice & 1;
+  options.normals = choice & 2;
+  if ((choice & 4) != 0) {
+    DracoOptions draco;
+    draco.position_bits = 1 + parameter % kMaxDepth;
+    draco.compression_level = input.byte() % 11;
+    draco.method = (choice & 8) != 0 ? DracoMethod::sequential : DracoMethod::kd_tree;
+    options.codec = draco;
+  } else {
+    OctreeOptions octree;
+    octree.entropy = static_cast<Entropy>(choice / 8 % 3);
+    octree.depth = DepthRule::fixed(parameter % (kMaxDepth + 1));
+    octree.color_quality = 1 + input.byte() % 100;
+    octree.normal_quality = 1 + input.byte() % 100;
+    options.codec = octree;
+  }
+  return options;
+}
+
+PointCloud cloud_of(Input& input) {
+  PointCloud cloud;
+  const int points = input.byte();
+  const auto part = [&] { return static_cast<float>(input.byte()) / 256.0f; };
+  for (int i = 0; i < points; ++i) {
+    const float x = part(), y = part(), z = part();
+    cloud.positions.emplace_back(x, y, z);
+    cloud.colors.push_back(glm::u16vec3(input.byte()) * std::uint16_t{257});
+    const glm::vec3 normal(x - 0.5f, y - 0.5f, z - 0.5f);
+    cloud.normals.push_back(x == 0.5f ? glm::vec3(0.0f) : glm::normalize(normal));
+  }
+  return cloud;
+}
+
+void change(EncodedFrame& frame, Input& input) {
+  for (int changes = input.byte() % 6; changes > 0; --changes) {
+    const std::uint8_t where = input.byte();
+    const auto kind = static_cast<ChunkKind>(where % 3);
+    const std::size_t layer = where / 3 % frame.layers.size();
+    Bytes& part = part_of(frame.layers[layer], kind);
+    const std::size_t at = input.word();
+    const std::uint8_t value = input.byte();
+    if (where >= 224) {
+      part.resize(part.size() * value / 128, value);
+    } else if (!part.empty()) {
+      part[at % part.size()] ^= value;
+    }
+  }
+  mend(frame);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Input input({data, size});
+  const EncodeOptions options = options_of(input);
+  const PointCloud cloud = cloud_of(input);
+  auto frame = encode_frame(cloud, Cube{}, options);
+  require(frame.has_value());
+  require(decode_frame(layer_views(frame->layers), kLimits).has_value());
+  change(*frame, input);
+  const auto decoded = decode_frame(layer_views(frame->layers), kLimits);
+  if (!decoded) return 0;
+  const PointCloud& out = decoded->cloud;
+  require(out.size() <= kLimits.max_points);
+  require(out.colors.empty() || out.colors.size() == out.size());
+  require(out.normals.empty() || out.normals.size() == out.size());
+  require(!decoded->svo || decoded->svo->leaf_count() == out.size());
+  for (const glm::vec3& p : out.positions) {
+    for (int axis = 0; axis < 3; ++axis) {
+      require(p[axis] >= 0.0f && p[axis] <= 1.00001 * decoded->cube.edge);
+    }
+  }
+  return 0;
+}

@@ -15,7 +15,9 @@ constexpr int kCommonLevels = 11;
 std::uint32_t quantise(double distance, double cells_per_unit) {
   constexpr double kLast = (1 << kMaxDepth) - 1;
   // Clamped while it is a double: a point far outside would overflow the integer.
-  return static_cast<std::uint32_t>(std::clamp(distance * cells_per_unit, 0.0, kLast));
+  const double cell = distance * cells_per_unit;
+  const double at_least_0 = cell < 0.0 ? 0.0 : cell;
+  return static_cast<std::uint32_t>(at_least_0 > kLast ? kLast : at_least_0);
 }
 
 bool meets(const DepthRule& rule, std::uint32_t cells, std::uint64_t n) {
@@ -70,18 +72,34 @@ SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels) 
   SortedPoints sorted;
   sorted.cube = cube;
   sorted.levels = levels;
-  sorted.points.resize(cloud.size());
   const glm::dvec3 offset = cloud.origin - cube.origin;
   const double cells_per_unit = std::ldexp(1.0, kMaxDepth) / cube.edge;
-  const int drop = 3 * (kMaxDepth - levels);
-  for (std::uint32_t i = 0; i < sorted.points.size(); ++i) {
-    const glm::dvec3 p = glm::dvec3(cloud.positions[i]) + offset;
-    const std::uint64_t key =
-        morton_encode({quantise(p.x, cells_per_unit), quantise(p.y, cells_per_unit),
-                       quantise(p.z, cells_per_unit)});
-    sorted.points[i] = {key >> drop, i};
+  const int drop = kMaxDepth - levels;
+  const auto key_of = [&](const glm::vec3& position) {
+    const glm::dvec3 p = glm::dvec3(position) + offset;
+    return morton_encode({quantise(p.x, cells_per_unit) >> drop,
+                          quantise(p.y, cells_per_unit) >> drop,
+                          quantise(p.z, cells_per_unit) >> drop});
+  };
+  if (3 * levels + kPackedIndexBits <= 64) {
+    std::vector<std::uint64_t> packed(cloud.size());
+    for (std::size_t i = 0; i < packed.size(); ++i) {
+      packed[i] = key_of(cloud.positions[i]) << kPackedIndexBits | i;
+    }
+    radix_sort(packed, 3 * levels);
+    sorted.points.reserve(cloud.size());
+    constexpr std::uint64_t kIndex = (std::uint64_t{1} << kPackedIndexBits) - 1;
+    for (const std::uint64_t point : packed) {
+      sorted.points.push_back(
+          {point >> kPackedIndexBits, static_cast<std::uint32_t>(point & kIndex)});
+    }
+  } else {
+    sorted.points.resize(cloud.size());
+    for (std::uint32_t i = 0; i < sorted.points.size(); ++i) {
+      sorted.points[i] = {key_of(cloud.positions[i]), i};
+    }
+    radix_sort(sorted.points, 3 * levels);
   }
-  radix_sort(sorted.points, 3 * levels);
   count_occupied(sorted);
   return sorted;
 }

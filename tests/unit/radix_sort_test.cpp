@@ -40,5 +40,28 @@ TEST(RadixSort, keeps_the_order_of_equal_keys) {
   expect_sorted_like_the_library(items);
 }
 
+TEST(RadixSort, agrees_with_a_stable_sort_of_packed_items) {
+  for (const int bits : {1, 11, 12, 30, 33}) {
+    std::vector<KeyIndex> expected = random_items(3000, bits);
+    std::vector<std::uint64_t> packed;
+    for (const KeyIndex& item : expected)
+      packed.push_back(item.key << kPackedIndexBits | item.index);
+    std::stable_sort(expected.begin(), expected.end(),
+                     [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
+    radix_sort(packed, bits);
+    for (std::size_t i = 0; i < packed.size(); ++i) {
+      ASSERT_EQ(packed[i], expected[i].key << kPackedIndexBits | expected[i].index) << i;
+    }
+  }
+}
+
+TEST(RadixSort, sorts_what_is_sorted_already_or_but_for_its_last_item) {
+  std::vector<KeyIndex> items;
+  for (std::uint32_t i = 0; i < 5000; ++i) items.push_back({i / 2, i});
+  expect_sorted_like_the_library(items);
+  items.push_back({7, 5000});
+  expect_sorted_like_the_library(items);
+}
+
 }  // namespace
 }  // namespace pointreel

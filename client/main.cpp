@@ -107,6 +107,11 @@ int run(int argc, char** argv) {
                   "gives nearly every point its own, with gaps; 0 keeps all that are distinct")
       ->check(within(0.0, 1.0))
       ->capture_default_str();
+  play_command
+      .add_option("--layers", options.layers,
+                  "Fetch and decode only so many layers of a package, coarse to fine (default all)")
+      ->check(CLI::Range(1, 255))
+      ->type_name("N");
   play_command.add_option("--speed", options.speed, "Speed of playback in a window, 0.1 to 4")
       ->check(within(0.1, 4.0))
       ->capture_default_str();
@@ -174,7 +179,8 @@ int run(int argc, char** argv) {
   play_command
       .add_option("--json", options.json,
                   "Write a summary: median, 95th percentile and maximum of the times of each stage "
-                  "over the frames shown; frames shown, dropped and broken; points, nodes, leaves, "
+                  "over the frames shown; frames shown, dropped and broken; bytes fetched; points, "
+                  "nodes, leaves, "
                   "depth and elements drawn of the last one. - is standard output")
       ->type_name("FILE");
   play_command.footer("Keys in the window:\n" + bindings_help() +

@@ -108,6 +108,8 @@ class Player {
     report_.source = options.source;
     report_.mode = options.draw.mode;
     report_.delta = options.delta;
+    report_.layers = static_cast<std::uint32_t>(
+        std::min<std::size_t>(options.layers, source_->manifest().layer_names.size()));
     report_.size = options.size;
     reset_view(options.size);
   }
@@ -127,7 +129,12 @@ class Player {
     buffer_->seek(first_frame_);
     const Manifest& manifest = source_->manifest();
     pipeline_ = std::make_unique<Pipeline>(
-        *source_, *buffer_, [&manifest](DrawMode mode) { return parts_for(manifest, mode); },
+        *source_, *buffer_,
+        [this, &manifest](DrawMode mode) {
+          FetchRequest request = parts_for(manifest, mode);
+          request.layers = options_.layers;
+          return request;
+        },
         [this, &manifest](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
           return prepare_frame(manifest, frame, fetched, {mode, options_.delta});
         },

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,7 @@ struct PlayOptions {
   /// point a voxel of its own, with gaps between them wherever points are not on a grid; below
   /// 0.75, at which points that are on one would lose a level.
   double delta = 0.7;
+  std::uint32_t layers = ~0u;  ///< fetch and decode so many of a package's, from the base; >= 1
   double speed = 1.0;
   std::optional<bool> loop;  ///< default: yes in a window, no offscreen
   double fps = 30.0;         ///< of folders

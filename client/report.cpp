@@ -34,6 +34,7 @@ const char* name(DrawMode mode) {
 
 void PlayReport::add(const SceneFrame& frame, const DrawStats& drawn) {
   ++frames_shown_;
+  fetched_bytes_ += frame.fetched_bytes;
   fetch_.add(frame.fetch_ms);
   decode_.add(frame.decode_ms);
   normals_.add(frame.normals_ms);
@@ -53,12 +54,14 @@ std::string PlayReport::to_json() const {
   json["gl_renderer"] = gl_renderer;
   json["mode"] = name(mode);
   json["delta"] = delta;
+  json["layers"] = layers;
   json["size"] = {size.x, size.y};
   json["seconds"] = rounded(seconds);
   json["fps"] = seconds > 0.0 ? rounded(static_cast<double>(frames_shown_) / seconds) : 0.0;
   json["frames_shown"] = frames_shown_;
   json["frames_dropped"] = frames_dropped;
   json["errors"] = errors;
+  json["fetched_bytes"] = fetched_bytes_;
   json["fetch_ms"] = json_of(fetch_);
   json["decode_ms"] = json_of(decode_);
   json["normals_ms"] = json_of(normals_);

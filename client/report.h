@@ -19,7 +19,8 @@ class PlayReport {
   std::string gl_renderer;
   DrawMode mode = DrawMode::surfel;
   double delta = 0.0;
-  glm::ivec2 size{0};  ///< of the picture in pixels
+  std::uint32_t layers = 0;  ///< that are asked for of each frame; 0 where files are played
+  glm::ivec2 size{0};        ///< of the picture in pixels
   double seconds =
       0.0;  ///< in a window from the first picture on; offscreen from the first fetch on
   std::uint64_t frames_dropped =
@@ -35,7 +36,7 @@ class PlayReport {
   std::string to_title() const;
 
  private:
-  std::uint64_t frames_shown_ = 0;
+  std::uint64_t frames_shown_ = 0, fetched_bytes_ = 0;
   TimeSamples fetch_, decode_, normals_, svo_, cut_, render_;
   std::uint64_t points_ = 0, nodes_ = 0, leaves_ = 0, drawn_ = 0;
   int depth_ = 0;

@@ -62,6 +62,7 @@ void Pipeline::prepare_frames() {
     auto frame = prepare_(item->request.frame, item->frame, item->request.mode);
     if (frame) {
       frame->fetch_ms = item->fetch_ms;
+      frame->fetched_bytes = item->frame.size();
       buffer_.deliver(item->request, std::make_shared<const SceneFrame>(std::move(*frame)));
     } else {
       report(item->request, frame.error());

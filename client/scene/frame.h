@@ -26,6 +26,7 @@ struct SceneFrame {
   Svo svo;
   NodeAttributes attributes;
 
+  std::uint64_t fetched_bytes = 0;  ///< that it was made of
   /// What it took to make, in the order of the stages; normals: where estimated.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };

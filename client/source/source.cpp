@@ -21,6 +21,12 @@ Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file
   return read_table_file(bytes);
 }
 
+std::uint64_t FetchedFrame::size() const {
+  std::uint64_t bytes = file.size();
+  for (const FetchedLayer& layer : layers) bytes += layer.bytes.size();
+  return bytes;
+}
+
 Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
                                           const FetchRequest& request) {
   const FrameLocation place = locate(manifest, frame);

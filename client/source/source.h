@@ -35,6 +35,8 @@ struct FetchedFrame {
   std::shared_ptr<const ContextTables> tables;  ///< of the package that `layers` are of, if any
   Bytes file;                                   ///< used if `layers` is empty
   std::string file_name;                        ///< of `file`, for errors
+
+  std::uint64_t size() const;  ///< bytes that came
 };
 
 /// Where frames come from.

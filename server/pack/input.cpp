@@ -31,7 +31,7 @@ Result<Box> SegmentInput::read_bounds(const std::stop_token& stop) {
     boxes[i] = bounds(loaded->cloud);
     const std::size_t bytes = memory_of(loaded->cloud);
     if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
-      kept_[i] = std::make_unique<LoadedCloud>(std::move(*loaded));
+      kept_[i] = std::make_shared<const LoadedCloud>(std::move(*loaded));
     }
   });
   Box all;
@@ -42,10 +42,17 @@ Result<Box> SegmentInput::read_bounds(const std::stop_token& stop) {
   return all;
 }
 
-Result<LoadedCloud> SegmentInput::take(std::size_t frame) {
-  if (kept_[frame] == nullptr) return read_cloud_file(files_[frame]);
-  const std::unique_ptr<LoadedCloud> kept = std::move(kept_[frame]);
-  return std::move(*kept);
+Result<SegmentInput::Cloud> SegmentInput::look(std::size_t frame) const {
+  if (kept_[frame] != nullptr) return kept_[frame];
+  Result<LoadedCloud> loaded = read_cloud_file(files_[frame]);
+  if (!loaded) return tl::unexpected(loaded.error());
+  return std::make_shared<const LoadedCloud>(std::move(*loaded));
+}
+
+Result<SegmentInput::Cloud> SegmentInput::take(std::size_t frame) {
+  Result<Cloud> cloud = look(frame);
+  kept_[frame].reset();
+  return cloud;
 }
 
 }  // namespace pointreel

@@ -14,6 +14,7 @@
 #include <xxhash.h>
 
 #include "codec/frame_header.h"
+#include "codec/max_error.h"
 #include "codec/octree/context_tables.h"
 #include "common/cloud/ply.h"
 #include "server/pack/output_folder.h"
@@ -314,6 +315,29 @@ Result<FrameBytes> read_frame(const fs::path& folder, const Manifest& manifest, 
     bytes.layers.push_back(std::move(*layer));
   }
   return bytes;
+}
+
+Result<double> max_error(const fs::path& folder, const Manifest& manifest) {
+  double most = 0.0;
+  for (const Segment& segment : manifest.segments) {
+    const LayerFile& base = segment.layers.front();
+    std::ifstream in(folder / base.path, std::ios::binary);
+    std::uint64_t offset = 0;
+    Bytes bytes(kFrameHeaderSize);
+    for (const LayerSizes& sizes : base.frames) {
+      in.seekg(static_cast<std::streamoff>(offset));
+      in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      if (!in) return fail_at((folder / base.path).string(), {"cannot be read"});
+      const Result<ParsedFrameHeader> parsed = read_frame_header(bytes);
+      if (!parsed) return fail_at((folder / base.path).string(), parsed.error());
+      const FrameHeader& header = parsed->header;
+      if (header.coded_points > 0) {
+        most = std::max(most, max_geometry_error(header.cube, header.depth));
+      }
+      offset += sizes.total();
+    }
+  }
+  return most;
 }
 
 Result<VerifyReport> verify(const fs::path& folder, const InspectListener& listener) {

@@ -24,6 +24,10 @@ struct FrameBytes {
 Result<FrameBytes> read_frame(const std::filesystem::path& folder, const Manifest& manifest,
                               std::uint32_t frame, std::size_t layers);
 
+/// The largest max_geometry_error of all frames, as their headers tell it; 0 if no frame has a
+/// point. An error where a base layer cannot be read.
+Result<double> max_error(const std::filesystem::path& folder, const Manifest& manifest);
+
 struct Fault {
   std::string file;                    ///< in the package's folder
   std::optional<std::uint32_t> frame;  ///< where one frame is at fault

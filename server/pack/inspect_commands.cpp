@@ -29,6 +29,7 @@ struct Totals {
   std::uint64_t points = 0, bytes = 0;
   std::uint32_t fewest = std::numeric_limits<std::uint32_t>::max(), most = 0;
   std::vector<std::uint64_t> layer_bytes;
+  std::optional<double> max_error;  ///< absent where the frames cannot be read
 };
 
 Totals totals_of(const Manifest& manifest) {
@@ -60,6 +61,8 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
   if (!manifest.bounds.empty()) {
     bounds = {{"min", vector(manifest.bounds.min)}, {"max", vector(manifest.bounds.max)}};
   }
+  ordered_json error;
+  if (totals.max_error) error = *totals.max_error;
   ordered_json entropy, tables;
   if (!manifest.entropy.empty()) entropy = manifest.entropy;
   if (manifest.tables) tables = {{"bytes", manifest.tables->bytes}};
@@ -77,6 +80,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"points", {{"total", totals.points}, {"min", totals.fewest}, {"max", totals.most}}},
           {"depth", {{"min", manifest.depth_min}, {"max", manifest.depth_max}}},
           {"bounds", bounds},
+          {"max_error", error},
           {"bytes", totals.bytes},
           {"layers", layers},
           {"tables", tables}};
@@ -97,6 +101,9 @@ void print_info(const Manifest& manifest, const Totals& totals) {
     fmt::print("  bounds  ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", low.x, low.y, low.z, high.x,
                high.y, high.z);
   }
+  if (totals.max_error) {
+    fmt::print("  error   at most {:.4g} of the source's units\n", *totals.max_error);
+  }
   fmt::print("  bytes   {}", totals.bytes);
   if (seconds > 0.0)
     fmt::print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
@@ -113,7 +120,8 @@ int run_info(const std::string& reel, bool json) {
     print_error(manifest.error().message);
     return kExitUsage;
   }
-  const Totals totals = totals_of(*manifest);
+  Totals totals = totals_of(*manifest);
+  if (const Result<double> error = max_error(reel, *manifest)) totals.max_error = *error;
   if (json) {
     print_json(info_json(*manifest, totals));
   } else {

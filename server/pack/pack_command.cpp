@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -30,9 +31,12 @@ struct PackArguments {
   std::string normals = "send", method = "auto";
   std::uint32_t segment = 30;
   DracoOptions draco;
+  std::string bitrate;
+  double frame_time_ms = 0.0;
   bool no_normals = false, no_colors = false, train = false, force = false;
   std::string json;
   CLI::Option *delta_option = nullptr, *depth_option = nullptr, *voxel_option = nullptr;
+  CLI::Option *bitrate_option = nullptr, *frame_time_option = nullptr;
   CLI::Option* json_option = nullptr;
   std::vector<CLI::Option*> octree_only, draco_only;
 };
@@ -43,6 +47,25 @@ const CLI::Option* given(const std::vector<CLI::Option*>& options) {
     if (option->count() > 0) return option;
   }
   return nullptr;
+}
+
+/// "20M", "800k", "1.5G" or a plain number of bits a second.
+Result<double> parse_bitrate(const std::string& text) {
+  double rate = 0.0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, rate);
+  double unit = 1.0;
+  if (parsed.ec == std::errc() && end - parsed.ptr == 1) {
+    unit = *parsed.ptr == 'k' ? 1e3 : *parsed.ptr == 'M' ? 1e6 : *parsed.ptr == 'G' ? 1e9 : 0.0;
+  } else if (parsed.ec != std::errc() || parsed.ptr != end) {
+    unit = 0.0;
+  }
+  rate *= unit;
+  if (!(rate >= 1.0 && rate <= 1e15)) {
+    return fail("--bitrate " + text +
+                ": is no number of bits a second such as 20M, 800k or 1500000");
+  }
+  return rate;
 }
 
 Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
@@ -96,6 +119,15 @@ Result<PackOptions> make_options(const PackArguments& arguments) {
     return fail("--train belongs to --entropy context");
   }
   options.train = arguments.train;
+  if (arguments.bitrate_option->count() > 0) {
+    const Result<double> bitrate = parse_bitrate(arguments.bitrate);
+    if (!bitrate) return tl::unexpected(bitrate.error());
+    options.bitrate = *bitrate;
+  }
+  if (arguments.frame_time_option->count() > 0) {
+    if (!(arguments.frame_time_ms > 0.0)) return fail("--frame-time must be above 0");
+    options.frame_time_ms = arguments.frame_time_ms;
+  }
   options.cube_per_frame = arguments.cube == "frame";
   options.fps = arguments.fps;
   options.segment_frames = arguments.segment;
@@ -107,6 +139,24 @@ Result<PackOptions> make_options(const PackArguments& arguments) {
 
 double bits_per_point(std::uint64_t bytes, std::uint64_t points) {
   return points == 0 ? 0.0 : 8.0 * static_cast<double>(bytes) / static_cast<double>(points);
+}
+
+ordered_json to_json(const SegmentSummary& segment) {
+  ordered_json json = {{"first_frame", segment.first_frame},
+                       {"frames", segment.frames},
+                       {"bytes", segment.bytes},
+                       {"bits_per_second", segment.bits_per_second},
+                       {"depth", {{"min", segment.depth_min}, {"max", segment.depth_max}}}};
+  if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
+    json["quality"] = octree->color_quality;
+    json["normal_quality"] = octree->normal_quality;
+  } else {
+    json["qn"] = std::get<DracoOptions>(segment.encode.codec).normal_bits;
+  }
+  json["max_error"] = segment.max_error;
+  json["within_bitrate"] = segment.within_rate;
+  json["trials"] = segment.trials;
+  return json;
 }
 
 ordered_json to_json(const PackSummary& summary) {
@@ -135,15 +185,36 @@ ordered_json to_json(const PackSummary& summary) {
                       {"bytes", summary.learnt->bytes},
                       {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
   }
+  json["max_error"] = summary.max_error;
+  json["late_frames"] = summary.late_frames;
+  json["segments"] = ordered_json::array();
+  for (const SegmentSummary& segment : summary.segments) {
+    json["segments"].push_back(to_json(segment));
+  }
   json["seconds"] = summary.seconds;
   json["warnings"] = summary.warnings;
   return json;
 }
 
-void print_summary(const std::string& output, const PackSummary& summary) {
+/// What a bit rate made of a segment.
+void print_segment(const SegmentSummary& segment) {
+  std::string quality;
+  if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
+    quality =
+        fmt::format("quality {}, of normals {}", octree->color_quality, octree->normal_quality);
+  } else {
+    quality = fmt::format("qn {}", std::get<DracoOptions>(segment.encode.codec).normal_bits);
+  }
+  fmt::print("  frames {:>5} to {:>5}  {:.3f} Mbit/s{}, depth {} to {}, {}\n", segment.first_frame,
+             segment.first_frame + segment.frames - 1, 1e-6 * segment.bits_per_second,
+             segment.within_rate ? "" : " (too much)", segment.depth_min, segment.depth_max,
+             quality);
+}
+
+void print_summary(const PackArguments& arguments, const PackSummary& summary) {
   const auto bits = [&](std::uint64_t bytes) { return bits_per_point(bytes, summary.points); };
   const std::uint64_t total = summary.geometry_bytes + summary.color_bytes + summary.normal_bytes;
-  fmt::print("{}: {} frames, {} points, {} bytes, {:.1f} s\n", output, summary.frames,
+  fmt::print("{}: {} frames, {} points, {} bytes, {:.1f} s\n", arguments.output, summary.frames,
              summary.points, summary.bytes, summary.seconds);
   fmt::print("  bits a point  {:.2f} (geometry {:.2f}, colors {:.2f}, normals {:.2f})\n",
              bits(total), bits(summary.geometry_bytes), bits(summary.color_bytes),
@@ -153,6 +224,14 @@ void print_summary(const std::string& output, const PackSummary& summary) {
   fmt::print("  codec         {}{}{}, depth {} to {}\n", summary.codec,
              summary.entropy.empty() ? "" : " ", summary.entropy, summary.depth_min,
              summary.depth_max);
+  fmt::print("  error         at most {:.4g} of the source's units\n", summary.max_error);
+  if (arguments.frame_time_option->count() > 0) {
+    fmt::print("  late          {} frames took more than {} ms\n", summary.late_frames,
+               arguments.frame_time_ms);
+  }
+  if (arguments.bitrate_option->count() > 0) {
+    for (const SegmentSummary& segment : summary.segments) print_segment(segment);
+  }
   if (!summary.learnt) return;
   if (summary.learnt->bytes == 0) {
     fmt::print("  tables        built-in: those learnt from {} frames would save nothing\n",
@@ -165,7 +244,7 @@ void print_summary(const std::string& output, const PackSummary& summary) {
 
 int report(const PackArguments& arguments, const PackSummary& summary) {
   if (arguments.json_option->count() == 0) {
-    print_summary(arguments.output, summary);
+    print_summary(arguments, summary);
     return kExitOk;
   }
   const std::string text =
@@ -181,7 +260,7 @@ int report(const PackArguments& arguments, const PackSummary& summary) {
     print_error(arguments.json + ": cannot be written (the package is complete)");
     return kExitFailed;
   }
-  print_summary(arguments.output, summary);
+  print_summary(arguments, summary);
   return kExitOk;
 }
 
@@ -285,6 +364,19 @@ void add_pack_command(CLI::App& app, int& exit_code) {
   command->add_option("--cube", a.cube, "what shares a cube")
       ->check(CLI::IsMember({"group", "frame"}))
       ->capture_default_str();
+  a.bitrate_option =
+      command
+          ->add_option(
+              "--bitrate", a.bitrate,
+              "bits a second that no segment exceeds on average, as 20M or 800k: depth and "
+              "quality become what it allows, at most what is asked for")
+          ->type_name("RATE");
+  a.frame_time_option =
+      command
+          ->add_option("--frame-time", a.frame_time_ms,
+                       "milliseconds to encode a frame in: depth is lowered rather than falling "
+                       "behind (other bytes on other machines)")
+          ->type_name("MS");
   command->add_option("--fps", a.fps, "frames a second")->capture_default_str();
   command->add_option("--segment", a.segment, "frames that share a cube and a file")
       ->check(CLI::Range(1, 100'000))

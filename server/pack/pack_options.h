@@ -20,6 +20,12 @@ struct PackOptions {
   /// Learn context tables from the frames, and use them if that makes the package smaller. With
   /// Entropy::context.
   bool train = false;
+  /// Bits a second, above 0, that no segment may exceed on average: what was asked for above is
+  /// then the finest (RateControl).
+  std::optional<double> bitrate;
+  /// Milliseconds, above 0, that encoding a frame may take: depth is lowered rather than falling
+  /// behind (FrameTimeControl). What is written then depends on the machine.
+  std::optional<double> frame_time_ms;
   bool cube_per_frame = false;  ///< the paper's mode: each frame its own bounding cube (ERRATA 12)
   double fps = 30.0;
   std::uint32_t segment_frames = 30;

@@ -12,10 +12,12 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include "codec/cloud_file.h"
+#include "codec/max_error.h"
 #include "codec/octree/context_tables.h"
 #include "codec/training/sequence_tables.h"
 #include "common/cloud/geometry.h"
@@ -25,6 +27,8 @@
 #include "server/pack/layer_writer.h"
 #include "server/pack/output_folder.h"
 #include "server/pack/sample_trees.h"
+#include "server/rate/frame_time_control.h"
+#include "server/rate/rate_control.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -70,35 +74,140 @@ struct PackedFrame {
   EncodedFrame encoded;
   PartSizes parts;
   Box box;
-  double encode_ms = 0.0;
+  double encode_ms = 0.0, max_error = 0.0;
   bool colors = false, normals = false;  ///< coded
   bool had_radii = false;
   std::vector<std::string> warnings;
 };
 
+/// What of a segment is encoded to see what a bit rate allows: some frames, spread over it.
+class Trials {
+ public:
+  static constexpr std::size_t kFrames = 4;
+
+  /// `shared` as below.
+  static Result<Trials> create(const SegmentInput& input, std::span<const fs::path> files,
+                               const Grid* shared, const PackOptions& options) {
+    Trials trials;
+    trials.frames_ = files.size();
+    const std::size_t n = std::min(kFrames, files.size());
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t frame = (2 * i + 1) * files.size() / (2 * n);
+      Result<SegmentInput::Cloud> cloud = input.look(frame);
+      if (!cloud) return tl::unexpected(cloud.error());
+      const Result<Grid> grid =
+          shared != nullptr ? *shared : grid_for(bounds((*cloud)->cloud), options);
+      if (!grid) return fail_at(files[frame].string(), grid.error());
+      trials.samples_.push_back({&files[frame], *cloud, *grid});
+    }
+    return trials;
+  }
+
+  /// Whether there is an attribute that quality changes.
+  bool have_attributes(const EncodeOptions& options) const {
+    return std::any_of(samples_.begin(), samples_.end(), [&](const Sample& sample) {
+      const PointCloud& cloud = sample.cloud->cloud;
+      return (options.normals && cloud.has_normals()) ||
+             (options.id() == Codec::octree && options.colors && cloud.has_colors());
+    });
+  }
+
+  /// Leads `control` to its choice.
+  Result<void> run(RateControl& control, const std::stop_token& stop) const {
+    while (const std::optional<Coarsening> by = control.next()) {
+      if (stop.stop_requested()) return fail(kInterrupted);
+      std::vector<Result<EncodedFrame>> encoded(samples_.size());
+      tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t i) {
+        const Sample& sample = samples_[i];
+        encoded[i] = encode_frame(sample.cloud->cloud, sample.grid.cube,
+                                  coarsened(sample.grid.encode, control.finest(), *by));
+      });
+      double bytes = 0.0;
+      int depth = 0;
+      for (std::size_t i = 0; i < samples_.size(); ++i) {
+        if (!encoded[i]) return fail_at(samples_[i].file->string(), encoded[i].error());
+        bytes += static_cast<double>(encoded[i]->size());
+        depth = std::max(depth, encoded[i]->depth);
+      }
+      control.told(bytes * static_cast<double>(frames_) / static_cast<double>(samples_.size()),
+                   depth);
+    }
+    return {};
+  }
+
+ private:
+  struct Sample {
+    const fs::path* file;
+    SegmentInput::Cloud cloud;
+    Grid grid;
+  };
+  std::vector<Sample> samples_;
+  std::size_t frames_ = 0;
+};
+
+/// What frames are made coarser by: the same for a segment, and for each what time allows.
+class Limits {
+ public:
+  explicit Limits(const PackOptions& options) {
+    if (options.frame_time_ms) frame_time_.emplace(*options.frame_time_ms);
+  }
+
+  void begin_segment(int finest, const Coarsening& by) {
+    finest_ = finest;
+    by_ = by;
+  }
+  EncodeOptions of_segment(const EncodeOptions& asked) const {
+    return coarsened(asked, finest_, by_);
+  }
+
+  EncodeOptions of_frame(const EncodeOptions& asked) {
+    const EncodeOptions options = of_segment(asked);
+    if (!frame_time_) return options;
+    const std::lock_guard lock(mutex_);
+    return no_deeper_than(options, frame_time_->depth());
+  }
+
+  void told(int depth, double ms) {
+    if (!frame_time_) return;
+    const std::lock_guard lock(mutex_);
+    frame_time_->told(depth, ms);
+  }
+
+  std::uint64_t late_frames() const { return frame_time_ ? frame_time_->late() : 0; }
+
+ private:
+  int finest_ = 0;
+  Coarsening by_;
+  std::mutex mutex_;
+  std::optional<FrameTimeControl> frame_time_;
+};
+
 /// One frame from its file to its bytes. `shared` is the group's grid, null with a cube per frame.
 Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const fs::path& file,
-                               const Grid* shared, const PackOptions& options) {
-  Result<LoadedCloud> loaded = input.take(index);
+                               const Grid* shared, const PackOptions& options, Limits& limits) {
+  const Result<SegmentInput::Cloud> loaded = input.take(index);
   if (!loaded) return tl::unexpected(loaded.error());
   PackedFrame frame;
-  const PointCloud& cloud = loaded->cloud;
+  const PointCloud& cloud = (*loaded)->cloud;
   frame.box = bounds(cloud);
   frame.colors = options.encode.colors && cloud.has_colors();
   frame.normals = options.encode.normals && cloud.has_normals();
   frame.had_radii = cloud.has_radii();
-  for (const std::string& warning : loaded->warnings) {
+  for (const std::string& warning : (*loaded)->warnings) {
     frame.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
   }
   const Result<Grid> grid = shared != nullptr ? *shared : grid_for(frame.box, options);
   if (!grid) return fail_at(file.string(), grid.error());
 
+  const EncodeOptions encode = limits.of_frame(grid->encode);
   const Clock::time_point start = Clock::now();
-  Result<EncodedFrame> encoded = encode_frame(cloud, grid->cube, grid->encode);
+  Result<EncodedFrame> encoded = encode_frame(cloud, grid->cube, encode);
   frame.encode_ms = 1e3 * seconds_since(start);
   if (!encoded) return fail_at(file.string(), encoded.error());
+  limits.told(encoded->depth, frame.encode_ms);
   frame.encoded = std::move(*encoded);
-  const Result<PartSizes> parts = measure_parts(frame.encoded, cloud, grid->cube, grid->encode);
+  if (!cloud.empty()) frame.max_error = max_geometry_error(grid->cube, frame.encoded.depth);
+  const Result<PartSizes> parts = measure_parts(frame.encoded, cloud, grid->cube, encode);
   if (!parts) return fail_at(file.string(), parts.error());
   frame.parts = *parts;
   return frame;
@@ -112,7 +221,8 @@ class Packer {
       : options_(options),
         listener_(listener),
         files_(std::move(files)),
-        folder_(std::move(folder)) {
+        folder_(std::move(folder)),
+        limits_(options) {
     manifest_.name = options.name.empty() ? default_name(options.output) : options.name;
     manifest_.codec = name(options.encode.id());
     if (const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec)) {
@@ -161,7 +271,7 @@ class Packer {
     if (!samples) return tl::unexpected(samples.error());
     const Result<SequenceTables> learnt = learn_tables(*samples, files_.size());
     if (!learnt) return tl::unexpected(learnt.error());
-    summary_.learnt = LearntTables{samples->size(), learnt->file.size(), learnt->saved_bytes};
+    tally_.summary.learnt = LearntTables{samples->size(), learnt->file.size(), learnt->saved_bytes};
     if (learnt->file.empty()) return {};
     auto tables = read_table_file(learnt->file);
     if (!tables) return tl::unexpected(tables.error());
@@ -178,8 +288,6 @@ class Packer {
     const std::span<const fs::path> files(files_.data() + first, count);
     SegmentInput input(files);
     std::optional<Grid> shared;
-    Segment segment;
-    segment.first_frame = static_cast<std::uint32_t>(first);
     if (!options_.cube_per_frame) {
       const Result<Box> box = input.read_bounds(listener_.stop);
       if (listener_.stop.stop_requested()) return fail(kInterrupted);
@@ -187,8 +295,48 @@ class Packer {
       const Result<Grid> grid = grid_for(*box, options_);
       if (!grid) return fail_at(files.front().string(), grid.error());
       shared = *grid;
-      segment.cube = grid->cube;
     }
+    const Grid* grid = shared ? &*shared : nullptr;
+    if (!options_.bitrate) return write_segment(input, first, files, grid, threads);
+
+    const Result<Trials> trials = Trials::create(input, files, grid, options_);
+    if (!trials) return tl::unexpected(trials.error());
+    const double seconds = static_cast<double>(count) / options_.fps;
+    const double budget = *options_.bitrate / 8.0 * seconds;
+    RateControl control(budget, trials->have_attributes(options_.encode));
+    const Tally before = tally_;
+    for (;;) {
+      if (const Result<void> led = trials->run(control, listener_.stop); !led) return led;
+      limits_.begin_segment(control.finest(), control.choice());
+      const Result<void> written = write_segment(input, first, files, grid, threads);
+      if (!written) return written;
+      const double bytes = static_cast<double>(tally_.summary.segments.back().bytes);
+      if (bytes <= budget || !control.overshot(bytes)) break;
+      // The frames that were tried were not like the others: the segment is written anew.
+      remove_files(manifest_.segments.back().layers);
+      manifest_.segments.pop_back();
+      tally_ = before;
+      again_ = true;
+    }
+    again_ = false;
+    SegmentSummary& summary = tally_.summary.segments.back();
+    summary.trials = control.trials();
+    summary.within_rate = static_cast<double>(summary.bytes) <= budget;
+    if (!summary.within_rate) {
+      warn(fmt::format("frames {} to {} take {:.3g} Mbit/s at the coarsest, more than the bit rate",
+                       first, first + count - 1, 1e-6 * summary.bits_per_second));
+    }
+    return {};
+  }
+  /// Encodes and writes all frames of a segment, as coarse as `limits_` says.
+  Result<void> write_segment(SegmentInput& input, std::size_t first,
+                             std::span<const fs::path> files, const Grid* shared, int threads) {
+    Segment segment;
+    segment.first_frame = static_cast<std::uint32_t>(first);
+    if (shared != nullptr) segment.cube = shared->cube;
+    SegmentSummary summary;
+    summary.first_frame = segment.first_frame;
+    summary.encode = limits_.of_segment(options_.encode);
     std::vector<LayerWriter> writers;
     for (const std::string& layer : manifest_.layer_names) {
       writers.emplace_back(folder_, fmt::format("{:05}.{}", first, layer));
@@ -200,18 +348,18 @@ class Packer {
     Box segment_box;
     std::size_t next = 0;
     const auto take_next = [&](tbb::flow_control& flow) -> std::size_t {
-      if (next < count && !stopping(error)) return next++;
+      if (next < files.size() && !stopping(error)) return next++;
       flow.stop();
       return 0;
     };
     const auto encode = [&](std::size_t i) {
-      return pack_frame(input, i, files[i], shared ? &*shared : nullptr, options_);
+      return pack_frame(input, i, files[i], shared, options_, limits_);
     };
     const auto write = [&](Result<PackedFrame> frame) {
       if (!frame) set(error, frame.error());
       if (!frame || stopping(error)) return;
       segment_box.grow(frame->box);
-      if (Result<void> written = write_frame(*frame, writers, segment); !written) {
+      if (Result<void> written = write_frame(*frame, writers, segment, summary); !written) {
         set(error, written.error());
       }
     };
@@ -228,9 +376,13 @@ class Packer {
     for (LayerWriter& writer : writers) {
       Result<LayerFile> file = writer.finish();
       if (!file) return fail_at(options_.output.string(), file.error());
+      summary.bytes += file->bytes;
       segment.layers.push_back(std::move(*file));
     }
+    summary.bits_per_second =
+        8.0 * static_cast<double>(summary.bytes) * options_.fps / summary.frames;
     manifest_.segments.push_back(std::move(segment));
+    tally_.summary.segments.push_back(summary);
     return {};
   }
 
@@ -245,7 +397,7 @@ class Packer {
   }
 
   Result<void> write_frame(const PackedFrame& frame, std::vector<LayerWriter>& writers,
-                           Segment& segment) {
+                           Segment& segment, SegmentSummary& summary) {
     const EncodedFrame& encoded = frame.encoded;
     if (encoded.layers.size() > writers.size()) return fail("the codec made too many layers");
     static const EncodedLayer kNone;
@@ -256,29 +408,40 @@ class Packer {
     manifest_.normals = manifest_.normals || frame.normals;
     segment.times_us.push_back(time_us(segment.first_frame + segment.points.size()));
     segment.points.push_back(encoded.source_points);
-    const auto depth = static_cast<std::uint32_t>(encoded.depth);
-    manifest_.depth_min = summary_.frames == 0 ? depth : std::min(manifest_.depth_min, depth);
-    manifest_.depth_max = std::max(manifest_.depth_max, depth);
 
-    summary_.frames += 1;
-    summary_.points += encoded.source_points;
-    summary_.coded_points += encoded.coded_points;
-    summary_.geometry_bytes += frame.parts.geometry;
-    summary_.color_bytes += frame.parts.colors;
-    summary_.normal_bytes += frame.parts.normals;
-    encode_ms_.push_back(frame.encode_ms);
-    if (frame.had_radii && !warned_of_radii_) {
+    const auto depth = static_cast<std::uint32_t>(encoded.depth);
+    summary.depth_min = summary.frames == 0 ? depth : std::min(summary.depth_min, depth);
+    summary.depth_max = std::max(summary.depth_max, depth);
+    summary.max_error = std::max(summary.max_error, frame.max_error);
+    summary.frames += 1;
+
+    PackSummary& all = tally_.summary;
+    all.frames += 1;
+    all.points += encoded.source_points;
+    all.coded_points += encoded.coded_points;
+    all.geometry_bytes += frame.parts.geometry;
+    all.color_bytes += frame.parts.colors;
+    all.normal_bytes += frame.parts.normals;
+    tally_.encode_ms.push_back(frame.encode_ms);
+    if (frame.had_radii && !tally_.warned_of_radii) {
       warn("radii are not packed: players take them from the voxels");
-      warned_of_radii_ = true;
+      tally_.warned_of_radii = true;
     }
     for (const std::string& warning : frame.warnings) warn(warning);
-    if (listener_.frame_done) listener_.frame_done();
+    if (listener_.frame_done && !again_) listener_.frame_done();
     return {};
   }
 
   void warn(const std::string& line) {
-    summary_.warnings.push_back(line);
-    if (listener_.warn) listener_.warn(line);
+    tally_.summary.warnings.push_back(line);
+    if (listener_.warn && !again_) listener_.warn(line);
+  }
+
+  void remove_files(const std::vector<LayerFile>& layers) const {
+    for (const LayerFile& file : layers) {
+      std::error_code ignored;
+      fs::remove(folder_ / file.path, ignored);
+    }
   }
 
   /// Finest layers that no frame has, of shallow octrees, are not part of the package.
@@ -297,6 +460,16 @@ class Packer {
 
   Result<PackSummary> finish() {
     drop_unused_layers();
+    PackSummary& summary = tally_.summary;
+    for (std::size_t i = 0; i < summary.segments.size(); ++i) {
+      const SegmentSummary& segment = summary.segments[i];
+      summary.depth_min =
+          i == 0 ? segment.depth_min : std::min(summary.depth_min, segment.depth_min);
+      summary.depth_max = std::max(summary.depth_max, segment.depth_max);
+      summary.max_error = std::max(summary.max_error, segment.max_error);
+    }
+    manifest_.depth_min = summary.depth_min;
+    manifest_.depth_max = summary.depth_max;
     const std::string text = write_manifest(manifest_);
     if (const auto parsed = parse_manifest(text); !parsed) {
       return fail_at("the package would not be valid", parsed.error());
@@ -306,24 +479,30 @@ class Packer {
     out.close();
     if (!out) return fail_at(options_.output.string(), {"cannot be written, is the disk full?"});
 
-    summary_.bytes = text.size();
-    for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
-    summary_.encode_ms = spread_of(std::move(encode_ms_));
-    summary_.depth_min = manifest_.depth_min;
-    summary_.depth_max = manifest_.depth_max;
-    summary_.codec = manifest_.codec;
-    summary_.entropy = manifest_.entropy;
-    return std::move(summary_);
+    summary.bytes = text.size();
+    for (const PackageFile* file : manifest_.files()) summary.bytes += file->bytes;
+    summary.encode_ms = spread_of(std::move(tally_.encode_ms));
+    summary.late_frames = limits_.late_frames();
+    summary.codec = manifest_.codec;
+    summary.entropy = manifest_.entropy;
+    return std::move(summary);
   }
+
+  /// What adds up over the segments, and goes back where one is written anew.
+  struct Tally {
+    PackSummary summary;
+    std::vector<double> encode_ms;
+    bool warned_of_radii = false;
+  };
 
   PackOptions options_;  ///< with the tables that were learnt
   const PackListener& listener_;
   const std::vector<fs::path> files_;
   const fs::path folder_;
   Manifest manifest_;
-  PackSummary summary_;
-  std::vector<double> encode_ms_;
-  bool warned_of_radii_ = false;
+  Tally tally_;
+  Limits limits_;
+  bool again_ = false;  ///< a segment is being written anew: the listener has heard of its frames
   std::mutex error_mutex_;
 };
 

@@ -35,6 +35,18 @@ struct LearntTables {
   double saved_bytes = 0.0;  ///< by them, their own taken off: an estimate from the samples
 };
 
+/// What became of a segment.
+struct SegmentSummary {
+  std::uint32_t first_frame = 0, frames = 0;
+  std::uint64_t bytes = 0;       ///< of its files
+  double bits_per_second = 0.0;  ///< while it plays
+  std::uint32_t depth_min = 0, depth_max = 0;
+  EncodeOptions encode;     ///< that its frames were encoded with; depths are as above
+  double max_error = 0.0;   ///< max_geometry_error of its frames
+  bool within_rate = true;  ///< false: even the coarsest exceeds the bit rate
+  int trials = 0;           ///< encodings of some frames to find out
+};
+
 struct PackSummary {
   std::uint32_t frames = 0;
   std::uint64_t points = 0;        ///< in the sources, all frames
@@ -46,6 +58,9 @@ struct PackSummary {
   Spread encode_ms;  ///< a frame, from the cloud in memory to the encoded bytes
   std::uint32_t depth_min = 0, depth_max = 0;
   std::string codec, entropy;
+  double max_error = 0.0;         ///< of all segments, in the source's units
+  std::uint64_t late_frames = 0;  ///< that took longer than frame_time_ms
+  std::vector<SegmentSummary> segments;
   double seconds = 0.0;
   std::vector<std::string> warnings;
 };

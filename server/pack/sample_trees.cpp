@@ -44,13 +44,13 @@ class SegmentTrees {
     const auto at_fault = [&](const Error& error) {
       return fail_at(files_[frame].string(), error);
     };
-    const Result<LoadedCloud> loaded = input_.take(frame);
+    const Result<SegmentInput::Cloud> loaded = input_.take(frame);
     if (!loaded) return tl::unexpected(loaded.error());
-    const Result<Grid> grid = shared_ ? *shared_ : grid_for(bounds(loaded->cloud), options_);
+    const Result<Grid> grid = shared_ ? *shared_ : grid_for(bounds((*loaded)->cloud), options_);
     if (!grid) return at_fault(grid.error());
-    if (loaded->cloud.empty()) return Svo{};
-    const auto sorted =
-        sort_to_depth(loaded->cloud, grid->cube, std::get<OctreeOptions>(grid->encode.codec).depth);
+    if ((*loaded)->cloud.empty()) return Svo{};
+    const auto sorted = sort_to_depth((*loaded)->cloud, grid->cube,
+                                      std::get<OctreeOptions>(grid->encode.codec).depth);
     if (!sorted) return at_fault(sorted.error());
     return build_svo(sorted->sorted, sorted->depth);
   }

@@ -1,0 +1,119 @@
+#include "server/rate/frame_time_control.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+constexpr double kBudget = 33.0;
+
+/// A machine that takes `ms_at_10` for a frame of depth 10 and `growth` times as much a level.
+struct Machine {
+  double ms_at_10 = 10.0, growth = 3.0;
+  double operator()(int depth) const { return ms_at_10 * std::pow(growth, depth - 10); }
+};
+
+/// Encodes frames with a clock that only the machine advances; the depths that they had.
+std::vector<int> run(FrameTimeControl& control, const Machine& machine, int frames,
+                     int asked = 10) {
+  std::vector<int> depths;
+  for (int i = 0; i < frames; ++i) {
+    depths.push_back(std::min(asked, control.depth()));
+    control.told(depths.back(), machine(depths.back()));
+  }
+  return depths;
+}
+
+int changes(const std::vector<int>& depths) {
+  int count = 0;
+  for (std::size_t i = 1; i < depths.size(); ++i) count += depths[i] != depths[i - 1] ? 1 : 0;
+  return count;
+}
+
+TEST(FrameTimeControl, leaves_alone_what_is_in_time) {
+  FrameTimeControl control(kBudget, 10);
+  const auto depths = run(control, {30.0}, 1000);
+  EXPECT_EQ(depths, std::vector<int>(1000, 10));
+  EXPECT_EQ(control.late(), 0u);
+}
+
+TEST(FrameTimeControl, lowers_the_depth_before_it_is_two_frames_behind) {
+  for (const double slow : {34.0, 40.0, 60.0, 90.0, 250.0}) {
+    FrameTimeControl control(kBudget, 10);
+    const Machine machine{slow};
+    double most_behind = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      const int depth = control.depth();
+      control.told(depth, machine(depth));
+      most_behind = std::max(most_behind, control.behind_ms());
+    }
+    EXPECT_LE(most_behind, std::max(slow - kBudget, kBudget)) << slow;
+    EXPECT_LT(control.late(), 200u) << slow;
+  }
+}
+
+TEST(FrameTimeControl, forgives_a_frame_that_was_late_once) {
+  FrameTimeControl control(kBudget, 10);
+  run(control, {20.0}, 20);
+  control.told(10, 1.4 * kBudget);
+  EXPECT_EQ(control.depth(), 10);
+  run(control, {20.0}, 20);
+  EXPECT_EQ(control.depth(), 10);
+  EXPECT_EQ(control.late(), 1u);
+}
+
+TEST(FrameTimeControl, goes_back_to_the_finest_once_the_machine_is_fast_again) {
+  FrameTimeControl control(kBudget, 10);
+  run(control, {200.0}, 100);
+  EXPECT_LT(control.depth(), 9);
+  run(control, {10.0}, 200);
+  EXPECT_EQ(control.depth(), 10);
+}
+
+TEST(FrameTimeControl, does_not_swing_between_two_depths) {
+  // Depth 9 takes so little that 10 seems in reach, but is not.
+  for (const double growth : {3.0, 4.0, 8.0}) {
+    FrameTimeControl control(kBudget, 10);
+    const auto depths = run(control, {1.2 * kBudget, growth}, 3000);
+    EXPECT_LT(changes(depths), 24) << growth;
+    EXPECT_LT(control.late(), 40u) << growth;
+    EXPECT_EQ(depths.back(), 9) << growth;
+  }
+}
+
+TEST(FrameTimeControl, takes_a_machine_that_is_too_slow_for_anything) {
+  FrameTimeControl control(kBudget, 10);
+  run(control, {1e9, 2.0}, 50);
+  EXPECT_EQ(control.depth(), 1);
+}
+
+TEST(FrameTimeControl, counts_from_the_depth_that_a_frame_had_not_from_what_it_might_have_had) {
+  FrameTimeControl control(kBudget);
+  run(control, {100.0}, 2, 10);
+  EXPECT_LT(control.depth(), 10);
+}
+
+TEST(FrameTimeControl, does_not_blame_the_new_depth_for_frames_that_were_under_way) {
+  FrameTimeControl control(kBudget, 10);
+  control.told(10, 3.0 * kBudget);
+  const int depth = control.depth();
+  EXPECT_LT(depth, 10);
+  for (int i = 0; i < 4; ++i) control.told(10, 3.0 * kBudget);
+  EXPECT_EQ(control.depth(), depth);
+  EXPECT_EQ(control.late(), 5u);
+}
+
+TEST(FrameTimeControl, is_a_value) {
+  FrameTimeControl control(kBudget, 10);
+  run(control, {100.0}, 3);
+  FrameTimeControl copy = control;
+  EXPECT_EQ(run(copy, {12.0}, 300), run(control, {12.0}, 300));
+}
+
+}  // namespace
+}  // namespace pointreel

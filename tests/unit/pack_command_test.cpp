@@ -64,6 +64,31 @@ TEST_F(PackCommand, writes_its_summary_as_json_and_nothing_else) {
   EXPECT_LE(summary.at("encode_ms").at("min"), summary.at("encode_ms").at("max"));
 }
 
+TEST_F(PackCommand, says_what_a_bit_rate_made_of_each_segment) {
+  write_frames(4);
+  const Outcome asked = run_pack({"--segment", "2", "--depth", "9", "--json"});
+  const json before = json::parse(asked.out).at("segments");
+  ASSERT_EQ(before.size(), 2u);
+  const double rate = 0.4 * before[0].at("bits_per_second").get<double>();
+  const Outcome outcome = run_pack({"--segment", "2", "--depth", "9", "--force", "--json",
+                                    "--bitrate", std::to_string(1e-3 * rate) + "k"});
+  ASSERT_EQ(outcome.code, kExitOk) << outcome.errors;
+  std::uint32_t frame = 0;
+  for (const json& segment : json::parse(outcome.out).at("segments")) {
+    EXPECT_EQ(segment.at("first_frame"), frame);
+    EXPECT_EQ(segment.at("frames"), 2);
+    EXPECT_LE(segment.at("bits_per_second").get<double>(), rate);
+    EXPECT_LE(segment.at("depth").at("max"), 9);
+    EXPECT_LT(segment.at("quality"), 50);
+    EXPECT_TRUE(segment.at("within_bitrate").get<bool>());
+    EXPECT_GT(segment.at("max_error").get<double>(), 0.0);
+    frame += 2;
+  }
+  const Outcome people = run_pack({"--segment", "2", "--force", "--bitrate", "20M"});
+  EXPECT_THAT(people.out, HasSubstr("frames     2 to     3"));
+  EXPECT_THAT(people.out, HasSubstr("error "));
+}
+
 TEST_F(PackCommand, writes_json_to_a_file_and_says_the_rest_to_people) {
   write_frames(1);
   const auto path = folder_.path() / "pack.json";
@@ -99,6 +124,16 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
                                                        {"--voxel", "inf"},
                                                        {"--fps", "0"},
                                                        {"--fps", "nan"},
+                                                       {"--bitrate", "20Q"},
+                                                       {"--bitrate", "0"},
+                                                       {"--bitrate", "-3M"},
+                                                       {"--bitrate", "M"},
+                                                       {"--bitrate", "nan"},
+                                                       {"--bitrate", "2MM"},
+                                                       {"--frame-time", "0"},
+                                                       {"--frame-time", "nan"},
+                                                       {"--method", "kd-tree"},
+                                                       {"--codec", "draco", "--method", "x"},
                                                        {"--segment", "0"},
                                                        {"--up", "x"},
                                                        {"--codec", "mp4"},

@@ -113,16 +113,27 @@ template <class Lookup>
   };
   Leaf* leaf = &lookup(0, word);
   if (only_child_first) {
-    Leaf& high = lookup(kPositionSlot, word);
+    std::array<std::uint32_t, 7> position;  // leaves of the slots from kPositionSlot on
+    for (int slot = 0; slot < 7; ++slot) {
+      position[static_cast<std::size_t>(slot)] = lookup.number(kPositionSlot + slot, word);
+    }
     if (decode(lookup(kOnlyChildSlot, word)) != 0) {
-      Leaf* const middle[2] = {&lookup(kPositionSlot + 1, word), &lookup(kPositionSlot + 2, word)};
-      unsigned child = decode(high);
-      const int low = kPositionSlot + 3 + static_cast<int>(2 * child);
-      Leaf* const last[2] = {&lookup(low, word), &lookup(low + 1, word)};
-      const unsigned bit = decode(*middle[child]);
-      child = 2 * child + bit;
-      child = 2 * child + decode(*last[bit]);
-      return 1u << child;
+      // Where the only child is can hardly be guessed: no branch may depend on it.
+      const auto choose = [](unsigned bit, std::uint32_t zero, std::uint32_t one) {
+        return zero ^ ((zero ^ one) & (0u - bit));
+      };
+      const auto decode_leaf = [&lookup, &decoder](std::uint32_t number) {
+        Leaf& found = lookup.leaf(number);
+        const unsigned bit = decoder.decode_without_branch(found.probability);
+        adapt(found, bit);
+        return bit;
+      };
+      const auto [high, middle0, middle1, low0, low1, low2, low3] = position;
+      const unsigned z = decode_leaf(high);
+      const std::uint32_t low_0 = choose(z, low0, low2), low_1 = choose(z, low1, low3);
+      const unsigned y = decode_leaf(choose(z, middle0, middle1));
+      const unsigned x = decode_leaf(choose(y, low_0, low_1));
+      return 1u << (4 * z + 2 * y + x);
     }
   }
   std::uint32_t own = 0;

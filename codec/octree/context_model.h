@@ -110,6 +110,7 @@ class ContextLookup {
         leaves_(leaves.data()) {}
 
   Leaf& operator()(int slot, std::uint64_t word) const { return leaves_[number(slot, word)]; }
+  Leaf& leaf(std::uint32_t number) const { return leaves_[number]; }
 
   /// The leaf's number.
   std::uint32_t number(int slot, std::uint64_t word) const {

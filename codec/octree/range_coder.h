@@ -91,6 +91,20 @@ class RangeDecoder {
     return bit;
   }
 
+  /// The same for bits that are as good as random: nothing is guessed, so nothing wrongly.
+  unsigned decode_without_branch(std::uint32_t probability) {
+    using namespace range_coder;
+    const std::uint64_t one = width_of_one(range_, probability);
+    const std::uint64_t zero = std::uint64_t{value_ < one} - 1;  // all ones if the bit is zero
+    value_ -= one & zero;
+    range_ = one + ((range_ - 2 * one) & zero);
+    if (__builtin_expect(range_ < kLeastRange, 0)) {
+      value_ = value_ << 32 | next_word();
+      range_ <<= 32;
+    }
+    return static_cast<unsigned>(zero + 1);
+  }
+
   /// Whether these are all the bytes that an encoder made for the decisions so far, but for zeros
   /// behind them.
   bool complete() const;

@@ -18,7 +18,7 @@ namespace pointreel {
 struct TrainingOptions {
   int slot_bits = 11;      ///< most bits of a slot's mask
   int cell_bits = 8;       ///< most bits of a cell's mask
-  double leaf_cost = 8.0;  ///< bits that a leaf must save
+  double leaf_cost = 9.4;  ///< bits that a leaf must save
 };
 
 /// Calls `use(level class, slot, neighbourhood word, bit)` for each decision about the tree's

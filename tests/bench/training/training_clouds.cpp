@@ -1,6 +1,7 @@
 #include "tests/bench/training/training_clouds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
+#include "datasets_synthetic/sequences.h"
 #include "datasets_synthetic/trigonometry.h"
 #include "tests/bench/training/relief.h"
 
@@ -64,6 +66,87 @@ SampledSurface terrain(std::size_t count, Random& random) {
   return surface;
 }
 
+/// Two directions across a normal (Duff et al., JCGT 6(1), 2017).
+void tangents(const glm::dvec3& n, glm::dvec3& u, glm::dvec3& v) {
+  const double sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
+  u = {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  v = {b, sign + n.y * n.y * a, -n.y};
+}
+
+/// A figure of few flat faces, as low-poly models have them: prisms along the bones of a body.
+SampledSurface faceted_figure(std::size_t count, Random& random) {
+  const auto jitter = [&](double size) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    return size * glm::dvec3(x, y, z);
+  };
+  struct Bone {
+    glm::dvec3 from, to;
+    double radius;
+  };
+  const glm::dvec3 hip(0.0, 0.52, 0.0), neck(0.0, 0.83, 0.0);
+  std::vector<Bone> bones = {{hip, neck, 0.09}, {neck, neck + glm::dvec3(0, 0.15, 0), 0.06}};
+  for (const double side : {-1.0, 1.0}) {
+    const glm::dvec3 elbow = glm::dvec3(side * 0.25, 0.66, 0) + jitter(0.05);
+    const glm::dvec3 hand = elbow + glm::dvec3(side * 0.06, -0.15, 0.05) + jitter(0.05);
+    const glm::dvec3 knee = glm::dvec3(side * 0.1, 0.27, 0.02) + jitter(0.03);
+    const glm::dvec3 foot = knee + glm::dvec3(0, -0.25, -0.02) + jitter(0.03);
+    bones.insert(bones.end(), {{neck + glm::dvec3(side * 0.1, -0.03, 0), elbow, 0.04},
+                               {elbow, hand, 0.03},
+                               {hip + glm::dvec3(side * 0.06, 0, 0), knee, 0.06},
+                               {knee, foot, 0.045},
+                               {foot, foot + glm::dvec3(0, -0.02, 0.12), 0.035}});
+  }
+  std::vector<std::array<glm::dvec3, 3>> faces;
+  std::vector<double> area_up_to;
+  double area = 0.0;
+  const auto add = [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    faces.push_back({a, b, c});
+    area_up_to.push_back(area);
+  };
+  for (const Bone& bone : bones) {
+    const auto sides = 5 + random.below(4);
+    glm::dvec3 u, v;
+    const glm::dvec3 axis = bone.to - bone.from;
+    tangents(glm::normalize(axis), u, v);
+    constexpr int kRings = 4;
+    std::vector<glm::dvec3> ring, last;
+    for (int r = 0; r <= kRings; ++r, last = std::move(ring), ring.clear()) {
+      const double radius =
+          bone.radius * (r == 0 || r == kRings ? 0.5 : 0.8 + 0.4 * random.uniform());
+      const glm::dvec3 center = bone.from + axis * (double(r) / kRings);
+      for (std::uint32_t s = 0; s < sides; ++s) {
+        const double angle = 2.0 * kPi * s / sides;
+        ring.push_back(center + radius * (cosine(angle) * u + sine(angle) * v) + jitter(0.003));
+      }
+      for (std::uint32_t s = 0; s < sides; ++s) {
+        const std::uint32_t next = (s + 1) % sides;
+        if (r == 0 || r == kRings) add(center, ring[s], ring[next]);
+        if (r == 0) continue;
+        add(last[s], last[next], ring[s]);
+        add(ring[s], last[next], ring[next]);
+      }
+    }
+  }
+  const glm::dmat3 turn = random_turn(random, true);
+  SampledSurface surface;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto face =
+        std::lower_bound(area_up_to.begin(), area_up_to.end(), area * random.uniform());
+    const auto& [p, q, r] = faces[std::min<std::size_t>(
+        static_cast<std::size_t>(face - area_up_to.begin()), faces.size() - 1)];
+    double s = random.uniform(), t = random.uniform();
+    if (s + t > 1.0) {
+      s = 1.0 - s;
+      t = 1.0 - t;
+    }
+    const glm::dvec3 normal = glm::cross(q - p, r - p);
+    surface.push_back({turn * (p + s * (q - p) + t * (r - p)),
+                       turn * (normal / std::max(glm::length(normal), 1e-12))});
+  }
+  return surface;
+}
+
 /// Moves every point along its normal.
 SampledSurface displaced(const SampledSurface& surface, const Relief& relief) {
   SampledSurface out(surface.size());
@@ -72,13 +155,6 @@ SampledSurface displaced(const SampledSurface& surface, const Relief& relief) {
     out[i] = {sample.position + relief.height(sample.position) * sample.normal, sample.normal};
   });
   return out;
-}
-
-/// Two directions across a normal (Duff et al., JCGT 6(1), 2017).
-void tangents(const glm::dvec3& n, glm::dvec3& u, glm::dvec3& v) {
-  const double sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
-  u = {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  v = {b, sign + n.y * n.y * a, -n.y};
 }
 
 // --- Samplers
@@ -138,8 +214,15 @@ SampledSurface spaced(const SampledSurface& surface, double distance, double var
   return out;
 }
 
+/// How cameras err: each is off by a shift and bends what it sees, measures depth in steps, and
+/// gives points between near and far things at their edges.
+struct CameraErrors {
+  double shift = 0.0, bend = 0.0, step = 0.0, flying = 0.0;
+};
+
 /// What cameras around the surface see: the nearest point in each of their pixels.
-SampledSurface scanned(const SampledSurface& surface, int cameras, double pixel, Random& random) {
+SampledSurface scanned(const SampledSurface& surface, int cameras, double pixel, Random& random,
+                       const CameraErrors& errors = {}) {
   SampledSurface out;
   const double begin = random.uniform();
   for (int camera = 0; camera < cameras; ++camera) {
@@ -161,8 +244,29 @@ SampledSurface scanned(const SampledSurface& surface, int cameras, double pixel,
         best = i;
       }
     }
-    for (const std::uint32_t i : nearest) {
-      if (i != ~0u) out.push_back({surface[i].position, to_camera});
+    if (errors.shift == 0.0) {
+      for (const std::uint32_t i : nearest) {
+        if (i != ~0u) out.push_back({surface[i].position, to_camera});
+      }
+      continue;
+    }
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    const glm::dvec3 shift = errors.shift * glm::dvec3(x, y, z);
+    const std::uint64_t bend_seed = random.bits();
+    for (std::size_t at = 0; at < nearest.size(); ++at) {
+      const std::uint32_t i = nearest[at];
+      if (i == ~0u) continue;
+      glm::dvec3 position = surface[i].position;
+      double depth = glm::dot(position, to_camera);
+      const std::uint32_t beside = nearest[(at + 1) % nearest.size()];
+      const double gap =
+          beside == ~0u ? 0.1 : depth - glm::dot(surface[beside].position, to_camera);
+      const double before = depth;
+      if (gap > 0.01 && random.uniform() < errors.flying) depth -= gap * random.uniform();
+      if (errors.step > 0.0) depth = errors.step * std::floor(depth / errors.step + 0.5);
+      depth += errors.bend * lattice_noise(position * 6.0, bend_seed);
+      position += (depth - before) * to_camera + shift;
+      out.push_back({position, to_camera});
     }
   }
   return out;
@@ -200,6 +304,41 @@ SampledSurface flown_over(const SampledSurface& ground, double line, double vege
   return out;
 }
 
+/// Flat roofs and walls on a tenth of the ground, and the whole turned, as no flight follows the
+/// grid.
+SampledSurface built_up(SampledSurface ground, Random& random) {
+  const std::uint64_t seed = random.bits();
+  for (Sample& sample : ground) {
+    const glm::dvec3 block = glm::floor(sample.position * 14.0);
+    const double kind = lattice_noise({block.x, block.y, 0.5}, seed);
+    const glm::dvec3 in = sample.position * 14.0 - block;
+    if (kind < 0.25 || in.x < 0.2 || in.x > 0.7 || in.y < 0.3 || in.y > 0.8) continue;
+    const double height = 0.008 + 0.02 * kind;
+    const bool wall = in.x > 0.68 && random.uniform() < 0.4;
+    sample.position.z = 0.05 + (wall ? height * random.uniform() : height);
+  }
+  const double a = 2.0 * kPi * random.uniform();
+  for (Sample& sample : ground) {
+    const glm::dvec3 p = sample.position;
+    sample.position = {cosine(a) * p.x - sine(a) * p.y, sine(a) * p.x + cosine(a) * p.y, p.z};
+  }
+  return ground;
+}
+
+/// A frame of a synthetic sequence, as its samplers make it.
+Result<SampledSurface> sequence_sample(const Motion& motion, const SequenceOptions& options,
+                                       Random& random) {
+  const int frames = static_cast<int>(motion.seconds() * options.fps);
+  const auto cloud = sequence_frame(
+      motion, options, static_cast<int>(random.below(static_cast<std::uint32_t>(frames))));
+  if (!cloud) return tl::unexpected(cloud.error());
+  SampledSurface surface;
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    surface.push_back({cloud->world(i) / 1.76, {0, 0, 1}});
+  }
+  return surface;
+}
+
 // --- Voxels
 // ---------------------------------------------------------------------------------------
 
@@ -222,14 +361,27 @@ Svo tree_of(const SampledSurface& surface, int bits, double margin = 0.0) {
   return build_svo(sort_points(cloud, Cube{glm::dvec3(0.0), cells}, bits), bits);
 }
 
-}  // namespace
+constexpr std::size_t kSamples = 1'200'000;
 
-Result<void> for_each_training_tree(
-    std::uint64_t seed, const std::function<void(const std::string& name, const Svo& svo)>& use) {
+/// Gives the trees of surfaces to whom the training set is for.
+class Giver {
+ public:
+  using Use = std::function<void(const std::string& name, const Svo& svo)>;
+  explicit Giver(const Use& use) : use_(use) {}
+
+  /// As tree_of.
+  void operator()(const std::string& name, const SampledSurface& surface, int bits,
+                  double margin = 0.0) const {
+    use_(name, tree_of(surface, bits, margin));
+  }
+
+ private:
+  const Use& use_;
+};
+
+/// Figures sampled densely, at random, spaced like vertices, and scanned.
+Result<void> give_figures(std::uint64_t seed, const Giver& give) {
   constexpr int kFigures = 6;
-  constexpr std::size_t kSamples = 1'200'000;
-  const auto give = [&use](const std::string& name, const SampledSurface& surface, int bits,
-                           double margin = 0.0) { use(name, tree_of(surface, bits, margin)); };
   for (int f = 0; f < kFigures; ++f) {
     Random random(seed, static_cast<std::uint64_t>(f));
     const auto smooth = figure(kSamples, random);
@@ -244,6 +396,8 @@ Result<void> for_each_training_tree(
     const SampledSurface& dense = f % 2 == 0 ? rough : fine;
     give(name("dense 10"), filled(dense, 0.4 / 1024), 10, 0.05 * random.uniform());
     if (f % 3 == 0) give(name("dense 9"), dense, 9, 0.3 * random.uniform());
+    if (f % 2 == 1) give(name("smooth 10"), filled(*smooth, 0.4 / 1024), 10, 0.02 * f);
+    if (f % 2 == 0) give(name("dense 10 again"), filled(fine, 0.4 / 1024), 10, 0.01 * f);
 
     give(name("random 90,000 10"), first(f % 2 == 0 ? *smooth : rough, 90'000), 10,
          0.1 * random.uniform());
@@ -264,6 +418,72 @@ Result<void> for_each_training_tree(
       give(name("noisy 10"), noisy, 10);
     }
   }
+  return {};
+}
+
+/// Figures of few faces, sampled at random.
+void give_faceted(std::uint64_t seed, const Giver& give) {
+  for (int f = 0; f < 4; ++f) {
+    Random random(seed, 3000 + static_cast<std::uint64_t>(f));
+    give(fmt::format("faceted {} 10", f),
+         faceted_figure(60'000 + 15'000 * static_cast<std::size_t>(f), random), 10,
+         0.1 * random.uniform());
+  }
+}
+
+/// Figures as several cameras that do not quite agree see them, noisy and sparse.
+Result<void> give_captures(std::uint64_t seed, const Giver& give) {
+  for (int f = 0; f < 4; ++f) {
+    Random random(seed, 4000 + static_cast<std::uint64_t>(f));
+    const auto smooth = figure(kSamples, random);
+    if (!smooth) return tl::unexpected(smooth.error());
+    const SampledSurface rough =
+        displaced(*smooth, Relief::fractal(0.1, 0.001, 0.004, 1.0, 0.4, random));
+    const double voxel = 1.0 / 1024;
+    CameraErrors errors;
+    errors.shift = voxel * (0.5 + random.uniform());
+    errors.bend = voxel * 2.0 * random.uniform();
+    errors.step = f % 2 == 0 ? 0.0 : voxel * (0.5 + 1.5 * random.uniform());
+    errors.flying = 0.1 + 0.3 * random.uniform();
+    SampledSurface seen =
+        scanned(rough, 4 + 2 * f, voxel * (2.0 + 0.8 * f + random.uniform()), random, errors);
+    disturb(seen, voxel * (0.3 + 0.9 * random.uniform()), 0.003, random);
+    give(fmt::format("captured {} 10", f), seen, 10);
+  }
+  return {};
+}
+
+/// The synthetic sequences by their own samplers: curves that a scanner sees, and parallel rays.
+Result<void> give_sequences(std::uint64_t seed, const Giver& give) {
+  for (int m = 0; m < 3; ++m) {
+    Random random(seed, 5000 + static_cast<std::uint64_t>(m));
+    const std::span<const Motion> all = motions();
+    const Motion& motion = all[static_cast<std::size_t>(m) % all.size()];
+    SequenceOptions options;
+    options.seed = random.bits();
+    options.noise = 0.0015 * m;
+    const auto curves = sequence_sample(motion, options, random);
+    if (!curves) return tl::unexpected(curves.error());
+    give(fmt::format("curves {} 10", m), *curves, 10, 0.1 * random.uniform());
+    if (m == 2) continue;
+    options.noise = 0.0;
+    options.sampler = Sampler::ldc;
+    const auto layered = sequence_sample(motion, options, random);
+    if (!layered) return tl::unexpected(layered.error());
+    give(fmt::format("layered {} 10", m), *layered, 10, 0.1 * random.uniform());
+  }
+  return {};
+}
+
+void give_terrain(std::uint64_t seed, const Giver& give) {
+  for (int t = 0; t < 2; ++t) {
+    Random random(seed, 6000 + static_cast<std::uint64_t>(t));
+    const SampledSurface ground = terrain(450'000, random);
+    const double line = 0.0006 + 0.0012 * random.uniform();
+    const SampledSurface flown =
+        built_up(flown_over(ground, line, 0.2 + 0.4 * random.uniform(), random), random);
+    give(fmt::format("town {} 12", t), flown, 12);
+  }
   for (int t = 0; t < 3; ++t) {
     Random random(seed, 1000 + static_cast<std::uint64_t>(t));
     const SampledSurface ground = terrain(400'000, random);
@@ -272,6 +492,10 @@ Result<void> for_each_training_tree(
     give(fmt::format("terrain {} 12", t), flown, 12);
     if (t == 0) give(fmt::format("terrain {} 10", t), ground, 10);
   }
+}
+
+/// Points all over a volume.
+void give_volume(std::uint64_t seed, const Giver& give) {
   Random random(seed, 2000);
   SampledSurface cloudy(40'000);
   for (Sample& sample : cloudy) {
@@ -279,6 +503,19 @@ Result<void> for_each_training_tree(
     sample = {{x, y, z}, {0, 0, 1}};
   }
   give("volume 8", cloudy, 8);
+}
+
+}  // namespace
+
+Result<void> for_each_training_tree(
+    std::uint64_t seed, const std::function<void(const std::string& name, const Svo& svo)>& use) {
+  const Giver give(use);
+  if (const auto given = give_figures(seed, give); !given) return given;
+  give_faceted(seed, give);
+  if (const auto given = give_captures(seed, give); !given) return given;
+  if (const auto given = give_sequences(seed, give); !given) return given;
+  give_terrain(seed, give);
+  give_volume(seed, give);
   return {};
 }
 

@@ -10,6 +10,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/error.h"
+#include "common/base/executor.h"
 #include "common/cloud/point_cloud.h"
 #include "common/octree/svo.h"
 
@@ -42,6 +43,9 @@ struct OctreeOptions {
   /// Of entropy context; null: the newest that are part of the codec. Given ones have a checksum,
   /// and whoever decodes must be given the same.
   std::shared_ptr<const ContextTables> tables = nullptr;
+  /// Of entropy context: parts of a frame that are coded at the same time, 1 to 16 along the longer
+  /// of y and z; each adds about one percent to a dense frame. 0: chosen from the number of leaves.
+  int slabs = 0;
 };
 
 /// In which order Draco codes points: one after another along the Morton curve, or as a kd-tree.
@@ -59,8 +63,9 @@ struct DracoOptions {
 
 struct EncodeOptions {
   std::variant<OctreeOptions, DracoOptions> codec;
-  bool normals = true;  ///< encode normals where the cloud has them
-  bool colors = true;   ///< encode colours where the cloud has them
+  bool normals = true;     ///< encode normals where the cloud has them
+  bool colors = true;      ///< encode colours where the cloud has them
+  Executor executor = {};  ///< lends threads for large frames; no byte depends on it
 
   Codec id() const { return codec.index() == 0 ? Codec::octree : Codec::draco; }
 };
@@ -101,6 +106,7 @@ struct DecodeLimits {
   std::uint32_t max_points = 1u << 26;
   /// The context tables that come with the frames, if any do; they outlive the call.
   const ContextTables* tables = nullptr;
+  Executor executor = {};  ///< lends threads for frames that have several slabs
 };
 
 struct DecodedFrame {

@@ -8,7 +8,7 @@ namespace pointreel {
 Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
                                   const EncodeOptions& options) {
   if (const auto* octree = std::get_if<OctreeOptions>(&options.codec)) {
-    return encode_octree(cloud, cube, *octree, options.normals, options.colors);
+    return encode_octree(cloud, cube, *octree, options.normals, options.colors, options.executor);
   }
   return encode_draco(cloud, cube, std::get<DracoOptions>(options.codec), options.normals,
                       options.colors);

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "codec/octree/bit_extract.h"
 #include "codec/octree/range_coder.h"
+#include "codec/octree/slabs.h"
 
 namespace pointreel {
 namespace {
@@ -39,15 +42,6 @@ std::size_t number_children(ByteView masks, std::vector<std::uint32_t>& first_ch
   return next;
 }
 
-/// The masks of one level are in `masks` from `begin` on, in Morton order: on to the level below.
-void descend(RasterLevel& level, ByteView masks) {
-  std::vector<std::uint32_t> first_child;
-  const std::size_t children = number_children(masks, first_child);
-  RasterLevel below;
-  expand(level, first_child, children, below);
-  level = std::move(below);
-}
-
 /// A decision to code: 2 leaf + bit.
 using Decision = std::uint32_t;
 
@@ -67,15 +61,16 @@ using Decision = std::uint32_t;
 /// whose look-ups do not wait for each other, and then codes them, each of which waits for the one
 /// before.
 template <class Extract>
-void encode_level(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves,
-                  RasterLevel& level, RangeEncoder& encoder) {
+void encode_nodes(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves,
+                  const RasterLevel& level, LevelWalk& walk, std::size_t count,
+                  RangeEncoder& encoder) {
   constexpr std::size_t kNodes = 64, kMostDecisions = 9;  // at a time; of a node
   const ContextLookup<Extract> lookup(tables, level_class, leaves);
   const bool only_child_first = codes_only_child(level_class);
   const std::uint8_t* masks = level.masks.data();
   const std::uint32_t* parents = level.parents.data();
   std::array<Decision, kNodes * kMostDecisions> decisions;
-  walk_known(level, [&](std::uint32_t begin, std::span<const std::uint64_t> words) {
+  walk.visit_known(count, [&](std::uint32_t begin, std::span<const std::uint64_t> words) {
     for (std::size_t first = 0; first < words.size(); first += kNodes) {
       const std::size_t end = std::min(first + kNodes, words.size());
       Decision* next = decisions.data();
@@ -94,10 +89,10 @@ void encode_level(const ContextTables& tables, int level_class, std::vector<Leaf
 }
 
 #if defined(__x86_64__)
-POINTREEL_BMI2 void encode_level_bmi2(const ContextTables& tables, int level_class,
-                                      std::vector<Leaf>& leaves, RasterLevel& level,
-                                      RangeEncoder& encoder) {
-  encode_level<HardwareExtract>(tables, level_class, leaves, level, encoder);
+POINTREEL_BMI2 void encode_nodes_bmi2(const ContextTables& tables, int level_class,
+                                      std::vector<Leaf>& leaves, const RasterLevel& level,
+                                      LevelWalk& walk, std::size_t count, RangeEncoder& encoder) {
+  encode_nodes<HardwareExtract>(tables, level_class, leaves, level, walk, count, encoder);
 }
 #endif
 
@@ -158,14 +153,15 @@ template <class Lookup>
 
 /// Into level.masks; the number of all children.
 template <class Extract>
-std::size_t decode_level(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves,
-                         RasterLevel& level, RangeDecoder& shared_decoder) {
+std::size_t decode_nodes(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves,
+                         const RasterLevel& level, LevelWalk& walk, std::size_t count,
+                         RangeDecoder& shared_decoder) {
   const ContextLookup<Extract> lookup(tables, level_class, leaves);
   const bool only_child_first = codes_only_child(level_class);
   RangeDecoder decoder = shared_decoder;
   const std::uint32_t* parents = level.parents.data();
   std::size_t children = 0;
-  walk(level, [&](std::uint32_t node, std::uint64_t word) {
+  walk.visit(count, [&](std::uint32_t node, std::uint64_t word) {
     if (only_child_first) word = neighborhood::sparse_word(word, parents[node]);
     const std::uint32_t mask = decode_node(lookup, only_child_first, word, decoder);
     children += static_cast<unsigned>(std::popcount(mask));
@@ -176,89 +172,269 @@ std::size_t decode_level(const ContextTables& tables, int level_class, std::vect
 }
 
 #if defined(__x86_64__)
-POINTREEL_BMI2 std::size_t decode_level_bmi2(const ContextTables& tables, int level_class,
-                                             std::vector<Leaf>& leaves, RasterLevel& level,
+POINTREEL_BMI2 std::size_t decode_nodes_bmi2(const ContextTables& tables, int level_class,
+                                             std::vector<Leaf>& leaves, const RasterLevel& level,
+                                             LevelWalk& walk, std::size_t count,
                                              RangeDecoder& decoder) {
-  return decode_level<HardwareExtract>(tables, level_class, leaves, level, decoder);
+  return decode_nodes<HardwareExtract>(tables, level_class, leaves, level, walk, count, decoder);
 }
 #endif
 
+/// Codes the level at hand: `code(slab, leaves, walk, count)` goes on to `count` nodes of the slab.
+template <class Code>
+void code_level(ContextState& state, int level_class, const Executor& executor, Code&& code) {
+  const int slabs = static_cast<int>(state.slabs.size());
+  if (slabs == 1) {
+    LevelWalk walk(state.slabs.front());
+    code(std::size_t{0}, state.leaves, walk, kAllNodes);
+    return;
+  }
+  const LeafRange range = leaves_of_class(*state.tables, level_class);
+  const std::size_t share = (range.end - range.begin) / static_cast<std::size_t>(slabs) + 1;
+  std::vector<std::optional<LevelWalk>> walks(state.slabs.size());
+  std::vector<std::size_t> nodes(state.slabs.size());
+  for (int phase = 0; phase < kPhases; ++phase) {
+    for_each(executor, slabs, [&](int number) {
+      const auto slab = static_cast<std::size_t>(number);
+      if (phase == 0) {
+        walks[slab].emplace(state.slabs[slab]);
+        nodes[slab] = count_in_slab(state.slabs[slab]);
+      }
+      std::vector<Leaf>& leaves = state.slab_leaves[slab];
+      std::copy(state.leaves.begin() + static_cast<std::ptrdiff_t>(range.begin),
+                state.leaves.begin() + static_cast<std::ptrdiff_t>(range.end),
+                leaves.begin() + static_cast<std::ptrdiff_t>(range.begin));
+      code(slab, leaves, *walks[slab], nodes_of_phases(nodes[slab], phase));
+    });
+    for_each(executor, slabs, [&](int number) {
+      const std::size_t begin = range.begin + share * static_cast<std::size_t>(number);
+      const LeafRange part{begin, std::min(begin + share, range.end)};
+      merge_leaves(state.slab_leaves, part, state.leaves);
+    });
+  }
+}
+
+/// Of each node of a level, in Morton order: how many nodes there are below it on the last level
+/// above the leaves.
+std::vector<std::uint32_t> weights_of_nodes(const Svo& svo, int level) {
+  std::vector<std::uint32_t> weights(svo.node_count(level));
+  std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(svo.depth) - 1];
+  for (std::uint32_t i = 0; i < weights.size(); ++i) {
+    std::uint32_t end = svo.level_begin[static_cast<std::size_t>(level)] + i + 1;
+    for (int below = level; below < svo.depth - 1; ++below) {
+      const std::uint32_t level_end = svo.level_begin[static_cast<std::size_t>(below) + 1];
+      end = end < level_end ? svo.first_child[end]
+                            : svo.level_begin[static_cast<std::size_t>(below) + 2];
+    }
+    weights[i] = end - begin;
+    begin = end;
+  }
+  return weights;
+}
+
 }  // namespace
 
-ContextEncoder::ContextEncoder(std::shared_ptr<const ContextTables> tables, ExtractPath path)
-    : tables_(std::move(tables)),
-      leaves_(tables_->leaves),
-      level_(root_level()),
-      hardware_(use_hardware(path)) {}
+// --- State
+// ----------------------------------------------------------------------------------------
 
-void ContextEncoder::encode_layer(const Svo& svo, int first_level, int last_level, Bytes& payload) {
+ContextState::ContextState(std::shared_ptr<const ContextTables> from, ExtractPath path)
+    : tables(std::move(from)),
+      leaves(tables->leaves),
+      slabs{root_level()},
+      hardware(use_hardware(path)) {}
+
+void ContextState::descend(ByteView masks, const Executor& executor) {
+  std::vector<std::uint32_t> first_child;
+  number_children(masks, first_child);
+  for_each(executor, static_cast<int>(slabs.size()), [&](int slab) {
+    RasterLevel& level = slabs[static_cast<std::size_t>(slab)];
+    give_masks(level, masks, false);
+    std::size_t children = 0;
+    for (const std::uint8_t mask : level.masks) {
+      children += static_cast<unsigned>(std::popcount(mask));
+    }
+    RasterLevel below;
+    expand(level, first_child, children, below);
+    level = std::move(below);
+  });
+}
+
+// --- Encoder
+// --------------------------------------------------------------------------------------
+
+ContextEncoder::ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs,
+                               ExtractPath path)
+    : state_(std::move(tables), path), wanted_slabs_(slabs) {}
+
+void ContextEncoder::write_slabs(const Svo& svo, int first_level, std::size_t mask_count,
+                                 Bytes& payload) {
+  ByteWriter writer(payload);
+  const int most = static_cast<int>(
+      std::min(mask_count / kLeastMasksOfSlab, static_cast<std::size_t>(wanted_slabs_)));
+  const bool whole = state_.slabs.size() == 1;
+  SlabCuts cuts;
+  if (whole && first_level > 0 && most > 1) {
+    cuts = choose_cuts(state_.slabs.front(), weights_of_nodes(svo, first_level), most);
+    if (!cuts.begins.empty()) {
+      state_.slabs = split(state_.slabs.front(), cuts);
+      state_.slab_leaves.assign(state_.slabs.size(), state_.leaves);
+    }
+  }
+  writer.put(static_cast<std::uint8_t>(state_.slabs.size()));
+  if (!whole || state_.slabs.size() == 1) return;
+  writer.put(static_cast<std::uint8_t>(cuts.axis));
+  for (const std::uint32_t begin : cuts.begins) writer.put(static_cast<std::uint16_t>(begin));
+}
+
+void ContextEncoder::encode_layer(const Svo& svo, int first_level, int last_level, Bytes& payload,
+                                  const Executor& executor) {
   const auto class_of = [&svo](int level) {
     return level_class(svo.node_count(level), svo.node_count(level + 1));
+  };
+  const auto masks_of = [&svo](int level) {
+    return ByteView(svo.masks).subspan(svo.level_begin[static_cast<std::size_t>(level)],
+                                       svo.node_count(level));
   };
   for (int level = first_level; level < last_level; ++level) {
     payload.push_back(static_cast<std::uint8_t>(class_of(level)));
   }
-  RangeEncoder encoder(payload);
+  if (first_level > 0) state_.descend(masks_of(first_level - 1), executor);
+  write_slabs(svo, first_level,
+              svo.level_begin[static_cast<std::size_t>(last_level)] -
+                  svo.level_begin[static_cast<std::size_t>(first_level)],
+              payload);
+  std::vector<Bytes> streams(state_.slabs.size());
+  std::vector<RangeEncoder> encoders(streams.begin(), streams.end());
   for (int level = first_level; level < last_level; ++level) {
-    if (level > 0) {
-      const std::size_t above = static_cast<std::size_t>(level) - 1;
-      descend(level_, ByteView(svo.masks).subspan(svo.level_begin[above], level_.size()));
-    }
-    const std::uint8_t* masks = svo.masks.data() + svo.level_begin[static_cast<std::size_t>(level)];
-    for (std::size_t i = 0; i < level_.size(); ++i) level_.masks[i] = masks[level_.rank[i]];
+    if (level > first_level) state_.descend(masks_of(level - 1), executor);
+    const ByteView masks = masks_of(level);
     const int level_class = class_of(level);
+    for_each(executor, static_cast<int>(state_.slabs.size()), [&](int number) {
+      RasterLevel& slab = state_.slabs[static_cast<std::size_t>(number)];
+      give_masks(slab, masks, true);
+    });
+    code_level(
+        state_, level_class, executor,
+        [&](std::size_t slab, std::vector<Leaf>& leaves, LevelWalk& walk, std::size_t count) {
 #if defined(__x86_64__)
-    if (hardware_) {
-      encode_level_bmi2(*tables_, level_class, leaves_, level_, encoder);
-      continue;
-    }
+          if (state_.hardware) {
+            encode_nodes_bmi2(*state_.tables, level_class, leaves, state_.slabs[slab], walk, count,
+                              encoders[slab]);
+            return;
+          }
 #endif
-    encode_level<PortableExtract>(*tables_, level_class, leaves_, level_, encoder);
+          encode_nodes<PortableExtract>(*state_.tables, level_class, leaves, state_.slabs[slab],
+                                        walk, count, encoders[slab]);
+        });
   }
-  encoder.finish();
+  for (RangeEncoder& encoder : encoders) encoder.finish();
+  ByteWriter writer(payload);
+  for (std::size_t slab = 0; slab + 1 < streams.size(); ++slab) {
+    writer.put(static_cast<std::uint32_t>(streams[slab].size()));
+  }
+  for (const Bytes& stream : streams) {
+    payload.insert(payload.end(), stream.begin(), stream.end());
+  }
 }
 
+// --- Decoder
+// --------------------------------------------------------------------------------------
+
 ContextDecoder::ContextDecoder(std::shared_ptr<const ContextTables> tables, ExtractPath path)
-    : tables_(std::move(tables)),
-      leaves_(tables_->leaves),
-      level_(root_level()),
-      hardware_(use_hardware(path)) {}
+    : state_(std::move(tables), path) {}
+
+Result<std::vector<RangeDecoder>> ContextDecoder::read_slabs(ByteReader& reader,
+                                                             std::size_t mask_count) {
+  const std::size_t slabs = reader.get<std::uint8_t>();
+  if (slabs != state_.slabs.size()) {
+    if (state_.slabs.size() > 1 || slabs == 0 || slabs > kMostSlabs ||
+        slabs * kLeastMasksOfSlab > mask_count) {
+      return fail("chunk has " + std::to_string(slabs) + " slabs, which it cannot");
+    }
+    SlabCuts cuts;
+    cuts.axis = reader.get<std::uint8_t>();
+    bool in_order = true;
+    std::uint32_t last = 0;
+    for (std::size_t slab = 1; slab < slabs; ++slab) {
+      cuts.begins.push_back(reader.get<std::uint16_t>());
+      in_order = in_order && cuts.begins.back() > last;
+      last = cuts.begins.back();
+    }
+    const RasterLevel& level = state_.slabs.front();
+    if (!reader.ok() || (cuts.axis != 1 && cuts.axis != 2) || !in_order ||
+        last >= 1u << level.level) {
+      return fail("chunk's slabs are out of range");
+    }
+    state_.slabs = split(level, cuts);
+    state_.slab_leaves.assign(slabs, state_.leaves);
+  }
+  std::vector<std::size_t> sizes;
+  for (std::size_t slab = 1; slab < slabs; ++slab) sizes.push_back(reader.get<std::uint32_t>());
+  if (!reader.ok()) return fail("chunk's slabs are cut short");
+  ByteView streams = reader.rest();
+  std::vector<RangeDecoder> decoders;
+  for (const std::size_t size : sizes) {
+    if (size > streams.size()) return fail("chunk's slabs are cut short");
+    decoders.emplace_back(streams.first(size));
+    streams = streams.subspan(size);
+  }
+  decoders.emplace_back(streams);
+  return decoders;
+}
 
 Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int last_level,
                                           std::size_t mask_count, std::size_t most_nodes,
-                                          Bytes& masks) {
+                                          Bytes& masks, const Executor& executor) {
   const std::size_t levels = static_cast<std::size_t>(last_level - first_level);
   if (payload.size() < levels) return fail("chunk's level classes are cut short");
   const ByteView classes = payload.first(levels);
-  RangeDecoder decoder(payload.subspan(levels));
-  std::size_t left = mask_count;
-  for (int level = first_level; level < last_level; ++level) {
-    const int level_class = classes[static_cast<std::size_t>(level - first_level)];
+  for (const std::uint8_t level_class : classes) {
     if (level_class >= kLevelClasses) {
       return fail("chunk has unknown level class " + std::to_string(level_class));
     }
-    if (level > 0) descend(level_, ByteView(masks).last(level_.size()));
-    if (level_.size() > left) return fail("level sizes disagree with the masks");
-    left -= level_.size();
-    std::size_t children = 0;
+  }
+  const auto descend = [&] {
+    state_.descend(ByteView(masks).last(nodes_), executor);
+    nodes_ = children_;
+  };
+  if (first_level > 0) descend();
+  ByteReader reader(payload.subspan(levels));
+  auto decoders = read_slabs(reader, mask_count);
+  if (!decoders) return tl::unexpected(decoders.error());
+  std::size_t left = mask_count;
+  for (int level = first_level; level < last_level; ++level) {
+    if (level > first_level) descend();
+    if (nodes_ > left) return fail("level sizes disagree with the masks");
+    left -= nodes_;
+    const int level_class = classes[static_cast<std::size_t>(level - first_level)];
+    std::vector<std::size_t> children(state_.slabs.size());
+    code_level(
+        state_, level_class, executor,
+        [&](std::size_t slab, std::vector<Leaf>& leaves, LevelWalk& walk, std::size_t count) {
 #if defined(__x86_64__)
-    if (hardware_) {
-      children = decode_level_bmi2(*tables_, level_class, leaves_, level_, decoder);
-    } else {
-      children = decode_level<PortableExtract>(*tables_, level_class, leaves_, level_, decoder);
-    }
-#else
-    children = decode_level<PortableExtract>(*tables_, level_class, leaves_, level_, decoder);
+          if (state_.hardware) {
+            children[slab] += decode_nodes_bmi2(*state_.tables, level_class, leaves,
+                                                state_.slabs[slab], walk, count, (*decoders)[slab]);
+            return;
+          }
 #endif
-    if (children > most_nodes) return fail("more nodes than the header has points");
+          children[slab] +=
+              decode_nodes<PortableExtract>(*state_.tables, level_class, leaves, state_.slabs[slab],
+                                            walk, count, (*decoders)[slab]);
+        });
+    children_ = std::accumulate(children.begin(), children.end(), std::size_t{0});
+    if (children_ > most_nodes) return fail("more nodes than the header has points");
     const std::size_t begin = masks.size();
-    masks.resize(begin + level_.size());
-    for (std::size_t i = 0; i < level_.size(); ++i) {
-      masks[begin + level_.rank[i]] = level_.masks[i];
-    }
+    masks.resize(begin + nodes_);
+    for_each(executor, static_cast<int>(state_.slabs.size()), [&](int slab) {
+      take_masks(state_.slabs[static_cast<std::size_t>(slab)], std::span(masks).subspan(begin));
+    });
   }
   if (left != 0) return fail("level sizes disagree with the masks");
-  if (!decoder.complete()) return fail("chunk's range coded data is damaged");
+  const auto complete = [](const RangeDecoder& decoder) { return decoder.complete(); };
+  if (!std::all_of(decoders->begin(), decoders->end(), complete)) {
+    return fail("chunk's range coded data is damaged");
+  }
   return {};
 }
 

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "codec/octree/context_model.h"
+#include "codec/octree/range_coder.h"
 #include "codec/octree/raster_walk.h"
 #include "common/base/bytes.h"
 #include "common/base/error.h"
+#include "common/base/executor.h"
 #include "common/octree/svo.h"
 
 /// The masks of a tree, coded level by level with adaptive contexts. Layers follow each other: a
@@ -16,26 +18,44 @@
 ///
 /// Trust: the decoder takes hostile bytes. A layer's number of masks is the caller's, who bounds it
 /// by the size of the payload; memory is bounded by it, by the caller's number of points, and by
-/// the tables. Any bytes decode to a tree of those sizes or to an error.
+/// the tables: at most 150 bytes a node of the two finest levels above the leaves (three times that
+/// with slabs of one cell each), and the leaves of the tables, once more for each slab. Any bytes
+/// decode to a tree of those sizes or to an error.
 namespace pointreel {
 
 /// How the bits of a context are gathered; the result is the same.
 enum class ExtractPath { fastest, portable };
 
+/// What both directions go on with from one level to the next.
+struct ContextState {
+  ContextState(std::shared_ptr<const ContextTables> tables, ExtractPath path);
+
+  /// From the level at hand, whose masks are given in Morton order, to that below it.
+  void descend(ByteView masks, const Executor& executor);
+
+  std::shared_ptr<const ContextTables> tables;
+  std::vector<Leaf> leaves;
+  std::vector<RasterLevel> slabs;  ///< of the level at hand; one is all of it
+  std::vector<std::vector<Leaf>> slab_leaves;
+  bool hardware;
+};
+
 class ContextEncoder {
  public:
-  explicit ContextEncoder(std::shared_ptr<const ContextTables> tables,
+  /// Parts large layers into `slabs`, 1 to kMostSlabs.
+  explicit ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs = 1,
                           ExtractPath path = ExtractPath::fastest);
 
   /// Appends to `payload` the tree's levels `first_level` (where the last call ended, 0 at first)
   /// to `last_level` - 1. The tree is not empty.
-  void encode_layer(const Svo& svo, int first_level, int last_level, Bytes& payload);
+  void encode_layer(const Svo& svo, int first_level, int last_level, Bytes& payload,
+                    const Executor& executor = {});
 
  private:
-  std::shared_ptr<const ContextTables> tables_;
-  std::vector<Leaf> leaves_;
-  RasterLevel level_;
-  bool hardware_;
+  void write_slabs(const Svo& svo, int first_level, std::size_t mask_count, Bytes& payload);
+
+  ContextState state_;
+  int wanted_slabs_;
 };
 
 class ContextDecoder {
@@ -46,13 +66,15 @@ class ContextDecoder {
   /// Appends the layer's masks, level by level in Morton order, to `masks`. Refuses a payload that
   /// does not hold `mask_count` masks, and a level with more than `most_nodes` nodes.
   Result<void> decode_layer(ByteView payload, int first_level, int last_level,
-                            std::size_t mask_count, std::size_t most_nodes, Bytes& masks);
+                            std::size_t mask_count, std::size_t most_nodes, Bytes& masks,
+                            const Executor& executor = {});
 
  private:
-  std::shared_ptr<const ContextTables> tables_;
-  std::vector<Leaf> leaves_;
-  RasterLevel level_;
-  bool hardware_;
+  /// Parts the level if this layer begins with that; a decoder for each slab's bytes.
+  Result<std::vector<RangeDecoder>> read_slabs(ByteReader& reader, std::size_t mask_count);
+
+  ContextState state_;
+  std::size_t nodes_ = 1, children_ = 0;  ///< of the level at hand
 };
 
 }  // namespace pointreel

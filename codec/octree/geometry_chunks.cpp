@@ -8,26 +8,27 @@
 
 namespace pointreel {
 
-Result<GeometryEncoder> GeometryEncoder::create(
-    Entropy entropy, const std::shared_ptr<const ContextTables>& tables) {
+Result<GeometryEncoder> GeometryEncoder::create(Entropy entropy,
+                                                const std::shared_ptr<const ContextTables>& tables,
+                                                int slabs) {
   GeometryEncoder encoder;
   if (entropy != Entropy::context) return encoder;
   ByteWriter name(encoder.tables_name_);
   if (tables) {
     name.put(kGivenTables);
     name.put(tables->checksum);
-    encoder.context_.emplace(tables);
+    encoder.context_.emplace(tables, slabs);
     return encoder;
   }
   auto newest = tables_of_number(kNewestTables);
   if (!newest) return tl::unexpected(newest.error());
   name.put(kNewestTables);
-  encoder.context_.emplace(std::move(*newest));
+  encoder.context_.emplace(std::move(*newest), slabs);
   return encoder;
 }
 
 void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader header,
-                                   FrameTag tag, Bytes& out) {
+                                   FrameTag tag, const Executor& executor, Bytes& out) {
   const std::size_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
   const std::size_t end = svo.level_begin[header.last_level];
   const ByteView masks = ByteView(svo.masks).subspan(begin, end - begin);
@@ -38,7 +39,7 @@ void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader 
   }
   Bytes payload;
   if (header.layer == 0) payload = tables_name_;
-  context_->encode_layer(svo, first_level, header.last_level, payload);
+  context_->encode_layer(svo, first_level, header.last_level, payload, executor);
   // Zeros behind what is coded keep the bound on expansion that readers rely on.
   while (max_raw_size(payload.size()) < masks.size()) {
     payload.resize((masks.size() - max_raw_size(0) + 1023) / 1024);
@@ -48,7 +49,7 @@ void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader 
 }
 
 Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_level,
-                                           Bytes& masks) {
+                                           const Executor& executor, Bytes& masks) {
   // A tree has at most as many nodes on a level as it has leaves.
   const int levels = chunk.header.last_level - first_level;
   if (chunk.header.raw_size > std::uint64_t{points_} * static_cast<unsigned>(levels)) {
@@ -56,7 +57,7 @@ Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_l
   }
   const std::size_t begin = masks.size();
   if (chunk.header.entropy == Entropy::context) {
-    const auto decoded = decode_context(chunk, first_level, masks);
+    const auto decoded = decode_context(chunk, first_level, executor, masks);
     if (!decoded) return decoded;
   } else {
     if (context_) return fail("chunk has another entropy coding than the layers before it");
@@ -68,7 +69,7 @@ Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_l
 }
 
 Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first_level,
-                                             Bytes& masks) {
+                                             const Executor& executor, Bytes& masks) {
   ByteView payload = chunk.payload;
   if (chunk.header.raw_size == 0 || chunk.header.raw_size > max_raw_size(payload.size())) {
     return fail("chunk holds " + std::to_string(chunk.header.raw_size) + " masks in " +
@@ -81,7 +82,7 @@ Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first
   }
   if (!context_) return fail("chunk has another entropy coding than the layers before it");
   return context_->decode_layer(payload, first_level, chunk.header.last_level,
-                                chunk.header.raw_size, points_, masks);
+                                chunk.header.raw_size, points_, masks, executor);
 }
 
 Result<std::shared_ptr<const ContextTables>> GeometryDecoder::take_tables(ByteView& payload) const {

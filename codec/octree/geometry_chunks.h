@@ -22,12 +22,14 @@ namespace pointreel {
 
 class GeometryEncoder {
  public:
-  /// `tables` as in OctreeOptions.
+  /// `tables` as in OctreeOptions; `slabs` at least 1.
   static Result<GeometryEncoder> create(Entropy entropy,
-                                        const std::shared_ptr<const ContextTables>& tables);
+                                        const std::shared_ptr<const ContextTables>& tables,
+                                        int slabs);
 
   /// Appends the chunk of the levels from `first_level` to before header.last_level.
-  void encode_layer(const Svo& svo, int first_level, ChunkHeader header, FrameTag tag, Bytes& out);
+  void encode_layer(const Svo& svo, int first_level, ChunkHeader header, FrameTag tag,
+                    const Executor& executor, Bytes& out);
 
  private:
   std::optional<ContextEncoder> context_;  ///< with entropy context
@@ -41,13 +43,15 @@ class GeometryDecoder {
       : points_(points), level_nodes_(points > 0), given_tables_(tables) {}
 
   /// Appends one layer's masks, level by level in Morton order.
-  Result<void> decode_layer(const ParsedChunk& chunk, int first_level, Bytes& masks);
+  Result<void> decode_layer(const ParsedChunk& chunk, int first_level, const Executor& executor,
+                            Bytes& masks);
 
   /// Nodes at the level where the last layer ends.
   std::uint64_t level_nodes() const { return level_nodes_; }
 
  private:
-  Result<void> decode_context(const ParsedChunk& chunk, int first_level, Bytes& masks);
+  Result<void> decode_context(const ParsedChunk& chunk, int first_level, const Executor& executor,
+                              Bytes& masks);
   /// The tables that the first layer's payload names; takes the name off its front.
   Result<std::shared_ptr<const ContextTables>> take_tables(ByteView& payload) const;
   Result<void> count_nodes(ByteView masks, int levels);

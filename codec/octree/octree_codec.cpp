@@ -14,6 +14,7 @@
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
+#include "codec/octree/slabs.h"
 
 namespace pointreel {
 namespace {
@@ -146,10 +147,10 @@ std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert 
 
 /// Decodes the geometry of the layers that are there; the last level of each.
 Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
-                                         const ParsedFrameHeader& frame,
-                                         const ContextTables* tables, Svo& svo) {
+                                         const ParsedFrameHeader& frame, const DecodeLimits& limits,
+                                         Svo& svo) {
   const FrameHeader& header = frame.header;
-  GeometryDecoder geometry(header.coded_points, tables);
+  GeometryDecoder geometry(header.coded_points, limits.tables);
   std::vector<int> last_levels;
   for (int layer = 0; layer < header.layers; ++layer) {
     const std::size_t number = static_cast<std::size_t>(layer);
@@ -163,7 +164,7 @@ Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
     const int last_level = last_level_of_layer(layer, header.depth);
     if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
     const int first_level = last_levels.empty() ? 0 : last_levels.back();
-    const auto masks = geometry.decode_layer(*chunk, first_level, svo.masks);
+    const auto masks = geometry.decode_layer(*chunk, first_level, limits.executor, svo.masks);
     if (!masks) return tl::unexpected(masks.error());
     last_levels.push_back(last_level);
   }
@@ -188,13 +189,17 @@ int layer_count(int depth) {
 }
 
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
-                                   const OctreeOptions& options, bool normals, bool colors) {
+                                   const OctreeOptions& options, bool normals, bool colors,
+                                   const Executor& executor) {
   if (cloud.size() >= std::size_t{1} << 31) return fail("a frame holds fewer than 2^31 points");
   if (options.color_quality < 1 || options.color_quality > kLosslessColorQuality) {
     return fail("the quality of colours is 1 to 100");
   }
   if (options.normal_quality < 1 || options.normal_quality > kBestNormalQuality) {
     return fail("the quality of normals is 1 to 100");
+  }
+  if (options.slabs < 0 || options.slabs > kMostSlabs) {
+    return fail("a frame has 1 to " + std::to_string(kMostSlabs) + " slabs, or 0 to choose");
   }
   if (!is_codable(cube)) return fail("the edge of the cube is not between 1e-30 and 1e30");
   const auto points = sort_to_depth(cloud, cube, options.depth);
@@ -227,7 +232,8 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   if (exact_colors) node_colors = mean_colors(svo, cloud, points->sorted);
   std::vector<glm::i16vec3> node_normals;
   if (exact_normals) node_normals = mean_normals(svo, cloud, points->sorted);
-  auto geometry = GeometryEncoder::create(options.entropy, options.tables);
+  const int slabs = options.slabs > 0 ? options.slabs : default_slabs(svo.leaf_count());
+  auto geometry = GeometryEncoder::create(options.entropy, options.tables, slabs);
   if (!geometry) return tl::unexpected(geometry.error());
   AttributeEncoder color_encoder(ChunkKind::colors, shape);
   AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
@@ -238,7 +244,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
     const ChunkHeader header{ChunkKind::geometry, options.entropy, static_cast<std::uint8_t>(layer),
                              static_cast<std::uint8_t>(last_level), 0};
     if (layer == 0) write_frame_header(frame, tag, out.geometry);
-    geometry->encode_layer(svo, first_level, header, tag, out.geometry);
+    geometry->encode_layer(svo, first_level, header, tag, executor, out.geometry);
 
     const std::size_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
     const std::size_t count = svo.node_count(last_level);
@@ -288,7 +294,7 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   OctreeFrame frame;
   frame.header = header;
   frame.svo.cube = header.cube;
-  const auto last_levels = decode_geometry(layers, *parsed, limits.tables, frame.svo);
+  const auto last_levels = decode_geometry(layers, *parsed, limits, frame.svo);
   if (!last_levels) return tl::unexpected(last_levels.error());
 
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));

@@ -21,7 +21,8 @@ int last_level_of_layer(int layer, int depth);
 int layer_count(int depth);
 
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
-                                   const OctreeOptions& options, bool normals, bool colors);
+                                   const OctreeOptions& options, bool normals, bool colors,
+                                   const Executor& executor = {});
 
 /// A decoded tree with the attributes of its leaves, in their order; empty where they were not sent
 /// or not fetched. Attributes of a layer that was fetched without them are those of the layer

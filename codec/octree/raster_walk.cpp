@@ -18,6 +18,7 @@ RasterLevel root_level() {
 void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child,
             std::size_t child_count, RasterLevel& children) {
   children.level = level.level + 1;
+  children.slab = {level.slab.axis, 2 * level.slab.begin, 2 * level.slab.end};
   children.rows.clear();
   // Two spare entries: both children of a row are written, whether or not they are there.
   children.x.resize(child_count + 2);
@@ -64,6 +65,17 @@ void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child
   children.parents.resize(child_count);
   children.around.resize(child_count);
   children.masks.assign(child_count, 0);
+}
+
+RowRange rows_in_slab(const RasterLevel& level, std::size_t begin, std::size_t end) {
+  const RasterLevel::Slab& slab = level.slab;
+  if (slab.axis == 2) {
+    const std::uint32_t z = level.rows[begin].z;
+    return {z >= slab.begin && z < slab.end ? begin : end, end};
+  }
+  while (begin < end && level.rows[begin].y < slab.begin) ++begin;
+  while (begin < end && level.rows[end - 1].y >= slab.end) --end;
+  return {begin, end};
 }
 
 // --- Bit planes

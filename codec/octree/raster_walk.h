@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,14 @@ struct RasterLevel {
   struct Row {
     std::uint32_t y, z, begin;
   };
+  /// The part of a level that is walked: begin <= coordinate < end along y (axis 1) or z (axis 2).
+  /// Nodes beyond it are only seen around those in it.
+  struct Slab {
+    int axis = 2;
+    std::uint32_t begin = 0, end = 1;
+  };
   int level = 0;
+  Slab slab;
   std::vector<Row> rows;            ///< and one behind the last, which only begins
   std::vector<std::uint32_t> x;     ///< of each node
   std::vector<std::uint32_t> rank;  ///< number of each node in its level in Morton order
@@ -34,6 +42,9 @@ struct RasterLevel {
 
   std::size_t size() const { return x.size(); }
 };
+
+/// For a walk's `count`.
+inline constexpr std::size_t kAllNodes = ~std::size_t{0};
 
 /// Level 0 of a tree that is not empty.
 RasterLevel root_level();
@@ -235,21 +246,6 @@ class SearchNeighbors {
 // --- Walk
 // -----------------------------------------------------------------------------------------
 
-/// Calls `visit_slice(neighbors, first row, end row)` for one z after the other.
-template <class Neighbors, class VisitSlice>
-void for_each_slice(RasterLevel& level, VisitSlice&& visit_slice) {
-  if (level.size() == 0) return;
-  Neighbors neighbors(level);
-  const std::size_t rows = level.rows.size() - 1;
-  for (std::size_t slice = 0, end; slice < rows; slice = end) {
-    end = slice + 1;
-    while (end < rows && level.rows[end].z == level.rows[slice].z) ++end;
-    neighbors.begin_slice(slice, end);
-    visit_slice(neighbors, slice, end);
-    neighbors.end_slice();
-  }
-}
-
 /// Calls `visit(row, node, x, word)` for each node of these rows; it returns the node's mask.
 template <class Neighbors, class Visit>
 [[gnu::always_inline]] inline void for_each_node(RasterLevel& level, Neighbors& neighbors,
@@ -270,66 +266,113 @@ template <class Neighbors, class Visit>
   }
 }
 
-/// Calls `visit(node, word)` for each node in raster order; it returns the node's mask, which is
-/// stored in `level.masks` and seen by the nodes that follow.
-template <class Neighbors, class Visit>
-void walk_with(RasterLevel& level, Visit&& visit) {
-  for_each_slice<Neighbors>(level, [&](Neighbors& neighbors, std::size_t first, std::size_t end) {
-    for_each_node(level, neighbors, first, end,
-                  [&](auto& row, std::uint32_t i, std::uint32_t x, std::uint64_t word) {
-                    const std::uint32_t mask = visit(i, word);
-                    level.masks[i] = static_cast<std::uint8_t>(mask);
-                    row.set(x, mask);
-                    return mask;
-                  });
-  });
-}
+/// Of the rows of one slice (nodes of one z), those that lie in the level's slab.
+struct RowRange {
+  std::size_t begin, end;
+};
+RowRange rows_in_slab(const RasterLevel& level, std::size_t begin, std::size_t end);
 
-/// The same where `level.masks` is known beforehand: `visit(first node, words)` is called for all
-/// nodes of one z after the other. No word waits for the one before.
-template <class Neighbors, class Visit>
-void walk_known_with(RasterLevel& level, Visit&& visit) {
-  std::vector<std::uint64_t> words;
-  for_each_slice<Neighbors>(level, [&](Neighbors& neighbors, std::size_t first, std::size_t end) {
-    for (std::size_t r = first; r < end; ++r) {
-      auto row = neighbors.row(r);
-      const std::uint32_t row_end = level.rows[r + 1].begin;
-      for (std::uint32_t i = level.rows[r].begin; i < row_end; ++i) {
-        row.set(level.x[i], level.masks[i]);
+/// A walk that can be interrupted between slices. The level outlives it.
+template <class Neighbors>
+class SliceWalk {
+ public:
+  explicit SliceWalk(RasterLevel& level) : level_(level), neighbors_(level) {}
+  SliceWalk(const SliceWalk&) = delete;
+  SliceWalk& operator=(const SliceWalk&) = delete;
+
+  /// Goes on until `count` nodes of the slab or more have been walked in all, or it ends. Calls
+  /// `visit(node, word)` for each in raster order; it returns the node's mask, which is stored in
+  /// `level.masks` and seen by the nodes that follow.
+  template <class Visit>
+  void visit(std::size_t count, Visit&& visit) {
+    visit_slices(count, [&](const RowRange& rows) {
+      for_each_node(level_, neighbors_, rows.begin, rows.end,
+                    [&](auto& row, std::uint32_t i, std::uint32_t x, std::uint64_t word) {
+                      const std::uint32_t mask = visit(i, word);
+                      level_.masks[i] = static_cast<std::uint8_t>(mask);
+                      row.set(x, mask);
+                      return mask;
+                    });
+    });
+  }
+
+  /// The same where `level.masks` of the slab is known beforehand (and zero around it):
+  /// `visit(first node, words)` is called for all nodes of one slice after the other. No word waits
+  /// for the one before.
+  template <class Visit>
+  void visit_known(std::size_t count, Visit&& visit) {
+    visit_slices(count, [&](const RowRange& rows) {
+      for (std::size_t r = rows.begin; r < rows.end; ++r) {
+        auto row = neighbors_.row(r);
+        const std::uint32_t row_end = level_.rows[r + 1].begin;
+        for (std::uint32_t i = level_.rows[r].begin; i < row_end; ++i) {
+          row.set(level_.x[i], level_.masks[i]);
+        }
       }
+      const std::uint32_t begin = level_.rows[rows.begin].begin;
+      words_.resize(level_.rows[rows.end].begin - begin);
+      for_each_node(level_, neighbors_, rows.begin, rows.end,
+                    [&](auto&, std::uint32_t i, std::uint32_t, std::uint64_t word) {
+                      words_[i - begin] = word;
+                      return std::uint32_t{level_.masks[i]};
+                    });
+      visit(begin, std::span<const std::uint64_t>(words_));
+    });
+  }
+
+ private:
+  /// Calls `visit_rows(rows)` for the slab's rows of one slice after the other.
+  template <class VisitRows>
+  void visit_slices(std::size_t count, VisitRows&& visit_rows) {
+    const std::size_t rows = level_.rows.size() - 1;
+    while (next_row_ < rows && walked_ < count) {
+      const std::size_t slice = next_row_++;
+      while (next_row_ < rows && level_.rows[next_row_].z == level_.rows[slice].z) ++next_row_;
+      neighbors_.begin_slice(slice, next_row_);
+      const RowRange in = rows_in_slab(level_, slice, next_row_);
+      if (in.begin < in.end) visit_rows(in);
+      walked_ += level_.rows[in.end].begin - level_.rows[in.begin].begin;
+      neighbors_.end_slice();
     }
-    const std::uint32_t begin = level.rows[first].begin;
-    words.resize(level.rows[end].begin - begin);
-    for_each_node(level, neighbors, first, end,
-                  [&](auto&, std::uint32_t i, std::uint32_t, std::uint64_t word) {
-                    words[i - begin] = word;
-                    return std::uint32_t{level.masks[i]};
-                  });
-    visit(begin, std::span<const std::uint64_t>(words));
-  });
-}
-
-/// Planes are for levels where they take no more memory than some bytes a node.
-inline bool planes_fit(const RasterLevel& level) {
-  return PlaneNeighbors::memory(level.level) <= 65536 + 64 * level.size();
-}
-
-template <class Visit>
-void walk(RasterLevel& level, Visit&& visit) {
-  if (planes_fit(level)) {
-    walk_with<PlaneNeighbors>(level, visit);
-  } else {
-    walk_with<SearchNeighbors>(level, visit);
   }
-}
 
-template <class Visit>
-void walk_known(RasterLevel& level, Visit&& visit) {
-  if (planes_fit(level)) {
-    walk_known_with<PlaneNeighbors>(level, visit);
-  } else {
-    walk_known_with<SearchNeighbors>(level, visit);
+  RasterLevel& level_;
+  Neighbors neighbors_;
+  std::size_t next_row_ = 0, walked_ = 0;
+  std::vector<std::uint64_t> words_;
+};
+
+/// The walk that suits a level: with planes where they take no more memory than some bytes a node.
+class LevelWalk {
+ public:
+  explicit LevelWalk(RasterLevel& level) {
+    if (PlaneNeighbors::memory(level.level) <= 65536 + 64 * level.size()) {
+      by_planes_.emplace(level);
+    } else {
+      by_searching_.emplace(level);
+    }
   }
-}
+
+  template <class Visit>
+  void visit(std::size_t count, Visit&& visit) {
+    if (by_planes_) {
+      by_planes_->visit(count, visit);
+    } else {
+      by_searching_->visit(count, visit);
+    }
+  }
+  template <class Visit>
+  void visit_known(std::size_t count, Visit&& visit) {
+    if (by_planes_) {
+      by_planes_->visit_known(count, visit);
+    } else {
+      by_searching_->visit_known(count, visit);
+    }
+  }
+
+ private:
+  std::optional<SliceWalk<PlaneNeighbors>> by_planes_;
+  std::optional<SliceWalk<SearchNeighbors>> by_searching_;
+};
 
 }  // namespace pointreel

@@ -234,7 +234,7 @@ void for_each_decision_of(
     const std::size_t children = svo.node_count(number + 1);
     const int level_class = pointreel::level_class(level.size(), children);
     const bool sparse = codes_only_child(level_class);
-    walk(level, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
+    LevelWalk(level).visit(kAllNodes, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
       if (sparse) word = neighborhood::sparse_word(word, level.parents[node]);
       for_each_decision(sparse, word, level.masks[node],
                         [&](int slot, std::uint64_t context, unsigned bit) {

@@ -12,7 +12,7 @@ using namespace pointreel;
 
 namespace {
 
-constexpr DecodeLimits kLimits{1u << 16};
+const DecodeLimits kLimits{1u << 16};
 
 void require(bool condition) {
   if (!condition) std::abort();
@@ -56,9 +56,23 @@ EncodeOptions options_of(Input& input) {
     octree.depth = DepthRule::fixed(parameter % (kMaxDepth + 1));
     octree.color_quality = 1 + input.byte() % 100;
     octree.normal_quality = 1 + input.byte() % 100;
+    if (choice >= 224) octree.slabs = 1 + parameter % 4;
     options.codec = octree;
   }
   return options;
+}
+
+/// A bent sheet, enough points for several slabs.
+PointCloud sheet(Input& input) {
+  PointCloud cloud;
+  const int bend = input.byte(), twist = input.byte();
+  for (int i = 0; i < 128; ++i) {
+    for (int j = 0; j < 100; ++j) {
+      const glm::vec3 cell((bend * i + twist * j) / 256 % 128, i, j);
+      cloud.positions.push_back((cell + 0.5f) / 128.0f);
+    }
+  }
+  return cloud;
 }
 
 PointCloud cloud_of(Input& input) {
@@ -85,6 +99,9 @@ void change(EncodedFrame& frame, Input& input) {
     const std::uint8_t value = input.byte();
     if (where >= 224) {
       part.resize(part.size() * value / 128, value);
+    } else if (where >= 192 && !part.empty()) {
+      // Among the first bytes, which tell about the rest.
+      part[at % std::min(part.size(), std::size_t{64})] ^= value;
     } else if (!part.empty()) {
       part[at % part.size()] ^= value;
     }
@@ -97,7 +114,9 @@ void change(EncodedFrame& frame, Input& input) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Input input({data, size});
   const EncodeOptions options = options_of(input);
-  const PointCloud cloud = cloud_of(input);
+  const auto* octree = std::get_if<OctreeOptions>(&options.codec);
+  const bool slabs = octree != nullptr && octree->slabs > 0;
+  const PointCloud cloud = slabs ? sheet(input) : cloud_of(input);
   auto frame = encode_frame(cloud, Cube{}, options);
   require(frame.has_value());
   require(decode_frame(layer_views(frame->layers), kLimits).has_value());

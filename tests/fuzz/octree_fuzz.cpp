@@ -11,7 +11,7 @@ using namespace pointreel;
 
 namespace {
 
-constexpr DecodeLimits kLimits{1u << 20};
+const DecodeLimits kLimits{1u << 20};
 
 /// Takes `size` bytes, or what is left, off the front.
 ByteView take(ByteView& bytes, std::size_t size) {

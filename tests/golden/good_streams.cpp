@@ -50,6 +50,22 @@ PointCloud solid(int bits) {
   return cloud;
 }
 
+/// Two bent sheets, large enough for slabs along y or, lying, along z.
+PointCloud sheets(bool lying) {
+  PointCloud cloud;
+  cloud.origin = kCube.origin;
+  for (int i = 0; i < 128; ++i) {
+    for (int j = 0; j < 90; ++j) {
+      for (const int sheet : {20, 80}) {
+        const int x = sheet + (i * i + i * j) / 1000;
+        const glm::vec3 p = lying ? glm::vec3(x, j, i) : glm::vec3(x, i, j);
+        cloud.positions.push_back((p + 0.25f) / 64.0f);
+      }
+    }
+  }
+  return cloud;
+}
+
 PointCloud with_16_bit_colors(PointCloud cloud) {
   Random random(3, 0);
   for (glm::u16vec3& color : cloud.colors) {
@@ -130,6 +146,12 @@ std::vector<Recipe> octree_recipes() {
   PointCloud same = small;
   same.positions.assign(same.size(), glm::vec3(0.7f));
   with("all_in_one_cell", same, 12, 50, 43);
+  OctreeOptions slabs = octree(Entropy::context, 8);
+  slabs.slabs = 4;
+  add("slabs_along_y", sheets(false), slabs);
+  slabs.slabs = 2;
+  slabs.depth = DepthRule::fixed(10);
+  add("slabs_along_z_of_two_layers", sheets(true), slabs);
   return recipes;
 }
 

@@ -253,6 +253,132 @@ bool in_morton_order(const Cell& a, const Cell& b) {
   return false;
 }
 
+/// How a level is parted.
+struct Slabs {
+  int axis = 2;
+  std::vector<int> begins = {0};
+
+  std::size_t of(const Cell& cell) const {
+    const int at = axis == 1 ? std::get<1>(cell) : std::get<0>(cell);
+    std::size_t slab = 0;
+    while (slab + 1 < begins.size() && at >= begins[slab + 1]) ++slab;
+    return slab;
+  }
+};
+
+/// What one slab knows while a level is decoded.
+struct SlabDecoder {
+  Coder coder;
+  std::vector<Cell> nodes;
+  std::size_t next = 0;
+  Level level;
+  Tables tables;
+};
+
+using Words = std::map<Cell, std::uint64_t>;
+
+void decode_node(SlabDecoder& slab, const Cell& node, int level_class, const Words& words_above,
+                 Words& words) {
+  const auto [z, y, x] = node;
+  std::uint64_t word = words[node] = word_of(slab.level, x, y, z);
+  if (level_class <= 2) {
+    const auto parent = words_above.find({z / 2, y / 2, x / 2});
+    word = sparse_word(word, parent == words_above.end() ? 0 : parent->second, x, y, z);
+  }
+  const int mask = LevelDecoder(slab.tables, slab.coder, level_class).mask(word);
+  slab.level.masks[node] = mask;
+  for (int c = 0; c < 8; ++c) {
+    if (mask >> c & 1) {
+      slab.level.cells.insert({2 * z + (c >> 2), 2 * y + (c >> 1 & 1), 2 * x + (c & 1)});
+    }
+  }
+}
+
+Tables::Leaf merged(const Tables::Leaf& before, const std::vector<Tables::Leaf>& slabs) {
+  const auto m = [](long long n) { return 10 * n + 6; };
+  long long sum = m(before.n) * before.p, weights = m(before.n), n = before.n;
+  long long least = before.p, most = before.p;
+  bool limits = false;
+  for (const Tables::Leaf& leaf : slabs) {
+    sum += m(leaf.n) * leaf.p - m(before.n) * before.p;
+    weights += m(leaf.n) - m(before.n);
+    n += leaf.n - before.n;
+    least = std::min(least, leaf.p);
+    most = std::max(most, leaf.p);
+    limits = limits || leaf.n == 255;
+  }
+  if (!limits) {
+    least = 32;
+    most = 65504;
+  }
+  const long long p = sum / weights;  // where this rounds up, it is below 32 anyway
+  return {std::min(std::max(p, least), most), std::min(n, 255LL)};
+}
+
+void decode_level(std::vector<SlabDecoder>& slabs, int level_class, Tables& tables,
+                  const Words& words_above, Words& words) {
+  const int phases = slabs.size() == 1 ? 1 : 4;
+  for (int phase = 0; phase < phases; ++phase) {
+    for (SlabDecoder& slab : slabs) {
+      slab.tables = tables;
+      const std::size_t until = slab.nodes.size() >> (phases - 1 - phase);
+      const auto same_slice = [&slab] {
+        return slab.next > 0 && slab.next < slab.nodes.size() &&
+               std::get<0>(slab.nodes[slab.next]) == std::get<0>(slab.nodes[slab.next - 1]);
+      };
+      while (slab.next < until || same_slice()) {
+        decode_node(slab, slab.nodes[slab.next++], level_class, words_above, words);
+      }
+    }
+    if (slabs.size() == 1) {
+      tables.leaves = slabs[0].tables.leaves;
+      continue;
+    }
+    std::vector<Tables::Leaf> of_slabs(slabs.size());
+    for (std::size_t i = 0; i < tables.leaves.size(); ++i) {
+      for (std::size_t s = 0; s < slabs.size(); ++s) of_slabs[s] = slabs[s].tables.leaves[i];
+      tables.leaves[i] = merged(tables.leaves[i], of_slabs);
+    }
+  }
+}
+
+/// Reads what says how the layer is parted, and begins the slabs' range coders.
+Result<std::vector<SlabDecoder>> read_slabs(ByteView bytes, int level, std::size_t masks,
+                                            Slabs& slabs) {
+  std::size_t at = 0;
+  const auto number = [&](int size) {
+    std::size_t value = 0;
+    for (int i = 0; i < size; ++i, ++at) {
+      value |= at < bytes.size() ? std::size_t{bytes[at]} << (8 * i) : 0;
+    }
+    return value;
+  };
+  const std::size_t count = number(1);
+  if (count == 0 || count > 16) return fail("no such number of slabs");
+  if (count != slabs.begins.size()) {
+    if (slabs.begins.size() > 1) return fail("other slabs");
+    if (count * 4096 > masks) return fail("too few masks for slabs");
+    slabs.axis = static_cast<int>(number(1));
+    if (slabs.axis != 1 && slabs.axis != 2) return fail("no such axis");
+    while (slabs.begins.size() < count) {
+      const int begin = static_cast<int>(number(2));
+      if (begin <= slabs.begins.back() || begin >= 1 << level) return fail("no such slab");
+      slabs.begins.push_back(begin);
+    }
+  }
+  std::vector<std::size_t> sizes;
+  for (std::size_t i = 1; i < count; ++i) sizes.push_back(number(4));
+  std::vector<SlabDecoder> decoders;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (at > bytes.size()) return fail("no slab");
+    const std::size_t size = i + 1 < count ? sizes[i] : bytes.size() - at;
+    if (size > bytes.size() - at) return fail("no slab");
+    decoders.push_back({Coder(bytes.subspan(at, size)), {}, 0, {}, {}});
+    at += size;
+  }
+  return decoders;
+}
+
 }  // namespace
 
 Tables read_tables(ByteView file) { return read_tables_on(file, {}); }
@@ -265,8 +391,9 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, con
                                     const Tables* own) {
   Tables tables;
   std::set<Cell> nodes = {{0, 0, 0}};
-  std::map<Cell, std::uint64_t> words_above;
+  Words words_above;
   Bytes masks;
+  Slabs slabs;
   for (std::size_t number = 0; number < layers.size(); ++number) {
     ByteView payload = layers[number].payload;
     if (number == 0) {
@@ -278,40 +405,38 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, con
     const auto levels =
         static_cast<std::size_t>(layers[number].last_level - layers[number].first_level);
     if (payload.size() < levels) return fail("no level classes");
-    Coder coder(payload.subspan(levels));
+    auto decoders = read_slabs(payload.subspan(levels), layers[number].first_level,
+                               layers[number].masks, slabs);
+    if (!decoders) return tl::unexpected(decoders.error());
     const std::size_t end = masks.size() + layers[number].masks;
     for (std::size_t l = 0; l < levels; ++l) {
       if (payload[l] > 5) return fail("no such level class");
       if (nodes.size() > end - masks.size()) return fail("more masks than told");
-      LevelDecoder decoder(tables, coder, payload[l]);
-      Level level;
-      level.nodes = nodes;
-      std::map<Cell, std::uint64_t> words;
-      for (const Cell& node : nodes) {
-        const auto [z, y, x] = node;
-        std::uint64_t word = words[node] = word_of(level, x, y, z);
-        if (payload[l] <= 2) {
-          const auto parent = words_above.find({z / 2, y / 2, x / 2});
-          word = sparse_word(word, parent == words_above.end() ? 0 : parent->second, x, y, z);
-        }
-        const int mask = decoder.mask(word);
-        level.masks[node] = mask;
-        for (int c = 0; c < 8; ++c) {
-          if (mask >> c & 1) {
-            level.cells.insert({2 * z + (c >> 2), 2 * y + (c >> 1 & 1), 2 * x + (c & 1)});
-          }
-        }
+      for (SlabDecoder& slab : *decoders) {
+        slab.level = {nodes, {}, {}};
+        slab.nodes.clear();
+        slab.next = 0;
       }
+      for (const Cell& node : nodes) (*decoders)[slabs.of(node)].nodes.push_back(node);
+      Words words;
+      decode_level(*decoders, payload[l], tables, words_above, words);
       std::vector<Cell> ordered(nodes.begin(), nodes.end());
       std::sort(ordered.begin(), ordered.end(), in_morton_order);
       for (const Cell& node : ordered) {
-        masks.push_back(static_cast<std::uint8_t>(level.masks[node]));
+        const SlabDecoder& slab = (*decoders)[slabs.of(node)];
+        masks.push_back(static_cast<std::uint8_t>(slab.level.masks.at(node)));
       }
-      nodes = level.cells;
+      nodes.clear();
+      for (const SlabDecoder& slab : *decoders) {
+        nodes.insert(slab.level.cells.begin(), slab.level.cells.end());
+      }
       words_above = words;
+      for (int& begin : slabs.begins) begin *= 2;
     }
     if (masks.size() != end) return fail("fewer masks than told");
-    if (!coder.complete()) return fail("coded bytes end elsewhere");
+    for (const SlabDecoder& slab : *decoders) {
+      if (!slab.coder.complete()) return fail("coded bytes end elsewhere");
+    }
   }
   return masks;
 }

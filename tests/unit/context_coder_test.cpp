@@ -77,7 +77,7 @@ std::shared_ptr<const ContextTables> tables() { return tables_of_number(1).value
 
 std::vector<Bytes> encode(const Svo& svo, const std::vector<int>& ends,
                           ExtractPath path = ExtractPath::fastest) {
-  ContextEncoder encoder(tables(), path);
+  ContextEncoder encoder(tables(), 1, path);
   std::vector<Bytes> layers;
   int begin = 0;
   for (const int end : ends) {
@@ -131,21 +131,23 @@ TEST(RasterWalk, finds_the_same_neighbours_by_planes_and_by_searching) {
             svo.first_child[begin + i] - svo.level_begin[static_cast<std::size_t>(number) + 1];
       }
       std::vector<std::uint64_t> by_planes, by_searching;
-      walk_with<PlaneNeighbors>(level, [&](std::uint32_t node, std::uint64_t word) {
-        by_planes.push_back(word);
-        return std::uint32_t{masks[node]};
-      });
+      SliceWalk<PlaneNeighbors>(level).visit(kAllNodes,
+                                             [&](std::uint32_t node, std::uint64_t word) {
+                                               by_planes.push_back(word);
+                                               return std::uint32_t{masks[node]};
+                                             });
       std::fill(level.masks.begin(), level.masks.end(), std::uint8_t{0});
-      walk_with<SearchNeighbors>(level, [&](std::uint32_t node, std::uint64_t word) {
-        by_searching.push_back(word);
-        return std::uint32_t{masks[node]};
-      });
+      SliceWalk<SearchNeighbors>(level).visit(kAllNodes,
+                                              [&](std::uint32_t node, std::uint64_t word) {
+                                                by_searching.push_back(word);
+                                                return std::uint32_t{masks[node]};
+                                              });
       ASSERT_EQ(by_planes, by_searching) << "level " << number;
       std::vector<std::uint64_t> known_by_planes, known_by_searching;
-      walk_known_with<PlaneNeighbors>(level, [&](std::uint32_t, auto words) {
+      SliceWalk<PlaneNeighbors>(level).visit_known(kAllNodes, [&](std::uint32_t, auto words) {
         known_by_planes.insert(known_by_planes.end(), words.begin(), words.end());
       });
-      walk_known_with<SearchNeighbors>(level, [&](std::uint32_t, auto words) {
+      SliceWalk<SearchNeighbors>(level).visit_known(kAllNodes, [&](std::uint32_t, auto words) {
         known_by_searching.insert(known_by_searching.end(), words.begin(), words.end());
       });
       ASSERT_EQ(by_planes, known_by_planes) << "level " << number;

@@ -13,7 +13,7 @@
 namespace pointreel {
 namespace {
 
-constexpr DecodeLimits kLimits{1u << 16};
+const DecodeLimits kLimits{1u << 16};
 
 /// A chunk that ends where its memory does.
 class ExactCopy {

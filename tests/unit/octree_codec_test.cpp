@@ -13,7 +13,7 @@
 namespace pointreel {
 namespace {
 
-constexpr DecodeLimits kLimits;
+const DecodeLimits kLimits;
 
 /// A bumpy closed surface with normals and colours, all inside the unit cube.
 PointCloud bumpy_sphere(std::size_t n, unsigned seed = 1) {

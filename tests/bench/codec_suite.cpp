@@ -1,12 +1,10 @@
-#include <cmath>
-
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
 #include "codec/codec.h"
+#include "codec/frame_header.h"
 #include "codec/octree/octree_codec.h"
-#include "common/surface/distance.h"
 #include "tests/bench/clouds.h"
+#include "tests/bench/codec_rates.h"
 #include "tests/bench/grid_suite.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
@@ -14,105 +12,80 @@
 namespace pointreel::bench {
 namespace {
 
-struct Setting {
-  std::string name;
-  EncodeOptions options;
-};
+constexpr int kDepth = 10;
 
-std::vector<Setting> settings(bool attributes) {
-  std::vector<Setting> list;
-  for (const Entropy entropy : {Entropy::none, Entropy::zstd, Entropy::context}) {
-    list.push_back({fmt::format("octree {} 10", name(entropy)),
-                    {OctreeOptions{entropy, DepthRule::fixed(10)}, attributes, attributes}});
-  }
-  for (const int bits : {10, 11}) {
-    DracoOptions draco;
-    draco.position_bits = bits;
-    list.push_back({fmt::format("draco kd {}", bits), {draco, attributes, attributes}});
-  }
-  return list;
+/// What the project wants of the plain codings (issue 4), in milliseconds.
+struct Wanted {
+  Entropy entropy;
+  double encode, decode;
+};
+constexpr Wanted kWanted[] = {{Entropy::none, 2.0, 1.0}, {Entropy::zstd, 3.0, 1.2}};
+
+/// Bytes of the masks, without headers, for each inner node.
+double bits_an_inner_node(const EncodedFrame& frame, const Svo& svo) {
+  std::size_t bytes = 0;
+  for (const EncodedLayer& layer : frame.layers) bytes += layer.geometry.size();
+  bytes -= kFrameHeaderSize + frame.layers.size() * kChunkHeaderSize;
+  return 8.0 * static_cast<double>(bytes) / svo.internal_count();
 }
 
-/// One row of the table: speed and size beside the error that they buy.
-nlohmann::json measure_setting(const std::string& dataset, const PointCloud& cloud,
-                               const Setting& setting, int runs, std::vector<Bar>* bars) {
-  const Cube cube = bounding_cube(bounds(cloud));
-  const auto frame = encode_frame(cloud, cube, setting.options);
-  if (!frame) return {{"setting", setting.name}, {"error", frame.error().message}};
-  const auto layers = layer_views(frame->layers);
-  const auto decoded = decode_frame(layers);
-  if (!decoded) return {{"setting", setting.name}, {"error", decoded.error().message}};
-
-  const Timing encode = measure(runs, [&] { (void)encode_frame(cloud, cube, setting.options); });
-  const Timing decode = measure(runs, [&] { (void)decode_frame(layers); });
-  const auto error = cloud_distance(cloud, decoded->cloud);
-  if (!error) return {{"setting", setting.name}, {"error", error.error().message}};
-  const auto parts = measure_parts(*frame, cloud, cube, setting.options);
-  const double n = static_cast<double>(cloud.size());
-  const double bits = 8.0 * static_cast<double>(frame->size()) / n;
-  const double geometry_bits = parts ? 8.0 * static_cast<double>(parts->geometry) / n : 0.0;
-  const double d1 = std::sqrt(error->d1());
-  fmt::print("{:<22} {:<15} {:>9} {:>8.3f} {:>8.3f} {:>9.2f} {:>9.2f} {:>10.3g} {:>10.3g}\n",
-             dataset, setting.name, frame->coded_points, geometry_bits, bits, encode.median,
-             decode.median, d1 / cube.edge, error->max() / cube.edge);
-  nlohmann::json row = {{"dataset", dataset},
-                        {"setting", setting.name},
-                        {"points", cloud.size()},
-                        {"coded_points", frame->coded_points},
-                        {"bits_per_point", bits},
-                        {"geometry_bits_per_point", geometry_bits},
-                        {"encode_ms", to_json(encode)},
-                        {"decode_ms", to_json(decode)},
-                        {"d1_rms", d1},
-                        {"max_distance", error->max()},
-                        {"cube_edge", cube.edge}};
-  if (setting.options.id() == Codec::octree) {
-    const Timing tree = measure(runs, [&] { (void)decode_octree_tree(layers, {}); });
-    row["decode_to_svo_ms"] = to_json(tree);
-    if (bars != nullptr) {
-      const auto entropy = std::get<OctreeOptions>(setting.options.codec).entropy;
-      if (entropy == Entropy::none) {
-        bars->push_back({"octree none, 88,315 points, depth 10: encode", encode.median, "ms", 3.0});
-        bars->push_back({"octree none, 88,315 points: decode to an SVO", tree.median, "ms", 1.0});
-      }
+/// Speed of the geometry alone: a frame of the paper's size to bytes, and these to a tree.
+nlohmann::json run_plain(const SuiteOptions& options, std::vector<Bar>& bars) {
+  const PointCloud scan = scan_like_cloud(88'315);
+  const Cube cube = bounding_cube(bounds(scan));
+  const int runs = options.quick ? 5 : 25;
+  fmt::print("Positions of 88,315 points like a scanner's at depth {}, one thread: medians of {}\n",
+             kDepth, runs);
+  fmt::print("{:<16} {:>8} {:>12} {:>10} {:>14}\n", "entropy", "bits/pt", "bits/inner", "encode ms",
+             "to a tree, ms");
+  auto rows = nlohmann::json::array();
+  for (const Wanted& wanted : kWanted) {
+    OctreeOptions octree;
+    octree.entropy = wanted.entropy;
+    octree.depth = DepthRule::fixed(kDepth);
+    const EncodeOptions encoding{octree, false, false};
+    const auto frame = encode_frame(scan, cube, encoding);
+    const auto layers = frame ? layer_views(frame->layers) : std::vector<LayerView>{};
+    const auto tree = decode_octree_tree(layers, {});
+    if (!tree) {
+      fmt::print(stderr, "pointreel-bench: {}\n", tree.error().message);
+      continue;
     }
+    const Timing encode = measure(runs, [&] { (void)encode_frame(scan, cube, encoding); });
+    const Timing decode = measure(runs, [&] { (void)decode_octree_tree(layers, {}); });
+    const double inner = bits_an_inner_node(*frame, tree->svo);
+    const double bits = 8.0 * static_cast<double>(frame->size()) / static_cast<double>(scan.size());
+    fmt::print("{:<16} {:>8.3f} {:>12.3f} {:>10.2f} {:>14.2f}\n", name(wanted.entropy), bits, inner,
+               encode.median, decode.median);
+    rows.push_back({{"entropy", name(wanted.entropy)},
+                    {"bits_per_point", bits},
+                    {"bits_per_inner_node", inner},
+                    {"encode_ms", to_json(encode)},
+                    {"decode_to_svo_ms", to_json(decode)}});
+    const std::string what = fmt::format("octree {}, 88,315 points: ", name(wanted.entropy));
+    if (wanted.entropy == Entropy::none)
+      bars.push_back({what + "bits an inner node", inner, "bits", 8.0});
+    bars.push_back({what + "encode", encode.median, "ms", wanted.encode});
+    bars.push_back({what + "decode to an SVO", decode.median, "ms", wanted.decode});
   }
-  return row;
+  return rows;
 }
 
 }  // namespace
 
 nlohmann::json run_codec(const SuiteOptions& options) {
-  const int runs = options.quick ? 5 : 15;
-  fmt::print("Codecs, one thread: medians of {} runs; errors as fractions of the cube's edge\n",
-             runs);
-  fmt::print("{:<22} {:<15} {:>9} {:>8} {:>8} {:>9} {:>9} {:>10} {:>10}\n", "dataset", "setting",
-             "points", "bits/pt", "with all", "encode ms", "decode ms", "D1 rms", "max");
-  auto rows = nlohmann::json::array();
   std::vector<Bar> bars;
-  const PointCloud scan = scan_like_cloud(88'315);
-  for (const Setting& setting : settings(false)) {
-    rows.push_back(measure_setting("scan-like, positions", scan, setting, runs, &bars));
-  }
-  for (const Setting& setting : settings(true)) {
-    rows.push_back(measure_setting("scan-like", scan, setting, runs, nullptr));
-  }
-  for (const std::filesystem::path& file : options.files) {
-    const auto loaded = read_cloud_file(file);
-    if (!loaded) {
-      fmt::print(stderr, "pointreel-bench: {}\n", loaded.error().message);
-      continue;
-    }
-    for (const Setting& setting : settings(true)) {
-      rows.push_back(
-          measure_setting(file.filename().string(), loaded->cloud, setting, runs, nullptr));
-    }
-  }
-  const auto grids = run_grids(options, bars);
+  auto plain = run_plain(options, bars);
+  auto grids = run_grids(options, bars);
   auto attributes = nlohmann::json::array();
   run_attributes(options, attributes, bars);
+  auto rates = run_rates(options);
   print(bars);
-  return {{"rows", rows}, {"grids", grids}, {"attributes", attributes}, {"bars", to_json(bars)}};
+  return {{"plain", std::move(plain)},
+          {"grids", std::move(grids)},
+          {"attributes", std::move(attributes)},
+          {"rates", std::move(rates)},
+          {"bars", to_json(bars)}};
 }
 
 }  // namespace pointreel::bench

@@ -219,6 +219,7 @@ std::string to_markdown(const json& report) {
       "The dashed line is the source's own distance to the surface that was scanned. Where a "
       "curve meets it, finer\ncoding only keeps the scanner's noise.\n\n"
       "## Size against the distance to the source\n\n![Size against D1](size_d1.svg)\n\n"
+      "## Colours of the octree\n\n![Size against luma](size_luma.svg)\n\n"
       "## Speed against error\n\n![Encoding time against D1](encode_d1.svg)\n\n"
       "![Decoding time against D1](decode_d1.svg)\n\n"
       "## Points a pose (paper 2, Table I)\n\n" +

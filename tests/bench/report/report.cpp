@@ -120,6 +120,27 @@ std::vector<Panel> panels(const json& codecs, const std::string& x_label,
   return out;
 }
 
+/// One panel a dataset: the luma of each quality of the octree's colours against their size.
+std::vector<Panel> color_panels(const json& codecs) {
+  std::vector<Panel> out;
+  for (const json& dataset : codecs) {
+    Panel panel{
+        dataset["dataset"], "colours, bits a point", "luma PSNR, dB", true, false, {}, "", 0.0};
+    Series series{"octree", 0, {}};
+    for (const json& row : dataset["rows"]) {
+      const json& luma = row["color_psnr"]["y"];
+      if (row["codec"] != "octree context" || row["coordinate_bits"] != dataset["peak_bits"] ||
+          luma.is_null())
+        continue;
+      series.points.emplace_back(row["bits"]["colors"].get<double>(), luma.get<double>());
+    }
+    std::sort(series.points.begin(), series.points.end());
+    panel.series.push_back(std::move(series));
+    out.push_back(std::move(panel));
+  }
+  return out;
+}
+
 Result<void> draw_plots(const fs::path& folder, const json& codecs) {
   constexpr int kColumns = 2;
   const auto geometry_bits = [](const json& row) { return row["bits"]["geometry"].get<double>(); };
@@ -142,6 +163,7 @@ Result<void> draw_plots(const fs::path& folder, const json& codecs) {
   const std::pair<const char*, std::vector<Panel>> plots[] = {
       {"size_truth.svg", size_truth},
       {"size_d1.svg", size_d1},
+      {"size_luma.svg", color_panels(codecs)},
       {"encode_d1.svg", panels(codecs, "encode, ms", d1_label, median("encode_ms"), d1)},
       {"decode_d1.svg", panels(codecs, "decode, ms", d1_label, median("decode_ms"), d1)}};
   for (const auto& [file, drawn] : plots) {

@@ -45,7 +45,7 @@ std::vector<Setting> report_settings(int max_bits) {
       settings.push_back(octree(entropy, depth, kDefaultColorQuality));
     }
   }
-  for (const int quality : {30, 80, kLosslessColorQuality}) {
+  for (const int quality : {20, 35, 65, 80, kLosslessColorQuality}) {
     settings.push_back(octree(Entropy::context, std::min(kEffortBits, max_bits), quality));
   }
   const int usual = DracoOptions{}.compression_level;

@@ -35,7 +35,8 @@ struct OctreeOptions {
   Entropy entropy = Entropy::context;
   DepthRule depth;
   /// 1 to 100. Below 100 colours are transformed and quantised by 2^((99 - quality) / 14) 8-bit
-  /// steps: 14 more halve the step. 100 keeps them as they are.
+  /// steps: 14 more halve the step (QUALITY.md: dB and bits of each). Colours of 16 bits keep 14.
+  /// 100 keeps them as they are.
   int color_quality = kDefaultColorQuality;
   /// The same of normals, a step being 1/127.5 of their length. At 100 they are rounded to half a
   /// degree.
@@ -107,11 +108,16 @@ struct DecodeLimits {
   /// The context tables that come with the frames, if any do; they outlive the call.
   const ContextTables* tables = nullptr;
   Executor executor = {};  ///< lends threads for frames that have several slabs
+  /// Octree: also gives the attributes of inner nodes that come out of decoding.
+  bool inner_nodes = false;
 };
 
 struct DecodedFrame {
   PointCloud cloud;        ///< octree: centres of the leaves, in the order of the leaves
   std::optional<Svo> svo;  ///< octree only: the tree whose leaves `cloud` holds
+  /// Of all nodes of that tree, if DecodeLimits asks for them: those that the encoder transformed,
+  /// which are nearly mean_attributes. Others are empty.
+  NodeAttributes attributes;
   Cube cube;
   std::uint32_t source_points = 0;  ///< what the delta criterion refers to
 };

@@ -25,7 +25,7 @@ class Stopwatch {
 };
 
 Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
-                            const FetchedFrame& fetched) {
+                            const FetchedFrame& fetched, DrawMode mode) {
   if (fetched.layers.empty()) {
     auto loaded = read_cloud(fetched.file);
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
@@ -39,6 +39,7 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
   DecodeLimits limits;
   limits.tables = fetched.tables.get();
+  limits.inner_nodes = mode == DrawMode::voxel;
   auto frame = decode_frame(views, limits);
   // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
   // do not jump from frame to frame (ERRATA 12).
@@ -68,6 +69,15 @@ Result<int> depth_of(const Svo& svo, std::uint64_t source_points, double delta) 
   return choose_depth(occupied, source_points, DepthRule::by_delta(delta));
 }
 
+/// What the nodes of a decoded tree look like: as they were decoded, or the means of its leaves.
+NodeAttributes node_attributes(DecodedFrame& frame, const PointCloud& leaves) {
+  const bool colors = !leaves.has_colors() || !frame.attributes.colors.empty();
+  const bool normals = !leaves.has_normals() || !frame.attributes.normals.empty();
+  if (!colors || !normals) return mean_attributes(*frame.svo, leaves);
+  if (!leaves.has_normals()) frame.attributes.normals.clear();
+  return std::move(frame.attributes);
+}
+
 /// The tree, and what is derived from it.
 Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOptions& options) {
   const bool with_attributes = options.mode == DrawMode::voxel;
@@ -75,7 +85,7 @@ Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOpti
   if (frame.svo) {
     const auto depth = depth_of(*frame.svo, frame.source_points, options.delta);
     if (!depth) return tl::unexpected(depth.error());
-    if (with_attributes) scene.attributes = mean_attributes(*frame.svo, scene.cloud);
+    if (with_attributes) scene.attributes = node_attributes(frame, scene.cloud);
     if (with_radii) scene.cloud.radii = leaf_radii(*frame.svo);
     scene.svo = *depth < frame.svo->depth ? truncate(*frame.svo, *depth) : std::move(*frame.svo);
     // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
@@ -103,7 +113,7 @@ FetchRequest parts_for(const Manifest& manifest, DrawMode mode) {
 Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                  const FetchedFrame& fetched, const PrepareOptions& options) {
   Stopwatch watch;
-  auto frame = decode(manifest, index, fetched);
+  auto frame = decode(manifest, index, fetched, options.mode);
   if (!frame) return tl::unexpected(frame.error());
 
   SceneFrame scene;

@@ -456,6 +456,10 @@ std::span<const Short4> TransformDecoder::values(int level) const {
           svo_.node_count(level)};
 }
 
+std::span<const Short4> TransformDecoder::values() const {
+  return {decoded_.get(), svo_.level_begin[static_cast<std::size_t>(level_) + 1]};
+}
+
 std::uint32_t coefficient_step(int quality) {
   // 256 * 2^(i / 14), rounded.
   constexpr std::array<std::uint32_t, 14> kFractions = {256, 269, 283, 297, 312, 328, 345,

@@ -82,6 +82,8 @@ class TransformDecoder {
 
   /// Of the nodes of a level that has been decoded. (The fourth lane is of no use to the caller.)
   std::span<const Short4> values(int level) const;
+  /// Of all nodes of the levels that have been decoded.
+  std::span<const Short4> values() const;
 
  private:
   const Svo& svo_;

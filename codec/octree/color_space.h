@@ -37,4 +37,13 @@ inline glm::u16vec3 rgb_from_ycbcr(const Int4& v) {
 
 inline glm::u16vec3 color_from_value(const Short4& value) { return rgb_from_ycbcr(load(value)); }
 
+/// Of a frame whose colours have 16 bits: not rounded to 8, with the 14 that values have.
+inline glm::u16vec3 color_16_from_value(const Short4& value) {
+  const Int4 v = load(value);
+  const Int4 sum = (v[0] << 14) + v[1] * Int4{0, -3069, 30402, 0} + v[2] * Int4{25802, -7670, 0, 0};
+  const Int4 rgb = clamp(((sum >> 8) * 257 + (1 << 11)) >> 12, 0, 65535);
+  return {static_cast<std::uint16_t>(rgb[0]), static_cast<std::uint16_t>(rgb[1]),
+          static_cast<std::uint16_t>(rgb[2])};
+}
+
 }  // namespace pointreel

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
@@ -24,6 +26,14 @@ inline glm::vec3 normal_from_value(const Short4& value) {
   const float squared = glm::dot(v, v);
   constexpr float kLeast = kUnitNormal / 4;
   return squared < kLeast * kLeast ? glm::vec3(0.0f) : v / std::sqrt(squared);
+}
+
+/// The direction of a mean, however little of it is left, times 32767: of an inner node, whose
+/// normals may point anywhere.
+inline glm::i16vec3 mean_normal_from_value(const Short4& value) {
+  const glm::vec3 v(value.lanes[0], value.lanes[1], value.lanes[2]);
+  const float length = std::sqrt(glm::dot(v, v));
+  return length > 0.0f ? glm::i16vec3(glm::round(v * (32767.0f / length))) : glm::i16vec3(0);
 }
 
 }  // namespace pointreel

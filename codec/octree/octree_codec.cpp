@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <memory>
 #include <string>
 
 #define XXH_INLINE_ALL
@@ -107,17 +108,12 @@ void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, Chunk
 }
 
 /// Decodes a transformed attribute of the layers that are there, from the base to the first that
-/// lacks it; `convert` makes the attribute of a value. That of the last level, or none if the base
-/// lacks it.
-template <class Attribute, class Convert>
-Result<std::vector<Attribute>> decode_transformed(const Svo& svo,
-                                                  const std::vector<LayerView>& layers,
-                                                  const std::vector<int>& last_levels,
-                                                  ChunkKind kind, ByteView LayerView::* part,
-                                                  FrameTag tag, Convert convert) {
-  std::vector<Attribute> attributes;
-  if ((layers.front().*part).empty()) return attributes;
-  TransformDecoder decoder(svo);
+/// lacks it; null if the base does.
+Result<std::unique_ptr<TransformDecoder>> decode_transformed(
+    const Svo& svo, const std::vector<LayerView>& layers, const std::vector<int>& last_levels,
+    ChunkKind kind, ByteView LayerView::* part, FrameTag tag) {
+  if ((layers.front().*part).empty()) return nullptr;
+  auto decoder = std::make_unique<TransformDecoder>(svo);
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
     const ByteView bytes = layers[layer].*part;
     if (bytes.empty()) break;
@@ -127,11 +123,16 @@ Result<std::vector<Attribute>> decode_transformed(const Svo& svo,
         chunk->header.last_level != last_levels[layer]) {
       return fail("chunk header has a field out of range");
     }
-    const auto decoded = decoder.decode_layer(chunk->payload, last_levels[layer]);
+    const auto decoded = decoder->decode_layer(chunk->payload, last_levels[layer]);
     if (!decoded) return tl::unexpected(decoded.error());
   }
-  decoder.inherit(last_levels.back());
-  const std::span<const Short4> values = decoder.values(last_levels.back());
+  decoder->inherit(last_levels.back());
+  return decoder;
+}
+
+template <class Attribute, class Convert>
+std::vector<Attribute> attributes_of(std::span<const Short4> values, Convert convert) {
+  std::vector<Attribute> attributes;
   attributes.reserve(values.size());
   for (const Short4& value : values) attributes.push_back(convert(value));
   return attributes;
@@ -143,6 +144,24 @@ std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert 
   values.reserve(attributes.size());
   for (const Attribute& attribute : attributes) values.push_back(convert(attribute));
   return values;
+}
+
+template <class Convert>
+void set_colors(const TransformDecoder& decoder, bool inner_nodes, Convert convert,
+                OctreeFrame& frame) {
+  if (!inner_nodes) {
+    frame.colors = attributes_of<glm::u16vec3>(decoder.values(frame.svo.depth), convert);
+    return;
+  }
+  auto& all = frame.nodes.colors = attributes_of<glm::u16vec3>(decoder.values(), convert);
+  frame.colors.assign(all.begin() + frame.svo.internal_count(), all.end());
+}
+
+void set_normals(const TransformDecoder& decoder, bool inner_nodes, OctreeFrame& frame) {
+  frame.normals = attributes_of<glm::vec3>(decoder.values(frame.svo.depth), normal_from_value);
+  if (inner_nodes) {
+    frame.nodes.normals = attributes_of<glm::i16vec3>(decoder.values(), mean_normal_from_value);
+  }
 }
 
 /// Decodes the geometry of the layers that are there; the last level of each.
@@ -212,7 +231,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   frame.has_colors = colors && cloud.has_colors();
   frame.has_normals = normals && cloud.has_normals();
   frame.colors_transformed = frame.has_colors && options.color_quality < kLosslessColorQuality;
-  frame.colors_16_bit = frame.has_colors && !frame.colors_transformed && !colors_fit_8_bits(cloud);
+  frame.colors_16_bit = frame.has_colors && !colors_fit_8_bits(cloud);
   frame.normals_transformed = frame.has_normals && options.normal_quality < kBestNormalQuality;
   frame.layers = static_cast<std::uint8_t>(layer_count(svo.depth));
   frame.source_points = static_cast<std::uint32_t>(cloud.size());
@@ -282,7 +301,7 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   if (header.codec != Codec::octree) return fail("not an octree frame");
   if (header.layers != layer_count(header.depth) ||
       (header.coded_points == 0 && header.depth != 0) ||
-      (header.colors_transformed && (!header.has_colors || header.colors_16_bit)) ||
+      (header.colors_transformed && !header.has_colors) ||
       (header.normals_transformed && !header.has_normals)) {
     return fail("frame header has a field out of range");
   }
@@ -315,18 +334,24 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
   if (header.colors_transformed) {
-    auto decoded =
-        decode_transformed<glm::u16vec3>(frame.svo, layers, *last_levels, ChunkKind::colors,
-                                         &LayerView::colors, parsed->tag, color_from_value);
-    if (!decoded) return fail_at("colors", decoded.error());
-    frame.colors = std::move(*decoded);
+    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, ChunkKind::colors,
+                                            &LayerView::colors, parsed->tag);
+    if (!decoder) return fail_at("colors", decoder.error());
+    if (*decoder != nullptr && header.colors_16_bit) {
+      set_colors(
+          **decoder, limits.inner_nodes, [](const Short4& v) { return color_16_from_value(v); },
+          frame);
+    } else if (*decoder != nullptr) {
+      set_colors(
+          **decoder, limits.inner_nodes, [](const Short4& v) { return color_from_value(v); },
+          frame);
+    }
   }
   if (header.normals_transformed) {
-    auto decoded =
-        decode_transformed<glm::vec3>(frame.svo, layers, *last_levels, ChunkKind::normals,
-                                      &LayerView::normals, parsed->tag, normal_from_value);
-    if (!decoded) return fail_at("normals", decoded.error());
-    frame.normals = std::move(*decoded);
+    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, ChunkKind::normals,
+                                            &LayerView::normals, parsed->tag);
+    if (!decoder) return fail_at("normals", decoder.error());
+    if (*decoder != nullptr) set_normals(**decoder, limits.inner_nodes, frame);
   }
   return frame;
 }
@@ -347,6 +372,7 @@ Result<DecodedFrame> decode_octree(const std::vector<LayerView>& layers,
   }
   frame.cloud.colors = std::move(tree->colors);
   frame.cloud.normals = std::move(tree->normals);
+  frame.attributes = std::move(tree->nodes);
   frame.svo = std::move(tree->svo);
   return frame;
 }

@@ -32,6 +32,7 @@ struct OctreeFrame {
   Svo svo;  ///< as deep as the layers that were given
   std::vector<glm::u16vec3> colors;
   std::vector<glm::vec3> normals;
+  NodeAttributes nodes;  ///< as DecodedFrame::attributes
 };
 Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
                                        const DecodeLimits& limits);

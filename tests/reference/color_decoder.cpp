@@ -378,11 +378,15 @@ Result<std::vector<glm::ivec3>> decode_values(const std::vector<glm::uvec3>& lea
   return decoder.values();
 }
 
-glm::u16vec3 color_of_value(const glm::ivec3& value) {
+glm::u16vec3 color_of_value(const glm::ivec3& value, int bits) {
   const std::int64_t y = value.x, b = value.y, r = value.z;
-  const auto component = [](std::int64_t v) {
+  const auto component = [bits](std::int64_t c) {
+    if (bits == 16) {
+      const std::int64_t v = ((c >> 8) * 257 + (1 << 11)) >> 12;
+      return static_cast<std::uint16_t>(std::clamp<std::int64_t>(v, 0, 65535));
+    }
     return static_cast<std::uint16_t>(257 *
-                                      std::clamp<std::int64_t>((v + (1 << 19)) >> 20, 0, 255));
+                                      std::clamp<std::int64_t>((c + (1 << 19)) >> 20, 0, 255));
   };
   return {component(16384 * y + 25802 * r), component(16384 * y - 3069 * b - 7670 * r),
           component(16384 * y + 30402 * b)};
@@ -394,7 +398,7 @@ std::vector<glm::u16vec3> decode_colors(const std::vector<glm::uvec3>& leaves,
   std::vector<glm::u16vec3> colors;
   const auto values = decode_values(leaves, layers, layer_ends);
   if (!values) return colors;
-  for (const glm::ivec3& value : *values) colors.push_back(color_of_value(value));
+  for (const glm::ivec3& value : *values) colors.push_back(color_of_value(value, 8));
   return colors;
 }
 

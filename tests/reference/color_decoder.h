@@ -18,10 +18,10 @@ Result<std::vector<glm::ivec3>> decode_values(const std::vector<glm::uvec3>& lea
                                               const std::vector<Bytes>& layers,
                                               const std::vector<int>& layer_ends);
 
-/// The colour, 65535 for 1, that values stand for.
-glm::u16vec3 color_of_value(const glm::ivec3& value);
+/// The colour, 65535 for 1, that values stand for in a frame whose colours have 8 or 16 bits.
+glm::u16vec3 color_of_value(const glm::ivec3& value, int bits);
 
-/// Colours of the same nodes, from good payloads.
+/// Colours of 8 bits of the same nodes, from good payloads.
 std::vector<glm::u16vec3> decode_colors(const std::vector<glm::uvec3>& leaves,
                                         const std::vector<Bytes>& layers,
                                         const std::vector<int>& layer_ends);

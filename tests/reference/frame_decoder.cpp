@@ -66,7 +66,6 @@ Result<Header> read_header(ByteView bytes) {
   if (header.depth > 21 || (header.points == 0 && header.depth > 0)) return fail("depth");
   if (header.points > number(bytes, 8, 4) || header.points > 1u << 26) return fail("points");
   if (header.flags > 31 || (header.colors_transformed() && !header.colors()) ||
-      (header.colors_transformed() && header.colors_16_bit()) ||
       (header.normals_transformed() && !header.normals())) {
     return fail("flags");
   }
@@ -277,15 +276,18 @@ glm::dvec3 normal_of(const glm::ivec3& value) {
 
 Result<void> read_attributes(const Header& header, const Tree& tree,
                              const std::vector<FrameLayer>& layers, Frame& frame) {
+  const int bits = header.colors_16_bit() ? 16 : 8;
   if (header.colors_transformed()) {
     const auto values = read_values(header, tree, layers, 1);
     if (!values) return tl::unexpected(values.error());
-    for (const glm::ivec3& value : *values) frame.colors.push_back(color_of_value(value));
+    for (const glm::ivec3& value : *values) {
+      frame.colors.push_back(color_of_value(value, bits));
+    }
   } else if (header.colors()) {
-    const unsigned bits = header.colors_16_bit() ? 16 : 8;
-    const auto codes = read_codes(header, tree, layers, 1, 3, bits);
+    const auto codes = read_codes(header, tree, layers, 1, 3, static_cast<unsigned>(bits));
     if (!codes) return tl::unexpected(codes.error());
-    for (const Code& code : *codes) frame.colors.push_back(color_of(code, bits));
+    for (const Code& code : *codes)
+      frame.colors.push_back(color_of(code, static_cast<unsigned>(bits)));
   }
   if (header.normals_transformed()) {
     const auto values = read_values(header, tree, layers, 2);

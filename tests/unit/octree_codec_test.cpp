@@ -263,6 +263,48 @@ TEST(OctreeCodecAttributes, keeps_16_bit_colours_and_unknown_normals) {
   EXPECT_LT(degrees_between(frame->cloud.normals[1], cloud.normals[1]), 1.0);
 }
 
+TEST(OctreeCodecAttributes, lossy_16_bit_colours_are_not_rounded_to_8) {
+  PointCloud cloud = bumpy_sphere(3000);
+  for (glm::u16vec3& color : cloud.colors) color = {12345, 54321, 32000};
+  const EncodedFrame encoded = encode(cloud, DepthRule::fixed(8), Entropy::zstd, {}, 60);
+  const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
+  ASSERT_TRUE(frame) << frame.error().message;
+  double sum = 0.0;
+  for (const glm::u16vec3& color : frame->cloud.colors) {
+    sum += std::abs(int{color.b} - int{cloud.colors[0].b});
+  }
+  EXPECT_LT(sum / static_cast<double>(frame->cloud.size()), 32.0);  // rounded to 8 bits: 125
+}
+
+TEST(OctreeCodecAttributes, inner_nodes_come_with_nearly_the_means_of_their_leaves) {
+  const PointCloud cloud = bumpy_sphere(20000);
+  const EncodedFrame encoded = encode(cloud, DepthRule::fixed(10), Entropy::zstd, {}, 90);
+  DecodeLimits limits;
+  const auto without = decode_octree(layer_views(encoded.layers), limits);
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_TRUE(without->attributes.colors.empty() && without->attributes.normals.empty());
+  limits.inner_nodes = true;
+  for (std::size_t layers = 1; layers <= 3; ++layers) {
+    auto prefix = layer_views(encoded.layers);
+    prefix.resize(layers);
+    const auto frame = decode_octree(prefix, limits);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const NodeAttributes& nodes = frame->attributes;
+    const NodeAttributes means = mean_attributes(*frame->svo, frame->cloud);
+    ASSERT_EQ(nodes.colors.size(), means.colors.size());
+    ASSERT_EQ(nodes.normals.size(), means.normals.size());
+    const std::size_t leaves = frame->svo->internal_count();
+    double angle = 0.0;
+    for (std::size_t i = 0; i < nodes.colors.size(); ++i) {
+      const glm::ivec3 d = glm::abs(glm::ivec3(nodes.colors[i]) - glm::ivec3(means.colors[i]));
+      // Each layer's nodes weigh the same, however many leaves are below.
+      ASSERT_LE(std::max({d.x, d.y, d.z}), i < leaves ? 6 * 257 : 0) << i;
+      angle += degrees_between(glm::vec3(nodes.normals[i]), glm::vec3(means.normals[i]));
+    }
+    EXPECT_LT(angle / static_cast<double>(nodes.colors.size()), 0.5);
+  }
+}
+
 TEST(OctreeCodecAttributes, normals_of_the_whole_sphere_err_by_less_than_a_degree) {
   double worst = 0.0;
   std::mt19937 random(5);

@@ -101,10 +101,14 @@ POINTREEL_BMI2 void encode_nodes_bmi2(const ContextTables& tables, int level_cla
 template <class Lookup>
 [[gnu::always_inline]] inline std::uint32_t decode_node(const Lookup& lookup, bool only_child_first,
                                                         std::uint64_t word, RangeDecoder& decoder) {
+  // A branch on the bit, rightly guessed as a rule, lets the leaf go on without waiting for it.
   const auto decode = [&decoder](Leaf& leaf) {
-    const unsigned bit = decoder.decode(leaf.probability);
-    adapt(leaf, bit);
-    return bit;
+    if (decoder.decode(leaf.probability) != 0) {
+      adapt(leaf, 1);
+      return 1u;
+    }
+    adapt(leaf, 0);
+    return 0u;
   };
   Leaf* leaf = &lookup(0, word);
   if (only_child_first) {

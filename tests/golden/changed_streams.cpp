@@ -269,6 +269,39 @@ void add_contexts(Collection& all) {
              [](Forger& f) { f.set(1, geometry, kKind, std::uint8_t{0x20}); });
 }
 
+void add_slabs(Collection& all) {
+  // Of the second layer, of one level: class, number of slabs, axis, where all but the first begin.
+  const std::size_t begin = Forger::payload(1, geometry), count = begin + 1, axis = begin + 2,
+                    cuts = begin + 3;
+  const auto slabs = [&](const char* name, const Change& change) {
+    all.forged(std::string("slabs_") + name, "slabs_along_y", change);
+  };
+  const auto byte = [&](const char* name, std::size_t at, std::uint8_t value) {
+    slabs(name, [=](Forger& f) { f.part(1, geometry)[at] = value; });
+  };
+  byte("number_0", count, 0);
+  byte("number_1", count, 1);
+  byte("number_17", count, 17);
+  byte("axis_0", axis, 0);
+  byte("axis_2", axis, 2);
+  byte("axis_3", axis, 3);
+  slabs("begin_0", [=](Forger& f) { put_at(f.part(1, geometry), cuts, std::uint16_t{0}); });
+  slabs("begin_far", [=](Forger& f) { put_at(f.part(1, geometry), cuts, std::uint16_t{65535}); });
+  slabs("size_huge", [=](Forger& f) {
+    Bytes& part = f.part(1, geometry);
+    put_at(part, cuts + 2 * (part[count] - std::size_t{1}), ~std::uint32_t{0});
+  });
+  slabs("size_other", [=](Forger& f) {
+    Bytes& part = f.part(1, geometry);
+    part[cuts + 2 * (part[count] - std::size_t{1})] ^= 4;
+  });
+  slabs("header_cut", [=](Forger& f) { f.resize(1, geometry, 4); });
+  slabs("damaged",
+        [=](Forger& f) { f.part(1, geometry)[begin + f.payload_size(1, geometry) / 2] ^= 1; });
+  all.forged("slabs_in_base", "context_one_layer",
+             [](Forger& f) { f.header()[Forger::payload(0, geometry) + 7] = 2; });
+}
+
 void add_attributes(Collection& all) {
   const std::size_t begin = Forger::payload(1, colors);
   const auto exact = [&](const char* name, const Change& change) {
@@ -363,6 +396,7 @@ Result<std::vector<Stream>> changed_streams() {
   add_chunks(all);
   add_masks(all);
   add_contexts(all);
+  add_slabs(all);
   add_attributes(all);
   add_draco(all);
   add_odd(all);

@@ -1,11 +1,15 @@
 #include "tests/bench/grid_suite.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "codec/cloud_file.h"
 #include "codec/codec.h"
@@ -78,6 +82,43 @@ Result<Figures> measure_coding(const GriddedCloud& data, const EncodeOptions& op
   return figures;
 }
 
+/// Two slabs on two threads against one slab on one, the runs taking turns.
+void add_thread_bars(const GriddedCloud& data, int runs, std::vector<Bar>& bars) {
+  const Executor threads = [](int count, const std::function<void(int)>& body) {
+    tbb::task_arena(2).execute([&] { tbb::parallel_for(0, count, body); });
+  };
+  std::array<EncodeOptions, 2> options;
+  std::array<DecodeLimits, 2> limits;
+  std::array<EncodedFrame, 2> frames;
+  for (const std::size_t i : {0u, 1u}) {
+    OctreeOptions octree{Entropy::context, DepthRule::fixed(data.bits)};
+    octree.slabs = static_cast<int>(i) + 1;
+    options[i] = {octree, false, false};
+    if (i == 1) options[i].executor = limits[i].executor = threads;
+    auto frame = encode_frame(data.cloud, data.cube(), options[i]);
+    if (!frame) return fmt::print(stderr, "pointreel-bench: {}\n", frame.error().message);
+    frames[i] = std::move(*frame);
+  }
+  std::array<std::vector<double>, 2> encode, decode;
+  for (int run = 0; run < runs; ++run) {
+    for (const std::size_t i : {0u, 1u}) {
+      const double begin = now_ms();
+      (void)encode_frame(data.cloud, data.cube(), options[i]);
+      const double middle = now_ms();
+      (void)decode_octree_tree(layer_views(frames[i].layers), limits[i]);
+      encode[i].push_back(middle - begin);
+      decode[i].push_back(now_ms() - middle);
+    }
+  }
+  const auto bar = [&](const char* what, double two, double one, double limit) {
+    bars.push_back(
+        {fmt::format("two threads against one, {}: {}", data.name, what), two / one, "x", limit});
+  };
+  bar("size", static_cast<double>(frames[1].size()), static_cast<double>(frames[0].size()), 1.015);
+  bar("encode", summarise(encode[1]).median, summarise(encode[0]).median, 0.55);
+  bar("decode", summarise(decode[1]).median, summarise(decode[0]).median, 0.55);
+}
+
 nlohmann::json run_grid(const GriddedCloud& data, int runs, std::vector<Bar>& bars, bool dense) {
   auto rows = nlohmann::json::array();
   DracoOptions draco;
@@ -121,6 +162,7 @@ nlohmann::json run_grid(const GriddedCloud& data, int runs, std::vector<Bar>& ba
     bar("encode against Draco", best.encode.median / peer->encode.median, "x", 0.13);
     bar("decode against Draco", best.decode.median / peer->decode.median, "x", 0.42);
   }
+  if (dense) add_thread_bars(data, runs, bars);
   for (const Wanted& wanted : kWanted) {
     if (wanted.file != data.name || wanted.bits != data.bits) continue;
     bar("bits a voxel", best.bits_a_point, "bits", wanted.bits_a_point);

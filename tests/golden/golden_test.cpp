@@ -77,7 +77,9 @@ TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_o
       reference::read_tables(read(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst"));
   for (const auto& [name, frame] : stored_frames()) {
     if (name.find("draco") != std::string::npos) continue;
-    for (std::size_t layers = 1; layers <= frame.layers.size(); ++layers) {
+    // Of a bad one the whole; of others, each prefix.
+    const std::size_t least = name.starts_with("bad_") ? frame.layers.size() : 1;
+    for (std::size_t layers = least; layers <= frame.layers.size(); ++layers) {
       auto views = layer_views(frame.layers);
       views.resize(layers);
       std::vector<reference::FrameLayer> parts;

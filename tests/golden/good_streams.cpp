@@ -16,9 +16,10 @@ PointCloud ball(int points, float radius = 0.03f) {
   PointCloud cloud;
   cloud.origin = kCube.origin;
   for (int i = 0; i < points; ++i) {
-    const glm::vec3 d = glm::normalize(glm::vec3(static_cast<float>(random.normal()),
-                                                 static_cast<float>(random.normal()),
-                                                 static_cast<float>(random.normal())));
+    // One after another: the order in which arguments are evaluated is the compiler's choice.
+    glm::vec3 d;
+    for (int axis = 0; axis < 3; ++axis) d[axis] = static_cast<float>(random.normal());
+    d = glm::normalize(d);
     const auto bump = static_cast<float>(1.0 + 0.1 * sine(5.0 * d.x));
     cloud.positions.push_back(1.0f + d * (radius * bump));
     cloud.normals.push_back(d);
@@ -69,7 +70,7 @@ PointCloud sheets(bool lying) {
 PointCloud with_16_bit_colors(PointCloud cloud) {
   Random random(3, 0);
   for (glm::u16vec3& color : cloud.colors) {
-    color += glm::u16vec3(random.below(257), random.below(257), random.below(257));
+    for (int i = 0; i < 3; ++i) color[i] = static_cast<std::uint16_t>(color[i] + random.below(257));
   }
   return cloud;
 }

@@ -105,6 +105,7 @@ std::int32_t code_magnitude(Coder& coder, CoefficientContexts& contexts, int com
 template <class Coder>
 void code_triple(Coder& coder, CoefficientContexts& contexts, const TripleContext& context,
                  bool may_be_zero, Triple& q) {
+  if constexpr (!Coder::kEncodes) q = {};  // the coder ignores it, but it must be something
   const int activity = context.activity;
   AdaptiveBit& any = contexts.triple[context.gradient][context.stage][activity][context.place];
   if (may_be_zero && coder.code(any, !is_zero(q)) == 0) {

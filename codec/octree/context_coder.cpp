@@ -263,6 +263,16 @@ void ContextState::descend(ByteView masks, const Executor& executor) {
   });
 }
 
+void ContextState::begin_level(int level_class, std::size_t nodes) {
+  constexpr std::size_t kLargeLevel = 16384;
+  constexpr std::uint16_t kMostCount = 6;
+  if (level_class != kLevelClasses - 1 || nodes < kLargeLevel) return;
+  const LeafRange range = leaves_of_class(*tables, level_class);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    leaves[i].count = std::min(leaves[i].count, kMostCount);
+  }
+}
+
 // --- Encoder
 // --------------------------------------------------------------------------------------
 
@@ -317,6 +327,7 @@ void ContextEncoder::encode_layer(const Svo& svo, int first_level, int last_leve
       RasterLevel& slab = state_.slabs[static_cast<std::size_t>(number)];
       give_masks(slab, masks, true);
     });
+    state_.begin_level(level_class, masks.size());
     code_level(
         state_, level_class, executor,
         [&](std::size_t slab, std::vector<Leaf>& leaves, LevelWalk& walk, std::size_t count) {
@@ -412,6 +423,7 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
     left -= nodes_;
     const int level_class = classes[static_cast<std::size_t>(level - first_level)];
     std::vector<std::size_t> children(state_.slabs.size());
+    state_.begin_level(level_class, nodes_);
     code_level(
         state_, level_class, executor,
         [&](std::size_t slab, std::vector<Leaf>& leaves, LevelWalk& walk, std::size_t count) {

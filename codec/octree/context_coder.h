@@ -33,6 +33,10 @@ struct ContextState {
   /// From the level at hand, whose masks are given in Morton order, to that below it.
   void descend(ByteView masks, const Executor& executor);
 
+  /// Before a level of so many nodes. Large dense levels are very regular, each in its own way:
+  /// what leaves have learnt before is forgotten sooner there.
+  void begin_level(int level_class, std::size_t nodes);
+
   std::shared_ptr<const ContextTables> tables;
   std::vector<Leaf> leaves;
   std::vector<RasterLevel> slabs;  ///< of the level at hand; one is all of it

@@ -317,6 +317,14 @@ Tables::Leaf merged(const Tables::Leaf& before, const std::vector<Tables::Leaf>&
 
 void decode_level(std::vector<SlabDecoder>& slabs, int level_class, Tables& tables,
                   const Words& words_above, Words& words) {
+  std::size_t nodes = 0;
+  for (const SlabDecoder& slab : slabs) nodes += slab.nodes.size();
+  if (level_class == 5 && nodes >= 16384) {
+    const std::size_t first_cell = tables.slots[5 * 16].first;
+    for (std::size_t i = tables.cells[first_cell].first; i < tables.leaves.size(); ++i) {
+      tables.leaves[i].n = std::min(tables.leaves[i].n, decltype(tables.leaves[i].n){6});
+    }
+  }
   const int phases = slabs.size() == 1 ? 1 : 4;
   for (int phase = 0; phase < phases; ++phase) {
     for (SlabDecoder& slab : slabs) {

@@ -63,6 +63,15 @@ Svo shell_tree(int depth, std::int64_t thickness) {
   return tree_of_cells(cells, depth);
 }
 
+/// A sheet with steps whose last coded level is of the densest class, and large.
+Svo sheet_tree() {
+  std::vector<glm::uvec3> cells;
+  for (std::uint32_t y = 0; y < 256; ++y) {
+    for (std::uint32_t x = 0; x < 256; ++x) cells.push_back({x, y, 100 + (x * x + 3 * y) / 9000});
+  }
+  return tree_of_cells(cells, 8);
+}
+
 Svo full_tree(int depth) {
   Svo svo;
   svo.depth = depth;
@@ -188,7 +197,11 @@ TEST(ContextCoder, agrees_with_the_decoder_written_from_the_format_s_description
   std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
   const reference::Tables tables1 = reference::read_tables(tables_file);
-  for (const Svo& svo : small_trees()) {
+  std::vector<Svo> trees = small_trees();
+  trees.push_back(sheet_tree());
+  ASSERT_EQ(level_class(trees.back().node_count(7), trees.back().node_count(8)), 5);
+  ASSERT_GE(trees.back().node_count(7), 16384u);
+  for (const Svo& svo : trees) {
     const int middle = (svo.depth + 1) / 2;
     const std::vector<int> ends =
         middle < svo.depth ? std::vector<int>{middle, svo.depth} : std::vector<int>{svo.depth};

@@ -16,6 +16,7 @@
 #include "codec/frame_header.h"
 #include "codec/max_error.h"
 #include "codec/octree/context_tables.h"
+#include "common/base/tbb_executor.h"
 #include "common/cloud/ply.h"
 #include "server/pack/output_folder.h"
 
@@ -98,6 +99,7 @@ struct Decoder {
   Result<DecodedFrame> operator()(const std::vector<LayerView>& layers) const {
     DecodeLimits limits;
     limits.tables = tables.get();
+    limits.executor = tbb_executor();
     return decode_frame(layers, limits);
   }
 };

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/octree/slabs.h"
 #include "common/base/progress.h"
 #include "server/pack/commands.h"
 #include "server/pack/packer.h"
@@ -27,7 +28,7 @@ struct PackArguments {
   std::string codec = "octree", entropy = "context", cube = "group", up = "y";
   double delta = 0.05, voxel = 0.0, fps = 30.0;
   int depth = 10, threads = 0, quality = kDefaultColorQuality;
-  int normal_quality = kDefaultNormalQuality;
+  int normal_quality = kDefaultNormalQuality, slabs = 0;
   std::string normals = "send", method = "auto";
   std::uint32_t segment = 30;
   DracoOptions draco;
@@ -37,7 +38,7 @@ struct PackArguments {
   std::string json;
   CLI::Option *delta_option = nullptr, *depth_option = nullptr, *voxel_option = nullptr;
   CLI::Option *bitrate_option = nullptr, *frame_time_option = nullptr;
-  CLI::Option* json_option = nullptr;
+  CLI::Option *json_option = nullptr, *slabs_option = nullptr;
   std::vector<CLI::Option*> octree_only, draco_only;
 };
 
@@ -93,6 +94,7 @@ Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
                                                      : DepthRule::by_delta(arguments.delta);
   octree.color_quality = arguments.quality;
   octree.normal_quality = arguments.normal_quality;
+  octree.slabs = arguments.slabs;
   options.codec = octree;
   return options;
 }
@@ -119,6 +121,9 @@ Result<PackOptions> make_options(const PackArguments& arguments) {
     return fail("--train belongs to --entropy context");
   }
   options.train = arguments.train;
+  if (arguments.slabs_option->count() > 0 && arguments.entropy != "context") {
+    return fail("--slabs belongs to --entropy context");
+  }
   if (arguments.bitrate_option->count() > 0) {
     const Result<double> bitrate = parse_bitrate(arguments.bitrate);
     if (!bitrate) return tl::unexpected(bitrate.error());
@@ -299,6 +304,15 @@ void add_octree_options(CLI::App& command, PackArguments& a) {
           .add_flag("--train", a.train,
                     "learn the contexts from the frames: smaller, if they are many or noisy")
           ->group(group));
+  a.slabs_option = command
+                       .add_option("--slabs", a.slabs,
+                                   "parts of a frame that go to different threads of encoder and "
+                                   "player, at about one percent of a frame's bytes each; 0: one "
+                                   "below 2^20 voxels, then one for each 2^19")
+                       ->check(CLI::Range(0, kMostSlabs))
+                       ->capture_default_str()
+                       ->group(group);
+  a.octree_only.push_back(a.slabs_option);
   a.delta_option = command.add_option("--delta", a.delta,
                                       "depth by the share of points that may merge into others");
   a.depth_option =

@@ -20,6 +20,7 @@
 #include "codec/max_error.h"
 #include "codec/octree/context_tables.h"
 #include "codec/training/sequence_tables.h"
+#include "common/base/tbb_executor.h"
 #include "common/cloud/geometry.h"
 #include "common/stream/package.h"
 #include "server/pack/grid.h"
@@ -223,6 +224,8 @@ class Packer {
         files_(std::move(files)),
         folder_(std::move(folder)),
         limits_(options) {
+    // Frames go side by side; what of a frame is parted goes to threads that have none.
+    options_.encode.executor = tbb_executor();
     manifest_.name = options.name.empty() ? default_name(options.output) : options.name;
     manifest_.codec = name(options.encode.id());
     if (const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec)) {

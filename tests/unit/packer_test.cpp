@@ -86,6 +86,24 @@ TEST(Packer, makes_the_same_bytes_with_any_number_of_threads) {
   }
 }
 
+TEST(Packer, makes_the_same_bytes_of_slabs_with_any_number_of_threads) {
+  const TemporaryFolder folder;
+  write_frames(folder.path() / "in", 3, 12'000);
+  PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
+  options.force = true;
+  const auto contents_with = [&](int slabs, int threads) {
+    OctreeOptions octree{Entropy::context, DepthRule::fixed(10)};
+    octree.slabs = slabs;
+    options.encode.codec = octree;
+    options.threads = threads;
+    packed(options);
+    return contents(options.output);
+  };
+  const auto alone = contents_with(2, 1);
+  EXPECT_EQ(contents_with(2, 4), alone);
+  EXPECT_NE(contents_with(1, 4), alone) << "no slabs were made";
+}
+
 TEST(Packer, takes_frames_in_natural_order) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "in");

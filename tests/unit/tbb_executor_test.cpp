@@ -1,0 +1,49 @@
+#include "common/base/tbb_executor.h"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace pointreel {
+namespace {
+
+TEST(TbbExecutor, does_every_job_once_and_waits_for_all) {
+  for (const int threads : {1, 2}) {
+    tbb::task_arena arena(threads);
+    std::vector<int> done(100);
+    arena.execute(
+        [&] { tbb_executor()(100, [&](int job) { ++done[static_cast<std::size_t>(job)]; }); });
+    EXPECT_EQ(done, std::vector<int>(100, 1));
+  }
+}
+
+TEST(TbbExecutor, who_waits_for_jobs_begins_no_other_work) {
+  // Threads sleep, so that there may be more of them than processors.
+  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
+  tbb::task_arena arena(4);
+  std::atomic<int> nested{0};
+  arena.execute([&] {
+    tbb::parallel_for(0, 40, [&](int) {
+      static thread_local bool busy = false;
+      if (busy) ++nested;
+      busy = true;
+      const auto caller = std::this_thread::get_id();
+      tbb_executor()(3, [&](int) {
+        // Whoever helps takes longer than the caller, who then has to wait.
+        const bool helps = std::this_thread::get_id() != caller;
+        std::this_thread::sleep_for(std::chrono::microseconds(helps ? 2000 : 200));
+      });
+      busy = false;
+    });
+  });
+  EXPECT_EQ(nested, 0);
+}
+
+}  // namespace
+}  // namespace pointreel

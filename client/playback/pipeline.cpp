@@ -5,7 +5,19 @@
 #include <memory>
 #include <utility>
 
+#include <tbb/info.h>
+
 namespace pointreel {
+
+namespace {
+
+/// A place for each thread. TBB has workers for all processors but one: what is more is kept free
+/// of them.
+tbb::task_arena arena_for(int threads) {
+  return tbb::task_arena(threads, std::max(1, threads - tbb::info::default_concurrency() + 1));
+}
+
+}  // namespace
 
 Pipeline::Pipeline(Source& source, FrameBuffer& buffer, Parts parts, Prepare prepare,
                    OnError on_error, const Options& options)
@@ -14,7 +26,8 @@ Pipeline::Pipeline(Source& source, FrameBuffer& buffer, Parts parts, Prepare pre
       parts_(std::move(parts)),
       prepare_(std::move(prepare)),
       on_error_(std::move(on_error)),
-      fetched_(std::max(1u, options.prepare_threads)) {
+      fetched_(std::max(1u, options.prepare_threads)),
+      arena_(arena_for(static_cast<int>(std::max(1u, options.prepare_threads)))) {
   for (unsigned i = 0; i < std::max(1u, options.fetch_threads); ++i)
     fetch_threads_.emplace_back([this] { fetch_frames(); });
   for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i)
@@ -59,7 +72,8 @@ void Pipeline::prepare_frames() {
       buffer_.abandon(item->request);
       continue;
     }
-    auto frame = prepare_(item->request.frame, item->frame, item->request.mode);
+    auto frame = arena_.execute(
+        [&] { return prepare_(item->request.frame, item->frame, item->request.mode); });
     if (frame) {
       frame->fetch_ms = item->fetch_ms;
       frame->fetched_bytes = item->frame.size();

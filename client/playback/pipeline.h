@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include <tbb/task_arena.h>
+
 #include "client/playback/buffer.h"
 #include "client/source/source.h"
 #include "common/base/bounded_queue.h"
@@ -16,7 +18,8 @@ namespace pointreel {
 /// to draw, with a bounded queue between them. Runs from its construction to its destruction.
 class Pipeline {
  public:
-  /// Makes a fetched frame ready to draw. Called by several threads at once.
+  /// Makes a fetched frame ready to draw. Called by several threads at once, in a TBB arena with a
+  /// place for each: while fewer frames are prepared, parts of a frame may take those left.
   using Prepare =
       std::function<Result<SceneFrame>(std::uint32_t frame, const FetchedFrame&, DrawMode)>;
   /// What of a frame is fetched for a mode.
@@ -57,6 +60,7 @@ class Pipeline {
   const Prepare prepare_;
   const OnError on_error_;
   BoundedQueue<Fetched> fetched_;
+  tbb::task_arena arena_;
   std::atomic<std::uint64_t> errors_{0};
   std::atomic<bool> ending_{false};
   std::vector<std::thread> fetch_threads_, prepare_threads_;

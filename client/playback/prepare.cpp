@@ -7,6 +7,7 @@
 
 #include "client/playback/tree_radii.h"
 #include "codec/cloud_file.h"
+#include "common/base/tbb_executor.h"
 #include "common/surface/normals.h"
 
 namespace pointreel {
@@ -39,6 +40,7 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
   DecodeLimits limits;
   limits.tables = fetched.tables.get();
+  limits.executor = tbb_executor();
   limits.inner_nodes = mode == DrawMode::voxel;
   auto frame = decode_frame(views, limits);
   // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels

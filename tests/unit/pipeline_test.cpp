@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/base/tbb_executor.h"
+
 namespace pointreel {
 namespace {
 
@@ -90,6 +92,33 @@ TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
   EXPECT_EQ(source.fetches, 60);
   EXPECT_LE(source.most_fetching, 2);
   EXPECT_TRUE(errors.frames.empty());
+}
+
+TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
+  FakeSource source(20);
+  FrameBuffer buffer(once(20, 6));
+  Errors errors;
+  std::atomic<int> parts{0}, working{0}, most_working{0};
+  Pipeline pipeline(source, buffer, all_parts,
+                    [&](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+                      tbb_executor()(6, [&](int) {
+                        const int now = ++working;
+                        for (int most = most_working;
+                             now > most && !most_working.compare_exchange_weak(most, now);) {
+                        }
+                        std::this_thread::sleep_for(std::chrono::microseconds(300));
+                        --working;
+                        ++parts;
+                      });
+                      return prepare(frame, fetched, mode);
+                    },
+                    errors.sink(), {2, 2});
+  for (std::uint32_t frame = 0; frame < 20; ++frame) {
+    buffer.advance(frame);
+    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+  }
+  EXPECT_EQ(parts, 120);
+  EXPECT_LE(most_working, 2);
 }
 
 TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {

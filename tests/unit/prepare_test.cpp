@@ -116,6 +116,20 @@ TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItsLeavesWithSurfels) {
   EXPECT_TRUE(scene->attributes.colors.empty()) << "nobody sees them in this mode";
 }
 
+TEST(PrepareFrame, GivesTheSameOfAFrameInSlabs) {
+  const PointCloud cloud = sphere(20'000, false, true);
+  OctreeOptions options{Entropy::context, DepthRule::fixed(10)};
+  const FetchedFrame whole = fetched(cloud, {options});
+  options.slabs = 3;
+  const FetchedFrame parted = fetched(cloud, {options});
+  ASSERT_NE(parted.layers[1].bytes, whole.layers[1].bytes);
+  const auto expected = prepare_frame(manifest_of(cloud), 0, whole, {DrawMode::point, 0.05});
+  const auto scene = prepare_frame(manifest_of(cloud), 0, parted, {DrawMode::point, 0.05});
+  ASSERT_TRUE(scene && expected);
+  EXPECT_EQ(scene->cloud.positions, expected->cloud.positions);
+  EXPECT_EQ(scene->cloud.colors, expected->cloud.colors);
+}
+
 TEST(PrepareFrame, CutsATreeOffWhereACoarserLevelSatisfiesDelta) {
   const PointCloud cloud = sphere(20'000, false, true);
   const Manifest manifest = manifest_of(cloud);

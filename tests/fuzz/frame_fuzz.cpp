@@ -56,7 +56,11 @@ EncodeOptions options_of(Input& input) {
     octree.depth = DepthRule::fixed(parameter % (kMaxDepth + 1));
     octree.color_quality = 1 + input.byte() % 100;
     octree.normal_quality = 1 + input.byte() % 100;
-    if (choice >= 224) octree.slabs = 1 + parameter % 4;
+    if (choice >= 224) {
+      octree.entropy = Entropy::context;
+      octree.slabs = 1 + parameter % 4;
+      octree.depth = DepthRule::fixed(8 + parameter % 3);  // deeper ones take seconds
+    }
     options.codec = octree;
   }
   return options;

@@ -95,7 +95,7 @@ TEST_F(Report, shows_its_plots_and_chapters) {
     EXPECT_NE(svg.find("</svg>"), std::string::npos) << entry.path();
     EXPECT_NE(text.find("](" + entry.path().filename().string() + ")"), std::string::npos);
   }
-  EXPECT_EQ(plots, 4);
+  EXPECT_EQ(plots, 5);
 }
 
 }  // namespace

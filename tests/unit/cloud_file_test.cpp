@@ -34,7 +34,8 @@ const std::string kPly =
 Bytes drc() {
   PointCloud cloud;
   cloud.positions = {{1, 1, 1}, {2, 2, 2}};
-  return *encode_draco_payload(cloud, Cube{glm::dvec3(0.0), 4.0}, {}, false, false);
+  // A payload's positions are the middles of cells, counted from the cube's corner: here of edge 1.
+  return *encode_draco_payload(cloud, Cube{glm::dvec3(0.0), 2048.0}, {}, false, false);
 }
 
 ByteView view(const std::string& text) {
@@ -55,7 +56,7 @@ TEST_F(CloudFile, FilesAreToldApartByTheirFirstBytesNotTheirNames) {
   const auto draco = read_cloud_file(write("cloud.ply", drc()));
   ASSERT_TRUE(draco) << draco.error().message;
   ASSERT_EQ(draco->cloud.size(), 2u);
-  EXPECT_NEAR(draco->cloud.world(0).x, 1.0, 0.001);
+  EXPECT_EQ(draco->cloud.world(0), glm::dvec3(1.5));
 }
 
 TEST_F(CloudFile, WhatWasMendedIsSaidInWords) {

@@ -1,5 +1,6 @@
 #include "common/octree/radix_sort.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace pointreel {
@@ -15,17 +16,14 @@ std::size_t digit(std::uint64_t key, int place) {
 /// The number of digits is known when this is compiled: so are then all shifts.
 template <int kDigits, class Item, class Key>
 void sort_digits(std::vector<Item>& items, Key key_of) {
+  const auto by_key = [&key_of](const Item& a, const Item& b) { return key_of(a) < key_of(b); };
+  if (std::is_sorted(items.begin(), items.end(), by_key)) return;
   std::vector<std::uint32_t> counts(kDigits * kBuckets);
-  bool sorted = true;
-  std::uint64_t previous = 0;
   for (const Item& item : items) {
     const std::uint64_t key = key_of(item);
-    sorted &= previous <= key;
-    previous = key;
 #pragma GCC unroll 6
     for (int place = 0; place < kDigits; ++place) ++counts[place * kBuckets + digit(key, place)];
   }
-  if (sorted) return;
   std::vector<Item> other(items.size());
 #pragma GCC unroll 6
   for (int place = 0; place < kDigits; ++place) {

@@ -12,12 +12,31 @@ namespace {
 /// Three digits of the radix sort.
 constexpr int kCommonLevels = 11;
 
-std::uint32_t quantise(double distance, double cells_per_unit) {
+/// Calls visit(i, key) for each point, in order. In blocks, all coordinates alike, so that
+/// coordinates become cells in vector instructions.
+template <class Visit>
+void for_each_key(const PointCloud& cloud, const Cube& cube, int levels, Visit&& visit) {
+  constexpr std::size_t kBlock = 64;
   constexpr double kLast = (1 << kMaxDepth) - 1;
-  // Clamped while it is a double: a point far outside would overflow the integer.
-  const double cell = distance * cells_per_unit;
-  const double at_least_0 = cell < 0.0 ? 0.0 : cell;
-  return static_cast<std::uint32_t>(at_least_0 > kLast ? kLast : at_least_0);
+  const glm::dvec3 corner = cloud.origin - cube.origin;
+  const double cells_per_unit = std::ldexp(1.0, kMaxDepth) / cube.edge;
+  const int drop = kMaxDepth - levels;
+  std::array<double, 3 * kBlock> offset;
+  for (std::size_t i = 0; i < offset.size(); ++i) offset[i] = corner[static_cast<int>(i % 3)];
+  std::array<std::int32_t, 3 * kBlock> cells;
+  for (std::size_t begin = 0; begin < cloud.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, cloud.size() - begin);
+    const float* const coordinates = &cloud.positions[begin].x;
+    for (std::size_t i = 0; i < 3 * count; ++i) {
+      // Clamped while it is a double: a point far outside would overflow the integer.
+      const double cell = (static_cast<double>(coordinates[i]) + offset[i]) * cells_per_unit;
+      const double at_least_0 = cell > 0.0 ? cell : 0.0;
+      cells[i] = static_cast<std::int32_t>(at_least_0 < kLast ? at_least_0 : kLast) >> drop;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      visit(begin + i, morton_encode(glm::uvec3(cells[3 * i], cells[3 * i + 1], cells[3 * i + 2])));
+    }
+  }
 }
 
 bool meets(const DepthRule& rule, std::uint32_t cells, std::uint64_t n) {
@@ -44,25 +63,35 @@ void reduce_level(std::vector<std::uint64_t>& keys, std::vector<std::uint8_t>& m
   masks.resize(begin + last + 1);
 }
 
-/// oct(h) for every h up to sorted.levels. A new cell is occupied at level h wherever two
-/// neighbours differ at level h or above, so one histogram of the highest differing bit gives them
-/// all.
-void count_occupied(SortedPoints& sorted) {
-  std::array<std::uint32_t, 64> differing_width{};
-  for (std::size_t i = 1; i < sorted.points.size(); ++i) {
-    ++differing_width[static_cast<std::size_t>(
-        std::bit_width(sorted.points[i - 1].key ^ sorted.points[i].key))];
+/// oct(h) for every h up to `levels`. A new cell is occupied at level h wherever two neighbours
+/// differ at level h or above, so one histogram of the widths of their differences gives them all.
+class OccupiedCounter {
+ public:
+  /// The keys of all points, in order.
+  void add(std::uint64_t key) {
+    ++widths_[static_cast<std::size_t>(std::bit_width(previous_ ^ key))];
+    previous_ = key;
   }
-  std::uint32_t cells = sorted.points.empty() ? 0 : 1;
-  for (int level = 0; level <= sorted.levels; ++level) {
-    // Keys that part at this level differ in one of the three bits that it adds.
-    const int width = 3 * (sorted.levels - level);
-    for (int bit = width + 1; bit <= width + 3 && level > 0; ++bit) {
-      cells += differing_width[static_cast<std::size_t>(bit)];
+
+  std::vector<std::uint32_t> counts(int levels) const {
+    std::vector<std::uint32_t> occupied;
+    std::uint32_t cells = widths_[kFirst];
+    for (int level = 0; level <= levels; ++level) {
+      // Keys that part at this level differ in one of the three bits that it adds.
+      const int width = 3 * (levels - level);
+      for (int bit = width + 1; bit <= width + 3 && level > 0; ++bit) {
+        cells += widths_[static_cast<std::size_t>(bit)];
+      }
+      occupied.push_back(cells);
     }
-    sorted.occupied.push_back(cells);
+    return occupied;
   }
-}
+
+ private:
+  static constexpr std::size_t kFirst = 64;  ///< of the first key, which differs in the highest bit
+  std::array<std::uint32_t, kFirst + 1> widths_{};
+  std::uint64_t previous_ = ~std::uint64_t{0};
+};
 
 }  // namespace
 
@@ -72,35 +101,28 @@ SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels) 
   SortedPoints sorted;
   sorted.cube = cube;
   sorted.levels = levels;
-  const glm::dvec3 offset = cloud.origin - cube.origin;
-  const double cells_per_unit = std::ldexp(1.0, kMaxDepth) / cube.edge;
-  const int drop = kMaxDepth - levels;
-  const auto key_of = [&](const glm::vec3& position) {
-    const glm::dvec3 p = glm::dvec3(position) + offset;
-    return morton_encode({quantise(p.x, cells_per_unit) >> drop,
-                          quantise(p.y, cells_per_unit) >> drop,
-                          quantise(p.z, cells_per_unit) >> drop});
-  };
+  sorted.points.resize(cloud.size());
+  OccupiedCounter occupied;
   if (3 * levels + kPackedIndexBits <= 64) {
     std::vector<std::uint64_t> packed(cloud.size());
-    for (std::size_t i = 0; i < packed.size(); ++i) {
-      packed[i] = key_of(cloud.positions[i]) << kPackedIndexBits | i;
-    }
+    for_each_key(cloud, cube, levels, [&packed](std::size_t i, std::uint64_t key) {
+      packed[i] = key << kPackedIndexBits | i;
+    });
     radix_sort(packed, 3 * levels);
-    sorted.points.reserve(cloud.size());
     constexpr std::uint64_t kIndex = (std::uint64_t{1} << kPackedIndexBits) - 1;
-    for (const std::uint64_t point : packed) {
-      sorted.points.push_back(
-          {point >> kPackedIndexBits, static_cast<std::uint32_t>(point & kIndex)});
+    for (std::size_t i = 0; i < packed.size(); ++i) {
+      const std::uint64_t key = packed[i] >> kPackedIndexBits;
+      occupied.add(key);
+      sorted.points[i] = {key, static_cast<std::uint32_t>(packed[i] & kIndex)};
     }
   } else {
-    sorted.points.resize(cloud.size());
-    for (std::uint32_t i = 0; i < sorted.points.size(); ++i) {
-      sorted.points[i] = {key_of(cloud.positions[i]), i};
-    }
+    for_each_key(cloud, cube, levels, [&sorted](std::size_t i, std::uint64_t key) {
+      sorted.points[i] = {key, static_cast<std::uint32_t>(i)};
+    });
     radix_sort(sorted.points, 3 * levels);
+    for (const KeyIndex& point : sorted.points) occupied.add(point.key);
   }
-  count_occupied(sorted);
+  sorted.occupied = occupied.counts(levels);
   return sorted;
 }
 

@@ -19,8 +19,8 @@
 /// Trust: the decoder takes hostile bytes. A layer's number of masks is the caller's, who bounds it
 /// by the size of the payload; memory is bounded by it, by the caller's number of points, and by
 /// the tables: at most 150 bytes a node of the two finest levels above the leaves (three times that
-/// with slabs of one cell each), and the leaves of the tables, once more for each slab. Any bytes
-/// decode to a tree of those sizes or to an error.
+/// with slabs of one cell each), 8 MiB for each slab, and the leaves of the tables, once more for
+/// each slab. Any bytes decode to a tree of those sizes or to an error.
 namespace pointreel {
 
 /// How the bits of a context are gathered; the result is the same.

@@ -342,11 +342,16 @@ class SliceWalk {
   std::vector<std::uint64_t> words_;
 };
 
-/// The walk that suits a level: with planes where they take no more memory than some bytes a node.
+/// The walk that suits a level: with planes where they take no more memory than some bytes a node,
+/// or where they are not huge and searching would take longer than clearing them.
 class LevelWalk {
  public:
+  static constexpr std::size_t kHugePlanes = std::size_t{8} << 20, kManyNodes = 4096;
+
   explicit LevelWalk(RasterLevel& level) {
-    if (PlaneNeighbors::memory(level.level) <= 65536 + 64 * level.size()) {
+    const std::size_t planes = PlaneNeighbors::memory(level.level);
+    if (planes <= 65536 + 64 * level.size() ||
+        (planes <= kHugePlanes && level.size() >= kManyNodes)) {
       by_planes_.emplace(level);
     } else {
       by_searching_.emplace(level);

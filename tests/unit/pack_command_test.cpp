@@ -74,7 +74,8 @@ TEST_F(PackCommand, says_what_a_bit_rate_made_of_each_segment) {
                                     "--bitrate", std::to_string(1e-3 * rate) + "k"});
   ASSERT_EQ(outcome.code, kExitOk) << outcome.errors;
   std::uint32_t frame = 0;
-  for (const json& segment : json::parse(outcome.out).at("segments")) {
+  const json after = json::parse(outcome.out).at("segments");
+  for (const json& segment : after) {
     EXPECT_EQ(segment.at("first_frame"), frame);
     EXPECT_EQ(segment.at("frames"), 2);
     EXPECT_LE(segment.at("bits_per_second").get<double>(), rate);

@@ -20,6 +20,7 @@
 #include "codec/max_error.h"
 #include "codec/octree/context_tables.h"
 #include "codec/training/sequence_tables.h"
+#include "common/base/spread.h"
 #include "common/base/tbb_executor.h"
 #include "common/cloud/geometry.h"
 #include "common/stream/package.h"
@@ -93,7 +94,7 @@ class Trials {
     trials.frames_ = files.size();
     const std::size_t n = std::min(kFrames, files.size());
     for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t frame = (2 * i + 1) * files.size() / (2 * n);
+      const std::size_t frame = spread_index(i, n, files.size());
       Result<SegmentInput::Cloud> cloud = input.look(frame);
       if (!cloud) return tl::unexpected(cloud.error());
       const Result<Grid> grid =

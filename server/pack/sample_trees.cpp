@@ -8,6 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "common/base/spread.h"
 #include "server/pack/grid.h"
 #include "server/pack/input.h"
 
@@ -18,11 +19,6 @@ namespace {
 constexpr std::size_t kMostSegments = 4, kMostFrames = 24;
 /// Inner nodes of all trees together: about 8 million decisions, some ten seconds of learning.
 constexpr std::size_t kMostNodes = 1'600'000;
-
-/// Number i of k places spread over n.
-std::size_t spread(std::size_t i, std::size_t k, std::size_t n) {
-  return (2 * i + 1) * n / (2 * k);
-}
 
 /// The frames of one segment.
 class SegmentTrees {
@@ -76,7 +72,7 @@ Result<std::vector<Svo>> sample_segment(std::span<const fs::path> files, const P
   std::vector<Result<Svo>> trees(count, Svo{});
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     if (stop.stop_requested()) return;
-    const std::size_t frame = spread(i, count, files.size());
+    const std::size_t frame = spread_index(i, count, files.size());
     trees[i] = frame == 0 ? *first : segment.tree(frame);
   });
   std::vector<Svo> all;
@@ -96,7 +92,7 @@ Result<std::vector<Svo>> sample_trees(std::span<const fs::path> files, const Pac
   const std::size_t used = std::min(segments, kMostSegments);
   std::vector<Svo> all;
   for (std::size_t i = 0; i < used && !stop.stop_requested(); ++i) {
-    const std::size_t first = spread(i, used, segments) * length;
+    const std::size_t first = spread_index(i, used, segments) * length;
     auto trees =
         sample_segment(files.subspan(first, std::min(length, files.size() - first)), options,
                        kMostFrames / used, used == 1 ? 2 : 1, kMostNodes / used, stop);

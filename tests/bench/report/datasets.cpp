@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "common/base/spread.h"
 #include "datasets_synthetic/closest_point.h"
 
 namespace pointreel::bench {
@@ -35,8 +36,9 @@ Dataset dense_dataset() {
 
 std::vector<int> spread(int n, int count) {
   std::vector<int> numbers;
-  for (int i = 0; i < std::min(count, n); ++i) {
-    numbers.push_back(count >= n ? i : (2 * i + 1) * n / (2 * count));
+  const auto places = static_cast<std::size_t>(std::min(count, n));
+  for (std::size_t i = 0; i < places; ++i) {
+    numbers.push_back(static_cast<int>(spread_index(i, places, static_cast<std::size_t>(n))));
   }
   return numbers;
 }

@@ -14,20 +14,10 @@
 
 #include "codec/octree/context_tables.h"
 #include "tests/reference/context_decoder.h"
+#include "tests/unit/tree_of_cells.h"
 
 namespace pointreel {
 namespace {
-
-Svo tree_of_cells(const std::vector<glm::uvec3>& cells, int depth) {
-  SortedPoints sorted;
-  sorted.levels = depth;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    sorted.points.push_back({morton_encode(cells[i]), i});
-  }
-  std::sort(sorted.points.begin(), sorted.points.end(),
-            [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
-  return build_svo(sorted, depth);
-}
 
 /// Cells at random, in clusters, so that there are dense and sparse places.
 Svo clustered_tree(int depth, std::size_t count, unsigned seed) {

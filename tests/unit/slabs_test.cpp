@@ -14,6 +14,7 @@
 #include "codec/octree/context_tables.h"
 #include "codec/octree/octree_codec.h"
 #include "tests/reference/context_decoder.h"
+#include "tests/unit/tree_of_cells.h"
 
 namespace pointreel {
 namespace {
@@ -23,17 +24,6 @@ void on_threads(int count, const std::function<void(int)>& body) {
   std::vector<std::thread> threads;
   for (int i = count; i-- > 0;) threads.emplace_back(body, i);
   for (std::thread& thread : threads) thread.join();
-}
-
-Svo tree_of_cells(const std::vector<glm::uvec3>& cells, int depth) {
-  SortedPoints sorted;
-  sorted.levels = depth;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    sorted.points.push_back({morton_encode(cells[i]), i});
-  }
-  std::sort(sorted.points.begin(), sorted.points.end(),
-            [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
-  return build_svo(sorted, depth);
 }
 
 /// Curved sheets, three cells for each place of a plane, of which `longest` is the longer side.

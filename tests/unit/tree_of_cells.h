@@ -1,0 +1,25 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "common/octree/morton.h"
+#include "common/octree/radix_sort.h"
+#include "common/octree/svo.h"
+
+namespace pointreel {
+
+/// The octree of these cells of level `depth`, in any order.
+inline Svo tree_of_cells(const std::vector<glm::uvec3>& cells, int depth) {
+  SortedPoints sorted;
+  sorted.levels = depth;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    sorted.points.push_back({morton_encode(cells[i]), i});
+  }
+  std::sort(sorted.points.begin(), sorted.points.end(),
+            [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
+  return build_svo(sorted, depth);
+}
+
+}  // namespace pointreel

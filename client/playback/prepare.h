@@ -26,8 +26,8 @@ FetchRequest parts_for(const Manifest& manifest, DrawMode mode);
 /// absent, from the tree (tree_radii.h).
 ///
 /// Fills decode_ms (bytes to cloud), normals_ms (their estimation) and svo_ms (tree, attributes and
-/// radii). Trusts nothing in the bytes. Large frames are decoded by several threads of
-/// the caller's TBB arena, where it has idle ones.
+/// radii). Trusts nothing in the bytes. Large frames are decoded by several threads of the
+/// caller's TBB arena, where it has idle ones.
 Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                  const FetchedFrame& fetched, const PrepareOptions& options);
 

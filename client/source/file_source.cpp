@@ -72,8 +72,7 @@ class FileSource : public Source {
     if (end < 0 || static_cast<std::uint64_t>(end) < offset + size)
       return fail(
           fmt::format("{}: ends at byte {}, but the manifest says that what is wanted ends at {}; "
-                      "the package is "
-                      "damaged",
+                      "the package is damaged",
                       path.string(), static_cast<std::int64_t>(end), offset + size));
     Bytes bytes(size);
     std::size_t got = 0;

@@ -37,8 +37,8 @@ struct PackageFile {
 
 /// The chunks of one layer of all frames of a segment, frame after frame.
 struct LayerFile : PackageFile {
-  std::vector<LayerSizes>
-      frames;  ///< one entry for each frame of the segment; their sum is `bytes`
+  /// One entry for each frame of the segment; their sum is `bytes`.
+  std::vector<LayerSizes> frames;
 };
 
 /// A group of consecutive frames that share one cube (with --cube frame: the bounds' cube; each

@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 namespace pointreel {
 namespace {
@@ -80,6 +82,52 @@ class View {
   float near_ = 0.0f, slack_ = 0.0f, focal_ = 1.0f;
 };
 
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
+typedef float Float4 __attribute__((vector_size(16)));
+
+/// The octants of each mask of children, in order; 0 behind the last.
+constexpr auto kOctants = [] {
+  std::array<std::array<std::uint8_t, 8>, 256> octants{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    std::size_t count = 0;
+    for (unsigned c = 0; c < 8; ++c) {
+      if (mask >> c & 1u) octants[mask][count++] = static_cast<std::uint8_t>(c);
+    }
+  }
+  return octants;
+}();
+
+constexpr Int4 kCorners[8] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
+                              {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0}};
+
+/// Calls write(k, corner) for the k-th child, and for some k behind the last. How many children a
+/// node has cannot be guessed, and guessing wrong costs more than writing what the next node's
+/// children overwrite.
+template <class Write>
+inline void write_children(unsigned mask, unsigned count, const Write& write) {
+  const std::array<std::uint8_t, 8>& octants = kOctants[mask];
+  const auto write_one = [&](int k) { write(k, kCorners[octants[static_cast<std::size_t>(k)]]); };
+  write_one(0);
+  write_one(1);
+  if (count <= 2) return;
+  write_one(2);
+  write_one(3);
+  if (count <= 4) return;
+  for (int k = 4; k < 8; ++k) write_one(k);
+}
+
+/// So many elements behind those that count may be written.
+constexpr std::size_t kOverwritten = 8;
+
+Int4 load(const std::array<std::int32_t, 4>& lanes) { return std::bit_cast<Int4>(lanes); }
+
+/// Writes a node's place and size, of which the first three lanes are the centre.
+void store(CutNode* out, std::uint32_t node, const Float4& place) {
+  static_assert(offsetof(CutNode, half) == offsetof(CutNode, center) + 3 * sizeof(float));
+  out->node = node;
+  std::memcpy(reinterpret_cast<char*>(out) + offsetof(CutNode, center), &place, sizeof(place));
+}
+
 }  // namespace
 
 CutStats VoxelCut::run(const Svo& svo, const Camera& camera, glm::ivec2 size, float pixel_size) {
@@ -88,63 +136,81 @@ CutStats VoxelCut::run(const Svo& svo, const Camera& camera, glm::ivec2 size, fl
   if (svo.node_count() == 0) return stats;
 
   const View view(svo.cube, camera, size, pixel_size);
-  const float edge = static_cast<float>(svo.cube.edge);
-  if (nodes_.size() < svo.leaf_count()) nodes_.resize(svo.leaf_count());
+  if (nodes_.size() < svo.leaf_count() + kOverwritten)
+    nodes_.resize(svo.leaf_count() + kOverwritten);
   CutNode* out = nodes_.data();
-  const auto emit = [&out, edge](const Item& item, float half) {
-    *out++ = {item.node, item.center * edge, half * edge};
-  };
 
-  crossing_.assign(1, {0, glm::vec3(0.5f)});
+  crossing_.assign(1, Item{});
   std::size_t inside_count = 0;
   float half = 0.5f;
   for (int level = 0; level <= svo.depth; ++level, half *= 0.5f) {
     const bool leaves = level == svo.depth, above_leaves = level + 1 == svo.depth;
-    if (!leaves && !above_leaves && next_inside_.size() < svo.node_count(level + 1)) {
-      next_inside_.resize(svo.node_count(level + 1));
-    }
+    if (!leaves && !above_leaves && next_inside_.size() < svo.node_count(level + 1) + kOverwritten)
+      next_inside_.resize(svo.node_count(level + 1) + kOverwritten);
     const bool may_be_small = view.any_small(half);
     next_crossing_.clear();
     Item* inside = next_inside_.data();
-    const float quarter = 0.5f * half;
-    std::array<glm::vec3, 8> octants;
-    for (unsigned c = 0; c < 8; ++c) {
-      octants[c] = quarter * glm::vec3(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
-    }
-    const auto for_each_child = [&](const Item& item, const auto& visit) {
-      std::uint32_t child = svo.first_child[item.node];
-      for (unsigned mask = svo.masks[item.node]; mask != 0; mask &= mask - 1) {
-        visit(
-            Item{child++, item.center + octants[static_cast<std::size_t>(std::countr_zero(mask))]});
-      }
+    // Of a node on this level, and of its children: half an edge in the source's units.
+    const float world_half = half * static_cast<float>(svo.cube.edge);
+    const float child_half = 0.5f * world_half;
+
+    const auto center = [half](const Item& item) {
+      return half * glm::vec3(2 * item[0] + 1, 2 * item[1] + 1, 2 * item[2] + 1);
+    };
+    const auto emit = [&](const Item& item) {
+      const Int4 odd = (2 * load(item) & Int4{-1, -1, -1, 0}) + 1;
+      store(out++, static_cast<std::uint32_t>(item[3]),
+            __builtin_convertvector(odd, Float4) * world_half);
     };
     const auto descend_inside = [&](const Item& item) {
+      const auto node = static_cast<std::uint32_t>(item[3]);
+      const unsigned mask = svo.masks[node];
+      const auto count = static_cast<unsigned>(std::popcount(mask));
+      const std::uint32_t first = svo.first_child[node];
       if (above_leaves) {
         // Most nodes are leaves inside the frustum: those are emitted straight from their parents.
-        const CutNode* before = out;
-        for_each_child(item, [&](const Item& child) { emit(child, quarter); });
-        stats.visited += static_cast<std::uint32_t>(out - before);
+        const Int4 odd = (4 * load(item) & Int4{-1, -1, -1, 0}) + 1;
+        write_children(mask, count, [&](int k, const Int4& corner) {
+          store(out + k, first + static_cast<std::uint32_t>(k),
+                __builtin_convertvector(odd + 2 * corner, Float4) * child_half);
+        });
+        out += count;
+        stats.visited += count;
       } else {
-        for_each_child(item, [&](const Item& child) { *inside++ = child; });
+        const Int4 doubled = (2 * load(item) & Int4{-1, -1, -1, 0}) +
+                             Int4{0, 0, 0, static_cast<std::int32_t>(first)};
+        write_children(mask, count, [&](int k, const Int4& corner) {
+          inside[k] = std::bit_cast<Item>(doubled + corner + Int4{0, 0, 0, k});
+        });
+        inside += count;
+      }
+    };
+    const auto descend_crossing = [&](const Item& item) {
+      const auto node = static_cast<std::size_t>(item[3]);
+      auto child = static_cast<std::int32_t>(svo.first_child[node]);
+      for (unsigned mask = svo.masks[node]; mask != 0; mask &= mask - 1) {
+        const int c = std::countr_zero(mask);
+        next_crossing_.push_back(
+            {2 * item[0] + (c & 1), 2 * item[1] + (c >> 1 & 1), 2 * item[2] + (c >> 2), child++});
       }
     };
 
     stats.visited += static_cast<std::uint32_t>(crossing_.size() + inside_count);
     for (const Item& item : crossing_) {
-      const Side side = view.classify(item.center, View::kSqrt3 * half);
+      const Side side = view.classify(center(item), View::kSqrt3 * half);
       if (side == Side::outside) continue;
-      if (leaves || (may_be_small && view.small(item.center, half))) {
-        emit(item, half);
+      if (leaves || (may_be_small && view.small(center(item), half))) {
+        emit(item);
       } else if (side == Side::inside) {
         descend_inside(item);
       } else {
-        for_each_child(item, [&](const Item& child) { next_crossing_.push_back(child); });
+        descend_crossing(item);
       }
     }
     for (std::size_t i = 0; i < inside_count; ++i) {
       const Item& item = inside_[i];
-      if (may_be_small && view.small(item.center, half)) {
-        emit(item, half);
+      if (may_be_small && view.small(center(item), half)) {
+        emit(item);
       } else {
         descend_inside(item);
       }

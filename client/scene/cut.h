@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -48,13 +49,12 @@ class VoxelCut {
   std::span<const CutNode> nodes() const { return {nodes_.data(), emitted_}; }
 
  private:
-  struct Item {
-    std::uint32_t node;
-    glm::vec3 center;  ///< in edges of the cube: exact, for a level-21 centre has 22 bits
-  };
+  /// The cell's coordinates on its level, and the node.
+  using Item = std::array<std::int32_t, 4>;
 
   /// Written without growing: no cut has more nodes than the tree has leaves, no list of a level
-  /// more than the level. So these only ever become larger, and `emitted_` counts.
+  /// more than the level, plus what is written ahead. So these only ever become larger, and
+  /// `emitted_` counts.
   std::vector<CutNode> nodes_;
   std::size_t emitted_ = 0;
   std::vector<Item> inside_, next_inside_;

@@ -123,6 +123,31 @@ TEST(Cut, GivesEveryEmittedNodeItsPlaceAndSize) {
   }
 }
 
+TEST(Cut, PlacesEveryNodeOfTreesWhoseNodesHaveOneToEightChildren) {
+  std::mt19937 random(5);
+  for (const double share : {0.02, 0.3, 0.6, 1.0}) {
+    PointCloud cloud;
+    for (int i = 0; i < 32 * 32 * 32; ++i) {
+      if (std::uniform_real_distribution<>(0.0, 1.0)(random) > share && i > 0) continue;
+      cloud.positions.push_back(glm::vec3(i % 32, i / 32 % 32, i / 1024) + 0.5f);
+    }
+    const Svo svo = build_svo(sort_points(cloud, Cube{glm::dvec3(0.0), 32.0}), 5);
+    const std::vector<glm::uvec3> cells = leaf_cells(svo);
+    Camera camera;
+    camera.frame_bounds({glm::dvec3(0.0), glm::dvec3(32.0)}, 4.0 / 3.0);
+    VoxelCut cut;
+    for (const double distance : {1.0, 0.3}) {  // all is inside the frustum, and not all
+      camera.zoom(distance);
+      cut.run(svo, camera, kSize, 0.0f);
+      ASSERT_FALSE(cut.nodes().empty());
+      for (const CutNode& n : cut.nodes()) {
+        ASSERT_EQ(n.half, 0.5f);
+        ASSERT_EQ(n.center, glm::vec3(cells[n.node - svo.internal_count()]) + 0.5f);
+      }
+    }
+  }
+}
+
 TEST(Cut, CullsWhatIsBehindTheEyeAndBesideThePicture) {
   const PointCloud cloud = shell(3000);
   const Svo svo = tree(cloud, 6);

@@ -79,6 +79,14 @@ CLI::Validator within(double min, double max) {
       fmt::format("{:g} to {:g}", min, max));
 }
 
+/// An enum's values by their names; there are `count`, numbered from 0 on.
+template <class Enum>
+std::map<std::string, Enum> named(int count) {
+  std::map<std::string, Enum> all;
+  for (int i = 0; i < count; ++i) all.emplace(name(static_cast<Enum>(i)), static_cast<Enum>(i));
+  return all;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Pointreel plays point clouds that move.", "pointreel");
   app.set_version_flag("--version", "pointreel " POINTREEL_VERSION);
@@ -100,6 +108,23 @@ int run(int argc, char** argv) {
                   "What is drawn: surfel (discs oriented by normals), voxel (cubes of the octree, "
                   "as fine as a pixel), point")
       ->check(CLI::IsMember(modes))
+      ->capture_default_str();
+  const std::map<std::string, Instancing> instancings = named<Instancing>(5);
+  std::string instancing = name(options.draw.instancing);
+  play_command
+      .add_option("--instancing", instancing,
+                  "How surfels and voxels are drawn: geometry (shader), uniform (buffers), texture "
+                  "(buffer), attribute (of each instance), pull (what can be seen is listed first)")
+      ->check(CLI::IsMember(instancings))
+      ->capture_default_str();
+  const std::map<std::string, Splatting> splattings = named<Splatting>(6);
+  std::string splatting = name(options.draw.splatting);
+  play_command
+      .add_option(
+          "--splatting", splatting,
+          "How surfels become a picture: normalized (weighted means), or one of the paper's: "
+          "regular, no-depth, two-pass, enlarged, enlarged-shading")
+      ->check(CLI::IsMember(splattings))
       ->capture_default_str();
   play_command
       .add_option("--delta", options.delta,
@@ -130,13 +155,13 @@ int run(int argc, char** argv) {
                   "for a folder of files)")
       ->check(CLI::IsMember({"y", "z"}));
   play_command
-      .add_option("--visibility-scale", options.draw.visibility_scale,
-                  "By how much surfels are enlarged to decide what is visible")
+      .add_option("--visibility-scale", options.draw.scales.visibility,
+                  "By how much --splatting normalized enlarges surfels to decide what is visible")
       ->check(within(0.01, 100.0))
       ->capture_default_str();
   play_command
-      .add_option("--shading-scale", options.draw.shading_scale,
-                  "By how much surfels are enlarged to blend their colours")
+      .add_option("--shading-scale", options.draw.scales.shading,
+                  "By how much it enlarges them to blend their colours")
       ->check(within(0.01, 100.0))
       ->capture_default_str();
   play_command
@@ -194,6 +219,8 @@ int run(int argc, char** argv) {
     return 2;
   }
   options.draw.mode = modes.at(mode);
+  options.draw.instancing = instancings.at(instancing);
+  options.draw.splatting = splattings.at(splatting);
   if (loop_flag->count() > 0) options.loop = loop;
   if (!up.empty()) options.up = up[0];
   options.offscreen = !size.empty();

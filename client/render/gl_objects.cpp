@@ -1,7 +1,5 @@
 #include "client/render/gl_objects.h"
 
-#include <array>
-
 #include "client/render/shaders.h"
 
 namespace pointreel::gl {
@@ -18,28 +16,31 @@ std::string first_line(const std::string& log) {
   return log.substr(0, end);
 }
 
-Result<Shader> compile(GLenum stage, std::string_view file) {
-  // String 0 is what all stages share, string 1 the file: messages number their lines so.
-  constexpr std::string_view kVersion = "#version 450 core\n#line 1 0\n";
-  constexpr std::string_view kFile = "\n#line 1 1\n";
-  const std::string_view common = shader_source("common.glsl"), own = shader_source(file);
-  if (own.empty()) return fail("there is no shader " + std::string(file));
-  const std::array<std::string_view, 4> parts = {kVersion, common, kFile, own};
-  std::array<const GLchar*, 4> text{};
-  std::array<GLint, 4> length{};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    text[i] = parts[i].data();
-    length[i] = static_cast<GLint>(parts[i].size());
-  }
-  Shader shader(glCreateShader(stage));
-  glShaderSource(shader.name(), static_cast<GLsizei>(parts.size()), text.data(), length.data());
+Result<Shader> compile(const Stage& stage) {
+  std::string text = "#version 450 core\n";
+  auto append = [&text, number = 0](std::string_view file) mutable -> Result<void> {
+    const std::string_view source = shader_source(file);
+    if (source.empty()) return fail("there is no shader " + std::string(file));
+    text += "#line 1 " + std::to_string(number++) + '\n';
+    text += source;
+    text += '\n';
+    return {};
+  };
+  if (const auto common = append("shaders/common.glsl"); !common)
+    return fail(common.error().message);
+  for (const std::string_view file : stage.files)
+    if (const auto appended = append(file); !appended) return fail(appended.error().message);
+  const GLchar* const pointer = text.c_str();
+  Shader shader(glCreateShader(stage.type));
+  glShaderSource(shader.name(), 1, &pointer, nullptr);
   glCompileShader(shader.name());
   GLint ok = GL_FALSE;
   glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &ok);
   if (ok == GL_TRUE) return shader;
   std::string log(4096, '\0');
   glGetShaderInfoLog(shader.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail("shader " + std::string(file) + " does not compile: " + first_line(log));
+  return fail("shader " + std::string(stage.files.back()) +
+              " does not compile: " + first_line(log));
 }
 
 }  // namespace
@@ -64,6 +65,13 @@ GLuint TextureKind::create() {
   return name;
 }
 void TextureKind::destroy(GLuint name) { glDeleteTextures(1, &name); }
+
+GLuint BufferTextureKind::create() {
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+  return name;
+}
+void BufferTextureKind::destroy(GLuint name) { glDeleteTextures(1, &name); }
 
 GLuint FramebufferKind::create() {
   GLuint name = 0;
@@ -93,22 +101,39 @@ Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth)
   return framebuffer;
 }
 
-Result<Program> make_program(std::string_view vertex_file, std::string_view fragment_file) {
-  Result<Shader> vertex = compile(GL_VERTEX_SHADER, vertex_file);
-  if (!vertex) return fail(vertex.error().message);
-  Result<Shader> fragment = compile(GL_FRAGMENT_SHADER, fragment_file);
-  if (!fragment) return fail(fragment.error().message);
+Fence::~Fence() {
+  if (sync_) glDeleteSync(sync_);
+}
+
+Fence Fence::create() {
+  Fence fence;
+  fence.sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  return fence;
+}
+
+void Fence::wait() const {
+  constexpr GLuint64 kNanoseconds = 100'000'000;
+  while (sync_ &&
+         glClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, kNanoseconds) == GL_TIMEOUT_EXPIRED) {
+  }
+}
+
+Result<Program> make_program(std::span<const Stage> stages) {
   Program program(glCreateProgram());
-  glAttachShader(program.name(), vertex->name());
-  glAttachShader(program.name(), fragment->name());
+  std::string files;
+  for (const Stage& stage : stages) {
+    const Result<Shader> shader = compile(stage);
+    if (!shader) return fail(shader.error().message);
+    glAttachShader(program.name(), shader->name());
+    files += (files.empty() ? "" : " and ") + std::string(stage.files.back());
+  }
   glLinkProgram(program.name());
   GLint ok = GL_FALSE;
   glGetProgramiv(program.name(), GL_LINK_STATUS, &ok);
   if (ok == GL_TRUE) return program;
   std::string log(4096, '\0');
   glGetProgramInfoLog(program.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail("shaders " + std::string(vertex_file) + " and " + std::string(fragment_file) +
-              " do not link: " + first_line(log));
+  return fail("shaders " + files + " do not link: " + first_line(log));
 }
 
 }  // namespace pointreel::gl

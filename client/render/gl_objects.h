@@ -1,8 +1,10 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <epoxy/gl.h>
 
@@ -45,6 +47,10 @@ struct TextureKind {
   static GLuint create();  ///< two-dimensional
   static void destroy(GLuint name);
 };
+struct BufferTextureKind {
+  static GLuint create();
+  static void destroy(GLuint name);
+};
 struct FramebufferKind {
   static GLuint create();
   static void destroy(GLuint name);
@@ -56,6 +62,7 @@ struct ProgramKind {
 using Buffer = Object<BufferKind>;
 using VertexArray = Object<VertexArrayKind>;
 using Texture = Object<TextureKind>;
+using BufferTexture = Object<BufferTextureKind>;
 using Framebuffer = Object<FramebufferKind>;
 using Program = Object<ProgramKind>;
 
@@ -65,8 +72,33 @@ Texture make_texture(GLenum format, int width, int height);
 /// A framebuffer of a colour and a depth texture; an error where the driver refuses them.
 Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth);
 
-/// Compiles and links the two embedded shaders of these file names (shaders.h). The error names the
-/// file and holds the compiler's first message.
-Result<Program> make_program(std::string_view vertex_file, std::string_view fragment_file);
+/// Tells when the commands before it are done.
+class Fence {
+ public:
+  Fence() = default;  ///< nothing to wait for
+  Fence(Fence&& other) noexcept : sync_(std::exchange(other.sync_, nullptr)) {}
+  Fence& operator=(Fence&& other) noexcept {
+    std::swap(sync_, other.sync_);
+    return *this;
+  }
+  ~Fence();
+
+  static Fence create();
+  void wait() const;
+
+ private:
+  GLsync sync_ = nullptr;
+};
+
+/// A stage of a program: embedded files (shaders.h) that are compiled one after the other as one
+/// text, behind shaders/common.glsl.
+struct Stage {
+  GLenum type;
+  std::vector<std::string_view> files;
+};
+
+/// Compiles and links. The error names the stage's last file and holds the compiler's first
+/// message, which numbers lines as "FILE:LINE": file 0 is common.glsl, 1 the first of the stage.
+Result<Program> make_program(std::span<const Stage> stages);
 
 }  // namespace pointreel::gl

@@ -33,35 +33,30 @@ glm::u8vec3 fake_color(const glm::i16vec4& normal) {
   return {channel(normal.x), channel(normal.y), channel(normal.z)};
 }
 
-void pack_points(const SceneFrame& frame, Instances& out) {
+void pack_points(const SceneFrame& frame, std::span<Instance> out) {
   const PointCloud& cloud = frame.cloud;
-  out.origin = cloud.origin;
-  out.items.resize(cloud.size());
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    Instance& item = out.items[i];
-    item.center = cloud.positions[i];
-    item.radius = cloud.has_radii() ? cloud.radii[i] : leaf_radius;
-    item.normal = cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
-    item.color = cloud.has_colors() ? pack_color(cloud.colors[i])
-                                    : glm::u8vec4(fake_color(item.normal), 255);
+    const glm::i16vec4 normal =
+        cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
+    out[i] = {
+        cloud.positions[i], cloud.has_radii() ? cloud.radii[i] : leaf_radius, normal,
+        cloud.has_colors() ? pack_color(cloud.colors[i]) : glm::u8vec4(fake_color(normal), 255), 0};
   }
 }
 
-void pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut, Instances& out) {
+void pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut, std::span<Instance> out) {
   const NodeAttributes& attributes = frame.attributes;
-  out.origin = frame.svo.cube.origin;
-  out.items.resize(cut.size());
   for (std::size_t i = 0; i < cut.size(); ++i) {
     const CutNode& node = cut[i];
-    Instance& item = out.items[i];
-    item.center = node.center;
-    item.radius = node.half;
-    item.normal = attributes.normals.empty() ? glm::i16vec4(0)
-                                             : glm::i16vec4(attributes.normals[node.node], 0);
-    item.color = attributes.colors.empty() ? glm::u8vec4(fake_color(item.normal), 255)
-                                           : pack_color(attributes.colors[node.node]);
+    const glm::i16vec4 normal = attributes.normals.empty()
+                                    ? glm::i16vec4(0)
+                                    : glm::i16vec4(attributes.normals[node.node], 0);
+    out[i] = {node.center, node.half, normal,
+              attributes.colors.empty() ? glm::u8vec4(fake_color(normal), 255)
+                                        : pack_color(attributes.colors[node.node]),
+              0};
   }
 }
 

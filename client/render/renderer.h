@@ -1,26 +1,38 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/render/gl_objects.h"
 #include "client/render/image.h"
-#include "client/render/instances.h"
+#include "client/render/instance_buffer.h"
+#include "client/render/instancing/instancing.h"
+#include "client/render/splatting.h"
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
 #include "client/scene/frame.h"
 
 namespace pointreel {
 
+/// What a voxel is drawn as.
+enum class VoxelShape {
+  faces,  ///< the three faces that the eye can see
+  cube,   ///< all six, as the paper draws it
+};
+
 struct DrawOptions {
   DrawMode mode = DrawMode::surfel;
-  /// By what the surfels' radii are multiplied in the visibility and the shading pass. The paper's
-  /// mode, section V-B, is 1 and 2; both enlarged is the default, for the reason in ERRATA 11.
-  float visibility_scale = 2.0f;
-  float shading_scale = 2.0f;
+  Instancing instancing = Instancing::pull;
+  Splatting splatting = Splatting::normalized;
+  /// By what Splatting::normalized multiplies the surfels' radii to decide what is visible, and to
+  /// blend colours. Other modes have the paper's.
+  SplatScales scales{2.0f, 2.0f};
+  VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which voxels are not divided; see VoxelCut
   float point_size = 2.0f;  ///< edge of a point in pixels
   bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
@@ -38,8 +50,8 @@ struct DrawStats {
   double render_ms = 0.0;
 };
 
-/// Draws frames into a framebuffer of its own, by hardware instancing (paper 2, section IV-B, with
-/// per-instance vertex attributes): surfels by two-pass splatting, voxels as cubes, points.
+/// Draws frames into a framebuffer of its own: surfels by splatting, voxels as cubes, both by any
+/// of the methods of instancing (paper 2, section IV); points.
 ///
 /// Needs a current OpenGL 4.5 context, always the same one, from construction to destruction, and
 /// does not know whether that is a window's. Sets all state that it depends on when it draws, and
@@ -60,6 +72,9 @@ class Renderer {
 
   /// The last picture; an error before the first one.
   Result<Image> read_pixels() const;
+  /// How much of each pixel of the last picture is covered: 0 where nothing was drawn, 255 where
+  /// the background does not show. Rows from top to bottom.
+  Result<std::vector<std::uint8_t>> read_alpha() const;
 
  private:
   /// The view of a scene whose zero is the instances' origin; the layout of common.glsl.
@@ -79,17 +94,20 @@ class Renderer {
 
   Renderer() = default;
   Result<void> resize(glm::ivec2 size);
-  void update_instances(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
-                        const DrawOptions& options, DrawStats& stats);
-  void draw_surfels(const DrawOptions& options) const;
-  void draw_voxels() const;
+  Result<void> update_instances(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
+                                const DrawOptions& options, DrawStats& stats);
+  Result<InstancingMethod*> method_for(Instancing instancing);
+  Result<void> draw_instances(const DrawOptions& options);
   void draw_points(const DrawOptions& options) const;
+  Result<std::vector<glm::u8vec4>> read_picture() const;
 
-  gl::Program visibility_, splat_, resolve_, voxel_, point_;
-  gl::Buffer instance_buffer_, view_buffer_;
-  gl::VertexArray per_instance_, per_vertex_;
-  gl::Texture color_, sums_, depth_;
-  gl::Framebuffer picture_, splats_;
+  std::array<std::unique_ptr<InstancingMethod>, 5> methods_;  ///< made when first used
+  std::optional<Splatter> splatter_;
+  gl::Program point_;
+  gl::VertexArray points_;
+  gl::Buffer view_buffer_;
+  gl::Texture color_, depth_;
+  gl::Framebuffer picture_;
   glm::ivec2 size_{0};
 
   std::shared_ptr<const SceneFrame> frame_;  ///< what the instances were made of
@@ -97,7 +115,8 @@ class Renderer {
   std::optional<CutKey> cut_key_;
   std::uint32_t visited_ = 0;
   VoxelCut cut_;
-  Instances instances_;
+  InstanceBuffer instances_;
+  glm::dvec3 origin_{0.0};  ///< of the instances, in world coordinates
 };
 
 }  // namespace pointreel

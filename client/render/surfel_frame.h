@@ -13,8 +13,8 @@ struct SurfelFrame {
 /// (ERRATA 1), and "not parallel" needs a tolerance (ERRATA 3). The surfel's corner (x, y) then is
 /// p + r (x u + y v) (ERRATA 2).
 ///
-/// shaders/surfel.vert.glsl holds the same function, line for line; this one is for tests and for
-/// whoever needs the frame on the CPU. Change both.
+/// instancing/shaders/surfel.glsl holds the same function, line for line; this one is for tests and
+/// for whoever needs the frame on the CPU. Change both.
 inline SurfelFrame surfel_frame(const glm::vec3& n) {
   const bool at_pole = n.x * n.x + n.z * n.z < 1e-12f;
   const glm::vec3 a = at_pole ? glm::vec3(0.0f, 0.0f, -1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);

@@ -1,6 +1,7 @@
 #include "client/render/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -196,7 +198,7 @@ TEST_F(RendererTest, ASurfelThatFacesAwayIsCulledAndOneOfUnknownOrientationIsNot
     PointCloud cloud;
     add(cloud, glm::vec3(0.0f), n, kOrange, 0.2f);
     DrawOptions options = plain(DrawMode::surfel);
-    options.visibility_scale = options.shading_scale = 1.0f;
+    options.scales = {1.0f, 1.0f};
     const Image image = picture(frame_of(cloud), front_camera(), options);
     EXPECT_EQ(count_near(image, eight_bits(kOrange), 1) + count_near(image, kBackground, 0),
               image.pixels.size());
@@ -271,7 +273,7 @@ TEST_F(RendererTest, LightMakesWhatFacesItBrighterThanWhatDoesNot) {
 
 TEST_F(RendererTest, AnIsolatedSurfelIsADiscOfItsRadiusSeenAtItsAngle) {
   DrawOptions options = plain(DrawMode::surfel);
-  options.visibility_scale = options.shading_scale = 1.0f;
+  options.scales = {1.0f, 1.0f};
   Camera camera = front_camera();
   const double f = 0.5 * kSize.y / std::tan(0.5 * camera.fov_y) / camera.distance;
   // Looking down at 0.7 rad; the first normal is the pole of the surfel's frame.
@@ -461,6 +463,85 @@ TEST_F(RendererTest, TheOrderOfTheSurfelsChangesAtMostOneStepOfAColour) {
   EXPECT_LE(largest_difference(a, b), 1);
 }
 
+/// Some facing away, some of unknown orientation, more than a batch of uniform buffers holds.
+PointCloud prickly_sphere(int points, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  PointCloud cloud;
+  for (int i = 0; i < points; ++i) {
+    const glm::vec3 n = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+    const glm::vec3 towards =
+        glm::normalize(n + 0.5f * glm::vec3(normal(random), normal(random), normal(random)));
+    add(cloud, n, i % 17 == 0 ? glm::vec3(0.0f) : towards,
+        glm::u16vec3(random(), random(), random()), 0.04f);
+  }
+  return cloud;
+}
+
+/// Share of the pixels that are not the same but for rounding.
+double share_different(const Image& a, const Image& b) {
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    different += difference(a.pixels[i], b.pixels[i]) > 2 ? 1u : 0u;
+  return static_cast<double>(different) / static_cast<double>(a.pixels.size());
+}
+
+TEST_F(RendererTest, EveryMethodOfInstancingDrawsTheSamePicture) {
+  const auto frame = frame_of(prickly_sphere(5000, 3));
+  auto estimated = frame_of(prickly_sphere(3000, 4));
+  estimated->normals_estimated = true;
+  Camera close = front_camera();
+  close.distance = 0.9;  // inside the sphere: surfels behind the eye and across the near plane
+  for (const Splatting splatting :
+       {Splatting::normalized, Splatting::two_pass, Splatting::no_depth}) {
+    for (const Camera& camera : {front_camera(), close}) {
+      DrawOptions options = plain(DrawMode::surfel);
+      options.lighting = true;
+      options.splatting = splatting;
+      options.instancing = Instancing::attribute;
+      const Image one = picture(frame, camera, options);
+      const Image two = picture(estimated, camera, options);
+      EXPECT_LT(count_near(one, kBackground, 0), one.pixels.size() * 19 / 20);
+      EXPECT_GT(share_different(one, two), 0.1);
+      for (const Instancing other :
+           {Instancing::geometry, Instancing::uniform, Instancing::texture, Instancing::pull}) {
+        options.instancing = other;
+        EXPECT_LT(share_different(one, picture(frame, camera, options)), 0.001) << name(other);
+        EXPECT_LT(share_different(two, picture(estimated, camera, options)), 0.001) << name(other);
+      }
+    }
+  }
+}
+
+TEST_F(RendererTest, EveryMethodOfInstancingDrawsTheSameVoxels) {
+  const auto frame = frame_of(prickly_sphere(5000, 5), 6);
+  for (const VoxelShape shape : {VoxelShape::faces, VoxelShape::cube}) {
+    DrawOptions options = plain(DrawMode::voxel);
+    options.lighting = true;
+    options.voxel_shape = VoxelShape::faces;
+    options.instancing = Instancing::attribute;
+    const Image one = picture(frame, front_camera(), options);
+    options.voxel_shape = shape;
+    for (const Instancing other : {Instancing::geometry, Instancing::uniform, Instancing::texture,
+                                   Instancing::attribute, Instancing::pull}) {
+      options.instancing = other;
+      EXPECT_LT(share_different(one, picture(frame, front_camera(), options)), 0.001)
+          << name(other);
+    }
+  }
+}
+
+TEST_F(RendererTest, CoversWhatItDrawsAndNothingElse) {
+  for (const DrawMode mode : kModes) {
+    const Image image = picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
+    const auto alpha = renderer_->read_alpha();
+    ASSERT_TRUE(alpha);
+    ASSERT_EQ(alpha->size(), image.pixels.size());
+    for (std::size_t i = 0; i < alpha->size(); ++i)
+      ASSERT_EQ((*alpha)[i] > 0, difference(image.pixels[i], kBackground) > 0);
+  }
+}
+
 TEST_F(RendererTest, NothingIsLeftOfALargerFrameAnotherModeOrAnotherSize) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
@@ -509,11 +590,15 @@ TEST_F(RendererTest, RefusesAPictureThatIsTooLargeAndReadsNoneBeforeTheFirst) {
 }
 
 TEST_F(RendererTest, AMissingShaderIsAnErrorThatNamesIt) {
-  const Result<gl::Program> program = gl::make_program("absent.glsl", "flat.frag.glsl");
+  const auto program_of = [](std::string_view vertex) {
+    return gl::make_program(std::array{gl::Stage{GL_VERTEX_SHADER, {vertex}},
+                                       gl::Stage{GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}});
+  };
+  const Result<gl::Program> program = program_of("absent.glsl");
   ASSERT_FALSE(program);
   EXPECT_NE(program.error().message.find("absent.glsl"), std::string::npos);
   // What all stages share comes first, so this is there twice; the compiler's words come through.
-  const Result<gl::Program> wrong = gl::make_program("common.glsl", "flat.frag.glsl");
+  const Result<gl::Program> wrong = program_of("shaders/common.glsl");
   ASSERT_FALSE(wrong);
   EXPECT_NE(wrong.error().message.find("common.glsl does not compile: "), std::string::npos)
       << wrong.error().message;

@@ -6,9 +6,6 @@ layout(std140, binding = 0) uniform View {
   vec4 pixel;    // x: size of a pixel at depth 1; y: 1 where the sign of normals means nothing
 };
 
-// Outside of every clip plane that matters: what is placed here is not drawn.
-const vec4 kCulled = vec4(0.0, 0.0, -2.0, 1.0);
-
 vec3 linear_from_srgb(vec3 c) {
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
 }
@@ -31,4 +28,11 @@ vec3 towards_eye(vec3 p) {
 // The normal as it is used: the side towards the eye where its sign means nothing.
 vec3 oriented(vec3 n, vec3 to_eye) {
   return pixel.y > 0.5 && dot(n, to_eye) < 0.0 ? -n : n;
+}
+
+// The paper's round Gaussian mask, section V-B, as a function instead of a texture: 1 in the middle
+// of a surfel, three standard deviations to its edge, 0 outside.
+float gaussian_mask(vec2 at) {
+  float d2 = dot(at, at);
+  return d2 > 1.0 ? 0.0 : exp(-4.5 * d2);
 }

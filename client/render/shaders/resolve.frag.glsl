@@ -1,4 +1,4 @@
-// Third pass of splatting: the weighted mean. Where hardly anything was summed up there is a hole,
+// The weighted mean. Where hardly anything was summed up there is a hole,
 // and the background stays.
 layout(binding = 0) uniform sampler2D sums;
 

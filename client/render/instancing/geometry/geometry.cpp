@@ -1,0 +1,43 @@
+#include <utility>
+
+#include "client/render/instancing/instance_array.h"
+#include "client/render/instancing/methods.h"
+#include "client/render/instancing/pass_programs.h"
+
+namespace pointreel {
+namespace {
+
+/// Paper 2, section IV-A: the vertex shader only forwards attributes.
+class GeometryInstancing final : public InstancingMethod {
+ public:
+  explicit GeometryInstancing(PassPrograms programs) : programs_(std::move(programs)) {}
+
+  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
+    programs_.use(pass, parameters);
+    bind_instance_array(array_, instances);
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances.size()));
+  }
+
+ private:
+  PassPrograms programs_;
+  gl::VertexArray array_ = make_instance_array(0);
+};
+
+std::vector<gl::Stage> stages(Pass pass, std::vector<std::string_view> primitive) {
+  primitive.push_back(pass == Pass::voxel_faces ? "instancing/geometry/faces.geom.glsl"
+                                                : "instancing/geometry/strip.geom.glsl");
+  return {{GL_VERTEX_SHADER,
+           {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
+            "instancing/geometry/forward.vert.glsl"}},
+          {GL_GEOMETRY_SHADER, std::move(primitive)}};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<InstancingMethod>> make_geometry_instancing() {
+  auto programs = PassPrograms::create(stages);
+  if (!programs) return fail(programs.error().message);
+  return std::make_unique<GeometryInstancing>(std::move(*programs));
+}
+
+}  // namespace pointreel

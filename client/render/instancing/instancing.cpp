@@ -1,0 +1,39 @@
+#include "client/render/instancing/instancing.h"
+
+#include "client/render/instancing/methods.h"
+
+namespace pointreel {
+
+Result<std::unique_ptr<InstancingMethod>> make_instancing(Instancing instancing) {
+  switch (instancing) {
+    case Instancing::geometry:
+      return make_geometry_instancing();
+    case Instancing::uniform:
+      return make_uniform_instancing();
+    case Instancing::texture:
+      return make_texture_instancing();
+    case Instancing::attribute:
+      return make_attribute_instancing();
+    case Instancing::pull:
+      return make_pull_instancing();
+  }
+  return fail("there is no such way to instance");
+}
+
+const char* name(Instancing instancing) {
+  switch (instancing) {
+    case Instancing::geometry:
+      return "geometry";
+    case Instancing::uniform:
+      return "uniform";
+    case Instancing::texture:
+      return "texture";
+    case Instancing::attribute:
+      return "attribute";
+    case Instancing::pull:
+      return "pull";
+  }
+  return "";
+}
+
+}  // namespace pointreel

@@ -1,0 +1,82 @@
+#include "client/render/instancing/pass_programs.h"
+
+#include <utility>
+
+namespace pointreel {
+namespace {
+
+std::string_view vertex_file(Pass pass) {
+  switch (pass) {
+    case Pass::voxel_cube:
+      return "instancing/shaders/voxel_cube.glsl";
+    case Pass::voxel_faces:
+      return "instancing/shaders/voxel_faces.glsl";
+    default:
+      return "instancing/shaders/surfel_vertex.glsl";
+  }
+}
+
+std::string_view fragment_file(Pass pass) {
+  switch (pass) {
+    case Pass::surfel_depth:
+      return "shaders/disc_depth.frag.glsl";
+    case Pass::surfel_sum:
+      return "shaders/disc_sum.frag.glsl";
+    case Pass::surfel_blend:
+      return "shaders/disc_blend.frag.glsl";
+    default:
+      return "shaders/flat.frag.glsl";
+  }
+}
+
+}  // namespace
+
+bool is_surfel(Pass pass) { return pass != Pass::voxel_cube && pass != Pass::voxel_faces; }
+
+std::vector<std::string_view> placing_files(bool surfel) {
+  return {"instancing/shaders/instance.glsl",
+          surfel ? "instancing/shaders/surfel.glsl" : "instancing/shaders/voxel.glsl"};
+}
+
+PassTemplate pass_template(Pass pass) {
+  switch (pass) {
+    case Pass::voxel_cube:
+      return {GL_TRIANGLE_STRIP, 14};
+    case Pass::voxel_faces:
+      return {GL_TRIANGLE_FAN, 8};
+    default:
+      return {GL_TRIANGLE_STRIP, 4};
+  }
+}
+
+Result<PassPrograms> PassPrograms::create(const Stages& stages) {
+  PassPrograms made;
+  for (std::size_t i = 0; i < made.programs_.size(); ++i) {
+    const Pass pass = static_cast<Pass>(i);
+    std::vector<std::string_view> primitive = placing_files(is_surfel(pass));
+    primitive.push_back(vertex_file(pass));
+    std::vector<gl::Stage> all = stages(pass, std::move(primitive));
+    all.push_back({GL_FRAGMENT_SHADER, {fragment_file(pass)}});
+    auto program = gl::make_program(all);
+    if (!program) return fail(program.error().message);
+    made.programs_[i] = std::move(*program);
+  }
+  return made;
+}
+
+void PassPrograms::use(Pass pass, const PassParameters& parameters) const {
+  const GLuint program = programs_[static_cast<std::size_t>(pass)].name();
+  glUseProgram(program);
+  if (!is_surfel(pass)) return;
+  glProgramUniform1f(program, 0, parameters.scale);
+  glProgramUniform1f(program, 1, parameters.tolerance);
+}
+
+PassPrograms::Stages instanced_stages(std::string_view fetch) {
+  return [fetch](Pass, std::vector<std::string_view> files) {
+    files.insert(files.end(), {fetch, "instancing/shaders/instanced.vert.glsl"});
+    return std::vector<gl::Stage>{{GL_VERTEX_SHADER, std::move(files)}};
+  };
+}
+
+}  // namespace pointreel

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "client/render/gl_objects.h"
+#include "client/render/instancing/instancing.h"
+
+namespace pointreel {
+
+/// The vertices to which an instance expands.
+struct PassTemplate {
+  GLenum topology;
+  GLsizei vertices;
+};
+PassTemplate pass_template(Pass pass);
+
+bool is_surfel(Pass pass);
+
+/// The files that say how an instance becomes the Element that its vertices have in common.
+std::vector<std::string_view> placing_files(bool surfel);
+
+/// The programs of a method, one for each pass.
+class PassPrograms {
+ public:
+  /// The stages that make triangles; `primitive` are placing_files and the one that defines
+  /// kVertices and set_vertex, which makes a vertex of an Element.
+  using Stages =
+      std::function<std::vector<gl::Stage>(Pass pass, std::vector<std::string_view> primitive)>;
+
+  static Result<PassPrograms> create(const Stages& stages);
+
+  void use(Pass pass, const PassParameters& parameters) const;
+
+ private:
+  std::array<gl::Program, 5> programs_;
+};
+
+/// The vertex stage of hardware instancing: `fetch` is the file that defines fetch_instance.
+PassPrograms::Stages instanced_stages(std::string_view fetch);
+
+}  // namespace pointreel

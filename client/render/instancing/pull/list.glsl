@@ -1,0 +1,13 @@
+// What the three steps of listing share. A word stands for 32 instances: a bit for each that can be
+// seen, and how many were listed before.
+struct Word {
+  uint seen;
+  uint before;
+};
+
+layout(std430, binding = 0) readonly buffer Instances { uvec4 instances[]; };
+layout(std430, binding = 1) buffer Words { Word words[]; };
+
+layout(location = 2) uniform uint instance_count;
+
+Instance fetch_instance(uint i) { return unpack_instance(instances[2u * i], instances[2u * i + 1u]); }

@@ -1,0 +1,23 @@
+// The three faces of a cube that the eye can see, as a fan of eight vertices around the corner
+// nearest to the eye: paper 2, section VI-B, without the faces that are hidden anyway.
+flat out vec3 linear_color;
+
+const int kVertices = 8;
+
+// The nearest corner and the six around it, for an eye in the octant of positive coordinates. Seen
+// from outside they turn anticlockwise; two triangles to a face, x, y and z.
+const vec3 kFan[8] = vec3[](vec3(1, 1, 1), vec3(1, -1, 1), vec3(1, -1, -1), vec3(1, 1, -1),
+                            vec3(-1, 1, -1), vec3(-1, 1, 1), vec3(-1, -1, 1), vec3(1, -1, 1));
+
+// The last vertex of a triangle gives its colour.
+void set_vertex(Element e, int number) {
+  // Mirroring turns the fan round: walk it backwards to keep the outside in front.
+  bool mirrored = e.octant.x * e.octant.y * e.octant.z < 0.0;
+  gl_Position = corner_position(e, e.octant * kFan[mirrored ? (8 - number) & 7 : number]);
+  vec3 face = vec3(0.0);
+  if (number >= 2) {
+    int axis = (mirrored ? 7 - number : number - 2) / 2;
+    face[axis] = e.octant[axis];
+  }
+  linear_color = face_color(e, face);
+}

@@ -1,0 +1,52 @@
+#include <algorithm>
+#include <utility>
+
+#include "client/render/instancing/methods.h"
+#include "client/render/instancing/pass_programs.h"
+
+namespace pointreel {
+namespace {
+
+constexpr std::size_t kTexelsPerInstance = 2;
+
+/// Paper 2, section IV-B, "textures and texture buffers"; of the two the one without a largest
+/// width and height.
+class TextureInstancing final : public InstancingMethod {
+ public:
+  explicit TextureInstancing(PassPrograms programs) : programs_(std::move(programs)) {
+    GLint texels = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    constexpr std::size_t kGranule = 2048;  // 64 KiB: where texture buffers may begin
+    largest_ = static_cast<std::size_t>(texels) / kTexelsPerInstance / kGranule * kGranule;
+  }
+
+  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
+    programs_.use(pass, parameters);
+    glBindVertexArray(no_attributes_.name());
+    glBindTextureUnit(0, texture_.name());
+    const PassTemplate shape = pass_template(pass);
+    for (std::size_t first = 0; first < instances.size(); first += largest_) {
+      const std::size_t count = std::min(largest_, instances.size() - first);
+      glTextureBufferRange(texture_.name(), GL_RGBA32UI, instances.name(),
+                           instances.offset() + static_cast<GLintptr>(first * sizeof(Instance)),
+                           static_cast<GLsizeiptr>(count * sizeof(Instance)));
+      glDrawArraysInstanced(shape.topology, 0, shape.vertices, static_cast<GLsizei>(count));
+    }
+  }
+
+ private:
+  PassPrograms programs_;
+  std::size_t largest_;  ///< instances that a texture holds
+  gl::BufferTexture texture_ = gl::BufferTexture::create();
+  gl::VertexArray no_attributes_ = gl::VertexArray::create();
+};
+
+}  // namespace
+
+Result<std::unique_ptr<InstancingMethod>> make_texture_instancing() {
+  auto programs = PassPrograms::create(instanced_stages("instancing/texture/fetch.glsl"));
+  if (!programs) return fail(programs.error().message);
+  return std::make_unique<TextureInstancing>(std::move(*programs));
+}
+
+}  // namespace pointreel

@@ -1,0 +1,6 @@
+// 64 KiB, the most that every driver has.
+layout(std140, binding = 1) uniform Batch { uvec4 words[4096]; };
+
+Instance fetch_instance() {
+  return unpack_instance(words[2 * gl_InstanceID], words[2 * gl_InstanceID + 1]);
+}

@@ -1,0 +1,11 @@
+// Sums of weighted colours and of weights (ERRATA 10).
+in vec2 mask;
+flat in vec3 linear_color;
+
+layout(location = 0) out vec4 sum;
+
+void main() {
+  float weight = gaussian_mask(mask);
+  if (weight == 0.0) discard;
+  sum = vec4(weight * linear_color, weight);
+}

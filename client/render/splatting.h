@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 
 #include "client/render/gl_objects.h"
-#include "client/render/instancing/instancing.h"
+#include "client/render/instancing/method.h"
 
 namespace pointreel {
 

@@ -2,7 +2,8 @@
 
 #include <memory>
 
-#include "client/render/instancing/instancing.h"
+#include "client/render/instancing/method.h"
+#include "common/base/error.h"
 
 /// What make_instancing chooses from; each is in the folder of its name.
 namespace pointreel {

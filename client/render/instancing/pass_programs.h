@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/render/gl_objects.h"
-#include "client/render/instancing/instancing.h"
+#include "client/render/instancing/method.h"
 
 namespace pointreel {
 

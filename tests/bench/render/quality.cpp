@@ -1,0 +1,178 @@
+#include "tests/bench/render/quality.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+
+/// How far behind the surface that is seen a point lies on another one: further than noise and the
+/// thickness of a splat, nearer than a limb's back.
+constexpr double kHiddenBehind = 0.015;
+
+/// A covered pixel of a picture of white and black points bleeds below this: 5 % of its light is
+/// not of the surface that the eye sees there.
+constexpr std::uint8_t kWhite = 249;
+
+json number(std::optional<double> value) { return value ? json(*value) : json(nullptr); }
+
+/// Share of the pixels covered by both to which something else contributes than the surface there.
+double bleed(const DrawnPicture& picture, const Mask& mask) {
+  std::size_t covered = 0, mixed = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (!mask[i] || !picture.covered[i]) continue;
+    ++covered;
+    mixed += picture.image.pixels[i].x < kWhite;
+  }
+  return covered > 0 ? static_cast<double>(mixed) / static_cast<double>(covered) : 0.0;
+}
+
+const std::shared_ptr<const SceneFrame>& frame_of(const RenderScene& scene, DrawMode mode) {
+  return mode == DrawMode::voxel ? scene.voxels : scene.surfels;
+}
+
+}  // namespace
+
+std::vector<PictureSetting> picture_settings() {
+  std::vector<PictureSetting> settings;
+  for (const Splatting splatting : {Splatting::regular, Splatting::no_depth, Splatting::two_pass,
+                                    Splatting::enlarged, Splatting::enlarged_shading}) {
+    settings.push_back({name(splatting), {.splatting = splatting}});
+  }
+  // Scales of the splats: visibility, shading.
+  for (const SplatScales& scales :
+       {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f}, SplatScales{2.0f, 2.0f}}) {
+    settings.push_back({fmt::format("normalized {}, {}", scales.visibility, scales.shading),
+                        {.splatting = Splatting::normalized, .scales = scales}});
+  }
+  settings.push_back({"voxels", {.mode = DrawMode::voxel}});
+  settings.push_back({"points", {.mode = DrawMode::point}});
+  return settings;
+}
+
+Result<DrawnPicture> draw_picture(Renderer& renderer, std::shared_ptr<const SceneFrame> frame,
+                                  const Camera& camera, glm::ivec2 size,
+                                  const DrawOptions& options) {
+  const auto stats = renderer.draw(std::move(frame), camera, size, options);
+  if (!stats) return tl::unexpected(stats.error());
+  auto image = renderer.read_pixels();
+  if (!image) return tl::unexpected(image.error());
+  auto alpha = renderer.read_alpha();
+  if (!alpha) return tl::unexpected(alpha.error());
+  return DrawnPicture{std::move(*image), std::move(*alpha), *stats};
+}
+
+ViewTruth make_view_truth(const RenderScene& scene, const Viewpoint& view, glm::ivec2 size) {
+  TruthStyle style;
+  style.texture = scene.surfels->cloud.has_colors();
+  return {view, cast_truth(scene.truth, view.camera, size, style),
+          labelled(*scene.surfels, scene.truth, view.camera, kHiddenBehind)};
+}
+
+Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, const ViewTruth& view,
+                                const PictureSetting& setting, bool order) {
+  const TruthPicture& truth = view.truth;
+  const glm::ivec2 size(truth.image.width, truth.image.height);
+  const DrawOptions& options = setting.options;
+  const bool voxels = options.mode == DrawMode::voxel;
+  const auto& frame = frame_of(scene, options.mode);
+  const auto draw = [&](const std::shared_ptr<const SceneFrame>& what, const DrawOptions& how) {
+    return draw_picture(renderer, what, view.view.camera, size, how);
+  };
+  auto picture = draw(frame, options);
+  if (!picture) return tl::unexpected(picture.error());
+
+  const Similarity similarity(truth.image, picture->image);
+  const Coverage coverage = compare_coverage(truth.mask, picture->covered);
+  json row = {{"setting", setting.name},
+              {"drawn", picture->stats.drawn},
+              {"psnr_mask", number(psnr(truth.image, picture->image, truth.mask))},
+              {"psnr", number(psnr(truth.image, picture->image))},
+              {"ssim_mask", similarity.mean(truth.mask)},
+              {"ssim", similarity.mean()},
+              {"holes", coverage.holes},
+              {"dilation", coverage.dilation},
+              {"iou", coverage.iou}};
+
+  // Voxels have no order of their own, and mean colours, which no label survives.
+  if (!voxels) {
+    DrawOptions plain = options;
+    plain.lighting = false;
+    plain.background = glm::vec3(0.0f);
+    const auto labels = draw(view.labelled, plain);
+    if (!labels) return tl::unexpected(labels.error());
+    row["bleed"] = bleed(*labels, truth.mask);
+  }
+  if (!voxels && order) {
+    const auto first = draw(shuffled(*frame, 1), options);
+    if (!first) return tl::unexpected(first.error());
+    const auto second = draw(shuffled(*frame, 2), options);
+    if (!second) return tl::unexpected(second.error());
+    const Difference apart = difference(first->image, second->image);
+    row["order"] = {{"rms", apart.rms}, {"largest", apart.largest}};
+  }
+  // After other frames, so that everything is made anew.
+  const auto again = draw(frame, options);
+  if (!again) return tl::unexpected(again.error());
+  row["flicker"] = difference(picture->image, again->image).largest;
+  return Quality{std::move(row), std::move(picture->image)};
+}
+
+Result<std::vector<Timing>> time_settings(Renderer& renderer, const RenderScene& scene,
+                                          const Camera& camera, glm::ivec2 size,
+                                          const std::vector<PictureSetting>& settings, int runs) {
+  std::vector<std::vector<double>> milliseconds(settings.size());
+  for (int run = -1; run < runs; ++run) {  // the first one warms up
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+      const DrawOptions& options = settings[i].options;
+      const auto draw = [&] {
+        return renderer.draw(frame_of(scene, options.mode), camera, size, options);
+      };
+      if (i == 0 || options.mode != settings[i - 1].options.mode) {
+        if (const auto uploaded = draw(); !uploaded) return tl::unexpected(uploaded.error());
+      }
+      const auto stats = draw();
+      if (!stats) return tl::unexpected(stats.error());
+      if (run >= 0) milliseconds[i].push_back(stats->render_ms);
+    }
+  }
+  std::vector<Timing> timings;
+  for (auto& runs_of : milliseconds) timings.push_back(summarise(std::move(runs_of)));
+  return timings;
+}
+
+Image side_by_side(const Image& truth, const Image& picture) {
+  const int width = truth.width / 2, height = truth.height / 2;
+  Image out{3 * width, height, {}};
+  out.pixels.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(height));
+  const auto shrunk = [&](int x, int y, const auto& value) {
+    glm::ivec3 sum(2);
+    for (int dy = 0; dy < 2; ++dy) {
+      for (int dx = 0; dx < 2; ++dx) sum += value(2 * x + dx, 2 * y + dy);
+    }
+    return glm::u8vec3(sum / 4);
+  };
+  const auto of = [](const Image& image) {
+    return [&image](int x, int y) { return glm::ivec3(image.at(x, y)); };
+  };
+  const auto apart = [&](int x, int y) {
+    const glm::ivec3 d = glm::ivec3(truth.at(x, y)) - glm::ivec3(picture.at(x, y));
+    return glm::min(4 * glm::abs(d), glm::ivec3(255));
+  };
+  for (int y = 0; y < height; ++y) {
+    glm::u8vec3* row = out.pixels.data() + static_cast<std::ptrdiff_t>(y) * out.width;
+    for (int x = 0; x < width; ++x) {
+      row[x] = shrunk(x, y, of(truth));
+      row[width + x] = shrunk(x, y, of(picture));
+      row[2 * width + x] = shrunk(x, y, apart);
+    }
+  }
+  return out;
+}
+
+}  // namespace pointreel::bench

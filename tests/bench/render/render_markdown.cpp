@@ -1,0 +1,120 @@
+#include "tests/bench/render/render_markdown.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tests/bench/output.h"
+#include "tests/bench/table.h"
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+
+double number(const json& value) { return value.get<double>(); }
+
+/// Of a figure of one setting in all views of a scene.
+struct Summary {
+  double sum = 0.0, least = INFINITY, most = -INFINITY;
+  int count = 0;
+
+  double mean() const { return sum / count; }
+};
+
+template <class Figure>
+Summary summarize(const json& scene, std::size_t row, const Figure& figure) {
+  Summary summary;
+  for (const json& view : scene["views"]) {
+    const json value = figure(view["rows"][row]);
+    if (value.is_null()) continue;
+    summary.sum += number(value);
+    summary.least = std::min(summary.least, number(value));
+    summary.most = std::max(summary.most, number(value));
+    ++summary.count;
+  }
+  return summary;
+}
+
+auto member(const char* name) {
+  return [name](const json& row) { return row.contains(name) ? row[name] : json(nullptr); };
+}
+
+std::string quality_table(const json& scene) {
+  Table table({"mode", "PSNR, dB", "worst view", "SSIM", "PSNR of picture", "SSIM of picture",
+               "holes", "worst", "dilation", "IoU", "bleed", "order, RMS", "largest", "flicker",
+               "ms"});
+  const auto& first = scene["views"][0]["rows"];
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const auto of = [&](const char* name) { return summarize(scene, i, member(name)); };
+    const auto share = [](double value) { return fmt::format("{:.3f} %", 100.0 * value); };
+    const auto or_none = [](const Summary& summary, const std::string& text) {
+      return summary.count > 0 ? text : std::string("-");
+    };
+    const Summary psnr = of("psnr_mask"), holes = of("holes"), bleed = of("bleed");
+    const Summary rms = summarize(scene, i, [](const json& row) {
+      return row.contains("order") ? row["order"]["rms"] : json(nullptr);
+    });
+    const Summary largest = summarize(scene, i, [](const json& row) {
+      return row.contains("order") ? row["order"]["largest"] : json(nullptr);
+    });
+    const Summary ms = summarize(scene, i, [](const json& row) {
+      return row.contains("ms") ? row["ms"]["median"] : json(nullptr);
+    });
+    table.row({first[i]["setting"], fmt::format("{:.2f}", psnr.mean()),
+               fmt::format("{:.2f}", psnr.least), fmt::format("{:.4f}", of("ssim_mask").mean()),
+               fmt::format("{:.2f}", of("psnr").mean()), fmt::format("{:.4f}", of("ssim").mean()),
+               share(holes.mean()), share(holes.most), share(of("dilation").mean()),
+               fmt::format("{:.4f}", of("iou").mean()), or_none(bleed, share(bleed.mean())),
+               or_none(rms, fmt::format("{:.2f}", rms.most)),
+               or_none(largest, fmt::format("{:.0f}", largest.most)),
+               fmt::format("{:.0f}", of("flicker").most), fmt::format("{:.1f}", ms.mean())});
+  }
+  return table.text();
+}
+
+std::string views_of(const json& scene) {
+  std::string out;
+  for (const json& view : scene["views"]) {
+    out += fmt::format("{}{} ({:.1f} % of the picture, from {:.2f} m)", out.empty() ? "" : ", ",
+                       view["view"].get<std::string>(), 100.0 * number(view["coverage"]),
+                       number(view["distance"]));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string to_render_markdown(const json& report) {
+  std::string out = "# Pictures against the true surface\n\n";
+  const json& machine = report["machine"];
+  out += fmt::format("{} at {}x{}; {}, {} threads; {}, commit {}; {:.0f} s.\n\n",
+                     machine["gl_renderer"].get<std::string>(), report["size"][0].get<int>(),
+                     report["size"][1].get<int>(), machine["processor"].get<std::string>(),
+                     machine["cores"].get<int>(), machine["compiler"].get<std::string>(),
+                     machine["commit"].get<std::string>(), number(report["seconds"]));
+  out +=
+      "The truth is one ray through the centre of each pixel to the analytic surface, coloured and "
+      "lit as the renderer does it. PSNR (of sRGB) and SSIM (of luma) are over the truth's pixels, "
+      "and over the whole picture. Holes: truth's pixels where nothing was drawn; dilation: pixels "
+      "drawn beyond it, both in shares of the truth's; IoU: their common pixels over all of "
+      "either. "
+      "Bleed: covered pixels of which more than 5 % of the light is of another surface or of the "
+      "background. Order: between two random orders of the points, in steps of 1/255. Flicker: the "
+      "largest difference of the same picture drawn twice. Figures are means over the views; "
+      "worst and flicker are of the worst view, order and milliseconds of the first one.\n";
+  for (const json& scene : report["scenes"]) {
+    out +=
+        fmt::format("\n## {}\n\n{} points, {:.2f} m2 of surface, so one every {:.2f} mm. ",
+                    scene["scene"].get<std::string>(), grouped(scene["points"].get<std::size_t>()),
+                    number(scene["area"]), 1000.0 * number(scene["spacing"]));
+    if (scene["dense"].get<bool>()) {
+      out += "Evenly spread on the surface itself; splats have 0.7 of that spacing as radius. ";
+    }
+    out += "Views: " + views_of(scene) + ".\n\n" + quality_table(scene);
+  }
+  return out;
+}
+
+}  // namespace pointreel::bench

@@ -23,6 +23,8 @@ const char* name(Splatting splatting);
 
 struct SplatScales {
   float visibility = 1.0f, shading = 1.0f;
+
+  bool operator==(const SplatScales&) const = default;
 };
 
 /// What the passes of a mode multiply radii by; `chosen` are those of Splatting::normalized.

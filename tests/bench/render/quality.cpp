@@ -32,27 +32,34 @@ double bleed(const DrawnPicture& picture, const Mask& mask) {
   return covered > 0 ? static_cast<double>(mixed) / static_cast<double>(covered) : 0.0;
 }
 
-const std::shared_ptr<const SceneFrame>& frame_of(const RenderScene& scene, DrawMode mode) {
-  return mode == DrawMode::voxel ? scene.voxels : scene.surfels;
-}
-
 }  // namespace
 
 std::vector<PictureSetting> picture_settings() {
-  std::vector<PictureSetting> settings;
+  std::vector<PictureSetting> settings = {{"default", {}}};
+  const auto add = [&settings](std::string title, const DrawOptions& options, bool papers = false) {
+    if (options == DrawOptions{}) {
+      settings.front().name += fmt::format(": {}", title);
+    } else {
+      settings.push_back({std::move(title), options, papers});
+    }
+  };
   for (const Splatting splatting : {Splatting::regular, Splatting::no_depth, Splatting::two_pass,
                                     Splatting::enlarged, Splatting::enlarged_shading}) {
-    settings.push_back({name(splatting), {.splatting = splatting}});
+    add(name(splatting), {.splatting = splatting}, true);
   }
   // Scales of the splats: visibility, shading.
   for (const SplatScales& scales :
        {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f}, SplatScales{2.0f, 2.0f}}) {
-    settings.push_back({fmt::format("normalized {}, {}", scales.visibility, scales.shading),
-                        {.splatting = Splatting::normalized, .scales = scales}});
+    add(fmt::format("normalized {}, {}", scales.visibility, scales.shading),
+        {.splatting = Splatting::normalized, .scales = scales});
   }
-  settings.push_back({"voxels", {.mode = DrawMode::voxel}});
-  settings.push_back({"points", {.mode = DrawMode::point}});
+  add("voxels", {.mode = DrawMode::voxel});
+  add("points", {.mode = DrawMode::point});
   return settings;
+}
+
+const std::shared_ptr<const SceneFrame>& frame_of(const RenderScene& scene, DrawMode mode) {
+  return mode == DrawMode::voxel ? scene.voxels : scene.surfels;
 }
 
 Result<DrawnPicture> draw_picture(Renderer& renderer, std::shared_ptr<const SceneFrame> frame,
@@ -90,6 +97,7 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
   const Similarity similarity(truth.image, picture->image);
   const Coverage coverage = compare_coverage(truth.mask, picture->covered);
   json row = {{"setting", setting.name},
+              {"papers", setting.papers},
               {"drawn", picture->stats.drawn},
               {"psnr_mask", number(psnr(truth.image, picture->image, truth.mask))},
               {"psnr", number(psnr(truth.image, picture->image))},
@@ -121,29 +129,6 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
   if (!again) return tl::unexpected(again.error());
   row["flicker"] = difference(picture->image, again->image).largest;
   return Quality{std::move(row), std::move(picture->image)};
-}
-
-Result<std::vector<Timing>> time_settings(Renderer& renderer, const RenderScene& scene,
-                                          const Camera& camera, glm::ivec2 size,
-                                          const std::vector<PictureSetting>& settings, int runs) {
-  std::vector<std::vector<double>> milliseconds(settings.size());
-  for (int run = -1; run < runs; ++run) {  // the first one warms up
-    for (std::size_t i = 0; i < settings.size(); ++i) {
-      const DrawOptions& options = settings[i].options;
-      const auto draw = [&] {
-        return renderer.draw(frame_of(scene, options.mode), camera, size, options);
-      };
-      if (i == 0 || options.mode != settings[i - 1].options.mode) {
-        if (const auto uploaded = draw(); !uploaded) return tl::unexpected(uploaded.error());
-      }
-      const auto stats = draw();
-      if (!stats) return tl::unexpected(stats.error());
-      if (run >= 0) milliseconds[i].push_back(stats->render_ms);
-    }
-  }
-  std::vector<Timing> timings;
-  for (auto& runs_of : milliseconds) timings.push_back(summarise(std::move(runs_of)));
-  return timings;
 }
 
 Image side_by_side(const Image& truth, const Image& picture) {

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "client/render/renderer.h"
-#include "tests/bench/measure.h"
 #include "tests/bench/render/image_error.h"
 #include "tests/bench/render/scenes.h"
 #include "tests/bench/render/viewpoints.h"
@@ -17,10 +16,14 @@ namespace pointreel::bench {
 struct PictureSetting {
   std::string name;
   DrawOptions options;
+  bool papers = false;  ///< one of paper 2, Figure 3
 };
 
-/// Voxels and points, and every way to splat.
+/// Every way to splat, the default first; voxels and points.
 std::vector<PictureSetting> picture_settings();
+
+/// What of the scene is drawn in this mode.
+const std::shared_ptr<const SceneFrame>& frame_of(const RenderScene& scene, DrawMode mode);
 
 struct DrawnPicture {
   Image image;
@@ -47,11 +50,6 @@ struct Quality {
 /// `order`: how much the order of the points matters as well, for two more pictures.
 Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, const ViewTruth& view,
                                 const PictureSetting& setting, bool order);
-
-/// What each setting takes to draw a frame that is uploaded already, in turns.
-Result<std::vector<Timing>> time_settings(Renderer& renderer, const RenderScene& scene,
-                                          const Camera& camera, glm::ivec2 size,
-                                          const std::vector<PictureSetting>& settings, int runs);
 
 /// Truth, picture and four times their difference beside each other, each at half its size.
 Image side_by_side(const Image& truth, const Image& picture);

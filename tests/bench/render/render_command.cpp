@@ -16,7 +16,9 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/render/quality.h"
+#include "tests/bench/render/render_bars.h"
 #include "tests/bench/render/render_markdown.h"
+#include "tests/bench/render/tables.h"
 
 namespace pointreel::bench {
 namespace {
@@ -55,48 +57,71 @@ std::string file_name(const std::string& name) {
   return out;
 }
 
-Result<json> measure_scene(Renderer& renderer, const SceneChoice& choice, const Effort& effort,
-                           const fs::path& folder, Progress& progress) {
-  const auto scene = make_render_scene(choice);
-  if (!scene) return tl::unexpected(scene.error());
-  const std::vector<PictureSetting> settings = picture_settings();
-  const std::vector<Viewpoint> viewed = viewpoints(scene->truth, effort.size, effort.views);
-  json views = json::array();
-  for (const Viewpoint& viewpoint : viewed) {
-    const ViewTruth view = make_view_truth(*scene, viewpoint, effort.size);
+/// Quality of every setting in every view, with pictures.
+Result<json> measure_views(Renderer& renderer, const RenderScene& scene,
+                           const std::vector<ViewTruth>& views,
+                           const std::vector<PictureSetting>& settings, const fs::path& folder,
+                           Progress& progress) {
+  json out = json::array();
+  for (const ViewTruth& view : views) {
     json rows = json::array();
     for (const PictureSetting& setting : settings) {
-      const auto quality = measure_quality(renderer, *scene, view, setting, views.empty());
-      if (!quality) return fail_at(choice.name, quality.error());
+      const auto quality = measure_quality(renderer, scene, view, setting, out.empty());
+      if (!quality) return tl::unexpected(quality.error());
       rows.push_back(quality->row);
-      const std::string file = fmt::format("{}_{}_{}.png", file_name(choice.name),
-                                           file_name(viewpoint.name), file_name(setting.name));
+      const std::string file = fmt::format("{}_{}_{}.png", file_name(scene.choice.name),
+                                           file_name(view.view.name), file_name(setting.name));
       const auto written =
           write_png((folder / file).string(), side_by_side(view.truth.image, quality->image));
       if (!written) return tl::unexpected(written.error());
       rows.back()["picture"] = file;
       progress.tick();
     }
-    const auto covered = compare_coverage(view.truth.mask, view.truth.mask).truth;
-    views.push_back({{"view", viewpoint.name},
-                     {"coverage", covered},
-                     {"distance", viewpoint.camera.distance},
-                     {"rows", rows}});
+    out.push_back({{"view", view.view.name},
+                   {"coverage", compare_coverage(view.truth.mask, view.truth.mask).truth},
+                   {"distance", view.view.camera.distance},
+                   {"rows", rows}});
   }
-  const auto timings =
-      time_settings(renderer, *scene, viewed.front().camera, effort.size, settings, effort.runs);
-  if (!timings) return fail_at(choice.name, timings.error());
+  return out;
+}
+
+Result<json> measure_scene(Renderer& renderer, const SceneChoice& choice, const Effort& effort,
+                           Stopwatch stopwatch, const fs::path& folder, Progress& progress) {
+  const auto scene = make_render_scene(choice);
+  if (!scene) return tl::unexpected(scene.error());
+  std::vector<ViewTruth> views;
+  for (const Viewpoint& viewpoint : viewpoints(scene->truth, effort.size, effort.views)) {
+    views.push_back(make_view_truth(*scene, viewpoint, effort.size));
+  }
+  const std::vector<PictureSetting> settings = picture_settings();
+  auto measured = measure_views(renderer, *scene, views, settings, folder, progress);
+  if (!measured) return tl::unexpected(measured.error());
+
+  std::vector<TimedDraw> draws;
+  for (const PictureSetting& setting : settings) {
+    draws.push_back({frame_of(*scene, setting.options.mode), setting.options});
+  }
+  const auto timings = time_in_turns(renderer, draws, {&views[0].view.camera, 1}, effort.size,
+                                     effort.runs, stopwatch);
+  if (!timings) return tl::unexpected(timings.error());
   for (std::size_t i = 0; i < settings.size(); ++i) {
-    views[0]["rows"][i]["ms"] = to_json((*timings)[i]);
+    (*measured)[0]["rows"][i]["ms"] = to_json((*timings)[i]);
   }
-  return json{{"scene", choice.name},
+  json out = {{"scene", choice.name},
               {"motion", choice.motion->name},
               {"pose", choice.pose},
               {"dense", choice.even_points > 0},
               {"points", scene->surfels->cloud.size()},
               {"area", scene->area},
               {"spacing", scene->spacing},
-              {"views", views}};
+              {"views", *measured}};
+  if (choice.even_points == 0) {
+    auto tables = measure_tables(renderer, *scene, views, effort.runs, stopwatch);
+    if (!tables) return tl::unexpected(tables.error());
+    out["tables"] = *tables;
+  }
+  progress.tick();
+  return out;
 }
 
 Result<json> write_render_report(const Options& options) {
@@ -136,20 +161,21 @@ Result<json> write_render_report(const Options& options) {
   auto renderer = Renderer::create();
   if (!renderer) return tl::unexpected(renderer.error());
 
-  json report = {{"benchmark", "render"},
-                 {"quick", options.quick},
-                 {"machine", machine()},
-                 {"size", {effort.size.x, effort.size.y}},
-                 {"scenes", json::array()}};
+  json report = {{"benchmark", "render"}, {"quick", options.quick},
+                 {"machine", machine()},  {"size", {effort.size.x, effort.size.y}},
+                 {"runs", effort.runs},   {"scenes", json::array()}};
   report["machine"]["gl_renderer"] = gl;
-  Progress progress("render", choices.size() * static_cast<std::size_t>(effort.views) *
-                                  picture_settings().size());
+  const Stopwatch stopwatch = software ? Stopwatch::wall : Stopwatch::gpu;
+  report["stopwatch"] = software ? "wall" : "gpu";
+  const std::size_t pictures = static_cast<std::size_t>(effort.views) * picture_settings().size();
+  Progress progress("render", choices.size() * (pictures + 1));
   for (const SceneChoice& choice : choices) {
-    auto scene = measure_scene(*renderer, choice, effort, folder, progress);
-    if (!scene) return tl::unexpected(scene.error());
+    auto scene = measure_scene(*renderer, choice, effort, stopwatch, folder, progress);
+    if (!scene) return fail_at(choice.name, scene.error());
     report["scenes"].push_back(std::move(*scene));
   }
-  report["bars"] = to_json(std::vector<Bar>{});
+  const std::vector<Bar> bars = render_bars(report);
+  report["bars"] = to_json(bars);
   report["seconds"] = (now_ms() - begin) / 1000.0;
   return report;
 }

@@ -22,7 +22,7 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 
 /// Candidates for each point that is wanted.
-constexpr std::size_t kCandidates = 8;
+constexpr std::size_t kCandidates = 6;
 
 /// Points that are at least so far apart.
 class DistantPoints {
@@ -86,7 +86,7 @@ std::vector<SceneChoice> scene_choices(int poses, std::size_t even_points) {
 }
 
 Result<double> surface_area(const SurfaceGrid& grid) {
-  const Lattice lattice;
+  const Lattice lattice{.spacing = 0.01};
   const auto hits = cast_lattice(grid, lattice);
   if (!hits) return tl::unexpected(hits.error());
   double area = 0.0;

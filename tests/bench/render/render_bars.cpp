@@ -1,0 +1,84 @@
+#include "tests/bench/render/render_bars.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+
+/// Mean over the views of a figure of one setting.
+double mean(const json& scene, std::size_t row, const char* figure) {
+  double sum = 0.0;
+  for (const json& view : scene["views"]) {
+    const json& value = view["rows"][row][figure];
+    sum += value.is_null() ? 99.0 : value.get<double>();
+  }
+  return sum / static_cast<double>(scene["views"].size());
+}
+
+/// The default, which is the first setting, without noise.
+void add_dense(std::vector<Bar>& bars, const json& scene) {
+  const std::string name = scene["scene"].get<std::string>() + ": ";
+  bars.push_back({name + "holes", 100.0 * mean(scene, 0, "holes"), "%", 0.05});
+  bars.push_back({name + "IoU", mean(scene, 0, "iou"), "", 0.998, true});
+  bars.push_back({name + "PSNR", mean(scene, 0, "psnr_mask"), "dB", 34.0, true});
+}
+
+/// The default against the best of Figure 3.
+void add_noisy(std::vector<Bar>& bars, const json& scene) {
+  const std::string name = scene["scene"].get<std::string>() + ": ";
+  double psnr = 0.0, holes = 1.0;
+  const json& rows = scene["views"][0]["rows"];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i]["papers"].get<bool>()) continue;
+    psnr = std::max(psnr, mean(scene, i, "psnr_mask"));
+    holes = std::min(holes, mean(scene, i, "holes"));
+  }
+  bars.push_back({name + "PSNR above the best of Figure 3", mean(scene, 0, "psnr_mask") - psnr,
+                  "dB", 0.0, true});
+  bars.push_back({name + "holes above the fewest of Figure 3",
+                  100.0 * (mean(scene, 0, "holes") - holes), "%", 0.0});
+}
+
+double median(const json& timing) { return timing["ms"]["median"].get<double>(); }
+
+}  // namespace
+
+std::vector<Bar> render_bars(const json& report) {
+  std::vector<Bar> bars;
+  double order = 0.0, flicker = 0.0, surfels = 0.0, voxels = 0.0, timed = 0.0;
+  for (const json& scene : report["scenes"]) {
+    scene["dense"].get<bool>() ? add_dense(bars, scene) : add_noisy(bars, scene);
+    for (const json& view : scene["views"]) {
+      const json& row = view["rows"][0];
+      flicker = std::max(flicker, row["flicker"].get<double>());
+      if (row.contains("order")) order = std::max(order, row["order"]["largest"].get<double>());
+    }
+    if (!scene.contains("tables")) continue;
+    const json& tables = scene["tables"];
+    const auto method = [&](const char* what, const char* of) {
+      return median(tables[what]["methods"][of]);
+    };
+    surfels += method("surfels", "uniform") / method("surfels", "pull");
+    voxels += method("voxels", "uniform") / median(tables["voxels"]["default"]);
+    timed += 1.0;
+    if (scene["motion"] == "baseball") {
+      bars.push_back({"baseball: traversal of the full view at depth 10",
+                      tables["traverse_ms"]["median"].get<double>(), "ms", 1.0});
+    }
+  }
+  bars.push_back({"order of the points, largest difference", order, "/255", 1.0});
+  bars.push_back({"flicker of a static scene", flicker, "/255", 0.0});
+  if (timed > 0.0 && report["stopwatch"] == "wall") {
+    bars.push_back(
+        {"surfels: uniform buffers' time over pulling's", surfels / timed, "x", 1.8, true});
+    bars.push_back(
+        {"voxels: whole cubes' time over visible faces'", voxels / timed, "x", 1.5, true});
+  }
+  return bars;
+}
+
+}  // namespace pointreel::bench

@@ -137,7 +137,7 @@ TEST(EvenCloud, keeps_its_distance_and_leaves_no_gap) {
   const TruthScene scene = balls();
   const double area = surface_area(scene.grid).value();
   const PointCloud cloud = even_cloud(scene.body, area, 2000).value();
-  const double least = 0.8 * std::sqrt(area / 2000);
+  const double least = 0.75 * std::sqrt(area / 2000);
   EXPECT_GT(cloud.size(), 1700u);
   EXPECT_LT(cloud.size(), 2400u);
   const auto nearest = [&](const glm::vec3& p, std::size_t but) {

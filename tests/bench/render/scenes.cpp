@@ -24,6 +24,10 @@ constexpr std::uint64_t kSeed = 1;
 /// Candidates for each point that is wanted.
 constexpr std::size_t kCandidates = 6;
 
+/// Least distance of even points, in sqrt(area / points): with so many candidates this gives about
+/// as many points as are wanted.
+constexpr double kApart = 0.75;
+
 /// Points that are at least so far apart.
 class DistantPoints {
  public:
@@ -99,7 +103,7 @@ Result<double> surface_area(const SurfaceGrid& grid) {
 Result<PointCloud> even_cloud(const Body& body, double area, std::size_t points) {
   const auto candidates = sample_uniform(body.surface, kCandidates * points, kSeed);
   if (!candidates) return tl::unexpected(candidates.error());
-  DistantPoints kept(0.8 * std::sqrt(area / static_cast<double>(points)), points);
+  DistantPoints kept(kApart * std::sqrt(area / static_cast<double>(points)), points);
   PointCloud cloud;
   for (const SurfacePoint& point : *candidates) {
     if (!kept.add(point.position)) continue;

@@ -50,10 +50,10 @@ std::shared_ptr<const SceneFrame> shuffled(const SceneFrame& frame, std::uint64_
 std::shared_ptr<const SceneFrame> labelled(const SceneFrame& frame, const TruthScene& truth,
                                            const Camera& camera, double tolerance);
 
-/// Points of the surface, about `points` of them, no two of which are nearer to each other than 0.8
-/// of sqrt(area / points) and hardly any place further from all of them than that: random points
-/// one after another, each left out that is too near to one before (R. Cook, "Stochastic Sampling
-/// in Computer Graphics", 1986). With normals and colours.
+/// Points of the surface, about `points` of them, no two of which are nearer to each other than
+/// 0.75 of sqrt(area / points) and hardly any place further from all of them than that: random
+/// points one after another, each left out that is too near to one before (R. Cook, "Stochastic
+/// Sampling in Computer Graphics", 1986). With normals and colours.
 Result<PointCloud> even_cloud(const Body& body, double area, std::size_t points);
 
 /// From the rays of a lattice: each hit stands for the square of the spacing, of which a slanted

@@ -17,8 +17,7 @@ struct Instance {
   glm::vec3 center;     ///< relative to an origin near the scene
   float radius;         ///< of the splat, or half the voxel's edge
   glm::i16vec4 normal;  ///< unit vector times 32767, or zero where unknown; w unused
-  glm::u8vec4 color;    ///< sRGB; w unused
-  std::uint32_t unused;
+  glm::u16vec4 color;   ///< linear light, half floats; w unused
 };
 static_assert(sizeof(Instance) == 32);
 

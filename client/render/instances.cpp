@@ -1,6 +1,9 @@
 #include "client/render/instances.h"
 
 #include <cmath>
+#include <vector>
+
+#include <glm/gtc/packing.hpp>
 
 namespace pointreel {
 namespace {
@@ -16,21 +19,26 @@ glm::i16vec4 pack_normal(const glm::vec3& n) {
           static_cast<std::int16_t>(std::lrint(scaled.z)), 0};
 }
 
-std::uint8_t eight_bits(unsigned sixteen) {
-  return static_cast<std::uint8_t>((sixteen + 128u) / 257u);
+/// Linear light as half floats, of every 16-bit sRGB value.
+std::vector<std::uint16_t> make_linear_table() {
+  std::vector<std::uint16_t> table(65536);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double c = static_cast<double>(i) / 65535.0;
+    const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    table[i] = glm::packHalf1x16(static_cast<float>(linear));
+  }
+  return table;
 }
 
-glm::u8vec4 pack_color(const glm::u16vec3& c) {
-  return {eight_bits(c.x), eight_bits(c.y), eight_bits(c.z), 255};
+glm::u16vec4 pack_color(const glm::u16vec3& c) {
+  static const std::vector<std::uint16_t> kLinear = make_linear_table();
+  return {kLinear[c.x], kLinear[c.y], kLinear[c.z], 0};
 }
 
 }  // namespace
 
-glm::u8vec3 fake_color(const glm::i16vec4& normal) {
-  const auto channel = [](int n) {
-    return static_cast<std::uint8_t>((n + 32767) * 255 / (2 * 32767));
-  };
-  return {channel(normal.x), channel(normal.y), channel(normal.z)};
+glm::u16vec3 fake_color(const glm::i16vec4& normal) {
+  return glm::u16vec3(glm::ivec3(normal) + 32767);
 }
 
 void pack_points(const SceneFrame& frame, std::span<Instance> out) {
@@ -40,9 +48,8 @@ void pack_points(const SceneFrame& frame, std::span<Instance> out) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
-    out[i] = {
-        cloud.positions[i], cloud.has_radii() ? cloud.radii[i] : leaf_radius, normal,
-        cloud.has_colors() ? pack_color(cloud.colors[i]) : glm::u8vec4(fake_color(normal), 255), 0};
+    out[i] = {cloud.positions[i], cloud.has_radii() ? cloud.radii[i] : leaf_radius, normal,
+              pack_color(cloud.has_colors() ? cloud.colors[i] : fake_color(normal))};
   }
 }
 
@@ -53,10 +60,9 @@ void pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut, std::spa
     const glm::i16vec4 normal = attributes.normals.empty()
                                     ? glm::i16vec4(0)
                                     : glm::i16vec4(attributes.normals[node.node], 0);
-    out[i] = {node.center, node.half, normal,
-              attributes.colors.empty() ? glm::u8vec4(fake_color(normal), 255)
-                                        : pack_color(attributes.colors[node.node]),
-              0};
+    out[i] = {
+        node.center, node.half, normal,
+        pack_color(attributes.colors.empty() ? fake_color(normal) : attributes.colors[node.node])};
   }
 }
 

@@ -14,7 +14,7 @@ namespace pointreel {
 /// Colours that are absent are made from the normals: 0.5 + 0.5 n, read as sRGB. The paper, section
 /// III, only says that its fake colour is "based on their normal vectors". Middle grey where the
 /// normal is unknown too.
-glm::u8vec3 fake_color(const glm::i16vec4& normal);
+glm::u16vec3 fake_color(const glm::i16vec4& normal);
 
 /// Surfels or points of a frame, relative to its cloud's origin; `out` has one for each point.
 /// Radii are those of the cloud; where it has none (a frame that was prepared for another mode),

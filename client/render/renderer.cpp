@@ -126,12 +126,18 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   stats.drawn = static_cast<std::uint32_t>(instances_.size());
   stats.visited = mode_ == DrawMode::voxel ? visited_ : 0;
 
+  const glm::dmat3 axes = camera.axes();
+  const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;
   const ViewBlock view{
       camera.projection(static_cast<double>(size.x) / size.y) * camera.view_from(origin_),
       glm::vec4(glm::vec3(camera.eye() - origin_), static_cast<float>(camera.near_plane())),
-      glm::vec4(glm::vec3(camera.axes() * kLight), options.lighting ? 1.0f : 0.0f),
-      glm::vec4(static_cast<float>(2.0 * std::tan(0.5 * camera.fov_y) / size.y),
-                frame_ && frame_->normals_estimated ? 1.0f : 0.0f, 0.0f, 0.0f)};
+      glm::vec4(glm::vec3(axes * kLight), options.lighting ? 1.0f : 0.0f),
+      glm::vec4(static_cast<float>(step), frame_ && frame_->normals_estimated ? 1.0f : 0.0f, 0.0f,
+                0.0f),
+      glm::vec4(glm::vec3(-axes[2] - 0.5 * step * size.x * axes[0] - slope * axes[1]), 0.0f),
+      glm::vec4(glm::vec3(step * axes[0]), 0.0f),
+      glm::vec4(glm::vec3(step * axes[1]), 0.0f),
+      glm::vec4(glm::vec2(size), 0.0f, 0.0f)};
   glNamedBufferSubData(view_buffer_.name(), 0, sizeof(view), &view);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_buffer_.name());
 

@@ -83,6 +83,8 @@ class Renderer {
     glm::vec4 eye;
     glm::vec4 light;
     glm::vec4 pixel;
+    glm::vec4 ray_corner, ray_x, ray_y;
+    glm::vec4 window;
   };
   /// What the voxel cut depends on.
   struct CutKey {

@@ -10,7 +10,7 @@ gl::VertexArray make_instance_array(GLuint divisor) {
   glVertexArrayBindingDivisor(name, 0, divisor);
   glVertexArrayAttribFormat(name, 0, 4, GL_FLOAT, GL_FALSE, offsetof(Instance, center));
   glVertexArrayAttribFormat(name, 1, 3, GL_SHORT, GL_TRUE, offsetof(Instance, normal));
-  glVertexArrayAttribFormat(name, 2, 3, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(Instance, color));
+  glVertexArrayAttribFormat(name, 2, 3, GL_HALF_FLOAT, GL_FALSE, offsetof(Instance, color));
   for (GLuint attribute = 0; attribute < 3; ++attribute) {
     glVertexArrayAttribBinding(name, attribute, 0);
     glEnableVertexArrayAttrib(name, attribute);

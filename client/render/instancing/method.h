@@ -13,6 +13,8 @@ enum class Pass {
   voxel_faces,   ///< the three faces of a cube that the eye can see
 };
 
+inline constexpr std::size_t kPasses = 5;
+
 struct PassParameters {
   float scale = 1.0f;  ///< by which the radii of surfels are multiplied
   /// How far surfels are moved away from the eye, in scaled radii; their place in the picture stays

@@ -16,19 +16,6 @@ std::string_view vertex_file(Pass pass) {
   }
 }
 
-std::string_view fragment_file(Pass pass) {
-  switch (pass) {
-    case Pass::surfel_depth:
-      return "shaders/disc_depth.frag.glsl";
-    case Pass::surfel_sum:
-      return "shaders/disc_sum.frag.glsl";
-    case Pass::surfel_blend:
-      return "shaders/disc_blend.frag.glsl";
-    default:
-      return "shaders/flat.frag.glsl";
-  }
-}
-
 }  // namespace
 
 bool is_surfel(Pass pass) { return pass != Pass::voxel_cube && pass != Pass::voxel_faces; }
@@ -36,6 +23,19 @@ bool is_surfel(Pass pass) { return pass != Pass::voxel_cube && pass != Pass::vox
 std::vector<std::string_view> placing_files(bool surfel) {
   return {"instancing/shaders/instance.glsl",
           surfel ? "instancing/shaders/surfel.glsl" : "instancing/shaders/voxel.glsl"};
+}
+
+std::vector<std::string_view> fragment_files(Pass pass, std::string_view footprint) {
+  switch (pass) {
+    case Pass::surfel_depth:
+      return {footprint, "shaders/disc_depth.frag.glsl"};
+    case Pass::surfel_sum:
+      return {footprint, "shaders/disc_sum.frag.glsl"};
+    case Pass::surfel_blend:
+      return {footprint, "shaders/disc_blend.frag.glsl"};
+    default:
+      return {"shaders/flat.frag.glsl"};
+  }
 }
 
 PassTemplate pass_template(Pass pass) {
@@ -56,7 +56,7 @@ Result<PassPrograms> PassPrograms::create(const Stages& stages) {
     std::vector<std::string_view> primitive = placing_files(is_surfel(pass));
     primitive.push_back(vertex_file(pass));
     std::vector<gl::Stage> all = stages(pass, std::move(primitive));
-    all.push_back({GL_FRAGMENT_SHADER, {fragment_file(pass)}});
+    all.push_back({GL_FRAGMENT_SHADER, fragment_files(pass, "shaders/quad_footprint.glsl")});
     auto program = gl::make_program(all);
     if (!program) return fail(program.error().message);
     made.programs_[i] = std::move(*program);
@@ -65,7 +65,11 @@ Result<PassPrograms> PassPrograms::create(const Stages& stages) {
 }
 
 void PassPrograms::use(Pass pass, const PassParameters& parameters) const {
-  const GLuint program = programs_[static_cast<std::size_t>(pass)].name();
+  use_program(programs_[static_cast<std::size_t>(pass)], pass, parameters);
+}
+
+void use_program(const gl::Program& made, Pass pass, const PassParameters& parameters) {
+  const GLuint program = made.name();
   glUseProgram(program);
   if (!is_surfel(pass)) return;
   glProgramUniform1f(program, 0, parameters.scale);

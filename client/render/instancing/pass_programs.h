@@ -22,6 +22,12 @@ bool is_surfel(Pass pass);
 /// The files that say how an instance becomes the Element that its vertices have in common.
 std::vector<std::string_view> placing_files(bool surfel);
 
+/// The fragment stage; `footprint` is the file that says where on its surfel a fragment lies.
+std::vector<std::string_view> fragment_files(Pass pass, std::string_view footprint);
+
+/// Makes a program of this pass current and sets its parameters.
+void use_program(const gl::Program& program, Pass pass, const PassParameters& parameters);
+
 /// The programs of a method, one for each pass.
 class PassPrograms {
  public:
@@ -35,7 +41,7 @@ class PassPrograms {
   void use(Pass pass, const PassParameters& parameters) const;
 
  private:
-  std::array<gl::Program, 5> programs_;
+  std::array<gl::Program, kPasses> programs_;
 };
 
 /// The vertex stage of hardware instancing: `fetch` is the file that defines fetch_instance.

@@ -4,18 +4,21 @@ layout(std140, binding = 0) uniform View {
   vec4 eye;      // xyz: of the scene; w: distance of the near plane
   vec4 light;    // xyz: unit vector towards the light; w: 1 with lighting, 0 without
   vec4 pixel;    // x: size of a pixel at depth 1; y: 1 where the sign of normals means nothing
+  // xyz: the ray from the eye through window coordinates (x, y), whose depth is 1, is
+  // ray_corner + x ray_x + y ray_y.
+  vec4 ray_corner, ray_x, ray_y;
+  vec4 window;  // xy: size of the picture in pixels
 };
 
-vec3 linear_from_srgb(vec3 c) {
-  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
+vec3 pixel_ray(vec2 at) {
+  return ray_corner.xyz + at.x * ray_x.xyz + at.y * ray_y.xyz;
 }
 
 // Diffuse light from near the eye, with a part that comes from everywhere so that nothing is black.
-// The result is linear light.
-vec3 shade(vec3 srgb, vec3 normal) {
+float light_on(vec3 normal) {
   const float ambient = 0.4;
   float diffuse = max(dot(normal, light.xyz), 0.0);
-  return linear_from_srgb(srgb) * mix(1.0, mix(ambient, 1.0, diffuse), light.w);
+  return mix(1.0, mix(ambient, 1.0, diffuse), light.w);
 }
 
 // Unit vector from a point of the scene to the eye; never NaN.
@@ -30,9 +33,6 @@ vec3 oriented(vec3 n, vec3 to_eye) {
   return pixel.y > 0.5 && dot(n, to_eye) < 0.0 ? -n : n;
 }
 
-// The paper's round Gaussian mask, section V-B, as a function instead of a texture: 1 in the middle
-// of a surfel, three standard deviations to its edge, 0 outside.
-float gaussian_mask(vec2 at) {
-  float d2 = dot(at, at);
-  return d2 > 1.0 ? 0.0 : exp(-4.5 * d2);
-}
+// The paper's round Gaussian mask, section V-B, as a function instead of a texture, at a squared
+// distance from the middle of a surfel: 1 there, three standard deviations to its rim, 0 outside.
+float gaussian_mask(float d2) { return d2 <= 1.0 ? exp(-4.5 * d2) : 0.0; }

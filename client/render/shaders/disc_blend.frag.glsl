@@ -1,11 +1,10 @@
 // A colour as opaque as the mask: paper 2, section V-B.
-in vec2 mask;
 flat in vec3 linear_color;
 
 layout(location = 0) out vec4 color;
 
 void main() {
-  float weight = gaussian_mask(mask);
+  float weight = gaussian_mask(footprint());
   if (weight == 0.0) discard;
   color = vec4(linear_color, weight);
 }

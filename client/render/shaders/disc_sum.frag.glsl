@@ -1,11 +1,10 @@
 // Sums of weighted colours and of weights (ERRATA 10).
-in vec2 mask;
 flat in vec3 linear_color;
 
 layout(location = 0) out vec4 sum;
 
 void main() {
-  float weight = gaussian_mask(mask);
+  float weight = gaussian_mask(footprint());
   if (weight == 0.0) discard;
   sum = vec4(weight * linear_color, weight);
 }

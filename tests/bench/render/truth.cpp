@@ -162,9 +162,10 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
   }
   const glm::dvec3 light = camera.axes() * kLight;
   cast(scene, camera, size, [&](int x, int y, const RayHit& hit) {
-    const glm::u8vec3 color = style.texture
-                                  ? color_at(scene.body, hit.primitive, hit.position)
-                                  : fake_color(glm::i16vec4(glm::round(32767.0 * hit.normal), 0));
+    const glm::u8vec3 color =
+        style.texture ? color_at(scene.body, hit.primitive, hit.position)
+                      : glm::u8vec3(fake_color(glm::i16vec4(glm::round(32767.0 * hit.normal), 0)) /
+                                    std::uint16_t{257});
     const double diffuse = std::max(glm::dot(hit.normal, light), 0.0);
     const double lit = style.lighting ? kAmbient + (1.0 - kAmbient) * diffuse : 1.0;
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) +

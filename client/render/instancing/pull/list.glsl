@@ -1,8 +1,9 @@
-// What the three steps of listing share. A word stands for 32 instances: a bit for each that can be
-// seen, and how many were listed before.
+// What the three steps of listing share. What can be seen becomes a sprite, where a point can cover
+// it, or a solid, which is drawn as other methods draw it. A word stands for 32 instances: a bit
+// for each, and how many were listed before.
 struct Word {
-  uint seen;
-  uint before;
+  uint sprites, solids;
+  uint sprites_before, solids_before;
 };
 
 layout(std430, binding = 0) readonly buffer Instances { uvec4 instances[]; };

@@ -1,5 +1,12 @@
-// For the first step: what decides whether an instance can be seen.
+// For the first step: what decides whether an instance can be seen, and how it is drawn.
+const uint kHidden = 0u, kSprite = 1u, kSolid = 2u;
+
 layout(location = 3) uniform float largest_scale;
+
+// Sides of points in pixels. Above, the tighter outline of triangles is worth their number.
+const float kLargestSprite = 48.0;
+// And in distances from the eye, for what takes the projection as affine.
+const float kNearestSprite = 0.015;
 
 // Distances from the planes of the picture's sides grow by so much a unit of clip coordinates.
 float side_length(int axis) {
@@ -7,9 +14,16 @@ float side_length(int axis) {
   return length(w + vec3(to_clip[0][axis], to_clip[1][axis], to_clip[2][axis]));
 }
 
-// Whether any of a sphere may be in front of the near plane and within the four sides.
-bool sphere_in_view(vec3 center, float radius) {
+// Points are drawn where their middle is in the picture; so what only reaches into it is a solid.
+// `size` is that of the point.
+uint kind_of(vec3 center, float radius, float size) {
   vec4 c = to_clip * vec4(center, 1.0);
-  return c.w + radius >= eye.w && abs(c.x) <= c.w + radius * side_length(0) &&
-         abs(c.y) <= c.w + radius * side_length(1);
+  vec2 outside = abs(c.xy) - c.w;
+  if (c.w >= eye.w && max(outside.x, outside.y) <= 0.0 && size <= kLargestSprite &&
+      radius <= kNearestSprite * c.w) {
+    return kSprite;
+  }
+  bool in_view = c.w + radius >= eye.w && outside.x <= radius * side_length(0) &&
+                 outside.y <= radius * side_length(1);
+  return in_view ? kSolid : kHidden;
 }

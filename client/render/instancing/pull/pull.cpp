@@ -12,13 +12,16 @@ namespace {
 
 /// So many are listed at a time: their elements fit into the smallest buffer that drivers promise.
 constexpr std::size_t kBatch = std::size_t{1} << 20;
-constexpr std::size_t kElementBytes = 64;  ///< of the largest Element
-constexpr std::size_t kWordBytes = 8, kInstancesPerWord = 32;
-constexpr std::size_t kCommandBytes = 20;
+constexpr std::size_t kSpriteBytes = 48, kElementBytes = 64;  ///< as the shaders declare them
+constexpr std::size_t kWordBytes = 16, kInstancesPerWord = 32;
 constexpr GLuint kGroup = 64;
 
-enum Binding : GLuint { kInstances, kWords, kCommand, kElements };
-enum Location : GLint { kInstanceCount = 2, kLargestScale = 3, kIndicesPerInstance = 4 };
+/// Binding 2 of count.comp.glsl: glDrawArraysIndirect's for sprites, glDrawElementsIndirect's for
+/// solids.
+constexpr std::size_t kSpriteCommandBytes = 16, kSolidCommandBytes = 20;
+
+enum Binding : GLuint { kInstances, kWords, kCommands, kSprites, kSolids };
+enum Location : GLint { kInstanceCount = 2, kLargestScale = 3, kIndicesPerSolid = 4 };
 
 struct ListPrograms {
   gl::Program mark, count, write;
@@ -63,18 +66,24 @@ struct IndexBuffer {
 };
 
 /// Neither surfels that show their back nor any outside of the picture become vertices: three
-/// compute shaders list the others, placed, and the passes draw that list as one indexed mesh,
-/// whose vertex shader has next to nothing left to do.
+/// compute shaders list the others, and the passes draw that list. What a point can cover is drawn
+/// as one, which spares four vertices and two triangles, or eight and six; the rest as one indexed
+/// mesh, whose vertex shader has next to nothing left to do.
 class PullInstancing final : public InstancingMethod {
  public:
-  PullInstancing(PassPrograms programs, ListPrograms surfels, ListPrograms voxels)
-      : programs_(std::move(programs)), surfels_(std::move(surfels)), voxels_(std::move(voxels)) {
-    glNamedBufferStorage(command_.name(), kCommandBytes, nullptr, 0);
+  struct Programs {
+    PassPrograms solids;
+    std::array<gl::Program, kPasses> sprites;
+    ListPrograms list_surfels, list_voxels;
+  };
+
+  explicit PullInstancing(Programs programs) : programs_(std::move(programs)) {
+    glNamedBufferStorage(commands_.name(), kSpriteCommandBytes + kSolidCommandBytes, nullptr, 0);
   }
 
   void begin(float largest_scale) override {
     listed_.reset();
-    glProgramUniform1f(surfels_.mark.name(), kLargestScale, largest_scale);
+    glProgramUniform1f(programs_.list_surfels.mark.name(), kLargestScale, largest_scale);
   }
 
   void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
@@ -83,11 +92,15 @@ class PullInstancing final : public InstancingMethod {
       IndexBuffer& indices = indices_[static_cast<std::size_t>(pass)];
       indices.reserve(pass, count);
       list(instances, pass, first, count, indices.per_element);
-      programs_.use(pass, parameters);
       glVertexArrayElementBuffer(no_attributes_.name(), indices.buffer.name());
       glBindVertexArray(no_attributes_.name());
-      glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_.name());
-      glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr);
+      glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+      use_program(programs_.sprites[static_cast<std::size_t>(pass)], pass, parameters);
+      glEnable(GL_PROGRAM_POINT_SIZE);
+      glDrawArraysIndirect(GL_POINTS, nullptr);
+      programs_.solids.use(pass, parameters);
+      glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                             reinterpret_cast<const void*>(kSpriteCommandBytes));
     }
   }
 
@@ -111,12 +124,13 @@ class PullInstancing final : public InstancingMethod {
                       instances.offset() + static_cast<GLintptr>(first * sizeof(Instance)),
                       static_cast<GLsizeiptr>(count * sizeof(Instance)));
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kWords, words_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCommand, command_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kElements, elements_.name());
-    const ListPrograms& programs = wanted.surfels ? surfels_ : voxels_;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCommands, commands_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSprites, sprites_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSolids, solids_.name());
+    const ListPrograms& programs = wanted.surfels ? programs_.list_surfels : programs_.list_voxels;
     run(programs.mark, count, words);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glProgramUniform1ui(programs.count.name(), kIndicesPerInstance, indices);
+    glProgramUniform1ui(programs.count.name(), kIndicesPerSolid, indices);
     run(programs.count, count, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     run(programs.write, count, count);
@@ -138,50 +152,77 @@ class PullInstancing final : public InstancingMethod {
       return buffer;
     };
     words_ = make((capacity_ / kInstancesPerWord + 1) * kWordBytes);
-    elements_ = make(capacity_ * kElementBytes);
+    sprites_ = make(capacity_ * kSpriteBytes);
+    solids_ = make(capacity_ * kElementBytes);
   }
 
-  PassPrograms programs_;
-  ListPrograms surfels_, voxels_;
-  gl::Buffer words_, elements_, command_ = gl::Buffer::create();
+  Programs programs_;
+  gl::Buffer words_, sprites_, solids_, commands_ = gl::Buffer::create();
   std::size_t capacity_ = 0;
-  std::array<IndexBuffer, 5> indices_;
+  std::array<IndexBuffer, kPasses> indices_;
   gl::VertexArray no_attributes_ = gl::VertexArray::create();
   std::optional<Listed> listed_;
 };
 
 Result<ListPrograms> make_list_programs(bool surfel) {
-  const auto make = [surfel](std::vector<std::string_view> own) {
+  const std::string_view sprite =
+      surfel ? "instancing/pull/surfel_sprite.glsl" : "instancing/pull/voxel_sprite.glsl";
+  const auto make = [surfel, sprite](std::vector<std::string_view> own) {
     std::vector<std::string_view> files = placing_files(surfel);
+    files.insert(files.end(), {sprite, "instancing/pull/list.glsl"});
     files.insert(files.end(), own.begin(), own.end());
     return gl::make_program(std::array{gl::Stage{GL_COMPUTE_SHADER, std::move(files)}});
   };
-  auto mark =
-      make({"instancing/pull/mark.glsl",
-            surfel ? "instancing/pull/surfel_visible.glsl" : "instancing/pull/voxel_visible.glsl",
-            "instancing/pull/list.glsl", "instancing/pull/mark.comp.glsl"});
+  auto mark = make({"instancing/pull/mark.glsl",
+                    surfel ? "instancing/pull/surfel_mark.glsl" : "instancing/pull/voxel_mark.glsl",
+                    "instancing/pull/mark.comp.glsl"});
   if (!mark) return fail(mark.error().message);
-  auto count = make({"instancing/pull/list.glsl", "instancing/pull/count.comp.glsl"});
+  auto count = make({"instancing/pull/count.comp.glsl"});
   if (!count) return fail(count.error().message);
-  auto write = make({"instancing/pull/list.glsl", "instancing/pull/write.comp.glsl"});
+  auto write = make({"instancing/pull/write.comp.glsl"});
   if (!write) return fail(write.error().message);
   return ListPrograms{std::move(*mark), std::move(*count), std::move(*write)};
+}
+
+Result<gl::Program> make_sprite_program(Pass pass) {
+  std::vector<std::string_view> vertex = placing_files(is_surfel(pass));
+  if (!is_surfel(pass)) {
+    vertex.insert(vertex.end(),
+                  {"instancing/pull/voxel_sprite.glsl", "instancing/pull/voxel_sprite.vert.glsl"});
+    return gl::make_program(
+        std::array{gl::Stage{GL_VERTEX_SHADER, std::move(vertex)},
+                   gl::Stage{GL_FRAGMENT_SHADER, {"instancing/pull/voxel_sprite.frag.glsl"}}});
+  }
+  vertex.insert(vertex.end(),
+                {"instancing/pull/surfel_sprite.glsl", "instancing/pull/surfel_sprite.vert.glsl"});
+  return gl::make_program(
+      std::array{gl::Stage{GL_VERTEX_SHADER, std::move(vertex)},
+                 gl::Stage{GL_FRAGMENT_SHADER,
+                           fragment_files(pass, "instancing/pull/sprite_footprint.glsl")}});
 }
 
 }  // namespace
 
 Result<std::unique_ptr<InstancingMethod>> make_pull_instancing() {
-  auto programs = PassPrograms::create([](Pass, std::vector<std::string_view> primitive) {
-    primitive.push_back("instancing/pull/pull.vert.glsl");
+  PullInstancing::Programs programs;
+  auto solids = PassPrograms::create([](Pass, std::vector<std::string_view> primitive) {
+    primitive.push_back("instancing/pull/solid.vert.glsl");
     return std::vector<gl::Stage>{{GL_VERTEX_SHADER, std::move(primitive)}};
   });
-  if (!programs) return fail(programs.error().message);
+  if (!solids) return fail(solids.error().message);
+  programs.solids = std::move(*solids);
+  for (std::size_t i = 0; i < kPasses; ++i) {
+    auto program = make_sprite_program(static_cast<Pass>(i));
+    if (!program) return fail(program.error().message);
+    programs.sprites[i] = std::move(*program);
+  }
   auto surfels = make_list_programs(true);
   if (!surfels) return fail(surfels.error().message);
   auto voxels = make_list_programs(false);
   if (!voxels) return fail(voxels.error().message);
-  return std::make_unique<PullInstancing>(std::move(*programs), std::move(*surfels),
-                                          std::move(*voxels));
+  programs.list_surfels = std::move(*surfels);
+  programs.list_voxels = std::move(*voxels);
+  return std::make_unique<PullInstancing>(std::move(programs));
 }
 
 }  // namespace pointreel

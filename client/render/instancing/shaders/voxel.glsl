@@ -4,7 +4,7 @@ struct Element {
   vec3 octant;   // of the eye as seen from the centre: -1 or 1 each
   float half_edge;
   vec3 normal;   // as it is lit; zero where unknown
-  vec3 color;    // sRGB
+  vec3 color;    // linear
 };
 
 Element place(Instance voxel) {
@@ -22,5 +22,5 @@ vec4 corner_position(Element e, vec3 corner) {
 
 // The colour of one side, which lights the voxel where its own normal is unknown.
 vec3 face_color(Element e, vec3 face) {
-  return shade(e.color, e.normal == vec3(0.0) ? face : e.normal);
+  return e.color * light_on(e.normal == vec3(0.0) ? face : e.normal);
 }

@@ -1,0 +1,45 @@
+// A surfel as a point that covers its disc: a vertex instead of four, a square instead of two
+// triangles. Which pixels belong to the disc is decided for each of them (sprite_footprint.glsl),
+// with the projection taken as affine across the disc, which is small in the picture.
+struct Sprite {
+  vec2 middle;      // window coordinates
+  float w;          // of the clip coordinates: depth in front of the eye
+  float away;       // radius in distances from the eye
+  vec3 covariance;  // xx, xy, yy in pixels: the disc's image is d' C^-1 d <= 1
+  uint color_rg;    // linear, half floats
+  vec2 slope;       // of 1 / depth, in shares of itself a pixel
+  uint color_b;
+  uint unused;
+};
+
+// J (1 - n n') J' r^2 where J is the derivative of the window coordinates.
+vec3 covariance(vec3 from_eye, vec3 n, float radius, float w) {
+  vec3 right = vec3(to_clip[0].x, to_clip[1].x, to_clip[2].x);
+  vec3 up = vec3(to_clip[0].y, to_clip[1].y, to_clip[2].y);
+  vec3 forward = vec3(to_clip[0].w, to_clip[1].w, to_clip[2].w);
+  vec2 half_size = 0.5 * window.xy * radius / w;
+  vec3 x = half_size.x * (right - dot(right, from_eye) / w * forward);
+  vec3 y = half_size.y * (up - dot(up, from_eye) / w * forward);
+  float nx = dot(n, x), ny = dot(n, y);
+  return vec3(dot(x, x) - nx * nx, dot(x, y) - nx * ny, dot(y, y) - ny * ny);
+}
+
+// Side of the square around a sphere's image, in pixels.
+float sprite_size(Instance surfel) {
+  float w = (to_clip * vec4(surfel.center, 1.0)).w;
+  return 2.0 * surfel.radius * distance(surfel.center, eye.xyz) / max(w * w * pixel.x, 1e-30);
+}
+
+Sprite make_sprite(Instance surfel) {
+  vec3 n = surfel_normal(surfel, towards_eye(surfel.center));
+  vec3 from_eye = surfel.center - eye.xyz;
+  vec4 clip = to_clip * vec4(surfel.center, 1.0);
+  vec3 color = surfel.color * light_on(n);
+  // On a plane 1 / depth is linear in the picture: n . ray / n . center.
+  float facing = dot(n, from_eye);
+  vec2 slope = vec2(dot(n, ray_x.xyz), dot(n, ray_y.xyz)) * (clip.w / min(facing, -1e-30));
+  return Sprite(0.5 * window.xy * (clip.xy / clip.w + 1.0), clip.w,
+                surfel.radius / max(length(from_eye), eye.w),
+                covariance(from_eye, n, surfel.radius, clip.w), packHalf2x16(color.rg), slope,
+                packHalf2x16(vec2(color.b, 0.0)), 0u);
+}

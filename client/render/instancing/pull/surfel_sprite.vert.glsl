@@ -1,0 +1,29 @@
+// A surfel that was listed, as a point.
+layout(std430, binding = 3) readonly buffer Sprites { Sprite sprites[]; };
+
+layout(location = 0) uniform float scale;      // of the splat's radius
+layout(location = 1) uniform float tolerance;  // pushes it back, in scaled radii
+
+flat out vec2 middle;
+flat out vec3 conic;
+flat out vec3 linear_color;
+flat out vec4 depth_plane;  // of the middle; its slope a pixel; its largest change
+
+// Of the disc's image, in pixels: no disc falls between the pixels' centres.
+const float kLeastRadius = 0.7;
+
+void main() {
+  Sprite s = sprites[gl_VertexID];
+  vec3 c = scale * scale * s.covariance;
+  float half_trace = 0.5 * (c.x + c.z);
+  float smaller = half_trace - length(vec2(0.5 * (c.x - c.z), c.y));  // radius, squared
+  c.xz += max(kLeastRadius * kLeastRadius - smaller, 0.0);
+  conic = vec3(c.z, -2.0 * c.y, c.x) / (c.x * c.z - c.y * c.y);
+  middle = s.middle;
+  gl_PointSize = 2.0 * sqrt(max(c.x, c.z));
+  // As in surfel_vertex.glsl.
+  gl_Position = vec4((2.0 * s.middle / window.xy - 1.0) * s.w,
+                     eye.w / (1.0 + tolerance * scale * s.away), s.w);
+  depth_plane = gl_Position.z / s.w * vec4(1.0, s.slope, scale * s.away);
+  linear_color = vec3(unpackHalf2x16(s.color_rg), unpackHalf2x16(s.color_b).x);
+}

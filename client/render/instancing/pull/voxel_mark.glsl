@@ -1,0 +1,3 @@
+uint kind_of(Instance voxel) {
+  return kind_of(voxel.center, 1.73206 * voxel.radius, sprite_size(voxel));
+}

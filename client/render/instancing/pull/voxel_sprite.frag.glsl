@@ -1,0 +1,19 @@
+// Where the ray through the pixel's centre enters a cube, if it does: behind the last of the three
+// planes on the eye's side, unless it has left through one of the others by then.
+flat in vec3 center;
+flat in float half_edge;
+flat in vec3 face_light;
+flat in vec3 linear_color;
+
+layout(location = 0) out vec4 color;
+
+void main() {
+  vec3 inverse = 1.0 / pixel_ray(gl_FragCoord.xy);
+  vec3 middle = center * inverse, reach = abs(half_edge * inverse);
+  vec3 enter = middle - reach, leave = middle + reach;
+  float depth = max(max(enter.x, enter.y), enter.z);
+  if (!(depth <= min(min(leave.x, leave.y), leave.z))) discard;
+  float light = enter.x == depth ? face_light.x : enter.y == depth ? face_light.y : face_light.z;
+  color = vec4(light * linear_color, 1.0);
+  gl_FragDepth = eye.w / depth;
+}

@@ -1,0 +1,34 @@
+// A voxel as a point that covers its cube: a vertex instead of eight, a square instead of six
+// triangles. Which pixels see which face is decided for each of them (voxel_sprite.frag.glsl).
+struct Sprite {
+  vec3 center;  // from the eye
+  float half_edge;
+  vec3 light;   // on the faces across each axis that the eye can see
+  float size;   // in pixels
+  vec3 color;   // linear
+  float unused;
+};
+
+float depth_of(Instance voxel) { return (to_clip * vec4(voxel.center, 1.0)).w; }
+
+// Never smaller than a pixel, as in voxel.glsl.
+float drawn_half_edge(Instance voxel) {
+  return max(voxel.radius, 0.5 * pixel.x * depth_of(voxel));
+}
+
+// Side of the square around a sphere's image, in pixels.
+float sprite_size(Instance voxel) {
+  float w = depth_of(voxel);
+  return 2.0 * 1.73206 * drawn_half_edge(voxel) * distance(voxel.center, eye.xyz) /
+         max(w * w * pixel.x, 1e-30);
+}
+
+Sprite make_sprite(Instance voxel) {
+  Element e = place(voxel);
+  vec3 x = vec3(e.octant.x, 0.0, 0.0), y = vec3(0.0, e.octant.y, 0.0), z = vec3(0.0, 0.0, e.octant.z);
+  bool known = e.normal != vec3(0.0);
+  return Sprite(voxel.center - eye.xyz, e.half_edge,
+                vec3(light_on(known ? e.normal : x), light_on(known ? e.normal : y),
+                     light_on(known ? e.normal : z)),
+                sprite_size(voxel), e.color, 0.0);
+}

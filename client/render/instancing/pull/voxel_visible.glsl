@@ -1,2 +1,0 @@
-// The cut of the octree has left out what cannot be seen.
-bool visible(Instance voxel) { return true; }

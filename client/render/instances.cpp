@@ -41,20 +41,26 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal) {
   return glm::u16vec3(glm::ivec3(normal) + 32767);
 }
 
-void pack_points(const SceneFrame& frame, std::span<Instance> out) {
+InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out) {
   const PointCloud& cloud = frame.cloud;
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
+  InstanceBounds bounds;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
-    out[i] = {cloud.positions[i], cloud.has_radii() ? cloud.radii[i] : leaf_radius, normal,
+    const float radius = cloud.has_radii() ? cloud.radii[i] : leaf_radius;
+    out[i] = {cloud.positions[i], radius, normal,
               pack_color(cloud.has_colors() ? cloud.colors[i] : fake_color(normal))};
+    bounds.grow(cloud.positions[i], radius);
   }
+  return bounds;
 }
 
-void pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut, std::span<Instance> out) {
+InstanceBounds pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut,
+                           std::span<Instance> out) {
   const NodeAttributes& attributes = frame.attributes;
+  InstanceBounds bounds;
   for (std::size_t i = 0; i < cut.size(); ++i) {
     const CutNode& node = cut[i];
     const glm::i16vec4 normal = attributes.normals.empty()
@@ -63,7 +69,9 @@ void pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut, std::spa
     out[i] = {
         node.center, node.half, normal,
         pack_color(attributes.colors.empty() ? fake_color(normal) : attributes.colors[node.node])};
+    bounds.grow(node.center, node.half);
   }
+  return bounds;
 }
 
 }  // namespace pointreel

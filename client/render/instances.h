@@ -6,6 +6,7 @@
 #include <glm/gtc/type_precision.hpp>
 
 #include "client/render/instance_buffer.h"
+#include "client/render/region.h"
 #include "client/scene/cut.h"
 #include "client/scene/frame.h"
 
@@ -19,10 +20,11 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal);
 /// Surfels or points of a frame, relative to its cloud's origin; `out` has one for each point.
 /// Radii are those of the cloud; where it has none (a frame that was prepared for another mode),
 /// half the diagonal of the octree's leaves.
-void pack_points(const SceneFrame& frame, std::span<Instance> out);
+InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out);
 
 /// Voxels: the cut's nodes with their mean attributes, relative to the cube's origin; `out` has one
 /// for each node.
-void pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut, std::span<Instance> out);
+InstanceBounds pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut,
+                           std::span<Instance> out);
 
 }  // namespace pointreel

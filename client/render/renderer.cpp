@@ -108,10 +108,10 @@ Result<void> Renderer::update_instances(std::shared_ptr<const SceneFrame> frame,
   }
   if (frame_ && voxels) {
     origin_ = frame_->svo.cube.origin;
-    pack_voxels(*frame_, cut_.nodes(), out);
+    bounds_ = pack_voxels(*frame_, cut_.nodes(), out);
   } else if (frame_) {
     origin_ = frame_->cloud.origin;
-    pack_points(*frame_, out);
+    bounds_ = pack_points(*frame_, out);
   }
   return {};
 }
@@ -159,7 +159,8 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   glClearNamedFramebufferfv(picture_.name(), GL_COLOR, 0, background.data());
   glClearNamedFramebufferfv(picture_.name(), GL_DEPTH, 0, &infinity);
   if (stats.drawn > 0) {
-    if (auto drawn = draw_instances(options); !drawn) return fail(drawn.error().message);
+    if (auto drawn = draw_instances(options, view.to_clip); !drawn)
+      return fail(drawn.error().message);
     instances_.drawn();
   }
   glDisable(GL_FRAMEBUFFER_SRGB);
@@ -168,7 +169,7 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   return stats;
 }
 
-Result<void> Renderer::draw_instances(const DrawOptions& options) {
+Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat4& to_clip) {
   if (mode_ == DrawMode::point) {
     draw_points(options);
     return {};
@@ -180,8 +181,11 @@ Result<void> Renderer::draw_instances(const DrawOptions& options) {
   glFrontFace(GL_CCW);
   if (mode_ == DrawMode::surfel) {
     const SplatScales scales = scales_of(options.splatting, options.scales);
-    (*method)->begin(std::max(scales.visibility, scales.shading));
-    splatter_->draw(**method, instances_, options.splatting, scales, picture_.name());
+    const float largest_scale = std::max(scales.visibility, scales.shading);
+    (*method)->begin(largest_scale);
+    // The corners of a quad are farther out than the rim of its disc.
+    const PixelRect region = region_of(bounds_, 1.5f * largest_scale, to_clip, size_);
+    splatter_->draw(**method, instances_, options.splatting, scales, region, picture_.name());
   } else {
     (*method)->begin(1.0f);
     glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());

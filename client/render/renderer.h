@@ -12,6 +12,7 @@
 #include "client/render/image.h"
 #include "client/render/instance_buffer.h"
 #include "client/render/instancing/instancing.h"
+#include "client/render/region.h"
 #include "client/render/splatting.h"
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
@@ -99,7 +100,7 @@ class Renderer {
   Result<void> update_instances(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                                 const DrawOptions& options, DrawStats& stats);
   Result<InstancingMethod*> method_for(Instancing instancing);
-  Result<void> draw_instances(const DrawOptions& options);
+  Result<void> draw_instances(const DrawOptions& options, const glm::mat4& to_clip);
   void draw_points(const DrawOptions& options) const;
   Result<std::vector<glm::u8vec4>> read_picture() const;
 
@@ -118,6 +119,7 @@ class Renderer {
   std::uint32_t visited_ = 0;
   VoxelCut cut_;
   InstanceBuffer instances_;
+  InstanceBounds bounds_;   ///< of the instances
   glm::dvec3 origin_{0.0};  ///< of the instances, in world coordinates
 };
 

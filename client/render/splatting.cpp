@@ -67,7 +67,7 @@ Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& depth) {
 }
 
 void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-                    const SplatScales& scales, GLuint picture) const {
+                    const SplatScales& scales, const PixelRect& region, GLuint picture) const {
   if (splatting != Splatting::regular && splatting != Splatting::no_depth) {
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -79,7 +79,7 @@ void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, S
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
   if (splatting == Splatting::normalized) {
-    draw_normalized(method, instances, scales.shading, picture);
+    draw_normalized(method, instances, scales.shading, region, picture);
   } else {
     draw_blended(method, instances, scales.shading, picture);
   }
@@ -96,7 +96,7 @@ void Splatter::draw_blended(InstancingMethod& method, const InstanceBuffer& inst
 }
 
 void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
-                               float scale, GLuint picture) const {
+                               float scale, const PixelRect& region, GLuint picture) const {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
   const std::array<GLfloat, 4> nothing{};
   glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
@@ -109,7 +109,10 @@ void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& i
   glBindTextureUnit(0, sums_.name());
   glUseProgram(resolve_.name());
   glBindVertexArray(no_attributes_.name());
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(region.min.x, region.min.y, region.max.x - region.min.x, region.max.y - region.min.y);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_SCISSOR_TEST);
 }
 
 }  // namespace pointreel

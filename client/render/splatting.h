@@ -4,6 +4,7 @@
 
 #include "client/render/gl_objects.h"
 #include "client/render/instancing/method.h"
+#include "client/render/region.h"
 
 namespace pointreel {
 
@@ -38,19 +39,19 @@ class Splatter {
   /// For pictures of this size, whose depths are in `depth`.
   Result<void> resize(glm::ivec2 size, const gl::Texture& depth);
 
-  /// Into the framebuffer `picture`, whose colours are encoded as sRGB when they are written, and
-  /// whose depth is that of `resize`, cleared; linear colours, and 1 where something was drawn,
-  /// less where blending left it transparent. Depth writes and the depth test are on, blending off,
-  /// and so they are left.
+  /// Into a region of the framebuffer `picture` in which all of the surfels lie, and whose colours
+  /// are encoded as sRGB when they are written, and whose depth is that of `resize`, cleared;
+  /// linear colours, and 1 where something was drawn, less where blending left it transparent.
+  /// Depth writes and the depth test are on, blending off, and so they are left.
   void draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-            const SplatScales& scales, GLuint picture) const;
+            const SplatScales& scales, const PixelRect& region, GLuint picture) const;
 
  private:
   Splatter() = default;
   void draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale,
                     GLuint picture) const;
   void draw_normalized(InstancingMethod& method, const InstanceBuffer& instances, float scale,
-                       GLuint picture) const;
+                       const PixelRect& region, GLuint picture) const;
 
   gl::Program resolve_;
   gl::Texture sums_;

@@ -1,0 +1,42 @@
+#include "client/render/region.h"
+
+#include <cmath>
+
+namespace pointreel {
+
+void InstanceBounds::grow(const glm::vec3& center, float its_radius) {
+  if (empty()) {
+    min = max = center;
+  } else {
+    min = glm::min(min, center);
+    max = glm::max(max, center);
+  }
+  radius = glm::max(radius, its_radius);
+}
+
+PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& to_clip,
+                    glm::ivec2 size) {
+  if (bounds.empty()) return {};
+  const glm::vec3 low = bounds.min - scale * bounds.radius,
+                  high = bounds.max + scale * bounds.radius;
+  const PixelRect whole{glm::ivec2(0), size};
+  glm::vec2 least(1.0f), most(-1.0f);  // of the picture, -1 to 1
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec4 clip =
+        to_clip * glm::vec4(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                            corner & 4 ? high.z : low.z, 1.0f);
+    // Negated, so that a NaN is not taken for something in view.
+    if (!(clip.w > 1e-6f * (glm::length(high - low) + bounds.radius))) return whole;
+    least = glm::min(least, glm::vec2(clip) / clip.w);
+    most = glm::max(most, glm::vec2(clip) / clip.w);
+  }
+  // A pixel more: sprites are never smaller than one.
+  const glm::vec2 half = 0.5f * glm::vec2(size);
+  const glm::vec2 from = glm::floor((glm::max(least, -1.0f) + 1.0f) * half) - 1.0f;
+  const glm::vec2 to = glm::ceil((glm::min(most, 1.0f) + 1.0f) * half) + 1.0f;
+  const PixelRect region{glm::clamp(glm::ivec2(from), glm::ivec2(0), size),
+                         glm::clamp(glm::ivec2(to), glm::ivec2(0), size)};
+  return glm::any(glm::lessThan(region.max, region.min)) ? PixelRect{} : region;
+}
+
+}  // namespace pointreel

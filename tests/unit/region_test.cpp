@@ -1,0 +1,59 @@
+#include "client/render/region.h"
+
+#include <gtest/gtest.h>
+
+#include "client/scene/camera.h"
+
+namespace pointreel {
+namespace {
+
+constexpr glm::ivec2 kSize(400, 300);
+
+glm::mat4 to_clip(const Camera& camera) {
+  return camera.projection(4.0 / 3.0) * camera.view_from(glm::dvec3(0.0));
+}
+
+Camera front_camera() {
+  Camera camera;
+  camera.distance = 4.0;
+  return camera;
+}
+
+TEST(Region, HoldsEverySphereAndLittleMore) {
+  InstanceBounds bounds;
+  bounds.grow({0.5f, 0.1f, 0.0f}, 0.05f);
+  bounds.grow({0.8f, -0.3f, 0.1f}, 0.02f);
+  const glm::mat4 clip = to_clip(front_camera());
+  const PixelRect region = region_of(bounds, 2.0f, clip, kSize);
+  for (const glm::vec3 p : {glm::vec3(0.5f, 0.1f, 0.0f), glm::vec3(0.8f, -0.3f, 0.1f)}) {
+    for (const glm::vec3 to : {glm::vec3(0.1f, 0.0f, 0.0f), glm::vec3(-0.1f, 0.0f, 0.0f),
+                               glm::vec3(0.0f, 0.1f, 0.0f), glm::vec3(0.0f, -0.1f, 0.0f)}) {
+      const glm::vec4 c = clip * glm::vec4(p + to, 1.0f);
+      const glm::vec2 pixel = 0.5f * (glm::vec2(c) / c.w + 1.0f) * glm::vec2(kSize);
+      EXPECT_TRUE(glm::all(glm::greaterThanEqual(pixel, glm::vec2(region.min))));
+      EXPECT_TRUE(glm::all(glm::lessThanEqual(pixel, glm::vec2(region.max))));
+    }
+  }
+  EXPECT_GT(region.min.x, kSize.x / 2);
+  EXPECT_LT(region.max.x, kSize.x * 3 / 4);
+}
+
+TEST(Region, IsNothingWhereNothingIsOrAllOfItIsOutOfView) {
+  EXPECT_EQ(region_of({}, 2.0f, to_clip(front_camera()), kSize), PixelRect{});
+  InstanceBounds left;
+  left.grow({-9.0f, 0.0f, 0.0f}, 0.1f);
+  const PixelRect region = region_of(left, 1.0f, to_clip(front_camera()), kSize);
+  EXPECT_LE(region.max.x - region.min.x, 1);
+}
+
+TEST(Region, IsTheWholePictureAroundTheEye) {
+  InstanceBounds around;
+  around.grow({0.0f, 0.0f, 3.9f}, 0.2f);
+  const PixelRect whole{glm::ivec2(0), kSize};
+  EXPECT_EQ(region_of(around, 1.0f, to_clip(front_camera()), kSize), whole);
+  around.grow({0.0f, 0.0f, 9.0f}, 0.2f);
+  EXPECT_EQ(region_of(around, 1.0f, to_clip(front_camera()), kSize), whole);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -15,12 +15,14 @@ float side_length(int axis) {
 }
 
 // Points are drawn where their middle is in the picture; so what only reaches into it is a solid.
-// `size` is that of the point.
-uint kind_of(vec3 center, float radius, float size) {
+uint kind_of(vec3 center, float radius) {
   vec4 c = to_clip * vec4(center, 1.0);
   vec2 outside = abs(c.xy) - c.w;
-  if (c.w >= eye.w && max(outside.x, outside.y) <= 0.0 && size <= kLargestSprite &&
-      radius <= kNearestSprite * c.w) {
+  // A square around the sphere's image has the side 2 radius distance / (w^2 pixel).
+  vec3 from_eye = center - eye.xyz;
+  float reach = 2.0 * radius, most = kLargestSprite * pixel.x * c.w * c.w;
+  if (c.w >= eye.w && max(outside.x, outside.y) <= 0.0 && radius <= kNearestSprite * c.w &&
+      reach * reach * dot(from_eye, from_eye) <= most * most) {
     return kSprite;
   }
   bool in_view = c.w + radius >= eye.w && outside.x <= radius * side_length(0) &&

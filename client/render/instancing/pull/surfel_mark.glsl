@@ -1,7 +1,6 @@
 uint kind_of(Instance surfel) {
   // A surfel that shows its back is not seen.
-  vec3 to_eye = towards_eye(surfel.center);
-  if (dot(surfel_normal(surfel, to_eye), to_eye) <= 0.0) return kHidden;
-  return kind_of(surfel.center, 1.41422 * largest_scale * surfel.radius,
-                 largest_scale * sprite_size(surfel));
+  bool has_back = pixel.y < 0.5 && dot(surfel.normal, surfel.normal) > 0.25;
+  if (has_back && dot(surfel.normal, eye.xyz - surfel.center) <= 0.0) return kHidden;
+  return kind_of(surfel.center, 1.41422 * largest_scale * surfel.radius);
 }

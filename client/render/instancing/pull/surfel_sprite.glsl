@@ -24,12 +24,6 @@ vec3 covariance(vec3 from_eye, vec3 n, float radius, float w) {
   return vec3(dot(x, x) - nx * nx, dot(x, y) - nx * ny, dot(y, y) - ny * ny);
 }
 
-// Side of the square around a sphere's image, in pixels.
-float sprite_size(Instance surfel) {
-  float w = (to_clip * vec4(surfel.center, 1.0)).w;
-  return 2.0 * surfel.radius * distance(surfel.center, eye.xyz) / max(w * w * pixel.x, 1e-30);
-}
-
 Sprite make_sprite(Instance surfel) {
   vec3 n = surfel_normal(surfel, towards_eye(surfel.center));
   vec3 from_eye = surfel.center - eye.xyz;

@@ -1,3 +1,1 @@
-uint kind_of(Instance voxel) {
-  return kind_of(voxel.center, 1.73206 * voxel.radius, sprite_size(voxel));
-}
+uint kind_of(Instance voxel) { return kind_of(voxel.center, 1.73206 * voxel.radius); }

@@ -115,6 +115,9 @@ TEST(Difference, is_the_largest_channel_and_the_root_of_the_mean_square) {
   b.pixels[2] = {10, 14, 30};
   EXPECT_EQ(difference(a, b).largest, 6);
   EXPECT_NEAR(difference(a, b).rms, std::sqrt(36.0 / 12.0), 1e-12);
+  EXPECT_DOUBLE_EQ(difference(a, b).share, 0.25);
+  b.pixels[1] = {11, 20, 30};  // rounding
+  EXPECT_DOUBLE_EQ(difference(a, b).share, 0.25);
   EXPECT_EQ(difference(a, a).largest, 0);
   EXPECT_EQ(difference(a, a).rms, 0.0);
 }

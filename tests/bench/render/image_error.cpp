@@ -149,15 +149,18 @@ Coverage compare_coverage(std::span<const std::uint8_t> truth,
 
 Difference difference(const Image& a, const Image& b) {
   Difference difference;
-  std::uint64_t squares = 0;
+  std::uint64_t squares = 0, seen = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
     const glm::ivec3 d = glm::abs(glm::ivec3(a.pixels[i]) - glm::ivec3(b.pixels[i]));
-    difference.largest = std::max({difference.largest, d.x, d.y, d.z});
+    const int largest = std::max({d.x, d.y, d.z});
+    difference.largest = std::max(difference.largest, largest);
+    seen += largest > 1;
     squares += static_cast<std::uint64_t>(d.x * d.x + d.y * d.y + d.z * d.z);
   }
   if (!a.pixels.empty()) {
     difference.rms =
         std::sqrt(static_cast<double>(squares) / static_cast<double>(3 * a.pixels.size()));
+    difference.share = static_cast<double>(seen) / static_cast<double>(a.pixels.size());
   }
   return difference;
 }

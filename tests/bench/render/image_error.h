@@ -45,8 +45,9 @@ Coverage compare_coverage(std::span<const std::uint8_t> truth,
                           std::span<const std::uint8_t> covered);
 
 struct Difference {
-  double rms = 0.0;  ///< of all channels of all pixels, in steps of 1 / 255
-  int largest = 0;   ///< of one channel
+  double rms = 0.0;    ///< of all channels of all pixels, in steps of 1 / 255
+  int largest = 0;     ///< of one channel
+  double share = 0.0;  ///< of the pixels with a channel that differs by more than 1
 };
 Difference difference(const Image& a, const Image& b);
 

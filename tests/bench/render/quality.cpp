@@ -48,8 +48,8 @@ std::vector<PictureSetting> picture_settings() {
     add(name(splatting), {.splatting = splatting}, true);
   }
   // Scales of the splats: visibility, shading.
-  for (const SplatScales& scales :
-       {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f}, SplatScales{2.0f, 2.0f}}) {
+  for (const SplatScales& scales : {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f},
+                                    SplatScales{1.5f, 2.0f}, SplatScales{2.0f, 2.0f}}) {
     add(fmt::format("normalized {}, {}", scales.visibility, scales.shading),
         {.splatting = Splatting::normalized, .scales = scales});
   }

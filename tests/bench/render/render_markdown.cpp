@@ -125,7 +125,7 @@ std::string times_table(const json& report, const char* what) {
       cells.push_back(fmt::format("{:.2f} %", 100.0 * number(row["holes"])));
     };
     error(methods["pull"]);
-    cells.push_back(std::to_string(times["differ"].get<int>()));
+    cells.push_back(fmt::format("{:.3f} %", 100.0 * number(times["differ"])));
     cells.push_back(milliseconds(times["default"]["ms"]));
     error(times["default"]);
     table.row(cells);
@@ -191,7 +191,9 @@ std::string to_render_markdown(const json& report) {
       std::to_string(report["runs"].get<int>()) + " runs in turns, " +
       (report["stopwatch"] == "gpu" ? "by timer queries" : "wall time until glFinish returns") +
       ". The paper's are of an NVIDIA Quadro 3000M. All methods draw the same picture; `methods "
-      "differ` by so many steps of 1/255 at most.\n\nTable II, surfels, two passes of which the "
+      "differ` is the largest share of the pixels in which one's differs from the geometry "
+      "shader's "
+      "by more than 1/255.\n\nTable II, surfels, two passes of which the "
       "second is enlarged twice (Figure 3 f):\n\n" +
       times_table(report, "surfels") + "Table IV, voxels, whole cubes, octree of delta = 5 %:\n\n" +
       times_table(report, "voxels") + "Traversal of the whole figure's octree, one thread:\n\n" +

@@ -86,6 +86,7 @@ std::vector<SceneChoice> scene_choices(int poses, std::size_t even_points) {
   }
   const Motion* kick = find_motion("kick");
   choices.push_back({"kick, dense", kick, kick->poses / 2, even_points});
+  choices.push_back({"kick, dense, no colours", kick, kick->poses / 2, even_points, false});
   return choices;
 }
 
@@ -138,6 +139,7 @@ Result<RenderScene> make_render_scene(const SceneChoice& choice) {
   if (!cloud) return fail_at(choice.name, cloud.error());
   const double spacing = std::sqrt(*area / static_cast<double>(cloud->size()));
   cloud->radii.clear();
+  if (!choice.colors) cloud->colors.clear();
   if (choice.even_points > 0) {
     cloud->radii.assign(cloud->size(), static_cast<float>(kDenseRadius * spacing));
   }

@@ -17,10 +17,12 @@ struct SceneChoice {
   const Motion* motion;
   int pose;
   std::size_t even_points;  ///< 0: as the scanner sees it
+  bool colors = true;       ///< else drawn in those made from the normals, as the paper's clouds
 };
 
 /// The paper's five sequences as its scanner would give them, `poses` of each, and last the dense
-/// one: without noise and evenly spread.
+/// one, without noise and evenly spread: with colours, whose edges are sharper than points can
+/// tell, and without.
 std::vector<SceneChoice> scene_choices(int poses, std::size_t even_points);
 
 /// The same points, ready to draw in every mode, and what they were sampled from.

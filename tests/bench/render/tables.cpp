@@ -47,7 +47,7 @@ Result<json> measure_methods(Renderer& renderer, const std::shared_ptr<const Sce
   const Image& first = views[0].truth.image;
   const glm::ivec2 size(first.width, first.height);
   std::vector<double> psnrs(draws.size()), holes(draws.size());
-  int largest = 0;
+  double differ = 0.0;
   for (const ViewTruth& view : views) {
     cameras.push_back(view.view.camera);
     std::optional<Image> one;
@@ -58,7 +58,7 @@ Result<json> measure_methods(Renderer& renderer, const std::shared_ptr<const Sce
       psnrs[i] += psnr(truth.image, picture->image, truth.mask).value_or(99.0);
       holes[i] += compare_coverage(truth.mask, picture->covered).holes;
       if (i == kMethods.size()) break;
-      if (one) largest = std::max(largest, difference(*one, picture->image).largest);
+      if (one) differ = std::max(differ, difference(*one, picture->image).share);
       if (!one) one = picture->image;
     }
   }
@@ -72,7 +72,7 @@ Result<json> measure_methods(Renderer& renderer, const std::shared_ptr<const Sce
   };
   json methods = json::object();
   for (std::size_t i = 0; i < kMethods.size(); ++i) methods[name(kMethods[i])] = row(i);
-  return json{{"methods", methods}, {"default", row(kMethods.size())}, {"differ", largest}};
+  return json{{"methods", methods}, {"default", row(kMethods.size())}, {"differ", differ}};
 }
 
 }  // namespace

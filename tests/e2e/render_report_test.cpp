@@ -46,6 +46,7 @@ class RenderReport : public testing::Test {
 
 TEST_F(RenderReport, has_every_figure_of_every_setting_and_its_picture) {
   ASSERT_EQ(report_["scenes"].size(), 2u);
+  std::size_t pictures = 0;
   for (const json& scene : report_["scenes"]) {
     ASSERT_EQ(scene["views"].size(), 2u);
     for (const json& view : scene["views"]) {
@@ -60,10 +61,13 @@ TEST_F(RenderReport, has_every_figure_of_every_setting_and_its_picture) {
         EXPECT_GT(row["psnr"], 10.0) << row.dump();
         EXPECT_GE(row["dilation"], 0.0) << row.dump();
         EXPECT_EQ(row["flicker"], 0) << row.dump();
+        if (!row.contains("picture")) continue;
         EXPECT_GT(fs::file_size(*folder_ / row["picture"].get<std::string>()), 10'000u);
+        ++pictures;
       }
     }
   }
+  EXPECT_EQ(pictures, 2 * (report_["scenes"][0]["views"][0]["rows"].size() + 1));
 }
 
 TEST_F(RenderReport, finds_the_default_near_the_truth_and_the_same_in_any_order) {
@@ -117,6 +121,14 @@ TEST_F(RenderReport, names_the_machine_and_states_its_bars) {
   for (const char* part : {"soccer-shoot", "kick, dense", "Table II", "Table IV", "Bars"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
   }
+}
+
+TEST_F(RenderReport, is_refused_where_a_graphics_card_is_asked_for_and_there_is_none) {
+  if (report_["stopwatch"] == "gpu") GTEST_SKIP() << "there is one";
+  const Outcome outcome =
+      run("pointreel-bench", {"render", "--quick", "--gpu", "-o", folder_->path()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("--gpu"), std::string::npos) << outcome.err;
 }
 
 TEST(RenderCommand, refuses_a_scene_that_there_is_not) {

@@ -43,6 +43,8 @@ struct Effort {
 };
 const Effort kFull = {{1920, 1280}, 4, 250'000, 5};
 const Effort kQuick = {{480, 320}, 2, 50'000, 1};
+/// On a graphics card, as many points as its bar has.
+constexpr std::size_t kGpuEvenPoints = 1'000'000;
 
 /// "kick, dense" as "kick-dense".
 std::string file_name(const std::string& name) {
@@ -69,12 +71,15 @@ Result<json> measure_views(Renderer& renderer, const RenderScene& scene,
       const auto quality = measure_quality(renderer, scene, view, setting, out.empty());
       if (!quality) return tl::unexpected(quality.error());
       rows.push_back(quality->row);
-      const std::string file = fmt::format("{}_{}_{}.png", file_name(scene.choice.name),
-                                           file_name(view.view.name), file_name(setting.name));
-      const auto written =
-          write_png((folder / file).string(), side_by_side(view.truth.image, quality->image));
-      if (!written) return tl::unexpected(written.error());
-      rows.back()["picture"] = file;
+      // The default from everywhere, the others once.
+      if (out.empty() || rows.size() == 1) {
+        const std::string file = fmt::format("{}_{}_{}.png", file_name(scene.choice.name),
+                                             file_name(view.view.name), file_name(setting.name));
+        const auto written =
+            write_png((folder / file).string(), side_by_side(view.truth.image, quality->image));
+        if (!written) return tl::unexpected(written.error());
+        rows.back()["picture"] = file;
+      }
       progress.tick();
     }
     out.push_back({{"view", view.view.name},
@@ -124,6 +129,25 @@ Result<json> measure_scene(Renderer& renderer, const SceneChoice& choice, const 
   return out;
 }
 
+/// All scenes, those that are asked for, or, quickly, one of either kind.
+Result<std::vector<SceneChoice>> choose_scenes(const Options& options, std::size_t even_points) {
+  std::vector<SceneChoice> choices = scene_choices(1, even_points);
+  std::vector<std::string> names = options.scenes;
+  if (names.empty() && options.quick) names = {"soccer-shoot", "kick, dense"};
+  if (names.empty()) return choices;
+  std::vector<SceneChoice> chosen;
+  for (const std::string& name : names) {
+    const auto found =
+        std::find_if(choices.begin(), choices.end(),
+                     [&name](const SceneChoice& choice) { return choice.name == name; });
+    if (found == choices.end()) {
+      return fail("there is no scene \"" + name + "\" (\"" + choices.front().name + "\" is one)");
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
 Result<json> write_render_report(const Options& options) {
   const double begin = now_ms();
   const Effort& effort = options.quick ? kQuick : kFull;
@@ -132,24 +156,6 @@ Result<json> write_render_report(const Options& options) {
   fs::create_directories(folder, error);
   if (error) return fail(folder.string() + ": " + error.message());
 
-  std::vector<SceneChoice> choices = scene_choices(1, effort.even_points);
-  if (!options.scenes.empty()) {
-    for (const std::string& name : options.scenes) {
-      if (std::none_of(choices.begin(), choices.end(),
-                       [&](const SceneChoice& choice) { return choice.name == name; })) {
-        return fail("there is no scene \"" + name + "\" (\"" + choices.front().name + "\" is one)");
-      }
-    }
-    std::erase_if(choices, [&](const SceneChoice& choice) {
-      return std::find(options.scenes.begin(), options.scenes.end(), choice.name) ==
-             options.scenes.end();
-    });
-  } else if (options.quick) {
-    std::erase_if(choices, [](const SceneChoice& choice) {
-      return choice.name != "soccer-shoot" && choice.name != "kick, dense";
-    });
-  }
-
   const auto context = OffscreenContext::create();
   if (!context) return tl::unexpected(context.error());
   const std::string gl = describe_opengl();
@@ -157,7 +163,9 @@ Result<json> write_render_report(const Options& options) {
   if (options.gpu && software) {
     return fail("--gpu asks for a graphics card, but this is software: " + gl);
   }
-  fmt::print("{}\n", gl);
+  if (options.json != "-") fmt::print("{}\n", gl);
+  const auto choices = choose_scenes(options, software ? effort.even_points : kGpuEvenPoints);
+  if (!choices) return tl::unexpected(choices.error());
   auto renderer = Renderer::create();
   if (!renderer) return tl::unexpected(renderer.error());
 
@@ -168,8 +176,8 @@ Result<json> write_render_report(const Options& options) {
   const Stopwatch stopwatch = software ? Stopwatch::wall : Stopwatch::gpu;
   report["stopwatch"] = software ? "wall" : "gpu";
   const std::size_t pictures = static_cast<std::size_t>(effort.views) * picture_settings().size();
-  Progress progress("render", choices.size() * (pictures + 1));
-  for (const SceneChoice& choice : choices) {
+  Progress progress("render", choices->size() * (pictures + 1));
+  for (const SceneChoice& choice : *choices) {
     auto scene = measure_scene(*renderer, choice, effort, stopwatch, folder, progress);
     if (!scene) return fail_at(choice.name, scene.error());
     report["scenes"].push_back(std::move(*scene));

@@ -9,8 +9,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "client/render/instances.h"
-
 namespace pointreel::bench {
 namespace {
 
@@ -162,16 +160,19 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
   }
   const glm::dvec3 light = camera.axes() * kLight;
   cast(scene, camera, size, [&](int x, int y, const RayHit& hit) {
-    const glm::u8vec3 color =
-        style.texture ? color_at(scene.body, hit.primitive, hit.position)
-                      : glm::u8vec3(fake_color(glm::i16vec4(glm::round(32767.0 * hit.normal), 0)) /
-                                    std::uint16_t{257});
+    glm::dvec3 color;
+    if (style.texture) {
+      const glm::u8vec3 srgb = color_at(scene.body, hit.primitive, hit.position);
+      for (int c = 0; c < 3; ++c) color[c] = linear[srgb[c]];
+    } else {  // client/render/instances.h, fake_color
+      for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(0.5 + 0.5 * hit.normal[c]);
+    }
     const double diffuse = std::max(glm::dot(hit.normal, light), 0.0);
     const double lit = style.lighting ? kAmbient + (1.0 - kAmbient) * diffuse : 1.0;
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) +
                    static_cast<std::size_t>(x);
     for (int c = 0; c < 3; ++c) {
-      picture.image.pixels[i][c] = eight_bits(srgb_from_linear(lit * linear[color[c]]));
+      picture.image.pixels[i][c] = eight_bits(srgb_from_linear(lit * color[c]));
     }
     picture.mask[i] = 255;
   });

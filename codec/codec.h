@@ -108,15 +108,18 @@ struct DecodeLimits {
   /// The context tables that come with the frames, if any do; they outlive the call.
   const ContextTables* tables = nullptr;
   Executor executor = {};  ///< lends threads for frames that have several slabs
-  /// Octree: also gives the attributes of inner nodes that come out of decoding.
+  /// Octree: also gives the attributes of all nodes.
   bool inner_nodes = false;
+  /// Octree: gives the leaves as a cloud. Without it, and with `inner_nodes`, there is the tree
+  /// with its nodes' attributes alone, and nothing is made that is only in the cloud.
+  bool leaves = true;
 };
 
 struct DecodedFrame {
   PointCloud cloud;        ///< octree: centres of the leaves, in the order of the leaves
   std::optional<Svo> svo;  ///< octree only: the tree whose leaves `cloud` holds
-  /// Of all nodes of that tree, if DecodeLimits asks for them: those that the encoder transformed,
-  /// which are nearly mean_attributes. Others are empty.
+  /// Of all nodes of that tree, if DecodeLimits asks for them: what came out of decoding where the
+  /// encoder transformed them, which is nearly mean_attributes, else mean_attributes.
   NodeAttributes attributes;
   Cube cube;
   std::uint32_t source_points = 0;  ///< what the delta criterion refers to

@@ -147,20 +147,38 @@ std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert 
 }
 
 template <class Convert>
-void set_colors(const TransformDecoder& decoder, bool inner_nodes, Convert convert,
+void set_colors(const TransformDecoder& decoder, const DecodeLimits& limits, Convert convert,
                 OctreeFrame& frame) {
-  if (!inner_nodes) {
+  if (!limits.inner_nodes) {
     frame.colors = attributes_of<glm::u16vec3>(decoder.values(frame.svo.depth), convert);
     return;
   }
   auto& all = frame.nodes.colors = attributes_of<glm::u16vec3>(decoder.values(), convert);
-  frame.colors.assign(all.begin() + frame.svo.internal_count(), all.end());
+  if (limits.leaves) frame.colors.assign(all.begin() + frame.svo.internal_count(), all.end());
 }
 
-void set_normals(const TransformDecoder& decoder, bool inner_nodes, OctreeFrame& frame) {
-  frame.normals = attributes_of<glm::vec3>(decoder.values(frame.svo.depth), normal_from_value);
-  if (inner_nodes) {
+void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, OctreeFrame& frame) {
+  if (limits.leaves || !limits.inner_nodes) {
+    frame.normals = attributes_of<glm::vec3>(decoder.values(frame.svo.depth), normal_from_value);
+  }
+  if (limits.inner_nodes) {
     frame.nodes.normals = attributes_of<glm::i16vec3>(decoder.values(), mean_normal_from_value);
+  }
+}
+
+/// The means of those attributes that were coded for the leaves alone.
+void add_means(OctreeFrame& frame) {
+  PointCloud leaves;
+  if (frame.nodes.colors.empty()) leaves.colors.swap(frame.colors);
+  if (frame.nodes.normals.empty()) leaves.normals.swap(frame.normals);
+  NodeAttributes means = mean_attributes(frame.svo, leaves);
+  if (leaves.has_colors()) {
+    frame.nodes.colors = std::move(means.colors);
+    frame.colors.swap(leaves.colors);
+  }
+  if (leaves.has_normals()) {
+    frame.nodes.normals = std::move(means.normals);
+    frame.normals.swap(leaves.normals);
   }
 }
 
@@ -338,21 +356,18 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
                                             &LayerView::colors, parsed->tag);
     if (!decoder) return fail_at("colors", decoder.error());
     if (*decoder != nullptr && header.colors_16_bit) {
-      set_colors(
-          **decoder, limits.inner_nodes, [](const Short4& v) { return color_16_from_value(v); },
-          frame);
+      set_colors(**decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
     } else if (*decoder != nullptr) {
-      set_colors(
-          **decoder, limits.inner_nodes, [](const Short4& v) { return color_from_value(v); },
-          frame);
+      set_colors(**decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
     }
   }
   if (header.normals_transformed) {
     const auto decoder = decode_transformed(frame.svo, layers, *last_levels, ChunkKind::normals,
                                             &LayerView::normals, parsed->tag);
     if (!decoder) return fail_at("normals", decoder.error());
-    if (*decoder != nullptr) set_normals(**decoder, limits.inner_nodes, frame);
+    if (*decoder != nullptr) set_normals(**decoder, limits, frame);
   }
+  if (limits.inner_nodes) add_means(frame);
   return frame;
 }
 
@@ -363,15 +378,11 @@ Result<DecodedFrame> decode_octree(const std::vector<LayerView>& layers,
   DecodedFrame frame;
   frame.cube = tree->header.cube;
   frame.source_points = tree->header.source_points;
-  frame.cloud.origin = frame.cube.origin;
-  const double cell = tree->svo.cell_size(tree->svo.depth);
-  const std::vector<glm::uvec3> cells = leaf_cells(tree->svo);
-  frame.cloud.positions.reserve(cells.size());
-  for (const glm::uvec3& c : cells) {
-    frame.cloud.positions.push_back(glm::vec3((glm::dvec3(c) + 0.5) * cell));
+  if (limits.leaves) {
+    frame.cloud = leaf_centers(tree->svo);
+    frame.cloud.colors = std::move(tree->colors);
+    frame.cloud.normals = std::move(tree->normals);
   }
-  frame.cloud.colors = std::move(tree->colors);
-  frame.cloud.normals = std::move(tree->normals);
   frame.attributes = std::move(tree->nodes);
   frame.svo = std::move(tree->svo);
   return frame;

@@ -263,4 +263,16 @@ std::vector<glm::uvec3> leaf_cells(const Svo& svo) {
   return cells;
 }
 
+PointCloud leaf_centers(const Svo& svo) {
+  PointCloud cloud;
+  cloud.origin = svo.cube.origin;
+  const double cell = svo.cell_size(svo.depth);
+  const std::vector<glm::uvec3> cells = leaf_cells(svo);
+  cloud.positions.reserve(cells.size());
+  for (const glm::uvec3& c : cells) {
+    cloud.positions.push_back(glm::vec3((glm::dvec3(c) + 0.5) * cell));
+  }
+  return cloud;
+}
+
 }  // namespace pointreel

@@ -105,6 +105,9 @@ Svo truncate(const Svo& svo, int depth);
 /// Cells of the leaves, in order: local integer coordinates at level `svo.depth`.
 std::vector<glm::uvec3> leaf_cells(const Svo& svo);
 
+/// Their centres, in order, relative to the cube's origin.
+PointCloud leaf_centers(const Svo& svo);
+
 /// Mean attributes of the leaves from the points in them, and of the inner nodes from their leaves,
 /// each leaf counting once. Integer sums: the result does not depend on the order of the points.
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted);

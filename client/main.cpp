@@ -165,8 +165,9 @@ int run(int argc, char** argv) {
       ->check(within(0.01, 100.0))
       ->capture_default_str();
   play_command
-      .add_option("--pixel-size", options.draw.pixel_size,
-                  "Voxels smaller than this many pixels are not divided; 0 draws the leaves")
+      .add_option(
+          "--pixel-size", options.draw.pixel_size,
+          "Nodes of the octree smaller than this many pixels are not divided; 0 draws the leaves")
       ->check(within(0.0, 1000.0))
       ->capture_default_str();
   std::string size;
@@ -202,11 +203,13 @@ int run(int argc, char** argv) {
           ->check(check([](const std::string& text) { return NumberedPath::parse(text); },
                         "out-%04d.png"));
   play_command
-      .add_option("--json", options.json,
-                  "Write a summary: median, 95th percentile and maximum of the times of each stage "
-                  "over the frames shown; frames shown, dropped and broken; bytes fetched; points, "
-                  "nodes, leaves, "
-                  "depth and elements drawn of the last one. - is standard output")
+      .add_option(
+          "--json", options.json,
+          "Write a summary: median, 95th percentile and maximum of the times of each stage "
+          "over the frames shown; frames shown, refined, dropped and broken; bytes fetched; "
+          "layers, points, nodes, leaves, depth and elements drawn of the last one. "
+          "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
+          "leaves out of view and below a pixel. - is standard output")
       ->type_name("FILE");
   play_command.footer("Keys in the window:\n" + bindings_help() +
                       "\nExit codes: 0 played to its end or ended by the user, 1 failed, 2 usage");

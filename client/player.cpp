@@ -20,6 +20,7 @@
 
 #include "client/capture.h"
 #include "client/playback/clock.h"
+#include "client/playback/layer_choice.h"
 #include "client/playback/pipeline.h"
 #include "client/playback/prepare.h"
 #include "client/render/gl_context.h"
@@ -108,8 +109,8 @@ class Player {
     report_.source = options.source;
     report_.mode = options.draw.mode;
     report_.delta = options.delta;
-    report_.layers = static_cast<std::uint32_t>(
-        std::min<std::size_t>(options.layers, source_->manifest().layer_names.size()));
+    if (source_->manifest().codec == "octree")
+      report_.finest_level = static_cast<int>(source_->manifest().depth_max);
     report_.size = options.size;
     reset_view(options.size);
   }
@@ -127,18 +128,40 @@ class Player {
                                                                                 : 4u,
                                                                  loop_, draw_.mode});
     buffer_->seek(first_frame_);
+    update_level(options_.size);
     const Manifest& manifest = source_->manifest();
     pipeline_ = std::make_unique<Pipeline>(
         *source_, *buffer_,
-        [this, &manifest](DrawMode mode) {
-          FetchRequest request = parts_for(manifest, mode);
-          request.layers = options_.layers;
+        [this, &manifest](const FrameRequest& frame) {
+          FetchRequest request = layer_choice(manifest, frame.mode, frame.level);
+          request.layers = std::min(request.layers, options_.layers);
           return request;
         },
-        [this, &manifest](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
-          return prepare_frame(manifest, frame, fetched, {mode, options_.delta});
+        [this, &manifest](const FrameRequest& frame, const FetchedFrame& fetched) {
+          auto scene = prepare_frame(manifest, frame.frame, fetched,
+                                     {frame.mode, options_.delta, frame.level});
+          if (scene && frame.mode == DrawMode::voxel) {
+            voxel_depth_.learn(*scene);
+            set_level(DrawMode::voxel);
+          }
+          return scene;
         },
         [this](std::uint32_t frame, const Error& error) { errors_.print(frame, error); }, threads);
+  }
+
+  /// Asks for what the camera shows of frames drawn at this size. Cheap while nothing changes.
+  void update_level(glm::ivec2 size) {
+    if (level_camera_ != camera_ || level_size_ != size) {
+      level_camera_ = camera_;
+      level_size_ = size;
+      view_level_ = level_for(source_->manifest(), camera_, size, draw_.pixel_size);
+    }
+    set_level(wanted_mode_);
+  }
+
+  void set_level(DrawMode mode) {
+    const int level = view_level_;
+    buffer_->set_level(mode == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level);
   }
 
   void reset_view(glm::ivec2 size) {
@@ -157,12 +180,18 @@ class Player {
     return write_png(path, *image);
   }
 
-  /// Draws `frame` as a new one.
-  Result<void> show(std::shared_ptr<const SceneFrame> frame, glm::ivec2 size) {
+  /// Draws `frame`, a new one, or the one shown with more levels.
+  Result<void> show(std::shared_ptr<const SceneFrame> frame, glm::ivec2 size, bool refined) {
     if (!started_) started_ = steady_clock::now();
     const auto stats = renderer_->draw(frame, camera_, size, draw_);
     if (!stats) return tl::unexpected(stats.error());
-    report_.add(*frame, *stats);
+    const Manifest& manifest = source_->manifest();
+    const NotFetched rest =
+        not_fetched(manifest, *frame, layer_choice(manifest, draw_.mode, frame->level));
+    if (refined)
+      report_.add_refined(*frame, rest, *stats);
+    else
+      report_.add(*frame, rest, *stats);
     shown_ = std::move(frame);
     return {};
   }
@@ -207,9 +236,9 @@ class Player {
       buffer_->advance(frame);
       FrameBuffer::State state = FrameBuffer::State::waiting;
       while (state == FrameBuffer::State::waiting && !g_stop)
-        state = buffer_->wait(milliseconds(50));
+        state = buffer_->wait(milliseconds(50), true);
       if (state == FrameBuffer::State::ready) {
-        if (auto drawn = show(buffer_->best(), options_.size); !drawn) return drawn;
+        if (auto drawn = show(buffer_->best(), options_.size, false); !drawn) return drawn;
       } else if (state == FrameBuffer::State::failed) {
         ++report_.frames_dropped;
       } else {
@@ -286,12 +315,15 @@ class Player {
       if (window_size.x <= 0 || window_size.y <= 0) continue;  // minimised
       redraw = redraw || window_size != size;
       report_.size = size = window_size;
+      update_level(size);
 
       const auto best = buffer_->best();
       if (best && best != shown_) {
+        const std::optional<std::int64_t> before = last_ordinal_;
         count_dropped(*best, reading);
+        const bool refined = shown_ && before == last_ordinal_ && draw_.mode == wanted_mode_;
         draw_.mode = wanted_mode_;
-        if (auto drawn = show(best, size); !drawn) return drawn;
+        if (auto drawn = show(best, size, refined); !drawn) return drawn;
         redraw = true;
       } else if (redraw) {
         const auto drawn = renderer_->draw(shown_, camera_, size, draw_);
@@ -446,6 +478,10 @@ class Player {
   std::unique_ptr<Pipeline> pipeline_;
   std::optional<Renderer> renderer_;
   Camera camera_;
+  std::optional<Camera> level_camera_;  ///< what view_level_ was found for
+  glm::ivec2 level_size_{0};
+  std::atomic<int> view_level_{kWholeFrame};  ///< the finest level that the camera can show
+  VoxelDepth voxel_depth_;
   PlayReport report_;
   std::shared_ptr<const SceneFrame> shown_;
   std::optional<steady_clock::time_point> started_;

@@ -1,5 +1,6 @@
 #include "client/report.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -32,20 +33,55 @@ const char* name(DrawMode mode) {
   return "";
 }
 
-void PlayReport::add(const SceneFrame& frame, const DrawStats& drawn) {
+NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
+                       const FetchRequest& request) {
+  NotFetched rest;
+  if (frame.layers == 0) return rest;
+  const FrameLocation at = locate(manifest, frame.index);
+  const std::vector<LayerFile>& files = manifest.segments[at.segment].layers;
+  for (std::size_t layer = 0; layer < files.size(); ++layer) {
+    const LayerSizes& sizes = files[layer].frames[at.index];
+    const bool fetched = layer < frame.layers;
+    if (!fetched) rest.layers += sizes.geometry > 0;
+    const bool normals = fetched && request.normals,
+               colors = normals || (fetched && request.colors);
+    if (layer == 0) {
+      rest.normals = !normals && sizes.normals > 0;
+      rest.colors = !colors && sizes.colors > 0;
+    }
+    rest.bytes += (fetched ? 0 : sizes.geometry) + (colors ? 0 : sizes.colors) +
+                  (normals ? 0 : sizes.normals);
+  }
+  return rest;
+}
+
+void PlayReport::add(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn) {
   ++frames_shown_;
-  fetched_bytes_ += frame.fetched_bytes;
+  shown_rest_ += rest_.bytes;
   fetch_.add(frame.fetch_ms);
   decode_.add(frame.decode_ms);
   normals_.add(frame.normals_ms);
   svo_.add(frame.svo_ms);
   cut_.add(drawn.cut_ms);
   render_.add(drawn.render_ms);
-  points_ = frame.cloud.size();
+  set_last(frame, rest, drawn);
+}
+
+void PlayReport::add_refined(const SceneFrame& frame, const NotFetched& rest,
+                             const DrawStats& drawn) {
+  ++frames_refined_;
+  set_last(frame, rest, drawn);
+}
+
+void PlayReport::set_last(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn) {
+  fetched_bytes_ += frame.fetched_bytes;
+  layers_ = frame.layers;
+  points_ = frame.points;
   nodes_ = frame.svo.node_count();
   leaves_ = frame.svo.leaf_count();
   depth_ = frame.svo.depth;
-  drawn_ = drawn.drawn;
+  rest_ = rest;
+  last_ = drawn;
 }
 
 std::string PlayReport::to_json() const {
@@ -54,11 +90,12 @@ std::string PlayReport::to_json() const {
   json["gl_renderer"] = gl_renderer;
   json["mode"] = name(mode);
   json["delta"] = delta;
-  json["layers"] = layers;
+  json["layers"] = layers_;
   json["size"] = {size.x, size.y};
   json["seconds"] = rounded(seconds);
   json["fps"] = seconds > 0.0 ? rounded(static_cast<double>(frames_shown_) / seconds) : 0.0;
   json["frames_shown"] = frames_shown_;
+  json["frames_refined"] = frames_refined_;
   json["frames_dropped"] = frames_dropped;
   json["errors"] = errors;
   json["fetched_bytes"] = fetched_bytes_;
@@ -72,7 +109,14 @@ std::string PlayReport::to_json() const {
   json["nodes"] = nodes_;
   json["leaves"] = leaves_;
   json["depth"] = depth_;
-  json["drawn"] = drawn_;
+  json["drawn"] = last_.drawn;
+  auto attributes = nlohmann::ordered_json::array();
+  if (rest_.colors) attributes.push_back("colors");
+  if (rest_.normals) attributes.push_back("normals");
+  json["skipped"] = {
+      {"layers", rest_.layers},           {"levels", std::max(0, finest_level - depth_)},
+      {"attributes", attributes},         {"bytes", shown_rest_ + rest_.bytes},
+      {"out_of_view", last_.out_of_view}, {"below_pixel", last_.below_pixel}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -80,7 +124,7 @@ std::string PlayReport::to_title() const {
   return fmt::format(
       "{} points, depth {}, {} {}s drawn, {} frames shown, {} dropped, {} broken; median ms: fetch "
       "{:.1f}, decode {:.1f}, normals {:.1f}, octree {:.1f}, cut {:.1f}, render {:.1f}",
-      points_, depth_, drawn_, name(mode), frames_shown_, frames_dropped, errors,
+      points_, depth_, last_.drawn, name(mode), frames_shown_, frames_dropped, errors,
       fetch_.summary().median, decode_.summary().median, normals_.summary().median,
       svo_.summary().median, cut_.summary().median, render_.summary().median);
 }

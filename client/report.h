@@ -8,19 +8,32 @@
 #include "client/playback/statistics.h"
 #include "client/render/renderer.h"
 #include "client/scene/frame.h"
+#include "client/source/source.h"
 
 namespace pointreel {
 
-/// What playing came to. Times are over the frames shown, one sample a frame; the counts of points,
-/// nodes, leaves, depth and drawn are those of the last frame shown.
+/// What the package has of a frame that is shown and that was not fetched, because the view or the
+/// mode does not need it.
+struct NotFetched {
+  std::uint32_t layers = 0;
+  bool colors = false, normals = false;
+  std::uint64_t bytes = 0;
+};
+
+/// Of a frame that was fetched in so many bytes by this request; nothing where it is a file.
+NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
+                       const FetchRequest& request);
+
+/// What playing came to. Times are over the frames shown, one sample a frame; the counts of layers,
+/// points, nodes, leaves, depth, drawn and what was not drawn are those of the last frame shown.
 class PlayReport {
  public:
   std::string source;
   std::string gl_renderer;
   DrawMode mode = DrawMode::surfel;
   double delta = 0.0;
-  std::uint32_t layers = 0;  ///< that are asked for of each frame; 0 where files are played
-  glm::ivec2 size{0};        ///< of the picture in pixels
+  int finest_level = 0;  ///< of the package's octrees; 0 where there are none
+  glm::ivec2 size{0};    ///< of the picture in pixels
   double seconds =
       0.0;  ///< in a window from the first picture on; offscreen from the first fetch on
   std::uint64_t frames_dropped =
@@ -28,7 +41,9 @@ class PlayReport {
   std::uint64_t errors = 0;  ///< frames that could not be fetched or decoded
 
   /// A frame was drawn for the first time.
-  void add(const SceneFrame& frame, const DrawStats& drawn);
+  void add(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);
+  /// The frame shown was drawn for the first time as it is now, with more levels than before.
+  void add_refined(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);
 
   std::uint64_t frames_shown() const { return frames_shown_; }
   std::string to_json() const;
@@ -36,10 +51,16 @@ class PlayReport {
   std::string to_title() const;
 
  private:
-  std::uint64_t frames_shown_ = 0, fetched_bytes_ = 0;
+  void set_last(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);
+
+  std::uint64_t frames_shown_ = 0, frames_refined_ = 0, fetched_bytes_ = 0;
+  std::uint64_t shown_rest_ = 0;  ///< bytes that were not fetched of frames before the last
   TimeSamples fetch_, decode_, normals_, svo_, cut_, render_;
-  std::uint64_t points_ = 0, nodes_ = 0, leaves_ = 0, drawn_ = 0;
+  std::uint64_t points_ = 0, nodes_ = 0, leaves_ = 0;
+  std::uint32_t layers_ = 0;
   int depth_ = 0;
+  NotFetched rest_;
+  DrawStats last_;
 };
 
 /// "surfel", "voxel", "point".

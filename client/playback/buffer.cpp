@@ -17,7 +17,8 @@ std::uint32_t FrameBuffer::distance(std::uint32_t frame) const {
   return static_cast<std::uint32_t>(options_.loop ? steps + count : count - steps);
 }
 
-std::optional<std::uint32_t> FrameBuffer::first_missing() const {
+template <class Predicate>
+std::optional<std::uint32_t> FrameBuffer::first_in_window(const Predicate& predicate) const {
   const std::int64_t count = options_.frame_count;
   for (std::int64_t step = 0; step <= options_.ahead && step < count; ++step) {
     std::int64_t frame = static_cast<std::int64_t>(playhead_) + step * direction_;
@@ -26,9 +27,19 @@ std::optional<std::uint32_t> FrameBuffer::first_missing() const {
       frame = (frame + count) % count;
     }
     const auto index = static_cast<std::uint32_t>(frame);
-    if (!finished_.contains(index) && !in_work_.contains(index)) return index;
+    if (!in_work_.contains(index) && predicate(index)) return index;
   }
   return std::nullopt;
+}
+
+std::optional<std::uint32_t> FrameBuffer::first_missing() const {
+  const auto missing =
+      first_in_window([this](std::uint32_t frame) { return !finished_.contains(frame); });
+  if (missing) return missing;
+  return first_in_window([this](std::uint32_t frame) {
+    const auto it = finished_.find(frame);
+    return it != finished_.end() && lacks_level(it->second);
+  });
 }
 
 void FrameBuffer::move(std::uint32_t frame, bool keep_newest_passed) {
@@ -46,9 +57,9 @@ void FrameBuffer::move(std::uint32_t frame, bool keep_newest_passed) {
     const std::uint32_t from_before =
         options_.loop ? (it->first + options_.frame_count - before) % options_.frame_count
                       : it->first;
-    if (it->second && (!passed || from_before > newest)) {
+    if (it->second.frame && (!passed || from_before > newest)) {
       newest = from_before;
-      passed = it->second;
+      passed = it->second.frame;
     }
     it = finished_.erase(it);
   }
@@ -100,19 +111,31 @@ void FrameBuffer::set_mode(DrawMode mode) {
   changed_.notify_all();
 }
 
+void FrameBuffer::set_level(int level) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (level == level_) return;
+    level_ = level;
+  }
+  changed_.notify_all();
+}
+
 std::shared_ptr<const SceneFrame> FrameBuffer::best() const {
   const std::lock_guard lock(mutex_);
   const auto it = finished_.find(playhead_);
-  return it != finished_.end() && it->second ? it->second : passed_;
+  return it != finished_.end() && it->second.frame ? it->second.frame : passed_;
 }
 
-FrameBuffer::State FrameBuffer::wait(std::chrono::milliseconds timeout) const {
+FrameBuffer::State FrameBuffer::wait(std::chrono::milliseconds timeout, bool fine) const {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, timeout, [&] { return closed_ || finished_.contains(playhead_); });
+  const auto done = [&] {
+    const auto it = finished_.find(playhead_);
+    return it != finished_.end() && !(fine && lacks_level(it->second));
+  };
+  changed_.wait_for(lock, timeout, [&] { return closed_ || done(); });
   if (closed_) return State::closed;
-  const auto it = finished_.find(playhead_);
-  if (it == finished_.end()) return State::waiting;
-  return it->second ? State::ready : State::failed;
+  if (!done()) return State::waiting;
+  return finished_.at(playhead_).frame ? State::ready : State::failed;
 }
 
 void FrameBuffer::close() {
@@ -129,13 +152,15 @@ std::optional<FrameRequest> FrameBuffer::next_wanted() {
   changed_.wait(lock, [&] { return closed_ || (frame = first_missing()); });
   if (closed_) return std::nullopt;
   ++in_work_[*frame];
-  return FrameRequest{*frame, options_.mode, epoch_, generation_};
+  return FrameRequest{*frame, options_.mode, level_, epoch_, generation_};
 }
 
 bool FrameBuffer::wanted(const FrameRequest& request) const {
   const std::lock_guard lock(mutex_);
   if (closed_ || outdated(request)) return false;
-  return in_window(request.frame) ? !finished_.contains(request.frame) : request.epoch == epoch_;
+  if (!in_window(request.frame)) return request.epoch == epoch_;
+  const auto it = finished_.find(request.frame);
+  return it == finished_.end() || (it->second.frame && it->second.frame->level < request.level);
 }
 
 bool FrameBuffer::late(const FrameRequest& request) const {
@@ -155,7 +180,11 @@ void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const Sce
     answered(request);
     if (outdated(request)) return;
     if (in_window(request.frame)) {
-      finished_[request.frame] = std::move(frame);
+      Finished& finished = finished_[request.frame];
+      finished.tried = std::max(finished.tried, request.level);
+      // Two threads may have made it, each for the view of its time.
+      if (!finished.frame || finished.frame->level <= frame->level)
+        finished.frame = std::move(frame);
     } else if (request.epoch == epoch_) {
       // Late. Of two late frames the one that lies less far behind is the newer.
       const std::uint32_t count = options_.frame_count;
@@ -170,7 +199,10 @@ void FrameBuffer::fail(const FrameRequest& request) {
   {
     const std::lock_guard lock(mutex_);
     answered(request);
-    if (!outdated(request) && in_window(request.frame)) finished_.emplace(request.frame, nullptr);
+    if (!outdated(request) && in_window(request.frame)) {
+      Finished& finished = finished_[request.frame];  // what is there already stays
+      finished.tried = std::max(finished.tried, request.level);
+    }
   }
   changed_.notify_all();
 }
@@ -187,7 +219,7 @@ std::size_t FrameBuffer::held() const {
   const std::lock_guard lock(mutex_);
   return static_cast<std::size_t>(
              std::count_if(finished_.begin(), finished_.end(),
-                           [](const auto& entry) { return entry.second != nullptr; })) +
+                           [](const auto& entry) { return entry.second.frame != nullptr; })) +
          (passed_ ? 1 : 0);
 }
 

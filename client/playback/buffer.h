@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -16,6 +17,7 @@ namespace pointreel {
 struct FrameRequest {
   std::uint32_t frame = 0;
   DrawMode mode = DrawMode::surfel;
+  int level = kWholeFrame;       ///< the finest level of detail that is seen
   std::uint64_t epoch = 0;       ///< how many jumps came before it
   std::uint64_t generation = 0;  ///< how many changes of mode came before it
 };
@@ -24,8 +26,9 @@ struct FrameRequest {
 /// Workers pull: each asks for the frame that is wanted next, so that after a seek the new place
 /// comes first by itself. Holds at most `ahead` + 2 finished frames: the window, which is the
 /// playhead's frame and `ahead` more in the direction of play, and one that came late. A machine
-/// too slow for the reel's rate is always late, and shows at least that. Safe to use from any
-/// thread.
+/// too slow for the reel's rate is always late, and shows at least that. When no frame of the
+/// window is missing, those that lack levels which are seen by now are asked for again, the
+/// playhead's first. Safe to use from any thread.
 class FrameBuffer {
  public:
   struct Options {
@@ -47,10 +50,14 @@ class FrameBuffer {
   void set_loop(bool loop);
   /// Frames made for another mode are dropped and made again.
   void set_mode(DrawMode mode);
+  /// The finest level that is seen: of frames to come, and, if any lack it, of those that are
+  /// there. What is finer is kept. kWholeFrame at first.
+  void set_level(int level);
   /// The playhead's frame, or else the newest one before it since the last seek; null if none.
   std::shared_ptr<const SceneFrame> best() const;
   /// Waits until the playhead's frame is ready or failed, the buffer is closed, or the time is up.
-  State wait(std::chrono::milliseconds timeout) const;
+  /// `fine`: a frame is ready only when it has the level that is seen, or cannot get it.
+  State wait(std::chrono::milliseconds timeout, bool fine = false) const;
   /// Ends everybody's wait for good.
   void close();
 
@@ -73,10 +80,20 @@ class FrameBuffer {
   std::size_t held() const;
 
  private:
+  struct Finished {
+    std::shared_ptr<const SceneFrame> frame;  ///< null: failed
+    int tried = 0;                            ///< the finest level at which it was asked for
+  };
+
+  bool lacks_level(const Finished& finished) const {
+    return finished.frame && std::max(finished.frame->level, finished.tried) < level_;
+  }
   /// Steps from the playhead in the direction of play; the reel's length or more if never reached.
   std::uint32_t distance(std::uint32_t frame) const;
   bool in_window(std::uint32_t frame) const { return distance(frame) <= options_.ahead; }
   std::optional<std::uint32_t> first_missing() const;
+  template <class Predicate>
+  std::optional<std::uint32_t> first_in_window(const Predicate& predicate) const;
   void move(std::uint32_t frame, bool keep_newest_passed);
   void answered(const FrameRequest& request);
   bool outdated(const FrameRequest& request) const { return request.generation != generation_; }
@@ -88,9 +105,9 @@ class FrameBuffer {
   int direction_ = 1;
   std::uint64_t epoch_ = 0, generation_ = 0;
   bool closed_ = false;
-  /// Frames of the window that are finished; null: failed.
-  std::map<std::uint32_t, std::shared_ptr<const SceneFrame>> finished_;
-  std::shared_ptr<const SceneFrame> passed_;  ///< the newest behind the playhead
+  int level_ = kWholeFrame;
+  std::map<std::uint32_t, Finished> finished_;  ///< of the window
+  std::shared_ptr<const SceneFrame> passed_;    ///< the newest behind the playhead
   /// Being made: how many threads work on it in the mode of now.
   std::map<std::uint32_t, int> in_work_;
 };

@@ -52,7 +52,7 @@ void Pipeline::report(const FrameRequest& request, const Error& error) {
 void Pipeline::fetch_frames() {
   while (const auto request = buffer_.next_wanted()) {
     const auto start = std::chrono::steady_clock::now();
-    auto frame = source_.fetch(request->frame, parts_(request->mode));
+    auto frame = source_.fetch(request->frame, parts_(*request));
     const double ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (!frame) {
@@ -72,8 +72,7 @@ void Pipeline::prepare_frames() {
       buffer_.abandon(item->request);
       continue;
     }
-    auto frame = arena_.execute(
-        [&] { return prepare_(item->request.frame, item->frame, item->request.mode); });
+    auto frame = arena_.execute([&] { return prepare_(item->request, item->frame); });
     if (frame) {
       frame->fetch_ms = item->fetch_ms;
       frame->fetched_bytes = item->frame.size();

@@ -20,10 +20,9 @@ class Pipeline {
  public:
   /// Makes a fetched frame ready to draw. Called by several threads at once, in a TBB arena with a
   /// place for each: while fewer frames are prepared, parts of a frame may take those left.
-  using Prepare =
-      std::function<Result<SceneFrame>(std::uint32_t frame, const FetchedFrame&, DrawMode)>;
-  /// What of a frame is fetched for a mode.
-  using Parts = std::function<FetchRequest(DrawMode)>;
+  using Prepare = std::function<Result<SceneFrame>(const FrameRequest&, const FetchedFrame&)>;
+  /// What of a frame is fetched for its mode and level.
+  using Parts = std::function<FetchRequest(const FrameRequest&)>;
   /// Told of each frame that could not be fetched or prepared, on the thread that found it.
   using OnError = std::function<void(std::uint32_t frame, const Error&)>;
 

@@ -1,10 +1,13 @@
 #include "client/playback/prepare.h"
 
+#include <algorithm>
 #include <chrono>
-#include <optional>
+#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "client/playback/layer_choice.h"
+#include "client/playback/node_radii.h"
 #include "client/playback/tree_radii.h"
 #include "codec/cloud_file.h"
 #include "common/base/tbb_executor.h"
@@ -25,8 +28,14 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/// A tree pays for surfels and points if it has at most this share of the points.
+constexpr double kWorthATree = 0.7;
+/// Of the square of a level's cells along an edge: no surface in a cube that is worth drawing fills
+/// fewer of its cells, if it has the points to do so.
+constexpr double kLeastFilled = 0.25;
+
 Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
-                            const FetchedFrame& fetched, DrawMode mode) {
+                            const FetchedFrame& fetched) {
   if (fetched.layers.empty()) {
     auto loaded = read_cloud(fetched.file);
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
@@ -41,7 +50,8 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   DecodeLimits limits;
   limits.tables = fetched.tables.get();
   limits.executor = tbb_executor();
-  limits.inner_nodes = mode == DrawMode::voxel;
+  limits.inner_nodes = true;
+  limits.leaves = false;
   auto frame = decode_frame(views, limits);
   // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
   // do not jump from frame to frame (ERRATA 12).
@@ -49,8 +59,14 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   return frame;
 }
 
-/// Whether a mode draws normals of a cloud, coloured or not.
-bool draws_normals(DrawMode mode, bool colored) { return mode == DrawMode::surfel || !colored; }
+/// Whether there is geometry of the frame that was not fetched.
+bool lacks_layers(const Manifest& manifest, std::uint32_t index, std::size_t layers) {
+  const FrameLocation at = locate(manifest, index);
+  const std::vector<LayerFile>& files = manifest.segments[at.segment].layers;
+  return std::any_of(files.begin() + static_cast<std::ptrdiff_t>(std::min(layers, files.size())),
+                     files.end(),
+                     [&](const LayerFile& file) { return file.frames[at.index].geometry > 0; });
+}
 
 /// Adds the normals that the mode needs, and takes away those that it does not, so that a reel
 /// looks the same wherever it comes from.
@@ -64,69 +80,111 @@ void derive_normals(SceneFrame& scene, DrawMode mode) {
   }
 }
 
-/// The coarsest level that satisfies `delta` of a tree that is already there.
-Result<int> depth_of(const Svo& svo, std::uint64_t source_points, double delta) {
-  std::vector<std::uint32_t> occupied;
-  for (int level = 0; level <= svo.depth; ++level) occupied.push_back(svo.node_count(level));
-  return choose_depth(occupied, source_points, DepthRule::by_delta(delta));
-}
-
-/// What the nodes of a decoded tree look like: as they were decoded, or the means of its leaves.
-NodeAttributes node_attributes(DecodedFrame& frame, const PointCloud& leaves) {
-  const bool colors = !leaves.has_colors() || !frame.attributes.colors.empty();
-  const bool normals = !leaves.has_normals() || !frame.attributes.normals.empty();
-  if (!colors || !normals) return mean_attributes(*frame.svo, leaves);
-  if (!leaves.has_normals()) frame.attributes.normals.clear();
-  return std::move(frame.attributes);
-}
-
-/// The tree, and what is derived from it.
-Result<void> make_tree(SceneFrame& scene, DecodedFrame& frame, const PrepareOptions& options) {
-  const bool with_attributes = options.mode == DrawMode::voxel;
-  const bool with_radii = options.mode == DrawMode::surfel && !scene.cloud.has_radii();
-  if (frame.svo) {
-    const auto depth = depth_of(*frame.svo, frame.source_points, options.delta);
-    if (!depth) return tl::unexpected(depth.error());
-    if (with_attributes) scene.attributes = node_attributes(frame, scene.cloud);
-    if (with_radii) scene.cloud.radii = leaf_radii(*frame.svo);
-    scene.svo = *depth < frame.svo->depth ? truncate(*frame.svo, *depth) : std::move(*frame.svo);
-    // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
-    const std::size_t nodes = scene.svo.node_count();
-    if (scene.attributes.colors.size() > nodes) scene.attributes.colors.resize(nodes);
-    if (scene.attributes.normals.size() > nodes) scene.attributes.normals.resize(nodes);
-    return {};
+/// The same of a tree.
+void derive_node_normals(SceneFrame& scene, DrawMode mode) {
+  NodeAttributes& attributes = scene.attributes;
+  if (!draws_normals(mode, !attributes.colors.empty())) {
+    attributes.normals.clear();
+  } else if (attributes.normals.empty()) {
+    PointCloud leaves = leaf_centers(scene.svo);
+    estimate_normals(leaves);
+    attributes.normals = mean_attributes(scene.svo, leaves).normals;
+    scene.normals_estimated = true;
   }
-  const auto sorted = sort_to_depth(scene.cloud, frame.cube, DepthRule::by_delta(options.delta));
+}
+
+/// Cuts the tree off at the coarsest level that satisfies `delta`.
+Result<void> coarsen(SceneFrame& scene, double delta) {
+  std::vector<std::uint32_t> occupied;
+  for (int level = 0; level <= scene.svo.depth; ++level) {
+    occupied.push_back(scene.svo.node_count(level));
+  }
+  const auto depth = choose_depth(occupied, scene.points, DepthRule::by_delta(delta));
+  if (!depth) return tl::unexpected(depth.error());
+  const double leaves = occupied[static_cast<std::size_t>(*depth)];
+  if (leaves >= (1.0 - delta) * scene.points) scene.level = kWholeFrame;
+  if (*depth < scene.svo.depth) scene.svo = truncate(scene.svo, *depth);
+  // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
+  const std::size_t nodes = scene.svo.node_count();
+  if (scene.attributes.colors.size() > nodes) scene.attributes.colors.resize(nodes);
+  if (scene.attributes.normals.size() > nodes) scene.attributes.normals.resize(nodes);
+  return {};
+}
+
+/// A frame that is drawn from a tree of its cloud.
+void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
+  scene.svo = build_svo(sorted, depth);
+  scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted);
+  scene.cloud = {};
+}
+
+/// What voxels draw of a cloud.
+Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
+  DepthRule rule = DepthRule::by_delta(options.delta);
+  rule.most = options.level;
+  const auto sorted = sort_to_depth(scene.cloud, cube, rule);
   if (!sorted) return tl::unexpected(sorted.error());
-  scene.svo = build_svo(sorted->sorted, sorted->depth);
-  if (with_attributes) scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted->sorted);
-  if (with_radii) scene.cloud.radii = point_radii(scene.svo, sorted->sorted);
+  if (sorted->depth == options.level) scene.level = options.level;
+  use_tree(scene, sorted->sorted, sorted->depth);
+  return {};
+}
+
+/// What surfels and points draw of a cloud: its points, or a tree as deep as the view shows it, if
+/// that is much less.
+Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
+  const auto points = static_cast<double>(scene.cloud.size());
+  const bool with_radii = options.mode == DrawMode::surfel;
+  if (points * kWorthATree > kLeastFilled * std::pow(4.0, options.level)) {
+    const SortedPoints sorted = sort_points(scene.cloud, cube, options.level);
+    if (sorted.occupied.back() <= kWorthATree * points) {
+      scene.level = options.level;
+      use_tree(scene, sorted, options.level);
+      if (with_radii) scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+      return {};
+    }
+  }
+  if (with_radii && !scene.cloud.has_radii()) {
+    const auto sorted = sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta));
+    if (!sorted) return tl::unexpected(sorted.error());
+    scene.cloud.radii = point_radii(build_svo(sorted->sorted, sorted->depth), sorted->sorted);
+  }
   return {};
 }
 
 }  // namespace
 
-FetchRequest parts_for(const Manifest& manifest, DrawMode mode) {
-  FetchRequest request;
-  request.normals = draws_normals(mode, manifest.colors);
-  return request;
-}
-
 Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                  const FetchedFrame& fetched, const PrepareOptions& options) {
   Stopwatch watch;
-  auto frame = decode(manifest, index, fetched, options.mode);
+  auto frame = decode(manifest, index, fetched);
   if (!frame) return tl::unexpected(frame.error());
 
   SceneFrame scene;
   scene.index = index;
   scene.time_us = frame_time_us(manifest, index);
-  scene.cloud = std::move(frame->cloud);
+  scene.points = frame->source_points;
+  scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
   scene.decode_ms = watch.lap();
-  derive_normals(scene, options.mode);
-  scene.normals_ms = watch.lap();
-  if (const auto made = make_tree(scene, *frame, options); !made)
-    return tl::unexpected(made.error());
+  if (frame->svo) {
+    scene.svo = std::move(*frame->svo);
+    scene.attributes = std::move(frame->attributes);
+    if (lacks_layers(manifest, index, fetched.layers.size())) scene.level = scene.svo.depth;
+    derive_node_normals(scene, options.mode);
+    scene.normals_ms = watch.lap();
+    if (options.mode == DrawMode::voxel) {
+      if (const auto made = coarsen(scene, options.delta); !made)
+        return tl::unexpected(made.error());
+    } else if (options.mode == DrawMode::surfel) {
+      scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+    }
+  } else {
+    scene.cloud = std::move(frame->cloud);
+    derive_normals(scene, options.mode);
+    scene.normals_ms = watch.lap();
+    const auto made = options.mode == DrawMode::voxel ? make_voxels(scene, frame->cube, options)
+                                                      : make_elements(scene, frame->cube, options);
+    if (!made) return tl::unexpected(made.error());
+  }
   scene.svo_ms = watch.lap();
   return scene;
 }

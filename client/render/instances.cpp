@@ -57,19 +57,21 @@ InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out) {
   return bounds;
 }
 
-InstanceBounds pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut,
-                           std::span<Instance> out) {
+InstanceBounds pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
+                          std::span<Instance> out) {
   const NodeAttributes& attributes = frame.attributes;
+  const bool halves = mode == DrawMode::voxel || frame.radii.empty();
   InstanceBounds bounds;
   for (std::size_t i = 0; i < cut.size(); ++i) {
     const CutNode& node = cut[i];
     const glm::i16vec4 normal = attributes.normals.empty()
                                     ? glm::i16vec4(0)
                                     : glm::i16vec4(attributes.normals[node.node], 0);
+    const float radius = halves ? node.half : frame.radii[node.node];
     out[i] = {
-        node.center, node.half, normal,
+        node.center, radius, normal,
         pack_color(attributes.colors.empty() ? fake_color(normal) : attributes.colors[node.node])};
-    bounds.grow(node.center, node.half);
+    bounds.grow(node.center, radius);
   }
   return bounds;
 }

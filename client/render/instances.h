@@ -17,14 +17,14 @@ namespace pointreel {
 /// normal is unknown too.
 glm::u16vec3 fake_color(const glm::i16vec4& normal);
 
-/// Surfels or points of a frame, relative to its cloud's origin; `out` has one for each point.
-/// Radii are those of the cloud; where it has none (a frame that was prepared for another mode),
-/// half the diagonal of the octree's leaves.
+/// Surfels or points of a frame's cloud, relative to its cloud's origin; `out` has one for each
+/// point. Radii are those of the cloud; where it has none (a frame that was prepared for another
+/// mode), half the diagonal of the octree's leaves.
 InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out);
 
-/// Voxels: the cut's nodes with their mean attributes, relative to the cube's origin; `out` has one
-/// for each node.
-InstanceBounds pack_voxels(const SceneFrame& frame, std::span<const CutNode> cut,
-                           std::span<Instance> out);
+/// Nodes of a cut through a frame's tree with their mean attributes, relative to the cube's origin;
+/// `out` has one for each. The radii of voxels are half their edges, those of others the frame's.
+InstanceBounds pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
+                          std::span<Instance> out);
 
 }  // namespace pointreel

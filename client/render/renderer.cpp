@@ -88,27 +88,29 @@ Result<void> Renderer::update_instances(std::shared_ptr<const SceneFrame> frame,
   const bool same = frame == frame_ && options.mode == mode_;
   frame_ = std::move(frame);
   mode_ = options.mode;
-  if (mode_ == DrawMode::voxel) {
+  const bool tree = frame_ && (mode_ == DrawMode::voxel || frame_->cloud.empty());
+  if (tree) {
     const CutKey key{camera, size_, options.pixel_size};
     if (same && cut_key_ == key) return {};
     cut_key_ = key;
     const auto start = std::chrono::steady_clock::now();
-    visited_ = 0;
-    if (frame_) visited_ = cut_.run(frame_->svo, camera, size_, options.pixel_size).visited;
+    cut_stats_ = cut_.run(frame_->svo, camera, size_, options.pixel_size);
     stats.cut_ms = milliseconds_since(start);
   } else if (same) {
     return {};
+  } else {
+    cut_stats_ = {};
   }
-  const bool voxels = mode_ == DrawMode::voxel;
-  const std::size_t count = !frame_ ? 0 : voxels ? cut_.nodes().size() : frame_->cloud.size();
+  const std::size_t count = !frame_ ? 0 : tree ? cut_.nodes().size() : frame_->cloud.size();
   const std::span<Instance> out = instances_.write(count);
   if (out.size() < count) {
     frame_.reset();
+    cut_stats_ = {};
     return fail("the graphics driver has no memory for " + std::to_string(count) + " elements");
   }
-  if (frame_ && voxels) {
+  if (tree) {
     origin_ = frame_->svo.cube.origin;
-    bounds_ = pack_voxels(*frame_, cut_.nodes(), out);
+    bounds_ = pack_nodes(*frame_, cut_.nodes(), mode_, out);
   } else if (frame_) {
     origin_ = frame_->cloud.origin;
     bounds_ = pack_points(*frame_, out);
@@ -124,7 +126,10 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   if (auto updated = update_instances(std::move(frame), camera, options, stats); !updated)
     return fail(updated.error().message);
   stats.drawn = static_cast<std::uint32_t>(instances_.size());
-  stats.visited = mode_ == DrawMode::voxel ? visited_ : 0;
+  stats.visited = cut_stats_.visited;
+  stats.out_of_view = cut_stats_.out_of_view;
+  if (stats.visited > 0)
+    stats.below_pixel = frame_->svo.leaf_count() - stats.out_of_view - cut_stats_.emitted;
 
   const glm::dmat3 axes = camera.axes();
   const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;

@@ -34,7 +34,7 @@ struct DrawOptions {
   /// blend colours. Other modes have the paper's.
   SplatScales scales{2.0f, 2.0f};
   VoxelShape voxel_shape = VoxelShape::faces;
-  float pixel_size = 1.0f;  ///< edge in pixels below which voxels are not divided; see VoxelCut
+  float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
   float point_size = 2.0f;  ///< edge of a point in pixels
   bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
   glm::vec3 background{0.11f, 0.12f, 0.14f};  ///< sRGB, 0 to 1
@@ -44,8 +44,11 @@ struct DrawOptions {
 
 struct DrawStats {
   std::uint32_t drawn = 0;    ///< surfels, points or voxels submitted
-  std::uint32_t visited = 0;  ///< octree nodes that the voxel cut came to
-  double cut_ms = 0.0;        ///< the cut of the octree; 0 where the last one was used again
+  std::uint32_t visited = 0;  ///< octree nodes that the cut came to
+  /// Leaves of the octree that the cut left out: for being outside the frustum, and, of those of
+  /// one node that is drawn in their place because it is below a pixel, all but one.
+  std::uint32_t out_of_view = 0, below_pixel = 0;
+  double cut_ms = 0.0;  ///< the cut of the octree; 0 where the last one was used again
   /// Packing, upload and drawing: wall time until glFinish returns, which on software OpenGL is all
   /// of the work (timer queries measure nothing there) and on a graphics card includes the wait.
   double render_ms = 0.0;
@@ -63,7 +66,7 @@ class Renderer {
   static Result<Renderer> create();
 
   /// Draws `frame` (null or empty: the background alone) as a picture of `size` pixels, both > 0.
-  /// Keeps hold of the frame: points are uploaded when frame or mode change, voxels when the cut
+  /// Keeps hold of the frame: points are uploaded when frame or mode change, nodes when the cut
   /// does, and the cut is used again while frame, camera and size stay as they are.
   Result<DrawStats> draw(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                          glm::ivec2 size, const DrawOptions& options);
@@ -87,7 +90,7 @@ class Renderer {
     glm::vec4 ray_corner, ray_x, ray_y;
     glm::vec4 window;
   };
-  /// What the voxel cut depends on.
+  /// What the cut depends on.
   struct CutKey {
     Camera camera;
     glm::ivec2 size;
@@ -116,7 +119,7 @@ class Renderer {
   std::shared_ptr<const SceneFrame> frame_;  ///< what the instances were made of
   DrawMode mode_ = DrawMode::surfel;
   std::optional<CutKey> cut_key_;
-  std::uint32_t visited_ = 0;
+  CutStats cut_stats_;
   VoxelCut cut_;
   InstanceBuffer instances_;
   InstanceBounds bounds_;   ///< of the instances

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 
 namespace pointreel {
 namespace {
@@ -33,6 +34,7 @@ class View {
               plane(glm::normalize(-axes[0] - tx * axes[2]), eye, 0.0),
               plane(glm::normalize(axes[1] - ty * axes[2]), eye, 0.0),
               plane(glm::normalize(-axes[1] - ty * axes[2]), eye, 0.0)};
+    slope_ = glm::vec2(static_cast<float>(tx), static_cast<float>(ty));
     eye_ = glm::vec3(eye);
     // A few roundings of numbers up to the eye's distance.
     slack_ = static_cast<float>(1e-6 * (1.0 + glm::length(eye)));
@@ -66,6 +68,21 @@ class View {
     return kPi * focal_ * focal_ * kSilhouette * half * half < z * z;
   }
 
+  /// True only if `small` is true for every node of this size that is not culled and whose centre
+  /// is at least so deep: the area falls with depth, and its distance from the eye is at most that
+  /// of the frustum's edge plus the node's radius.
+  bool all_small(float half, float z) const {
+    const float radius = kSqrt3 * half + 2.0f * slack_;
+    if (!(z > radius + near_)) return false;
+    const glm::vec2 off = slope_ * z + radius * glm::sqrt(1.0f + slope_ * slope_);
+    const float s2 = kSilhouette * half * half;
+    const float a = z * z + glm::dot(off, off) - s2, b = z * z - s2;
+    const float disc = kPi * focal_ * focal_ * s2;
+    return disc * disc * a < 0.999f * b * b * b;
+  }
+
+  float depth(const glm::dvec3& in_edges) const { return forward_.distance(glm::vec3(in_edges)); }
+
   static constexpr float kSqrt3 = 1.7320508f;
 
  private:
@@ -79,6 +96,7 @@ class View {
   Plane forward_{};
   std::array<Plane, 4> sides_{};
   glm::vec3 eye_{};
+  glm::vec2 slope_{};  ///< of the frustum's sides
   float near_ = 0.0f, slack_ = 0.0f, focal_ = 1.0f;
 };
 
@@ -128,7 +146,36 @@ void store(CutNode* out, std::uint32_t node, const Float4& place) {
   std::memcpy(reinterpret_cast<char*>(out) + offsetof(CutNode, center), &place, sizeof(place));
 }
 
+/// How many leaves a node of `level` has.
+std::uint32_t leaves_below(const Svo& svo, std::uint32_t node, int level) {
+  std::uint32_t begin = node, end = node + 1;
+  for (; level < svo.depth; ++level) {
+    // Nodes of a level follow each other, and so do their children.
+    end = end < svo.internal_count() ? svo.first_child[end] : svo.node_count();
+    begin = svo.first_child[begin];
+  }
+  return end - begin;
+}
+
 }  // namespace
+
+int finest_level(const Cube& cube, const Box& bounds, const Camera& camera, glm::ivec2 size,
+                 float pixel_size) {
+  if (bounds.empty()) return 0;
+  const View view(cube, camera, size, pixel_size);
+  float nearest = std::numeric_limits<float>::max();
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p(corner & 1 ? bounds.max.x : bounds.min.x,
+                       corner & 2 ? bounds.max.y : bounds.min.y,
+                       corner & 4 ? bounds.max.z : bounds.min.z);
+    nearest = std::min(nearest, view.depth((p - cube.origin) / cube.edge));
+  }
+  int level = 0;
+  for (float half = 0.5f; level < kMaxDepth; ++level, half *= 0.5f) {
+    if (view.all_small(half, nearest - View::kSqrt3 * half)) break;
+  }
+  return level;
+}
 
 CutStats VoxelCut::run(const Svo& svo, const Camera& camera, glm::ivec2 size, float pixel_size) {
   emitted_ = 0;
@@ -198,7 +245,10 @@ CutStats VoxelCut::run(const Svo& svo, const Camera& camera, glm::ivec2 size, fl
     stats.visited += static_cast<std::uint32_t>(crossing_.size() + inside_count);
     for (const Item& item : crossing_) {
       const Side side = view.classify(center(item), View::kSqrt3 * half);
-      if (side == Side::outside) continue;
+      if (side == Side::outside) {
+        stats.out_of_view += leaves_below(svo, static_cast<std::uint32_t>(item[3]), level);
+        continue;
+      }
       if (leaves || (may_be_small && view.small(center(item), half))) {
         emit(item);
       } else if (side == Side::inside) {

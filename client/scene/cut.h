@@ -13,7 +13,7 @@
 
 namespace pointreel {
 
-/// A voxel to draw: a node of the octree at which the traversal stopped.
+/// An element to draw: a node of the octree at which the traversal stopped.
 struct CutNode {
   std::uint32_t node;
   glm::vec3 center;  ///< relative to the cube's origin
@@ -23,7 +23,16 @@ struct CutNode {
 struct CutStats {
   std::uint32_t visited = 0;  ///< nodes that the traversal came to, culled ones included
   std::uint32_t emitted = 0;
+  std::uint32_t out_of_view = 0;  ///< leaves of the nodes that were culled
 };
+
+/// The finest level at which a cut can emit nodes, whatever the tree: all nodes of this level that
+/// hold a point within `bounds` and are not culled are too small to be divided. 0 to kMaxDepth,
+/// which it also is where no level is too fine (an eye within the bounds, a pixel size of 0).
+/// `cube` is the tree's. Never too coarse; finer than need be where what is nearest is not in the
+/// picture.
+int finest_level(const Cube& cube, const Box& bounds, const Camera& camera, glm::ivec2 size,
+                 float pixel_size);
 
 /// The potentially visible voxels of an octree at the resolution of the picture: paper 2, section
 /// VI-B. From the root down, a node whose bounding sphere lies outside the frustum is dropped, and

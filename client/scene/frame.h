@@ -1,31 +1,43 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/cloud/point_cloud.h"
 #include "common/octree/svo.h"
 
 namespace pointreel {
 
-/// What is drawn for each element of a frame. It decides what the pipeline prepares: surfels and
-/// points need the cloud, voxels the tree and its mean attributes.
+/// What is drawn for each element of a frame. It decides what the pipeline prepares.
 enum class DrawMode { surfel, voxel, point };
 
+/// The level of a frame to which nothing could be added by fetching or preparing more of it.
+inline constexpr int kWholeFrame = kMaxDepth;
+
 /// A decoded frame, ready to draw. Immutable once the pipeline has made it.
+///
+/// Either a tree with attributes of its nodes, of which a cut is drawn, or a cloud, whose points
+/// are drawn as surfels or points.
 struct SceneFrame {
   std::uint32_t index = 0;    ///< in the reel
   std::uint64_t time_us = 0;  ///< from the reel's start
-  /// What surfels and points draw. Colours are present only if the source has them. Normals are
-  /// present in surfel mode and where there are no colours (estimated from neighbours where the
-  /// source has none; zero where unknown); radii in surfel mode.
+  /// What surfels and points draw where it is not empty; else they draw the tree, as voxels do.
   PointCloud cloud;
+  Svo svo;
+  // Of the cloud and of the tree's nodes alike: colours are present only if the source has them,
+  // normals in surfel mode and where there are no colours (estimated from neighbours where the
+  // source has none; zero where unknown), radii in surfel mode.
+  NodeAttributes attributes;
+  std::vector<float> radii;  ///< of the nodes
   /// The normals were estimated from neighbours: their line is right, their sign may be wrong, so
   /// the side that they point to is no reason to cull.
   bool normals_estimated = false;
-  /// Rebuilt for every frame; what voxels draw. Node attributes are filled in voxel mode only.
-  Svo svo;
-  NodeAttributes attributes;
 
+  /// The finest level of the tree that would be drawn if everything was in it. A cut that ends
+  /// below it needs the frame to be fetched or prepared again.
+  int level = kWholeFrame;
+  std::uint32_t points = 0;         ///< that the source had, as far as the frame tells
+  std::uint32_t layers = 0;         ///< that it was made of; 0: a file
   std::uint64_t fetched_bytes = 0;  ///< that it was made of
   /// What it took to make, in the order of the stages; normals: where estimated.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;

@@ -133,8 +133,8 @@ TEST_F(Control, playing_fewer_layers_fetches_fewer_bytes_and_draws_the_coarser_o
   pack({"--depth", "10"});
   json before;
   for (const int layers : {1, 2, 3}) {
-    const json report =
-        played({"--layers", std::to_string(layers), "--mode", "voxel", "--delta", "0"});
+    const json report = played({"--layers", std::to_string(layers), "--mode", "voxel", "--delta",
+                                "0", "--pixel-size", "0"});
     EXPECT_EQ(report["layers"], layers);
     EXPECT_EQ(report["frames_shown"], kFrames);
     EXPECT_EQ(report["depth"], layers == 1 ? 7 : layers == 2 ? 9 : 10);
@@ -144,9 +144,30 @@ TEST_F(Control, playing_fewer_layers_fetches_fewer_bytes_and_draws_the_coarser_o
     }
     before = report;
   }
-  const json all = played({"--mode", "voxel", "--delta", "0"});
+  const json all = played({"--mode", "voxel", "--delta", "0", "--pixel-size", "0"});
   EXPECT_EQ(all["fetched_bytes"], before["fetched_bytes"]);
-  EXPECT_EQ(played({"--layers", "9", "--mode", "point"})["layers"], 3);
+  EXPECT_EQ(played({"--layers", "9", "--mode", "point", "--pixel-size", "0"})["layers"], 3);
+}
+
+TEST_F(Control, playing_fetches_what_the_mode_and_the_view_show_and_tells_the_rest) {
+  pack({"--depth", "10"});
+  for (const std::string mode : {"surfel", "voxel", "point"}) {
+    const json fine = played({"--mode", mode, "--delta", "0", "--pixel-size", "0"});
+    const json small = played({"--mode", mode, "--delta", "0"});
+    EXPECT_EQ(fine["layers"], 3);
+    EXPECT_EQ(small["layers"], 1) << "in so small a picture";
+    EXPECT_EQ(fine["skipped"]["layers"], 0);
+    EXPECT_EQ(small["skipped"]["layers"], 2);
+    EXPECT_EQ(small["skipped"]["levels"], 3);
+    EXPECT_GT(small["skipped"]["bytes"], fine["skipped"]["bytes"]);
+    EXPECT_EQ(small["skipped"]["bytes"].get<int>() + small["fetched_bytes"].get<int>(),
+              fine["skipped"]["bytes"].get<int>() + fine["fetched_bytes"].get<int>());
+    EXPECT_EQ(fine["skipped"]["attributes"].size(), mode == "surfel" ? 0u : 1u);
+    EXPECT_EQ(fine["drawn"], fine["leaves"]);
+    EXPECT_LT(small["drawn"], fine["drawn"]);
+    EXPECT_EQ(small["frames_shown"], kFrames);
+    EXPECT_EQ(small["frames_refined"], 0);
+  }
 }
 
 TEST_F(Control, a_bit_rate_is_kept_and_what_it_cost_is_told) {

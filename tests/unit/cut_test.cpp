@@ -233,6 +233,74 @@ TEST(Cut, HandlesEmptySingleAndDeepestTrees) {
   }
 }
 
+TEST(Cut, CountsTheLeavesOfWhatItLeavesOut) {
+  const PointCloud cloud = shell(3000);
+  const Svo svo = tree(cloud, 7);
+  const Ancestry ancestry(svo);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  VoxelCut cut;
+  for (int trial = 0; trial < 20; ++trial) {
+    Camera camera;
+    camera.target = glm::dvec3(unit(random), unit(random), unit(random));
+    camera.distance = std::exp2(4.0 * unit(random));
+    const CutStats stats = cut.run(svo, camera, kSize, 2.0f);
+    std::set<std::uint32_t> emitted;
+    for (const CutNode& n : cut.nodes()) emitted.insert(n.node);
+    std::uint32_t uncovered = 0;
+    for (std::uint32_t leaf = 0; leaf < svo.leaf_count(); ++leaf) {
+      uncovered += covering(svo, ancestry, emitted, leaf).empty();
+    }
+    EXPECT_EQ(stats.out_of_view, uncovered);
+  }
+}
+
+TEST(FinestLevel, IsNeverTooCoarseForWhatACutEmits) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (const glm::dvec3& origin : {glm::dvec3(0.0), glm::dvec3(1e6, -2e6, 5e5)}) {
+    const PointCloud cloud = shell(3000, origin);
+    const Svo svo = tree(cloud, 10);
+    VoxelCut cut;
+    int near = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+      Camera camera;
+      camera.target = origin + 0.7 * glm::dvec3(unit(random), unit(random), unit(random));
+      camera.distance = std::exp2(6.0 + 5.0 * unit(random));
+      camera.orbit(3.2 * unit(random), 1.5 * unit(random));
+      camera.fov_y = 0.8 + 0.7 * unit(random);
+      const float pixel_size = trial % 4 == 0 ? 4.0f : 1.0f;
+      const int level = finest_level(svo.cube, bounds(cloud), camera, kSize, pixel_size);
+      cut.run(svo, camera, kSize, pixel_size);
+      int finest = 0;
+      for (const CutNode& n : cut.nodes()) {
+        for (int l = finest; l <= svo.depth; ++l) {
+          if (n.node >= svo.level_begin[static_cast<std::size_t>(l)]) finest = l;
+        }
+      }
+      ASSERT_LE(finest, level) << "trial " << trial;
+      near += finest >= std::min(level, svo.depth) - 1;
+    }
+    EXPECT_GT(near, 150) << "nor much too fine where all is in the picture";
+  }
+}
+
+TEST(FinestLevel, FollowsThePersonsHeightInPixelsAndEndsAtTheEye) {
+  const Box person{{-0.3, 0.0, -0.3}, {0.3, 1.8, 0.3}};
+  const Cube cube{{-0.9, 0.0, -0.9}, 1.8};
+  Camera camera;
+  for (const auto& [pixels, level] : {std::pair{100, 7}, {300, 9}, {700, 10}, {1400, 11}}) {
+    camera.frame_bounds(person, 1.0);
+    // The person is a little lower than the picture.
+    EXPECT_EQ(finest_level(cube, person, camera, glm::ivec2(pixels), 1.0f), level) << pixels;
+  }
+  EXPECT_EQ(finest_level(cube, person, camera, kSize, 0.0f), kMaxDepth) << "leaves are wanted";
+  EXPECT_EQ(finest_level(cube, Box{}, camera, kSize, 1.0f), 0);
+  camera.target = person.center();
+  camera.distance = 0.1;
+  EXPECT_EQ(finest_level(cube, person, camera, kSize, 1.0f), kMaxDepth);
+}
+
 TEST(Cut, TakesAboutAMillisecondForAllOfEightyFiveThousandLeaves) {
   const PointCloud cloud = shell(88315);
   const Svo svo = tree(cloud, 10);

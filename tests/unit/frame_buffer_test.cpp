@@ -247,5 +247,73 @@ TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
   for (std::thread& worker : workers) worker.join();
 }
 
+std::shared_ptr<const SceneFrame> picture_at(std::uint32_t index, int level) {
+  auto frame = std::make_shared<SceneFrame>();
+  frame->index = index;
+  frame->level = level;
+  return frame;
+}
+
+TEST(FrameBuffer, AsksAgainForFramesThatLackALevelOnlyWhenNoneIsMissing) {
+  FrameBuffer buffer(options(100, 2, false));
+  buffer.set_level(7);
+  const auto answer = [&] {
+    const auto request = buffer.next_wanted();
+    buffer.deliver(*request, picture_at(request->frame, request->level));
+    return std::pair{request->frame, request->level};
+  };
+  EXPECT_EQ(answer(), (std::pair{0u, 7}));
+  buffer.set_level(9);
+  EXPECT_EQ(answer(), (std::pair{1u, 9}));
+  EXPECT_EQ(answer(), (std::pair{2u, 9}));
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
+  EXPECT_EQ(answer(), (std::pair{0u, 9}));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->level, 9);
+  EXPECT_EQ(buffer.held(), 3u);
+}
+
+TEST(FrameBuffer, KeepsWhatIsFinerWhenTheCameraMovesAway) {
+  FrameBuffer buffer(options(100, 1, false));
+  for (int i = 0; i < 2; ++i) {
+    const auto request = buffer.next_wanted();
+    buffer.deliver(*request, picture_at(request->frame, 9));
+  }
+  EXPECT_EQ(buffer.best()->level, 9);
+  buffer.set_level(6);
+  EXPECT_EQ(buffer.best()->level, 9);
+  buffer.advance(1);
+  const auto request = buffer.next_wanted();
+  EXPECT_EQ(request->frame, 2u);
+  EXPECT_EQ(request->level, 6);
+  EXPECT_EQ(buffer.best()->level, 9);
+}
+
+TEST(FrameBuffer, AsksForALevelThatCannotBeHadOnlyOnce) {
+  for (const bool broken : {false, true}) {
+    FrameBuffer buffer(options(1, 0, false));
+    buffer.set_level(7);
+    auto request = buffer.next_wanted();
+    buffer.deliver(*request, picture_at(0, 7));
+    buffer.set_level(10);
+    request = buffer.next_wanted();
+    EXPECT_EQ(request->level, 10);
+    EXPECT_TRUE(buffer.wanted(*request));
+    if (broken)
+      buffer.fail(*request);
+    else
+      buffer.deliver(*request, picture_at(0, 7));
+    EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+    ASSERT_NE(buffer.best(), nullptr) << "what was there stays";
+    std::thread closer([&] {
+      std::this_thread::sleep_for(milliseconds(5));
+      buffer.close();
+    });
+    EXPECT_FALSE(buffer.next_wanted());
+    closer.join();
+  }
+}
+
 }  // namespace
 }  // namespace pointreel

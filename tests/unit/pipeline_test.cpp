@@ -57,12 +57,12 @@ struct Errors {
   }
 };
 
-FetchRequest all_parts(DrawMode) { return {}; }
+FetchRequest all_parts(const FrameRequest&) { return {}; }
 
-Result<SceneFrame> prepare(std::uint32_t frame, const FetchedFrame& fetched, DrawMode) {
-  EXPECT_EQ(fetched.file.at(0), static_cast<std::uint8_t>(frame));
+Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched) {
+  EXPECT_EQ(fetched.file.at(0), static_cast<std::uint8_t>(request.frame));
   SceneFrame scene;
-  scene.index = frame;
+  scene.index = request.frame;
   return scene;
 }
 
@@ -77,10 +77,10 @@ TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
   Errors errors;
   std::atomic<int> prepared{0};
   Pipeline pipeline(source, buffer, all_parts,
-                    [&](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
-                      if (frame % 7 == 0) std::this_thread::sleep_for(milliseconds(3));
+                    [&](const FrameRequest& request, const FetchedFrame& fetched) {
+                      if (request.frame % 7 == 0) std::this_thread::sleep_for(milliseconds(3));
                       ++prepared;
-                      return prepare(frame, fetched, mode);
+                      return prepare(request, fetched);
                     },
                     errors.sink(), {2, 3});
   for (std::uint32_t frame = 0; frame < 60; ++frame) {
@@ -100,7 +100,7 @@ TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
   Errors errors;
   std::atomic<int> parts{0}, working{0}, most_working{0};
   Pipeline pipeline(source, buffer, all_parts,
-                    [&](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+                    [&](const FrameRequest& request, const FetchedFrame& fetched) {
                       tbb_executor()(6, [&](int) {
                         const int now = ++working;
                         for (int most = most_working;
@@ -110,7 +110,7 @@ TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
                         --working;
                         ++parts;
                       });
-                      return prepare(frame, fetched, mode);
+                      return prepare(request, fetched);
                     },
                     errors.sink(), {2, 2});
   for (std::uint32_t frame = 0; frame < 20; ++frame) {
@@ -128,9 +128,9 @@ TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {
   Errors errors;
   Pipeline pipeline(
       source, buffer, all_parts,
-      [&](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) -> Result<SceneFrame> {
-        if (frame == 12) return fail("no frame");
-        return prepare(frame, fetched, mode);
+      [&](const FrameRequest& request, const FetchedFrame& fetched) -> Result<SceneFrame> {
+        if (request.frame == 12) return fail("no frame");
+        return prepare(request, fetched);
       },
       errors.sink(), {2, 2});
   for (std::uint32_t frame = 0; frame < 20; ++frame) {
@@ -182,9 +182,9 @@ TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
   FrameBuffer buffer(once(4000, 4));
   Errors errors;
   Pipeline pipeline(source, buffer, all_parts,
-                    [](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
+                    [](const FrameRequest& request, const FetchedFrame& fetched) {
                       std::this_thread::sleep_for(milliseconds(10));
-                      return prepare(frame, fetched, mode);
+                      return prepare(request, fetched);
                     },
                     errors.sink(), {1, 1});
   std::vector<std::uint32_t> shown;
@@ -203,9 +203,9 @@ TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
   FrameBuffer buffer({3, 2, true, DrawMode::surfel});
   Errors errors;
   Pipeline pipeline(source, buffer, all_parts,
-                    [](std::uint32_t frame, const FetchedFrame& fetched, DrawMode mode) {
-                      auto scene = prepare(frame, fetched, mode);
-                      scene->cloud.positions.resize(mode == DrawMode::voxel ? 2 : 1);
+                    [](const FrameRequest& request, const FetchedFrame& fetched) {
+                      auto scene = prepare(request, fetched);
+                      scene->cloud.positions.resize(request.mode == DrawMode::voxel ? 2 : 1);
                       return scene;
                     },
                     errors.sink(), {2, 2});
@@ -215,6 +215,43 @@ TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
     ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
     ASSERT_EQ(buffer.best()->cloud.size(), voxel ? 2u : 1u);
   }
+}
+
+TEST(Pipeline, FetchesAFrameAgainForALevelThatItLacks) {
+  FakeSource source(3);
+  FrameBuffer buffer({3, 2, true, DrawMode::surfel});
+  buffer.set_level(7);
+  Errors errors;
+  std::mutex mutex;
+  std::multiset<std::uint32_t> layers;
+  Pipeline pipeline(
+      source, buffer,
+      [&](const FrameRequest& request) {
+        const std::lock_guard lock(mutex);
+        layers.insert(request.level <= 7 ? 1 : 2);
+        return FetchRequest{request.level <= 7 ? 1u : 2u, true, true};
+      },
+      [](const FrameRequest& request, const FetchedFrame& fetched) {
+        auto scene = prepare(request, fetched);
+        scene->level = request.level <= 7 ? 7 : 9;
+        return scene;
+      },
+      errors.sink(), {2, 2});
+  ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->level, 7);
+  while (buffer.held() < 3) std::this_thread::sleep_for(milliseconds(1));
+  buffer.set_level(8);
+  ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->level, 9);
+  for (const std::uint32_t frame : {1, 2}) {
+    buffer.advance(frame);
+    ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+  }
+  buffer.set_level(9);  // they have that
+  buffer.set_level(5);
+  std::this_thread::sleep_for(milliseconds(5));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(layers, (std::multiset<std::uint32_t>{1, 1, 1, 2, 2, 2}));
 }
 
 TEST(Pipeline, EndsAtOnceInTheMiddleOfAllAndCallsNothingAnError) {

@@ -85,18 +85,16 @@ double worst_normal_error(const PointCloud& cloud) {
   return worst;
 }
 
-TEST(PartsFor, FetchNormalsOnlyWhereTheyAreSeen) {
-  const Manifest colored = manifest_of(sphere(1, true, true));
-  const Manifest plain = manifest_of(sphere(1, true, false));
-  EXPECT_TRUE(parts_for(colored, DrawMode::surfel).normals);
-  EXPECT_FALSE(parts_for(colored, DrawMode::voxel).normals);
-  EXPECT_FALSE(parts_for(colored, DrawMode::point).normals);
-  EXPECT_TRUE(parts_for(plain, DrawMode::voxel).normals);
-  EXPECT_TRUE(parts_for(plain, DrawMode::point).normals);
-  EXPECT_TRUE(parts_for(colored, DrawMode::voxel).colors);
+/// The leaves of a frame's tree, with their normals.
+PointCloud leaves_of(const SceneFrame& scene) {
+  PointCloud leaves = leaf_centers(scene.svo);
+  for (std::size_t i = scene.svo.internal_count(); i < scene.attributes.normals.size(); ++i) {
+    leaves.normals.push_back(glm::vec3(scene.attributes.normals[i]) / 32767.0f);
+  }
+  return leaves;
 }
 
-TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItsLeavesWithSurfels) {
+TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItWithSurfels) {
   const PointCloud cloud = sphere(20'000, true, true);
   const Manifest manifest = manifest_of(cloud);
   const auto scene =
@@ -104,16 +102,20 @@ TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItsLeavesWithSurfels) {
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_EQ(scene->index, 1u);
   EXPECT_EQ(scene->time_us, 40'000u);
+  EXPECT_EQ(scene->points, 20'000u);
+  EXPECT_EQ(scene->level, kWholeFrame);
   EXPECT_EQ(scene->svo.cube, kCube);
-  EXPECT_EQ(scene->svo.leaf_count(), scene->cloud.size());
-  ASSERT_TRUE(scene->cloud.has_radii());
+  EXPECT_TRUE(scene->cloud.empty()) << "positions are those of the tree";
+  const std::size_t nodes = scene->svo.node_count(), inner = scene->svo.internal_count();
+  ASSERT_EQ(scene->radii.size(), nodes);
   const double least = std::sqrt(3.0) / 2.0 * 3.0 / (1 << scene->svo.depth);
-  for (const float radius : scene->cloud.radii) {
-    ASSERT_GE(radius, 0.999 * least);
-    ASSERT_LE(radius, 0.1);
+  for (std::size_t i = inner; i < nodes; ++i) {
+    ASSERT_GE(scene->radii[i], 0.999 * least);
+    ASSERT_LE(scene->radii[i], 0.1);
   }
-  EXPECT_GT(worst_normal_error(scene->cloud), 0.95);
-  EXPECT_TRUE(scene->attributes.colors.empty()) << "nobody sees them in this mode";
+  EXPECT_EQ(scene->attributes.colors.size(), nodes);
+  ASSERT_EQ(scene->attributes.normals.size(), nodes);
+  EXPECT_GT(worst_normal_error(leaves_of(*scene)), 0.95);
 }
 
 TEST(PrepareFrame, GivesTheSameOfAFrameInSlabs) {
@@ -126,11 +128,11 @@ TEST(PrepareFrame, GivesTheSameOfAFrameInSlabs) {
   const auto expected = prepare_frame(manifest_of(cloud), 0, whole, {DrawMode::point, 0.05});
   const auto scene = prepare_frame(manifest_of(cloud), 0, parted, {DrawMode::point, 0.05});
   ASSERT_TRUE(scene && expected);
-  EXPECT_EQ(scene->cloud.positions, expected->cloud.positions);
-  EXPECT_EQ(scene->cloud.colors, expected->cloud.colors);
+  EXPECT_EQ(scene->svo.masks, expected->svo.masks);
+  EXPECT_EQ(scene->attributes.colors, expected->attributes.colors);
 }
 
-TEST(PrepareFrame, CutsATreeOffWhereACoarserLevelSatisfiesDelta) {
+TEST(PrepareFrame, CutsTheTreeOfVoxelsOffWhereACoarserLevelSatisfiesDelta) {
   const PointCloud cloud = sphere(20'000, false, true);
   const Manifest manifest = manifest_of(cloud);
   const FetchedFrame fine = fetched(cloud, octree(0.001));
@@ -140,9 +142,47 @@ TEST(PrepareFrame, CutsATreeOffWhereACoarserLevelSatisfiesDelta) {
   EXPECT_LT(cut->svo.depth, full->svo.depth);
   EXPECT_GE(cut->svo.leaf_count(), 10'000u);
   EXPECT_LT(cut->svo.node_count(cut->svo.depth - 1), 10'000u);
+  EXPECT_EQ(cut->level, kWholeFrame);
   ASSERT_EQ(cut->attributes.colors.size(), cut->svo.node_count());
   for (std::size_t i = 0; i < cut->attributes.colors.size(); ++i)
     ASSERT_EQ(cut->attributes.colors[i], full->attributes.colors[i]);
+  const auto points = prepare_frame(manifest, 0, fine, {DrawMode::point, 0.5});
+  EXPECT_EQ(points->svo.depth, full->svo.depth) << "delta is of voxels";
+}
+
+TEST(PrepareFrame, KnowsWhichLevelsItLacks) {
+  const PointCloud cloud = sphere(20'000, false, true);
+  EncodeOptions options{OctreeOptions{Entropy::context, DepthRule::fixed(10)}};
+  FetchedFrame frame = fetched(cloud, options);
+  Manifest manifest = manifest_of(cloud);
+  for (const FetchedLayer& layer : frame.layers)
+    manifest.segments[0].layers.emplace_back().frames = {layer.sizes, {}};
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+    frame = fetched(cloud, options);
+    EXPECT_EQ(prepare_frame(manifest, 0, frame, {mode, 0.0})->level, kWholeFrame);
+    frame.layers.resize(2);
+    const auto scene = prepare_frame(manifest, 0, frame, {mode, 0.0});
+    EXPECT_EQ(scene->level, 9);
+    EXPECT_EQ(scene->layers, 2u);
+    frame.layers.resize(1);
+    EXPECT_EQ(prepare_frame(manifest, 0, frame, {mode, 0.0})->level, 7);
+  }
+  // Voxels lack nothing where what is there satisfies delta.
+  const auto scene = prepare_frame(manifest, 0, frame, {DrawMode::voxel, 0.7});
+  EXPECT_EQ(scene->level, kWholeFrame);
+  EXPECT_LE(scene->svo.depth, 7);
+}
+
+TEST(PrepareFrame, ColoursWithoutLossComeWithTheirMeans) {
+  const PointCloud cloud = sphere(5'000, true, true);
+  OctreeOptions options{Entropy::context, DepthRule::fixed(8), kLosslessColorQuality,
+                        kBestNormalQuality};
+  const auto scene =
+      prepare_frame(manifest_of(cloud), 0, fetched(cloud, {options}), {DrawMode::surfel, 0.05});
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
+  EXPECT_EQ(scene->attributes.normals.size(), scene->svo.node_count());
+  EXPECT_NEAR(scene->attributes.colors[0].x, 32768, 3000) << "half the sphere is red";
 }
 
 TEST(PrepareFrame, BuildsTheTreeOfADracoFrameInTheSegmentsCube) {
@@ -154,6 +194,39 @@ TEST(PrepareFrame, BuildsTheTreeOfADracoFrameInTheSegmentsCube) {
   EXPECT_GE(scene->svo.leaf_count(), 4'750u);
   EXPECT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
   EXPECT_TRUE(scene->attributes.normals.empty());
+  EXPECT_TRUE(scene->cloud.empty());
+}
+
+TEST(PrepareFrame, BuildsNoTreeForPointsUnlessTheViewIsCoarserThanTheyAre) {
+  const PointCloud cloud = sphere(20'000, true, true);
+  const Manifest manifest = manifest_of(cloud);
+  for (const EncodeOptions& options : {EncodeOptions{DracoOptions{}}}) {
+    const FetchedFrame frame = fetched(cloud, options);
+    for (const DrawMode mode : {DrawMode::point, DrawMode::surfel}) {
+      for (const int level : {kWholeFrame, 9}) {
+        const auto all = prepare_frame(manifest, 0, frame, {mode, 0.7, level});
+        ASSERT_TRUE(all) << all.error().message;
+        EXPECT_EQ(all->cloud.size(), 20'000u);
+        EXPECT_EQ(all->svo.node_count(), 0u);
+        EXPECT_TRUE(all->attributes.colors.empty());
+        EXPECT_EQ(all->level, kWholeFrame);
+        EXPECT_EQ(all->cloud.has_radii(), mode == DrawMode::surfel);
+      }
+      const auto coarse = prepare_frame(manifest, 0, frame, {mode, 0.7, 5});
+      ASSERT_TRUE(coarse) << coarse.error().message;
+      EXPECT_TRUE(coarse->cloud.empty());
+      EXPECT_EQ(coarse->svo.depth, 5);
+      EXPECT_EQ(coarse->svo.cube, kCube);
+      EXPECT_LT(coarse->svo.leaf_count(), 5'000u);
+      EXPECT_EQ(coarse->level, 5);
+      EXPECT_EQ(coarse->points, 20'000u);
+      EXPECT_EQ(coarse->attributes.colors.size(), coarse->svo.node_count());
+      EXPECT_EQ(coarse->radii.size(), mode == DrawMode::surfel ? coarse->svo.node_count() : 0u);
+    }
+    const auto voxels = prepare_frame(manifest, 0, frame, {DrawMode::voxel, 0.05, 5});
+    EXPECT_EQ(voxels->svo.depth, 5);
+    EXPECT_EQ(voxels->level, 5);
+  }
 }
 
 TEST(PrepareFrame, EstimatesWhatAFileLacksAndTheModeNeeds) {
@@ -165,12 +238,21 @@ TEST(PrepareFrame, EstimatesWhatAFileLacksAndTheModeNeeds) {
   EXPECT_GT(worst_normal_error(surfels->cloud), 0.9);
   EXPECT_TRUE(surfels->cloud.has_radii());
   EXPECT_FALSE(surfels->cloud.has_colors());
-  EXPECT_NEAR(surfels->svo.cube.edge, 2.0, 0.05) << "a file's cube is its own";
   const auto voxels = prepare_frame(manifest, 0, file, {DrawMode::voxel, 0.05});
   EXPECT_EQ(voxels->attributes.normals.size(), voxels->svo.node_count());
+  EXPECT_NEAR(voxels->svo.cube.edge, 2.0, 0.05) << "a file's cube is its own";
   const auto points = prepare_frame(manifest, 0, file, {DrawMode::point, 0.05});
   EXPECT_TRUE(points->cloud.has_normals()) << "the fake colour needs them";
   EXPECT_FALSE(points->cloud.has_radii());
+}
+
+TEST(PrepareFrame, EstimatesTheNormalsThatAnOctreeFrameLacks) {
+  const PointCloud cloud = sphere(5'000, false, true);
+  const auto scene = prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(scene->normals_estimated);
+  EXPECT_EQ(scene->attributes.normals.size(), scene->svo.node_count());
+  EXPECT_GT(worst_normal_error(leaves_of(*scene)), 0.9);
 }
 
 TEST(PrepareFrame, NeitherEstimatesNorKeepsNormalsWhereColoursAreDrawn) {
@@ -179,8 +261,13 @@ TEST(PrepareFrame, NeitherEstimatesNorKeepsNormalsWhereColoursAreDrawn) {
     const auto scene =
         prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {DrawMode::point, 0.05});
     ASSERT_TRUE(scene);
-    EXPECT_TRUE(scene->cloud.has_colors());
-    EXPECT_FALSE(scene->cloud.has_normals());
+    EXPECT_FALSE(scene->attributes.colors.empty());
+    EXPECT_TRUE(scene->attributes.normals.empty());
+    const auto draco = prepare_frame(manifest_of(cloud), 0, fetched(cloud, {DracoOptions{}}),
+                                     {DrawMode::point, 0.05});
+    ASSERT_TRUE(draco);
+    EXPECT_TRUE(draco->cloud.has_colors());
+    EXPECT_FALSE(draco->cloud.has_normals());
   }
 }
 

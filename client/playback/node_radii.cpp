@@ -1,0 +1,40 @@
+#include "client/playback/node_radii.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace pointreel {
+namespace {
+
+constexpr float kDiscAroundCell = 0.75f;  // of the square of its edge: half its diagonal, squared
+/// Of a soccer player 300 and 700 pixels high, 1 gave pictures 1.1 and 0.7 dB worse, 2 gave 0.7 and
+/// 2.8 dB worse.
+constexpr float kMostGrowth = 1.4142136f;
+
+}  // namespace
+
+std::vector<float> node_radii(const Svo& svo, const std::vector<float>& leaf_radii) {
+  std::vector<float> radii(svo.node_count());
+  std::copy(leaf_radii.begin(), leaf_radii.end(), radii.begin() + svo.internal_count());
+  for (int level = svo.depth - 1; level >= 0; --level) {
+    const auto edge = static_cast<float>(svo.cell_size(level));
+    const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(level) + 1];
+    for (std::uint32_t node = svo.level_begin[static_cast<std::size_t>(level)]; node < end;
+         ++node) {
+      const float* const child = radii.data() + svo.first_child[node];
+      const int children = std::popcount(svo.masks[node]);
+      float area = 0.0f, largest = 0.0f;
+      for (int c = 0; c < children; ++c) {
+        area += child[c] * child[c];
+        largest = std::max(largest, child[c]);
+      }
+      const float most = std::max(kDiscAroundCell * edge * edge, kMostGrowth * largest * largest);
+      radii[node] = std::sqrt(std::min(area, most));
+    }
+  }
+  return radii;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/report.h"
+
+namespace pointreel {
+namespace {
+
+Manifest reel() {
+  Manifest manifest;
+  manifest.codec = "octree";
+  manifest.depth_max = 10;
+  Segment segment;
+  segment.times_us = {0, 40'000};
+  segment.layers.resize(3);
+  for (LayerFile& file : segment.layers) file.frames = {{100, 20, 3}, {1000, 200, 30}};
+  segment.layers[2].frames[0] = {0, 0, 0};  // the first frame is shallower
+  manifest.segments.push_back(segment);
+  return manifest;
+}
+
+SceneFrame frame_of(std::uint32_t index, std::uint32_t layers, std::uint64_t bytes) {
+  SceneFrame frame;
+  frame.index = index;
+  frame.layers = layers;
+  frame.fetched_bytes = bytes;
+  frame.svo.depth = 9;
+  return frame;
+}
+
+TEST(NotFetched, CountsLayersAttributesAndBytesThatAFrameDidNotNeed) {
+  const Manifest manifest = reel();
+  NotFetched rest = not_fetched(manifest, frame_of(1, 2, 2400), {2, true, false});
+  EXPECT_EQ(rest.layers, 1u);
+  EXPECT_FALSE(rest.colors);
+  EXPECT_TRUE(rest.normals);
+  EXPECT_EQ(rest.bytes, 1230u + 2 * 30u);
+  rest = not_fetched(manifest, frame_of(1, 1, 1000), {1, false, false});
+  EXPECT_EQ(rest.layers, 2u);
+  EXPECT_TRUE(rest.colors && rest.normals);
+  EXPECT_EQ(rest.bytes, 3 * 1230u - 1000u);
+  rest = not_fetched(manifest, frame_of(0, 2, 246), {});
+  EXPECT_EQ(rest.layers, 0u) << "it has no third";
+  EXPECT_EQ(rest.bytes, 0u);
+  rest = not_fetched(manifest, frame_of(0, 0, 999), {});
+  EXPECT_EQ(rest.bytes, 0u) << "a file is read whole";
+}
+
+TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
+  const Manifest manifest = reel();
+  PlayReport report;
+  report.finest_level = 10;
+  const SceneFrame first = frame_of(0, 1, 123), second = frame_of(1, 1, 1230);
+  DrawStats drawn;
+  report.add(first, not_fetched(manifest, first, {}), drawn);
+  report.add(second, not_fetched(manifest, second, {}), drawn);
+  auto json = nlohmann::json::parse(report.to_json());
+  EXPECT_EQ(json["frames_shown"], 2);
+  EXPECT_EQ(json["fetched_bytes"], 1353);
+  EXPECT_EQ(json["skipped"]["bytes"], 123 + 2460);
+  EXPECT_EQ(json["skipped"]["layers"], 2);
+  EXPECT_EQ(json["skipped"]["levels"], 1);
+
+  // The second comes again, with two layers and without its normals.
+  const SceneFrame again = frame_of(1, 2, 2400);
+  drawn.out_of_view = 7;
+  drawn.below_pixel = 5;
+  report.add_refined(again, not_fetched(manifest, again, {2, true, false}), drawn);
+  json = nlohmann::json::parse(report.to_json());
+  EXPECT_EQ(json["frames_shown"], 2);
+  EXPECT_EQ(json["frames_refined"], 1);
+  EXPECT_EQ(json["fetched_bytes"], 1353 + 2400);
+  EXPECT_EQ(json["layers"], 2);
+  EXPECT_EQ(json["skipped"]["bytes"], 123 + 1230 + 60);
+  EXPECT_EQ(json["skipped"]["attributes"], nlohmann::json::array({"normals"}));
+  EXPECT_EQ(json["skipped"]["out_of_view"], 7);
+  EXPECT_EQ(json["skipped"]["below_pixel"], 5);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -9,15 +9,19 @@ flat out vec3 conic;
 flat out vec3 linear_color;
 flat out vec4 depth_plane;  // of the middle; its slope a pixel; its largest change
 
-// Of the disc's image, in pixels: no disc falls between the pixels' centres.
+// Of the disc's image along its longer axis, in pixels: no disc that faces the eye falls between
+// the pixels' centres.
 const float kLeastRadius = 0.7;
+// Along its shorter axis, so that the conic is finite; more than this would widen outlines.
+const float kLeastThickness = 0.05;
 
 void main() {
   Sprite s = sprites[gl_VertexID];
   vec3 c = scale * scale * s.covariance;
   float half_trace = 0.5 * (c.x + c.z);
-  float smaller = half_trace - length(vec2(0.5 * (c.x - c.z), c.y));  // radius, squared
-  c.xz += max(kLeastRadius * kLeastRadius - smaller, 0.0);
+  float half_difference = length(vec2(0.5 * (c.x - c.z), c.y));
+  float longer = half_trace + half_difference, shorter = half_trace - half_difference;  // squared
+  c.xz += max(max(kLeastRadius * kLeastRadius - longer, kLeastThickness * kLeastThickness - shorter), 0.0);
   conic = vec3(c.z, -2.0 * c.y, c.x) / (c.x * c.z - c.y * c.y);
   middle = s.middle;
   gl_PointSize = 2.0 * sqrt(max(c.x, c.z));

@@ -164,6 +164,9 @@ int run(int argc, char** argv) {
                   "By how much it enlarges them to blend their colours")
       ->check(within(0.01, 100.0))
       ->capture_default_str();
+  play_command.add_flag("--fill-holes,!--no-fill-holes", options.draw.fill_holes,
+                        "With --splatting normalized: fill holes of surfaces, where their inside "
+                        "would be seen, from what is around (default)");
   play_command
       .add_option(
           "--pixel-size", options.draw.pixel_size,

@@ -90,9 +90,12 @@ Texture make_texture(GLenum format, int width, int height) {
   return texture;
 }
 
+Result<Framebuffer> make_framebuffer(const Texture& color) { return make_framebuffer(color, {}); }
+
 Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth) {
   Framebuffer framebuffer = Framebuffer::create();
   glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, color.name(), 0);
+  // The name 0 attaches nothing.
   glNamedFramebufferTexture(framebuffer.name(), GL_DEPTH_ATTACHMENT, depth.name(), 0);
   const GLenum status = glCheckNamedFramebufferStatus(framebuffer.name(), GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {

@@ -69,7 +69,9 @@ using Program = Object<ProgramKind>;
 /// A texture of one level, sampled without filtering.
 Texture make_texture(GLenum format, int width, int height);
 
-/// A framebuffer of a colour and a depth texture; an error where the driver refuses them.
+/// A framebuffer of a colour texture, or of that and a depth texture; an error where the driver
+/// refuses them.
+Result<Framebuffer> make_framebuffer(const Texture& color);
 Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth);
 
 /// Tells when the commands before it are done.

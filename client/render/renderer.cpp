@@ -74,7 +74,7 @@ Result<void> Renderer::resize(glm::ivec2 size) {
   gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, size.x, size.y);
   Result<gl::Framebuffer> picture = gl::make_framebuffer(color, depth);
   if (!picture) return fail(picture.error().message);
-  if (auto resized = splatter_->resize(size, depth); !resized) return resized;
+  if (auto resized = splatter_->resize(size, color, depth); !resized) return resized;
   picture_ = std::move(*picture);
   color_ = std::move(color);
   depth_ = std::move(depth);
@@ -190,7 +190,7 @@ Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat
     (*method)->begin(largest_scale);
     // The corners of a quad are farther out than the rim of its disc.
     const PixelRect region = region_of(bounds_, 1.5f * largest_scale, to_clip, size_);
-    splatter_->draw(**method, instances_, options.splatting, scales, region, picture_.name());
+    splatter_->draw(**method, instances_, options.splatting, scales, options.fill_holes, region);
   } else {
     (*method)->begin(1.0f);
     glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());

@@ -32,7 +32,8 @@ struct DrawOptions {
   Splatting splatting = Splatting::normalized;
   /// By what Splatting::normalized multiplies the surfels' radii to decide what is visible, and to
   /// blend colours. Other modes have the paper's.
-  SplatScales scales{2.0f, 2.0f};
+  SplatScales scales{1.4f, 1.4f};
+  bool fill_holes = true;  ///< with Splatting::normalized: see reconstruction.h
   VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
   float point_size = 2.0f;  ///< edge of a point in pixels

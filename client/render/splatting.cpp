@@ -48,30 +48,43 @@ SplatScales scales_of(Splatting splatting, const SplatScales& chosen) {
 
 Result<Splatter> Splatter::create() {
   Splatter splatter;
-  auto resolve =
-      gl::make_program(std::array{gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
-                                  gl::Stage{GL_FRAGMENT_SHADER, {"shaders/resolve.frag.glsl"}}});
+  auto resolve = gl::make_program(std::array{
+      gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
+      gl::Stage{GL_FRAGMENT_SHADER, {"shaders/mean.glsl", "shaders/resolve.frag.glsl"}}});
   if (!resolve) return fail(resolve.error().message);
   splatter.resolve_ = std::move(*resolve);
+  auto reconstruction = Reconstruction::create();
+  if (!reconstruction) return fail(reconstruction.error().message);
+  splatter.reconstruction_ = std::move(*reconstruction);
   splatter.no_attributes_ = gl::VertexArray::create();
   return splatter;
 }
 
-Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& depth) {
+Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth) {
   gl::Texture sums = gl::make_texture(GL_RGBA32F, size.x, size.y);
   Result<gl::Framebuffer> splats = gl::make_framebuffer(sums, depth);
   if (!splats) return fail(splats.error().message);
+  Result<gl::Framebuffer> picture = gl::make_framebuffer(color, depth);
+  if (!picture) return fail(picture.error().message);
+  Result<gl::Framebuffer> resolved = gl::make_framebuffer(color);
+  if (!resolved) return fail(resolved.error().message);
+  if (auto resized = reconstruction_->resize(size); !resized) return resized;
   sums_ = std::move(sums);
+  depth_ = depth.name();
   splats_ = std::move(*splats);
+  picture_ = std::move(*picture);
+  resolved_ = std::move(*resolved);
   return {};
 }
 
 void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-                    const SplatScales& scales, const PixelRect& region, GLuint picture) const {
+                    const SplatScales& scales, bool fill_holes, const PixelRect& region) {
+  fill_holes = fill_holes && splatting == Splatting::normalized;
   if (splatting != Splatting::regular && splatting != Splatting::no_depth) {
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance});
+    if (fill_holes) reconstruction_->draw_backs(instances);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);
   }
@@ -79,24 +92,24 @@ void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, S
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
   if (splatting == Splatting::normalized) {
-    draw_normalized(method, instances, scales.shading, region, picture);
+    draw_normalized(method, instances, scales.shading, fill_holes, region);
   } else {
-    draw_blended(method, instances, scales.shading, picture);
+    draw_blended(method, instances, scales.shading);
   }
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
 }
 
-void Splatter::draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale,
-                            GLuint picture) const {
-  glBindFramebuffer(GL_FRAMEBUFFER, picture);
+void Splatter::draw_blended(InstancingMethod& method, const InstanceBuffer& instances,
+                            float scale) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   method.draw(instances, Pass::surfel_blend, {scale, 0.0f});
 }
 
 void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
-                               float scale, const PixelRect& region, GLuint picture) const {
+                               float scale, bool fill_holes, const PixelRect& region) {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
   const std::array<GLfloat, 4> nothing{};
   glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
@@ -105,9 +118,12 @@ void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& i
 
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  glBindFramebuffer(GL_FRAMEBUFFER, picture);
+  if (fill_holes) glBindTextureUnit(1, reconstruction_->fill(sums_, region).name());
+  glBindFramebuffer(GL_FRAMEBUFFER, resolved_.name());
   glBindTextureUnit(0, sums_.name());
+  glBindTextureUnit(2, depth_);
   glUseProgram(resolve_.name());
+  glUniform1i(0, fill_holes ? 1 : 0);
   glBindVertexArray(no_attributes_.name());
   glEnable(GL_SCISSOR_TEST);
   glScissor(region.min.x, region.min.y, region.max.x - region.min.x, region.max.y - region.min.y);

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+
 #include <glm/glm.hpp>
 
 #include "client/render/gl_objects.h"
 #include "client/render/instancing/method.h"
+#include "client/render/reconstruction.h"
 #include "client/render/region.h"
 
 namespace pointreel {
@@ -36,26 +39,31 @@ class Splatter {
  public:
   static Result<Splatter> create();
 
-  /// For pictures of this size, whose depths are in `depth`.
-  Result<void> resize(glm::ivec2 size, const gl::Texture& depth);
+  /// For pictures of this size: `color` is encoded as sRGB when it is written. Both textures stay
+  /// the caller's, until the next call.
+  Result<void> resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth);
 
-  /// Into a region of the framebuffer `picture` in which all of the surfels lie, and whose colours
-  /// are encoded as sRGB when they are written, and whose depth is that of `resize`, cleared;
-  /// linear colours, and 1 where something was drawn, less where blending left it transparent.
-  /// Depth writes and the depth test are on, blending off, and so they are left.
+  /// Into the textures of `resize`, which are cleared, and there into a region in which all of the
+  /// surfels lie: linear colours, and 1 where something was drawn, less where blending left it
+  /// transparent. fill_holes: Splatting::normalized reconstructs what is missing
+  /// (reconstruction.h). Depth writes and the depth test are on, blending off, and so they are
+  /// left.
   void draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-            const SplatScales& scales, const PixelRect& region, GLuint picture) const;
+            const SplatScales& scales, bool fill_holes, const PixelRect& region);
 
  private:
   Splatter() = default;
-  void draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale,
-                    GLuint picture) const;
+  void draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale) const;
   void draw_normalized(InstancingMethod& method, const InstanceBuffer& instances, float scale,
-                       const PixelRect& region, GLuint picture) const;
+                       bool fill_holes, const PixelRect& region);
 
   gl::Program resolve_;
   gl::Texture sums_;
-  gl::Framebuffer splats_;
+  GLuint depth_ = 0;          ///< the caller's
+  gl::Framebuffer splats_;    ///< sums and depth
+  gl::Framebuffer picture_;   ///< colour and depth
+  gl::Framebuffer resolved_;  ///< colour alone: the depth is read
+  std::optional<Reconstruction> reconstruction_;
   gl::VertexArray no_attributes_;
 };
 

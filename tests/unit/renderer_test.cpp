@@ -283,10 +283,7 @@ TEST_F(RendererTest, AnIsolatedSurfelIsADiscOfItsRadiusSeenAtItsAngle) {
     PointCloud cloud;
     add(cloud, glm::vec3(0.0f), n, kRed, 0.5f);
     const Image image = picture(frame_of(cloud), camera, options);
-    // The weight falls to the hole's threshold within the disc: exp(-4.5 d^2) = 0.02.
-    const double visible = std::log(0.02) / -4.5;
-    const double area =
-        std::numbers::pi * 0.25 * visible * f * f * glm::dot(glm::dvec3(n), camera.axes()[2]);
+    const double area = std::numbers::pi * 0.25 * f * f * glm::dot(glm::dvec3(n), camera.axes()[2]);
     EXPECT_NEAR(static_cast<double>(count_near(image, {255, 0, 0})), area, 0.06 * area);
   }
 }

@@ -1,12 +1,19 @@
-// The weighted mean. Where hardly anything was summed up there is a hole,
-// and the background stays.
+// The weighted mean of the splats; in a hole, where there are none but a surface was seen all the
+// same (reconstruction.h), what is around it. Elsewhere the background stays.
 layout(binding = 0) uniform sampler2D sums;
+layout(binding = 1) uniform sampler2D filled;
+layout(binding = 2) uniform sampler2D depth;
+
+layout(location = 0) uniform bool fill;
 
 layout(location = 0) out vec4 linear_color;
 
 void main() {
-  const float hole = 0.02;
-  vec4 sum = texelFetch(sums, ivec2(gl_FragCoord.xy), 0);
-  if (!(sum.w >= hole)) discard;
-  linear_color = vec4(sum.rgb / sum.w, 1.0);
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec4 mean = mean_of(texelFetch(sums, at, 0));
+  if (mean.a == 0.0 && fill && texelFetch(depth, at, 0).x > 0.0) {
+    mean = textureLod(filled, 0.5 * gl_FragCoord.xy / vec2(textureSize(filled, 0)), 0.0);
+  }
+  if (mean.a == 0.0) discard;
+  linear_color = vec4(mean.rgb / mean.a, 1.0);
 }

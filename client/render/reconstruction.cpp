@@ -1,0 +1,155 @@
+#include "client/render/reconstruction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "client/render/instancing/instance_array.h"
+
+namespace pointreel {
+namespace {
+
+/// Of large clouds every few surfels' backs suffice, down to about so many: clouds in the order of
+/// their curves or of an octree thin out evenly. Larger strides widen the outlines of dense clouds.
+constexpr std::size_t kBacks = 16384;
+constexpr std::size_t kMaxStride = 4;
+/// Half the edge of a back in its radii, where none is left out. Less leaves holes between a
+/// scanner's curves, more widens outlines.
+constexpr float kReach = 1.25f;
+/// How far backs are moved away from the eye, in their radii: those of a thin sheet stay behind its
+/// front.
+constexpr float kBackTolerance = 1.0f;
+/// No hole is filled that is farther from all colours than this share of the picture's height.
+constexpr int kFarthest = 8;
+
+Result<gl::Program> make_picture_program(std::vector<std::string_view> fragment_files) {
+  return gl::make_program(
+      std::array{gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
+                 gl::Stage{GL_FRAGMENT_SHADER, std::move(fragment_files)}});
+}
+
+/// The texels of the next coarser level that a part touches, and one more on each side, which
+/// sampling between texels touches.
+PixelRect coarser_part(const PixelRect& part, glm::ivec2 coarser_size) {
+  return {glm::max(part.min / 2 - 1, glm::ivec2(0)),
+          glm::min((part.max + 1) / 2 + 1, coarser_size)};
+}
+
+PixelRect both(const PixelRect& a, const PixelRect& b) {
+  if (a.min.x >= a.max.x) return b;
+  return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}
+
+}  // namespace
+
+Result<Reconstruction> Reconstruction::create() {
+  Reconstruction made;
+  auto back = gl::make_program(
+      std::array{gl::Stage{GL_VERTEX_SHADER,
+                           {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
+                            "shaders/back.vert.glsl"}},
+                 gl::Stage{GL_FRAGMENT_SHADER, {"shaders/nothing.frag.glsl"}}});
+  if (!back) return fail(back.error().message);
+  auto pull_sums = make_picture_program({"shaders/mean.glsl", "shaders/pull_sums.frag.glsl"});
+  if (!pull_sums) return fail(pull_sums.error().message);
+  auto pull = make_picture_program({"shaders/pull.frag.glsl"});
+  if (!pull) return fail(pull.error().message);
+  auto push = make_picture_program({"shaders/push.frag.glsl"});
+  if (!push) return fail(push.error().message);
+  made.back_ = std::move(*back);
+  made.pull_sums_ = std::move(*pull_sums);
+  made.pull_ = std::move(*pull);
+  made.push_ = std::move(*push);
+  made.points_ = make_instance_array(0);
+  made.no_attributes_ = gl::VertexArray::create();
+  return made;
+}
+
+Result<Reconstruction::Level> Reconstruction::make_level(glm::ivec2 size) {
+  Level level{gl::make_texture(GL_RGBA32F, size.x, size.y), {}, size};
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(level.texture.name(), filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTextureParameteri(level.texture.name(), wrap, GL_CLAMP_TO_EDGE);
+  auto framebuffer = gl::make_framebuffer(level.texture);
+  if (!framebuffer) return fail(framebuffer.error().message);
+  level.framebuffer = std::move(*framebuffer);
+  return level;
+}
+
+Result<void> Reconstruction::resize(glm::ivec2 size) {
+  std::vector<Level> pulled, pushed;
+  glm::ivec2 half = (size + 1) / 2;
+  for (int edge = 2;; edge *= 2, half = (half + 1) / 2) {
+    auto level = make_level(half);
+    if (!level) return fail(level.error().message);
+    pulled.push_back(std::move(*level));
+    if (edge * kFarthest >= size.y || half == glm::ivec2(1)) break;
+    auto filled = make_level(half);
+    if (!filled) return fail(filled.error().message);
+    pushed.push_back(std::move(*filled));
+  }
+  for (const Level& level : pulled) {
+    const std::array<GLfloat, 4> nothing{};
+    glClearNamedFramebufferfv(level.framebuffer.name(), GL_COLOR, 0, nothing.data());
+  }
+  size_ = size;
+  pulled_region_ = {};
+  pulled_ = std::move(pulled);
+  pushed_ = std::move(pushed);
+  return {};
+}
+
+void Reconstruction::draw_backs(const InstanceBuffer& instances) const {
+  const std::size_t stride = std::clamp<std::size_t>(instances.size() / kBacks, 1, kMaxStride);
+  glVertexArrayVertexBuffer(points_.name(), 0, instances.name(), instances.offset(),
+                            static_cast<GLsizei>(stride * sizeof(Instance)));
+  glBindVertexArray(points_.name());
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glUseProgram(back_.name());
+  glUniform1f(0, kReach * std::sqrt(static_cast<float>(stride)));
+  glUniform1f(1, kBackTolerance);
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>((instances.size() + stride - 1) / stride));
+}
+
+void Reconstruction::draw(const Level& level, const PixelRect& part) {
+  glBindFramebuffer(GL_FRAMEBUFFER, level.framebuffer.name());
+  glViewport(0, 0, level.size.x, level.size.y);
+  const glm::ivec2 size = part.max - part.min;
+  glScissor(part.min.x, part.min.y, size.x, size.y);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+const gl::Texture& Reconstruction::fill(const gl::Texture& sums, const PixelRect& region) {
+  // What the last picture left behind becomes 0 again.
+  PixelRect to_pull = both(pulled_region_, region);
+  pulled_region_ = region;
+  std::vector<PixelRect> to_push;
+  PixelRect part = region;
+  for (const Level& level : pushed_) to_push.push_back(part = coarser_part(part, level.size));
+
+  glBindVertexArray(no_attributes_.name());
+  glEnable(GL_SCISSOR_TEST);
+  const gl::Texture* finer = &sums;
+  for (const Level& level : pulled_) {
+    glUseProgram(finer == &sums ? pull_sums_.name() : pull_.name());
+    glBindTextureUnit(0, finer->name());
+    draw(level, to_pull = coarser_part(to_pull, level.size));
+    finer = &level.texture;
+  }
+  glUseProgram(push_.name());
+  const gl::Texture* filled = finer;
+  for (std::size_t i = pushed_.size(); i-- > 0;) {
+    glBindTextureUnit(0, pulled_[i].texture.name());
+    glBindTextureUnit(1, filled->name());
+    draw(pushed_[i], to_push[i]);
+    filled = &pushed_[i].texture;
+  }
+  glDisable(GL_SCISSOR_TEST);
+  glViewport(0, 0, size_.x, size_.y);
+  return *filled;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/render/gl_objects.h"
+#include "client/render/instance_buffer.h"
+#include "client/render/region.h"
+
+namespace pointreel {
+
+/// Fills the holes of a splatted surface from what is around them, by pull and push (paper 1,
+/// section 7.6): the colours are averaged over larger and larger squares, and a hole gets those of
+/// the smallest squares around it in which there are any.
+///
+/// What is a hole? Surfaces are closed, so where the eye sees the inside of one something is
+/// missing in front of it. The backs of surfels therefore go into the depth buffer too, and hide
+/// what is behind them: a pixel that is covered by a back and by no front before it is a hole,
+/// however large; one that is covered by neither is an opening, between arm and body, and stays.
+/// Far from any front, backs are those of a surface that has but one side.
+class Reconstruction {
+ public:
+  static Result<Reconstruction> create();
+
+  /// For pictures of this size.
+  Result<void> resize(glm::ivec2 size);
+
+  /// Draws the backs of some of the surfels into the depth of the bound framebuffer.
+  void draw_backs(const InstanceBuffer& instances) const;
+
+  /// What holes are filled with: a texture of half the picture's size, to be sampled between
+  /// texels; alpha is 0 where no colour is near. `sums` holds the sums of weighted colours and of
+  /// weights, all 0 outside of `region`, and only there is the result of any use. Binds
+  /// framebuffers of its own; depth test and blending are off.
+  const gl::Texture& fill(const gl::Texture& sums, const PixelRect& region);
+
+ private:
+  Reconstruction() = default;
+
+  /// Means of squares, from an edge of two pixels on; premultiplied, 1 where anything is in them.
+  struct Level {
+    gl::Texture texture;
+    gl::Framebuffer framebuffer;
+    glm::ivec2 size;
+  };
+  static Result<Level> make_level(glm::ivec2 size);
+  static void draw(const Level& level, const PixelRect& part);
+
+  gl::Program back_, pull_sums_, pull_, push_;
+  gl::VertexArray points_, no_attributes_;
+  glm::ivec2 size_{0};
+  std::vector<Level> pulled_, pushed_;  ///< the coarsest is not pushed
+  PixelRect pulled_region_;             ///< outside of it, what was pulled is 0
+};
+
+}  // namespace pointreel

@@ -6,9 +6,12 @@ struct Word {
   uint sprites_before, solids_before;
 };
 
-layout(std430, binding = 0) readonly buffer Instances { uvec4 instances[]; };
+layout(binding = 0) uniform usamplerBuffer instances;  // as texture/fetch.glsl has them
 layout(std430, binding = 1) buffer Words { Word words[]; };
 
 layout(location = 2) uniform uint instance_count;
 
-Instance fetch_instance(uint i) { return unpack_instance(instances[2u * i], instances[2u * i + 1u]); }
+Instance fetch_instance(uint i) {
+  int at = 2 * int(i);
+  return unpack_instance(texelFetch(instances, at), texelFetch(instances, at + 1));
+}

@@ -20,7 +20,7 @@ constexpr GLuint kGroup = 64;
 /// solids.
 constexpr std::size_t kSpriteCommandBytes = 16, kSolidCommandBytes = 20;
 
-enum Binding : GLuint { kInstances, kWords, kCommands, kSprites, kSolids };
+enum Binding : GLuint { kWords = 1, kCommands, kSprites, kSolids };
 enum Location : GLint { kInstanceCount = 2, kLargestScale = 3, kIndicesPerSolid = 4 };
 
 struct ListPrograms {
@@ -96,6 +96,7 @@ class PullInstancing final : public InstancingMethod {
       glBindVertexArray(no_attributes_.name());
       glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
       use_program(programs_.sprites[static_cast<std::size_t>(pass)], pass, parameters);
+      glBindTextureUnit(0, sprite_texture_.name());
       glEnable(GL_PROGRAM_POINT_SIZE);
       glDrawArraysIndirect(GL_POINTS, nullptr);
       programs_.solids.use(pass, parameters);
@@ -120,9 +121,10 @@ class PullInstancing final : public InstancingMethod {
     listed_ = wanted;
     const std::size_t words = (count + kInstancesPerWord - 1) / kInstancesPerWord;
     reserve(count);
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, kInstances, instances.name(),
-                      instances.offset() + static_cast<GLintptr>(first * sizeof(Instance)),
-                      static_cast<GLsizeiptr>(count * sizeof(Instance)));
+    glTextureBufferRange(instance_texture_.name(), GL_RGBA32UI, instances.name(),
+                         instances.offset() + static_cast<GLintptr>(first * sizeof(Instance)),
+                         static_cast<GLsizeiptr>(count * sizeof(Instance)));
+    glBindTextureUnit(0, instance_texture_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kWords, words_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCommands, commands_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSprites, sprites_.name());
@@ -134,7 +136,8 @@ class PullInstancing final : public InstancingMethod {
     run(programs.count, count, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     run(programs.write, count, count);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
+                    GL_COMMAND_BARRIER_BIT);
   }
 
   static void run(const gl::Program& program, std::size_t count, std::size_t invocations) {
@@ -153,11 +156,14 @@ class PullInstancing final : public InstancingMethod {
     };
     words_ = make((capacity_ / kInstancesPerWord + 1) * kWordBytes);
     sprites_ = make(capacity_ * kSpriteBytes);
+    glTextureBuffer(sprite_texture_.name(), GL_RGBA32UI, sprites_.name());
     solids_ = make(capacity_ * kElementBytes);
   }
 
   Programs programs_;
   gl::Buffer words_, sprites_, solids_, commands_ = gl::Buffer::create();
+  gl::BufferTexture instance_texture_ = gl::BufferTexture::create();
+  gl::BufferTexture sprite_texture_ = gl::BufferTexture::create();
   std::size_t capacity_ = 0;
   std::array<IndexBuffer, kPasses> indices_;
   gl::VertexArray no_attributes_ = gl::VertexArray::create();

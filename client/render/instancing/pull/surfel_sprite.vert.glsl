@@ -1,5 +1,12 @@
 // A surfel that was listed, as a point.
-layout(std430, binding = 3) readonly buffer Sprites { Sprite sprites[]; };
+layout(binding = 0) uniform usamplerBuffer sprites;
+
+Sprite fetch_sprite(int i) {
+  uvec4 a = texelFetch(sprites, 3 * i), b = texelFetch(sprites, 3 * i + 1),
+        c = texelFetch(sprites, 3 * i + 2);
+  return Sprite(uintBitsToFloat(a.xy), uintBitsToFloat(a.z), uintBitsToFloat(a.w),
+                uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xy), c.z, c.w);
+}
 
 layout(location = 0) uniform float scale;      // of the splat's radius
 layout(location = 1) uniform float tolerance;  // pushes it back, in scaled radii
@@ -16,7 +23,7 @@ const float kLeastRadius = 0.7;
 const float kLeastThickness = 0.05;
 
 void main() {
-  Sprite s = sprites[gl_VertexID];
+  Sprite s = fetch_sprite(gl_VertexID);
   vec3 c = scale * scale * s.covariance;
   float half_trace = 0.5 * (c.x + c.z);
   float half_difference = length(vec2(0.5 * (c.x - c.z), c.y));

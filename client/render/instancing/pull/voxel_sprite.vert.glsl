@@ -1,5 +1,12 @@
 // A voxel that was listed, as a point.
-layout(std430, binding = 3) readonly buffer Sprites { Sprite sprites[]; };
+layout(binding = 0) uniform usamplerBuffer sprites;
+
+Sprite fetch_sprite(int i) {
+  vec4 a = uintBitsToFloat(texelFetch(sprites, 3 * i)),
+       b = uintBitsToFloat(texelFetch(sprites, 3 * i + 1)),
+       c = uintBitsToFloat(texelFetch(sprites, 3 * i + 2));
+  return Sprite(a.xyz, a.w, b.xyz, b.w, c.xyz, c.w);
+}
 
 flat out vec3 center;  // from the eye
 flat out float half_edge;
@@ -7,7 +14,7 @@ flat out vec3 face_light;
 flat out vec3 linear_color;
 
 void main() {
-  Sprite s = sprites[gl_VertexID];
+  Sprite s = fetch_sprite(gl_VertexID);
   gl_Position = to_clip * vec4(s.center + eye.xyz, 1.0);
   gl_PointSize = s.size + 1.0;
   center = s.center;

@@ -109,7 +109,7 @@ int run(int argc, char** argv) {
                   "as fine as a pixel), point")
       ->check(CLI::IsMember(modes))
       ->capture_default_str();
-  const std::map<std::string, Instancing> instancings = named<Instancing>(5);
+  const std::map<std::string, Instancing> instancings = named<Instancing>(kInstancings);
   std::string instancing = name(options.draw.instancing);
   play_command
       .add_option("--instancing", instancing,
@@ -117,7 +117,7 @@ int run(int argc, char** argv) {
                   "(buffer), attribute (of each instance), pull (what can be seen is listed first)")
       ->check(CLI::IsMember(instancings))
       ->capture_default_str();
-  const std::map<std::string, Splatting> splattings = named<Splatting>(6);
+  const std::map<std::string, Splatting> splattings = named<Splatting>(kSplattings);
   std::string splatting = name(options.draw.splatting);
   play_command
       .add_option(

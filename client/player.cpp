@@ -108,6 +108,8 @@ class Player {
         first_frame_(timeline_.frame_at(microseconds(options.at.value_or(0.0)))) {
     report_.source = options.source;
     report_.mode = options.draw.mode;
+    report_.instancing = options.draw.instancing;
+    report_.splatting = options.draw.splatting;
     report_.delta = options.delta;
     if (source_->manifest().codec == "octree")
       report_.finest_level = static_cast<int>(source_->manifest().depth_max);
@@ -413,6 +415,16 @@ class Player {
           buffer_->set_mode(wanted_mode_);
           last_ordinal_.reset();
           break;
+        case Action::next_instancing:
+          draw_.instancing = next(draw_.instancing);
+          tell_how_is_drawn();
+          redraw = true;
+          break;
+        case Action::next_splatting:
+          draw_.splatting = next(draw_.splatting);
+          tell_how_is_drawn();
+          redraw = true;
+          break;
         case Action::toggle_fullscreen:
           input.toggle_fullscreen();
           break;
@@ -440,6 +452,13 @@ class Player {
       }
     }
     return {};
+  }
+
+  void tell_how_is_drawn() {
+    report_.instancing = draw_.instancing;
+    report_.splatting = draw_.splatting;
+    fmt::print(stderr, "pointreel: instancing {}, splatting {}\n", name(draw_.instancing),
+               name(draw_.splatting));
   }
 
   void update_title(GLFWwindow* window) {

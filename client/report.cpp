@@ -89,6 +89,8 @@ std::string PlayReport::to_json() const {
   json["source"] = source;
   json["gl_renderer"] = gl_renderer;
   json["mode"] = name(mode);
+  json["instancing"] = name(instancing);
+  json["splatting"] = name(splatting);
   json["delta"] = delta;
   json["layers"] = layers_;
   json["size"] = {size.x, size.y};

@@ -31,6 +31,8 @@ class PlayReport {
   std::string source;
   std::string gl_renderer;
   DrawMode mode = DrawMode::surfel;
+  Instancing instancing = Instancing::pull;
+  Splatting splatting = Splatting::normalized;
   double delta = 0.0;
   int finest_level = 0;  ///< of the package's octrees; 0 where there are none
   glm::ivec2 size{0};    ///< of the picture in pixels

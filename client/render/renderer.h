@@ -108,7 +108,7 @@ class Renderer {
   void draw_points(const DrawOptions& options) const;
   Result<std::vector<glm::u8vec4>> read_picture() const;
 
-  std::array<std::unique_ptr<InstancingMethod>, 5> methods_;  ///< made when first used
+  std::array<std::unique_ptr<InstancingMethod>, kInstancings> methods_;  ///< made when first used
   std::optional<Splatter> splatter_;
   gl::Program point_;
   gl::VertexArray points_;

@@ -15,6 +15,10 @@ constexpr float kEnlargement = 2.0f;
 
 }  // namespace
 
+Splatting next(Splatting splatting) {
+  return static_cast<Splatting>((static_cast<int>(splatting) + 1) % kSplattings);
+}
+
 const char* name(Splatting splatting) {
   switch (splatting) {
     case Splatting::regular:

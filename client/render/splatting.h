@@ -22,6 +22,11 @@ enum class Splatting {
   normalized,        ///< depth first, then the weighted mean of what is not behind it, in any order
 };
 
+inline constexpr int kSplattings = 6;
+
+/// The one after it, in turn.
+Splatting next(Splatting splatting);
+
 /// "regular", "no-depth", "two-pass", "enlarged", "enlarged-shading", "normalized".
 const char* name(Splatting splatting);
 

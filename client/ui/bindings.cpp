@@ -18,6 +18,8 @@ constexpr std::array kBindings = {
     Binding{"]", Action::faster, "a tenth faster"},
     Binding{"l", Action::toggle_loop, "loop, or not"},
     Binding{"m", Action::next_mode, "surfels, voxels, points"},
+    Binding{"n", Action::next_instancing, "the next way of instancing (--instancing)"},
+    Binding{"b", Action::next_splatting, "the next way of splatting (--splatting)"},
     Binding{"0", Action::reset_view, "the first view again"},
     Binding{"f", Action::toggle_fullscreen, "full screen, or not"},
     Binding{"s", Action::screenshot, "write a picture into the current folder"},

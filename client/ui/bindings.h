@@ -18,6 +18,8 @@ enum class Action {
   faster,
   toggle_loop,
   next_mode,
+  next_instancing,
+  next_splatting,
   toggle_fullscreen,
   screenshot,
   toggle_statistics,

@@ -20,6 +20,10 @@ Result<std::unique_ptr<InstancingMethod>> make_instancing(Instancing instancing)
   return fail("there is no such way to instance");
 }
 
+Instancing next(Instancing instancing) {
+  return static_cast<Instancing>((static_cast<int>(instancing) + 1) % kInstancings);
+}
+
 const char* name(Instancing instancing) {
   switch (instancing) {
     case Instancing::geometry:

@@ -19,6 +19,11 @@ enum class Instancing {
 /// Compiles its programs in the current context.
 Result<std::unique_ptr<InstancingMethod>> make_instancing(Instancing instancing);
 
+inline constexpr int kInstancings = 5;
+
+/// The one after it, in turn.
+Instancing next(Instancing instancing);
+
 /// "geometry", "uniform", "texture", "attribute", "pull".
 const char* name(Instancing instancing);
 

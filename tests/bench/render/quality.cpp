@@ -45,7 +45,8 @@ std::vector<PictureSetting> picture_settings() {
   };
   for (const Splatting splatting : {Splatting::regular, Splatting::no_depth, Splatting::two_pass,
                                     Splatting::enlarged, Splatting::enlarged_shading}) {
-    add(name(splatting), {.splatting = splatting}, true);
+    // Splats exactly as they are, however small.
+    add(name(splatting), {.instancing = Instancing::uniform, .splatting = splatting}, true);
   }
   // Scales of the splats: visibility, shading.
   for (const SplatScales& scales : {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f},
@@ -82,7 +83,7 @@ ViewTruth make_view_truth(const RenderScene& scene, const Viewpoint& view, glm::
 }
 
 Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, const ViewTruth& view,
-                                const PictureSetting& setting, bool order) {
+                                const PictureSetting& setting, bool whole) {
   const TruthPicture& truth = view.truth;
   const glm::ivec2 size(truth.image.width, truth.image.height);
   const DrawOptions& options = setting.options;
@@ -116,7 +117,7 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
     if (!labels) return tl::unexpected(labels.error());
     row["bleed"] = bleed(*labels, truth.mask);
   }
-  if (!voxels && order) {
+  if (!voxels && whole) {
     const auto first = draw(shuffled(*frame, 1), options);
     if (!first) return tl::unexpected(first.error());
     const auto second = draw(shuffled(*frame, 2), options);
@@ -124,10 +125,11 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
     const Difference apart = difference(first->image, second->image);
     row["order"] = {{"rms", apart.rms}, {"largest", apart.largest}};
   }
-  // After other frames, so that everything is made anew.
-  const auto again = draw(frame, options);
-  if (!again) return tl::unexpected(again.error());
-  row["flicker"] = difference(picture->image, again->image).largest;
+  if (whole) {  // after other frames, so that everything is made anew
+    const auto again = draw(frame, options);
+    if (!again) return tl::unexpected(again.error());
+    row["flicker"] = difference(picture->image, again->image).largest;
+  }
   return Quality{std::move(row), std::move(picture->image)};
 }
 

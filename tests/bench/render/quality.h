@@ -47,9 +47,10 @@ struct Quality {
   nlohmann::json row;
   Image image;
 };
-/// `order`: how much the order of the points matters as well, for two more pictures.
+/// `whole`: how much the order of the points matters and whether it flickers as well, for three
+/// more pictures.
 Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, const ViewTruth& view,
-                                const PictureSetting& setting, bool order);
+                                const PictureSetting& setting, bool whole);
 
 /// Truth, picture and four times their difference beside each other, each at half its size.
 Image side_by_side(const Image& truth, const Image& picture);

@@ -58,7 +58,7 @@ std::vector<Bar> render_bars(const json& report) {
     scene["dense"].get<bool>() ? add_dense(bars, scene, gpu) : add_noisy(bars, scene);
     for (const json& view : scene["views"]) {
       const json& row = view["rows"][0];
-      flicker = std::max(flicker, row["flicker"].get<double>());
+      if (row.contains("flicker")) flicker = std::max(flicker, row["flicker"].get<double>());
       if (row.contains("order")) order = std::max(order, row["order"]["largest"].get<double>());
     }
     if (!scene.contains("tables")) continue;

@@ -18,6 +18,7 @@
 #include "tests/bench/render/quality.h"
 #include "tests/bench/render/render_bars.h"
 #include "tests/bench/render/render_markdown.h"
+#include "tests/bench/render/sampling_limit.h"
 #include "tests/bench/render/tables.h"
 
 namespace pointreel::bench {
@@ -41,7 +42,7 @@ struct Effort {
   std::size_t even_points;
   int runs;
 };
-const Effort kFull = {{1920, 1280}, 4, 250'000, 5};
+const Effort kFull = {{1920, 1280}, 4, 500'000, 5};
 const Effort kQuick = {{480, 320}, 2, 50'000, 1};
 /// On a graphics card, as many points as its bar has.
 constexpr std::size_t kGpuEvenPoints = 1'000'000;
@@ -82,9 +83,14 @@ Result<json> measure_views(Renderer& renderer, const RenderScene& scene,
       }
       progress.tick();
     }
+    json limit;
+    if (scene.choice.even_points > 0) {
+      if (const auto psnr = sampling_limit(scene, view)) limit = *psnr;
+    }
     out.push_back({{"view", view.view.name},
                    {"coverage", compare_coverage(view.truth.mask, view.truth.mask).truth},
                    {"distance", view.view.camera.distance},
+                   {"sampling_limit", limit},
                    {"rows", rows}});
   }
   return out;

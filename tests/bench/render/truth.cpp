@@ -18,14 +18,6 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 const glm::dvec3 kLight = glm::normalize(glm::dvec3(-0.35, 0.45, 1.0));
 constexpr double kAmbient = 0.4;
 
-double linear_from_srgb(double c) {
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
-double srgb_from_linear(double c) {
-  return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
-}
-
 std::uint8_t eight_bits(double c) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0)));
 }
@@ -141,6 +133,29 @@ void cast(const TruthScene& scene, const Camera& camera, glm::ivec2 size, const 
 
 }  // namespace
 
+double linear_from_srgb(double c) {
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+glm::u8vec3 srgb_from_linear(const glm::dvec3& color) {
+  glm::u8vec3 srgb;
+  for (int i = 0; i < 3; ++i) {
+    const double c = color[i];
+    srgb[i] = eight_bits(c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055);
+  }
+  return srgb;
+}
+
+glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera) {
+  const double diffuse = std::max(glm::dot(normal, camera.axes() * kLight), 0.0);
+  return (kAmbient + (1.0 - kAmbient) * diffuse) * color;
+}
+
+std::optional<RayHit> truth_at(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
+                               glm::ivec2 pixel) {
+  return first_hit(scene.grid, Rays(camera, size).through(pixel.x, pixel.y));
+}
+
 Result<TruthScene> make_truth_scene(Body body) {
   auto grid = SurfaceGrid::build(body.surface);
   if (!grid) return tl::unexpected(grid.error());
@@ -158,7 +173,6 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
   for (std::size_t i = 0; i < linear.size(); ++i) {
     linear[i] = linear_from_srgb(static_cast<double>(i) / 255.0);
   }
-  const glm::dvec3 light = camera.axes() * kLight;
   cast(scene, camera, size, [&](int x, int y, const RayHit& hit) {
     glm::dvec3 color;
     if (style.texture) {
@@ -167,13 +181,10 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
     } else {  // client/render/instances.h, fake_color
       for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(0.5 + 0.5 * hit.normal[c]);
     }
-    const double diffuse = std::max(glm::dot(hit.normal, light), 0.0);
-    const double lit = style.lighting ? kAmbient + (1.0 - kAmbient) * diffuse : 1.0;
+    if (style.lighting) color = lit(color, hit.normal, camera);
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) +
                    static_cast<std::size_t>(x);
-    for (int c = 0; c < 3; ++c) {
-      picture.image.pixels[i][c] = eight_bits(srgb_from_linear(lit * color[c]));
-    }
+    picture.image.pixels[i] = srgb_from_linear(color);
     picture.mask[i] = 255;
   });
   return picture;

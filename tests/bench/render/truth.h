@@ -41,6 +41,17 @@ struct TruthStyle {
 TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
                         const TruthStyle& style);
 
+/// What one pixel's ray meets; the row from the top.
+std::optional<RayHit> truth_at(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
+                               glm::ivec2 pixel);
+
+/// A surface's colour with light on it, all in linear light.
+glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera);
+
+double linear_from_srgb(double c);
+/// The nearest 8-bit sRGB colour.
+glm::u8vec3 srgb_from_linear(const glm::dvec3& color);
+
 /// The share of the picture that the figure covers, from `size` rays.
 double truth_coverage(const TruthScene& scene, const Camera& camera, glm::ivec2 size);
 

@@ -60,7 +60,7 @@ TEST_F(RenderReport, has_every_figure_of_every_setting_and_its_picture) {
         }
         EXPECT_GT(row["psnr"], 10.0) << row.dump();
         EXPECT_GE(row["dilation"], 0.0) << row.dump();
-        if (row.contains("flicker")) EXPECT_EQ(row["flicker"], 0) << row.dump();
+        EXPECT_EQ(row.value("flicker", 0), 0) << row.dump();
         if (!row.contains("picture")) continue;
         EXPECT_GT(fs::file_size(*folder_ / row["picture"].get<std::string>()), 10'000u);
         ++pictures;
@@ -70,18 +70,22 @@ TEST_F(RenderReport, has_every_figure_of_every_setting_and_its_picture) {
   EXPECT_EQ(pictures, 2 * (report_["scenes"][0]["views"][0]["rows"].size() + 1));
 }
 
-TEST_F(RenderReport, finds_the_default_near_the_truth_and_the_same_in_any_order) {
+TEST_F(RenderReport, finds_the_default_near_the_truth_and_its_splats_the_same_in_any_order) {
   const json& dense = report_["scenes"][1];
   ASSERT_TRUE(dense["dense"]);
   for (const json& view : dense["views"]) {
     const json& row = view["rows"][0];
-    EXPECT_TRUE(row["setting"].get<std::string>().starts_with("default"));
+    EXPECT_EQ(row["setting"], "default");
     EXPECT_GT(row["psnr_mask"], 23.0);
     EXPECT_LT(row["holes"], 0.01);
     EXPECT_GT(row["iou"], 0.97);
     EXPECT_LT(row["bleed"], 0.05);
   }
-  EXPECT_LE(dense["views"][0]["rows"][0]["order"]["largest"], 1);
+  for (const json& row : dense["views"][0]["rows"]) {
+    if (row["setting"] == "default, holes left") {
+      EXPECT_LE(row["order"]["largest"], 1);
+    }
+  }
 }
 
 TEST_F(RenderReport, finds_what_the_modes_of_figure_3_are_known_for) {
@@ -90,7 +94,7 @@ TEST_F(RenderReport, finds_what_the_modes_of_figure_3_are_known_for) {
   EXPECT_GT(rows["regular"]["order"]["rms"], 3.0);
   EXPECT_GT(rows["regular"]["holes"], rows["enlarged"]["holes"]);
   EXPECT_GT(rows["enlarged-shading"]["psnr_mask"], rows["two-pass"]["psnr_mask"]);
-  EXPECT_GT(rows["enlarged-shading"]["bleed"], rows["normalized 1, 2"]["bleed"]);
+  EXPECT_GT(rows["enlarged-shading"]["bleed"], rows["default"]["bleed"]);
   EXPECT_GT(rows["points"]["holes"], rows["two-pass"]["holes"]);
 }
 

@@ -36,26 +36,22 @@ double bleed(const DrawnPicture& picture, const Mask& mask) {
 
 std::vector<PictureSetting> picture_settings() {
   std::vector<PictureSetting> settings = {{"default", {}}};
-  const auto add = [&settings](std::string title, const DrawOptions& options, bool papers = false) {
-    if (options == DrawOptions{}) {
-      settings.front().name += fmt::format(": {}", title);
-    } else {
-      settings.push_back({std::move(title), options, papers});
-    }
-  };
   for (const Splatting splatting : {Splatting::regular, Splatting::no_depth, Splatting::two_pass,
                                     Splatting::enlarged, Splatting::enlarged_shading}) {
     // Splats exactly as they are, however small.
-    add(name(splatting), {.instancing = Instancing::uniform, .splatting = splatting}, true);
+    settings.push_back(
+        {name(splatting), {.instancing = Instancing::uniform, .splatting = splatting}, true});
   }
+  settings.push_back({"default, holes left", {.fill_holes = false}});
+  settings.push_back({"default, not pulled", {.instancing = Instancing::uniform}});
   // Scales of the splats: visibility, shading.
   for (const SplatScales& scales : {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f},
                                     SplatScales{1.5f, 2.0f}, SplatScales{2.0f, 2.0f}}) {
-    add(fmt::format("normalized {}, {}", scales.visibility, scales.shading),
-        {.splatting = Splatting::normalized, .scales = scales});
+    settings.push_back(
+        {fmt::format("normalized {}, {}", scales.visibility, scales.shading), {.scales = scales}});
   }
-  add("voxels", {.mode = DrawMode::voxel});
-  add("points", {.mode = DrawMode::point});
+  settings.push_back({"voxels", {.mode = DrawMode::voxel}});
+  settings.push_back({"points", {.mode = DrawMode::point}});
   return settings;
 }
 

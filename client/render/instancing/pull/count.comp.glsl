@@ -2,11 +2,11 @@
 layout(local_size_x = 256) in;
 
 layout(std430, binding = 2) writeonly buffer Commands {
-  uint sprite_count, sprite_instances, first_sprite, sprite_base_instance;
-  uint index_count, solid_instances, first_index, base_vertex, solid_base_instance;
+  // Each: vertices, instances, the first vertex, the first instance.
+  uvec4 draw_sprites, draw_solids;
 };
 
-layout(location = 4) uniform uint indices_per_solid;
+layout(location = 4) uniform uint vertices_per_solid;
 
 shared uvec2 totals[256];
 
@@ -29,10 +29,7 @@ void main() {
     before += seen(i);
   }
   if (me == 255u) {
-    sprite_count = before.x;
-    index_count = before.y * indices_per_solid;
-    sprite_instances = solid_instances = 1u;
-    first_sprite = sprite_base_instance = 0u;
-    first_index = base_vertex = solid_base_instance = 0u;
+    draw_sprites = uvec4(before.x, 1u, 0u, 0u);
+    draw_solids = uvec4(before.y * vertices_per_solid, 1u, 0u, 0u);
   }
 }

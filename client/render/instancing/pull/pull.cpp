@@ -10,65 +10,28 @@
 namespace pointreel {
 namespace {
 
-/// So many are listed at a time: their elements fit into the smallest buffer that drivers promise.
-constexpr std::size_t kBatch = std::size_t{1} << 20;
+/// No more are listed at a time: their elements fit into the smallest buffer that drivers promise.
+constexpr std::size_t kMaxBatch = std::size_t{1} << 20;
+constexpr std::size_t kTexelsPerSprite = 3;  ///< an instance has fewer
+/// Where in the instances a batch may begin: at multiples of 64 KiB.
+constexpr std::size_t kBatchGranule = 2048;
 constexpr std::size_t kSpriteBytes = 48, kElementBytes = 64;  ///< as the shaders declare them
 constexpr std::size_t kWordBytes = 16, kInstancesPerWord = 32;
 constexpr GLuint kGroup = 64;
 
-/// Binding 2 of count.comp.glsl: glDrawArraysIndirect's for sprites, glDrawElementsIndirect's for
-/// solids.
-constexpr std::size_t kSpriteCommandBytes = 16, kSolidCommandBytes = 20;
+/// glDrawArraysIndirect's; sprites', then solids' (count.comp.glsl).
+constexpr std::size_t kCommandBytes = 16;
 
 enum Binding : GLuint { kWords = 1, kCommands, kSprites, kSolids };
-enum Location : GLint { kInstanceCount = 2, kLargestScale = 3, kIndicesPerSolid = 4 };
+enum Location : GLint { kInstanceCount = 2, kLargestScale = 3, kVerticesPerSolid = 4 };
 
 struct ListPrograms {
   gl::Program mark, count, write;
 };
 
-/// The triangles of an element, as indices of its vertices.
-std::vector<GLuint> triangles(Pass pass) {
-  const PassTemplate shape = pass_template(pass);
-  std::vector<GLuint> indices;
-  for (GLuint i = 2; i < static_cast<GLuint>(shape.vertices); ++i) {
-    if (shape.topology == GL_TRIANGLE_FAN) {
-      indices.insert(indices.end(), {0, i - 1, i});
-    } else if (i % 2 == 0) {
-      indices.insert(indices.end(), {i - 2, i - 1, i});
-    } else {
-      indices.insert(indices.end(), {i - 1, i - 2, i});
-    }
-  }
-  return indices;
-}
-
-/// The same triangles for element after element.
-struct IndexBuffer {
-  gl::Buffer buffer;
-  std::size_t elements = 0;
-  GLuint per_element = 0;
-
-  void reserve(Pass pass, std::size_t wanted) {
-    if (wanted <= elements) return;
-    elements = std::min(kBatch, wanted + wanted / 4);
-    const std::vector<GLuint> one = triangles(pass);
-    per_element = static_cast<GLuint>(one.size());
-    const auto vertices = static_cast<GLuint>(pass_template(pass).vertices);
-    std::vector<GLuint> all;
-    all.reserve(elements * one.size());
-    for (std::size_t e = 0; e < elements; ++e)
-      for (const GLuint index : one) all.push_back(static_cast<GLuint>(e) * vertices + index);
-    buffer = gl::Buffer::create();
-    glNamedBufferStorage(buffer.name(), static_cast<GLsizeiptr>(all.size() * sizeof(GLuint)),
-                         all.data(), 0);
-  }
-};
-
 /// Neither surfels that show their back nor any outside of the picture become vertices: three
 /// compute shaders list the others, and the passes draw that list. What a point can cover is drawn
-/// as one, which spares four vertices and two triangles, or eight and six; the rest as one indexed
-/// mesh, whose vertex shader has next to nothing left to do.
+/// as one, which spares four vertices and two triangles, or eight and six.
 class PullInstancing final : public InstancingMethod {
  public:
   struct Programs {
@@ -78,7 +41,11 @@ class PullInstancing final : public InstancingMethod {
   };
 
   explicit PullInstancing(Programs programs) : programs_(std::move(programs)) {
-    glNamedBufferStorage(commands_.name(), kSpriteCommandBytes + kSolidCommandBytes, nullptr, 0);
+    glNamedBufferStorage(commands_.name(), 2 * kCommandBytes, nullptr, 0);
+    GLint texels = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    batch_ = std::min(kMaxBatch, static_cast<std::size_t>(texels) / kTexelsPerSprite /
+                                     kBatchGranule * kBatchGranule);
   }
 
   void begin(float largest_scale) override {
@@ -87,12 +54,9 @@ class PullInstancing final : public InstancingMethod {
   }
 
   void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
-    for (std::size_t first = 0; first < instances.size(); first += kBatch) {
-      const std::size_t count = std::min(kBatch, instances.size() - first);
-      IndexBuffer& indices = indices_[static_cast<std::size_t>(pass)];
-      indices.reserve(pass, count);
-      list(instances, pass, first, count, indices.per_element);
-      glVertexArrayElementBuffer(no_attributes_.name(), indices.buffer.name());
+    for (std::size_t first = 0; first < instances.size(); first += batch_) {
+      const std::size_t count = std::min(batch_, instances.size() - first);
+      list(instances, pass, first, count);
       glBindVertexArray(no_attributes_.name());
       glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
       use_program(programs_.sprites[static_cast<std::size_t>(pass)], pass, parameters);
@@ -100,8 +64,7 @@ class PullInstancing final : public InstancingMethod {
       glEnable(GL_PROGRAM_POINT_SIZE);
       glDrawArraysIndirect(GL_POINTS, nullptr);
       programs_.solids.use(pass, parameters);
-      glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
-                             reinterpret_cast<const void*>(kSpriteCommandBytes));
+      glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(kCommandBytes));
     }
   }
 
@@ -109,14 +72,12 @@ class PullInstancing final : public InstancingMethod {
   /// What the list was made for. The passes of one picture share it.
   struct Listed {
     std::size_t first;
-    bool surfels;
-    GLuint indices;
+    GLuint vertices;  ///< of a solid
     bool operator==(const Listed&) const = default;
   };
 
-  void list(const InstanceBuffer& instances, Pass pass, std::size_t first, std::size_t count,
-            GLuint indices) {
-    const Listed wanted{first, is_surfel(pass), indices};
+  void list(const InstanceBuffer& instances, Pass pass, std::size_t first, std::size_t count) {
+    const Listed wanted{first, 3 * static_cast<GLuint>(pass_template(pass).vertices - 2)};
     if (listed_ == wanted) return;
     listed_ = wanted;
     const std::size_t words = (count + kInstancesPerWord - 1) / kInstancesPerWord;
@@ -129,10 +90,10 @@ class PullInstancing final : public InstancingMethod {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCommands, commands_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSprites, sprites_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSolids, solids_.name());
-    const ListPrograms& programs = wanted.surfels ? programs_.list_surfels : programs_.list_voxels;
+    const ListPrograms& programs = is_surfel(pass) ? programs_.list_surfels : programs_.list_voxels;
     run(programs.mark, count, words);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glProgramUniform1ui(programs.count.name(), kIndicesPerSolid, indices);
+    glProgramUniform1ui(programs.count.name(), kVerticesPerSolid, wanted.vertices);
     run(programs.count, count, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     run(programs.write, count, count);
@@ -148,7 +109,7 @@ class PullInstancing final : public InstancingMethod {
 
   void reserve(std::size_t count) {
     if (count <= capacity_) return;
-    capacity_ = std::min(kBatch, count + count / 4 + kInstancesPerWord);
+    capacity_ = std::min(batch_, count + count / 4);
     const auto make = [](std::size_t bytes) {
       gl::Buffer buffer = gl::Buffer::create();
       glNamedBufferStorage(buffer.name(), static_cast<GLsizeiptr>(bytes), nullptr, 0);
@@ -164,8 +125,8 @@ class PullInstancing final : public InstancingMethod {
   gl::Buffer words_, sprites_, solids_, commands_ = gl::Buffer::create();
   gl::BufferTexture instance_texture_ = gl::BufferTexture::create();
   gl::BufferTexture sprite_texture_ = gl::BufferTexture::create();
+  std::size_t batch_ = 0;
   std::size_t capacity_ = 0;
-  std::array<IndexBuffer, kPasses> indices_;
   gl::VertexArray no_attributes_ = gl::VertexArray::create();
   std::optional<Listed> listed_;
 };

@@ -1,4 +1,14 @@
-// A vertex of a solid that was listed.
+// A vertex of a solid that was listed, of the triangles of its strip or fan one by one.
 layout(std430, binding = 4) readonly buffer Solids { Element solids[]; };
 
-void main() { set_vertex(solids[gl_VertexID / kVertices], gl_VertexID % kVertices); }
+void main() {
+  const int triangles = kVertices - 2;
+  int triangle = gl_VertexID / 3 % triangles, corner = gl_VertexID % 3;
+  int number = triangle + corner;
+  if (kIsFan) {
+    if (corner == 0) number = 0;
+  } else if (triangle % 2 == 1 && corner < 2) {
+    number = triangle + 1 - corner;  // every other triangle of a strip is turned round
+  }
+  set_vertex(solids[gl_VertexID / (3 * triangles)], number);
+}

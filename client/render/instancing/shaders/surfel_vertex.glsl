@@ -6,6 +6,7 @@ out vec2 mask;  // -1 to 1 across the quad
 flat out vec3 linear_color;
 
 const int kVertices = 4;
+const bool kIsFan = false;  // else a strip
 
 void set_vertex(Element e, int number) {
   mask = vec2(number & 1, number >> 1) * 2.0 - 1.0;

@@ -2,6 +2,7 @@
 flat out vec3 linear_color;
 
 const int kVertices = 14;
+const bool kIsFan = false;  // else a strip
 
 const vec3 kStrip[14] =
     vec3[](vec3(-1, -1, -1), vec3(-1, -1, 1), vec3(-1, 1, -1), vec3(-1, 1, 1), vec3(1, 1, 1),

@@ -3,6 +3,7 @@
 flat out vec3 linear_color;
 
 const int kVertices = 8;
+const bool kIsFan = true;  // else a strip
 
 // The nearest corner and the six around it, for an eye in the octant of positive coordinates. Seen
 // from outside they turn anticlockwise; two triangles to a face, x, y and z.

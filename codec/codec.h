@@ -113,6 +113,9 @@ struct DecodeLimits {
   /// Octree: gives the leaves as a cloud. Without it, and with `inner_nodes`, there is the tree
   /// with its nodes' attributes alone, and nothing is made that is only in the cloud.
   bool leaves = true;
+  /// Octree, without `leaves`: cuts the tree off at this level. Attributes that the encoder
+  /// transformed are not decoded any further, and what is wrong with the rest is not found out.
+  int depth = kMaxDepth;
 };
 
 struct DecodedFrame {
@@ -122,6 +125,7 @@ struct DecodedFrame {
   /// encoder transformed them, which is nearly mean_attributes, else mean_attributes.
   NodeAttributes attributes;
   Cube cube;
+  int depth = 0;  ///< octree: level of the leaves of the whole frame, however much was decoded
   std::uint32_t source_points = 0;  ///< what the delta criterion refers to
 };
 

@@ -35,7 +35,7 @@ constexpr double kWorthATree = 0.7;
 constexpr double kLeastFilled = 0.25;
 
 Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
-                            const FetchedFrame& fetched) {
+                            const FetchedFrame& fetched, int level) {
   if (fetched.layers.empty()) {
     auto loaded = read_cloud(fetched.file);
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
@@ -52,20 +52,12 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   limits.executor = tbb_executor();
   limits.inner_nodes = true;
   limits.leaves = false;
+  limits.depth = level;
   auto frame = decode_frame(views, limits);
   // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
   // do not jump from frame to frame (ERRATA 12).
   if (frame && !frame->svo) frame->cube = manifest.segments[locate(manifest, index).segment].cube;
   return frame;
-}
-
-/// Whether there is geometry of the frame that was not fetched.
-bool lacks_layers(const Manifest& manifest, std::uint32_t index, std::size_t layers) {
-  const FrameLocation at = locate(manifest, index);
-  const std::vector<LayerFile>& files = manifest.segments[at.segment].layers;
-  return std::any_of(files.begin() + static_cast<std::ptrdiff_t>(std::min(layers, files.size())),
-                     files.end(),
-                     [&](const LayerFile& file) { return file.frames[at.index].geometry > 0; });
 }
 
 /// Adds the normals that the mode needs, and takes away those that it does not, so that a reel
@@ -156,7 +148,7 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
 Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                  const FetchedFrame& fetched, const PrepareOptions& options) {
   Stopwatch watch;
-  auto frame = decode(manifest, index, fetched);
+  auto frame = decode(manifest, index, fetched, options.level);
   if (!frame) return tl::unexpected(frame.error());
 
   SceneFrame scene;
@@ -168,7 +160,7 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
   if (frame->svo) {
     scene.svo = std::move(*frame->svo);
     scene.attributes = std::move(frame->attributes);
-    if (lacks_layers(manifest, index, fetched.layers.size())) scene.level = scene.svo.depth;
+    if (scene.svo.depth < frame->depth) scene.level = scene.svo.depth;
     derive_node_normals(scene, options.mode);
     scene.normals_ms = watch.lap();
     if (options.mode == DrawMode::voxel) {

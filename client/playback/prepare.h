@@ -14,9 +14,9 @@ struct PrepareOptions {
 /// Makes a fetched frame ready to draw: decodes it, and derives what the mode needs and the source
 /// does not have. `index` is the frame's in the manifest.
 ///
-/// An octree frame stays the tree that it is, with the attributes of its nodes, and without
-/// positions. For voxels it is cut off where a coarser level already satisfies delta (which refers
-/// to the source's points).
+/// An octree frame stays the tree that it is, down to `level`, with the attributes of its nodes,
+/// and without positions. For voxels it is cut off where a coarser level already satisfies delta
+/// (which refers to the source's points).
 ///
 /// Of other frames surfels and points draw the cloud, unless so many of its points fall together at
 /// `level` that building a tree of that depth pays. Voxels draw a tree that is built to satisfy

@@ -126,8 +126,9 @@ class LayerCoder {
         source_(source),
         decoded_(decoded) {}
 
-  void run() {
-    for (int level = first_level_; level < last_level_; ++level) {
+  /// Up to the layer's last level, or to an earlier one.
+  void run(int stop = kMaxDepth) {
+    for (int level = first_level_; level < std::min(last_level_, stop); ++level) {
       unit_ = level == last_level_ - 1;
       decodes_ = !Coder::kEncodes || level < svo_.depth - 1;
       if (neighborhoods_ != nullptr && level > 0) {
@@ -415,7 +416,7 @@ TransformDecoder::TransformDecoder(const Svo& svo)
       decoded_(std::make_unique_for_overwrite<Short4[]>(svo.node_count())),
       neighborhoods_(svo) {}
 
-Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
+Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level, int stop) {
   ByteReader reader(bytes);
   const auto flags = reader.get<std::uint8_t>();
   CoefficientSteps steps;
@@ -433,9 +434,9 @@ Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level) {
   Neighborhoods* neighborhoods = (flags & kPredictionFlag) != 0 ? &neighborhoods_ : nullptr;
   LayerCoder<CoefficientReader>(svo_, level_, last_level, steps, neighborhoods, contexts_, coder,
                                 nullptr, decoded_.get())
-      .run();
-  if (!coder.complete()) return fail("the bytes do not fit the tree");
-  level_ = last_level;
+      .run(stop);
+  if (stop >= last_level && !coder.complete()) return fail("the bytes do not fit the tree");
+  level_ = std::min(last_level, stop);
   return {};
 }
 

@@ -74,8 +74,10 @@ class TransformDecoder {
  public:
   explicit TransformDecoder(const Svo& svo);
 
-  /// The nodes of levels up to `last_level`; the layers before have been decoded.
-  Result<void> decode_layer(ByteView bytes, int last_level);
+  /// The nodes of levels up to `last_level`; the layers before have been decoded. With a lower
+  /// `stop` only those up to that level: the bytes beyond are not looked at, and no layer can
+  /// follow.
+  Result<void> decode_layer(ByteView bytes, int last_level, int stop = kMaxDepth);
 
   /// Gives the nodes from the last decoded level on to `last_level` the values of their ancestors.
   void inherit(int last_level);

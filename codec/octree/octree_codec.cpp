@@ -108,10 +108,10 @@ void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, Chunk
 }
 
 /// Decodes a transformed attribute of the layers that are there, from the base to the first that
-/// lacks it; null if the base does.
+/// lacks it, and down to `depth` at most; null if the base does.
 Result<std::unique_ptr<TransformDecoder>> decode_transformed(
     const Svo& svo, const std::vector<LayerView>& layers, const std::vector<int>& last_levels,
-    ChunkKind kind, ByteView LayerView::* part, FrameTag tag) {
+    int depth, ChunkKind kind, ByteView LayerView::* part, FrameTag tag) {
   if ((layers.front().*part).empty()) return nullptr;
   auto decoder = std::make_unique<TransformDecoder>(svo);
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
@@ -123,19 +123,19 @@ Result<std::unique_ptr<TransformDecoder>> decode_transformed(
         chunk->header.last_level != last_levels[layer]) {
       return fail("chunk header has a field out of range");
     }
-    const auto decoded = decoder->decode_layer(chunk->payload, last_levels[layer]);
+    const auto decoded = decoder->decode_layer(chunk->payload, last_levels[layer], depth);
     if (!decoded) return tl::unexpected(decoded.error());
   }
-  decoder->inherit(last_levels.back());
+  decoder->inherit(std::min(depth, last_levels.back()));
   return decoder;
 }
 
 template <class Attribute, class Convert>
-std::vector<Attribute> attributes_of(std::span<const Short4> values, Convert convert) {
-  std::vector<Attribute> attributes;
-  attributes.reserve(values.size());
-  for (const Short4& value : values) attributes.push_back(convert(value));
-  return attributes;
+void add_attributes(std::span<const Short4> values, Convert convert, std::vector<Attribute>& out) {
+  const std::size_t begin = out.size();
+  out.resize(begin + values.size());
+  std::transform(values.begin(), values.end(), out.begin() + static_cast<std::ptrdiff_t>(begin),
+                 convert);
 }
 
 template <class Attribute, class Convert>
@@ -150,20 +150,34 @@ template <class Convert>
 void set_colors(const TransformDecoder& decoder, const DecodeLimits& limits, Convert convert,
                 OctreeFrame& frame) {
   if (!limits.inner_nodes) {
-    frame.colors = attributes_of<glm::u16vec3>(decoder.values(frame.svo.depth), convert);
+    add_attributes(decoder.values(frame.svo.depth), convert, frame.colors);
     return;
   }
-  auto& all = frame.nodes.colors = attributes_of<glm::u16vec3>(decoder.values(), convert);
+  auto& all = frame.nodes.colors;
+  add_attributes(decoder.values(), convert, all);
   if (limits.leaves) frame.colors.assign(all.begin() + frame.svo.internal_count(), all.end());
 }
 
 void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, OctreeFrame& frame) {
   if (limits.leaves || !limits.inner_nodes) {
-    frame.normals = attributes_of<glm::vec3>(decoder.values(frame.svo.depth), normal_from_value);
+    add_attributes(decoder.values(frame.svo.depth), normal_from_value, frame.normals);
   }
   if (limits.inner_nodes) {
-    frame.nodes.normals = attributes_of<glm::i16vec3>(decoder.values(), mean_normal_from_value);
+    const std::span<const Short4> values = decoder.values();
+    const std::size_t inner = std::min<std::size_t>(values.size(), frame.svo.internal_count());
+    add_attributes(values.first(inner), mean_normal_from_value, frame.nodes.normals);
+    add_attributes(values.subspan(inner), short_normal_from_value, frame.nodes.normals);
   }
+}
+
+/// Of the tree that a caller gets who wants no leaves.
+void cut_off(OctreeFrame& frame, int depth) {
+  frame.svo = truncate(frame.svo, depth);
+  const std::size_t nodes = frame.svo.node_count();
+  if (frame.nodes.colors.size() > nodes) frame.nodes.colors.resize(nodes);
+  if (frame.nodes.normals.size() > nodes) frame.nodes.normals.resize(nodes);
+  frame.colors.clear();
+  frame.normals.clear();
 }
 
 /// The means of those attributes that were coded for the leaves alone.
@@ -201,6 +215,7 @@ Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
     const int last_level = last_level_of_layer(layer, header.depth);
     if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
     const int first_level = last_levels.empty() ? 0 : last_levels.back();
+    if (layer > 0 && !limits.leaves && first_level >= limits.depth) break;
     const auto masks = geometry.decode_layer(*chunk, first_level, limits.executor, svo.masks);
     if (!masks) return tl::unexpected(masks.error());
     last_levels.push_back(last_level);
@@ -334,6 +349,7 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   const auto last_levels = decode_geometry(layers, *parsed, limits, frame.svo);
   if (!last_levels) return tl::unexpected(last_levels.error());
 
+  const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
   AttributeDecoder normals(ChunkKind::normals, kNormalShape);
   for (std::size_t layer = 0; layer < last_levels->size(); ++layer) {
@@ -352,8 +368,8 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
   if (header.colors_transformed) {
-    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, ChunkKind::colors,
-                                            &LayerView::colors, parsed->tag);
+    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, depth,
+                                            ChunkKind::colors, &LayerView::colors, parsed->tag);
     if (!decoder) return fail_at("colors", decoder.error());
     if (*decoder != nullptr && header.colors_16_bit) {
       set_colors(**decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
@@ -362,12 +378,13 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
     }
   }
   if (header.normals_transformed) {
-    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, ChunkKind::normals,
-                                            &LayerView::normals, parsed->tag);
+    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, depth,
+                                            ChunkKind::normals, &LayerView::normals, parsed->tag);
     if (!decoder) return fail_at("normals", decoder.error());
     if (*decoder != nullptr) set_normals(**decoder, limits, frame);
   }
   if (limits.inner_nodes) add_means(frame);
+  if (depth < frame.svo.depth) cut_off(frame, depth);
   return frame;
 }
 
@@ -377,6 +394,7 @@ Result<DecodedFrame> decode_octree(const std::vector<LayerView>& layers,
   if (!tree) return tl::unexpected(tree.error());
   DecodedFrame frame;
   frame.cube = tree->header.cube;
+  frame.depth = tree->header.depth;
   frame.source_points = tree->header.source_points;
   if (limits.leaves) {
     frame.cloud = leaf_centers(tree->svo);

@@ -112,6 +112,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const EncodedFrame input = data[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
   const auto tree = decode_octree_tree(layer_views(input.layers), kLimits);
   const auto frame = decode_frame(layer_views(input.layers), kLimits);
+  DecodeLimits cut_off = kLimits;
+  cut_off.inner_nodes = true;
+  cut_off.leaves = false;
+  cut_off.depth = data[0] >> 4;
+  if (const auto coarse = decode_frame(layer_views(input.layers), cut_off)) {
+    const std::size_t nodes = coarse->svo->node_count();
+    const NodeAttributes& attributes = coarse->attributes;
+    if (!attributes.colors.empty() && attributes.colors.size() != nodes) std::abort();
+    if (!attributes.normals.empty() && attributes.normals.size() != nodes) std::abort();
+    if (coarse->svo->depth > cut_off.depth || !coarse->cloud.empty()) std::abort();
+  } else if (tree) {
+    std::abort();  // with less to decode there is less to refuse
+  }
   if (!tree || !frame) return 0;
   if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
   if (frame->cloud.has_colors() && frame->cloud.colors.size() != frame->cloud.size()) std::abort();

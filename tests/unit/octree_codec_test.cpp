@@ -276,6 +276,66 @@ TEST(OctreeCodecAttributes, lossy_16_bit_colours_are_not_rounded_to_8) {
   EXPECT_LT(sum / static_cast<double>(frame->cloud.size()), 32.0);  // rounded to 8 bits: 125
 }
 
+TEST(OctreeCodecAttributes, a_tree_without_leaves_is_the_same_down_to_any_level) {
+  const PointCloud cloud = bumpy_sphere(20000);
+  for (const int quality : {60, 100}) {
+    const EncodedFrame encoded = encode(cloud, DepthRule::fixed(10), Entropy::zstd, {}, quality);
+    DecodeLimits limits;
+    limits.inner_nodes = true;
+    const auto whole = decode_octree(layer_views(encoded.layers), limits);
+    ASSERT_TRUE(whole) << whole.error().message;
+    EXPECT_EQ(whole->depth, 10);
+    limits.leaves = false;
+    for (const int depth : {0, 5, 7, 8, 9, 10, 11}) {
+      limits.depth = depth;
+      const auto tree = decode_octree(layer_views(encoded.layers), limits);
+      ASSERT_TRUE(tree) << tree.error().message;
+      EXPECT_TRUE(tree->cloud.empty() && !tree->cloud.has_colors());
+      EXPECT_EQ(tree->depth, 10);
+      const Svo expected = truncate(*whole->svo, depth);
+      EXPECT_EQ(tree->svo->depth, expected.depth);
+      EXPECT_EQ(tree->svo->masks, expected.masks);
+      const std::size_t nodes = expected.node_count();
+      ASSERT_EQ(tree->attributes.colors.size(), nodes);
+      ASSERT_EQ(tree->attributes.normals.size(), nodes);
+      // Coded losslessly, a layer's colours are those of its leaves, which are the means of means.
+      if (quality == 100 && depth < 10) continue;
+      EXPECT_TRUE(std::equal(tree->attributes.colors.begin(), tree->attributes.colors.end(),
+                             whole->attributes.colors.begin()));
+      EXPECT_TRUE(std::equal(tree->attributes.normals.begin(), tree->attributes.normals.end(),
+                             whole->attributes.normals.begin()));
+    }
+  }
+}
+
+TEST(OctreeCodecAttributes, nodes_have_the_normals_of_the_leaves_unknown_ones_included) {
+  PointCloud cloud = bumpy_sphere(5000);
+  const double middle = bounds(cloud).center().x;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (i % 2 == 0 && cloud.world(i).x > middle) cloud.normals[i] = glm::vec3(0.0f);
+  }
+  for (const int quality : {50, 100}) {
+    OctreeOptions options;
+    options.depth = DepthRule::fixed(9);
+    options.normal_quality = quality;
+    const auto encoded = encode_frame(cloud, bounding_cube(bounds(cloud)), {options});
+    ASSERT_TRUE(encoded);
+    DecodeLimits limits;
+    limits.inner_nodes = true;
+    const auto frame = decode_octree(layer_views(encoded->layers), limits);
+    ASSERT_TRUE(frame) << frame.error().message;
+    std::size_t unknown = 0;
+    for (std::size_t i = 0; i < frame->cloud.size(); ++i) {
+      const glm::i16vec3 node = frame->attributes.normals[frame->svo->internal_count() + i];
+      const glm::vec3 leaf = 32767.0f * frame->cloud.normals[i];
+      ASSERT_LE(glm::length(leaf - glm::vec3(node)), 1.5f);
+      unknown += node == glm::i16vec3(0);
+    }
+    EXPECT_GT(unknown, 500u);
+    EXPECT_LT(unknown, 2000u);
+  }
+}
+
 TEST(OctreeCodecAttributes, inner_nodes_come_with_nearly_the_means_of_their_leaves) {
   const PointCloud cloud = bumpy_sphere(20000);
   const EncodedFrame encoded = encode(cloud, DepthRule::fixed(10), Entropy::zstd, {}, 90);

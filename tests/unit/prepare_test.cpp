@@ -153,10 +153,8 @@ TEST(PrepareFrame, CutsTheTreeOfVoxelsOffWhereACoarserLevelSatisfiesDelta) {
 TEST(PrepareFrame, KnowsWhichLevelsItLacks) {
   const PointCloud cloud = sphere(20'000, false, true);
   EncodeOptions options{OctreeOptions{Entropy::context, DepthRule::fixed(10)}};
-  FetchedFrame frame = fetched(cloud, options);
-  Manifest manifest = manifest_of(cloud);
-  for (const FetchedLayer& layer : frame.layers)
-    manifest.segments[0].layers.emplace_back().frames = {layer.sizes, {}};
+  FetchedFrame frame;
+  const Manifest manifest = manifest_of(cloud);
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
     frame = fetched(cloud, options);
     EXPECT_EQ(prepare_frame(manifest, 0, frame, {mode, 0.0})->level, kWholeFrame);
@@ -167,6 +165,15 @@ TEST(PrepareFrame, KnowsWhichLevelsItLacks) {
     frame.layers.resize(1);
     EXPECT_EQ(prepare_frame(manifest, 0, frame, {mode, 0.0})->level, 7);
   }
+  // What is there but not seen is not decoded.
+  frame = fetched(cloud, options);
+  for (const int level : {5, 7, 8, 10, 12}) {
+    const auto scene = prepare_frame(manifest, 0, frame, {DrawMode::point, 0.0, level});
+    EXPECT_EQ(scene->svo.depth, std::min(level, 10));
+    EXPECT_EQ(scene->level, level < 10 ? level : kWholeFrame);
+    EXPECT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
+  }
+  frame.layers.resize(1);
   // Voxels lack nothing where what is there satisfies delta.
   const auto scene = prepare_frame(manifest, 0, frame, {DrawMode::voxel, 0.7});
   EXPECT_EQ(scene->level, kWholeFrame);

@@ -17,10 +17,12 @@ constexpr std::size_t kBacks = 16384;
 constexpr std::size_t kMaxStride = 4;
 /// Half the edge of a back in its radii, where none is left out. Less leaves holes between a
 /// scanner's curves, more widens outlines.
-constexpr float kReach = 1.25f;
+constexpr float kReach = 1.2f;
 /// How far backs are moved away from the eye, in their radii: those of a thin sheet stay behind its
 /// front.
 constexpr float kBackTolerance = 1.0f;
+/// Gaps between surfels are about so many of their radii wide, at most.
+constexpr float kGap = 6.5f;
 /// No hole is filled that is farther from all colours than this share of the picture's height.
 constexpr int kFarthest = 8;
 
@@ -122,7 +124,8 @@ void Reconstruction::draw(const Level& level, const PixelRect& part) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-const gl::Texture& Reconstruction::fill(const gl::Texture& sums, const PixelRect& region) {
+Reconstruction::Filling Reconstruction::fill(const gl::Texture& sums, const PixelRect& region,
+                                             float radius) {
   // What the last picture left behind becomes 0 again.
   PixelRect to_pull = both(pulled_region_, region);
   pulled_region_ = region;
@@ -149,7 +152,10 @@ const gl::Texture& Reconstruction::fill(const gl::Texture& sums, const PixelRect
   }
   glDisable(GL_SCISSOR_TEST);
   glViewport(0, 0, size_.x, size_.y);
-  return *filled;
+  std::size_t crowd = 1;
+  while (crowd + 1 < pulled_.size() && static_cast<float>(4 << crowd) <= kGap * radius) ++crowd;
+  crowd = std::min(crowd, pulled_.size() - 1);
+  return {filled->name(), pulled_[crowd].texture.name(), 2 << crowd};
 }
 
 }  // namespace pointreel

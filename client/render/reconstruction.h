@@ -18,7 +18,9 @@ namespace pointreel {
 /// missing in front of it. The backs of surfels therefore go into the depth buffer too, and hide
 /// what is behind them: a pixel that is covered by a back and by no front before it is a hole,
 /// however large; one that is covered by neither is an opening, between arm and body, and stays.
-/// Far from any front, backs are those of a surface that has but one side.
+/// Far from any front, backs are those of a surface that has but one side. And where no back was
+/// seen, pixels are closed that are covered for the most part all around, as far as gaps between
+/// surfels reach.
 class Reconstruction {
  public:
   static Result<Reconstruction> create();
@@ -29,16 +31,21 @@ class Reconstruction {
   /// Draws the backs of some of the surfels into the depth of the bound framebuffer.
   void draw_backs(const InstanceBuffer& instances) const;
 
-  /// What holes are filled with: a texture of half the picture's size, to be sampled between
-  /// texels; alpha is 0 where no colour is near. `sums` holds the sums of weighted colours and of
-  /// weights, all 0 outside of `region`, and only there is the result of any use. Binds
-  /// framebuffers of its own; depth test and blending are off.
-  const gl::Texture& fill(const gl::Texture& sums, const PixelRect& region);
+  /// Textures to be sampled between texels; they stay this object's, until the next call.
+  struct Filling {
+    GLuint colors;   ///< of half the picture's size; alpha is 0 where no colour is near
+    GLuint crowd;    ///< alpha: how much of a square of the picture is covered
+    int crowd_edge;  ///< of the square in pixels
+  };
+  /// `sums` holds the sums of weighted colours and of weights, all 0 outside of `region`, and only
+  /// there is the result of any use. `radius`: of a surfel in pixels. Binds framebuffers of its
+  /// own; depth test and blending are off.
+  Filling fill(const gl::Texture& sums, const PixelRect& region, float radius);
 
  private:
   Reconstruction() = default;
 
-  /// Means of squares, from an edge of two pixels on; premultiplied, 1 where anything is in them.
+  /// Means of squares, from an edge of two pixels on; premultiplied by how much is covered.
   struct Level {
     gl::Texture texture;
     gl::Framebuffer framebuffer;

@@ -12,6 +12,8 @@ void InstanceBounds::grow(const glm::vec3& center, float its_radius) {
     max = glm::max(max, center);
   }
   radius = glm::max(radius, its_radius);
+  all_radii += its_radius;
+  ++count;
 }
 
 PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& to_clip,
@@ -37,6 +39,14 @@ PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& 
   const PixelRect region{glm::clamp(glm::ivec2(from), glm::ivec2(0), size),
                          glm::clamp(glm::ivec2(to), glm::ivec2(0), size)};
   return glm::any(glm::lessThan(region.max, region.min)) ? PixelRect{} : region;
+}
+
+float radius_in_pixels(const InstanceBounds& bounds, const glm::mat4& to_clip, glm::ivec2 size) {
+  const glm::vec4 middle = to_clip * glm::vec4(0.5f * (bounds.min + bounds.max), 1.0f);
+  if (bounds.empty() || !(middle.w > 0.0f)) return 0.0f;
+  const float up = glm::length(glm::vec3(to_clip[0].y, to_clip[1].y, to_clip[2].y));
+  return 0.5f * static_cast<float>(size.y) * up * static_cast<float>(bounds.mean_radius()) /
+         middle.w;
 }
 
 }  // namespace pointreel

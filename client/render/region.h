@@ -1,16 +1,21 @@
 #pragma once
 
+#include <cstddef>
+
 #include <glm/glm.hpp>
 
 namespace pointreel {
 
-/// What instances lie in, in their coordinates, and the largest of their radii.
+/// What instances lie in, in their coordinates, and how large they are.
 struct InstanceBounds {
   glm::vec3 min{1.0f}, max{-1.0f};  ///< min > max: nothing
-  float radius = 0.0f;
+  float radius = 0.0f;              ///< the largest
+  double all_radii = 0.0;
+  std::size_t count = 0;
 
   void grow(const glm::vec3& center, float its_radius);
   bool empty() const { return min.x > max.x; }
+  double mean_radius() const { return count > 0 ? all_radii / static_cast<double>(count) : 0.0; }
 };
 
 /// Pixels from `min` on, lower left first, to before `max`.
@@ -24,5 +29,9 @@ struct PixelRect {
 /// to clip coordinates whose w is the depth.
 PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& to_clip,
                     glm::ivec2 size);
+
+/// Of an instance of the mean radius in the middle of them all, in pixels; 0 where that is not in
+/// front of the eye.
+float radius_in_pixels(const InstanceBounds& bounds, const glm::mat4& to_clip, glm::ivec2 size);
 
 }  // namespace pointreel

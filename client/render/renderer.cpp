@@ -189,8 +189,9 @@ Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat
     const float largest_scale = std::max(scales.visibility, scales.shading);
     (*method)->begin(largest_scale);
     // The corners of a quad are farther out than the rim of its disc.
-    const PixelRect region = region_of(bounds_, 1.5f * largest_scale, to_clip, size_);
-    splatter_->draw(**method, instances_, options.splatting, scales, options.fill_holes, region);
+    const SplatPlace place{region_of(bounds_, 1.5f * largest_scale, to_clip, size_),
+                           radius_in_pixels(bounds_, to_clip, size_)};
+    splatter_->draw(**method, instances_, options.splatting, scales, options.fill_holes, place);
   } else {
     (*method)->begin(1.0f);
     glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());

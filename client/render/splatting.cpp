@@ -1,5 +1,6 @@
 #include "client/render/splatting.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -82,7 +83,7 @@ Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const g
 }
 
 void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-                    const SplatScales& scales, bool fill_holes, const PixelRect& region) {
+                    const SplatScales& scales, bool fill_holes, const SplatPlace& place) {
   fill_holes = fill_holes && splatting == Splatting::normalized;
   if (splatting != Splatting::regular && splatting != Splatting::no_depth) {
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
@@ -96,7 +97,7 @@ void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, S
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
   if (splatting == Splatting::normalized) {
-    draw_normalized(method, instances, scales.shading, fill_holes, region);
+    draw_normalized(method, instances, scales.shading, fill_holes, place);
   } else {
     draw_blended(method, instances, scales.shading);
   }
@@ -113,7 +114,7 @@ void Splatter::draw_blended(InstancingMethod& method, const InstanceBuffer& inst
 }
 
 void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
-                               float scale, bool fill_holes, const PixelRect& region) {
+                               float scale, bool fill_holes, const SplatPlace& place) {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
   const std::array<GLfloat, 4> nothing{};
   glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
@@ -122,14 +123,19 @@ void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& i
 
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  if (fill_holes) glBindTextureUnit(1, reconstruction_->fill(sums_, region).name());
+  Reconstruction::Filling filling{};
+  if (fill_holes) filling = reconstruction_->fill(sums_, place.region, place.radius);
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_.name());
   glBindTextureUnit(0, sums_.name());
+  glBindTextureUnit(1, filling.colors);
   glBindTextureUnit(2, depth_);
+  glBindTextureUnit(3, filling.crowd);
   glUseProgram(resolve_.name());
   glUniform1i(0, fill_holes ? 1 : 0);
+  glUniform1f(1, static_cast<float>(std::max(filling.crowd_edge, 1)));
   glBindVertexArray(no_attributes_.name());
   glEnable(GL_SCISSOR_TEST);
+  const PixelRect& region = place.region;
   glScissor(region.min.x, region.min.y, region.max.x - region.min.x, region.max.y - region.min.y);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDisable(GL_SCISSOR_TEST);

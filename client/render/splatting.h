@@ -39,6 +39,12 @@ struct SplatScales {
 /// What the passes of a mode multiply radii by; `chosen` are those of Splatting::normalized.
 SplatScales scales_of(Splatting splatting, const SplatScales& chosen);
 
+/// Where the surfels are in the picture.
+struct SplatPlace {
+  PixelRect region;     ///< holds all of them, enlarged as they are drawn
+  float radius = 0.0f;  ///< of one on average, not enlarged, in pixels
+};
+
 /// Draws surfels: paper 2, section V-B, with ERRATA 9 to 11.
 class Splatter {
  public:
@@ -48,19 +54,18 @@ class Splatter {
   /// the caller's, until the next call.
   Result<void> resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth);
 
-  /// Into the textures of `resize`, which are cleared, and there into a region in which all of the
-  /// surfels lie: linear colours, and 1 where something was drawn, less where blending left it
-  /// transparent. fill_holes: Splatting::normalized reconstructs what is missing
-  /// (reconstruction.h). Depth writes and the depth test are on, blending off, and so they are
-  /// left.
+  /// Into the textures of `resize`, which are cleared: linear colours, and 1 where something was
+  /// drawn, less where blending left it transparent. fill_holes: Splatting::normalized reconstructs
+  /// what is missing (reconstruction.h). Depth writes and the depth test are on, blending off, and
+  /// so they are left.
   void draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-            const SplatScales& scales, bool fill_holes, const PixelRect& region);
+            const SplatScales& scales, bool fill_holes, const SplatPlace& place);
 
  private:
   Splatter() = default;
   void draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale) const;
   void draw_normalized(InstancingMethod& method, const InstanceBuffer& instances, float scale,
-                       bool fill_holes, const PixelRect& region);
+                       bool fill_holes, const SplatPlace& place);
 
   gl::Program resolve_;
   gl::Texture sums_;

@@ -153,6 +153,30 @@ TEST_F(ReconstructionTest, ASurfaceWithOneSideIsNotSeenFromItsBack) {
   EXPECT_EQ(middle(image, -0.1), kBackground);
 }
 
+TEST_F(ReconstructionTest, AGapBetweenSurfelsIsClosedThoughNoBackIsSeenThroughIt) {
+  // A sheet without a back, of which one surfel is missing.
+  PointCloud cloud;
+  for (int y = -20; y <= 20; ++y) {
+    for (int x = -20; x <= 20; ++x) {
+      if (x == 0 && y == 0) continue;
+      cloud.positions.push_back({0.05f * static_cast<float>(x), 0.05f * static_cast<float>(y), 0});
+      cloud.normals.push_back({0.0f, 0.0f, 1.0f});
+      cloud.colors.push_back(kGreen);
+      cloud.radii.push_back(0.03f);
+    }
+  }
+  const auto frame = frame_of(cloud);
+  const Image image = picture(frame);
+  EXPECT_TRUE(near(middle(image), kGreen8));
+  // Its outline is where it was.
+  options_.fill_holes = false;
+  const Image without = picture(frame);
+  EXPECT_EQ(middle(without), kBackground);
+  for (int x = 0; x < kSize.x / 3; ++x) {
+    EXPECT_EQ(image.at(x, kSize.y / 2) == kBackground, without.at(x, kSize.y / 2) == kBackground);
+  }
+}
+
 TEST_F(ReconstructionTest, WhatIsFilledDependsOnNothingThatWasDrawnBefore) {
   PointCloud holed, other;
   add_sphere(holed, {0.2f, 0.1f, 0.0f}, 0.4f, kRed, but_the_front);

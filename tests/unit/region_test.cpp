@@ -1,5 +1,7 @@
 #include "client/render/region.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "client/scene/camera.h"
@@ -53,6 +55,18 @@ TEST(Region, IsTheWholePictureAroundTheEye) {
   EXPECT_EQ(region_of(around, 1.0f, to_clip(front_camera()), kSize), whole);
   around.grow({0.0f, 0.0f, 9.0f}, 0.2f);
   EXPECT_EQ(region_of(around, 1.0f, to_clip(front_camera()), kSize), whole);
+}
+
+TEST(Region, KnowsHowLargeAnInstanceLooksInTheMiddle) {
+  InstanceBounds bounds;
+  EXPECT_EQ(radius_in_pixels(bounds, to_clip(front_camera()), kSize), 0.0f);
+  bounds.grow({-0.5f, 0.0f, 0.0f}, 0.05f);
+  bounds.grow({0.5f, 0.0f, 0.0f}, 0.15f);
+  Camera camera = front_camera();
+  const double expected = 0.1 / 4.0 / std::tan(0.5 * camera.fov_y) * 0.5 * kSize.y;
+  EXPECT_NEAR(radius_in_pixels(bounds, to_clip(camera), kSize), expected, 1e-4 * expected);
+  camera.target = {0.0, 0.0, -8.0};  // the instances are behind the eye
+  EXPECT_EQ(radius_in_pixels(bounds, to_clip(camera), kSize), 0.0f);
 }
 
 }  // namespace

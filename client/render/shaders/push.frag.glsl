@@ -1,4 +1,4 @@
-// A level whose empty texels are filled from the next coarser one.
+// The mean colours of a level, and where it has none those of the next coarser one.
 layout(binding = 0) uniform sampler2D own;
 layout(binding = 1) uniform sampler2D coarser;
 
@@ -6,7 +6,8 @@ layout(location = 0) out vec4 filled;
 
 void main() {
   filled = texelFetch(own, ivec2(gl_FragCoord.xy), 0);
-  if (filled.a > 0.0) return;
-  filled = textureLod(coarser, 0.5 * gl_FragCoord.xy / vec2(textureSize(coarser, 0)), 0.0);
+  if (filled.a == 0.0) {
+    filled = textureLod(coarser, 0.5 * gl_FragCoord.xy / vec2(textureSize(coarser, 0)), 0.0);
+  }
   if (filled.a > 0.0) filled /= filled.a;
 }

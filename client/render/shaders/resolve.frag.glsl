@@ -1,17 +1,27 @@
-// The weighted mean of the splats; in a hole, where there are none but a surface was seen all the
-// same (reconstruction.h), what is around it. Elsewhere the background stays.
+// The weighted mean of the splats; in a hole of the surface what is around it (reconstruction.h).
+// Elsewhere the background stays.
 layout(binding = 0) uniform sampler2D sums;
 layout(binding = 1) uniform sampler2D filled;
 layout(binding = 2) uniform sampler2D depth;
+layout(binding = 3) uniform sampler2D crowd;
 
 layout(location = 0) uniform bool fill;
+layout(location = 1) uniform float crowd_edge;  // of a texel of `crowd`, in pixels
 
 layout(location = 0) out vec4 linear_color;
 
+// A surface was seen here, from its inside; or most of what is around is covered, which at the
+// outline of a surface no more than half is.
+bool is_hole() {
+  const float most = 0.7;
+  if (texelFetch(depth, ivec2(gl_FragCoord.xy), 0).x > 0.0) return true;
+  vec2 at = gl_FragCoord.xy / crowd_edge;
+  return textureLod(crowd, at / vec2(textureSize(crowd, 0)), 0.0).a >= most;
+}
+
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  vec4 mean = mean_of(texelFetch(sums, at, 0));
-  if (mean.a == 0.0 && fill && texelFetch(depth, at, 0).x > 0.0) {
+  vec4 mean = mean_of(texelFetch(sums, ivec2(gl_FragCoord.xy), 0));
+  if (mean.a == 0.0 && fill && is_hole()) {
     mean = textureLod(filled, 0.5 * gl_FragCoord.xy / vec2(textureSize(filled, 0)), 0.0);
   }
   if (mean.a == 0.0) discard;

@@ -440,6 +440,44 @@ TEST_F(RendererTest, AStaticSceneIsTheSameByteByByteAndItsCutIsUsedAgain) {
   }
 }
 
+TEST_F(RendererTest, SurfelsAndPointsOfATreeAreThoseOfItsLeavesAndItsCutIsUsedAgain) {
+  const auto leaves = std::make_shared<SceneFrame>(*frame_of(asymmetric_cloud()));
+  leaves->cloud = leaf_centers(leaves->svo);
+  const auto tree = std::make_shared<SceneFrame>(*leaves);
+  tree->cloud = {};
+  tree->radii.assign(tree->svo.node_count(), 0.1f);
+  for (std::size_t i = tree->svo.internal_count(); i < tree->svo.node_count(); ++i) {
+    leaves->cloud.normals.push_back(glm::vec3(tree->attributes.normals[i]) / 32767.0f);
+    leaves->cloud.colors.push_back(tree->attributes.colors[i]);
+    leaves->cloud.radii.push_back(0.1f);
+  }
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
+    const Image expected = picture(leaves, front_camera(), plain(mode));
+    EXPECT_EQ(stats_.visited, 0u);
+    const Image drawn = picture(tree, front_camera(), plain(mode));
+    EXPECT_LE(largest_difference(expected, drawn), 1);
+    EXPECT_EQ(stats_.drawn, tree->svo.leaf_count());
+    EXPECT_GT(stats_.cut_ms, 0.0);
+    EXPECT_EQ(largest_difference(drawn, picture(tree, front_camera(), plain(mode))), 0);
+    EXPECT_EQ(stats_.cut_ms, 0.0);
+    EXPECT_EQ(stats_.visited, tree->svo.node_count());
+
+    // From far away they are one, and from beside the picture none.
+    Camera far = front_camera();
+    far.distance = 1e4;
+    picture(tree, far, plain(mode));
+    EXPECT_EQ(stats_.drawn, 1u);
+    EXPECT_EQ(stats_.below_pixel, tree->svo.leaf_count() - 1);
+    EXPECT_EQ(stats_.out_of_view, 0u);
+    Camera beside = front_camera();
+    beside.target.x += 100.0;
+    picture(tree, beside, plain(mode));
+    EXPECT_EQ(stats_.drawn, 0u);
+    EXPECT_EQ(stats_.out_of_view, tree->svo.leaf_count());
+    EXPECT_EQ(stats_.below_pixel, 0u);
+  }
+}
+
 TEST_F(RendererTest, TheOrderOfTheSurfelsChangesAtMostOneStepOfAColour) {
   std::mt19937 random(9);
   std::normal_distribution<float> normal;

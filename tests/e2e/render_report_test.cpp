@@ -114,6 +114,15 @@ TEST_F(RenderReport, times_every_method_and_finds_their_pictures_alike) {
   EXPECT_GT(tables["traverse_ms"]["median"], 0.0);
 }
 
+TEST_F(RenderReport, plays_every_mode) {
+  ASSERT_EQ(report_["playback"].size(), 3u);
+  for (const json& row : report_["playback"]) {
+    EXPECT_EQ(row["frames"], 4) << row.dump();
+    EXPECT_GT(row["fps"], 0.0) << row.dump();
+    EXPECT_GT(row["render_ms"], 0.0) << row.dump();
+  }
+}
+
 TEST_F(RenderReport, names_the_machine_and_states_its_bars) {
   EXPECT_NE(report_["machine"]["gl_renderer"].get<std::string>().find("OpenGL"), std::string::npos);
   ASSERT_FALSE(report_["bars"].empty());

@@ -15,6 +15,7 @@
 #include "common/base/progress.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
+#include "tests/bench/render/playback.h"
 #include "tests/bench/render/quality.h"
 #include "tests/bench/render/render_bars.h"
 #include "tests/bench/render/render_markdown.h"
@@ -31,6 +32,7 @@ struct Options {
   std::string folder = "render";
   std::string json;
   std::vector<std::string> scenes;
+  int poses = 1;
   bool quick = false;
   bool gpu = false;
 };
@@ -41,9 +43,10 @@ struct Effort {
   int views;
   std::size_t even_points;
   int runs;
+  int played_frames;
 };
-const Effort kFull = {{1920, 1280}, 4, 500'000, 5};
-const Effort kQuick = {{480, 320}, 2, 50'000, 1};
+const Effort kFull = {{1920, 1280}, 4, 500'000, 5, 60};
+const Effort kQuick = {{480, 320}, 2, 50'000, 1, 4};
 /// On a graphics card, as many points as its bar has.
 constexpr std::size_t kGpuEvenPoints = 1'000'000;
 
@@ -137,7 +140,7 @@ Result<json> measure_scene(Renderer& renderer, const SceneChoice& choice, const 
 
 /// All scenes, those that are asked for, or, quickly, one of either kind.
 Result<std::vector<SceneChoice>> choose_scenes(const Options& options, std::size_t even_points) {
-  std::vector<SceneChoice> choices = scene_choices(1, even_points);
+  std::vector<SceneChoice> choices = scene_choices(options.poses, even_points);
   std::vector<std::string> names = options.scenes;
   if (names.empty() && options.quick) names = {"soccer-shoot", "kick, dense"};
   if (names.empty()) return choices;
@@ -188,6 +191,11 @@ Result<json> write_render_report(const Options& options) {
     if (!scene) return fail_at(choice.name, scene.error());
     report["scenes"].push_back(std::move(*scene));
   }
+  if (options.scenes.empty()) {
+    const auto playback = measure_playback(folder, effort.played_frames);
+    if (!playback) return tl::unexpected(playback.error());
+    report["playback"] = *playback;
+  }
   const std::vector<Bar> bars = render_bars(report);
   report["bars"] = to_json(bars);
   report["seconds"] = (now_ms() - begin) / 1000.0;
@@ -214,6 +222,9 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("-o,--output", options->folder, "folder to write to; made if it is missing")
       ->capture_default_str();
   command->add_option("--scene", options->scenes, "only this sequence; may be repeated");
+  command->add_option("--poses", options->poses, "of each scanned sequence, evenly spread")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_flag("--quick", options->quick, "two small scenes, few runs: half a minute");
   command->add_flag("--gpu", options->gpu, "fail on software OpenGL");
   command->add_option("--json", options->json, "also write the report here, - for standard output");

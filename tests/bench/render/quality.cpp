@@ -105,7 +105,7 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
               {"iou", coverage.iou}};
 
   // Voxels have no order of their own, and mean colours, which no label survives.
-  if (!voxels) {
+  if (!voxels && whole) {
     DrawOptions plain = options;
     plain.lighting = false;
     plain.background = glm::vec3(0.0f);

@@ -207,7 +207,7 @@ std::string to_render_markdown(const json& report) {
       "Bleed: covered pixels of which more than 5 % of the light is of another surface or of the "
       "background. Order: between two random orders of the points, in steps of 1/255. Flicker: the "
       "largest difference of the same picture drawn twice. Figures are means over the views; "
-      "worst is of the worst view; order, flicker and milliseconds are of the first one.\n";
+      "worst is of the worst view; bleed, order, flicker and milliseconds are of the first one.\n";
   for (const json& scene : report["scenes"]) {
     out +=
         fmt::format("\n## {}\n\n{} points, {:.2f} m2 of surface, so one every {:.2f} mm. ",

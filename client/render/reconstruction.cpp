@@ -23,6 +23,8 @@ constexpr float kReach = 1.2f;
 constexpr float kBackTolerance = 1.0f;
 /// Gaps between surfels are about so many of their radii wide, at most.
 constexpr float kGap = 6.5f;
+/// Edge of the squares of the finest means, in pixels (pull_sums.frag.glsl).
+constexpr int kFinest = 4;
 /// No hole is filled that is farther from all colours than this share of the picture's height.
 constexpr int kFarthest = 8;
 
@@ -32,11 +34,11 @@ Result<gl::Program> make_picture_program(std::vector<std::string_view> fragment_
                  gl::Stage{GL_FRAGMENT_SHADER, std::move(fragment_files)}});
 }
 
-/// The texels of the next coarser level that a part touches, and one more on each side, which
+/// The texels of a level `times` as coarse that a part touches, and one more on each side, which
 /// sampling between texels touches.
-PixelRect coarser_part(const PixelRect& part, glm::ivec2 coarser_size) {
-  return {glm::max(part.min / 2 - 1, glm::ivec2(0)),
-          glm::min((part.max + 1) / 2 + 1, coarser_size)};
+PixelRect coarser_part(const PixelRect& part, int times, glm::ivec2 coarser_size) {
+  return {glm::max(part.min / times - 1, glm::ivec2(0)),
+          glm::min((part.max + times - 1) / times + 1, coarser_size)};
 }
 
 PixelRect both(const PixelRect& a, const PixelRect& b) {
@@ -83,13 +85,13 @@ Result<Reconstruction::Level> Reconstruction::make_level(glm::ivec2 size) {
 
 Result<void> Reconstruction::resize(glm::ivec2 size) {
   std::vector<Level> pulled, pushed;
-  glm::ivec2 half = (size + 1) / 2;
-  for (int edge = 2;; edge *= 2, half = (half + 1) / 2) {
-    auto level = make_level(half);
+  glm::ivec2 texels = (size + kFinest - 1) / kFinest;
+  for (int edge = kFinest;; edge *= 2, texels = (texels + 1) / 2) {
+    auto level = make_level(texels);
     if (!level) return fail(level.error().message);
     pulled.push_back(std::move(*level));
-    if (edge * kFarthest >= size.y || half == glm::ivec2(1)) break;
-    auto filled = make_level(half);
+    if (edge * kFarthest >= size.y || texels == glm::ivec2(1)) break;
+    auto filled = make_level(texels);
     if (!filled) return fail(filled.error().message);
     pushed.push_back(std::move(*filled));
   }
@@ -131,15 +133,20 @@ Reconstruction::Filling Reconstruction::fill(const gl::Texture& sums, const Pixe
   pulled_region_ = region;
   std::vector<PixelRect> to_push;
   PixelRect part = region;
-  for (const Level& level : pushed_) to_push.push_back(part = coarser_part(part, level.size));
+  for (const Level& level : pushed_) {
+    part = coarser_part(part, to_push.empty() ? kFinest : 2, level.size);
+    to_push.push_back(part);
+  }
 
   glBindVertexArray(no_attributes_.name());
   glEnable(GL_SCISSOR_TEST);
   const gl::Texture* finer = &sums;
   for (const Level& level : pulled_) {
-    glUseProgram(finer == &sums ? pull_sums_.name() : pull_.name());
+    const bool finest = finer == &sums;
+    glUseProgram(finest ? pull_sums_.name() : pull_.name());
     glBindTextureUnit(0, finer->name());
-    draw(level, to_pull = coarser_part(to_pull, level.size));
+    to_pull = coarser_part(to_pull, finest ? kFinest : 2, level.size);
+    draw(level, to_pull);
     finer = &level.texture;
   }
   glUseProgram(push_.name());
@@ -152,10 +159,13 @@ Reconstruction::Filling Reconstruction::fill(const gl::Texture& sums, const Pixe
   }
   glDisable(GL_SCISSOR_TEST);
   glViewport(0, 0, size_.x, size_.y);
-  std::size_t crowd = 1;
-  while (crowd + 1 < pulled_.size() && static_cast<float>(4 << crowd) <= kGap * radius) ++crowd;
-  crowd = std::min(crowd, pulled_.size() - 1);
-  return {filled->name(), pulled_[crowd].texture.name(), 2 << crowd};
+  std::size_t crowd = 0;
+  int edge = kFinest;
+  while (crowd + 1 < pulled_.size() && static_cast<float>(2 * edge) <= kGap * radius) {
+    ++crowd;
+    edge *= 2;
+  }
+  return {filled->name(), pulled_[crowd].texture.name(), edge};
 }
 
 }  // namespace pointreel

@@ -33,7 +33,7 @@ class Reconstruction {
 
   /// Textures to be sampled between texels; they stay this object's, until the next call.
   struct Filling {
-    GLuint colors;   ///< of half the picture's size; alpha is 0 where no colour is near
+    GLuint colors;   ///< of a quarter of the picture's size; alpha is 0 where no colour is near
     GLuint crowd;    ///< alpha: how much of a square of the picture is covered
     int crowd_edge;  ///< of the square in pixels
   };
@@ -45,7 +45,7 @@ class Reconstruction {
  private:
   Reconstruction() = default;
 
-  /// Means of squares, from an edge of two pixels on; premultiplied by how much is covered.
+  /// Means of squares, from an edge of four pixels on; premultiplied by how much is covered.
   struct Level {
     gl::Texture texture;
     gl::Framebuffer framebuffer;

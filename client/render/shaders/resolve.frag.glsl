@@ -22,7 +22,7 @@ bool is_hole() {
 void main() {
   vec4 mean = mean_of(texelFetch(sums, ivec2(gl_FragCoord.xy), 0));
   if (mean.a == 0.0 && fill && is_hole()) {
-    mean = textureLod(filled, 0.5 * gl_FragCoord.xy / vec2(textureSize(filled, 0)), 0.0);
+    mean = textureLod(filled, 0.25 * gl_FragCoord.xy / vec2(textureSize(filled, 0)), 0.0);
   }
   if (mean.a == 0.0) discard;
   linear_color = vec4(mean.rgb / mean.a, 1.0);

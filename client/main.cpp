@@ -212,7 +212,7 @@ int run(int argc, char** argv) {
           "over the frames shown; frames shown, refined, dropped and broken; bytes fetched; "
           "layers, points, nodes, leaves, depth and elements drawn of the last one. "
           "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
-          "leaves out of view and below a pixel. - is standard output")
+          "leaves out of view and below a pixel, voxels that others hide. - is standard output")
       ->type_name("FILE");
   play_command.footer("Keys in the window:\n" + bindings_help() +
                       "\nExit codes: 0 played to its end or ended by the user, 1 failed, 2 usage");

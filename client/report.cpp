@@ -115,10 +115,13 @@ std::string PlayReport::to_json() const {
   auto attributes = nlohmann::ordered_json::array();
   if (rest_.colors) attributes.push_back("colors");
   if (rest_.normals) attributes.push_back("normals");
-  json["skipped"] = {
-      {"layers", rest_.layers},           {"levels", std::max(0, finest_level - depth_)},
-      {"attributes", attributes},         {"bytes", shown_rest_ + rest_.bytes},
-      {"out_of_view", last_.out_of_view}, {"below_pixel", last_.below_pixel}};
+  json["skipped"] = {{"layers", rest_.layers},
+                     {"levels", std::max(0, finest_level - depth_)},
+                     {"attributes", attributes},
+                     {"bytes", shown_rest_ + rest_.bytes},
+                     {"out_of_view", last_.out_of_view},
+                     {"below_pixel", last_.below_pixel},
+                     {"hidden", last_.hidden}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -177,6 +177,8 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                                       : make_elements(scene, frame->cube, options);
     if (!made) return tl::unexpected(made.error());
   }
+  if (options.mode == DrawMode::voxel && worth_hiding(scene.svo))
+    scene.neighbors = leaf_neighbors(scene.svo);
   scene.svo_ms = watch.lap();
   return scene;
 }

@@ -36,6 +36,8 @@ class InstanceBuffer {
   /// was written before is no longer drawn. Waits until the part of the ring is drawn with; empty
   /// if the driver has no such memory.
   std::span<Instance> write(std::size_t count);
+  /// Only the first `count` of what was written are drawn.
+  void keep(std::size_t count) { size_ = count; }
   /// After the last draw call that reads what was written.
   void drawn();
 

@@ -35,6 +35,11 @@ glm::u16vec4 pack_color(const glm::u16vec3& c) {
   return {kLinear[c.x], kLinear[c.y], kLinear[c.z], 0};
 }
 
+/// Bit a: the eye's coordinate a is the higher one.
+unsigned octant_of(const glm::vec3& eye, const glm::vec3& center) {
+  return (eye.x > center.x ? 1u : 0u) | (eye.y > center.y ? 2u : 0u) | (eye.z > center.z ? 4u : 0u);
+}
+
 }  // namespace
 
 glm::u16vec3 fake_color(const glm::i16vec4& normal) {
@@ -57,23 +62,28 @@ InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out) {
   return bounds;
 }
 
-InstanceBounds pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                          std::span<Instance> out) {
+PackedNodes pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
+                       const glm::vec3& eye, std::span<Instance> out) {
   const NodeAttributes& attributes = frame.attributes;
   const bool halves = mode == DrawMode::voxel || frame.radii.empty();
-  InstanceBounds bounds;
-  for (std::size_t i = 0; i < cut.size(); ++i) {
-    const CutNode& node = cut[i];
+  const bool hiding = mode == DrawMode::voxel && !frame.neighbors.empty();
+  const std::uint32_t first_leaf =
+      hiding ? frame.svo.level_begin[static_cast<std::size_t>(frame.svo.depth)] : 0;
+  PackedNodes packed;
+  for (const CutNode& node : cut) {
+    if (hiding && node.node >= first_leaf &&
+        hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center)))
+      continue;
     const glm::i16vec4 normal = attributes.normals.empty()
                                     ? glm::i16vec4(0)
                                     : glm::i16vec4(attributes.normals[node.node], 0);
     const float radius = halves ? node.half : frame.radii[node.node];
-    out[i] = {
+    out[packed.count++] = {
         node.center, radius, normal,
         pack_color(attributes.colors.empty() ? fake_color(normal) : attributes.colors[node.node])};
-    bounds.grow(node.center, radius);
+    packed.bounds.grow(node.center, radius);
   }
-  return bounds;
+  return packed;
 }
 
 }  // namespace pointreel

@@ -22,9 +22,16 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal);
 /// mode), half the diagonal of the octree's leaves.
 InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out);
 
+struct PackedNodes {
+  InstanceBounds bounds;
+  std::size_t count = 0;  ///< fewer than the cut has where voxels hide others
+};
+
 /// Nodes of a cut through a frame's tree with their mean attributes, relative to the cube's origin;
-/// `out` has one for each. The radii of voxels are half their edges, those of others the frame's.
-InstanceBounds pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                          std::span<Instance> out);
+/// `out` has room for all. The radii of voxels are half their edges, those of others the frame's.
+/// Voxels that their neighbours hide from `eye`, which is relative to the cube's origin too, are
+/// left out where the frame knows the neighbours.
+PackedNodes pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
+                       const glm::vec3& eye, std::span<Instance> out);
 
 }  // namespace pointreel

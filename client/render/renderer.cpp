@@ -110,7 +110,10 @@ Result<void> Renderer::update_instances(std::shared_ptr<const SceneFrame> frame,
   }
   if (tree) {
     origin_ = frame_->svo.cube.origin;
-    bounds_ = pack_nodes(*frame_, cut_.nodes(), mode_, out);
+    const glm::vec3 eye(camera.eye() - origin_);
+    const PackedNodes packed = pack_nodes(*frame_, cut_.nodes(), mode_, eye, out);
+    instances_.keep(packed.count);
+    bounds_ = packed.bounds;
   } else if (frame_) {
     origin_ = frame_->cloud.origin;
     bounds_ = pack_points(*frame_, out);
@@ -130,6 +133,7 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   stats.out_of_view = cut_stats_.out_of_view;
   if (stats.visited > 0)
     stats.below_pixel = frame_->svo.leaf_count() - stats.out_of_view - cut_stats_.emitted;
+  if (stats.visited > 0) stats.hidden = cut_stats_.emitted - stats.drawn;
 
   const glm::dmat3 axes = camera.axes();
   const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;

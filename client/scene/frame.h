@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/scene/leaf_neighbors.h"
 #include "common/cloud/point_cloud.h"
 #include "common/octree/svo.h"
 
@@ -29,6 +30,8 @@ struct SceneFrame {
   // source has none; zero where unknown), radii in surfel mode.
   NodeAttributes attributes;
   std::vector<float> radii;  ///< of the nodes
+  /// Of the leaves, in voxel mode where enough voxels hide others (worth_hiding); else empty.
+  std::vector<NeighborBits> neighbors;
   /// The normals were estimated from neighbours: their line is right, their sign may be wrong, so
   /// the side that they point to is no reason to cull.
   bool normals_estimated = false;

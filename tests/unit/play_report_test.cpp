@@ -65,6 +65,7 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   const SceneFrame again = frame_of(1, 2, 2400);
   drawn.out_of_view = 7;
   drawn.below_pixel = 5;
+  drawn.hidden = 3;
   report.add_refined(again, not_fetched(manifest, again, {2, true, false}), drawn);
   json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["frames_shown"], 2);
@@ -75,6 +76,7 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   EXPECT_EQ(json["skipped"]["attributes"], nlohmann::json::array({"normals"}));
   EXPECT_EQ(json["skipped"]["out_of_view"], 7);
   EXPECT_EQ(json["skipped"]["below_pixel"], 5);
+  EXPECT_EQ(json["skipped"]["hidden"], 3);
 }
 
 }  // namespace

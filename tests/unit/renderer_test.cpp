@@ -600,6 +600,35 @@ TEST_F(RendererTest, EveryMethodOfInstancingDrawsTheSameVoxels) {
   }
 }
 
+TEST_F(RendererTest, LeavesOutVoxelsThatOthersHideAndDrawsTheSamePicture) {
+  PointCloud cloud;
+  std::mt19937 random(6);
+  for (int i = 0; i < 20 * 20 * 20; ++i) {
+    const glm::ivec3 cell(i % 20, i / 20 % 20, i / 400);
+    if (random() % 8 == 0) continue;
+    add(cloud, glm::vec3(cell - 10) * (3.0f / 32) + 0.05f, glm::vec3(0.0f),
+        glm::u16vec3(random(), random(), random()), 0.1f);
+  }
+  const auto all = frame_of(cloud, 5);
+  auto some = frame_of(cloud, 5);
+  some->neighbors = leaf_neighbors(some->svo);
+  for (int corner = 0; corner < 8; ++corner) {
+    Camera camera = front_camera();
+    camera.orbit(0.785 + 1.5708 * (corner & 3), corner & 4 ? 0.6 : -0.6);
+    const Image one = picture(all, camera, plain(DrawMode::voxel));
+    const std::uint32_t drawn = stats_.drawn;
+    EXPECT_EQ(stats_.hidden, 0u);
+    const Image two = picture(some, camera, plain(DrawMode::voxel));
+    EXPECT_EQ(largest_difference(one, two), 0);
+    EXPECT_LT(stats_.drawn, drawn / 2);
+    EXPECT_EQ(stats_.drawn + stats_.hidden, drawn);
+  }
+  // Surfels of the same tree are all drawn.
+  some->cloud = {};
+  picture(some, front_camera(), plain(DrawMode::surfel));
+  EXPECT_EQ(stats_.hidden, 0u);
+}
+
 TEST_F(RendererTest, CoversWhatItDrawsAndNothingElse) {
   for (const DrawMode mode : kModes) {
     const Image image = picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));

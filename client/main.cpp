@@ -198,6 +198,12 @@ int run(int argc, char** argv) {
       ->check(check(parse_view, "VIEW"));
   play_command.add_option("--screenshot", options.screenshot, "Write the last picture")
       ->type_name("FILE.png");
+  play_command
+      .add_option("--supersample", options.supersample,
+                  "Draw pictures that are written N times as wide and high, and average")
+      ->check(CLI::Range(1, 4))
+      ->type_name("N")
+      ->capture_default_str();
   CLI::Option* record =
       play_command
           .add_option(

@@ -24,6 +24,7 @@
 #include "client/playback/pipeline.h"
 #include "client/playback/prepare.h"
 #include "client/render/gl_context.h"
+#include "client/render/supersampling.h"
 #include "client/report.h"
 #include "client/source/open_source.h"
 #include "client/ui/window_input.h"
@@ -177,9 +178,29 @@ class Player {
   }
 
   Result<void> screenshot(const std::string& path) {
-    const auto image = renderer_->read_pixels();
+    auto image = renderer_->read_pixels();
     if (!image) return tl::unexpected(image.error());
+    if (options_.supersample > 1) {
+      if (auto averaged = supersample(*image); !averaged) return averaged;
+    }
     return write_png(path, *image);
+  }
+
+  /// Draws what is shown once more, larger, and then as it was.
+  Result<void> supersample(Image& image) {
+    const int times = options_.supersample;
+    const glm::ivec2 size(image.width, image.height);
+    DrawOptions larger = draw_;
+    larger.point_size *= static_cast<float>(times);
+    larger.pixel_size *= static_cast<float>(times);
+    if (const auto drawn = renderer_->draw(shown_, camera_, times * size, larger); !drawn)
+      return tl::unexpected(drawn.error());
+    const auto large = renderer_->read_pixels();
+    if (!large) return tl::unexpected(large.error());
+    image = average_squares(*large, times);
+    if (const auto drawn = renderer_->draw(shown_, camera_, size, draw_); !drawn)
+      return tl::unexpected(drawn.error());
+    return {};
   }
 
   /// Draws `frame`, a new one, or the one shown with more levels.

@@ -32,9 +32,10 @@ struct PlayOptions {
   std::optional<char> up;    ///< default: what the package says; y for folders
   bool offscreen = false;
   glm::ivec2 size{1280, 720};
-  std::optional<double> at;              ///< seconds
-  std::optional<double> duration;        ///< seconds
-  std::optional<View> view;              ///< default: Camera::frame_bounds'
+  std::optional<double> at;        ///< seconds
+  std::optional<double> duration;  ///< seconds
+  std::optional<View> view;        ///< default: Camera::frame_bounds'
+  int supersample = 1;  ///< pictures that are written are drawn so many times as wide and high
   std::string screenshot, record, json;  ///< paths; empty: none
 };
 

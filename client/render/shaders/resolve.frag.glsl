@@ -10,13 +10,20 @@ layout(location = 1) uniform float crowd_edge;  // of a texel of `crowd`, in pix
 
 layout(location = 0) out vec4 linear_color;
 
-// A surface was seen here, from its inside; or most of what is around is covered, which at the
-// outline of a surface no more than half is.
+bool seen(vec2 at) {
+  ivec2 pixel = clamp(ivec2(at), ivec2(0), textureSize(depth, 0) - 1);
+  return texelFetch(depth, pixel, 0).x > 0.0;
+}
+
+// A surface was seen here, from its inside, or on four sides; or most of what is around is covered,
+// which at the outline of a surface no more than half is.
 bool is_hole() {
   const float most = 0.7;
-  if (texelFetch(depth, ivec2(gl_FragCoord.xy), 0).x > 0.0) return true;
-  vec2 at = gl_FragCoord.xy / crowd_edge;
-  return textureLod(crowd, at / vec2(textureSize(crowd, 0)), 0.0).a >= most;
+  vec2 at = gl_FragCoord.xy;
+  if (seen(at)) return true;
+  vec2 d = vec2(0.5 * crowd_edge, -0.5 * crowd_edge);
+  if (seen(at + d.xx) && seen(at + d.xy) && seen(at + d.yx) && seen(at + d.yy)) return true;
+  return textureLod(crowd, at / crowd_edge / vec2(textureSize(crowd, 0)), 0.0).a >= most;
 }
 
 void main() {

@@ -19,7 +19,7 @@ namespace pointreel {
 /// what is behind them: a pixel that is covered by a back and by no front before it is a hole,
 /// however large; one that is covered by neither is an opening, between arm and body, and stays.
 /// Far from any front, backs are those of a surface that has but one side. And where no back was
-/// seen, pixels are closed around which something was seen on four sides, or that are covered for
+/// seen, pixels are closed around which something was seen on all sides, or that are covered for
 /// the most part all around, as far as gaps between surfels reach.
 class Reconstruction {
  public:

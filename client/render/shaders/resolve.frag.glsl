@@ -15,14 +15,17 @@ bool seen(vec2 at) {
   return texelFetch(depth, pixel, 0).x > 0.0;
 }
 
-// A surface was seen here, from its inside, or on four sides; or most of what is around is covered,
+// A surface was seen here, from its inside, or all around; or most of what is around is covered,
 // which at the outline of a surface no more than half is.
 bool is_hole() {
   const float most = 0.7;
   vec2 at = gl_FragCoord.xy;
   if (seen(at)) return true;
-  vec2 d = vec2(0.5 * crowd_edge, -0.5 * crowd_edge);
-  if (seen(at + d.xx) && seen(at + d.xy) && seen(at + d.yx) && seen(at + d.yy)) return true;
+  vec3 d = 0.5 * crowd_edge * vec3(1.0, -1.0, 0.0);
+  if (seen(at + d.xx) && seen(at + d.xy) && seen(at + d.yx) && seen(at + d.yy) &&
+      seen(at + d.xz) && seen(at + d.yz) && seen(at + d.zx) && seen(at + d.zy)) {
+    return true;
+  }
   return textureLod(crowd, at / crowd_edge / vec2(textureSize(crowd, 0)), 0.0).a >= most;
 }
 

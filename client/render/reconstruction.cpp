@@ -11,10 +11,11 @@
 namespace pointreel {
 namespace {
 
-/// Of large clouds every few surfels' backs suffice, down to about so many: clouds in the order of
-/// their curves or of an octree thin out evenly. Larger strides widen the outlines of dense clouds.
+/// Of large clouds the backs of one surfel in a few suffice, down to about so many; which ones,
+/// their places decide and not their order, so that the picture does not depend on that. Fewer
+/// would have to be larger, and widen the outlines of dense clouds.
 constexpr std::size_t kBacks = 16384;
-constexpr std::size_t kMaxStride = 4;
+constexpr std::size_t kFewest = 4;
 /// Half the edge of a back in its radii, where none is left out. Less leaves holes between a
 /// scanner's curves, more widens outlines.
 constexpr float kReach = 1.2f;
@@ -107,15 +108,14 @@ Result<void> Reconstruction::resize(glm::ivec2 size) {
 }
 
 void Reconstruction::draw_backs(const InstanceBuffer& instances) const {
-  const std::size_t stride = std::clamp<std::size_t>(instances.size() / kBacks, 1, kMaxStride);
-  glVertexArrayVertexBuffer(points_.name(), 0, instances.name(), instances.offset(),
-                            static_cast<GLsizei>(stride * sizeof(Instance)));
-  glBindVertexArray(points_.name());
+  const std::size_t one_in = std::clamp<std::size_t>(instances.size() / kBacks, 1, kFewest);
+  bind_instance_array(points_, instances);
   glEnable(GL_PROGRAM_POINT_SIZE);
   glUseProgram(back_.name());
-  glUniform1f(0, kReach * std::sqrt(static_cast<float>(stride)));
+  glUniform1f(0, kReach * std::sqrt(static_cast<float>(one_in)));
   glUniform1f(1, kBackTolerance);
-  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>((instances.size() + stride - 1) / stride));
+  glUniform1ui(2, static_cast<GLuint>(one_in));
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances.size()));
 }
 
 void Reconstruction::draw(const Level& level, const PixelRect& part) {

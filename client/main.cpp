@@ -169,6 +169,13 @@ int run(int argc, char** argv) {
                         "would be seen, from what is around (default)");
   play_command
       .add_option(
+          "--edl", options.draw.edl,
+          "Strength of eye-dome lighting, which darkens what lies behind what is beside it: "
+          "1 shows the shape of clouds without normals")
+      ->check(within(0.0, 100.0))
+      ->capture_default_str();
+  play_command
+      .add_option(
           "--pixel-size", options.draw.pixel_size,
           "Nodes of the octree smaller than this many pixels are not divided; 0 draws the leaves")
       ->check(within(0.0, 1000.0))

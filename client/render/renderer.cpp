@@ -38,6 +38,9 @@ Result<Renderer> Renderer::create() {
   auto splatter = Splatter::create();
   if (!splatter) return fail(splatter.error().message);
   renderer.splatter_ = std::move(*splatter);
+  auto eye_dome = EyeDomeLighting::create();
+  if (!eye_dome) return fail(eye_dome.error().message);
+  renderer.eye_dome_ = std::move(*eye_dome);
   auto point = gl::make_program(
       std::array{gl::Stage{GL_VERTEX_SHADER,
                            {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
@@ -75,6 +78,7 @@ Result<void> Renderer::resize(glm::ivec2 size) {
   Result<gl::Framebuffer> picture = gl::make_framebuffer(color, depth);
   if (!picture) return fail(picture.error().message);
   if (auto resized = splatter_->resize(size, color, depth); !resized) return resized;
+  if (auto resized = eye_dome_->resize(color, depth); !resized) return resized;
   picture_ = std::move(*picture);
   color_ = std::move(color);
   depth_ = std::move(depth);
@@ -170,6 +174,8 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   if (stats.drawn > 0) {
     if (auto drawn = draw_instances(options, view.to_clip); !drawn)
       return fail(drawn.error().message);
+    const bool means = mode_ == DrawMode::surfel && options.splatting == Splatting::normalized;
+    if (options.edl > 0.0f) eye_dome_->draw(options.edl, means ? &splatter_->sums() : nullptr);
     instances_.drawn();
   }
   glDisable(GL_FRAMEBUFFER_SRGB);

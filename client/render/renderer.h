@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/render/eye_dome_lighting.h"
 #include "client/render/gl_objects.h"
 #include "client/render/image.h"
 #include "client/render/instance_buffer.h"
@@ -38,6 +39,7 @@ struct DrawOptions {
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
   float point_size = 2.0f;  ///< edge of a point in pixels
   bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
+  float edl = 0.0f;      ///< strength of eye-dome lighting (eye_dome_lighting.h); 0: none
   glm::vec3 background{0.11f, 0.12f, 0.14f};  ///< sRGB, 0 to 1
 
   bool operator==(const DrawOptions&) const = default;
@@ -111,6 +113,7 @@ class Renderer {
 
   std::array<std::unique_ptr<InstancingMethod>, kInstancings> methods_;  ///< made when first used
   std::optional<Splatter> splatter_;
+  std::optional<EyeDomeLighting> eye_dome_;
   gl::Program point_;
   gl::VertexArray points_;
   gl::Buffer view_buffer_;

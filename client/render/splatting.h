@@ -61,6 +61,9 @@ class Splatter {
   void draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
             const SplatScales& scales, bool fill_holes, const SplatPlace& place);
 
+  /// Of weighted colours and of weights, of the last picture by Splatting::normalized.
+  const gl::Texture& sums() const { return sums_; }
+
  private:
   Splatter() = default;
   void draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale) const;

@@ -1,0 +1,44 @@
+#include "client/render/eye_dome_lighting.h"
+
+#include <array>
+#include <utility>
+
+namespace pointreel {
+
+Result<EyeDomeLighting> EyeDomeLighting::create() {
+  EyeDomeLighting made;
+  auto program =
+      gl::make_program(std::array{gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
+                                  gl::Stage{GL_FRAGMENT_SHADER, {"shaders/eye_dome.frag.glsl"}}});
+  if (!program) return fail(program.error().message);
+  made.program_ = std::move(*program);
+  made.no_attributes_ = gl::VertexArray::create();
+  return made;
+}
+
+Result<void> EyeDomeLighting::resize(const gl::Texture& color, const gl::Texture& depth) {
+  auto picture = gl::make_framebuffer(color);
+  if (!picture) return fail(picture.error().message);
+  picture_ = std::move(*picture);
+  depth_ = depth.name();
+  return {};
+}
+
+void EyeDomeLighting::draw(float strength, const gl::Texture* sums) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+  glBindTextureUnit(0, depth_);
+  glBindTextureUnit(1, sums ? sums->name() : 0);
+  glUseProgram(program_.name());
+  glUniform1f(0, strength);
+  glUniform1i(1, sums ? 1 : 0);
+  glDisable(GL_DEPTH_TEST);
+  // The shader gives a factor of the colours that are there, in linear light.
+  glEnable(GL_BLEND);
+  glBlendEquation(GL_FUNC_ADD);
+  glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
+  glBindVertexArray(no_attributes_.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_BLEND);
+}
+
+}  // namespace pointreel

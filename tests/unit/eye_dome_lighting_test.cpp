@@ -1,0 +1,105 @@
+#include "client/render/eye_dome_lighting.h"
+
+#include <memory>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "client/render/gl_context.h"
+#include "client/render/renderer.h"
+
+namespace pointreel {
+namespace {
+
+constexpr glm::ivec2 kSize(160, 120);
+
+/// A square sheet of grey surfels that faces the eye, `edge` wide, its middle at `at`.
+void add_sheet(PointCloud& cloud, const glm::vec3& at, float edge) {
+  constexpr int kPoints = 40;
+  for (int i = 0; i < kPoints * kPoints; ++i) {
+    const glm::vec2 p = glm::vec2(i % kPoints, i / kPoints) / (kPoints - 1.0f) - 0.5f;
+    cloud.positions.push_back(at + glm::vec3(edge * p, 0.0f));
+    cloud.normals.emplace_back(0.0f, 0.0f, 1.0f);
+    cloud.colors.emplace_back(0x8000, 0x8000, 0x8000);
+    cloud.radii.push_back(edge / kPoints);
+  }
+}
+
+class EyeDomeLightingTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto context = OffscreenContext::create();
+    ASSERT_TRUE(context) << context.error().message;
+    context_ = std::make_unique<OffscreenContext>(std::move(*context));
+    auto renderer = Renderer::create();
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    renderer_ = std::make_unique<Renderer>(std::move(*renderer));
+    auto frame = std::make_shared<SceneFrame>();
+    add_sheet(frame->cloud, {0.0f, 0.0f, 0.0f}, 1.6f);
+    add_sheet(frame->cloud, {0.0f, 0.0f, 0.5f}, 0.6f);
+    frame_ = frame;
+  }
+  void TearDown() override {
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    renderer_.reset();
+  }
+
+  Image picture(DrawMode mode, float edl) {
+    DrawOptions options;
+    options.mode = mode;
+    options.edl = edl;
+    options.lighting = false;
+    options.point_size = 4.0f;
+    Camera camera;
+    camera.distance = 4.0;
+    EXPECT_TRUE(renderer_->draw(frame_, camera, kSize, options));
+    auto image = renderer_->read_pixels();
+    EXPECT_TRUE(image);
+    return image ? std::move(*image) : Image{};
+  }
+
+  std::unique_ptr<OffscreenContext> context_;
+  std::unique_ptr<Renderer> renderer_;
+  std::shared_ptr<const SceneFrame> frame_;
+};
+
+TEST_F(EyeDomeLightingTest, DarkensWhatLiesBehindItsNeighboursAndNothingElse) {
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
+    const Image without = picture(mode, 0.0f), with = picture(mode, 1.0f);
+    // In the middle row, from left to right: background, sheet behind, its rim, sheet in front.
+    int darker = 0, same = 0;
+    for (int x = 0; x < kSize.x; ++x) {
+      const int before = without.at(x, kSize.y / 2).r, after = with.at(x, kSize.y / 2).r;
+      EXPECT_LE(after, before);
+      darker += after + 20 < before ? 1 : 0;
+      same += after + 2 >= before ? 1 : 0;
+    }
+    EXPECT_GE(darker, 2) << static_cast<int>(mode);
+    EXPECT_LE(darker, 8) << static_cast<int>(mode);
+    EXPECT_GE(same, kSize.x - 12) << static_cast<int>(mode);
+    EXPECT_EQ(with.at(kSize.x / 2, kSize.y / 2), without.at(kSize.x / 2, kSize.y / 2));
+    EXPECT_EQ(with.at(0, 0), without.at(0, 0));
+  }
+}
+
+TEST_F(EyeDomeLightingTest, DarkensMoreTheStrongerItIs) {
+  const auto sum = [](const Image& image) {
+    long total = 0;
+    for (const glm::u8vec3& pixel : image.pixels) total += pixel.r;
+    return total;
+  };
+  const long none = sum(picture(DrawMode::surfel, 0.0f));
+  const long some = sum(picture(DrawMode::surfel, 0.3f));
+  const long more = sum(picture(DrawMode::surfel, 3.0f));
+  EXPECT_GT(none, some);
+  EXPECT_GT(some, more);
+}
+
+TEST_F(EyeDomeLightingTest, LeavesTheNextPictureAsItWas) {
+  const Image before = picture(DrawMode::surfel, 0.0f);
+  picture(DrawMode::surfel, 2.0f);
+  EXPECT_EQ(picture(DrawMode::surfel, 0.0f).pixels, before.pixels);
+}
+
+}  // namespace
+}  // namespace pointreel

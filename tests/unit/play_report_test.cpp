@@ -25,6 +25,7 @@ SceneFrame frame_of(std::uint32_t index, std::uint32_t layers, std::uint64_t byt
   frame.layers = layers;
   frame.fetched_bytes = bytes;
   frame.svo.depth = 9;
+  frame.svo.level_begin.assign(11, 0);
   return frame;
 }
 

@@ -5,6 +5,8 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "client/render/srgb.h"
+
 namespace pointreel {
 namespace {
 
@@ -23,8 +25,7 @@ glm::i16vec4 pack_normal(const glm::vec3& n) {
 std::vector<std::uint16_t> make_linear_table() {
   std::vector<std::uint16_t> table(65536);
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const double c = static_cast<double>(i) / 65535.0;
-    const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    const double linear = linear_from_srgb(static_cast<double>(i) / 65535.0);
     table[i] = glm::packHalf1x16(static_cast<float>(linear));
   }
   return table;

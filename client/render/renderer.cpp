@@ -12,6 +12,7 @@
 #include "client/render/gl_context.h"
 #include "client/render/instances.h"
 #include "client/render/instancing/instance_array.h"
+#include "client/render/srgb.h"
 
 namespace pointreel {
 namespace {
@@ -22,10 +23,6 @@ const glm::dvec3 kLight = glm::normalize(glm::dvec3(-0.35, 0.45, 1.0));
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
-}
-
-float linear_from_srgb(float c) {
-  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
 }  // namespace

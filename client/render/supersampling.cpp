@@ -5,20 +5,21 @@
 #include <cmath>
 #include <cstddef>
 
+#include "client/render/srgb.h"
+
 namespace pointreel {
 namespace {
 
 std::array<float, 256> linear_of_bytes() {
   std::array<float, 256> linear;
   for (std::size_t i = 0; i < linear.size(); ++i) {
-    const float c = static_cast<float>(i) / 255.0f;
-    linear[i] = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+    linear[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
   }
   return linear;
 }
 
 std::uint8_t byte_of_linear(float c) {
-  const float srgb = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
+  const float srgb = srgb_from_linear(c);
   return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(srgb, 0.0f, 1.0f)));
 }
 

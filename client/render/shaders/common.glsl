@@ -10,6 +10,17 @@ layout(std140, binding = 0) uniform View {
   vec4 window;  // xy: size of the picture in pixels
 };
 
+// What a clip coordinate grows by along the axes of the scene.
+vec3 clip_row(int i) { return vec3(to_clip[0][i], to_clip[1][i], to_clip[2][i]); }
+
+// The same of the window coordinates of a point at depth w, in pixels.
+void window_slopes(vec3 from_eye, float w, out vec3 x, out vec3 y) {
+  vec3 right = clip_row(0), up = clip_row(1), forward = clip_row(3);
+  vec2 scale = 0.5 * window.xy / w;
+  x = scale.x * (right - dot(right, from_eye) / w * forward);
+  y = scale.y * (up - dot(up, from_eye) / w * forward);
+}
+
 vec3 pixel_ray(vec2 at) {
   return ray_corner.xyz + at.x * ray_x.xyz + at.y * ray_y.xyz;
 }

@@ -9,10 +9,7 @@ const float kLargestSprite = 48.0;
 const float kNearestSprite = 0.015;
 
 // Distances from the planes of the picture's sides grow by so much a unit of clip coordinates.
-float side_length(int axis) {
-  vec3 w = vec3(to_clip[0].w, to_clip[1].w, to_clip[2].w);
-  return length(w + vec3(to_clip[0][axis], to_clip[1][axis], to_clip[2][axis]));
-}
+float side_length(int axis) { return length(clip_row(3) + clip_row(axis)); }
 
 // Points are drawn where their middle is in the picture; so what only reaches into it is a solid.
 uint kind_of(vec3 center, float radius) {

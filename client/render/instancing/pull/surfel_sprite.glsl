@@ -14,14 +14,10 @@ struct Sprite {
 
 // J (1 - n n') J' r^2 where J is the derivative of the window coordinates.
 vec3 covariance(vec3 from_eye, vec3 n, float radius, float w) {
-  vec3 right = vec3(to_clip[0].x, to_clip[1].x, to_clip[2].x);
-  vec3 up = vec3(to_clip[0].y, to_clip[1].y, to_clip[2].y);
-  vec3 forward = vec3(to_clip[0].w, to_clip[1].w, to_clip[2].w);
-  vec2 half_size = 0.5 * window.xy * radius / w;
-  vec3 x = half_size.x * (right - dot(right, from_eye) / w * forward);
-  vec3 y = half_size.y * (up - dot(up, from_eye) / w * forward);
+  vec3 x, y;
+  window_slopes(from_eye, w, x, y);
   float nx = dot(n, x), ny = dot(n, y);
-  return vec3(dot(x, x) - nx * nx, dot(x, y) - nx * ny, dot(y, y) - ny * ny);
+  return radius * radius * vec3(dot(x, x) - nx * nx, dot(x, y) - nx * ny, dot(y, y) - ny * ny);
 }
 
 Sprite make_sprite(Instance surfel) {

@@ -20,14 +20,10 @@ float drawn_half_edge(Instance voxel) {
 // middle, enlarged by how much nearer its nearest corner may be.
 float sprite_size(Instance voxel) {
   float w = depth_of(voxel), edge = drawn_half_edge(voxel);
-  vec3 right = vec3(to_clip[0].x, to_clip[1].x, to_clip[2].x);
-  vec3 up = vec3(to_clip[0].y, to_clip[1].y, to_clip[2].y);
-  vec3 forward = vec3(to_clip[0].w, to_clip[1].w, to_clip[2].w);
-  vec3 from_eye = voxel.center - eye.xyz;
-  vec3 x = abs(right - dot(right, from_eye) / w * forward);
-  vec3 y = abs(up - dot(up, from_eye) / w * forward);
-  vec2 size = window.xy * edge * vec2(x.x + x.y + x.z, y.x + y.y + y.z);
-  return max(size.x, size.y) / max(w - 1.73206 * edge, 1e-30);
+  vec3 x, y;
+  window_slopes(voxel.center - eye.xyz, w, x, y);
+  vec2 size = 2.0 * edge * vec2(dot(abs(x), vec3(1.0)), dot(abs(y), vec3(1.0)));
+  return max(size.x, size.y) * w / max(w - 1.73206 * edge, 1e-30);
 }
 
 Sprite make_sprite(Instance voxel) {

@@ -2,8 +2,6 @@
 // what is known of every setting. No speed decides anything here.
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/e2e/process.h"
+#include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
@@ -20,17 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class RenderReport : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_.emplace();
     outcome_ = run("pointreel-bench", {"render", "--quick", "-o", folder_->path()}, 600);
-    report_ = json::parse(read(*folder_ / "report.json"), nullptr, false);
+    report_ = json::parse(read_file(*folder_ / "report.json"), nullptr, false);
   }
   static void TearDownTestSuite() { folder_.reset(); }
 
@@ -130,7 +124,7 @@ TEST_F(RenderReport, names_the_machine_and_states_its_bars) {
     EXPECT_TRUE(bar["value"].is_number()) << bar.dump();
     EXPECT_TRUE(bar["holds"].is_boolean()) << bar.dump();
   }
-  const std::string text = read(*folder_ / "report.md");
+  const std::string text = read_file(*folder_ / "report.md");
   for (const char* part : {"soccer-shoot", "kick, dense", "Table II", "Table IV", "Bars"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
   }

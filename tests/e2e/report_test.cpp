@@ -2,8 +2,6 @@
 // itself. No speed decides anything here.
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/e2e/process.h"
+#include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
@@ -20,17 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class Report : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_.emplace();
     outcome_ = run("pointreel-bench", {"report", "--quick", "-o", folder_->path()}, 600);
-    report_ = json::parse(read(*folder_ / "report.json"), nullptr, false);
+    report_ = json::parse(read_file(*folder_ / "report.json"), nullptr, false);
   }
   static void TearDownTestSuite() { folder_.reset(); }
 
@@ -82,7 +76,7 @@ TEST_F(Report, holds_all_stability_checks) {
 
 TEST_F(Report, shows_its_plots_and_chapters) {
   ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
-  const std::string text = read(*folder_ / "report.md");
+  const std::string text = read_file(*folder_ / "report.md");
   for (const char* chapter : {"Table I", "Table III", "Codecs", "Numerical stability", "Bars"}) {
     EXPECT_NE(text.find(chapter), std::string::npos) << chapter;
   }
@@ -90,7 +84,7 @@ TEST_F(Report, shows_its_plots_and_chapters) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_->path())) {
     if (entry.path().extension() != ".svg") continue;
     ++plots;
-    const std::string svg = read(entry.path());
+    const std::string svg = read_file(entry.path());
     EXPECT_NE(svg.find("prefers-color-scheme: dark"), std::string::npos) << entry.path();
     EXPECT_NE(svg.find("</svg>"), std::string::npos) << entry.path();
     EXPECT_NE(text.find("](" + entry.path().filename().string() + ")"), std::string::npos);

@@ -1,12 +1,10 @@
 #include "client/render/eye_dome_lighting.h"
 
 #include <memory>
-#include <utility>
 
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
-#include "client/render/renderer.h"
+#include "tests/unit/drawing_test.h"
 
 namespace pointreel {
 namespace {
@@ -25,23 +23,13 @@ void add_sheet(PointCloud& cloud, const glm::vec3& at, float edge) {
   }
 }
 
-class EyeDomeLightingTest : public testing::Test {
+class EyeDomeLightingTest : public DrawingTest {
  protected:
-  void SetUp() override {
-    auto context = OffscreenContext::create();
-    ASSERT_TRUE(context) << context.error().message;
-    context_ = std::make_unique<OffscreenContext>(std::move(*context));
-    auto renderer = Renderer::create();
-    ASSERT_TRUE(renderer) << renderer.error().message;
-    renderer_ = std::make_unique<Renderer>(std::move(*renderer));
+  EyeDomeLightingTest() {
     auto frame = std::make_shared<SceneFrame>();
     add_sheet(frame->cloud, {0.0f, 0.0f, 0.0f}, 1.6f);
     add_sheet(frame->cloud, {0.0f, 0.0f, 0.5f}, 0.6f);
     frame_ = frame;
-  }
-  void TearDown() override {
-    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-    renderer_.reset();
   }
 
   Image picture(DrawMode mode, float edl) {
@@ -52,14 +40,9 @@ class EyeDomeLightingTest : public testing::Test {
     options.point_size = 4.0f;
     Camera camera;
     camera.distance = 4.0;
-    EXPECT_TRUE(renderer_->draw(frame_, camera, kSize, options));
-    auto image = renderer_->read_pixels();
-    EXPECT_TRUE(image);
-    return image ? std::move(*image) : Image{};
+    return draw(frame_, camera, kSize, options);
   }
 
-  std::unique_ptr<OffscreenContext> context_;
-  std::unique_ptr<Renderer> renderer_;
   std::shared_ptr<const SceneFrame> frame_;
 };
 

@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
-#include "client/render/renderer.h"
+#include "tests/unit/drawing_test.h"
 
 namespace pointreel {
 namespace {
@@ -53,30 +52,16 @@ bool near(const glm::u8vec3& a, const glm::u8vec3& b) {
   return std::max({apart.x, apart.y, apart.z}) <= 2;
 }
 
-class ReconstructionTest : public testing::Test {
+class ReconstructionTest : public DrawingTest {
  protected:
-  void SetUp() override {
-    Result<OffscreenContext> context = OffscreenContext::create();
-    ASSERT_TRUE(context) << context.error().message;
-    context_ = std::make_unique<OffscreenContext>(std::move(*context));
-    Result<Renderer> renderer = Renderer::create();
-    ASSERT_TRUE(renderer) << renderer.error().message;
-    renderer_ = std::make_unique<Renderer>(std::move(*renderer));
+  ReconstructionTest() {
     options_.lighting = false;
     options_.background = glm::vec3(0.2f, 0.4f, 0.6f);
     camera_.distance = 4.0;
   }
-  void TearDown() override {
-    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-    renderer_.reset();
-  }
 
   Image picture(const std::shared_ptr<const SceneFrame>& frame) {
-    const auto stats = renderer_->draw(frame, camera_, kSize, options_);
-    EXPECT_TRUE(stats) << stats.error().message;
-    Result<Image> image = renderer_->read_pixels();
-    EXPECT_TRUE(image);
-    return image ? std::move(*image) : Image{};
+    return draw(frame, camera_, kSize, options_);
   }
   Image picture(PointCloud cloud) { return picture(frame_of(std::move(cloud))); }
 
@@ -85,8 +70,6 @@ class ReconstructionTest : public testing::Test {
     return image.at(kSize.x / 2 + static_cast<int>(right * kSize.y), kSize.y / 2);
   }
 
-  std::unique_ptr<OffscreenContext> context_;
-  std::unique_ptr<Renderer> renderer_;
   DrawOptions options_;
   Camera camera_;
 };

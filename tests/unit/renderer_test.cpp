@@ -16,7 +16,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "client/render/gl_context.h"
+#include "tests/unit/drawing_test.h"
 
 namespace pointreel {
 namespace {
@@ -102,35 +102,12 @@ DrawOptions plain(DrawMode mode) {
 const glm::u8vec3 kBackground(51, 102, 153);
 constexpr DrawMode kModes[] = {DrawMode::surfel, DrawMode::voxel, DrawMode::point};
 
-class RendererTest : public testing::Test {
+class RendererTest : public DrawingTest {
  protected:
-  // Without any context these tests fail: software OpenGL is a supported target.
-  void SetUp() override {
-    Result<OffscreenContext> context = OffscreenContext::create();
-    ASSERT_TRUE(context) << context.error().message;
-    context_ = std::make_unique<OffscreenContext>(std::move(*context));
-    Result<Renderer> renderer = Renderer::create();
-    ASSERT_TRUE(renderer) << renderer.error().message;
-    renderer_ = std::make_unique<Renderer>(std::move(*renderer));
-  }
-  void TearDown() override {
-    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-    renderer_.reset();
-  }
-
   Image picture(const std::shared_ptr<const SceneFrame>& frame, const Camera& camera,
                 const DrawOptions& options, glm::ivec2 size = kSize) {
-    const Result<DrawStats> stats = renderer_->draw(frame, camera, size, options);
-    EXPECT_TRUE(stats) << stats.error().message;
-    if (stats) stats_ = *stats;
-    Result<Image> image = renderer_->read_pixels();
-    EXPECT_TRUE(image);
-    return image ? std::move(*image) : Image{};
+    return draw(frame, camera, size, options);
   }
-
-  std::unique_ptr<OffscreenContext> context_;
-  std::unique_ptr<Renderer> renderer_;
-  DrawStats stats_;
 };
 
 TEST_F(RendererTest, DrawsEachColourAtItsPlaceInEveryMode) {

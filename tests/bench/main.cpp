@@ -8,6 +8,7 @@
 #include "tests/bench/output.h"
 #include "tests/bench/render/render_command.h"
 #include "tests/bench/report/report.h"
+#include "tests/bench/stream/stream_command.h"
 #include "tests/bench/suites.h"
 #include "tests/bench/training/train_command.h"
 
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   add_compare_command(app, exit_code);
   add_render_command(app, exit_code);
   add_report_command(app, exit_code);
+  add_stream_command(app, exit_code);
   add_train_command(app, exit_code);
   try {
     app.parse(argc, argv);

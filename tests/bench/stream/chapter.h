@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.h"
+#include "tests/bench/measure.h"
+
+namespace pointreel::bench {
+
+/// What every chapter of `pointreel-bench stream` is told.
+struct StreamOptions {
+  bool quick = false;             ///< fewer repetitions and frames, for a look or for CI
+  std::filesystem::path scratch;  ///< a folder to write to, which outlives the chapters
+};
+
+/// One of the things that are measured of streaming. It returns its figures, adds the bars that
+/// they must reach, and prints nothing: an error if it could not measure.
+struct StreamChapter {
+  std::string name;   ///< of the key in the report and for --only
+  std::string about;  ///< one line
+  Result<nlohmann::json> (*run)(const StreamOptions&, std::vector<Bar>&);
+};
+
+}  // namespace pointreel::bench

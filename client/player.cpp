@@ -19,10 +19,7 @@
 #include <fmt/format.h>
 
 #include "client/capture.h"
-#include "client/playback/clock.h"
-#include "client/playback/layer_choice.h"
-#include "client/playback/pipeline.h"
-#include "client/playback/prepare.h"
+#include "client/playback/reel_playback.h"
 #include "client/render/gl_context.h"
 #include "client/render/supersampling.h"
 #include "client/report.h"
@@ -61,15 +58,6 @@ class ErrorLines {
   std::set<std::uint32_t> printed_;
 };
 
-Timeline timeline_of(const Manifest& manifest) {
-  Timeline timeline;
-  for (const Segment& segment : manifest.segments)
-    timeline.times_us.insert(timeline.times_us.end(), segment.times_us.begin(),
-                             segment.times_us.end());
-  timeline.duration_us = std::max<std::uint64_t>(manifest.duration_us, 1);
-  return timeline;
-}
-
 std::uint64_t microseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(seconds * 1e6));
 }
@@ -94,81 +82,42 @@ class Player {
 
   Result<void> run() {
     auto ended = options_.offscreen ? play_offscreen() : play_in_window();
-    pipeline_.reset();
+    reel_.reset();
     if (!ended) return ended;
     return write_json();
   }
 
  private:
   Player(const PlayOptions& options, std::unique_ptr<Source> source)
-      : options_(options),
-        draw_(options.draw),
-        source_(std::move(source)),
-        timeline_(timeline_of(source_->manifest())),
-        loop_(options.loop.value_or(!options.offscreen)),
-        first_frame_(timeline_.frame_at(microseconds(options.at.value_or(0.0)))) {
+      : options_(options), draw_(options.draw) {
     report_.source = options.source;
     report_.mode = options.draw.mode;
     report_.instancing = options.draw.instancing;
     report_.splatting = options.draw.splatting;
     report_.delta = options.delta;
-    if (source_->manifest().codec == "octree")
-      report_.finest_level = static_cast<int>(source_->manifest().depth_max);
+    if (source->manifest().codec == "octree")
+      report_.finest_level = static_cast<int>(source->manifest().depth_max);
     report_.size = options.size;
-    reset_view(options.size);
+    reset_view(source->manifest(), options.size);
+
+    ReelPlayback::Options reel;
+    reel.mode = draw_.mode;
+    reel.delta = options.delta;
+    reel.layers = options.layers;
+    reel.pixel_size = draw_.pixel_size;
+    reel.loop = options.loop.value_or(!options.offscreen);
+    reel.speed = options.speed;
+    reel.start_us = microseconds(options.at.value_or(0.0));
+    reel.remote = options.source.find("://") != std::string::npos;
+    reel.single_frame = single_frame();
+    reel_ = std::make_unique<ReelPlayback>(
+        std::move(source), reel, camera_, options.size,
+        [this](std::uint32_t frame, const Error& error) { errors_.print(frame, error); });
   }
 
   bool single_frame() const { return options_.offscreen && options_.at && !options_.duration; }
 
-  void start_pipeline() {
-    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-    // Over a network the frames under way hide each other's round trips.
-    const bool remote = options_.source.find("://") != std::string::npos;
-    const Pipeline::Options threads{remote ? 4u : 1u, std::min(cores, 8u)};
-    buffer_ = std::make_unique<FrameBuffer>(FrameBuffer::Options{timeline_.frame_count(),
-                                                                 single_frame() ? 0
-                                                                 : remote       ? 16u
-                                                                                : 4u,
-                                                                 loop_, draw_.mode});
-    buffer_->seek(first_frame_);
-    update_level(options_.size);
-    const Manifest& manifest = source_->manifest();
-    pipeline_ = std::make_unique<Pipeline>(
-        *source_, *buffer_,
-        [this, &manifest](const FrameRequest& frame) {
-          FetchRequest request = layer_choice(manifest, frame.mode, frame.level);
-          request.layers = std::min(request.layers, options_.layers);
-          return request;
-        },
-        [this, &manifest](const FrameRequest& frame, const FetchedFrame& fetched) {
-          auto scene = prepare_frame(manifest, frame.frame, fetched,
-                                     {frame.mode, options_.delta, frame.level});
-          if (scene && frame.mode == DrawMode::voxel) {
-            voxel_depth_.learn(*scene);
-            set_level(DrawMode::voxel);
-          }
-          return scene;
-        },
-        [this](std::uint32_t frame, const Error& error) { errors_.print(frame, error); }, threads);
-  }
-
-  /// Asks for what the camera shows of frames drawn at this size. Cheap while nothing changes.
-  void update_level(glm::ivec2 size) {
-    if (level_camera_ != camera_ || level_size_ != size) {
-      level_camera_ = camera_;
-      level_size_ = size;
-      view_level_ = level_for(source_->manifest(), camera_, size, draw_.pixel_size);
-    }
-    set_level(wanted_mode_);
-  }
-
-  void set_level(DrawMode mode) {
-    const int level = view_level_;
-    buffer_->set_level(mode == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level);
-  }
-
-  void reset_view(glm::ivec2 size) {
-    const Manifest& manifest = source_->manifest();
+  void reset_view(const Manifest& manifest, glm::ivec2 size) {
     camera_.up = options_.up.value_or(manifest.up);
     camera_.frame_bounds(manifest.bounds, static_cast<double>(size.x) / size.y);
     if (options_.view) {
@@ -208,9 +157,7 @@ class Player {
     if (!started_) started_ = steady_clock::now();
     const auto stats = renderer_->draw(frame, camera_, size, draw_);
     if (!stats) return tl::unexpected(stats.error());
-    const Manifest& manifest = source_->manifest();
-    const NotFetched rest =
-        not_fetched(manifest, *frame, layer_choice(manifest, draw_.mode, frame->level));
+    const NotFetched rest = not_fetched(reel_->manifest(), *frame, reel_->choice(frame->level));
     if (refined)
       report_.add_refined(*frame, rest, *stats);
     else
@@ -221,7 +168,13 @@ class Player {
 
   void finish() {
     if (started_) report_.seconds = seconds_since(*started_);
-    report_.errors = pipeline_->errors();
+    count();
+  }
+
+  void count() {
+    // Offscreen nothing is ever late.
+    if (!options_.offscreen) report_.frames_dropped = reel_->dropped();
+    report_.errors = reel_->errors();
   }
 
   // Without a window: every frame once, in order.
@@ -234,7 +187,6 @@ class Player {
     renderer_.emplace(std::move(*renderer));
     report_.gl_renderer = describe_opengl();
     started_ = steady_clock::now();
-    start_pipeline();
     auto ended = play_every_frame();
     finish();
     renderer_.reset();
@@ -244,24 +196,26 @@ class Player {
   Result<void> play_every_frame() {
     std::optional<NumberedPath> record;
     if (!options_.record.empty()) record = *NumberedPath::parse(options_.record);
-    const std::uint32_t count = timeline_.frame_count();
+    const Timeline& timeline = reel_->timeline();
+    const std::uint32_t count = timeline.frame_count();
+    const std::uint32_t first = timeline.frame_at(microseconds(options_.at.value_or(0.0)));
+    const bool loop = options_.loop.value_or(false);
     // A frame's time since the start, through all passes.
-    const std::uint64_t start_us = timeline_.times_us[first_frame_];
+    const std::uint64_t start_us = timeline.times_us[first];
     const std::uint64_t end_us = options_.duration ? microseconds(*options_.duration)
                                                    : std::numeric_limits<std::uint64_t>::max();
     std::uint64_t recorded = 0;
-    for (std::uint64_t ordinal = first_frame_; !g_stop; ++ordinal) {
-      if (ordinal >= count && !loop_) break;
+    for (std::uint64_t ordinal = first; !g_stop; ++ordinal) {
+      if (ordinal >= count && !loop) break;
       const auto frame = static_cast<std::uint32_t>(ordinal % count);
       const std::uint64_t time_us =
-          ordinal / count * timeline_.duration_us + timeline_.times_us[frame] - start_us;
+          ordinal / count * timeline.duration_us + timeline.times_us[frame] - start_us;
       if (time_us >= end_us) break;
-      buffer_->advance(frame);
       FrameBuffer::State state = FrameBuffer::State::waiting;
       while (state == FrameBuffer::State::waiting && !g_stop)
-        state = buffer_->wait(milliseconds(50), true);
+        state = reel_->await(frame, milliseconds(50));
       if (state == FrameBuffer::State::ready) {
-        if (auto drawn = show(buffer_->best(), options_.size, false); !drawn) return drawn;
+        if (auto drawn = show(reel_->best(), options_.size, false); !drawn) return drawn;
       } else if (state == FrameBuffer::State::failed) {
         ++report_.frames_dropped;
       } else {
@@ -280,7 +234,7 @@ class Player {
   // In a window: in real time.
 
   Result<void> play_in_window() {
-    auto context = WindowContext::create("Pointreel: " + source_->manifest().name, options_.size.x,
+    auto context = WindowContext::create("Pointreel: " + reel_->manifest().name, options_.size.x,
                                          options_.size.y);
     if (!context)
       return fail(context.error().message + "; --offscreen WxH draws without a display");
@@ -288,7 +242,6 @@ class Player {
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_.emplace(std::move(*renderer));
     report_.gl_renderer = describe_opengl();
-    start_pipeline();
     Result<void> ended;
     {
       WindowInput input(context->handle());
@@ -301,10 +254,6 @@ class Player {
 
   Result<void> play_in_real_time(WindowContext& context, WindowInput& input) {
     GLFWwindow* window = context.handle();
-    Clock clock(timeline_, loop_);
-    clock.set_speed(options_.speed, steady_clock::now());
-    clock.seek(microseconds(options_.at.value_or(0.0)), steady_clock::now());
-    bool waiting_for_first = true;
     bool redraw = true;
     auto last_title = steady_clock::now();
     glm::ivec2 size{0};
@@ -312,41 +261,25 @@ class Player {
       if (redraw)
         glfwPollEvents();
       else
-        glfwWaitEventsTimeout(clock.playing() ? 0.002 : 0.01);
+        glfwWaitEventsTimeout(reel_->playing() ? 0.002 : 0.01);
       redraw = false;
 
       const auto now = steady_clock::now();
-      if (auto acted = act(input, clock, now, redraw); !acted) return acted;
-      if (waiting_for_first && buffer_->wait(milliseconds(0)) != FrameBuffer::State::waiting) {
-        waiting_for_first = false;
-        clock.play(now);
-      }
+      if (auto acted = act(input, now, redraw); !acted) return acted;
       if (options_.duration && shown_ && seconds_since(*started_) >= *options_.duration) break;
-      const Clock::Reading reading = clock.read(now);
-      if (reading.ended) {
-        if (last_ordinal_)
-          report_.frames_dropped += static_cast<std::uint64_t>(reading.ordinal - *last_ordinal_);
-        break;
-      }
-      if (reading.frame != playhead_) {
-        playhead_ = reading.frame;
-        buffer_->advance(reading.frame);
-      }
+      const ReelPlayback::Update update = reel_->update(now);
+      if (update.ended) break;
 
       glm::ivec2 window_size;
       glfwGetFramebufferSize(window, &window_size.x, &window_size.y);
       if (window_size.x <= 0 || window_size.y <= 0) continue;  // minimised
       redraw = redraw || window_size != size;
       report_.size = size = window_size;
-      update_level(size);
+      reel_->look(camera_, size);
 
-      const auto best = buffer_->best();
-      if (best && best != shown_) {
-        const std::optional<std::int64_t> before = last_ordinal_;
-        count_dropped(*best, reading);
-        const bool refined = shown_ && before == last_ordinal_ && draw_.mode == wanted_mode_;
+      if (update.frame && update.frame != shown_) {
         draw_.mode = wanted_mode_;
-        if (auto drawn = show(best, size, refined); !drawn) return drawn;
+        if (auto drawn = show(update.frame, size, update.refined); !drawn) return drawn;
         redraw = true;
       } else if (redraw) {
         const auto drawn = renderer_->draw(shown_, camera_, size, draw_);
@@ -365,25 +298,7 @@ class Player {
     return {};
   }
 
-  /// Frames that lie between the one shown before and this one.
-  void count_dropped(const SceneFrame& frame, const Clock::Reading& reading) {
-    const std::int64_t count = timeline_.frame_count();
-    const std::int64_t late = (static_cast<std::int64_t>(reading.frame) -
-                               static_cast<std::int64_t>(frame.index) + count) %
-                              count;
-    const std::int64_t ordinal = reading.ordinal - late;
-    if (last_ordinal_ && ordinal > *last_ordinal_ + 1)
-      report_.frames_dropped += static_cast<std::uint64_t>(ordinal - *last_ordinal_ - 1);
-    last_ordinal_ = ordinal;
-  }
-
-  void jump(const Clock& clock, Clock::TimePoint now, int direction) {
-    playhead_ = clock.read(now).frame;
-    buffer_->seek(playhead_, direction);
-    last_ordinal_.reset();
-  }
-
-  Result<void> act(WindowInput& input, Clock& clock, Clock::TimePoint now, bool& redraw) {
+  Result<void> act(WindowInput& input, Clock::TimePoint now, bool& redraw) {
     const Input events = input.take();
     const double height = std::max(1, report_.size.y);
     if (events.orbit != glm::dvec2(0.0)) {
@@ -402,39 +317,29 @@ class Player {
     for (const Action action : events.actions) {
       switch (action) {
         case Action::toggle_play:
-          if (!clock.playing()) {
-            clock.play(now);
-            jump(clock, now, 1);
-          } else {
-            clock.pause(now);
-          }
+          reel_->toggle_play(now);
           break;
         case Action::seek_forward:
         case Action::seek_back:
-          clock.seek_by(action == Action::seek_forward ? 5'000'000 : -5'000'000, now);
-          jump(clock, now, 1);
+          reel_->seek_by(action == Action::seek_forward ? 5'000'000 : -5'000'000, now);
           break;
         case Action::step_forward:
         case Action::step_back:
-          clock.step(action == Action::step_forward ? 1 : -1, now);
-          jump(clock, now, action == Action::step_forward ? 1 : -1);
+          reel_->step(action == Action::step_forward ? 1 : -1, now);
           break;
         case Action::slower:
-          clock.set_speed(clock.speed() / 1.1, now);
+          reel_->set_speed(reel_->speed() / 1.1, now);
           break;
         case Action::faster:
-          clock.set_speed(clock.speed() * 1.1, now);
+          reel_->set_speed(reel_->speed() * 1.1, now);
           break;
         case Action::toggle_loop:
-          clock.set_loop(!clock.loop(), now);
-          buffer_->set_loop(clock.loop());
-          last_ordinal_.reset();
+          reel_->toggle_loop(now);
           break;
         case Action::next_mode:
           wanted_mode_ = static_cast<DrawMode>((static_cast<int>(wanted_mode_) + 1) % 3);
           report_.mode = wanted_mode_;
-          buffer_->set_mode(wanted_mode_);
-          last_ordinal_.reset();
+          reel_->set_mode(wanted_mode_);
           break;
         case Action::next_instancing:
           draw_.instancing = next(draw_.instancing);
@@ -461,7 +366,7 @@ class Player {
           title_stale_ = true;
           break;
         case Action::reset_view:
-          reset_view(report_.size);
+          reset_view(reel_->manifest(), report_.size);
           redraw = true;
           break;
         case Action::help:
@@ -485,8 +390,8 @@ class Player {
   void update_title(GLFWwindow* window) {
     if (!statistics_ && !title_stale_) return;
     title_stale_ = false;
-    report_.errors = pipeline_->errors();
-    const std::string name = "Pointreel: " + source_->manifest().name;
+    count();
+    const std::string name = "Pointreel: " + reel_->manifest().name;
     glfwSetWindowTitle(window, (statistics_ ? name + ": " + report_.to_title() : name).c_str());
   }
 
@@ -509,24 +414,13 @@ class Player {
   const PlayOptions options_;
   DrawOptions draw_;
   DrawMode wanted_mode_ = options_.draw.mode;  ///< what frames are being made for
-  const std::unique_ptr<Source> source_;
-  const Timeline timeline_;
-  const bool loop_;
-  const std::uint32_t first_frame_;
   ErrorLines errors_;
-  std::unique_ptr<FrameBuffer> buffer_;
-  std::unique_ptr<Pipeline> pipeline_;
+  std::unique_ptr<ReelPlayback> reel_;
   std::optional<Renderer> renderer_;
   Camera camera_;
-  std::optional<Camera> level_camera_;  ///< what view_level_ was found for
-  glm::ivec2 level_size_{0};
-  std::atomic<int> view_level_{kWholeFrame};  ///< the finest level that the camera can show
-  VoxelDepth voxel_depth_;
   PlayReport report_;
   std::shared_ptr<const SceneFrame> shown_;
   std::optional<steady_clock::time_point> started_;
-  std::uint32_t playhead_ = first_frame_;
-  std::optional<std::int64_t> last_ordinal_;  ///< of the frame shown; none after a jump
   bool statistics_ = false, title_stale_ = false, quit_ = false;
 };
 

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,9 @@ struct FetchRequest {
   std::uint32_t layers = ~0u;  ///< so many from the base on; at least 1
   bool colors = true;
   bool normals = true;
+  std::stop_token stop = {};  ///< a fetch that is asked to stop fails soon
+  /// Past caches on the way, as far as they obey: for what came damaged.
+  bool fresh = false;
 };
 
 /// One layer of a frame as it was fetched.
@@ -46,12 +51,18 @@ class Source {
 
   virtual const Manifest& manifest() const = 0;
 
-  /// `frame` < manifest().frame_count(). May be called by many threads at once. The bytes are not
-  /// to be trusted, except that there are as many as `sizes` says.
+  /// `frame` < manifest().frame_count(). May be called by many threads at once. Blocks through
+  /// failures that may pass (no connection, no answer in time, 5xx), trying again; an error is what
+  /// will not pass, or that the fetch was stopped or cancelled. The bytes are not to be trusted,
+  /// except that there are as many as `sizes` says.
   virtual Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) = 0;
 
   /// Makes fetches under way, and all later ones, fail soon. From any thread.
   virtual void cancel() {}
+
+  /// One line while fetches wait for something to pass, as in "host:8090: nothing answers there;
+  /// trying again"; none when all is well. From any thread.
+  virtual std::optional<std::string> trouble() const { return std::nullopt; }
 };
 
 /// The package's tables, from the bytes that came for the manifest's entry: what the entry
@@ -63,7 +74,9 @@ struct SourceOptions {
   // For folders of files, which say neither.
   double fps = 30.0;
   char up = 'y';
-  // For HTTP.
+  // For HTTP and WebSocket.
+  std::string token;    ///< bearer token, sent if not empty
+  std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's
   std::chrono::milliseconds connect_timeout{5'000};
   std::chrono::milliseconds transfer_timeout{30'000};  ///< of one request, connecting included
   std::chrono::milliseconds first_backoff{200};        ///< doubles with each attempt

@@ -47,30 +47,31 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal) {
   return glm::u16vec3(glm::ivec3(normal) + 32767);
 }
 
-InstanceBounds pack_points(const SceneFrame& frame, std::span<Instance> out) {
+void pack_points(const SceneFrame& frame, const glm::vec3& offset, std::span<Instance> out,
+                 InstanceBounds& bounds) {
   const PointCloud& cloud = frame.cloud;
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
-  InstanceBounds bounds;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
     const float radius = cloud.has_radii() ? cloud.radii[i] : leaf_radius;
-    out[i] = {cloud.positions[i], radius, normal,
+    const glm::vec3 center = cloud.positions[i] + offset;
+    out[i] = {center, radius, normal,
               pack_color(cloud.has_colors() ? cloud.colors[i] : fake_color(normal))};
-    bounds.grow(cloud.positions[i], radius);
+    bounds.grow(center, radius);
   }
-  return bounds;
 }
 
-PackedNodes pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                       const glm::vec3& eye, std::span<Instance> out) {
+std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
+                       const glm::vec3& eye, const glm::vec3& offset, std::span<Instance> out,
+                       InstanceBounds& bounds) {
   const NodeAttributes& attributes = frame.attributes;
   const bool halves = mode == DrawMode::voxel || frame.radii.empty();
   const bool hiding = mode == DrawMode::voxel && !frame.neighbors.empty();
   const std::uint32_t first_leaf =
       hiding ? frame.svo.level_begin[static_cast<std::size_t>(frame.svo.depth)] : 0;
-  PackedNodes packed;
+  std::size_t count = 0;
   for (const CutNode& node : cut) {
     if (hiding && node.node >= first_leaf &&
         hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center)))
@@ -79,12 +80,13 @@ PackedNodes pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, Dr
                                     ? glm::i16vec4(0)
                                     : glm::i16vec4(attributes.normals[node.node], 0);
     const float radius = halves ? node.half : frame.radii[node.node];
-    out[packed.count++] = {
-        node.center, radius, normal,
+    const glm::vec3 center = node.center + offset;
+    out[count++] = {
+        center, radius, normal,
         pack_color(attributes.colors.empty() ? fake_color(normal) : attributes.colors[node.node])};
-    packed.bounds.grow(node.center, radius);
+    bounds.grow(center, radius);
   }
-  return packed;
+  return count;
 }
 
 }  // namespace pointreel

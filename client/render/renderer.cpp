@@ -5,12 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <span>
 #include <string>
 #include <utility>
 
 #include "client/render/gl_context.h"
-#include "client/render/instances.h"
 #include "client/render/instancing/instance_array.h"
 #include "client/render/srgb.h"
 
@@ -83,67 +81,35 @@ Result<void> Renderer::resize(glm::ivec2 size) {
   return {};
 }
 
-Result<void> Renderer::update_instances(std::shared_ptr<const SceneFrame> frame,
-                                        const Camera& camera, const DrawOptions& options,
-                                        DrawStats& stats) {
-  const bool same = frame == frame_ && options.mode == mode_;
-  frame_ = std::move(frame);
-  mode_ = options.mode;
-  const bool tree = frame_ && (mode_ == DrawMode::voxel || frame_->cloud.empty());
-  if (tree) {
-    const CutKey key{camera, size_, options.pixel_size};
-    if (same && cut_key_ == key) return {};
-    cut_key_ = key;
-    const auto start = std::chrono::steady_clock::now();
-    cut_stats_ = cut_.run(frame_->svo, camera, size_, options.pixel_size);
-    stats.cut_ms = milliseconds_since(start);
-  } else if (same) {
-    return {};
-  } else {
-    cut_stats_ = {};
-  }
-  const std::size_t count = !frame_ ? 0 : tree ? cut_.nodes().size() : frame_->cloud.size();
-  const std::span<Instance> out = instances_.write(count);
-  if (out.size() < count) {
-    frame_.reset();
-    cut_stats_ = {};
-    return fail("the graphics driver has no memory for " + std::to_string(count) + " elements");
-  }
-  if (tree) {
-    origin_ = frame_->svo.cube.origin;
-    const glm::vec3 eye(camera.eye() - origin_);
-    const PackedNodes packed = pack_nodes(*frame_, cut_.nodes(), mode_, eye, out);
-    instances_.keep(packed.count);
-    bounds_ = packed.bounds;
-  } else if (frame_) {
-    origin_ = frame_->cloud.origin;
-    bounds_ = pack_points(*frame_, out);
-  }
-  return {};
-}
-
 Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                                  glm::ivec2 size, const DrawOptions& options) {
+  return draw(Scene{{std::move(frame)}}, camera, size, options);
+}
+
+Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
+                                 const DrawOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   if (Result<void> resized = resize(size); !resized) return fail(resized.error().message);
-  DrawStats stats;
-  if (auto updated = update_instances(std::move(frame), camera, options, stats); !updated)
+  if (auto updated = instances_.update(scene, camera, size, options.mode, options.pixel_size);
+      !updated)
     return fail(updated.error().message);
-  stats.drawn = static_cast<std::uint32_t>(instances_.size());
-  stats.visited = cut_stats_.visited;
-  stats.out_of_view = cut_stats_.out_of_view;
-  if (stats.visited > 0)
-    stats.below_pixel = frame_->svo.leaf_count() - stats.out_of_view - cut_stats_.emitted;
-  if (stats.visited > 0) stats.hidden = cut_stats_.emitted - stats.drawn;
+  DrawStats stats;
+  stats.drawn = static_cast<std::uint32_t>(instances_.buffer().size());
+  stats.visited = instances_.stats().visited;
+  stats.out_of_view = instances_.stats().out_of_view;
+  stats.below_pixel = instances_.stats().below_pixel;
+  stats.hidden = instances_.stats().hidden;
+  stats.cut_ms = instances_.stats().cut_ms;
 
   const glm::dmat3 axes = camera.axes();
   const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;
   const ViewBlock view{
-      camera.projection(static_cast<double>(size.x) / size.y) * camera.view_from(origin_),
-      glm::vec4(glm::vec3(camera.eye() - origin_), static_cast<float>(camera.near_plane())),
+      camera.projection(static_cast<double>(size.x) / size.y) *
+          camera.view_from(instances_.origin()),
+      glm::vec4(glm::vec3(camera.eye() - instances_.origin()),
+                static_cast<float>(camera.near_plane())),
       glm::vec4(glm::vec3(axes * kLight), options.lighting ? 1.0f : 0.0f),
-      glm::vec4(static_cast<float>(step), frame_ && frame_->normals_estimated ? 1.0f : 0.0f, 0.0f,
-                0.0f),
+      glm::vec4(static_cast<float>(step), instances_.normals_estimated() ? 1.0f : 0.0f, 0.0f, 0.0f),
       glm::vec4(glm::vec3(-axes[2] - 0.5 * step * size.x * axes[0] - slope * axes[1]), 0.0f),
       glm::vec4(glm::vec3(step * axes[0]), 0.0f),
       glm::vec4(glm::vec3(step * axes[1]), 0.0f),
@@ -171,9 +137,10 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   if (stats.drawn > 0) {
     if (auto drawn = draw_instances(options, view.to_clip); !drawn)
       return fail(drawn.error().message);
-    const bool means = mode_ == DrawMode::surfel && options.splatting == Splatting::normalized;
+    const bool means =
+        options.mode == DrawMode::surfel && options.splatting == Splatting::normalized;
     if (options.edl > 0.0f) eye_dome_->draw(options.edl, means ? &splatter_->sums() : nullptr);
-    instances_.drawn();
+    instances_.buffer().drawn();
   }
   glDisable(GL_FRAMEBUFFER_SRGB);
   glFinish();
@@ -182,7 +149,7 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
 }
 
 Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat4& to_clip) {
-  if (mode_ == DrawMode::point) {
+  if (options.mode == DrawMode::point) {
     draw_points(options);
     return {};
   }
@@ -191,19 +158,20 @@ Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat
   glEnable(GL_CULL_FACE);
   glCullFace(GL_BACK);
   glFrontFace(GL_CCW);
-  if (mode_ == DrawMode::surfel) {
+  if (options.mode == DrawMode::surfel) {
     const SplatScales scales = scales_of(options.splatting, options.scales);
     const float largest_scale = std::max(scales.visibility, scales.shading);
     (*method)->begin(largest_scale);
     // The corners of a quad are farther out than the rim of its disc.
-    const SplatPlace place{region_of(bounds_, 1.5f * largest_scale, to_clip, size_),
-                           radius_in_pixels(bounds_, to_clip, size_)};
-    splatter_->draw(**method, instances_, options.splatting, scales, options.fill_holes, place);
+    const SplatPlace place{region_of(instances_.bounds(), 1.5f * largest_scale, to_clip, size_),
+                           radius_in_pixels(instances_.bounds(), to_clip, size_)};
+    splatter_->draw(**method, instances_.buffer(), options.splatting, scales, options.fill_holes,
+                    place);
   } else {
     (*method)->begin(1.0f);
     glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
-    (*method)->draw(instances_,
+    (*method)->draw(instances_.buffer(),
                     options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces,
                     {});
   }
@@ -211,13 +179,13 @@ Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat
   return {};
 }
 
-void Renderer::draw_points(const DrawOptions& options) const {
+void Renderer::draw_points(const DrawOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
-  bind_instance_array(points_, instances_);
+  bind_instance_array(points_, instances_.buffer());
   glEnable(GL_PROGRAM_POINT_SIZE);
   glUseProgram(point_.name());
   glUniform1f(0, options.point_size);
-  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances_.size()));
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances_.buffer().size()));
 }
 
 void Renderer::present(GLuint framebuffer) const {

@@ -11,12 +11,10 @@
 #include "client/render/eye_dome_lighting.h"
 #include "client/render/gl_objects.h"
 #include "client/render/image.h"
-#include "client/render/instance_buffer.h"
 #include "client/render/instancing/instancing.h"
-#include "client/render/region.h"
+#include "client/render/scene_instances.h"
 #include "client/render/splatting.h"
 #include "client/scene/camera.h"
-#include "client/scene/cut.h"
 #include "client/scene/frame.h"
 
 namespace pointreel {
@@ -69,9 +67,12 @@ class Renderer {
  public:
   static Result<Renderer> create();
 
-  /// Draws `frame` (null or empty: the background alone) as a picture of `size` pixels, both > 0.
-  /// Keeps hold of the frame: points are uploaded when frame or mode change, nodes when the cut
-  /// does, and the cut is used again while frame, camera and size stay as they are.
+  /// Draws `scene` (empty: the background alone) as a picture of `size` pixels, both > 0. Keeps
+  /// hold of its frames: points are uploaded when scene or mode change, nodes when the cuts do, and
+  /// those are used again while scene, camera and size stay as they are.
+  Result<DrawStats> draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
+                         const DrawOptions& options);
+  /// One frame, where it lies.
   Result<DrawStats> draw(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                          glm::ivec2 size, const DrawOptions& options);
 
@@ -94,21 +95,12 @@ class Renderer {
     glm::vec4 ray_corner, ray_x, ray_y;
     glm::vec4 window;
   };
-  /// What the cut depends on.
-  struct CutKey {
-    Camera camera;
-    glm::ivec2 size;
-    float pixel_size;
-    bool operator==(const CutKey&) const = default;
-  };
 
   Renderer() = default;
   Result<void> resize(glm::ivec2 size);
-  Result<void> update_instances(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
-                                const DrawOptions& options, DrawStats& stats);
   Result<InstancingMethod*> method_for(Instancing instancing);
   Result<void> draw_instances(const DrawOptions& options, const glm::mat4& to_clip);
-  void draw_points(const DrawOptions& options) const;
+  void draw_points(const DrawOptions& options);
   Result<std::vector<glm::u8vec4>> read_picture() const;
 
   std::array<std::unique_ptr<InstancingMethod>, kInstancings> methods_;  ///< made when first used
@@ -120,15 +112,7 @@ class Renderer {
   gl::Texture color_, depth_;
   gl::Framebuffer picture_;
   glm::ivec2 size_{0};
-
-  std::shared_ptr<const SceneFrame> frame_;  ///< what the instances were made of
-  DrawMode mode_ = DrawMode::surfel;
-  std::optional<CutKey> cut_key_;
-  CutStats cut_stats_;
-  VoxelCut cut_;
-  InstanceBuffer instances_;
-  InstanceBounds bounds_;   ///< of the instances
-  glm::dvec3 origin_{0.0};  ///< of the instances, in world coordinates
+  SceneInstances instances_;
 };
 
 }  // namespace pointreel

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
+
+#include <glm/glm.hpp>
 
 #include "client/scene/leaf_neighbors.h"
 #include "common/cloud/point_cloud.h"
@@ -45,5 +48,16 @@ struct SceneFrame {
   /// What it took to make, in the order of the stages; normals: where estimated.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };
+
+/// A frame and where it stands in the world.
+struct PlacedFrame {
+  std::shared_ptr<const SceneFrame> frame;  ///< null: nothing
+  glm::dvec3 place{0.0};                    ///< is added to its coordinates
+
+  bool operator==(const PlacedFrame&) const = default;
+};
+
+/// What is seen at a time: a frame of each source.
+using Scene = std::vector<PlacedFrame>;
 
 }  // namespace pointreel

@@ -28,7 +28,12 @@ class DrawingTest : public testing::Test {
 
   Image draw(const std::shared_ptr<const SceneFrame>& frame, const Camera& camera, glm::ivec2 size,
              const DrawOptions& options) {
-    const Result<DrawStats> stats = renderer_->draw(frame, camera, size, options);
+    return draw(Scene{{frame}}, camera, size, options);
+  }
+
+  Image draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
+             const DrawOptions& options) {
+    const Result<DrawStats> stats = renderer_->draw(scene, camera, size, options);
     EXPECT_TRUE(stats) << stats.error().message;
     if (stats) stats_ = *stats;
     Result<Image> image = renderer_->read_pixels();

@@ -1,0 +1,101 @@
+#include "client/render/scene_instances.h"
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+#include <string>
+
+#include "client/render/instances.h"
+
+namespace pointreel {
+namespace {
+
+const glm::dvec3& origin_of(const SceneFrame& frame, bool is_tree) {
+  return is_tree ? frame.svo.cube.origin : frame.cloud.origin;
+}
+
+}  // namespace
+
+Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, glm::ivec2 size,
+                                    DrawMode mode, float pixel_size) {
+  stats_.cut_ms = 0.0;
+  const View view{camera, size, pixel_size};
+  const bool same = view_ && scene == scene_ && mode == mode_;
+  const bool trees =
+      std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.is_tree; });
+  if (same && (!trees || view_ == view)) return {};
+  scene_ = scene;
+  mode_ = mode;
+  view_ = view;
+  stats_ = {};
+  cut(scene);
+  std::size_t most = 0;
+  for (const Part& part : parts_) most += part.most;
+  const std::span<Instance> out = instances_.write(most);
+  if (out.size() < most) {
+    view_.reset();
+    stats_ = {};
+    return fail("the graphics driver has no memory for " + std::to_string(most) + " elements");
+  }
+  origin_ = glm::dvec3(0.0);
+  bounds_ = {};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    if (!scene[i].frame) continue;
+    if (count == 0) origin_ = scene[i].place + origin_of(*scene[i].frame, parts_[i].is_tree);
+    count += pack(scene[i], parts_[i], out.subspan(count, parts_[i].most));
+  }
+  instances_.keep(count);
+  return {};
+}
+
+void SceneInstances::cut(const Scene& scene) {
+  const auto start = std::chrono::steady_clock::now();
+  bool any = false;
+  normals_estimated_ = false;
+  parts_.resize(scene.size());
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    Part& part = parts_[i];
+    part.stats = {};
+    part.most = 0;
+    part.is_tree = false;
+    const SceneFrame* frame = scene[i].frame.get();
+    if (frame == nullptr) continue;
+    normals_estimated_ = normals_estimated_ || frame->normals_estimated;
+    part.is_tree = mode_ == DrawMode::voxel || frame->cloud.empty();
+    if (!part.is_tree) {
+      part.most = frame->cloud.size();
+      continue;
+    }
+    Camera camera = view_->camera;
+    camera.target -= scene[i].place;
+    part.stats = part.cut.run(frame->svo, camera, view_->size, view_->pixel_size);
+    part.most = part.cut.nodes().size();
+    any = true;
+  }
+  if (!any) return;
+  stats_.cut_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::size_t SceneInstances::pack(const PlacedFrame& placed, const Part& part,
+                                 std::span<Instance> out) {
+  const SceneFrame& frame = *placed.frame;
+  const glm::dvec3 origin = placed.place + origin_of(frame, part.is_tree);
+  const glm::vec3 offset(origin - origin_);
+  if (!part.is_tree) {
+    pack_points(frame, offset, out, bounds_);
+    return out.size();
+  }
+  const glm::vec3 eye(view_->camera.eye() - origin);
+  const std::size_t count = pack_nodes(frame, part.cut.nodes(), mode_, eye, offset, out, bounds_);
+  stats_.visited += part.stats.visited;
+  stats_.out_of_view += part.stats.out_of_view;
+  if (part.stats.visited > 0) {
+    stats_.below_pixel += frame.svo.leaf_count() - part.stats.out_of_view - part.stats.emitted;
+    stats_.hidden += part.stats.emitted - static_cast<std::uint32_t>(count);
+  }
+  return count;
+}
+
+}  // namespace pointreel

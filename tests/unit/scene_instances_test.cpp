@@ -1,0 +1,131 @@
+#include "client/render/scene_instances.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/drawing_test.h"
+
+namespace pointreel {
+namespace {
+
+constexpr glm::ivec2 kSize(240, 180);
+constexpr DrawMode kModes[] = {DrawMode::surfel, DrawMode::voxel, DrawMode::point};
+/// A whole number of cells of the cubes below, so that a voxel moves to where one could be.
+constexpr double kShift = 0.75;
+
+/// A tile of 6x6 coloured points about a place, in a cube that holds them all.
+void add_tile(PointCloud& cloud, const glm::vec3& center, const glm::u16vec3& color) {
+  for (int i = 0; i < 36; ++i) {
+    cloud.positions.push_back(center + 0.09375f * glm::vec3(i % 6 - 3, i / 6 - 3, 0.0f) + 0.02f);
+    cloud.normals.emplace_back(0.0f, 0.0f, 1.0f);
+    cloud.colors.push_back(color);
+    cloud.radii.push_back(0.06f);
+  }
+}
+
+/// `with_cloud`: drawn as points, else as a tree in every mode.
+std::shared_ptr<SceneFrame> frame_of(PointCloud cloud, bool with_cloud) {
+  auto frame = std::make_shared<SceneFrame>();
+  const SortedPoints sorted = sort_points(cloud, {glm::dvec3(-1.5), 3.0});
+  frame->svo = build_svo(sorted, 5);
+  frame->attributes = mean_attributes(frame->svo, cloud, sorted);
+  if (with_cloud) frame->cloud = std::move(cloud);
+  return frame;
+}
+
+DrawOptions plain(DrawMode mode) {
+  DrawOptions options;
+  options.mode = mode;
+  options.lighting = false;
+  options.pixel_size = 0.0f;
+  options.point_size = 12.0f;  // no gaps in a tile
+  return options;
+}
+
+std::size_t different_pixels(const Image& a, const Image& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    const glm::ivec3 d = glm::abs(glm::ivec3(a.pixels[i]) - glm::ivec3(b.pixels[i]));
+    count += std::max({d.x, d.y, d.z}) > 2;
+  }
+  return count;
+}
+
+class SceneInstancesTest : public DrawingTest {
+ protected:
+  Camera camera_ = [] {
+    Camera camera;
+    camera.distance = 4.0;
+    return camera;
+  }();
+};
+
+TEST_F(SceneInstancesTest, TwoFramesAtTheirPlacesDrawWhatOneWithBothWouldDraw) {
+  const glm::u16vec3 red(0xffff, 0, 0), blue(0, 0, 0xffff);
+  PointCloud left, right, both;
+  add_tile(left, glm::vec3(0.0f), red);
+  add_tile(right, glm::vec3(0.0f), blue);
+  add_tile(both, glm::vec3(static_cast<float>(-kShift), 0.0f, 0.0f), red);
+  add_tile(both, glm::vec3(static_cast<float>(kShift), 0.0f, 0.0f), blue);
+  for (const bool with_cloud : {true, false}) {
+    const Scene apart = {{frame_of(left, with_cloud), {-kShift, 0.0, 0.0}},
+                         {frame_of(right, with_cloud), {kShift, 0.0, 0.0}}};
+    const auto together = frame_of(both, with_cloud);
+    for (const DrawMode mode : kModes) {
+      const Image expected = draw(together, camera_, kSize, plain(mode));
+      const DrawStats expected_stats = stats_;
+      const Image image = draw(apart, camera_, kSize, plain(mode));
+      EXPECT_LE(different_pixels(image, expected), 4u) << static_cast<int>(mode) << with_cloud;
+      EXPECT_EQ(stats_.drawn, expected_stats.drawn);
+      EXPECT_GT(stats_.drawn, 40u);
+    }
+  }
+}
+
+TEST_F(SceneInstancesTest, WhatIsNearerHidesWhatIsBehindWhateverTheOrder) {
+  PointCloud tile, other;
+  add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
+  add_tile(other, glm::vec3(0.0f), {0, 0xffff, 0});
+  const PlacedFrame near{frame_of(tile, true), {0.0, 0.0, 1.0}};
+  const PlacedFrame far{frame_of(other, true), {0.0, 0.0, -1.0}};
+  for (const DrawMode mode : kModes) {
+    for (const Scene& scene : {Scene{near, far}, Scene{far, near}}) {
+      const Image image = draw(scene, camera_, kSize, plain(mode));
+      const glm::ivec3 middle(image.at(kSize.x / 2, kSize.y / 2));
+      EXPECT_GT(middle.x, 200) << static_cast<int>(mode);
+      EXPECT_LT(middle.y, 40) << static_cast<int>(mode);
+    }
+  }
+}
+
+TEST_F(SceneInstancesTest, AFrameThatIsNotThereYetTakesNothing) {
+  PointCloud tile;
+  add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
+  const auto frame = frame_of(tile, false);
+  for (const DrawMode mode : kModes) {
+    const Image alone = draw(frame, camera_, kSize, plain(mode));
+    const std::uint32_t drawn = stats_.drawn;
+    const Image image =
+        draw(Scene{{nullptr, {5.0, 0.0, 0.0}}, {frame}}, camera_, kSize, plain(mode));
+    EXPECT_EQ(different_pixels(image, alone), 0u);
+    EXPECT_EQ(stats_.drawn, drawn);
+  }
+}
+
+TEST_F(SceneInstancesTest, AFrameThatIsMovedIsDrawnAnew) {
+  PointCloud tile;
+  add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
+  const auto frame = frame_of(tile, true);
+  for (const DrawMode mode : kModes) {
+    const Image before = draw(Scene{{frame}}, camera_, kSize, plain(mode));
+    const Image after = draw(Scene{{frame, {0.5, 0.0, 0.0}}}, camera_, kSize, plain(mode));
+    EXPECT_GT(different_pixels(before, after), 100u) << static_cast<int>(mode);
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

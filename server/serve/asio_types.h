@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/basic_socket_acceptor.hpp>
+#include <boost/asio/basic_stream_socket.hpp>
+#include <boost/asio/basic_waitable_timer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+/// What the sources that work with sockets share; no other header of the server includes Asio, for
+/// that takes long to compile.
+namespace pointreel {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+// One strand for each connection. The executors' types are spelt out, for the defaults' erase them
+// and pay for it on every operation.
+using Strand = asio::strand<asio::io_context::executor_type>;
+using Socket = asio::basic_stream_socket<asio::ip::tcp, Strand>;
+using Acceptor = asio::basic_socket_acceptor<asio::ip::tcp, Strand>;
+using Timer = asio::basic_waitable_timer<Clock, asio::wait_traits<Clock>, Strand>;
+template <class T>
+using Task = asio::awaitable<T, Strand>;
+constexpr asio::use_awaitable_t<Strand> kUseAwaitable{};
+
+}  // namespace pointreel

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "server/serve/asio_types.h"
+
+namespace pointreel {
+
+/// A connected socket, and the time by which something must have happened on it. All of it runs on
+/// the socket's strand. Where a step returns false, the connection has ended.
+class Transport {
+ public:
+  /// `patience`: until the first deadline is set. `stall`: how long the peer may take no byte of
+  /// what is written to it.
+  Transport(Socket socket, Clock::duration patience, Clock::duration stall);
+
+  Strand executor() { return socket_.get_executor(); }
+  bool is_open() const { return socket_.is_open(); }
+
+  /// Closes the socket when a deadline passes; to be spawned once. One timer that is looked at when
+  /// it ends, instead of one armed for each operation: deadlines nearly always move to later times.
+  static Task<void> watch(std::shared_ptr<Transport> self);
+  void set_deadline(Clock::duration from_now);
+  void close();
+
+  /// What has come, at least a byte; 0 if the connection ended.
+  Task<std::size_t> read_some(asio::mutable_buffer into);
+  /// `more` follows at once, so that both may leave in one packet.
+  Task<bool> write(std::string_view text, bool more);
+  /// Bytes `offset` to `offset + size` of a file. False, too, if it has become shorter.
+  Task<bool> write_file(int file, std::uint64_t offset, std::uint64_t size);
+  /// Ends writing, and reads for a while what still comes: closing a socket with unread bytes
+  /// resets the connection, and the last response would be lost with it.
+  Task<void> linger();
+
+  /// What linger takes, and how long.
+  static constexpr std::size_t kLingerBytes = 64 * 1024;
+  static constexpr std::chrono::milliseconds kLingerTime{1000};
+
+ private:
+  Task<bool> writable();
+
+  Socket socket_;
+  Timer timer_;
+  Clock::time_point deadline_{};
+  Clock::duration stall_;
+};
+
+}  // namespace pointreel

@@ -49,7 +49,8 @@ Task<bool> write(Transport& transport, const Response& response, bool keep_alive
 Task<void> serve_connection(std::shared_ptr<Transport> transport, const Catalog& catalog,
                             ConnectionTimes times) {
   HeadReader reader;
-  while (true) {
+  const bool met = co_await transport->handshake();
+  while (met) {
     const HeadReader::State state = co_await read_head(*transport, reader, times.header);
     if (state == HeadReader::State::kEmpty) break;
     const bool refused = state == HeadReader::State::kRefused;

@@ -16,6 +16,7 @@
 
 #include "server/serve/asio_types.h"
 #include "server/serve/connection.h"
+#include "server/serve/tls.h"
 #include "server/serve/transport.h"
 
 namespace pointreel {
@@ -50,6 +51,7 @@ struct HttpServer::State {
 
   Catalog catalog;
   HttpServerOptions options;
+  std::optional<TlsContext> tls;
   ListenAddress address;
   std::atomic<std::size_t> connections{0}, refusals{0};
   // Its end ends the coroutines and so closes their sockets.
@@ -79,13 +81,16 @@ Task<void> HttpServer::State::accept() {
 void HttpServer::State::admit(Socket socket) {
   const bool full = connections >= options.max_connections;
   if (full && refusals >= kMaxRefusals) return;
+  std::unique_ptr<TlsSession> session;
+  if (tls && !(session = tls->session(socket.native_handle()))) return;
   struct Placed {  // what is declared first ends last
     Place place;
     Transport transport;
   };
-  const auto placed = std::make_shared<Placed>(
-      Place(full ? refusals : connections),
-      Transport(std::move(socket), options.header_timeout, options.stall_timeout));
+  const auto placed =
+      std::make_shared<Placed>(Place(full ? refusals : connections),
+                               Transport(std::move(socket), std::move(session),
+                                         options.header_timeout, options.stall_timeout));
   const std::shared_ptr<Transport> transport(placed, &placed->transport);
   // Both on the strand from their first step on.
   asio::co_spawn(transport->executor(), Transport::watch(transport), asio::detached);
@@ -107,6 +112,11 @@ std::size_t HttpServer::connection_count() const { return state_->connections; }
 Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
                                                       const HttpServerOptions& options) try {
   auto state = std::make_unique<State>(std::move(catalog), options);
+  if (!options.certificate.empty()) {
+    auto tls = TlsContext::load(options.certificate, options.key);
+    if (!tls) return tl::unexpected(tls.error());
+    state->tls = *std::move(tls);
+  }
   const asio::ip::tcp::endpoint endpoint(asio::ip::make_address(options.listen.host),
                                          options.listen.port);
   Acceptor& acceptor = *state->acceptor;

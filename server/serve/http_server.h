@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 
 #include "common/base/error.h"
@@ -13,6 +14,8 @@ namespace pointreel {
 
 struct HttpServerOptions {
   ListenAddress listen;
+  /// PEM files of TLS; none: plain HTTP.
+  std::filesystem::path certificate, key;
   std::size_t max_connections = 1024;  ///< one more is told 503 and closed
   unsigned threads = 0;                ///< 0: one for each processor
   /// From the first byte of a request (or the connection's begin) to the end of its head.
@@ -23,8 +26,8 @@ struct HttpServerOptions {
   std::chrono::milliseconds stall_timeout{30'000};
 };
 
-/// An HTTP/1.1 server (RFC 9110 to 9112) for a catalog: GET, HEAD and OPTIONS, ranges, conditions,
-/// keep-alive, pipelining.
+/// An HTTP/1.1 server (RFC 9110 to 9112), plain or over TLS, for a catalog: GET, HEAD and OPTIONS,
+/// ranges, conditions, keep-alive, pipelining.
 ///
 /// Trust: what comes from the network is untrusted. A request's head is bounded (8 KiB) and its
 /// body refused. A connection holds at most that head, a response's head and one open file: files
@@ -33,7 +36,8 @@ struct HttpServerOptions {
 class HttpServer {
  public:
   /// Listens and serves in threads of its own; returns when connections are accepted. The error
-  /// says that the address is in use, not this machine's, or not permitted.
+  /// says that the address is in use, not this machine's, or not permitted, or what is wrong with
+  /// the certificate.
   static Result<std::unique_ptr<HttpServer>> start(Catalog catalog,
                                                    const HttpServerOptions& options);
   ~HttpServer();

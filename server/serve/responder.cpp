@@ -146,6 +146,17 @@ Response answer(const Catalog& catalog, const Request& request) {
   return resource_response(*resource, request);
 }
 
+/// Heads that leave in the same second have the same date.
+const std::string& cached_date(std::int64_t unix_time) {
+  thread_local std::int64_t written = -1;
+  thread_local std::string date;
+  if (unix_time != written) {
+    date = http_date(unix_time);
+    written = unix_time;
+  }
+  return date;
+}
+
 }  // namespace
 
 Response error_response(int status, std::string_view line, std::string_view extra_fields) {
@@ -197,7 +208,7 @@ std::string write_head(const Response& response, bool keep_alive, std::int64_t u
       "Cross-Origin-Resource-Policy: cross-origin\r\n"
       "X-Content-Type-Options: nosniff\r\n"
       "{}\r\n",
-      response.status, reason_phrase(response.status), http_date(unix_time),
+      response.status, reason_phrase(response.status), cached_date(unix_time),
       keep_alive ? "keep-alive" : "close", response.fields);
 }
 

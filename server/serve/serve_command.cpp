@@ -65,7 +65,8 @@ Result<void> serve(const ServeArguments& arguments) {
 
   const auto server = HttpServer::start(*std::move(catalog), options);
   if (!server) return tl::unexpected(server.error());
-  fmt::print("listening on http://{}\n", to_string((*server)->address()));
+  fmt::print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
+             to_string((*server)->address()));
   std::fflush(stdout);
   int signal = 0;
   ::sigwait(&ending, &signal);
@@ -102,6 +103,15 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->type_name("SECONDS")
         ->capture_default_str();
   };
+  CLI::Option* certificate =
+      command
+          ->add_option("--certificate", arguments->options.certificate,
+                       "Serve over TLS: the certificate and those that signed it, in PEM form")
+          ->type_name("FILE");
+  command->add_option("--key", arguments->options.key, "The certificate's key, without password")
+      ->type_name("FILE")
+      ->needs(certificate);
+  certificate->needs("--key");
   add_seconds("--header-timeout", arguments->header_seconds, "For the head of one request");
   add_seconds("--idle-timeout", arguments->idle_seconds, "Between requests of a connection");
   add_seconds("--stall-timeout", arguments->stall_seconds, "Without the reader taking a byte");

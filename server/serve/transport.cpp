@@ -11,6 +11,7 @@
 #include <netinet/tcp.h>
 #include <sys/sendfile.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 namespace pointreel {
 namespace {
@@ -19,11 +20,17 @@ namespace {
 constexpr std::uint64_t kPieceSize = 256 * 1024;
 /// Bytes that the kernel may hold for a connection beyond what is in flight.
 constexpr int kUnsentLimit = 256 * 1024;
+/// Plain bytes of the longest record of TLS.
+constexpr std::size_t kRecordSize = 16 * 1024;
+
+using Want = TlsSession::Step::Want;
 
 }  // namespace
 
-Transport::Transport(Socket socket, Clock::duration patience, Clock::duration stall)
+Transport::Transport(Socket socket, std::unique_ptr<TlsSession> tls, Clock::duration patience,
+                     Clock::duration stall)
     : socket_(std::move(socket)),
+      tls_(std::move(tls)),
       timer_(socket_.get_executor()),
       deadline_(Clock::now() + patience),
       stall_(stall) {
@@ -57,21 +64,45 @@ void Transport::close() {
   timer_.cancel();
 }
 
+Task<bool> Transport::ready(Want want) {
+  if (want == Want::kEnd || !socket_.is_open()) co_return false;
+  error_code error;
+  co_await socket_.async_wait(want == Want::kRead ? Socket::wait_read : Socket::wait_write,
+                              asio::redirect_error(kUseAwaitable, error));
+  co_return !error && socket_.is_open();
+}
+
+Task<bool> Transport::handshake() {
+  while (tls_) {
+    const TlsSession::Step step = tls_->handshake();
+    if (step.want == Want::kNothing) break;
+    if (!co_await ready(step.want)) co_return false;
+  }
+  co_return true;
+}
+
 Task<std::size_t> Transport::read_some(asio::mutable_buffer into) {
+  // The descriptor that TLS knows is another connection's once the socket is closed.
+  while (tls_) {
+    if (!socket_.is_open()) co_return 0;
+    const auto step = tls_->read({static_cast<char*>(into.data()), into.size()});
+    if (step.bytes > 0) co_return step.bytes;
+    if (!co_await ready(step.want)) co_return 0;
+  }
   error_code error;
   const std::size_t size =
       co_await socket_.async_read_some(into, asio::redirect_error(kUseAwaitable, error));
   co_return error ? 0 : size;
 }
 
-Task<bool> Transport::writable() {
-  error_code error;
-  co_await socket_.async_wait(Socket::wait_write, asio::redirect_error(kUseAwaitable, error));
-  co_return !error;
-}
-
 Task<bool> Transport::write(std::string_view text, bool more) {
   set_deadline(stall_);
+  if (tls_) {
+    held_ += text;
+    if (more) co_return true;
+    const std::string whole = std::exchange(held_, {});
+    co_return co_await write_encrypted(whole);
+  }
   while (!text.empty()) {
     const ssize_t sent =
         ::send(socket_.native_handle(), text.data(), std::min<std::size_t>(text.size(), kPieceSize),
@@ -82,13 +113,28 @@ Task<bool> Transport::write(std::string_view text, bool more) {
       continue;
     }
     if (errno == EINTR) continue;
-    if (errno != EAGAIN || !co_await writable()) co_return false;
+    if (errno != EAGAIN || !co_await ready(Want::kWrite)) co_return false;
+  }
+  co_return true;
+}
+
+Task<bool> Transport::write_encrypted(std::string_view text) {
+  while (!text.empty()) {
+    if (!socket_.is_open()) co_return false;
+    const auto step = tls_->write(text);
+    text.remove_prefix(step.bytes);
+    if (step.bytes > 0) {
+      set_deadline(stall_);
+    } else if (!co_await ready(step.want)) {
+      co_return false;
+    }
   }
   co_return true;
 }
 
 Task<bool> Transport::write_file(int file, std::uint64_t offset, std::uint64_t size) {
   set_deadline(stall_);
+  if (tls_) co_return co_await write_file_encrypted(file, offset, size);
   off_t at = static_cast<off_t>(offset);
   while (size > 0) {
     const ssize_t sent = ::sendfile(socket_.native_handle(), file, &at,
@@ -103,12 +149,43 @@ Task<bool> Transport::write_file(int file, std::uint64_t offset, std::uint64_t s
     }
     if (sent == 0) co_return false;  // the file shrank: too late for anything but a short answer
     if (errno == EINTR) continue;
-    if (errno != EAGAIN || !co_await writable()) co_return false;
+    if (errno != EAGAIN || !co_await ready(Want::kWrite)) co_return false;
   }
   co_return true;
 }
 
+Task<bool> Transport::write_file_encrypted(int file, std::uint64_t offset, std::uint64_t size) {
+  std::string piece = std::exchange(held_, {});
+  if (piece.size() >= kRecordSize) {
+    if (!co_await write_encrypted(piece)) co_return false;
+    piece.clear();
+  }
+  std::uint64_t since_pause = 0;
+  while (size > 0) {
+    const std::size_t before = piece.size();
+    piece.resize(before + std::min<std::uint64_t>(size, kRecordSize - before));
+    const ssize_t got =
+        ::pread(file, piece.data() + before, piece.size() - before, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) {
+      piece.resize(before);
+      continue;
+    }
+    if (got <= 0) co_return false;
+    piece.resize(before + static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::uint64_t>(got);
+    if (!co_await write_encrypted(piece)) co_return false;
+    since_pause += piece.size();
+    piece.clear();
+    if (since_pause < kPieceSize) continue;
+    since_pause = 0;
+    co_await asio::post(socket_.get_executor(), kUseAwaitable);
+  }
+  co_return piece.empty() || co_await write_encrypted(piece);
+}
+
 Task<void> Transport::linger() {
+  if (tls_ && socket_.is_open()) tls_->end_writing();
   error_code error;
   socket_.shutdown(Socket::shutdown_send, error);
   set_deadline(kLingerTime);

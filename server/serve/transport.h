@@ -3,19 +3,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "server/serve/asio_types.h"
+#include "server/serve/tls.h"
 
 namespace pointreel {
 
-/// A connected socket, and the time by which something must have happened on it. All of it runs on
-/// the socket's strand. Where a step returns false, the connection has ended.
+/// A connected socket, with TLS on it or without, and the time by which something must have
+/// happened on it. All of it runs on the socket's strand. Where a step returns false, the
+/// connection has ended. One coroutine may read while another writes.
 class Transport {
  public:
-  /// `patience`: until the first deadline is set. `stall`: how long the peer may take no byte of
-  /// what is written to it.
-  Transport(Socket socket, Clock::duration patience, Clock::duration stall);
+  /// `tls` is the socket's, or null. `patience`: until the first deadline is set. `stall`: how long
+  /// the peer may take no byte of what is written to it.
+  Transport(Socket socket, std::unique_ptr<TlsSession> tls, Clock::duration patience,
+            Clock::duration stall);
 
   Strand executor() { return socket_.get_executor(); }
   bool is_open() const { return socket_.is_open(); }
@@ -26,6 +30,8 @@ class Transport {
   void set_deadline(Clock::duration from_now);
   void close();
 
+  /// Agrees on keys; nothing to do without TLS.
+  Task<bool> handshake();
   /// What has come, at least a byte; 0 if the connection ended.
   Task<std::size_t> read_some(asio::mutable_buffer into);
   /// `more` follows at once, so that both may leave in one packet.
@@ -41,9 +47,13 @@ class Transport {
   static constexpr std::chrono::milliseconds kLingerTime{1000};
 
  private:
-  Task<bool> writable();
+  Task<bool> ready(TlsSession::Step::Want want);
+  Task<bool> write_encrypted(std::string_view text);
+  Task<bool> write_file_encrypted(int file, std::uint64_t offset, std::uint64_t size);
 
   Socket socket_;
+  std::unique_ptr<TlsSession> tls_;
+  std::string held_;  ///< under TLS, what waits for more, so that both are in one record
   Timer timer_;
   Clock::time_point deadline_{};
   Clock::duration stall_;

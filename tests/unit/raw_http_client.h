@@ -41,7 +41,7 @@ class RawHttpClient {
     connected_ =
         ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
   }
-  ~RawHttpClient() { ::close(socket_); }
+  virtual ~RawHttpClient() { ::close(socket_); }
   RawHttpClient(const RawHttpClient&) = delete;
   RawHttpClient& operator=(const RawHttpClient&) = delete;
 
@@ -49,7 +49,7 @@ class RawHttpClient {
 
   bool send(std::string_view bytes) {
     while (!bytes.empty()) {
-      const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      const ssize_t sent = put(bytes.data(), bytes.size());
       if (sent <= 0) return false;
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
@@ -106,13 +106,22 @@ class RawHttpClient {
     return !more && !timed_out_ && buffer_.empty();
   }
 
+ protected:
+  int socket() const { return socket_; }
+  virtual ssize_t put(const char* bytes, std::size_t size) {
+    return ::send(socket_, bytes, size, MSG_NOSIGNAL);
+  }
+  virtual ssize_t take(char* bytes, std::size_t size) { return ::recv(socket_, bytes, size, 0); }
+  /// Taken from the socket already, but not given by `take` yet.
+  virtual bool holds_bytes() { return false; }
+
  private:
   bool receive() {
     pollfd waiting{socket_, POLLIN, 0};
-    timed_out_ = ::poll(&waiting, 1, patience_ms_) == 0;
+    timed_out_ = !holds_bytes() && ::poll(&waiting, 1, patience_ms_) == 0;
     if (timed_out_) return false;
     char bytes[65536];
-    const ssize_t size = ::recv(socket_, bytes, sizeof(bytes), 0);
+    const ssize_t size = take(bytes, sizeof(bytes));
     if (size <= 0) return false;
     buffer_.append(bytes, static_cast<std::size_t>(size));
     return true;

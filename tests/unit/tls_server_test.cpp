@@ -1,0 +1,141 @@
+// The server over TLS: the same answers, and peers that do not speak it.
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/serve/http_server.h"
+#include "tests/certificate.h"
+#include "tests/unit/served_package.h"
+#include "tests/unit/tls_http_client.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Answer = RawHttpClient::Answer;
+
+class TlsServerTest : public testing::Test {
+ protected:
+  TlsServerTest() {
+    // OpenSSL writes to sockets whose peer is gone.
+    std::signal(SIGPIPE, SIG_IGN);
+    write_package(reel_, base_, full_);
+    options_.certificate = certificate_.certificate;
+    options_.key = certificate_.key;
+    options_.threads = 2;
+    options_.listen.port = 0;
+  }
+  void start() {
+    auto server = HttpServer::start(*Catalog::load({reel_}), options_);
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = *std::move(server);
+  }
+  std::unique_ptr<TlsHttpClient> client(int receive_buffer = 0) {
+    return std::make_unique<TlsHttpClient>(server_->port(), certificate_.certificate,
+                                           receive_buffer);
+  }
+  bool soon_empty() {
+    for (int i = 0; i < 2000 && server_->connection_count() > 0; ++i) {
+      std::this_thread::sleep_for(5ms);
+    }
+    return server_->connection_count() == 0;
+  }
+
+  TemporaryFolder temporary_;
+  fs::path reel_ = temporary_.path() / "walk";
+  std::string base_ = patterned(1000), full_ = patterned(700'001);
+  TestCertificate certificate_{temporary_.path()};
+  HttpServerOptions options_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+TEST_F(TlsServerTest, gives_texts_files_and_ranges_on_one_connection) {
+  start();
+  const auto peer = client();
+  ASSERT_TRUE(peer->met());
+  EXPECT_EQ(peer->get("/healthz").body, "ok\n");
+  EXPECT_TRUE(peer->get("/walk/0.full.prs").body == full_);
+  const Answer part = peer->get("/walk/0.full.prs", "Range: bytes=16000-33000\r\n");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_TRUE(part.body == full_.substr(16000, 17001));
+  EXPECT_EQ(peer->get("/missing").status, 404);
+  EXPECT_EQ(peer->request("HEAD", "/walk/0.full.prs").field("content-length"), "700001");
+  EXPECT_EQ(peer->get("/walk/0.base.prs", "Connection: close\r\n").body, base_);
+  EXPECT_TRUE(peer->ends());
+}
+
+TEST_F(TlsServerTest, answers_pipelined_requests_and_waits_for_slow_readers) {
+  full_ = patterned(8 << 20);
+  write_package(reel_, base_, full_);
+  options_.header_timeout = options_.idle_timeout = 1s;
+  start();
+  const auto peer = client(4096);
+  ASSERT_TRUE(
+      peer->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"
+                 "GET /walk/0.base.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+  std::this_thread::sleep_for(1200ms);  // the server is stuck in the middle of a record
+  EXPECT_TRUE(peer->read_answer().body == full_);
+  EXPECT_EQ(peer->read_answer().body, base_);
+}
+
+TEST_F(TlsServerTest, gives_up_those_that_do_not_speak_tls_or_not_on) {
+  options_.header_timeout = 300ms;
+  start();
+  RawHttpClient plain(server_->port());
+  plain.send("GET / HTTP/1.1\r\nHost: test\r\n\r\n");
+  EXPECT_EQ(plain.read_answer().status, 0);
+  RawHttpClient half(server_->port());
+  half.send(std::string("\x16\x03\x01\x02", 4));
+  RawHttpClient silent(server_->port());
+  EXPECT_TRUE(half.ends());
+  EXPECT_TRUE(silent.ends());
+  EXPECT_EQ(client()->get("/healthz").status, 200);
+  EXPECT_TRUE(soon_empty());
+}
+
+TEST_F(TlsServerTest, outlives_readers_that_leave_in_the_middle) {
+  full_ = patterned(8 << 20);
+  write_package(reel_, base_, full_);
+  start();
+  for (int i = 0; i < 20; ++i) {
+    client()->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+  }
+  EXPECT_EQ(client()->get("/healthz").status, 200);
+  EXPECT_TRUE(soon_empty());
+}
+
+TEST_F(TlsServerTest, tells_one_connection_too_many_under_tls_too) {
+  options_.max_connections = 1;
+  start();
+  const auto busy = client();
+  ASSERT_TRUE(busy->send("GET / HT"));
+  EXPECT_EQ(client()->get("/healthz").status, 503);
+}
+
+TEST_F(TlsServerTest, says_in_one_line_what_is_wrong_with_the_certificate) {
+  const auto failure = [&] {
+    const auto server = HttpServer::start({}, options_);
+    return server ? "it started" : server.error().message;
+  };
+  options_.certificate = temporary_.path() / "none.pem";
+  EXPECT_THAT(failure(), HasSubstr("none.pem: No such file or directory"));
+  options_.certificate = certificate_.key;
+  EXPECT_THAT(failure(), HasSubstr("give a certificate in PEM form"));
+  options_.certificate = certificate_.certificate;
+  fs::create_directory(temporary_.path() / "other");
+  options_.key = TestCertificate(temporary_.path() / "other").key;
+  EXPECT_THAT(failure(), HasSubstr("key values mismatch"));
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,7 +1,6 @@
 #include "common/stream/package.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <xxhash.h>
 
 #include "common/octree/morton.h"
+#include "common/stream/json_fields.h"
 
 namespace pointreel {
 namespace {
@@ -22,124 +22,9 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr const char* kFormatName = "pointreel";
-/// Whole numbers stay exact in readers that hold every number as a double, as JavaScript does.
-constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 constexpr std::uint64_t kMaxUint32 = 0xffffffffu;
-constexpr std::size_t kMaxLayers = 8;
-constexpr std::size_t kMaxNameLength = 255;
-/// A manifest nests six deep; what nests deeper is not built.
-constexpr int kMaxNesting = 16;
 
 /// ---- reading ----
-
-/// The members of one JSON object. The first thing that is not as it should be is kept as the
-/// error, and every value after it is zero, so that a parser checks once, after the last member.
-class Fields {
- public:
-  explicit Fields(const json& object) : object_(object) {
-    if (!object.is_object()) error_ = Error{"is not a JSON object"};
-  }
-
-  const std::optional<Error>& error() const { return error_; }
-
-  void refuse(std::string_view key, std::string_view what) {
-    if (!error_) error_ = Error{fmt::format("{}: {}", key, what)};
-  }
-
-  bool has(const char* key) const { return !error_ && object_.contains(key); }
-
-  const json* value(const char* key) {
-    if (error_) return nullptr;
-    const auto found = object_.find(key);
-    if (found != object_.end()) return &*found;
-    refuse(key, "is missing");
-    return nullptr;
-  }
-
-  std::uint64_t integer(const char* key, std::uint64_t max) {
-    const json* v = value(key);
-    if (v == nullptr) return 0;
-    if (!v->is_number_unsigned() || v->get<std::uint64_t>() > max) {
-      refuse(key, fmt::format("is not a whole number from 0 to {}", max));
-      return 0;
-    }
-    return v->get<std::uint64_t>();
-  }
-
-  double number(const char* key) {
-    const json* v = value(key);
-    if (v == nullptr) return 0.0;
-    if (!v->is_number()) refuse(key, "is not a number");
-    return v->is_number() ? v->get<double>() : 0.0;
-  }
-
-  bool boolean(const char* key) {
-    const json* v = value(key);
-    if (v == nullptr) return false;
-    if (!v->is_boolean()) refuse(key, "is neither true nor false");
-    return v->is_boolean() && v->get<bool>();
-  }
-
-  std::string text(const char* key) {
-    const json* v = value(key);
-    if (v == nullptr) return {};
-    if (!v->is_string()) refuse(key, "is not a string");
-    return v->is_string() ? v->get<std::string>() : std::string();
-  }
-
-  /// Empty where it is no array.
-  const json& array(const char* key) {
-    static const json kNothing = json::array();
-    const json* v = value(key);
-    if (v == nullptr) return kNothing;
-    if (!v->is_array()) refuse(key, "is not an array");
-    return v->is_array() ? *v : kNothing;
-  }
-
-  /// Three finite numbers.
-  glm::dvec3 vector(const char* key) {
-    const json& v = array(key);
-    if (error_) return {};
-    const auto finite = [](const json& x) {
-      return x.is_number() && std::isfinite(x.get<double>());
-    };
-    if (v.size() != 3 || !std::all_of(v.begin(), v.end(), finite)) {
-      refuse(key, "is not three finite numbers");
-      return {};
-    }
-    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
-  }
-
- private:
-  const json& object_;
-  std::optional<Error> error_;
-};
-
-/// A name that is a plain file in the package's own folder on every system.
-bool is_file_name(const std::string& path) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-           c == '_' || c == '-';
-  };
-  return !path.empty() && path.size() <= kMaxNameLength && path.front() != '.' &&
-         path != kManifestName && std::all_of(path.begin(), path.end(), allowed);
-}
-
-bool is_printable(const std::string& text) {
-  return std::none_of(text.begin(), text.end(),
-                      [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; });
-}
-
-std::optional<std::uint64_t> parse_checksum(const std::string& text) {
-  if (text.size() != 16) return std::nullopt;
-  std::uint64_t value = 0;
-  for (char c : text) {
-    const bool digit = c >= '0' && c <= '9';
-    if (!digit && !(c >= 'a' && c <= 'f')) return std::nullopt;
-    value = value << 4 | static_cast<std::uint64_t>(digit ? c - '0' : c - 'a' + 10);
-  }
-  return value;
-}
 
 bool is_uint32(const json& v) {
   return v.is_number_unsigned() && v.get<std::uint64_t>() <= kMaxUint32;
@@ -155,7 +40,7 @@ Result<PackageFile> parse_file(const json& object, std::uint64_t max_bytes) {
   if (fields.error()) return tl::unexpected(*fields.error());
 
   if (!is_file_name(file.path)) return fail("path: is not a plain file name of the package");
-  const std::optional<std::uint64_t> value = parse_checksum(checksum);
+  const std::optional<std::uint64_t> value = parse_hex(checksum);
   if (!value) return fail("xxh3: is not 16 lowercase hexadecimal digits");
   file.checksum = *value;
   return file;
@@ -321,35 +206,6 @@ Result<void> parse_segments(const json& entries, Manifest& manifest) {
   return {};
 }
 
-Result<Box> parse_bounds(const json& value) {
-  if (value.is_null()) return Box{};
-  Fields fields(value);
-  const Box box{fields.vector("min"), fields.vector("max")};
-  if (fields.error()) return tl::unexpected(*fields.error());
-  if (!(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z)) {
-    return fail("min is beyond max");
-  }
-  return box;
-}
-
-Result<void> parse_layer_names(const json& entries, Manifest& manifest) {
-  if (entries.empty() || entries.size() > kMaxLayers) {
-    return fail(fmt::format("layers: {}, not 1 to {}", entries.size(), kMaxLayers));
-  }
-  for (const json& entry : entries) {
-    if (!entry.is_string() || !is_file_name(entry.get_ref<const std::string&>())) {
-      return fail("layers: a name has letters, digits, '.', '_' and '-' only");
-    }
-    const std::string& layer = entry.get_ref<const std::string&>();
-    if (std::find(manifest.layer_names.begin(), manifest.layer_names.end(), layer) !=
-        manifest.layer_names.end()) {
-      return fail(fmt::format("layers: \"{}\" comes twice", layer));
-    }
-    manifest.layer_names.push_back(layer);
-  }
-  return {};
-}
-
 /// What must hold before a single other member is looked at.
 Result<void> check_format(const json& root) {
   Fields fields(root);
@@ -396,9 +252,9 @@ Result<Manifest> parse_root(const json& root) {
   } else if (fields.has("entropy")) {
     fields.refuse("entropy", "only the octree codec has one");
   }
-  if (manifest.name.size() > kMaxNameLength || !is_printable(manifest.name)) {
-    fields.refuse(
-        "name", fmt::format("has more than {} bytes or a control character in it", kMaxNameLength));
+  if (!is_title(manifest.name)) {
+    fields.refuse("name",
+                  fmt::format("has more than {} bytes or a control character in it", kMaxTitle));
   }
   if (!(manifest.fps > 0.0 && manifest.fps <= 1e6)) {
     fields.refuse("fps", "is not above 0 and at most 1000000");
@@ -408,12 +264,12 @@ Result<Manifest> parse_root(const json& root) {
   if (fields.error()) return tl::unexpected(*fields.error());
   manifest.up = up.front();
 
-  const Result<Box> box = parse_bounds(*bounds);
+  const Result<Box> box = parse_box(*bounds);
   if (!box) return fail_at("bounds", box.error());
   manifest.bounds = *box;
-  if (const Result<void> names = parse_layer_names(layers, manifest); !names) {
-    return tl::unexpected(names.error());
-  }
+  Result<std::vector<std::string>> names = parse_layer_names(layers);
+  if (!names) return fail_at("layers", names.error());
+  manifest.layer_names = std::move(*names);
   if (fields.has("tables")) {
     if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\"");
     Result<PackageFile> tables = parse_file(*fields.value("tables"), kMaxTablesBytes);
@@ -426,44 +282,7 @@ Result<Manifest> parse_root(const json& root) {
   return manifest;
 }
 
-/// Sees every token before it becomes a value: values that nest too deep are not built, and keys
-/// that come twice in one object, which a plain parser would let pass, are found.
-class TokenGuard {
- public:
-  bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-    switch (event) {
-      case json::parse_event_t::object_start:
-      case json::parse_event_t::array_start:
-        if (depth >= kMaxNesting) {
-          too_deep_ = true;
-          return false;
-        }
-        keys_[static_cast<std::size_t>(depth) + 1].clear();
-        return true;
-      case json::parse_event_t::key:
-        if (depth <= kMaxNesting &&
-            !keys_[static_cast<std::size_t>(depth)].insert(parsed.get<std::string>()).second) {
-          duplicate_ = true;
-        }
-        return true;
-      default:
-        return true;
-    }
-  }
-
-  const char* fault() const {
-    if (too_deep_) return "nests too deep";
-    return duplicate_ ? "has a key twice in one object" : nullptr;
-  }
-
- private:
-  std::array<std::set<std::string>, kMaxNesting + 1> keys_;
-  bool too_deep_ = false, duplicate_ = false;
-};
-
 /// ---- writing ----
-
-ordered_json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 ordered_json to_json(const PackageFile& file) {
   return {
@@ -484,15 +303,10 @@ ordered_json to_json(const Segment& segment) {
   ordered_json files = ordered_json::array();
   for (const LayerFile& file : segment.layers) files.push_back(to_json(file));
   return {{"first_frame", segment.first_frame},
-          {"cube", {{"origin", to_json(segment.cube.origin)}, {"edge", segment.cube.edge}}},
+          {"cube", {{"origin", vector_json(segment.cube.origin)}, {"edge", segment.cube.edge}}},
           {"times_us", segment.times_us},
           {"points", segment.points},
           {"files", std::move(files)}};
-}
-
-/// Bytes that are no UTF-8, in a name, are replaced: a dump never throws.
-std::string dump(const ordered_json& value) {
-  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -555,10 +369,7 @@ std::string write_manifest(const Manifest& manifest) {
   head["normals"] = manifest.normals;
   head["depth_min"] = manifest.depth_min;
   head["depth_max"] = manifest.depth_max;
-  head["bounds"] = nullptr;
-  if (!manifest.bounds.empty()) {
-    head["bounds"] = {{"min", to_json(manifest.bounds.min)}, {"max", to_json(manifest.bounds.max)}};
-  }
+  head["bounds"] = box_json(manifest.bounds);
   if (manifest.tables) head["tables"] = to_json(*manifest.tables);
   head["layers"] = manifest.layer_names;
 
@@ -579,11 +390,9 @@ Result<Manifest> parse_manifest(std::string_view text) {
   if (text.size() > kMaxManifestBytes) {
     return fail(fmt::format("is longer than {} bytes", kMaxManifestBytes));
   }
-  TokenGuard guard;
-  const json root = json::parse(text.begin(), text.end(), std::ref(guard), false);
-  if (guard.fault() != nullptr) return fail(guard.fault());
-  if (root.is_discarded()) return fail("is not valid JSON");
-  return parse_root(root);
+  const Result<json> root = parse_json(text);
+  if (!root) return tl::unexpected(root.error());
+  return parse_root(*root);
 }
 
 Result<Manifest> read_manifest(const std::filesystem::path& folder) {

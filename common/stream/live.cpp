@@ -1,0 +1,183 @@
+#include "common/stream/live.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include "common/stream/json_fields.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr std::uint32_t kMagic = 0x314c5250;  // "PRL1"
+constexpr std::size_t kMaxStreamName = 64;
+
+std::uint32_t header_checksum(ByteView header) {
+  return static_cast<std::uint32_t>(XXH3_64bits(header.data(), header.size()));
+}
+
+Result<LiveHello> hello_of(const json& root) {
+  Fields fields(root);
+  LiveHello hello;
+  const std::uint64_t version = fields.integer("version", kMaxInteger);
+  if (!fields.error() && version != kPackageVersion) {
+    return fail(fmt::format("version {}: this program understands {}", version, kPackageVersion));
+  }
+  hello.name = fields.text("name");
+  const std::string session = fields.text("session");
+  hello.codec = fields.text("codec");
+  hello.fps = fields.number("fps");
+  const std::string up = fields.text("up");
+  hello.colors = fields.boolean("colors");
+  hello.normals = fields.boolean("normals");
+  const json& layers = fields.array("layers");
+  const json* bounds = fields.value("bounds");
+  if (hello.codec == "octree") {
+    hello.entropy = fields.text("entropy");
+    if (hello.entropy != "none" && hello.entropy != "zstd" && hello.entropy != "context") {
+      fields.refuse("entropy", "is none of \"none\", \"zstd\" and \"context\"");
+    }
+  } else if (hello.codec != "draco") {
+    fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
+  }
+  if (!is_title(hello.name)) {
+    fields.refuse("name",
+                  fmt::format("has more than {} bytes or a control character in it", kMaxTitle));
+  }
+  const std::optional<std::uint64_t> id = parse_hex(session);
+  if (!id) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
+  if (!(hello.fps > 0.0 && hello.fps <= 1e6)) {
+    fields.refuse("fps", "is not above 0 and at most 1000000");
+  }
+  if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  hello.session = *id;
+  hello.up = up.front();
+  Result<std::vector<std::string>> names = parse_layer_names(layers);
+  if (!names) return fail_at("layers", names.error());
+  hello.layer_names = std::move(*names);
+  const Result<Box> box = parse_box(*bounds);
+  if (!box) return fail_at("bounds", box.error());
+  hello.bounds = *box;
+  return hello;
+}
+
+}  // namespace
+
+std::string write_hello(const LiveHello& hello) {
+  ordered_json json = {{"type", "hello"},
+                       {"version", kPackageVersion},
+                       {"name", hello.name},
+                       {"session", fmt::format("{:016x}", hello.session)},
+                       {"codec", hello.codec}};
+  if (!hello.entropy.empty()) json["entropy"] = hello.entropy;
+  json["fps"] = hello.fps;
+  json["up"] = std::string(1, hello.up);
+  json["colors"] = hello.colors;
+  json["normals"] = hello.normals;
+  json["layers"] = hello.layer_names;
+  json["bounds"] = box_json(hello.bounds);
+  return dump(json);
+}
+
+std::string write_drops(const LiveDrops& drops) {
+  return dump({{"type", "drops"}, {"frames", drops.frames}, {"layers", drops.layers}});
+}
+
+std::string write_end() { return dump({{"type", "end"}}); }
+
+Result<LiveText> parse_live_text(std::string_view text) {
+  if (text.size() > kMaxLiveText) return fail(fmt::format("is longer than {} bytes", kMaxLiveText));
+  const Result<json> root = parse_json(text);
+  if (!root) return tl::unexpected(root.error());
+  Fields fields(*root);
+  const std::string type = fields.text("type");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  if (type == "hello") {
+    Result<LiveHello> hello = hello_of(*root);
+    if (!hello) return fail_at("hello", hello.error());
+    return LiveText(std::move(*hello));
+  }
+  if (type == "drops") {
+    const LiveDrops drops{fields.integer("frames", kMaxInteger),
+                          fields.integer("layers", kMaxInteger)};
+    if (fields.error()) return fail_at("drops", *fields.error());
+    return LiveText(drops);
+  }
+  if (type == "end") return LiveText(LiveEnd{});
+  return LiveText(LiveUnknown{});
+}
+
+Result<LiveHello> parse_hello(std::string_view text) {
+  Result<LiveText> parsed = parse_live_text(text);
+  if (!parsed) return tl::unexpected(parsed.error());
+  LiveHello* hello = std::get_if<LiveHello>(&*parsed);
+  if (hello == nullptr) return fail("type: is not \"hello\"");
+  return std::move(*hello);
+}
+
+Bytes write_live_layer(const LiveLayer& layer) {
+  Bytes message;
+  message.reserve(kLiveHeaderSize + layer.bytes.size());
+  ByteWriter out(message);
+  out.put(kMagic);
+  out.put(layer.frame);
+  out.put(layer.capture_us);
+  out.put(layer.points);
+  out.put(layer.layer);
+  out.put(layer.layers);
+  out.put(std::uint16_t{0});
+  out.put(layer.sizes.geometry);
+  out.put(layer.sizes.colors);
+  out.put(layer.sizes.normals);
+  out.put(header_checksum(message));
+  message.insert(message.end(), layer.bytes.begin(), layer.bytes.end());
+  return message;
+}
+
+Result<LiveLayer> parse_live_layer(ByteView message) {
+  if (message.size() > kMaxLiveLayer) {
+    return fail(fmt::format("layer: has more than {} bytes", kMaxLiveLayer));
+  }
+  ByteReader in(message);
+  LiveLayer layer;
+  const auto magic = in.get<std::uint32_t>();
+  layer.frame = in.get<std::uint32_t>();
+  layer.capture_us = in.get<std::uint64_t>();
+  layer.points = in.get<std::uint32_t>();
+  layer.layer = in.get<std::uint8_t>();
+  layer.layers = in.get<std::uint8_t>();
+  const auto reserved = in.get<std::uint16_t>();
+  layer.sizes.geometry = in.get<std::uint32_t>();
+  layer.sizes.colors = in.get<std::uint32_t>();
+  layer.sizes.normals = in.get<std::uint32_t>();
+  const auto checksum = in.get<std::uint32_t>();
+  if (!in.ok()) return fail("layer: is shorter than its header");
+  if (magic != kMagic) return fail("layer: does not begin with PRL1");
+  if (checksum != header_checksum(message.first(kLiveHeaderSize - sizeof(checksum)))) {
+    return fail("layer: its header is damaged");
+  }
+  if (reserved != 0) return fail("layer: reserved bytes are not 0");
+  if (layer.layers == 0 || layer.layers > kMaxLayers || layer.layer >= layer.layers) {
+    return fail(fmt::format("layer: number {} of {}", layer.layer, layer.layers));
+  }
+  if (layer.capture_us > kMaxInteger) return fail("layer: its time is no time");
+  layer.bytes = in.rest();
+  if (layer.sizes.geometry == 0) return fail("layer: has no geometry");
+  if (layer.sizes.total() != layer.bytes.size()) {
+    return fail(fmt::format("layer: {} bytes, its chunks take {}", layer.bytes.size(),
+                            layer.sizes.total()));
+  }
+  return layer;
+}
+
+bool is_stream_name(std::string_view name) {
+  return name.size() <= kMaxStreamName && is_file_name(name);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "common/stream/live.h"
+#include "server/live/viewer_queue.h"
+
+/// Live messages whose layers hold no real chunks: for what looks at headers alone.
+namespace pointreel {
+
+inline LiveHello plain_hello(std::uint64_t session = 1) {
+  LiveHello hello;
+  hello.name = "plain";
+  hello.session = session;
+  hello.codec = "octree";
+  hello.entropy = "none";
+  hello.layer_names = {"base", "middle", "full"};
+  return hello;
+}
+
+inline LiveMessage layer_message(std::uint32_t frame, std::uint8_t layer, std::uint8_t layers = 3,
+                                 std::size_t size = 10) {
+  const Bytes bytes(size, static_cast<std::uint8_t>(frame));
+  LiveLayer header;
+  header.frame = frame;
+  header.layer = layer;
+  header.layers = layers;
+  header.capture_us = 1'000'000 + 33'333u * frame;
+  header.points = 4;
+  header.sizes.geometry = static_cast<std::uint32_t>(size);
+  header.bytes = bytes;
+  return {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_layer(header))};
+}
+
+/// "7.0" is the base of frame 7; a text message is its type.
+inline std::string brief(const LiveMessage& message) {
+  if (message.kind == LiveMessage::Kind::text) {
+    const std::string text(message.bytes->begin(), message.bytes->end());
+    const auto parsed = parse_live_text(text);
+    if (!parsed) return "?";
+    if (const auto* drops = std::get_if<LiveDrops>(&*parsed)) {
+      return "drops " + std::to_string(drops->frames) + " " + std::to_string(drops->layers);
+    }
+    return std::holds_alternative<LiveHello>(*parsed) ? "hello" : "end";
+  }
+  const auto layer = parse_live_layer(*message.bytes);
+  return layer ? std::to_string(layer->frame) + "." + std::to_string(layer->layer) : "?";
+}
+
+}  // namespace pointreel

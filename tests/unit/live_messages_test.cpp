@@ -1,0 +1,143 @@
+// What publishers, relays and viewers say to each other.
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/stream/live.h"
+
+namespace pointreel {
+namespace {
+
+using testing::HasSubstr;
+
+LiveHello a_hello() {
+  LiveHello hello;
+  hello.name = "stage left";
+  hello.session = 0x0123456789abcdef;
+  hello.codec = "octree";
+  hello.entropy = "context";
+  hello.fps = 29.97;
+  hello.up = 'z';
+  hello.colors = true;
+  hello.layer_names = {"base", "middle", "full"};
+  hello.bounds = {{-1.5, 0.0, 2.0}, {1.0, 2.0, 3.0}};
+  return hello;
+}
+
+LiveLayer a_layer(const Bytes& bytes) {
+  LiveLayer layer;
+  layer.frame = 77;
+  layer.layer = 1;
+  layer.layers = 3;
+  layer.capture_us = 1'700'000'000'123'456;
+  layer.points = 5;
+  layer.sizes = {4, 2, 1};
+  layer.bytes = bytes;
+  return layer;
+}
+
+TEST(LiveMessages, a_hello_comes_back_as_it_was) {
+  EXPECT_EQ(parse_hello(write_hello(a_hello())).value(), a_hello());
+  LiveHello nothing_yet = a_hello();
+  nothing_yet.codec = "draco";
+  nothing_yet.entropy.clear();
+  nothing_yet.bounds = {};
+  EXPECT_EQ(parse_hello(write_hello(nothing_yet)).value(), nothing_yet);
+}
+
+TEST(LiveMessages, a_hello_with_anything_wrong_is_refused_by_its_member) {
+  const auto error_with = [](const std::string& from, const std::string& to) {
+    std::string text = write_hello(a_hello());
+    text.replace(text.find(from), from.size(), to);
+    const auto parsed = parse_hello(text);
+    return parsed ? std::string() : parsed.error().message;
+  };
+  EXPECT_THAT(error_with("\"version\":1", "\"version\":2"), HasSubstr("version 2"));
+  EXPECT_THAT(error_with("0123456789abcdef", "0123456789ABCDEF"), HasSubstr("session"));
+  EXPECT_THAT(error_with("\"octree\"", "\"mesh\""), HasSubstr("codec"));
+  EXPECT_THAT(error_with("\"context\"", "\"best\""), HasSubstr("entropy"));
+  EXPECT_THAT(error_with("29.97", "-1"), HasSubstr("fps"));
+  EXPECT_THAT(error_with("\"up\":\"z\"", "\"up\":\"x\""), HasSubstr("up"));
+  EXPECT_THAT(error_with("\"middle\"", "\"base\""), HasSubstr("layers"));
+  EXPECT_THAT(error_with("\"middle\"", "\"../middle\""), HasSubstr("layers"));
+  EXPECT_THAT(error_with("-1.5", "15"), HasSubstr("bounds"));
+  EXPECT_THAT(error_with("stage", "st\\u0007ge"), HasSubstr("name"));
+  EXPECT_THAT(error_with("\"hello\"", "\"drops\""), HasSubstr("drops"));
+  EXPECT_THAT(error_with("{", "["), HasSubstr("JSON"));
+}
+
+TEST(LiveMessages, drops_and_the_end_come_back_and_what_is_not_known_is_told_apart) {
+  const LiveDrops drops{3, 12};
+  EXPECT_EQ(std::get<LiveDrops>(parse_live_text(write_drops(drops)).value()), drops);
+  EXPECT_TRUE(std::holds_alternative<LiveEnd>(parse_live_text(write_end()).value()));
+  EXPECT_TRUE(std::holds_alternative<LiveUnknown>(
+      parse_live_text(R"({"type": "weather", "degrees": 21})").value()));
+  EXPECT_FALSE(parse_live_text(R"({"frames": 1})"));
+  EXPECT_FALSE(parse_live_text(R"({"type": "drops", "frames": -1, "layers": 0})"));
+  EXPECT_FALSE(parse_live_text(std::string(kMaxLiveText + 1, ' ')));
+}
+
+TEST(LiveMessages, a_layer_comes_back_as_it_was) {
+  const Bytes bytes = {1, 2, 3, 4, 5, 6, 7};
+  const Bytes message = write_live_layer(a_layer(bytes));
+  EXPECT_EQ(message.size(), kLiveHeaderSize + bytes.size());
+  const LiveLayer layer = parse_live_layer(message).value();
+  EXPECT_EQ(layer.frame, 77u);
+  EXPECT_EQ(layer.layer, 1);
+  EXPECT_EQ(layer.layers, 3);
+  EXPECT_EQ(layer.capture_us, 1'700'000'000'123'456u);
+  EXPECT_EQ(layer.points, 5u);
+  EXPECT_EQ(layer.sizes, (LayerSizes{4, 2, 1}));
+  EXPECT_TRUE(std::equal(layer.bytes.begin(), layer.bytes.end(), bytes.begin(), bytes.end()));
+}
+
+TEST(LiveMessages, a_layer_with_any_byte_of_its_header_changed_is_refused) {
+  const Bytes bytes = {1, 2, 3, 4, 5, 6, 7};
+  const Bytes message = write_live_layer(a_layer(bytes));
+  for (std::size_t i = 0; i < kLiveHeaderSize; ++i) {
+    Bytes changed = message;
+    changed[i] ^= 0x10;
+    EXPECT_FALSE(parse_live_layer(changed)) << "byte " << i;
+  }
+}
+
+TEST(LiveMessages, a_layer_that_is_cut_or_longer_than_it_says_is_refused) {
+  const Bytes bytes = {1, 2, 3, 4, 5, 6, 7};
+  Bytes message = write_live_layer(a_layer(bytes));
+  for (std::size_t size = 0; size < message.size(); ++size) {
+    EXPECT_FALSE(parse_live_layer(ByteView(message).first(size))) << size << " bytes";
+  }
+  message.push_back(0);
+  EXPECT_FALSE(parse_live_layer(message));
+}
+
+TEST(LiveMessages, a_layer_that_no_frame_can_have_is_refused) {
+  const Bytes bytes = {1, 2, 3, 4, 5, 6, 7};
+  const auto refused = [&](auto change) {
+    LiveLayer layer = a_layer(bytes);
+    change(layer);
+    return !parse_live_layer(write_live_layer(layer));
+  };
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.layer = 3; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.layers = 0; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.layers = 9; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.capture_us = ~std::uint64_t{0}; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes = {0, 6, 1}; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes.normals = 2; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes = {~0u, ~0u, ~0u}; }));
+}
+
+TEST(LiveMessages, streams_are_called_what_stands_in_a_url_as_it_is) {
+  EXPECT_TRUE(is_stream_name("stage-1.left_A"));
+  for (const char* name : {"", ".", "..", ".hidden", "a/b", "a b", "a?b", "é", "a%20b"}) {
+    EXPECT_FALSE(is_stream_name(name)) << name;
+  }
+  EXPECT_TRUE(is_stream_name(std::string(64, 'a')));
+  EXPECT_FALSE(is_stream_name(std::string(65, 'a')));
+}
+
+}  // namespace
+}  // namespace pointreel

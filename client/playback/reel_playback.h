@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <glm/glm.hpp>
 
@@ -11,6 +12,7 @@
 #include "client/playback/clock.h"
 #include "client/playback/layer_choice.h"
 #include "client/playback/pipeline.h"
+#include "client/playback/playback.h"
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
 #include "client/source/source.h"
@@ -18,9 +20,8 @@
 namespace pointreel {
 
 /// Everything that plays one reel: where its frames come from, what time it is, what is fetched and
-/// decoded for the view, and the frames that are ready. Knows nothing of OpenGL or windows. All
-/// calls are made by one thread, the one that draws.
-class ReelPlayback {
+/// decoded for the view, and the frames that are ready.
+class ReelPlayback : public Playback {
  public:
   struct Options {
     DrawMode mode = DrawMode::surfel;
@@ -42,11 +43,16 @@ class ReelPlayback {
   const Manifest& manifest() const { return source_->manifest(); }
   const Timeline& timeline() const { return clock_.timeline(); }
 
-  // What is looked at.
+  const std::string& name() const override { return manifest().name; }
+  char up() const override { return manifest().up; }
+  Box bounds() const override { return manifest().bounds; }
+  void look(const Camera& camera, glm::ivec2 size) override;
+  void set_mode(DrawMode mode) override;
+  Update update(Clock::TimePoint now) override;
+  std::optional<std::string> trouble() const override { return source_->trouble(); }
+  std::uint64_t dropped() const override { return dropped_; }
+  std::uint64_t errors() const override { return pipeline_->errors(); }
 
-  /// Cheap while nothing changes.
-  void look(const Camera& camera, glm::ivec2 size);
-  void set_mode(DrawMode mode);
   /// What is fetched of frames that have `level`, for the mode of now.
   FetchRequest choice(int level) const;
 
@@ -60,24 +66,11 @@ class ReelPlayback {
   bool playing() const { return clock_.playing(); }
   double speed() const { return clock_.speed(); }
 
-  struct Update {
-    std::shared_ptr<const SceneFrame> frame;  ///< to be shown now; null: none is there yet
-    /// `frame` is the one given before, with more levels.
-    bool refined = false;
-    bool ended = false;  ///< past the end, not looping
-  };
-  Update update(Clock::TimePoint now);
-
   // Without a clock: frames in any order, each as soon as it is there.
 
   /// Goes to `frame` and waits for it, with all the levels that are seen, at most for `timeout`.
   FrameBuffer::State await(std::uint32_t frame, std::chrono::milliseconds timeout);
   std::shared_ptr<const SceneFrame> best() const { return buffer_.best(); }
-
-  /// Frames whose time came and went without them.
-  std::uint64_t dropped() const { return dropped_; }
-  /// Frames that could not be fetched or prepared.
-  std::uint64_t errors() const { return pipeline_->errors(); }
 
  private:
   void set_level();

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/playback/playback.h"
+#include "client/source/live_source.h"
+#include "common/base/error.h"
+#include "common/stream/package.h"
+
+namespace pointreel {
+
+/// A live stream: always the newest frame that is ready. Threads take the newest one that came and
+/// nobody works on, so that a machine which is too slow shows fewer frames, but none later.
+///
+/// SceneFrame::index is the frame's number, and time_us when it was captured, in Unix time of the
+/// publisher's clock.
+class LivePlayback : public Playback {
+ public:
+  struct Options {
+    DrawMode mode = DrawMode::surfel;
+    double delta = 0.7;            ///< PrepareOptions::delta
+    std::uint32_t layers = ~0u;    ///< no more are decoded, however near the camera
+    float pixel_size = 1.0f;       ///< DrawOptions::pixel_size
+    unsigned prepare_threads = 2;  ///< >= 1
+  };
+  /// Told of each frame that could not be prepared, on the thread that found it.
+  using OnError = std::function<void(std::uint32_t frame, const Error&)>;
+
+  /// `name`: for people.
+  LivePlayback(std::unique_ptr<LiveSource> source, std::string name, const Options& options,
+               OnError on_error);
+  /// Cancels the source and waits for the threads.
+  ~LivePlayback() override;
+
+  const std::string& name() const override { return name_; }
+  char up() const override;
+  Box bounds() const override;
+  void look(const Camera& camera, glm::ivec2 size) override;
+  void set_mode(DrawMode mode) override { mode_ = mode; }
+  Update update(Clock::TimePoint now) override;
+  std::optional<std::string> trouble() const override { return source_->trouble(); }
+  /// Frames that came and were never shown, because a newer one was ready or taken before them.
+  std::uint64_t dropped() const override;
+  std::uint64_t errors() const override { return errors_; }
+
+  LiveCounts counts() const { return source_->counts(); }
+
+ private:
+  /// A frame that came, or one that is ready.
+  template <class Frame>
+  struct Ordered {
+    std::uint64_t order = 0;  ///< rises with each frame, whatever the publisher's numbers do
+    Frame frame;
+  };
+  using Received = Ordered<LiveFrame>;
+  using Ready = Ordered<std::shared_ptr<const SceneFrame>>;
+
+  void receive();
+  void prepare();
+  Result<SceneFrame> prepare(LiveFrame& frame) const;
+  void deliver(std::uint64_t order, std::shared_ptr<const SceneFrame> frame);
+  void find_level();
+
+  const std::unique_ptr<LiveSource> source_;
+  const Options options_;
+  const OnError on_error_;
+  const std::string name_;
+  std::atomic<DrawMode> mode_;
+  std::atomic<std::uint64_t> errors_{0};
+
+  mutable std::mutex mutex_;  ///< of what follows, up to the threads
+  std::condition_variable changed_;
+  bool ending_ = false;
+  Manifest stream_;  ///< what the publisher says, as if the stream were a reel of one frame
+  std::optional<Received> received_;  ///< the newest that nobody works on yet
+  Ready ready_;                       ///< the newest; null at first
+  Ready given_;                       ///< by the last update
+  std::uint64_t overtaken_ = 0;
+  std::optional<Camera> camera_;
+  glm::ivec2 size_{0};
+  int level_ = kWholeFrame;  ///< the finest that the camera can show
+
+  std::thread receiver_;
+  std::vector<std::thread> preparers_;
+};
+
+}  // namespace pointreel

@@ -1,0 +1,235 @@
+#include "client/playback/live_playback.h"
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "codec/codec.h"
+#include "common/stream/live.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+
+const Cube kCube{{0.0, 0.0, 0.0}, 4.0};
+
+/// `points` of a grid in the cube's corner, as so many layers of an octree.
+LiveFrame live_frame(std::uint32_t number, int points, std::size_t layers = 3) {
+  PointCloud cloud;
+  for (int i = 0; i < points; ++i)
+    cloud.positions.push_back(0.01f * glm::vec3(1 + i % 20, 1 + i / 20 % 20, 1 + i / 400));
+  OctreeOptions octree;
+  octree.entropy = Entropy::none;
+  octree.depth = DepthRule::fixed(11);
+  const auto encoded = encode_frame(cloud, kCube, {octree});
+  EXPECT_TRUE(encoded);
+  LiveFrame frame;
+  frame.number = number;
+  frame.capture_us = 1'000'000 + number;
+  frame.layers_sent = 3;
+  for (std::size_t i = 0; i < std::min(layers, encoded->layers.size()); ++i) {
+    const Bytes& geometry = encoded->layers[i].geometry;
+    frame.frame.layers.push_back({geometry, {static_cast<std::uint32_t>(geometry.size()), 0, 0}});
+  }
+  return frame;
+}
+
+LiveFrame broken_frame(std::uint32_t number) {
+  LiveFrame frame = live_frame(number, 10);
+  frame.frame.layers[0].bytes[9] ^= 0xff;
+  return frame;
+}
+
+/// Gives what the test pushes.
+class FakeLiveSource : public LiveSource {
+ public:
+  std::optional<LiveHello> hello(milliseconds) override {
+    const std::lock_guard lock(mutex_);
+    return hello_;
+  }
+  std::optional<LiveFrame> next(milliseconds timeout) override {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, timeout, [this] { return cancelled_ || !frames_.empty(); });
+    if (frames_.empty()) return std::nullopt;
+    LiveFrame frame = std::move(frames_.front());
+    frames_.pop_front();
+    return frame;
+  }
+  std::optional<std::string> trouble() const override { return std::nullopt; }
+  LiveCounts counts() const override { return {}; }
+  void cancel() override {
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = true;
+    }
+    changed_.notify_all();
+  }
+
+  void say(const LiveHello& hello) {
+    const std::lock_guard lock(mutex_);
+    hello_ = hello;
+  }
+  void push(LiveFrame frame) {
+    {
+      const std::lock_guard lock(mutex_);
+      frames_.push_back(std::move(frame));
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<LiveHello> hello_;
+  std::deque<LiveFrame> frames_;
+  bool cancelled_ = false;
+};
+
+LiveHello plain_hello(std::uint64_t session) {
+  LiveHello hello;
+  hello.name = "plain";
+  hello.session = session;
+  hello.codec = "octree";
+  hello.up = 'z';
+  hello.layer_names = {"base", "middle", "full"};
+  return hello;
+}
+
+struct LiveTest : testing::Test {
+  LiveTest() {
+    auto fake = std::make_unique<FakeLiveSource>();
+    source = fake.get();
+    LivePlayback::Options options;
+    options.mode = DrawMode::point;
+    playback = std::make_unique<LivePlayback>(std::move(fake), "somewhere", options,
+                                              [this](std::uint32_t frame, const Error&) {
+                                                const std::lock_guard lock(mutex);
+                                                broken.insert(frame);
+                                              });
+  }
+
+  /// The first update for which this is so.
+  Playback::Update update_until(const std::function<bool(const Playback::Update&)>& done) {
+    Playback::Update update;
+    for (int i = 0; i < 20'000; ++i) {
+      update = playback->update({});
+      if (done(update)) return update;
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    ADD_FAILURE() << "it never came";
+    return update;
+  }
+  Playback::Update wait_for(std::uint32_t number) {
+    return update_until(
+        [number](const auto& update) { return update.frame && update.frame->index == number; });
+  }
+
+  FakeLiveSource* source = nullptr;
+  std::mutex mutex;
+  std::set<std::uint32_t> broken;
+  std::unique_ptr<LivePlayback> playback;  // last: its threads use what is above
+};
+
+TEST_F(LiveTest, ShowsEachFrameWithItsTimeOfCapture) {
+  source->say(plain_hello(1));
+  EXPECT_EQ(playback->update({}).frame, nullptr);
+  for (std::uint32_t number : {3u, 4u, 9u}) {
+    source->push(live_frame(number, 100));
+    const Playback::Update update = wait_for(number);
+    ASSERT_TRUE(update.frame);
+    EXPECT_EQ(update.frame->time_us, 1'000'000u + number);
+    EXPECT_EQ(update.frame->svo.leaf_count(), 100u);
+    EXPECT_FALSE(update.refined);
+    EXPECT_FALSE(update.ended);
+  }
+  EXPECT_EQ(playback->up(), 'z');
+  EXPECT_EQ(playback->dropped(), 0u);
+  EXPECT_EQ(playback->errors(), 0u);
+}
+
+TEST_F(LiveTest, KnowsItsBoundsFromTheFirstFrameIfThePublisherDoesNotSay) {
+  source->say(plain_hello(1));
+  EXPECT_TRUE(playback->bounds().empty());
+  source->push(live_frame(0, 400));
+  wait_for(0);
+  const Box bounds = playback->bounds();
+  ASSERT_FALSE(bounds.empty());
+  EXPECT_NEAR(bounds.max.x, 0.2, 0.01);
+  EXPECT_NEAR(bounds.min.x, 0.01, 0.01);
+}
+
+TEST_F(LiveTest, GoesOnFromABrokenFrameAndTellsIt) {
+  source->say(plain_hello(1));
+  source->push(live_frame(0, 100));
+  const auto first = wait_for(0).frame;
+  source->push(broken_frame(1));
+  update_until([this](const auto&) { return playback->errors() == 1; });
+  EXPECT_EQ(playback->update({}).frame, first) << "the last good picture stays";
+  source->push(live_frame(2, 100));
+  wait_for(2);
+  EXPECT_EQ(playback->errors(), 1u);
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(broken, std::set<std::uint32_t>{1});
+}
+
+TEST_F(LiveTest, RefinesAFrameWhoseFinerLayersComeLater) {
+  source->say(plain_hello(1));
+  source->push(live_frame(5, 400, 1));
+  const Playback::Update coarse = wait_for(5);
+  EXPECT_LT(coarse.frame->svo.depth, 11);
+  source->push(live_frame(5, 400, 3));
+  const Playback::Update fine = update_until(
+      [](const auto& update) { return update.frame && update.frame->svo.depth == 11; });
+  EXPECT_TRUE(fine.refined);
+  EXPECT_EQ(fine.frame->index, 5u);
+  EXPECT_FALSE(playback->update({}).refined) << "only once";
+  EXPECT_EQ(playback->dropped(), 0u);
+}
+
+TEST_F(LiveTest, ShowsThePublisherThatWasStartedAgainThoughItsNumbersBeginAnew) {
+  source->say(plain_hello(1));
+  source->push(live_frame(100, 100));
+  wait_for(100);
+  source->say(plain_hello(2));
+  source->push(live_frame(0, 50));
+  EXPECT_EQ(wait_for(0).frame->svo.leaf_count(), 50u);
+}
+
+TEST_F(LiveTest, NeverGoesBackAndCountsWhatWasNotShown) {
+  source->say(plain_hello(1));
+  constexpr std::uint32_t kFrames = 60;
+  std::atomic<bool> all_pushed{false};
+  std::thread pusher([&] {
+    for (std::uint32_t i = 1; i <= kFrames; ++i)
+      source->push(live_frame(i, i % 7 == 0 ? 4000 : 40));  // some take longer than the next ones
+    all_pushed = true;
+  });
+  std::uint32_t last = 0, shown = 0;
+  update_until([&](const auto& update) {
+    if (!update.frame || update.frame->index == last) return false;
+    EXPECT_GT(update.frame->index, last);
+    last = update.frame->index;
+    ++shown;
+    return last == kFrames;
+  });
+  pusher.join();
+  // One that was passed may still be in the hands of a thread.
+  update_until([&](const auto&) { return playback->dropped() + shown == kFrames; });
+  EXPECT_EQ(playback->errors(), 0u);
+}
+
+TEST_F(LiveTest, EndsWhileFramesArePrepared) {
+  source->say(plain_hello(1));
+  for (std::uint32_t i = 1; i <= 5; ++i) source->push(live_frame(i, 4000));
+  playback.reset();
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "client/source/package_source.h"
+
 namespace pointreel {
 namespace {
 
@@ -27,70 +29,55 @@ class OpenFile {
   int descriptor_;
 };
 
-class FileSource : public Source {
+Result<Bytes> read_range(const std::filesystem::path& folder, const PackageFile& listed,
+                         std::uint64_t offset, std::uint64_t size) {
+  if (size == 0) return Bytes{};
+  const std::filesystem::path path = folder / listed.path;
+  const OpenFile file(path);
+  if (file.get() < 0)
+    return fail(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+  // The file's end is looked at before memory is taken: the manifest may promise what is not
+  // there.
+  const off_t end = ::lseek(file.get(), 0, SEEK_END);
+  if (end < 0 || static_cast<std::uint64_t>(end) < offset + size)
+    return fail(
+        fmt::format("{}: ends at byte {}, but the manifest says that what is wanted ends at {}; "
+                    "the package is damaged",
+                    path.string(), static_cast<std::int64_t>(end), offset + size));
+  Bytes bytes(size);
+  std::size_t got = 0;
+  while (got < size) {
+    const ssize_t n =
+        ::pread(file.get(), bytes.data() + got, size - got, static_cast<off_t>(offset + got));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0)
+      return fail(fmt::format("{}: cannot be read at byte {}: {}", path.string(), offset + got,
+                              n < 0 ? std::strerror(errno) : "the file has become shorter"));
+    got += static_cast<std::size_t>(n);
+  }
+  return bytes;
+}
+
+class FileSource : public PackageSource {
  public:
-  FileSource(std::filesystem::path folder, Manifest manifest)
-      : folder_(std::move(folder)), manifest_(std::move(manifest)) {}
-
-  /// Before the first fetch.
-  Result<void> open_tables() {
-    if (!manifest_.tables) return {};
-    const PackageFile& file = *manifest_.tables;
-    const auto bytes = read(file, 0, file.bytes);
-    if (!bytes) return tl::unexpected(bytes.error());
-    auto tables = read_tables(file, *bytes);
-    if (!tables) return fail_at((folder_ / file.path).string(), tables.error());
-    tables_ = std::move(*tables);
-    return {};
-  }
-
-  const Manifest& manifest() const override { return manifest_; }
-
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
-    const auto ranges = ranges_of(manifest_, frame, request);
-    if (!ranges) return tl::unexpected(ranges.error());
-    FetchedFrame fetched;
-    fetched.tables = tables_;
-    for (const LayerRange& range : *ranges) {
-      auto bytes = read(*range.file, range.offset, range.sizes.total());
-      if (!bytes) return tl::unexpected(bytes.error());
-      fetched.layers.push_back({std::move(*bytes), range.sizes});
-    }
-    return fetched;
-  }
+  FileSource(std::filesystem::path folder, Manifest manifest,
+             std::shared_ptr<const ContextTables> tables)
+      : PackageSource(std::move(manifest), std::move(tables)), folder_(std::move(folder)) {}
 
  private:
-  Result<Bytes> read(const PackageFile& listed, std::uint64_t offset, std::uint64_t size) const {
-    if (size == 0) return Bytes{};
-    const std::filesystem::path path = folder_ / listed.path;
-    const OpenFile file(path);
-    if (file.get() < 0)
-      return fail(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
-    // The file's end is looked at before memory is taken: the manifest may promise what is not
-    // there.
-    const off_t end = ::lseek(file.get(), 0, SEEK_END);
-    if (end < 0 || static_cast<std::uint64_t>(end) < offset + size)
-      return fail(
-          fmt::format("{}: ends at byte {}, but the manifest says that what is wanted ends at {}; "
-                      "the package is damaged",
-                      path.string(), static_cast<std::int64_t>(end), offset + size));
-    Bytes bytes(size);
-    std::size_t got = 0;
-    while (got < size) {
-      const ssize_t n =
-          ::pread(file.get(), bytes.data() + got, size - got, static_cast<off_t>(offset + got));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0)
-        return fail(fmt::format("{}: cannot be read at byte {}: {}", path.string(), offset + got,
-                                n < 0 ? std::strerror(errno) : "the file has become shorter"));
-      got += static_cast<std::size_t>(n);
+  Result<std::vector<Bytes>> read(std::span<const LayerRange> ranges,
+                                  const FetchRequest& request) override {
+    std::vector<Bytes> all;
+    for (const LayerRange& range : ranges) {
+      if (request.stop.stop_requested()) return fail("cancelled");
+      auto bytes = read_range(folder_, *range.file, range.offset, range.sizes.total());
+      if (!bytes) return tl::unexpected(bytes.error());
+      all.push_back(std::move(*bytes));
     }
-    return bytes;
+    return all;
   }
 
   const std::filesystem::path folder_;
-  const Manifest manifest_;
-  std::shared_ptr<const ContextTables> tables_;
 };
 
 }  // namespace
@@ -98,9 +85,16 @@ class FileSource : public Source {
 Result<std::unique_ptr<Source>> open_file_source(const std::filesystem::path& folder) {
   auto manifest = read_manifest(folder);
   if (!manifest) return tl::unexpected(manifest.error());
-  auto source = std::make_unique<FileSource>(folder, std::move(*manifest));
-  if (const auto opened = source->open_tables(); !opened) return tl::unexpected(opened.error());
-  return source;
+  std::shared_ptr<const ContextTables> tables;
+  if (manifest->tables) {
+    const PackageFile& file = *manifest->tables;
+    const auto bytes = read_range(folder, file, 0, file.bytes);
+    if (!bytes) return tl::unexpected(bytes.error());
+    auto read = read_tables(file, *bytes);
+    if (!read) return fail_at((folder / file.path).string(), read.error());
+    tables = std::move(*read);
+  }
+  return std::make_unique<FileSource>(folder, std::move(*manifest), std::move(tables));
 }
 
 }  // namespace pointreel

@@ -1,269 +1,426 @@
 #include "client/source/http_client.h"
 
 #include <algorithm>
-#include <cctype>
+#include <condition_variable>
+#include <list>
+#include <mutex>
+#include <random>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include <curl/curl.h>
 #include <fmt/format.h>
 
+#include "client/source/http_transfer.h"
+
 namespace pointreel {
-
-struct HttpClient::Connection {
-  Connection() : handle(curl_easy_init()) {}
-  ~Connection() { curl_easy_cleanup(handle); }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
-  CURL* const handle;
-};
-
-/// Size 0: the whole file. At most `limit` bytes may come.
-struct HttpClient::Wanted {
-  std::uint64_t offset = 0, size = 0, total = 0, limit = 0;
-
-  bool is_range() const { return size > 0; }
-  bool is_whole_file() const { return size == total; }
-};
-
-struct HttpClient::Answer {
-  Result<Bytes> body;
-  bool may_pass = false;  ///< a failure that is worth another attempt
-};
-
 namespace {
 
-/// Bodies of error pages are read so far, to keep the connection, and thrown away.
-constexpr std::uint64_t kMaxErrorPage = 64 * 1024;
+using Clock = std::chrono::steady_clock;
+using Time = Clock::time_point;
+using std::chrono::milliseconds;
 
-struct Transfer {
-  CURL* handle = nullptr;
-  const std::atomic<bool>* cancelled = nullptr;
-  std::uint64_t limit = 0;
-  Bytes body;
-  std::uint64_t discarded = 0;
-  bool too_long = false;
-  std::string content_range;  ///< of the last response; redirects have earlier ones
+/// Requests under way at the same time, and connections that are kept.
+constexpr std::size_t kMaxActive = 8;
+/// Of a request that nobody waits for any more, so much is read to keep its connection: making
+/// another one takes a round trip.
+constexpr std::uint64_t kWorthReading = 32 * 1024;
+constexpr auto kReadingTime = milliseconds(500);
+/// For so long after a failure connections that were idle since before it are not trusted.
+constexpr auto kSuspicion = std::chrono::seconds(120);
+
+Error cancelled() { return {"cancelled"}; }
+
+/// "host:port" of a URL.
+std::string_view host_of(std::string_view url) {
+  if (const auto scheme = url.find("://"); scheme != std::string_view::npos)
+    url.remove_prefix(scheme + 3);
+  url = url.substr(0, url.find('/'));
+  if (const auto user = url.rfind('@'); user != std::string_view::npos) url.remove_prefix(user + 1);
+  return url;
+}
+
+/// The smallest of the last five to ten seconds.
+class RecentMinimum {
+ public:
+  void add(Clock::duration value, Time now) {
+    if (now - begun_ > std::chrono::seconds(5)) {
+      before_ = now - begun_ > std::chrono::seconds(10) ? Clock::duration::max() : current_;
+      current_ = Clock::duration::max();
+      begun_ = now;
+    }
+    current_ = std::min(current_, value);
+  }
+  Clock::duration get() const { return std::min(before_, current_); }
+
+ private:
+  Clock::duration before_ = Clock::duration::max(), current_ = Clock::duration::max();
+  Time begun_{};
 };
 
-long status_of(CURL* handle) {
-  long status = 0;
-  curl_easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &status);
-  return status;
-}
+/// What one call waits for.
+struct Batch {
+  std::vector<HttpWanted> wanted;
+  int attempts = 0;  ///< at most so many; 0: without end
+  // Guarded by the loop's mutex.
+  bool stopped = false, done = false;
+  std::optional<Error> error;
+  std::size_t missing = 0;
+  std::vector<Bytes> bodies;
+  std::string tag;         ///< of the first
+  bool unchanged = false;  ///< of the first
+};
 
-std::size_t on_body(char* data, std::size_t, std::size_t size, void* user) {
-  auto& transfer = *static_cast<Transfer*>(user);
-  const long status = status_of(transfer.handle);
-  if (status != 200 && status != 206) {
-    transfer.discarded += size;
-    return transfer.discarded <= kMaxErrorPage ? size : 0;
-  }
-  if (transfer.body.size() + size > transfer.limit) {
-    transfer.too_long = true;
-    return 0;
-  }
-  transfer.body.insert(transfer.body.end(), data, data + size);
-  return size;
-}
+struct Job {
+  Job(std::shared_ptr<Batch> of, std::size_t number, const SourceOptions& options)
+      : batch(std::move(of)), index(number), transfer(batch->wanted[number], options) {}
 
-bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
-
-std::size_t on_header(char* data, std::size_t, std::size_t size, void* user) {
-  auto& transfer = *static_cast<Transfer*>(user);
-  std::string_view line(data, size);
-  if (line.starts_with("HTTP/")) transfer.content_range.clear();
-  constexpr std::string_view kName = "content-range:";
-  const bool matches =
-      line.size() > kName.size() &&
-      std::equal(kName.begin(), kName.end(), line.begin(), [](char name, char given) {
-        return name == static_cast<char>(std::tolower(static_cast<unsigned char>(given)));
-      });
-  if (matches) {
-    line.remove_prefix(kName.size());
-    while (!line.empty() && is_space(line.front())) line.remove_prefix(1);
-    while (!line.empty() && is_space(line.back())) line.remove_suffix(1);
-    transfer.content_range = line;
-  }
-  return size;
-}
-
-int on_progress(void* user, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-  return static_cast<Transfer*>(user)->cancelled->load() ? 1 : 0;
-}
-
-bool is_loopback(std::string_view url) {
-  const std::string_view host = url.substr(url.find("://") + 3);
-  return host.starts_with("127.") || host.starts_with("localhost") || host.starts_with("[::1]");
-}
-
-void set_options(CURL* handle, const std::string& url, const SourceOptions& options,
-                 Transfer& transfer) {
-  curl_easy_reset(handle);
-  curl_easy_setopt(handle, CURLOPT_URL, url.c_str());
-  curl_easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
-  curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(handle, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 1L);
-  curl_easy_setopt(handle, CURLOPT_MAXREDIRS, 4L);
-  curl_easy_setopt(handle, CURLOPT_USERAGENT, "pointreel");
-  curl_easy_setopt(handle, CURLOPT_BUFFERSIZE, 256L * 1024);
-  curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS,
-                   static_cast<long>(options.connect_timeout.count()));
-  curl_easy_setopt(handle, CURLOPT_TIMEOUT_MS, static_cast<long>(options.transfer_timeout.count()));
-  // A proxy that the environment names is for the world outside.
-  if (is_loopback(url)) curl_easy_setopt(handle, CURLOPT_PROXY, "");
-  curl_easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_body);
-  curl_easy_setopt(handle, CURLOPT_WRITEDATA, &transfer);
-  curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, on_header);
-  curl_easy_setopt(handle, CURLOPT_HEADERDATA, &transfer);
-  curl_easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
-  curl_easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_progress);
-  curl_easy_setopt(handle, CURLOPT_XFERINFODATA, &transfer);
-}
-
-double seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
-
-std::string transfer_error(CURLcode code, const Transfer& transfer, const SourceOptions& options) {
-  switch (code) {
-    case CURLE_URL_MALFORMAT:
-      return "is no valid address";
-    case CURLE_COULDNT_RESOLVE_HOST:
-      return "the host's name is not known; check the address and the network";
-    case CURLE_COULDNT_CONNECT:
-      return "nothing answers there; check host and port, and that the server runs";
-    case CURLE_OPERATION_TIMEDOUT: {
-      double connected = 0.0;
-      curl_easy_getinfo(transfer.handle, CURLINFO_CONNECT_TIME, &connected);
-      if (connected <= 0.0)
-        return fmt::format("no connection within {:g} s; check host and port",
-                           seconds(std::min(options.connect_timeout, options.transfer_timeout)));
-      return fmt::format("not complete after {:g} s ({} bytes came)",
-                         seconds(options.transfer_timeout), transfer.body.size());
-    }
-    case CURLE_PARTIAL_FILE:
-    case CURLE_GOT_NOTHING:
-    case CURLE_RECV_ERROR:
-    case CURLE_SEND_ERROR:
-      return fmt::format("the connection broke after {} bytes", transfer.body.size());
-    default:
-      return curl_easy_strerror(code);
-  }
-}
-
-bool transfer_error_may_pass(CURLcode code) {
-  return code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST ||
-         code == CURLE_OPERATION_TIMEDOUT || code == CURLE_PARTIAL_FILE ||
-         code == CURLE_GOT_NOTHING || code == CURLE_RECV_ERROR || code == CURLE_SEND_ERROR;
-}
-
-const char* explain(long status) {
-  switch (status) {
-    case 403:
-      return " (forbidden)";
-    case 404:
-      return " (not found)";
-    case 416:
-      return " (the file is shorter than its manifest says)";
-    default:
-      return "";
-  }
-}
+  std::shared_ptr<Batch> batch;  ///< null: nobody waits for it
+  std::size_t index;
+  HttpTransfer transfer;
+  CURL* active = nullptr;
+  int attempts = 0, silent = 0;
+  bool doubted = false;
+  Time not_before{}, read_until{};
+  std::string trouble;
+};
 
 }  // namespace
 
-HttpClient::HttpClient(const SourceOptions& options) : options_(options) {
-  [[maybe_unused]] static const CURLcode global = curl_global_init(CURL_GLOBAL_DEFAULT);
-}
+class HttpClient::Loop : HttpTransfer::Listener {
+ public:
+  explicit Loop(const SourceOptions& options) : options_(options) {
+    [[maybe_unused]] static const CURLcode global = curl_global_init(CURL_GLOBAL_DEFAULT);
+    multi_ = curl_multi_init();
+    curl_multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(kMaxActive));
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Loop() override {
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = ending_ = true;
+    }
+    wake();
+    thread_.join();
+    curl_multi_cleanup(multi_);
+  }
+
+  Result<void> get(const std::shared_ptr<Batch>& batch, const std::stop_token& stop) {
+    const std::stop_callback on_stop(stop, [&] {
+      {
+        const std::lock_guard lock(mutex_);
+        batch->stopped = true;
+      }
+      done_.notify_all();
+      wake();
+    });
+    batch->missing = batch->wanted.size();
+    batch->bodies.resize(batch->wanted.size());
+    std::unique_lock lock(mutex_);
+    if (batch->wanted.empty()) return {};
+    inbox_.push_back(batch);
+    wake();
+    done_.wait(lock, [&] { return batch->done || batch->stopped || cancelled_; });
+    if (batch->done && !batch->error) return {};
+    // Whatever becomes of it, the loop need not go on.
+    batch->stopped = true;
+    wake();
+    return tl::unexpected(batch->error ? *batch->error : cancelled());
+  }
+
+  void cancel() {
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = true;
+    }
+    done_.notify_all();
+    wake();
+  }
+
+  int open_attempts() const { return std::max(1, options_.open_attempts); }
+
+  std::optional<std::string> trouble() const {
+    const std::lock_guard lock(mutex_);
+    if (trouble_.empty()) return std::nullopt;
+    return trouble_;
+  }
+
+  LinkUse link_use() const {
+    const std::lock_guard lock(mutex_);
+    return use_;
+  }
+
+ private:
+  void wake() { curl_multi_wakeup(multi_); }
+
+  void run() {
+    Time before = Clock::now();
+    for (;;) {
+      if (!take_orders()) break;
+      const Time now = Clock::now();
+      if (std::any_of(jobs_.begin(), jobs_.end(), [](const auto& job) { return job->active; }))
+        busy_ += now - before;
+      before = now;
+      begin_due(now);
+      int running = 0;
+      curl_multi_perform(multi_, &running);
+      finish_ended();
+      give_up_stalled(Clock::now());
+      publish();
+      const auto wait = std::chrono::ceil<milliseconds>(next_deadline() - Clock::now());
+      curl_multi_poll(multi_, nullptr, 0,
+                      static_cast<int>(std::clamp<std::int64_t>(wait.count(), 0, 60'000)), nullptr);
+    }
+    for (const auto& job : jobs_) end_attempt(*job);
+    jobs_.clear();
+  }
+
+  /// False if the loop is to end.
+  bool take_orders() {
+    const std::lock_guard lock(mutex_);
+    if (ending_) return false;
+    for (const auto& batch : inbox_)
+      for (std::size_t i = 0; i < batch->wanted.size(); ++i) {
+        jobs_.push_back(std::make_unique<Job>(batch, i, options_));
+        jobs_.back()->transfer.listener = this;
+      }
+    inbox_.clear();
+    const Time now = Clock::now();
+    std::erase_if(jobs_, [&](const std::unique_ptr<Job>& job) {
+      if (job->batch == nullptr || !(job->batch->stopped || job->batch->error || cancelled_))
+        return false;
+      if (!cancelled_ && worth_reading(*job)) {
+        job->batch = nullptr;
+        job->read_until = now + kReadingTime;
+        return false;
+      }
+      end_attempt(*job);
+      return true;
+    });
+    return true;
+  }
+
+  bool worth_reading(const Job& job) const {
+    const auto unwanted = std::count_if(jobs_.begin(), jobs_.end(),
+                                        [](const auto& other) { return other->batch == nullptr; });
+    return job.active != nullptr && job.transfer.missing() <= kWorthReading &&
+           unwanted < static_cast<std::ptrdiff_t>(kMaxActive);
+  }
+
+  void begin_due(Time now) {
+    auto active =
+        static_cast<std::size_t>(std::count_if(jobs_.begin(), jobs_.end(), [](const auto& job) {
+          return job->active != nullptr && job->batch;
+        }));
+    for (const auto& job : jobs_) {
+      if (active >= kMaxActive) return;
+      if (job->active != nullptr || job->not_before > now) continue;
+      // What was idle since before the newest failure may be dead without having said so.
+      const auto since = std::chrono::floor<std::chrono::seconds>(now - newest_failure_);
+      const auto max_idle = newest_failure_ == Time{} || since > kSuspicion
+                                ? kSuspicion
+                                : std::max(std::chrono::seconds(1), since);
+      job->active = job->transfer.begin(job->attempts > 0, max_idle);
+      ++job->attempts;
+      ++active;
+      if (job->active != nullptr) curl_multi_add_handle(multi_, job->active);
+    }
+  }
+
+  void end_attempt(Job& job) {
+    if (job.active == nullptr) return;
+    curl_multi_remove_handle(multi_, job.active);
+    job.active = nullptr;
+  }
+
+  void finish_ended() {
+    int left = 0;
+    while (const CURLMsg* message = curl_multi_info_read(multi_, &left)) {
+      if (message->msg != CURLMSG_DONE) continue;
+      CURL* const handle = message->easy_handle;
+      const int code = message->data.result;  // the message ends with the handle's removal
+      const auto job = std::find_if(jobs_.begin(), jobs_.end(),
+                                    [&](const auto& each) { return each->active == handle; });
+      if (job == jobs_.end()) continue;
+      const auto failure = (*job)->transfer.finish(code);
+      end_attempt(**job);
+      if ((*job)->batch == nullptr || settle(**job, failure)) jobs_.erase(job);
+    }
+  }
+
+  void give_up_stalled(Time now) {
+    std::erase_if(jobs_, [&](const std::unique_ptr<Job>& job) {
+      if (job->active == nullptr) return false;
+      if (job->batch == nullptr) {
+        if (now < job->read_until) return false;
+        end_attempt(*job);
+        return true;
+      }
+      const auto deadline = stall_deadline(*job);
+      if (!deadline || now < *deadline) return false;
+      const HttpFailure failure = job->transfer.stalled(stall_limit(*job));
+      job->silent = job->transfer.newest_byte() ? 0 : job->silent + 1;
+      end_attempt(*job);
+      return settle(*job, failure);
+    });
+  }
+
+  milliseconds stall_limit(const Job& job) const {
+    return options_.stall_timeout * (1 << std::min(job.silent, 2));
+  }
+
+  /// None while there is no connection: making it has a time limit of its own.
+  std::optional<Time> stall_deadline(const Job& job) const {
+    const auto sent = job.transfer.sent_at();
+    if (!sent) return std::nullopt;
+    return std::max(*sent, job.transfer.newest_byte().value_or(Time{})) + stall_limit(job);
+  }
+
+  /// After an attempt. True if the job is over.
+  bool settle(Job& job, const std::optional<HttpFailure>& failure) {
+    Batch& batch = *job.batch;
+    if (!failure) {
+      const std::lock_guard lock(mutex_);
+      publish_use();
+      batch.bodies[job.index] = job.transfer.take_body();
+      if (job.index == 0) {
+        batch.tag = job.transfer.tag();
+        batch.unchanged = job.transfer.unchanged();
+      }
+      if (--batch.missing == 0 && !batch.error) batch.done = true;
+      done_.notify_all();
+      return true;
+    }
+    const bool passing = failure->kind == HttpFailure::Kind::passing;
+    const bool again = passing ? batch.attempts == 0 || job.attempts < batch.attempts
+                               : failure->kind == HttpFailure::Kind::doubtful && !job.doubted;
+    const std::string& text = failure->error.message;
+    if (!again) {
+      const std::lock_guard lock(mutex_);
+      const std::string attempts =
+          job.attempts > 1 ? fmt::format(" ({} attempts)", job.attempts) : "";
+      if (!batch.error)
+        batch.error = Error{fmt::format("{}: {}{}", job.transfer.wanted().url, text, attempts)};
+      batch.done = true;
+      done_.notify_all();
+      return true;
+    }
+    job.doubted = job.doubted || !passing;
+    // Whoever lost the same server comes back at another moment.
+    const auto doubled = options_.first_backoff * (1 << std::min(job.attempts - 1, 10));
+    const auto pause = std::min<Clock::duration>(doubled, options_.max_backoff);
+    const double share = std::uniform_real_distribution(0.7, 1.0)(random_);
+    newest_failure_ = Clock::now();
+    job.not_before = newest_failure_ + std::chrono::duration_cast<Clock::duration>(pause * share);
+    job.trouble = fmt::format("{}: {}; trying again", host_of(job.transfer.wanted().url),
+                              text.substr(0, text.find(';')));
+    return false;
+  }
+
+  Time next_deadline() const {
+    Time next = Clock::now() + std::chrono::seconds(60);
+    for (const auto& job : jobs_) {
+      if (job->active == nullptr)
+        next = std::min(next, job->not_before);
+      else if (job->batch == nullptr)
+        next = std::min(next, job->read_until);
+      else if (const auto deadline = stall_deadline(*job))
+        next = std::min(next, *deadline);
+      else
+        // Whether it is connected by then is not told by an event.
+        next = std::min(next, Clock::now() + options_.stall_timeout / 2);
+    }
+    return next;
+  }
+
+  void publish() {
+    std::string trouble;
+    for (const auto& job : jobs_)
+      if (job->batch != nullptr && !job->trouble.empty()) trouble = job->trouble;
+    const std::lock_guard lock(mutex_);
+    trouble_ = std::move(trouble);
+    publish_use();
+  }
+
+  /// With the mutex held.
+  void publish_use() {
+    use_.busy = std::chrono::duration_cast<std::chrono::microseconds>(busy_);
+    use_.receiving = std::chrono::duration_cast<std::chrono::microseconds>(receiving_);
+    use_.bytes = bytes_;
+    if (round_trip_.get() != Clock::duration::max())
+      use_.round_trip = std::chrono::duration_cast<std::chrono::microseconds>(round_trip_.get());
+  }
+
+  /// The link was busy since the byte before, unless there was nothing that it could have carried:
+  /// answers begin a round trip after their requests.
+  void on_bytes(const HttpTransfer& transfer, Time now, std::size_t size, bool first) override {
+    const Time sent = transfer.sent_at().value_or(now);
+    if (first) round_trip_.add(now - sent, now);
+    bytes_ += size;
+    const Time since = std::max(newest_byte_, sent + round_trip_.get());
+    if (now > since) receiving_ += now - since;
+    newest_byte_ = now;
+  }
+
+  const SourceOptions options_;
+  CURLM* multi_ = nullptr;
+
+  mutable std::mutex mutex_;
+  std::condition_variable done_;
+  std::vector<std::shared_ptr<Batch>> inbox_;
+  bool cancelled_ = false, ending_ = false;
+  std::string trouble_;
+  LinkUse use_;
+
+  // Of the thread alone.
+  std::list<std::unique_ptr<Job>> jobs_;
+  std::minstd_rand random_{std::random_device{}()};
+  Time newest_failure_{}, newest_byte_{};
+  RecentMinimum round_trip_;
+  Clock::duration busy_{}, receiving_{};
+  std::uint64_t bytes_ = 0;
+  std::thread thread_;
+};
+
+HttpClient::HttpClient(const SourceOptions& options) : loop_(std::make_unique<Loop>(options)) {}
 
 HttpClient::~HttpClient() = default;
 
 Result<Bytes> HttpClient::get(const std::string& url, std::uint64_t max_bytes) {
-  return get_with_retries(url, Wanted{0, 0, 0, max_bytes});
+  const auto batch = std::make_shared<Batch>();
+  batch->wanted.push_back({.url = url, .limit = max_bytes});
+  batch->attempts = loop_->open_attempts();
+  if (const auto got = loop_->get(batch, {}); !got) return tl::unexpected(got.error());
+  return std::move(batch->bodies[0]);
 }
 
-Result<Bytes> HttpClient::get_range(const std::string& url, std::uint64_t offset,
-                                    std::uint64_t size, std::uint64_t total) {
-  return get_with_retries(url, Wanted{offset, size, total, size});
+Result<std::optional<Bytes>> HttpClient::get_if_changed(const std::string& url,
+                                                        std::uint64_t max_bytes, std::string& tag,
+                                                        const std::stop_token& stop) {
+  const auto batch = std::make_shared<Batch>();
+  batch->wanted.push_back({.url = url, .limit = max_bytes, .tag = tag});
+  if (const auto got = loop_->get(batch, stop); !got) return tl::unexpected(got.error());
+  if (batch->unchanged) return std::nullopt;
+  tag = batch->tag;
+  return std::move(batch->bodies[0]);
 }
 
-void HttpClient::cancel() {
-  {
-    const std::lock_guard lock(mutex_);
-    cancelled_ = true;
-  }
-  cancelled_changed_.notify_all();
+Result<std::vector<Bytes>> HttpClient::get_ranges(std::span<const Range> ranges,
+                                                  const std::stop_token& stop, bool fresh) {
+  const auto batch = std::make_shared<Batch>();
+  for (const Range& range : ranges)
+    batch->wanted.push_back({.url = range.url,
+                             .offset = range.offset,
+                             .size = range.size,
+                             .total = range.total,
+                             .fresh = fresh});
+  if (const auto got = loop_->get(batch, stop); !got) return tl::unexpected(got.error());
+  return std::move(batch->bodies);
 }
 
-Result<Bytes> HttpClient::get_with_retries(const std::string& url, const Wanted& wanted) {
-  std::unique_ptr<Connection> connection;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!idle_.empty()) {
-      connection = std::move(idle_.back());
-      idle_.pop_back();
-    }
-  }
-  if (!connection) connection = std::make_unique<Connection>();
-  if (connection->handle == nullptr) return fail("libcurl cannot be started");
-
-  std::chrono::milliseconds pause = options_.first_backoff;
-  for (int i = 1;; ++i) {
-    Answer answer = attempt(*connection, url, wanted);
-    std::unique_lock lock(mutex_);
-    if (answer.body || !answer.may_pass || i >= options_.attempts || cancelled_) {
-      idle_.push_back(std::move(connection));
-      if (cancelled_) return fail("cancelled");
-      if (!answer.body && answer.may_pass && i > 1)
-        return fail(fmt::format("{} ({} attempts)", answer.body.error().message, i));
-      return std::move(answer.body);
-    }
-    cancelled_changed_.wait_for(lock, pause, [&] { return cancelled_.load(); });
-    pause *= 2;
-  }
-}
-
-HttpClient::Answer HttpClient::attempt(Connection& connection, const std::string& url,
-                                       const Wanted& wanted) const {
-  if (cancelled_) return {fail("cancelled"), false};
-  Transfer transfer;
-  transfer.handle = connection.handle;
-  transfer.cancelled = &cancelled_;
-  transfer.limit = wanted.limit;
-  set_options(connection.handle, url, options_, transfer);
-  std::string range;
-  if (wanted.is_range()) {
-    range = fmt::format("{}-{}", wanted.offset, wanted.offset + wanted.size - 1);
-    curl_easy_setopt(connection.handle, CURLOPT_RANGE, range.c_str());
-  }
-
-  const CURLcode code = curl_easy_perform(connection.handle);
-  const long status = status_of(connection.handle);
-  if (status >= 400)
-    return {fail(fmt::format("the server answers {}{}", status, explain(status))),
-            status >= 500 || status == 408 || status == 429};
-  if (wanted.is_range() && !wanted.is_whole_file() && status == 200)
-    return {fail("the server sends whole files instead of ranges; it must support Range requests"),
-            false};
-  if (transfer.too_long)
-    return {fail(fmt::format("the server sends more than the {} bytes expected", wanted.limit)),
-            false};
-  if (code != CURLE_OK)
-    return {fail(transfer_error(code, transfer, options_)), transfer_error_may_pass(code)};
-  if (status != 200 && !(wanted.is_range() && status == 206))
-    return {fail(fmt::format("the server answers {} where {} is expected", status,
-                             wanted.is_range() ? 206 : 200)),
-            false};
-  if (status == 206 && transfer.content_range != fmt::format("bytes {}/{}", range, wanted.total) &&
-      transfer.content_range != fmt::format("bytes {}/*", range))
-    return {fail(fmt::format("asked for bytes {} of {}, but the server sends \"{}\": the package "
-                             "has changed, or the server is at fault",
-                             range, wanted.total, transfer.content_range)),
-            false};
-  if (wanted.is_range() && transfer.body.size() != wanted.size)
-    return {fail(fmt::format("{} bytes came instead of {}", transfer.body.size(), wanted.size)),
-            true};
-  return {std::move(transfer.body), false};
-}
+void HttpClient::cancel() { loop_->cancel(); }
+std::optional<std::string> HttpClient::trouble() const { return loop_->trouble(); }
+LinkUse HttpClient::link_use() const { return loop_->link_use(); }
 
 }  // namespace pointreel

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -14,37 +14,46 @@
 
 namespace pointreel {
 
-/// GET requests over connections that are kept alive, one for each thread that asks at the same
-/// time. Trusts no server: bodies are bounded while they arrive, and status and Content-Range must
-/// be what was asked for. Failures that may pass are tried again, after a pause that doubles.
-/// Errors do not repeat the URL.
+/// GET requests, several at a time over connections that are kept alive, made by a thread of its
+/// own. A transfer in which no byte moves is given up and made again over a new connection, and
+/// failures that may pass are tried again after a pause that doubles; http_transfer.h tells what is
+/// believed of a server, and which failures pass. An answer that makes no sense is asked for once
+/// more. All functions may be called from any thread. Errors begin with the URL.
 class HttpClient {
  public:
   explicit HttpClient(const SourceOptions& options);
   ~HttpClient();
+  HttpClient(const HttpClient&) = delete;
+  HttpClient& operator=(const HttpClient&) = delete;
 
-  /// The whole of `url`, at most `max_bytes`.
+  /// The whole of `url`, at most `max_bytes`, after at most `open_attempts` attempts.
   Result<Bytes> get(const std::string& url, std::uint64_t max_bytes);
-  /// `size` >= 1 bytes from `offset` on of a file that has `total` bytes.
-  Result<Bytes> get_range(const std::string& url, std::uint64_t offset, std::uint64_t size,
-                          std::uint64_t total);
 
-  /// Makes all requests, now and later, fail within about a second.
+  /// The same, tried without end; nothing if it is still what had the entity tag `tag`, which
+  /// becomes that of what is given.
+  Result<std::optional<Bytes>> get_if_changed(const std::string& url, std::uint64_t max_bytes,
+                                              std::string& tag, const std::stop_token& stop);
+
+  /// `size` >= 1 bytes from `offset` on of a file that has `total` bytes.
+  struct Range {
+    std::string url;
+    std::uint64_t offset = 0, size = 0, total = 0;
+  };
+  /// All of them at the same time, tried without end. `fresh`: past caches.
+  Result<std::vector<Bytes>> get_ranges(std::span<const Range> ranges, const std::stop_token& stop,
+                                        bool fresh = false);
+
+  /// Makes all requests, now and later, fail soon.
   void cancel();
 
+  /// "host:port: what is wrong; trying again", of the newest request that waits for something to
+  /// pass; none if none does.
+  std::optional<std::string> trouble() const;
+  LinkUse link_use() const;
+
  private:
-  struct Connection;
-  struct Wanted;
-  struct Answer;
-
-  Result<Bytes> get_with_retries(const std::string& url, const Wanted& wanted);
-  Answer attempt(Connection& connection, const std::string& url, const Wanted& wanted) const;
-
-  const SourceOptions options_;
-  std::mutex mutex_;
-  std::condition_variable cancelled_changed_;
-  std::atomic<bool> cancelled_{false};
-  std::vector<std::unique_ptr<Connection>> idle_;
+  class Loop;
+  const std::unique_ptr<Loop> loop_;
 };
 
 }  // namespace pointreel

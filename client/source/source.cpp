@@ -35,7 +35,7 @@ Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_
       std::min<std::size_t>(segment.layers.size(), std::max(1u, request.layers));
   std::vector<LayerRange> ranges;
   std::uint64_t total = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = request.first_layer; i < count; ++i) {
     const LayerFile& file = segment.layers[i];
     LayerSizes sizes = file.frames[place.index];
     if (!request.normals) {

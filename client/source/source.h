@@ -24,6 +24,9 @@ struct FetchRequest {
   std::stop_token stop = {};  ///< a fetch that is asked to stop fails soon
   /// Past caches on the way, as far as they obey: for what came damaged.
   bool fresh = false;
+  /// Layers before it are there already: what is fetched begins with it. Below the layers there
+  /// are.
+  std::uint32_t first_layer = 0;
 };
 
 /// One layer of a frame as it was fetched.
@@ -42,6 +45,17 @@ struct FetchedFrame {
   std::string file_name;                        ///< of `file`, for errors
 
   std::uint64_t size() const;  ///< bytes that came
+};
+
+/// What a link has carried so far.
+struct LinkUse {
+  std::uint64_t bytes = 0;  ///< of bodies
+  /// When at least one answer was under way, its first byte here and its last not: `bytes` over it
+  /// is the link's rate, however many are fetched at once.
+  std::chrono::microseconds receiving{0};
+  std::chrono::microseconds busy{0};  ///< when at least one was asked for or under way
+  /// From a request to the first byte of its answer: the least of late; 0 if not known.
+  std::chrono::microseconds round_trip{0};
 };
 
 /// Where frames come from.
@@ -63,6 +77,9 @@ class Source {
   /// One line while fetches wait for something to pass, as in "host:8090: nothing answers there;
   /// trying again"; none when all is well. From any thread.
   virtual std::optional<std::string> trouble() const { return std::nullopt; }
+
+  /// Nothing where there is no link. From any thread.
+  virtual LinkUse link_use() const { return {}; }
 };
 
 /// The package's tables, from the bytes that came for the manifest's entry: what the entry
@@ -77,10 +94,13 @@ struct SourceOptions {
   // For HTTP and WebSocket.
   std::string token;    ///< bearer token, sent if not empty
   std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's
-  std::chrono::milliseconds connect_timeout{5'000};
-  std::chrono::milliseconds transfer_timeout{30'000};  ///< of one request, connecting included
-  std::chrono::milliseconds first_backoff{200};        ///< doubles with each attempt
-  int attempts = 4;  ///< for failures that may pass: lost connections, time-outs, 5xx
+  std::chrono::milliseconds connect_timeout{2'000};  ///< TLS included
+  /// Of a connection that is made, without a byte. Doubles, up to four times as much, while a
+  /// server that can be reached stays silent.
+  std::chrono::milliseconds stall_timeout{1'500};
+  std::chrono::milliseconds first_backoff{100};  ///< doubles with each attempt
+  std::chrono::milliseconds max_backoff{500};
+  int open_attempts = 4;  ///< to open a source; what is fetched later is tried without end
 };
 
 /// A range of a layer's file that holds what is wanted of a frame.
@@ -93,7 +113,7 @@ struct LayerRange {
 /// No frame of any real reel comes near this; a manifest that says otherwise is not believed.
 inline constexpr std::uint64_t kMaxFrameBytes = std::uint64_t{1} << 30;
 
-/// The ranges to fetch, base first. An error if they exceed kMaxFrameBytes.
+/// The ranges to fetch, in the order of the layers. An error if they exceed kMaxFrameBytes.
 Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
                                           const FetchRequest& request);
 

@@ -1,0 +1,292 @@
+#include "client/source/http_transfer.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <utility>
+
+#include <curl/curl.h>
+#include <fmt/format.h>
+
+namespace pointreel {
+namespace {
+
+using Kind = HttpFailure::Kind;
+
+/// Bodies of error pages are read so far, to keep the connection, and thrown away.
+constexpr std::uint64_t kMaxErrorPage = 64 * 1024;
+constexpr std::size_t kMaxTag = 256;
+
+bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+
+/// The value of the header field `name`, which is lower case, if the line is one.
+std::optional<std::string_view> field(std::string_view line, std::string_view name) {
+  const bool matches =
+      line.size() > name.size() && line[name.size()] == ':' &&
+      std::equal(name.begin(), name.end(), line.begin(), [](char wanted, char given) {
+        return wanted == static_cast<char>(std::tolower(static_cast<unsigned char>(given)));
+      });
+  if (!matches) return std::nullopt;
+  line.remove_prefix(name.size() + 1);
+  while (!line.empty() && is_space(line.front())) line.remove_prefix(1);
+  while (!line.empty() && is_space(line.back())) line.remove_suffix(1);
+  return line;
+}
+
+bool is_loopback(std::string_view url) {
+  const auto scheme = url.find("://");
+  const std::string_view host = url.substr(scheme == std::string_view::npos ? 0 : scheme + 3);
+  return host.starts_with("127.") || host.starts_with("localhost") || host.starts_with("[::1]");
+}
+
+double seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
+
+Kind kind_of(CURLcode code) {
+  switch (code) {
+    case CURLE_COULDNT_CONNECT:
+    case CURLE_COULDNT_RESOLVE_HOST:
+    case CURLE_COULDNT_RESOLVE_PROXY:
+    case CURLE_OPERATION_TIMEDOUT:
+    case CURLE_PARTIAL_FILE:
+    case CURLE_GOT_NOTHING:
+    case CURLE_RECV_ERROR:
+    case CURLE_SEND_ERROR:
+    case CURLE_SSL_CONNECT_ERROR:
+      return Kind::passing;
+    case CURLE_WEIRD_SERVER_REPLY:
+    case CURLE_UNSUPPORTED_PROTOCOL:  // what comes does not begin as HTTP does
+    case CURLE_HTTP2:
+    case CURLE_HTTP2_STREAM:
+    case CURLE_TOO_MANY_REDIRECTS:
+    case CURLE_BAD_CONTENT_ENCODING:
+    case CURLE_WRITE_ERROR:
+      return Kind::doubtful;
+    default:
+      return Kind::final;
+  }
+}
+
+bool status_may_pass(long status) {
+  return status == 408 || status == 425 || status == 429 ||
+         (status >= 500 && status != 501 && status != 505);
+}
+
+const char* explain(long status) {
+  switch (status) {
+    case 401:
+      return " (it wants another token; give --token)";
+    case 403:
+      return " (forbidden)";
+    case 404:
+      return " (not found)";
+    case 416:
+      return " (the file is shorter than its manifest says)";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+HttpTransfer::HttpTransfer(HttpWanted wanted, const SourceOptions& options)
+    : wanted_(std::move(wanted)), options_(options), handle_(curl_easy_init()) {}
+
+HttpTransfer::~HttpTransfer() {
+  curl_easy_cleanup(handle_);
+  curl_slist_free_all(static_cast<curl_slist*>(headers_));
+}
+
+long HttpTransfer::status() const {
+  long status = 0;
+  curl_easy_getinfo(handle_, CURLINFO_RESPONSE_CODE, &status);
+  return status;
+}
+
+CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
+  if (handle_ == nullptr) return nullptr;
+  content_range_.clear();
+  tag_.clear();
+  newest_byte_.reset();
+  came_ = discarded_ = 0;
+  accepted_ = wrong_range_ = too_long_ = unchanged_ = false;
+  if (!wanted_.is_range()) body_.clear();
+  begun_ = std::chrono::steady_clock::now();
+
+  curl_easy_reset(handle_);
+  const auto set = [this](CURLoption option, auto value) {
+    curl_easy_setopt(handle_, option, value);
+  };
+  set(CURLOPT_PRIVATE, static_cast<void*>(this));
+  set(CURLOPT_URL, wanted_.url.c_str());
+  set(CURLOPT_NOSIGNAL, 1L);
+  set(CURLOPT_PROTOCOLS_STR, "http,https");
+  set(CURLOPT_REDIR_PROTOCOLS_STR, wanted_.url.starts_with("https") ? "https" : "http,https");
+  set(CURLOPT_FOLLOWLOCATION, 1L);
+  set(CURLOPT_MAXREDIRS, 4L);
+  set(CURLOPT_USERAGENT, "pointreel");
+  set(CURLOPT_BUFFERSIZE, 256L * 1024);
+  set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
+  set(CURLOPT_FRESH_CONNECT, new_connection || wanted_.fresh ? 1L : 0L);
+  set(CURLOPT_MAXAGE_CONN, static_cast<long>(max_idle.count()));
+  // A proxy that the environment names is for the world outside.
+  if (is_loopback(wanted_.url)) set(CURLOPT_PROXY, "");
+  if (!options_.ca_file.empty()) set(CURLOPT_CAINFO, options_.ca_file.c_str());
+  if (!options_.token.empty()) {
+    set(CURLOPT_HTTPAUTH, static_cast<long>(CURLAUTH_BEARER));
+    set(CURLOPT_XOAUTH2_BEARER, options_.token.c_str());
+  }
+  if (headers_ == nullptr) {
+    curl_slist* list = nullptr;
+    if (wanted_.fresh) list = curl_slist_append(list, "Cache-Control: no-cache");
+    if (!wanted_.tag.empty())
+      list = curl_slist_append(list, ("If-None-Match: " + wanted_.tag).c_str());
+    headers_ = list;
+  }
+  set(CURLOPT_HTTPHEADER, static_cast<curl_slist*>(headers_));
+  if (wanted_.is_range()) {
+    range_ = fmt::format("{}-{}", wanted_.offset + body_.size(), wanted_.offset + wanted_.size - 1);
+    asked_for_ = wanted_.size - body_.size();
+    set(CURLOPT_RANGE, range_.c_str());
+  }
+  set(CURLOPT_WRITEFUNCTION, &HttpTransfer::on_body);
+  set(CURLOPT_WRITEDATA, static_cast<void*>(this));
+  set(CURLOPT_HEADERFUNCTION, &HttpTransfer::on_header);
+  set(CURLOPT_HEADERDATA, static_cast<void*>(this));
+  return handle_;
+}
+
+std::size_t HttpTransfer::on_header(char* data, std::size_t, std::size_t size, void* user) {
+  auto& self = *static_cast<HttpTransfer*>(user);
+  const std::string_view line(data, size);
+  self.newest_byte_ = std::chrono::steady_clock::now();
+  // Of the last response only: redirects have earlier ones.
+  if (line.starts_with("HTTP/")) {
+    self.content_range_.clear();
+    self.tag_.clear();
+  }
+  if (const auto value = field(line, "content-range")) self.content_range_ = *value;
+  if (const auto value = field(line, "etag"); value && value->size() <= kMaxTag) self.tag_ = *value;
+  return size;
+}
+
+bool HttpTransfer::is_range_asked_for() const {
+  return content_range_ == fmt::format("bytes {}/{}", range_, wanted_.total) ||
+         content_range_ == fmt::format("bytes {}/*", range_);
+}
+
+/// Of the first piece of a body with status 200 or 206.
+bool HttpTransfer::accept_body() {
+  const long answered = status();
+  if (wanted_.is_range() && answered == 206 && !is_range_asked_for()) {
+    wrong_range_ = true;
+    return false;
+  }
+  if (wanted_.is_range() && answered == 200) {
+    if (!wanted_.is_whole_file()) return false;
+    body_.clear();  // all of it comes again
+    asked_for_ = wanted_.size;
+  }
+  return accepted_ = true;
+}
+
+std::size_t HttpTransfer::on_body(char* data, std::size_t, std::size_t size, void* user) {
+  auto& self = *static_cast<HttpTransfer*>(user);
+  const auto now = std::chrono::steady_clock::now();
+  self.newest_byte_ = now;
+  if (const long answered = self.status(); answered != 200 && answered != 206) {
+    self.discarded_ += size;
+    return self.discarded_ <= kMaxErrorPage ? size : 0;
+  }
+  if (!self.accepted_ && !self.accept_body()) return 0;
+  const std::uint64_t limit = self.wanted_.is_range() ? self.asked_for_ : self.wanted_.limit;
+  if (self.came_ + size > limit) {
+    self.too_long_ = true;
+    return 0;
+  }
+  if (self.listener != nullptr) self.listener->on_bytes(self, now, size, self.came_ == 0);
+  self.came_ += size;
+  self.body_.insert(self.body_.end(), data, data + size);
+  return size;
+}
+
+std::optional<HttpTransfer::Time> HttpTransfer::sent_at() const {
+  curl_off_t microseconds = 0;
+  curl_easy_getinfo(handle_, CURLINFO_PRETRANSFER_TIME_T, &microseconds);
+  if (microseconds <= 0) return std::nullopt;
+  return begun_ + std::chrono::microseconds(microseconds);
+}
+
+std::uint64_t HttpTransfer::missing() const {
+  return (wanted_.is_range() ? wanted_.size : wanted_.limit) - body_.size();
+}
+
+HttpFailure HttpTransfer::stalled(std::chrono::milliseconds limit) const {
+  return {Kind::passing,
+          {newest_byte_ ? fmt::format("nothing came for {:g} s, after {} bytes", seconds(limit),
+                                      body_.size())
+                        : fmt::format("no answer within {:g} s", seconds(limit))}};
+}
+
+std::string HttpTransfer::transfer_error(int code) const {
+  switch (static_cast<CURLcode>(code)) {
+    case CURLE_URL_MALFORMAT:
+      return "is no valid address";
+    case CURLE_COULDNT_RESOLVE_HOST:
+      return "the host's name is not known; check the address and the network";
+    case CURLE_COULDNT_CONNECT:
+      return "nothing answers there; check host and port, and that the server runs";
+    case CURLE_OPERATION_TIMEDOUT:
+      return fmt::format("no connection within {:g} s; check host and port",
+                         seconds(options_.connect_timeout));
+    case CURLE_PARTIAL_FILE:
+    case CURLE_GOT_NOTHING:
+    case CURLE_RECV_ERROR:
+    case CURLE_SEND_ERROR:
+      return fmt::format("the connection broke after {} bytes", body_.size());
+    case CURLE_PEER_FAILED_VERIFICATION:
+      return fmt::format(
+          "the server's certificate is not trusted ({}); give its authority with --ca-file",
+          curl_easy_strerror(CURLE_PEER_FAILED_VERIFICATION));
+    case CURLE_SSL_CACERT_BADFILE:
+      return fmt::format("{}: holds no certificates in PEM form", options_.ca_file);
+    default:
+      return curl_easy_strerror(static_cast<CURLcode>(code));
+  }
+}
+
+std::optional<HttpFailure> HttpTransfer::finish(int code) {
+  const long answered = status();
+  const auto failure = [](Kind kind, std::string text) {
+    return HttpFailure{kind, {std::move(text)}};
+  };
+  if (answered >= 400)
+    return failure(status_may_pass(answered) ? Kind::passing : Kind::final,
+                   fmt::format("the server answers {}{}", answered, explain(answered)));
+  if (wanted_.is_range() && !wanted_.is_whole_file() && answered == 200)
+    return failure(
+        Kind::final,
+        "the server sends whole files instead of ranges; it must support Range requests");
+  if (too_long_)
+    return failure(Kind::doubtful, fmt::format("the server sends more than the {} bytes expected",
+                                               wanted_.is_range() ? asked_for_ : wanted_.limit));
+  if (wrong_range_ || (code == CURLE_OK && answered == 206 && !is_range_asked_for()))
+    return failure(
+        Kind::doubtful,
+        fmt::format("asked for bytes {} of {}, but the server sends \"{}\": the package has "
+                    "changed, or the server is at fault",
+                    range_, wanted_.total, content_range_));
+  if (code != CURLE_OK) return failure(kind_of(static_cast<CURLcode>(code)), transfer_error(code));
+  if (answered == 304 && !wanted_.tag.empty()) {
+    unchanged_ = true;
+    return std::nullopt;
+  }
+  if (answered != 200 && !(wanted_.is_range() && answered == 206))
+    return failure(Kind::doubtful, fmt::format("the server answers {} where {} is expected",
+                                               answered, wanted_.is_range() ? 206 : 200));
+  if (wanted_.is_range() && body_.size() != wanted_.size)
+    return failure(Kind::passing,
+                   fmt::format("{} bytes came instead of {}", body_.size(), wanted_.size));
+  return std::nullopt;
+}
+
+}  // namespace pointreel

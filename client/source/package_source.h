@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "client/source/source.h"
+
+namespace pointreel {
+
+/// A package, wherever its files are: fetches what is wanted of a frame, all of it at once.
+class PackageSource : public Source {
+ public:
+  const Manifest& manifest() const final { return manifest_; }
+  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) final;
+
+ protected:
+  PackageSource(Manifest manifest, std::shared_ptr<const ContextTables> tables);
+
+  /// The bytes of each range, none of which is empty: exactly as many. The error names the file.
+  virtual Result<std::vector<Bytes>> read(std::span<const LayerRange> ranges,
+                                          const FetchRequest& request) = 0;
+
+ private:
+  const Manifest manifest_;
+  const std::shared_ptr<const ContextTables> tables_;
+};
+
+}  // namespace pointreel

@@ -107,6 +107,13 @@ std::string Background::first_line() {
   return text.substr(0, text.find('\n'));
 }
 
+bool Background::running() const {
+  siginfo_t ended{};
+  return pid_ > 0 &&
+         waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == 0;
+}
+
 int Background::end(int signal) {
   if (pid_ <= 0) return -1;
   kill(pid_, signal);

@@ -29,6 +29,9 @@ class Background {
   /// The first line that it printed on standard output; empty if it ended without one.
   std::string first_line();
 
+  pid_t pid() const { return pid_; }
+  bool running() const;
+
   /// Sends the signal and waits; the exit code as in Outcome.
   int end(int signal);
 

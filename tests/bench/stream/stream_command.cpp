@@ -13,6 +13,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/stream/chapter.h"
+#include "tests/bench/stream/memory.h"
 
 namespace pointreel::bench {
 namespace {
@@ -22,7 +23,8 @@ using nlohmann::json;
 
 /// In the order in which they run.
 const std::vector<StreamChapter>& chapters() {
-  static const std::vector<StreamChapter> kChapters = {};
+  static const std::vector<StreamChapter> kChapters = {
+      {"memory", "resident memory over frames and connections", run_memory}};
   return kChapters;
 }
 

@@ -1,0 +1,374 @@
+#include "common/net/websocket.h"
+
+#include <algorithm>
+#include <charconv>
+#include <concepts>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/host_name_verification.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <fmt/format.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+namespace pointreel {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = boost::beast::websocket;
+using boost::system::error_code;
+using Plain = websocket::stream<beast::tcp_stream>;
+using Secure = websocket::stream<beast::ssl_stream<beast::tcp_stream>>;
+
+/// For the closing handshake.
+constexpr std::chrono::milliseconds kCloseTime{500};
+constexpr std::size_t kWriteBuffer = 64u << 10;
+/// Of the body of an answer that is no upgrade, in an error.
+constexpr std::size_t kMostExcuse = 200;
+
+/// The first line of a server's explanation, fit for an error.
+std::string excuse(const std::string& body) {
+  std::string line = body.substr(0, std::min(body.find_first_of("\r\n"), kMostExcuse));
+  std::replace_if(
+      line.begin(), line.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+  return line.empty() ? line : ": " + line;
+}
+
+template <class Stream>
+class Connection : public WebSocket {
+ public:
+  Connection(std::string place, const WebSocketOptions& options, asio::ssl::context& tls)
+    requires std::same_as<Stream, Secure>
+      : place_(std::move(place)), options_(options), stream_(context_, tls), closing_(context_) {}
+  Connection(std::string place, const WebSocketOptions& options)
+    requires std::same_as<Stream, Plain>
+      : place_(std::move(place)), options_(options), stream_(context_), closing_(context_) {}
+
+  ~Connection() override {
+    close();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  tl::expected<void, ConnectError> open(const WebSocketUrl& url) {
+    const std::stop_callback stopping(options_.stop, [this] {
+      asio::post(context_, [this] { beast::get_lowest_layer(stream_).close(); });
+    });
+    const auto failed = [this](const std::string& what) {
+      return tl::unexpected(ConnectError{{fmt::format("{}: {}", place_, what)}, 0});
+    };
+    const auto timed_out = std::chrono::steady_clock::now() + options_.connect_timeout;
+    error_code error = asio::error::timed_out;
+    asio::ip::tcp::resolver resolver(context_);
+    asio::ip::tcp::resolver::results_type found;
+    resolver.async_resolve(url.host, url.port, [&](error_code e, auto results) {
+      error = e;
+      found = std::move(results);
+    });
+    context_.run_for(options_.connect_timeout);
+    resolver.cancel();
+    run();
+    if (error) return failed("the name is not known: " + error.message());
+
+    auto& tcp = beast::get_lowest_layer(stream_);
+    tcp.expires_at(timed_out);
+    tcp.async_connect(found, [&](error_code e, const auto&) { error = e; });
+    run();
+    if (error) return failed("nothing answers there: " + error.message());
+    set_options(tcp.socket().native_handle());
+    if constexpr (std::same_as<Stream, Secure>) {
+      ::SSL_set_tlsext_host_name(stream_.next_layer().native_handle(), url.host.c_str());
+      stream_.next_layer().set_verify_mode(asio::ssl::verify_peer);
+      stream_.next_layer().set_verify_callback(asio::ssl::host_name_verification(url.host));
+      stream_.next_layer().async_handshake(asio::ssl::stream_base::client,
+                                           [&](error_code e) { error = e; });
+      run();
+      if (error) return failed("TLS: " + error.message());
+    }
+
+    // The stream's own timeouts do not hold before the handshake ends.
+    const std::string host = url.host.find(':') == std::string::npos
+                                 ? fmt::format("{}:{}", url.host, url.port)
+                                 : fmt::format("[{}]:{}", url.host, url.port);
+    stream_.set_option(websocket::stream_base::decorator([this](websocket::request_type& request) {
+      request.set(beast::http::field::user_agent, "pointreel");
+      if (!options_.token.empty()) {
+        request.set(beast::http::field::authorization, "Bearer " + options_.token);
+      }
+    }));
+    websocket::response_type response;
+    stream_.async_handshake(response, host, url.target, [&](error_code e) { error = e; });
+    run();
+    if (error == websocket::error::upgrade_declined) {
+      return tl::unexpected(ConnectError{
+          {fmt::format("{}: answers {}{}", place_, response.result_int(), excuse(response.body()))},
+          static_cast<int>(response.result_int())});
+    }
+    if (error) return failed(error.message());
+    tcp.expires_never();
+    websocket::stream_base::timeout timeout{};
+    timeout.handshake_timeout = kCloseTime;
+    timeout.idle_timeout = options_.silence_timeout;
+    timeout.keep_alive_pings = true;
+    stream_.set_option(timeout);
+    stream_.auto_fragment(false);
+    stream_.write_buffer_bytes(kWriteBuffer);
+    stream_.read_message_max(options_.max_message);
+    return {};
+  }
+
+  void start() {
+    read();
+    thread_ = std::thread([this] {
+      run();
+      const std::lock_guard lock(mutex_);
+      stopped_ = true;
+      changed_.notify_all();
+    });
+  }
+
+  Result<void> send(ByteView message, Kind kind) override {
+    bool done = false;
+    error_code error;
+    asio::post(context_, [&] {
+      if (ended_) {
+        finish(done, error, asio::error::not_connected);
+        return;
+      }
+      stream_.binary(kind == Kind::binary);
+      stream_.async_write(asio::buffer(message.data(), message.size()),
+                          [&](error_code e, std::size_t) { finish(done, error, e); });
+    });
+    std::unique_lock lock(mutex_);
+    // The end of the thread is the end of all handlers, those that never ran among them.
+    changed_.wait(lock, [&] { return done || stopped_; });
+    if (done && !error) return {};
+    return fail(how_it_ended(error));
+  }
+
+  Result<std::optional<WebSocketMessage>> receive(std::chrono::milliseconds timeout) override {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, timeout, [&] { return !inbox_.empty() || end_ || stopped_; });
+    if (inbox_.empty()) {
+      if (end_ || stopped_) return fail(how_it_ended({}));
+      return std::optional<WebSocketMessage>();
+    }
+    std::optional<WebSocketMessage> message = std::move(inbox_.front());
+    inbox_.pop_front();
+    const bool was_full = waiting_ > options_.max_waiting;
+    waiting_ -= message->bytes.size();
+    const bool read_on = paused_ && was_full && waiting_ <= options_.max_waiting;
+    if (read_on) paused_ = false;
+    lock.unlock();
+    if (read_on) asio::post(context_, [this] { read(); });
+    return message;
+  }
+
+  void close() override {
+    asio::post(context_, [this] {
+      if (ended_ || closed_) return;
+      closed_ = true;
+      closing_.expires_after(kCloseTime);
+      closing_.async_wait([this](error_code error) {
+        if (!error) beast::get_lowest_layer(stream_).close();
+      });
+      stream_.async_close(websocket::close_code::normal,
+                          [this](error_code) { end(asio::error::operation_aborted); });
+    });
+  }
+
+ private:
+  /// Runs what was begun to its end.
+  void run() {
+    context_.restart();
+    context_.run();
+  }
+
+  void set_options(int socket) const {
+    const int yes = 1;
+    ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+    const auto stall = static_cast<unsigned>(options_.stall_timeout.count());
+    if (stall > 0) ::setsockopt(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, &stall, sizeof(stall));
+  }
+
+  void finish(bool& done, error_code& result, error_code error) {
+    const std::lock_guard lock(mutex_);
+    done = true;
+    result = error;
+    changed_.notify_all();
+  }
+
+  void read() {
+    if (ended_) return;
+    incoming_ = Bytes();
+    incoming_.reserve(last_size_);
+    buffer_.emplace(incoming_);
+    stream_.async_read(*buffer_, [this](error_code error, std::size_t) {
+      if (error) {
+        end(error);
+        return;
+      }
+      take();
+    });
+  }
+
+  void take() {
+    {
+      const std::lock_guard lock(mutex_);
+      last_size_ = incoming_.size();
+      waiting_ += last_size_;
+      inbox_.push_back({stream_.got_binary() ? Kind::binary : Kind::text, std::move(incoming_)});
+      paused_ = waiting_ > options_.max_waiting;
+      changed_.notify_all();
+      if (paused_) return;
+    }
+    read();
+  }
+
+  void end(error_code error) {
+    if (ended_) return;
+    ended_ = true;
+    beast::get_lowest_layer(stream_).close();
+    // The stream's own timer would keep the thread for a while. Handlers that are ready go first.
+    asio::post(context_, [this] { context_.stop(); });
+    std::string how;
+    if (error == websocket::error::closed) {
+      const auto reason = excuse(stream_.reason().reason.c_str());
+      how = reason.empty() ? ": the server has closed the connection" : reason;
+    } else if (error == beast::error::timeout) {
+      how = ": nothing comes any more";
+    } else if (error == websocket::error::message_too_big) {
+      how = fmt::format(": sent a message of more than {} bytes", options_.max_message);
+    } else if (error == asio::error::eof || error == asio::error::connection_reset) {
+      how = ": the connection is lost";
+    } else if (closed_) {
+      how = ": the connection was closed";
+    } else {
+      how = ": " + error.message();
+    }
+    const std::lock_guard lock(mutex_);
+    end_ = place_ + how;
+    changed_.notify_all();
+  }
+
+  /// With the lock. `error`: of the call that failed.
+  std::string how_it_ended(error_code error) const {
+    if (end_) return *end_;
+    return fmt::format("{}: {}", place_, error ? error.message() : "the connection was closed");
+  }
+
+  const std::string place_;
+  const WebSocketOptions options_;
+  asio::io_context context_{1};
+  Stream stream_;
+  asio::steady_timer closing_;
+  // Of the connection's thread.
+  Bytes incoming_;
+  std::optional<asio::dynamic_vector_buffer<std::uint8_t, std::allocator<std::uint8_t>>> buffer_;
+  std::size_t last_size_ = 0;
+  bool ended_ = false, closed_ = false;
+
+  std::mutex mutex_;  // of what follows
+  std::condition_variable changed_;
+  std::deque<WebSocketMessage> inbox_;
+  std::size_t waiting_ = 0;
+  bool paused_ = false, stopped_ = false;
+  std::optional<std::string> end_;
+  std::thread thread_;
+};
+
+/// Opens what was made.
+template <class Stream>
+tl::expected<std::unique_ptr<WebSocket>, ConnectError> opened(
+    std::unique_ptr<Connection<Stream>> connection, const WebSocketUrl& url) {
+  if (auto open = connection->open(url); !open) return tl::unexpected(std::move(open.error()));
+  connection->start();
+  return connection;
+}
+
+}  // namespace
+
+Result<WebSocketUrl> parse_websocket_url(const std::string& text) {
+  const auto refused = [&](const char* what) { return fail(text + ": " + what); };
+  WebSocketUrl url;
+  std::string_view rest = text;
+  if (rest.starts_with("wss://")) {
+    url.tls = true;
+    rest.remove_prefix(6);
+  } else if (rest.starts_with("ws://")) {
+    rest.remove_prefix(5);
+  } else {
+    return refused("does not begin with ws:// or wss://");
+  }
+  // In a request line and a header field nothing else may stand.
+  const auto odd = [](char c) { return static_cast<unsigned char>(c) <= 32 || c == 127; };
+  if (std::any_of(rest.begin(), rest.end(), odd)) return refused("has a blank in it");
+  const std::size_t path = std::min(rest.find_first_of("/?#"), rest.size());
+  std::string_view authority = rest.substr(0, path);
+  url.target = rest.substr(path, rest.find('#') - path);
+  if (!url.target.starts_with('/')) url.target.insert(url.target.begin(), '/');
+  if (authority.find('@') != std::string_view::npos) return refused("names a user: give a token");
+  std::string_view port;
+  if (authority.starts_with('[')) {
+    const std::size_t end = authority.find(']');
+    if (end == std::string_view::npos) return refused("its address has no ]");
+    url.host = authority.substr(1, end - 1);
+    port = authority.substr(end + 1);
+  } else {
+    const std::size_t colon = std::min(authority.find(':'), authority.size());
+    url.host = authority.substr(0, colon);
+    port = authority.substr(colon);
+  }
+  if (url.host.empty()) return refused("names no host");
+  url.port = url.tls ? "443" : "80";
+  if (!port.empty()) {
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(port.data() + 1, port.data() + port.size(), number);
+    if (port.front() != ':' || error != std::errc() || end != port.data() + port.size() ||
+        number == 0 || number > 65535) {
+      return refused("its port is not one from 1 to 65535");
+    }
+    url.port = std::to_string(number);
+  }
+  return url;
+}
+
+tl::expected<std::unique_ptr<WebSocket>, ConnectError> WebSocket::connect(
+    const std::string& text, const WebSocketOptions& options) try {
+  const Result<WebSocketUrl> url = parse_websocket_url(text);
+  if (!url) return tl::unexpected(ConnectError{url.error(), 0});
+  const std::string place = fmt::format("{}:{}", url->host, url->port);
+  if (!url->tls) return opened(std::make_unique<Connection<Plain>>(place, options), *url);
+  asio::ssl::context tls(asio::ssl::context::tls_client);
+  ::SSL_CTX_set_min_proto_version(tls.native_handle(), TLS1_2_VERSION);
+  error_code error;
+  if (options.ca_file.empty()) {
+    tls.set_default_verify_paths(error);
+  } else {
+    tls.load_verify_file(options.ca_file, error);
+  }
+  if (error) {
+    return tl::unexpected(
+        ConnectError{{fmt::format("{}: holds no certificates to trust", options.ca_file)}, 0});
+  }
+  return opened(std::make_unique<Connection<Secure>>(place, options, tls), *url);
+} catch (const std::exception& error) {
+  return tl::unexpected(ConnectError{{fmt::format("{}: {}", text, error.what())}, 0});
+}
+
+}  // namespace pointreel

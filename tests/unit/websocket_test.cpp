@@ -1,0 +1,304 @@
+// The WebSocket client against peers that behave and peers that do not.
+
+#include "common/net/websocket.h"
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <string>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::ip::tcp;
+using testing::HasSubstr;
+using testing::StartsWith;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using PeerStream = beast::websocket::stream<tcp::socket>;
+
+constexpr auto kLong = 20s;
+
+/// Serves one connection in a thread: reads the upgrade's request, then does as it is told.
+class Peer {
+ public:
+  using Script =
+      std::function<void(tcp::socket& socket, http::request<http::string_body>& upgrade)>;
+
+  explicit Peer(Script script)
+      : acceptor_(context_, {boost::asio::ip::address_v4::loopback(), 0}),
+        thread_([this, script = std::move(script)] {
+          boost::system::error_code error;
+          tcp::socket socket = acceptor_.accept(error);
+          if (error) return;
+          try {
+            beast::flat_buffer buffer;
+            http::request<http::string_body> upgrade;
+            http::read(socket, buffer, upgrade);
+            script(socket, upgrade);
+          } catch (const boost::system::system_error&) {
+          }
+        }) {}
+  ~Peer() {
+    // A connection that nobody made ends the wait.
+    boost::system::error_code ignored;
+    tcp::socket(context_).connect(acceptor_.local_endpoint(), ignored);
+    thread_.join();
+  }
+
+  std::string url(const std::string& path = "/live/stage") const {
+    return "ws://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()) + path;
+  }
+
+ private:
+  boost::asio::io_context context_;
+  tcp::acceptor acceptor_;
+  std::thread thread_;
+};
+
+/// A peer that upgrades and then runs `script`.
+Peer::Script upgraded(std::function<void(PeerStream&)> script) {
+  return [script](tcp::socket& socket, http::request<http::string_body>& upgrade) {
+    PeerStream stream(std::move(socket));
+    stream.accept(upgrade);
+    script(stream);
+  };
+}
+
+void read_until_closed(PeerStream& stream) {
+  for (;;) {
+    beast::flat_buffer buffer;
+    stream.read(buffer);
+  }
+}
+
+ByteView view(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+WebSocketMessage must_receive(WebSocket& socket) {
+  const auto message = socket.receive(kLong);
+  if (!message || !*message) {
+    ADD_FAILURE() << (message ? "nothing came" : message.error().message);
+    return {};
+  }
+  return **message;
+}
+
+std::string how_it_ended(WebSocket& socket) {
+  for (;;) {
+    const auto message = socket.receive(kLong);
+    if (!message) return message.error().message;
+    if (!*message) return "it did not";
+  }
+}
+
+TEST(WebSocket, messages_go_both_ways_and_keep_their_kind_and_their_bounds) {
+  const Peer peer(upgraded([](PeerStream& stream) {
+    for (;;) {
+      beast::flat_buffer buffer;
+      stream.read(buffer);
+      stream.binary(stream.got_binary());
+      stream.write(buffer.data());
+    }
+  }));
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_TRUE(socket) << socket.error().message;
+  Bytes large(3'000'000);
+  for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<std::uint8_t>(i * i >> 7);
+  ASSERT_TRUE((*socket)->send(view("hello"), WebSocket::Kind::text));
+  ASSERT_TRUE((*socket)->send(large, WebSocket::Kind::binary));
+  ASSERT_TRUE((*socket)->send({}, WebSocket::Kind::binary));
+  const WebSocketMessage text = must_receive(**socket);
+  EXPECT_EQ(text.kind, WebSocket::Kind::text);
+  EXPECT_EQ(std::string(text.bytes.begin(), text.bytes.end()), "hello");
+  const WebSocketMessage binary = must_receive(**socket);
+  EXPECT_EQ(binary.kind, WebSocket::Kind::binary);
+  EXPECT_TRUE(binary.bytes == large);
+  EXPECT_TRUE(must_receive(**socket).bytes.empty());
+}
+
+TEST(WebSocket, the_token_and_the_path_are_what_the_server_is_told) {
+  std::promise<std::string> told;
+  const Peer peer([&](tcp::socket&, http::request<http::string_body>& upgrade) {
+    told.set_value(std::string(upgrade.target()) + " " +
+                   std::string(upgrade[http::field::authorization]));
+  });
+  WebSocketOptions options;
+  options.token = "secret";
+  EXPECT_FALSE(WebSocket::connect(peer.url("/live/stage?publish"), options));
+  EXPECT_EQ(told.get_future().get(), "/live/stage?publish Bearer secret");
+}
+
+TEST(WebSocket, a_server_that_refuses_is_quoted_with_its_status) {
+  const Peer peer([](tcp::socket& socket, http::request<http::string_body>&) {
+    http::response<http::string_body> response(http::status::not_found, 11);
+    response.body() = "nobody publishes stage\nsecond line";
+    response.prepare_payload();
+    http::write(socket, response);
+  });
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_FALSE(socket);
+  EXPECT_EQ(socket.error().status, 404);
+  EXPECT_THAT(socket.error().message, StartsWith("127.0.0.1:"));
+  EXPECT_THAT(socket.error().message, HasSubstr("answers 404: nobody publishes stage"));
+  EXPECT_THAT(socket.error().message, testing::Not(HasSubstr("second line")));
+}
+
+TEST(WebSocket, where_nobody_listens_there_is_an_error_at_once) {
+  boost::asio::io_context context;
+  tcp::acceptor acceptor(context, {boost::asio::ip::address_v4::loopback(), 0});
+  const std::string url =
+      "ws://127.0.0.1:" + std::to_string(acceptor.local_endpoint().port()) + "/live/stage";
+  acceptor.close();
+  const auto socket = WebSocket::connect(url);
+  ASSERT_FALSE(socket);
+  EXPECT_EQ(socket.error().status, 0);
+  EXPECT_THAT(socket.error().message, HasSubstr("nothing answers there"));
+}
+
+TEST(WebSocket, the_reason_that_a_server_gives_for_closing_is_told) {
+  const Peer peer(upgraded([](PeerStream& stream) {
+    stream.write(boost::asio::buffer("last", 4));
+    stream.close({beast::websocket::close_code::policy_error, "somebody else publishes stage"});
+  }));
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_TRUE(socket);
+  EXPECT_EQ(must_receive(**socket).bytes.size(), 4u) << "what came before is not lost";
+  EXPECT_THAT(how_it_ended(**socket), HasSubstr("somebody else publishes stage"));
+  EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
+}
+
+TEST(WebSocket, a_connection_that_is_lost_fails_whoever_waits) {
+  const Peer peer(upgraded([](PeerStream& stream) { stream.next_layer().close(); }));
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_TRUE(socket);
+  EXPECT_THAT(how_it_ended(**socket), HasSubstr("the connection is lost"));
+}
+
+TEST(WebSocket, a_peer_that_says_nothing_any_more_counts_as_lost) {
+  std::promise<void> over;
+  const Peer peer(upgraded([&](PeerStream&) { over.get_future().wait(); }));
+  WebSocketOptions options;
+  options.silence_timeout = 200ms;
+  const auto socket = WebSocket::connect(peer.url(), options);
+  ASSERT_TRUE(socket);
+  EXPECT_THAT(how_it_ended(**socket), HasSubstr("nothing comes any more"));
+  over.set_value();
+}
+
+TEST(WebSocket, a_peer_that_only_answers_pings_is_not_lost) {
+  const Peer peer(upgraded(read_until_closed));
+  WebSocketOptions options;
+  options.silence_timeout = 200ms;
+  const auto socket = WebSocket::connect(peer.url(), options);
+  ASSERT_TRUE(socket);
+  const auto message = (*socket)->receive(600ms);
+  ASSERT_TRUE(message) << message.error().message;
+  EXPECT_FALSE(*message);
+}
+
+TEST(WebSocket, a_message_that_is_too_long_ends_the_connection) {
+  const Peer peer(upgraded([](PeerStream& stream) {
+    stream.binary(true);
+    stream.write(boost::asio::buffer(std::string(5000, 'x')));
+    read_until_closed(stream);
+  }));
+  WebSocketOptions options;
+  options.max_message = 4096;
+  const auto socket = WebSocket::connect(peer.url(), options);
+  ASSERT_TRUE(socket);
+  EXPECT_THAT(how_it_ended(**socket), HasSubstr("more than 4096 bytes"));
+}
+
+TEST(WebSocket, what_waits_is_bounded_and_nothing_is_lost) {
+  const Peer peer(upgraded([](PeerStream& stream) {
+    stream.binary(true);
+    for (int i = 0; i < 300; ++i) {
+      stream.write(boost::asio::buffer(std::string(100'000, static_cast<char>(i))));
+    }
+    read_until_closed(stream);
+  }));
+  WebSocketOptions options;
+  options.max_waiting = 300'000;
+  options.silence_timeout = 20s;
+  const auto socket = WebSocket::connect(peer.url(), options);
+  ASSERT_TRUE(socket);
+  for (int i = 0; i < 300; ++i) {
+    const WebSocketMessage message = must_receive(**socket);
+    ASSERT_EQ(message.bytes.size(), 100'000u);
+    ASSERT_EQ(static_cast<char>(message.bytes[0]), static_cast<char>(i));
+  }
+}
+
+TEST(WebSocket, closing_ends_a_wait_in_another_thread) {
+  const Peer peer(upgraded(read_until_closed));
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_TRUE(socket);
+  auto waiting = std::async(std::launch::async, [&] { return how_it_ended(**socket); });
+  (*socket)->close();
+  EXPECT_THAT(waiting.get(), HasSubstr("closed"));
+  EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
+}
+
+TEST(WebSocket, connecting_stops_when_it_is_told_to) {
+  std::promise<void> over;
+  std::stop_source stop;
+  // It never answers the upgrade.
+  const Peer peer([&](tcp::socket&, http::request<http::string_body>&) {
+    stop.request_stop();
+    over.get_future().wait();
+  });
+  WebSocketOptions options;
+  options.connect_timeout = kLong;
+  options.stop = stop.get_token();
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_FALSE(WebSocket::connect(peer.url(), options));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, kLong / 2);
+  over.set_value();
+}
+
+TEST(WebSocket, connecting_gives_up_after_its_time) {
+  std::promise<void> over;
+  const Peer peer(
+      [&](tcp::socket&, http::request<http::string_body>&) { over.get_future().wait(); });
+  WebSocketOptions options;
+  options.connect_timeout = 200ms;
+  const auto socket = WebSocket::connect(peer.url(), options);
+  ASSERT_FALSE(socket);
+  EXPECT_EQ(socket.error().status, 0);
+  over.set_value();
+}
+
+TEST(WebSocketUrl, is_taken_apart) {
+  const auto url = [](const char* text) {
+    const auto parsed = parse_websocket_url(text);
+    if (!parsed) return parsed.error().message;
+    return (parsed->tls ? "tls " : "") + parsed->host + " " + parsed->port + " " + parsed->target;
+  };
+  EXPECT_EQ(url("ws://host:8090/live/stage"), "host 8090 /live/stage");
+  EXPECT_EQ(url("wss://host/live/stage?publish#there"), "tls host 443 /live/stage?publish");
+  EXPECT_EQ(url("ws://[::1]:81"), "::1 81 /");
+  EXPECT_EQ(url("ws://host?publish"), "host 80 /?publish");
+  for (const char* wrong :
+       {"http://host/", "ws://", "ws://:80/", "ws://host:0/", "ws://host:65536/", "ws://host:8o/",
+        "ws://[::1/", "ws://a b/", "ws://host/a\r\nX: y", "ws://me:secret@host/", "ws://[::1]x/"}) {
+    EXPECT_FALSE(parse_websocket_url(wrong)) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

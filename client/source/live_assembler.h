@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+
+#include "client/source/live_source.h"
+#include "common/stream/live.h"
+
+namespace pointreel {
+
+/// Makes frames of the layers of a live stream, between the thread that receives them and the one
+/// that wants the newest. It holds two frames at most: one that is coming and one that has come.
+/// `hello`, `next` and `counts` are those of LiveSource.
+///
+/// Trust: layers may be hostile; what does not fit to what came before is counted as bad and left
+/// out.
+class LiveAssembler {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// A frame without a new layer for so long a time is given as it is.
+  explicit LiveAssembler(Clock::duration patience = std::chrono::milliseconds(15))
+      : patience_(patience) {}
+
+  // For the thread that receives.
+
+  void add(LiveHello hello);
+  /// Copies the layer's bytes.
+  void add(const LiveLayer& layer);
+  /// A message that was none of these.
+  void add_bad();
+  /// Layers that the server has left out on this connection.
+  void set_dropped(std::uint64_t layers);
+  /// What follows comes over another connection: it begins with a hello and with any frame's base.
+  void reconnected();
+
+  // For any thread.
+
+  std::optional<LiveHello> hello(std::chrono::milliseconds timeout);
+  std::optional<LiveFrame> next(std::chrono::milliseconds timeout);
+  LiveCounts counts() const;
+  void cancel();
+
+ private:
+  bool newer(std::uint32_t number) const { return !newest_ || number > *newest_; }
+  void keep_coming();
+
+  const Clock::duration patience_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool cancelled_ = false;
+  std::optional<LiveHello> hello_;
+  std::optional<LiveFrame> coming_;  ///< of which layers are still missing
+  Clock::time_point newest_layer_{};
+  std::optional<LiveFrame> come_;        ///< waits to be given
+  std::optional<std::uint32_t> newest_;  ///< the frame whose base came last
+  std::optional<std::uint32_t> given_;   ///< the frame that was given last,
+  std::size_t given_layers_ = 0;         ///< with so many layers
+  LiveCounts counts_;
+  std::uint64_t dropped_before_ = 0;  ///< on earlier connections
+};
+
+}  // namespace pointreel

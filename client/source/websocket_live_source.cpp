@@ -1,0 +1,153 @@
+#include "client/source/websocket_live_source.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <random>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "client/source/live_assembler.h"
+#include "common/net/websocket.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLook{200};  ///< how long a receive takes at most before it looks around
+
+class WebSocketLiveSource : public LiveSource {
+ public:
+  WebSocketLiveSource(std::string url, const SourceOptions& options)
+      : url_(std::move(url)), options_(options) {
+    thread_ = std::thread([this] { run(); });
+  }
+  ~WebSocketLiveSource() override {
+    WebSocketLiveSource::cancel();
+    thread_.join();
+  }
+
+  std::optional<LiveHello> hello(milliseconds timeout) override {
+    return assembler_.hello(timeout);
+  }
+  std::optional<LiveFrame> next(milliseconds timeout) override { return assembler_.next(timeout); }
+  LiveCounts counts() const override { return assembler_.counts(); }
+
+  std::optional<std::string> trouble() const override {
+    const std::lock_guard lock(mutex_);
+    return trouble_;
+  }
+
+  void cancel() override {
+    stop_.request_stop();
+    assembler_.cancel();
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
+
+ private:
+  void run() {
+    milliseconds pause = options_.first_backoff;
+    bool connected_before = false;
+    while (!stop_.stop_requested()) {
+      WebSocketOptions options;
+      options.token = options_.token;
+      options.ca_file = options_.ca_file;
+      options.connect_timeout = options_.connect_timeout;
+      options.silence_timeout = options_.stall_timeout;
+      options.stop = stop_.get_token();
+      auto socket = WebSocket::connect(url_, options);
+      if (socket) {
+        if (std::exchange(connected_before, true)) assembler_.reconnected();
+        set_trouble(std::nullopt);
+        if (receive(**socket)) pause = options_.first_backoff;
+      } else {
+        set_trouble(reason(socket.error()));
+      }
+      wait(pause);
+      pause = std::min(pause * 2, options_.max_backoff);
+    }
+  }
+
+  /// Until the connection ends. True if anything came.
+  bool receive(WebSocket& socket) {
+    bool came = false;
+    while (!stop_.stop_requested()) {
+      auto message = socket.receive(kLook);
+      if (!message) {
+        set_trouble(message.error().message + "; connecting again");
+        break;
+      }
+      if (!*message) continue;
+      came = true;
+      const Bytes& bytes = (*message)->bytes;
+      if ((*message)->kind == WebSocket::Kind::binary) {
+        if (const auto layer = parse_live_layer(bytes))
+          assembler_.add(*layer);
+        else
+          assembler_.add_bad();
+      } else {
+        take_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      }
+    }
+    return came;
+  }
+
+  void take_text(std::string_view text) {
+    auto parsed = parse_live_text(text);
+    if (!parsed) {
+      assembler_.add_bad();
+    } else if (auto* hello = std::get_if<LiveHello>(&*parsed)) {
+      set_trouble(std::nullopt);
+      assembler_.add(std::move(*hello));
+    } else if (const auto* drops = std::get_if<LiveDrops>(&*parsed)) {
+      assembler_.set_dropped(drops->layers);
+    } else if (std::holds_alternative<LiveEnd>(*parsed)) {
+      set_trouble(url_ + ": the publisher has gone; waiting for it");
+    }
+  }
+
+  std::string reason(const ConnectError& error) const {
+    if (error.status == 404) return url_ + ": nobody publishes it; waiting";
+    const std::string& text = error.message;
+    return text.substr(0, text.find(';')) + "; trying again";
+  }
+
+  void set_trouble(std::optional<std::string> text) {
+    const std::lock_guard lock(mutex_);
+    trouble_ = std::move(text);
+  }
+
+  void wait(milliseconds pause) {
+    // Whoever lost the same server comes back at another moment.
+    const double share = std::uniform_real_distribution(0.7, 1.0)(random_);
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::duration<double, std::milli>(pause) * share,
+                      [this] { return stop_.stop_requested(); });
+  }
+
+  const std::string url_;
+  const SourceOptions options_;
+  LiveAssembler assembler_;
+  std::stop_source stop_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::string> trouble_;
+  std::minstd_rand random_{std::random_device{}()};
+  std::thread thread_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LiveSource>> open_websocket_live_source(const std::string& url,
+                                                               const SourceOptions& options) {
+  if (const auto parsed = parse_websocket_url(url); !parsed) return tl::unexpected(parsed.error());
+  return std::make_unique<WebSocketLiveSource>(url, options);
+}
+
+}  // namespace pointreel

@@ -21,24 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kJson = "application/json";
-/// The content may change when the server is started again: ask each time, with the entity tag.
-constexpr const char* kRevalidate = "no-cache";
-/// A package's files never change under their name and checksum.
-constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
 std::int64_t modified_ns(const struct stat& status) {
   return std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
-}
-
-Resource text_resource(std::string content_type, std::string cache_control, std::string text) {
-  Resource resource;
-  resource.content_type = std::move(content_type);
-  resource.cache_control = std::move(cache_control);
-  resource.etag =
-      make_etag(checksum_of({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
-  resource.size = text.size();
-  resource.text = std::move(text);
-  return resource;
 }
 
 /// The name under which a folder is served.
@@ -136,6 +121,9 @@ tl::expected<FileHandle, OpenError> open_resource(const Resource& resource) {
 Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
   Catalog catalog;
   auto& resources = catalog.resources_;
+  const auto add = [&](const std::string& path, Resource resource) {
+    return resources.emplace(path, std::make_shared<const Resource>(std::move(resource))).second;
+  };
   nlohmann::ordered_json listing = nlohmann::ordered_json::array();
 
   for (const fs::path& given : folders) {
@@ -161,24 +149,21 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
     if (!manifest) return fail_at((given / kManifestName).string(), manifest.error());
 
     std::uint64_t bytes = text->size();
-    resources.emplace(manifest_path, text_resource(kJson, kRevalidate, *std::move(text)));
+    add(manifest_path, text_resource(kJson, kRevalidate, *std::move(text)));
     for (const PackageFile* listed : manifest->files()) {
       auto resource = file_resource(folder, *listed);
       if (!resource) return fail_at(given.string(), resource.error());
       bytes += listed->bytes;
-      if (!resources.emplace(fmt::format("/{}/{}", *name, listed->path), *std::move(resource))
-               .second) {
+      if (!add(fmt::format("/{}/{}", *name, listed->path), *std::move(resource))) {
         return fail(fmt::format("{}: the manifest names the file '{}' twice", given.string(),
                                 listed->path));
       }
     }
 
     const std::string url = "/" + encode_segment(*name);
-    Resource redirect;
-    redirect.kind = Resource::Kind::kRedirect;
-    redirect.text = fmt::format("{}/{}", url, kManifestName);
-    resources.emplace("/" + *name, redirect);
-    resources.emplace("/" + *name + "/", redirect);
+    const Resource redirect = redirect_resource(fmt::format("{}/{}", url, kManifestName));
+    add("/" + *name, redirect);
+    add("/" + *name + "/", redirect);
     listing.push_back({{"name", *name},
                        {"url", url},
                        {"manifest", redirect.text},
@@ -193,16 +178,16 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
   root["packages"] = std::move(listing);
   // A folder's name need not be UTF-8; JSON must be.
   using Handler = nlohmann::ordered_json::error_handler_t;
-  resources.insert_or_assign(
-      "/", text_resource(kJson, kRevalidate, root.dump(2, ' ', false, Handler::replace) + "\n"));
-  resources.insert_or_assign("/healthz",
-                             text_resource("text/plain; charset=utf-8", "no-store", "ok\n"));
+  resources.erase("/healthz");  // the redirect of a package of that name
+  add("/", text_resource(kJson, kRevalidate, root.dump(2, ' ', false, Handler::replace) + "\n"));
+  add("/healthz", text_resource("text/plain; charset=utf-8", "no-store", "ok\n"));
   return catalog;
 }
 
-const Resource* Catalog::find(std::string_view path) const {
+std::shared_ptr<const Resource> Catalog::find(std::string_view path) const {
   const auto found = resources_.find(path);
-  return found == resources_.end() ? nullptr : &found->second;
+  if (found != resources_.end()) return found->second;
+  return live_ == nullptr ? nullptr : live_->find(path);
 }
 
 }  // namespace pointreel

@@ -1,32 +1,20 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.h"
+#include "server/serve/live_resources.h"
+#include "server/serve/resource.h"
 
 /// What the server serves: a table from decoded URL paths to resources, made once, at the start,
-/// from the packages' manifests. Nothing outside the table can be reached, whatever a request says.
+/// from the packages' manifests; and what live streams put beside it. Nothing outside the tables
+/// can be reached, whatever a request says.
 namespace pointreel {
-
-/// One thing that can be fetched. Either `text`, or a file that is opened for each request, so
-/// that a package of any number of files needs no descriptors while nobody asks.
-struct Resource {
-  enum class Kind { kText, kFile, kRedirect };
-  Kind kind = Kind::kText;
-  std::string content_type;
-  std::string cache_control;
-  std::string etag;              ///< strong; empty if there is none
-  std::string text;              ///< kText: the content; kRedirect: the Location
-  std::filesystem::path file;    ///< kFile: canonical, without symbolic links
-  std::uint64_t size = 0;        ///< bytes of the content
-  std::int64_t modified_ns = 0;  ///< kFile: time of modification when the table was made
-};
 
 /// An open file descriptor with one owner.
 class FileHandle {
@@ -68,17 +56,15 @@ class Catalog {
   /// folders of one name, a symbolic link that leads out of its package.
   static Result<Catalog> load(const std::vector<std::filesystem::path>& folders);
 
-  /// By decoded path; null if there is no such resource.
-  const Resource* find(std::string_view path) const;
+  /// From now on what live streams have counts too, behind what packages have. Before it is served.
+  void add(std::shared_ptr<const LiveResources> live) { live_ = std::move(live); }
+
+  /// By decoded path; null if there is no such resource. From any thread.
+  std::shared_ptr<const Resource> find(std::string_view path) const;
 
  private:
-  struct Hash {
-    using is_transparent = void;
-    std::size_t operator()(std::string_view text) const {
-      return std::hash<std::string_view>{}(text);
-    }
-  };
-  std::unordered_map<std::string, Resource, Hash, std::equal_to<>> resources_;
+  ResourceTable resources_;
+  std::shared_ptr<const LiveResources> live_;
 };
 
 }  // namespace pointreel

@@ -135,7 +135,7 @@ Response answer(const Catalog& catalog, const Request& request) {
   if (!path) return error_response(400, path.error().message);
   if (request.method == "OPTIONS") return options_response();
 
-  const Resource* resource = catalog.find(*path);
+  std::shared_ptr<const Resource> resource = catalog.find(*path);
   if (resource == nullptr) {
     return error_response(404, "no such resource; GET / lists what there is");
   }
@@ -143,7 +143,9 @@ Response answer(const Catalog& catalog, const Request& request) {
     return error_response(308, "the manifest is " + resource->text,
                           fmt::format("Location: {}\r\n", resource->text));
   }
-  return resource_response(*resource, request);
+  Response response = resource_response(*resource, request);
+  response.resource = std::move(resource);
+  return response;
 }
 
 /// Heads that leave in the same second have the same date.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,13 +27,14 @@ struct Response {
   int status = 200;
   std::string fields;      ///< header lines, each ended by CRLF, Content-Length among them
   std::string error_text;  ///< the body of an error; or
-  std::string_view text;   ///< the body, of the catalog's; or
+  std::string_view text;   ///< the body, of `resource`; or
   FileHandle file;         ///< the body is `size` bytes of this file from `offset`
   std::uint64_t offset = 0, size = 0;
+  std::shared_ptr<const Resource> resource;  ///< what `text` points into
   bool close = false;  ///< what follows on the connection cannot be understood
 };
 
-/// The answer to a request. Text bodies point into `catalog`, which must outlive the response.
+/// The answer to a request.
 Response respond(const Catalog& catalog, const Request& request);
 
 /// An error as a line of text for a person. `extra_fields` are whole header lines.

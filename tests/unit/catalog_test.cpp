@@ -160,5 +160,23 @@ TEST_F(CatalogTest, opens_a_file_only_while_it_is_the_one_it_was) {
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
 }
 
+TEST_F(CatalogTest, what_live_streams_have_comes_and_goes_behind_the_packages) {
+  auto catalog = Catalog::load({reel_});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  const auto live = std::make_shared<LiveResources>();
+  catalog->add(live);
+  EXPECT_EQ(catalog->find("/live/stage/reel.json"), nullptr);
+  live->put("/live/stage/reel.json", text_resource("application/json", kRevalidate, "one"));
+  const auto first = catalog->find("/live/stage/reel.json");
+  ASSERT_NE(first, nullptr);
+  live->put("/live/stage/reel.json", text_resource("application/json", kRevalidate, "two"));
+  EXPECT_EQ(catalog->find("/live/stage/reel.json")->text, "two");
+  live->put("/walk/reel.json", text_resource("application/json", kRevalidate, "mine"));
+  EXPECT_NE(catalog->find("/walk/reel.json")->text, "mine");
+  live->remove("/live/stage/reel.json");
+  EXPECT_EQ(catalog->find("/live/stage/reel.json"), nullptr);
+  EXPECT_EQ(first->text, "one") << "whoever is being answered keeps it";
+}
+
 }  // namespace
 }  // namespace pointreel

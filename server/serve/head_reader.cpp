@@ -46,6 +46,7 @@ Request request_of(const http::request<http::empty_body>& message) {
 struct HeadReader::Parser {
   std::vector<char> bytes = std::vector<char>(kLimit);
   std::size_t begin = 0, end = 0;  ///< what has come and is not forgotten
+  std::size_t parsed = 0;          ///< bytes from `begin` on that `http` has taken
   std::size_t head = 0;            ///< bytes of the head that was told
   std::optional<http::request_parser<http::empty_body>> http;
   error_code error;
@@ -71,21 +72,22 @@ HeadReader::State HeadReader::next() {
   Parser& p = *parser_;
   if (p.head > 0 || !p.http) {
     p.begin += std::exchange(p.head, 0);
+    p.parsed = 0;
     p.http.emplace();
     p.http->header_limit(kLimit);
   }
   if (p.begin == p.end) return State::kEmpty;
   p.error = {};
-  const std::size_t used =
-      p.http->put(boost::asio::buffer(p.bytes.data() + p.begin, p.end - p.begin), p.error);
+  const std::size_t from = p.begin + p.parsed;
+  p.parsed += p.http->put(boost::asio::buffer(p.bytes.data() + from, p.end - from), p.error);
   if (p.error == http::error::need_more) p.error = {};
   if (p.error) return State::kRefused;
   if (p.http->is_header_done()) {
-    p.head = used;
+    p.head = p.parsed;
     p.request = request_of(p.http->get());
     return State::kHead;
   }
-  // The parser takes a head whole or not at all.
+  // The parser takes the request's line, and then the fields at once.
   if (p.end - p.begin < kLimit) return State::kPart;
   p.error = http::error::header_limit;
   return State::kRefused;

@@ -1,0 +1,70 @@
+#include "tests/fault/served_reel.h"
+
+#include <cmath>
+#include <csignal>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "common/cloud/ply.h"
+#include "server/pack/packer.h"
+
+namespace pointreel {
+namespace {
+
+constexpr int kFrames = 240;  // 8 seconds
+constexpr int kPoints = 1500;
+
+/// A ball that turns; of no two frames alike.
+PointCloud ball(int frame) {
+  PointCloud cloud;
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / kPoints;
+    const double angle = 2.399963 * i + 0.01 * frame;
+    const double r = std::sqrt(1.0 - z * z);
+    cloud.positions.push_back(glm::vec3(r * std::cos(angle), r * std::sin(angle), z));
+    cloud.colors.push_back(glm::u16vec3(257 * (i % 256), 257 * (frame % 256), 257 * 200));
+  }
+  return cloud;
+}
+
+}  // namespace
+
+const FaultReel& FaultReel::get() {
+  static const FaultReel reel;
+  return reel;
+}
+
+FaultReel::FaultReel() {
+  std::filesystem::create_directory(folder_ / "frames");
+  for (int i = 0; i < kFrames; ++i)
+    EXPECT_TRUE(write_ply(folder_ / "frames" / fmt::format("{}.ply", i), ball(i)));
+  PackOptions options;
+  options.inputs = {folder_ / "frames"};
+  options.output = path();
+  OctreeOptions octree;
+  octree.depth = DepthRule::fixed(10);
+  options.encode.codec = octree;
+  const auto packed = pack(options);
+  if (!packed) {
+    ADD_FAILURE() << packed.error().message;
+    return;
+  }
+  bits_per_second_ = 8.0 * static_cast<double>(packed->bytes) * 30.0 / kFrames;
+  truth_ = truth_of(path());
+}
+
+ServerProcess::ServerProcess(int port) {
+  process_ = std::make_unique<e2e::Background>(
+      "pointreel-server", std::vector<std::string>{"serve", FaultReel::get().path(), "--listen",
+                                                   fmt::format("127.0.0.1:{}", port)});
+  const std::string line = process_->first_line();
+  port_ = std::atoi(line.substr(line.rfind(':') + 1).c_str());
+  EXPECT_GT(port_, 0) << line;
+}
+
+void ServerProcess::kill() { process_->end(SIGKILL); }
+
+std::string ServerProcess::address() const { return fmt::format("127.0.0.1:{}", port_); }
+
+}  // namespace pointreel

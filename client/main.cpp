@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -54,6 +55,19 @@ Result<View> parse_view(const std::string& text) {
   return View{radians(yaw), radians(pitch)};
 }
 
+Result<glm::dvec3> parse_position(const std::string& text) {
+  glm::dvec3 position{0.0};
+  const char *at = text.data(), *end = text.data() + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto number = std::from_chars(at, end, position[axis]);
+    const bool separated = axis < 2 ? number.ptr != end && *number.ptr == ',' : number.ptr == end;
+    if (number.ec != std::errc() || !separated || !(std::abs(position[axis]) <= 1e9))
+      return fail(fmt::format("\"{}\" is no position such as -0.5,0,1.5", text));
+    at = number.ptr + 1;
+  }
+  return position;
+}
+
 /// For options: what `parse` has to say, or nothing.
 template <class Parse>
 CLI::Validator check(Parse parse, const std::string& type) {
@@ -94,12 +108,28 @@ int run(int argc, char** argv) {
   app.set_help_flag("-h,--help", "Print this help and exit");
 
   PlayOptions options;
+  std::vector<std::string> sources, places;
   CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
   play_command
-      .add_option("SOURCE", options.source,
-                  "http:// or https:// address of a package, a package's folder, or a "
-                  "folder of PLY and .drc files")
+      .add_option("SOURCE", sources,
+                  "http:// or https:// address of a package, a package's folder, a folder of PLY "
+                  "and .drc files, or a live stream: ws:// or wss:// .../live/NAME, or http(s)://"
+                  ".../live/NAME/reel.json; several are shown in one scene")
       ->required();
+  play_command
+      .add_option("--at-position", places,
+                  "Where a source stands, as X,Y,Z in its units; once for each, in their order")
+      ->check(check(parse_position, "X,Y,Z"))
+      ->allow_extra_args(false);
+  play_command
+      .add_option("--token", options.token, "Bearer token for servers that want one to view")
+      ->envname("POINTREEL_TOKEN")
+      ->type_name("TOKEN");
+  play_command
+      .add_option("--ca-file", options.ca_file,
+                  "Certificates to trust for https:// and wss:// (default: the system's)")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE.pem");
   const std::map<std::string, DrawMode> modes = {
       {"surfel", DrawMode::surfel}, {"voxel", DrawMode::voxel}, {"point", DrawMode::point}};
   std::string mode = "surfel";
@@ -184,7 +214,7 @@ int run(int argc, char** argv) {
   play_command
       .add_option("--offscreen", size,
                   "Draw pictures of this size without window and display: every frame once, in "
-                  "order, as fast as it goes")
+                  "order, as fast as it goes; live streams and several sources in real time")
       ->check(check(parse_size, "WxH"));
   play_command
       .add_option("--at", options.at,
@@ -240,6 +270,15 @@ int run(int argc, char** argv) {
   options.draw.mode = modes.at(mode);
   options.draw.instancing = instancings.at(instancing);
   options.draw.splatting = splattings.at(splatting);
+  if (places.size() > sources.size()) {
+    fmt::print(stderr, "pointreel: --at-position is given {} times for {} source{}\n",
+               places.size(), sources.size(), sources.size() > 1 ? "s" : "");
+    return 2;
+  }
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    options.sources.push_back({sources[i], {}});
+    if (i < places.size()) options.sources.back().place = *parse_position(places[i]);
+  }
   if (loop_flag->count() > 0) options.loop = loop;
   if (!up.empty()) options.up = up[0];
   options.offscreen = !size.empty();

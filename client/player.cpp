@@ -19,11 +19,10 @@
 #include <fmt/format.h>
 
 #include "client/capture.h"
-#include "client/playback/reel_playback.h"
+#include "client/painter.h"
+#include "client/playback/stage.h"
 #include "client/render/gl_context.h"
-#include "client/render/supersampling.h"
 #include "client/report.h"
-#include "client/source/open_source.h"
 #include "client/ui/window_input.h"
 
 namespace pointreel {
@@ -47,15 +46,39 @@ void stop_on_signals() {
 /// One line for each broken frame, however often it is tried.
 class ErrorLines {
  public:
-  void print(std::uint32_t frame, const Error& error) {
+  void print(std::size_t source, const std::string& where, std::uint32_t frame,
+             const Error& error) {
     const std::lock_guard lock(mutex_);
-    if (printed_.insert(frame).second)
-      fmt::print(stderr, "pointreel: frame {}: {}\n", frame, error.message);
+    // A live stream that goes wrong for days must not fill the memory.
+    if (printed_.size() >= kMost || !printed_.insert({source, frame}).second) return;
+    fmt::print(stderr, "pointreel: {}frame {}: {}\n", where, frame, error.message);
+    if (printed_.size() == kMost)
+      fmt::print(stderr, "pointreel: more broken frames are counted, but not told\n");
   }
 
  private:
+  static constexpr std::size_t kMost = 10'000;
   std::mutex mutex_;
-  std::set<std::uint32_t> printed_;
+  std::set<std::pair<std::size_t, std::uint32_t>> printed_;
+};
+
+/// One line when something goes wrong with a source, and one when it goes on.
+class TroubleLines {
+ public:
+  void look(const Stage& stage) {
+    said_.resize(stage.size());
+    for (std::size_t i = 0; i < stage.size(); ++i) {
+      const Playback& playback = stage.playback(i);
+      const std::optional<std::string> trouble = playback.trouble();
+      if (trouble && trouble != said_[i])
+        fmt::print(stderr, "pointreel: {}: {}\n", playback.name(), *trouble);
+      if (!trouble && said_[i]) fmt::print(stderr, "pointreel: {}: goes on\n", playback.name());
+      said_[i] = trouble;
+    }
+  }
+
+ private:
+  std::vector<std::optional<std::string>> said_;
 };
 
 std::uint64_t microseconds(double seconds) {
@@ -66,103 +89,119 @@ double seconds_since(steady_clock::time_point start) {
   return std::chrono::duration<double>(steady_clock::now() - start).count();
 }
 
+std::uint64_t unix_time_us() {
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(
+                                        std::chrono::system_clock::now().time_since_epoch())
+                                        .count());
+}
+
 /// What a window and a playback without one have in common.
 class Player {
  public:
   static Result<std::unique_ptr<Player>> create(const PlayOptions& options) {
-    SourceOptions source_options;
-    source_options.fps = options.fps;
-    source_options.up = options.up.value_or('y');
-    auto source = open_source(options.source, source_options);
-    if (!source) return tl::unexpected(source.error());
-    if ((*source)->manifest().frame_count() == 0)
-      return fail(options.source + ": the reel has no frames");
-    return std::unique_ptr<Player>(new Player(options, std::move(*source)));
+    auto player = std::unique_ptr<Player>(new Player(options));
+    Player* self = player.get();
+    auto stage = Stage::open(
+        options.sources, player->stage_options(),
+        [self](const Box& bounds, char up) {
+          self->reset_view(bounds, up, self->options_.size);
+          return self->camera_;
+        },
+        [self](std::size_t source, std::uint32_t frame, const Error& error) {
+          const auto& sources = self->options_.sources;
+          self->errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
+                              error);
+        });
+    if (!stage) return tl::unexpected(stage.error());
+    player->stage_ = *std::move(stage);
+    player->begin_report();
+    return player;
   }
 
   Result<void> run() {
     auto ended = options_.offscreen ? play_offscreen() : play_in_window();
-    reel_.reset();
+    stage_.reset();
     if (!ended) return ended;
     return write_json();
   }
 
  private:
-  Player(const PlayOptions& options, std::unique_ptr<Source> source)
-      : options_(options), draw_(options.draw) {
-    report_.source = options.source;
-    report_.mode = options.draw.mode;
-    report_.instancing = options.draw.instancing;
-    report_.splatting = options.draw.splatting;
-    report_.delta = options.delta;
-    if (source->manifest().codec == "octree")
-      report_.finest_level = static_cast<int>(source->manifest().depth_max);
-    report_.size = options.size;
-    reset_view(source->manifest(), options.size);
+  explicit Player(const PlayOptions& options) : options_(options), draw_(options.draw) {}
 
-    ReelPlayback::Options reel;
-    reel.mode = draw_.mode;
-    reel.delta = options.delta;
-    reel.layers = options.layers;
-    reel.pixel_size = draw_.pixel_size;
-    reel.loop = options.loop.value_or(!options.offscreen);
-    reel.speed = options.speed;
-    reel.start_us = microseconds(options.at.value_or(0.0));
-    reel.remote = options.source.find("://") != std::string::npos;
-    reel.single_frame = single_frame();
-    reel_ = std::make_unique<ReelPlayback>(
-        std::move(source), reel, camera_, options.size,
-        [this](std::uint32_t frame, const Error& error) { errors_.print(frame, error); });
+  Stage::Options stage_options() const {
+    Stage::Options stage;
+    stage.size = options_.size;
+    stage.source.fps = options_.fps;
+    stage.source.up = options_.up.value_or('y');
+    stage.source.token = options_.token;
+    stage.source.ca_file = options_.ca_file;
+    stage.reel.mode = stage.live.mode = draw_.mode;
+    stage.reel.delta = stage.live.delta = options_.delta;
+    stage.reel.layers = stage.live.layers = options_.layers;
+    stage.reel.pixel_size = stage.live.pixel_size = draw_.pixel_size;
+    stage.reel.loop = options_.loop.value_or(!options_.offscreen);
+    stage.reel.speed = options_.speed;
+    stage.reel.start_us = microseconds(options_.at.value_or(0.0));
+    stage.reel.single_frame = single_frame();
+    stage.live.prepare_threads = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);
+    return stage;
   }
 
-  bool single_frame() const { return options_.offscreen && options_.at && !options_.duration; }
+  void begin_report() {
+    report_.mode = draw_.mode;
+    report_.instancing = draw_.instancing;
+    report_.splatting = draw_.splatting;
+    report_.delta = options_.delta;
+    report_.size = options_.size;
+    for (std::size_t i = 0; i < stage_->size(); ++i) {
+      SourceReport& source = report_.sources.emplace_back();
+      source.where = options_.sources[i].where;
+      source.place = options_.sources[i].place;
+      const ReelPlayback* reel = stage_->reel(i);
+      if (reel != nullptr && reel->manifest().codec == "octree")
+        report_.finest_level =
+            std::max(report_.finest_level, static_cast<int>(reel->manifest().depth_max));
+    }
+  }
 
-  void reset_view(const Manifest& manifest, glm::ivec2 size) {
-    camera_.up = options_.up.value_or(manifest.up);
-    camera_.frame_bounds(manifest.bounds, static_cast<double>(size.x) / size.y);
+  /// Without a window, and without anything that has a time of its own.
+  bool every_frame() const { return stage_->size() == 1 && stage_->reel(0) != nullptr; }
+  bool single_frame() const {
+    return options_.offscreen && options_.at && !options_.duration && options_.sources.size() == 1;
+  }
+
+  void reset_view(const Box& bounds, char up, glm::ivec2 size) {
+    camera_.up = options_.up.value_or(up);
+    camera_.frame_bounds(bounds, static_cast<double>(size.x) / size.y);
     if (options_.view) {
       camera_.yaw = camera_.pitch = 0.0;
       camera_.orbit(options_.view->yaw, options_.view->pitch);
     }
   }
 
-  Result<void> screenshot(const std::string& path) {
-    auto image = renderer_->read_pixels();
-    if (!image) return tl::unexpected(image.error());
-    if (options_.supersample > 1) {
-      if (auto averaged = supersample(*image); !averaged) return averaged;
-    }
-    return write_png(path, *image);
-  }
-
-  /// Draws what is shown once more, larger, and then as it was.
-  Result<void> supersample(Image& image) {
-    const int times = options_.supersample;
-    const glm::ivec2 size(image.width, image.height);
-    DrawOptions larger = draw_;
-    larger.point_size *= static_cast<float>(times);
-    larger.pixel_size *= static_cast<float>(times);
-    if (const auto drawn = renderer_->draw(shown_, camera_, times * size, larger); !drawn)
-      return tl::unexpected(drawn.error());
-    const auto large = renderer_->read_pixels();
-    if (!large) return tl::unexpected(large.error());
-    image = average_squares(*large, times);
-    if (const auto drawn = renderer_->draw(shown_, camera_, size, draw_); !drawn)
-      return tl::unexpected(drawn.error());
-    return {};
-  }
-
-  /// Draws `frame`, a new one, or the one shown with more levels.
-  Result<void> show(std::shared_ptr<const SceneFrame> frame, glm::ivec2 size, bool refined) {
+  /// Draws the scene with what has changed in it.
+  Result<void> show(const std::vector<Stage::Change>& changes, glm::ivec2 size) {
     if (!started_) started_ = steady_clock::now();
-    const auto stats = renderer_->draw(frame, camera_, size, draw_);
+    shown_ = true;
+    const auto stats = painter_->draw(stage_->scene(), camera_, size, draw_);
     if (!stats) return tl::unexpected(stats.error());
-    const NotFetched rest = not_fetched(reel_->manifest(), *frame, reel_->choice(frame->level));
-    if (refined)
-      report_.add_refined(*frame, rest, *stats);
-    else
-      report_.add(*frame, rest, *stats);
-    shown_ = std::move(frame);
+    for (const Stage::Change& change : changes) {
+      const SceneFrame& frame = *stage_->scene()[change.source].frame;
+      const ReelPlayback* reel = stage_->reel(change.source);
+      NotFetched rest;
+      if (reel != nullptr) rest = not_fetched(reel->manifest(), frame, reel->choice(frame.level));
+      if (change.refined) {
+        report_.add_refined(frame, rest, *stats);
+        continue;
+      }
+      report_.add(frame, rest, *stats);
+      SourceReport& source = report_.sources[change.source];
+      ++source.frames_shown;
+      // By two machines' clocks, which may disagree.
+      if (reel == nullptr)
+        source.delay.add(
+            (static_cast<double>(unix_time_us()) - static_cast<double>(frame.time_us)) / 1000.0);
+    }
     return {};
   }
 
@@ -172,31 +211,57 @@ class Player {
   }
 
   void count() {
-    // Offscreen nothing is ever late.
-    if (!options_.offscreen) report_.frames_dropped = reel_->dropped();
-    report_.errors = reel_->errors();
+    report_.frames_dropped = lost_;
+    report_.errors = 0;
+    for (std::size_t i = 0; i < stage_->size(); ++i) {
+      SourceReport& source = report_.sources[i];
+      source.frames_dropped = stage_->playback(i).dropped();
+      source.errors = stage_->playback(i).errors();
+      if (const LivePlayback* live = stage_->live(i)) source.live = live->counts();
+      report_.errors += source.errors;
+      // Where every frame is waited for, nothing is ever late.
+      if (!options_.offscreen || !every_frame()) report_.frames_dropped += source.frames_dropped;
+    }
   }
 
-  // Without a window: every frame once, in order.
+  Result<void> begin_drawing() {
+    auto painter = Painter::create(options_.supersample);
+    if (!painter) return tl::unexpected(painter.error());
+    painter_ = *std::move(painter);
+    report_.gl_renderer = describe_opengl();
+    return {};
+  }
 
+  /// Of the reel alone, every frame once, in order; else in real time.
   Result<void> play_offscreen() {
     auto context = OffscreenContext::create();
     if (!context) return tl::unexpected(context.error());
-    auto renderer = Renderer::create();
-    if (!renderer) return tl::unexpected(renderer.error());
-    renderer_.emplace(std::move(*renderer));
-    report_.gl_renderer = describe_opengl();
+    if (auto begun = begin_drawing(); !begun) return begun;
     started_ = steady_clock::now();
-    auto ended = play_every_frame();
+    auto ended =
+        every_frame() ? play_every_frame(*stage_->reel(0)) : play_in_real_time(nullptr, nullptr);
     finish();
-    renderer_.reset();
+    painter_.reset();
     return ended;
   }
 
-  Result<void> play_every_frame() {
-    std::optional<NumberedPath> record;
-    if (!options_.record.empty()) record = *NumberedPath::parse(options_.record);
-    const Timeline& timeline = reel_->timeline();
+  Result<void> play_in_window() {
+    auto context = WindowContext::create(title(), options_.size.x, options_.size.y);
+    if (!context)
+      return fail(context.error().message + "; --offscreen WxH draws without a display");
+    if (auto begun = begin_drawing(); !begun) return begun;
+    Result<void> ended;
+    {
+      WindowInput input(context->handle());
+      ended = play_in_real_time(&*context, &input);
+    }
+    finish();
+    painter_.reset();
+    return ended;
+  }
+
+  Result<void> play_every_frame(ReelPlayback& reel) {
+    const Timeline& timeline = reel.timeline();
     const std::uint32_t count = timeline.frame_count();
     const std::uint32_t first = timeline.frame_at(microseconds(options_.at.value_or(0.0)));
     const bool loop = options_.loop.value_or(false);
@@ -204,7 +269,6 @@ class Player {
     const std::uint64_t start_us = timeline.times_us[first];
     const std::uint64_t end_us = options_.duration ? microseconds(*options_.duration)
                                                    : std::numeric_limits<std::uint64_t>::max();
-    std::uint64_t recorded = 0;
     for (std::uint64_t ordinal = first; !g_stop; ++ordinal) {
       if (ordinal >= count && !loop) break;
       const auto frame = static_cast<std::uint32_t>(ordinal % count);
@@ -212,90 +276,96 @@ class Player {
           ordinal / count * timeline.duration_us + timeline.times_us[frame] - start_us;
       if (time_us >= end_us) break;
       FrameBuffer::State state = FrameBuffer::State::waiting;
-      while (state == FrameBuffer::State::waiting && !g_stop)
-        state = reel_->await(frame, milliseconds(50));
+      while (state == FrameBuffer::State::waiting && !g_stop) {
+        state = reel.await(frame, milliseconds(50));
+        trouble_.look(*stage_);
+      }
       if (state == FrameBuffer::State::ready) {
-        if (auto drawn = show(reel_->best(), options_.size, false); !drawn) return drawn;
+        if (auto drawn = show(stage_->take(0, reel.best()), options_.size); !drawn) return drawn;
       } else if (state == FrameBuffer::State::failed) {
-        ++report_.frames_dropped;
+        ++lost_;
       } else {
         break;
       }
-      if (record && shown_) {
-        if (auto written = screenshot(record->at(recorded++)); !written) return written;
-      }
+      if (auto written = record(); !written) return written;
       if (single_frame()) break;
     }
-    if (!shown_ && !g_stop) return fail(options_.source + ": no frame could be shown");
-    if (!options_.screenshot.empty() && shown_) return screenshot(options_.screenshot);
-    return {};
+    if (!shown_ && !g_stop) return fail(options_.sources[0].where + ": no frame could be shown");
+    return last_screenshot();
   }
 
-  // In a window: in real time.
-
-  Result<void> play_in_window() {
-    auto context = WindowContext::create("Pointreel: " + reel_->manifest().name, options_.size.x,
-                                         options_.size.y);
-    if (!context)
-      return fail(context.error().message + "; --offscreen WxH draws without a display");
-    auto renderer = Renderer::create();
-    if (!renderer) return tl::unexpected(renderer.error());
-    renderer_.emplace(std::move(*renderer));
-    report_.gl_renderer = describe_opengl();
-    Result<void> ended;
-    {
-      WindowInput input(context->handle());
-      ended = play_in_real_time(*context, input);
-    }
-    finish();
-    renderer_.reset();
-    return ended;
+  Result<void> record() {
+    if (options_.record.empty() || !shown_) return {};
+    return painter_->write(NumberedPath::parse(options_.record)->at(recorded_++));
   }
 
-  Result<void> play_in_real_time(WindowContext& context, WindowInput& input) {
-    GLFWwindow* window = context.handle();
+  Result<void> last_screenshot() {
+    if (options_.screenshot.empty() || !shown_) return {};
+    return painter_->write(options_.screenshot);
+  }
+
+  /// `window` and `input` are null where there is none.
+  Result<void> play_in_real_time(WindowContext* window, WindowInput* input) {
     bool redraw = true;
-    auto last_title = steady_clock::now();
-    glm::ivec2 size{0};
-    while (!g_stop && !quit_ && !glfwWindowShouldClose(window)) {
-      if (redraw)
-        glfwPollEvents();
-      else
-        glfwWaitEventsTimeout(reel_->playing() ? 0.002 : 0.01);
+    auto last_look = steady_clock::now();
+    glm::ivec2 size = options_.size;
+    while (!g_stop && !quit_ && !(window && glfwWindowShouldClose(window->handle()))) {
+      wait_for_events(window, redraw);
       redraw = false;
-
       const auto now = steady_clock::now();
-      if (auto acted = act(input, now, redraw); !acted) return acted;
+      if (input) {
+        if (auto acted = act(*input, now, redraw); !acted) return acted;
+      }
       if (options_.duration && shown_ && seconds_since(*started_) >= *options_.duration) break;
-      const ReelPlayback::Update update = reel_->update(now);
+      const Stage::Update update = stage_->update(now);
       if (update.ended) break;
 
-      glm::ivec2 window_size;
-      glfwGetFramebufferSize(window, &window_size.x, &window_size.y);
-      if (window_size.x <= 0 || window_size.y <= 0) continue;  // minimised
-      redraw = redraw || window_size != size;
-      report_.size = size = window_size;
-      reel_->look(camera_, size);
+      glm::ivec2 new_size = options_.size;
+      if (window) glfwGetFramebufferSize(window->handle(), &new_size.x, &new_size.y);
+      if (new_size.x <= 0 || new_size.y <= 0) continue;  // minimised
+      redraw = redraw || new_size != size;
+      report_.size = size = new_size;
+      frame_what_came(size);
+      stage_->look(camera_, size);
 
-      if (update.frame && update.frame != shown_) {
+      if (!update.changes.empty()) {
         draw_.mode = wanted_mode_;
-        if (auto drawn = show(update.frame, size, update.refined); !drawn) return drawn;
+        if (auto drawn = show(update.changes, size); !drawn) return drawn;
+        if (auto written = record(); !written) return written;
         redraw = true;
       } else if (redraw) {
-        const auto drawn = renderer_->draw(shown_, camera_, size, draw_);
+        const auto drawn = painter_->draw(stage_->scene(), camera_, size, draw_);
         if (!drawn) return tl::unexpected(drawn.error());
       }
-      if (redraw) {
-        renderer_->present(0);
-        context.swap();
+      if (redraw && window) {
+        painter_->present();
+        window->swap();
       }
-      if (seconds_since(last_title) > 0.5) {
-        last_title = now;
-        update_title(window);
+      if (seconds_since(last_look) > 0.1) {
+        last_look = now;
+        trouble_.look(*stage_);
+        if (window) update_title(window->handle());
       }
     }
-    if (!options_.screenshot.empty() && shown_) return screenshot(options_.screenshot);
-    return {};
+    return last_screenshot();
+  }
+
+  void wait_for_events(WindowContext* window, bool redraw) const {
+    if (!window) {
+      std::this_thread::sleep_for(milliseconds(1));
+    } else if (redraw) {
+      glfwPollEvents();
+    } else {
+      glfwWaitEventsTimeout(stage_->playing() ? 0.002 : 0.01);
+    }
+  }
+
+  /// Live streams say late where they are: looks at everything anew, unless the user has chosen
+  /// where to look from.
+  void frame_what_came(glm::ivec2 size) {
+    if (stage_->bounded() == bounded_) return;
+    bounded_ = stage_->bounded();
+    if (!moved_) reset_view(stage_->bounds(), stage_->up(), size);
   }
 
   Result<void> act(WindowInput& input, Clock::TimePoint now, bool& redraw) {
@@ -304,42 +374,47 @@ class Player {
     if (events.orbit != glm::dvec2(0.0)) {
       // Once across the height of the picture is half a turn.
       camera_.orbit(-events.orbit.x / height * M_PI, events.orbit.y / height * M_PI);
-      redraw = true;
+      moved_ = redraw = true;
     }
     if (events.pan != glm::dvec2(0.0)) {
       camera_.pan(-events.pan.x / height, events.pan.y / height);
-      redraw = true;
+      moved_ = redraw = true;
     }
     if (events.wheel != 0.0) {
       camera_.zoom(std::pow(0.9, events.wheel));
-      redraw = true;
+      moved_ = redraw = true;
     }
     for (const Action action : events.actions) {
       switch (action) {
         case Action::toggle_play:
-          reel_->toggle_play(now);
+          stage_->for_each_reel([&](ReelPlayback& reel) { reel.toggle_play(now); });
           break;
         case Action::seek_forward:
         case Action::seek_back:
-          reel_->seek_by(action == Action::seek_forward ? 5'000'000 : -5'000'000, now);
+          stage_->for_each_reel([&](ReelPlayback& reel) {
+            reel.seek_by(action == Action::seek_forward ? 5'000'000 : -5'000'000, now);
+          });
           break;
         case Action::step_forward:
         case Action::step_back:
-          reel_->step(action == Action::step_forward ? 1 : -1, now);
+          stage_->for_each_reel(
+              [&](ReelPlayback& reel) { reel.step(action == Action::step_forward ? 1 : -1, now); });
           break;
         case Action::slower:
-          reel_->set_speed(reel_->speed() / 1.1, now);
+          stage_->for_each_reel(
+              [&](ReelPlayback& reel) { reel.set_speed(reel.speed() / 1.1, now); });
           break;
         case Action::faster:
-          reel_->set_speed(reel_->speed() * 1.1, now);
+          stage_->for_each_reel(
+              [&](ReelPlayback& reel) { reel.set_speed(reel.speed() * 1.1, now); });
           break;
         case Action::toggle_loop:
-          reel_->toggle_loop(now);
+          stage_->for_each_reel([&](ReelPlayback& reel) { reel.toggle_loop(now); });
           break;
         case Action::next_mode:
           wanted_mode_ = static_cast<DrawMode>((static_cast<int>(wanted_mode_) + 1) % 3);
           report_.mode = wanted_mode_;
-          reel_->set_mode(wanted_mode_);
+          stage_->set_mode(wanted_mode_);
           break;
         case Action::next_instancing:
           draw_.instancing = next(draw_.instancing);
@@ -356,7 +431,7 @@ class Player {
           break;
         case Action::screenshot: {
           const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
-          const auto written = screenshot(path);
+          const auto written = painter_->write(path);
           fmt::print(stderr, "pointreel: {}\n",
                      written ? "wrote " + path : written.error().message);
           break;
@@ -366,7 +441,8 @@ class Player {
           title_stale_ = true;
           break;
         case Action::reset_view:
-          reset_view(reel_->manifest(), report_.size);
+          moved_ = false;
+          reset_view(stage_->bounds(), stage_->up(), report_.size);
           redraw = true;
           break;
         case Action::help:
@@ -387,12 +463,21 @@ class Player {
                name(draw_.splatting));
   }
 
+  std::string title() const {
+    std::string names;
+    for (std::size_t i = 0; i < stage_->size(); ++i)
+      names += (i > 0 ? ", " : "") + stage_->playback(i).name();
+    return "Pointreel: " + names;
+  }
+
   void update_title(GLFWwindow* window) {
     if (!statistics_ && !title_stale_) return;
+    if (!title_stale_ && seconds_since(last_title_) < 0.5) return;
     title_stale_ = false;
+    last_title_ = steady_clock::now();
     count();
-    const std::string name = "Pointreel: " + reel_->manifest().name;
-    glfwSetWindowTitle(window, (statistics_ ? name + ": " + report_.to_title() : name).c_str());
+    glfwSetWindowTitle(window,
+                       (statistics_ ? title() + ": " + report_.to_title() : title()).c_str());
   }
 
   Result<void> write_json() const {
@@ -415,12 +500,18 @@ class Player {
   DrawOptions draw_;
   DrawMode wanted_mode_ = options_.draw.mode;  ///< what frames are being made for
   ErrorLines errors_;
-  std::unique_ptr<ReelPlayback> reel_;
-  std::optional<Renderer> renderer_;
+  TroubleLines trouble_;
+  std::unique_ptr<Stage> stage_;
+  std::unique_ptr<Painter> painter_;
   Camera camera_;
+  bool moved_ = false;       ///< the user has chosen where to look from
+  std::size_t bounded_ = 0;  ///< sources that the camera was framed on
   PlayReport report_;
-  std::shared_ptr<const SceneFrame> shown_;
+  std::uint64_t lost_ = 0;  ///< frames of every one that were skipped for being broken
+  std::uint64_t recorded_ = 0;
+  bool shown_ = false;
   std::optional<steady_clock::time_point> started_;
+  steady_clock::time_point last_title_{};
   bool statistics_ = false, title_stale_ = false, quit_ = false;
 };
 

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
+#include "client/playback/stage.h"
 #include "client/render/renderer.h"
 #include "common/base/error.h"
 
@@ -19,8 +21,9 @@ struct View {
 
 /// Everything that `pointreel play` can be told. Values are in range: main checks them.
 struct PlayOptions {
-  std::string source;  ///< address, package or folder
-  DrawOptions draw;    ///< its mode is the one to begin with
+  std::vector<Stage::Placed> sources;  ///< at least one
+  std::string token, ca_file;          ///< SourceOptions'
+  DrawOptions draw;                    ///< its mode is the one to begin with
   /// Of the tree that voxels are drawn from. Far above the paper's 0.05, which gives nearly every
   /// point a voxel of its own, with gaps between them wherever points are not on a grid; below
   /// 0.75, at which points that are on one would lose a level.

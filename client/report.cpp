@@ -19,6 +19,24 @@ nlohmann::ordered_json json_of(const TimeSamples& samples) {
           {"max", rounded(summary.max)}};
 }
 
+nlohmann::ordered_json json_of(const SourceReport& source) {
+  nlohmann::ordered_json json = {{"source", source.where},
+                                 {"at", {source.place.x, source.place.y, source.place.z}},
+                                 {"frames_shown", source.frames_shown},
+                                 {"frames_dropped", source.frames_dropped},
+                                 {"errors", source.errors}};
+  if (source.live) {
+    json["live"] = {{"frames", source.live->frames},
+                    {"skipped", source.live->skipped},
+                    {"layers_dropped_by_server", source.live->dropped},
+                    {"bad_messages", source.live->bad},
+                    {"reconnections", source.live->reconnections},
+                    {"bytes", source.live->bytes},
+                    {"capture_to_picture_ms", json_of(source.delay)}};
+  }
+  return json;
+}
+
 }  // namespace
 
 const char* name(DrawMode mode) {
@@ -86,7 +104,6 @@ void PlayReport::set_last(const SceneFrame& frame, const NotFetched& rest, const
 
 std::string PlayReport::to_json() const {
   nlohmann::ordered_json json;
-  json["source"] = source;
   json["gl_renderer"] = gl_renderer;
   json["mode"] = name(mode);
   json["instancing"] = name(instancing);
@@ -122,6 +139,9 @@ std::string PlayReport::to_json() const {
                      {"out_of_view", last_.out_of_view},
                      {"below_pixel", last_.below_pixel},
                      {"hidden", last_.hidden}};
+  auto each = nlohmann::ordered_json::array();
+  for (const SourceReport& source : sources) each.push_back(json_of(source));
+  json["sources"] = each;
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/playback/statistics.h"
 #include "client/render/renderer.h"
 #include "client/scene/frame.h"
+#include "client/source/live_source.h"
 #include "client/source/source.h"
 
 namespace pointreel {
@@ -24,11 +27,20 @@ struct NotFetched {
 NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
                        const FetchRequest& request);
 
+/// What playing one source came to.
+struct SourceReport {
+  std::string where;
+  glm::dvec3 place{0.0};
+  std::uint64_t frames_shown = 0, frames_dropped = 0, errors = 0;
+  std::optional<LiveCounts> live;  ///< of a live stream
+  TimeSamples delay;               ///< of a live stream: from capture to the end of drawing
+};
+
 /// What playing came to. Times are over the frames shown, one sample a frame; the counts of layers,
 /// points, nodes, leaves, depth, drawn and what was not drawn are those of the last frame shown.
 class PlayReport {
  public:
-  std::string source;
+  std::vector<SourceReport> sources;
   std::string gl_renderer;
   DrawMode mode = DrawMode::surfel;
   Instancing instancing = Instancing::pull;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "client/render/renderer.h"
+#include "client/scene/camera.h"
+#include "client/scene/frame.h"
+#include "common/base/error.h"
+
+namespace pointreel {
+
+/// Draws scenes and writes pictures of them. Needs the renderer's OpenGL context.
+class Painter {
+ public:
+  /// Pictures that are written are drawn `supersample` times as wide and high.
+  static Result<std::unique_ptr<Painter>> create(int supersample);
+
+  Result<DrawStats> draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
+                         const DrawOptions& options);
+  /// Into a window's framebuffer.
+  void present() const { renderer_.present(0); }
+  /// Writes what was drawn last, as a PNG file.
+  Result<void> write(const std::string& path);
+
+ private:
+  explicit Painter(Renderer renderer, int supersample)
+      : renderer_(std::move(renderer)), supersample_(supersample) {}
+
+  Renderer renderer_;
+  const int supersample_;
+  // Of the last picture.
+  Scene scene_;
+  Camera camera_;
+  glm::ivec2 size_{0};
+  DrawOptions options_;
+};
+
+}  // namespace pointreel

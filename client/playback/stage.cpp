@@ -1,0 +1,128 @@
+#include "client/playback/stage.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "client/source/open_source.h"
+#include "client/source/websocket_live_source.h"
+
+namespace pointreel {
+namespace {
+
+bool is_remote(const std::string& where) { return where.find("://") != std::string::npos; }
+
+void grow(Box& box, const Box& other, const glm::dvec3& place) {
+  if (other.empty()) return;
+  box.grow(other.min + place);
+  box.grow(other.max + place);
+}
+
+Camera moved(Camera camera, const glm::dvec3& place) {
+  camera.target -= place;
+  return camera;
+}
+
+}  // namespace
+
+bool is_live_address(const std::string& where) {
+  if (where.starts_with("ws://") || where.starts_with("wss://")) return true;
+  const std::size_t scheme = where.find("://");
+  return where.starts_with("http") && scheme != std::string::npos &&
+         where.find("/live/", scheme + 3) != std::string::npos;
+}
+
+Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
+                                           const Options& options, const CameraFor& camera_for,
+                                           OnError on_error) {
+  std::vector<std::unique_ptr<Source>> reels(sources.size());
+  std::vector<std::unique_ptr<LiveSource>> streams(sources.size());
+  Box bounds;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::string& where = sources[i].where;
+    if (is_live_address(where)) {
+      auto stream = open_websocket_live_source(where, options.source);
+      if (!stream) return tl::unexpected(stream.error());
+      streams[i] = *std::move(stream);
+      continue;
+    }
+    auto reel = open_source(where, options.source);
+    if (!reel) return tl::unexpected(reel.error());
+    if ((*reel)->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
+    reels[i] = *std::move(reel);
+    grow(bounds, reels[i]->manifest().bounds, sources[i].place);
+  }
+  const auto first_reel =
+      std::find_if(reels.begin(), reels.end(), [](const auto& reel) { return reel != nullptr; });
+  const Camera camera =
+      camera_for(bounds, first_reel != reels.end() ? (*first_reel)->manifest().up : 'y');
+
+  auto stage = std::make_unique<Stage>();
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const auto broken = [i, on_error](std::uint32_t frame, const Error& error) {
+      on_error(i, frame, error);
+    };
+    Part part{nullptr, sources[i].place, nullptr, nullptr};
+    if (reels[i]) {
+      ReelPlayback::Options reel = options.reel;
+      reel.remote = is_remote(sources[i].where);
+      auto playback = std::make_unique<ReelPlayback>(
+          std::move(reels[i]), reel, moved(camera, part.place), options.size, broken);
+      part.reel = playback.get();
+      part.playback = std::move(playback);
+    } else {
+      auto playback = std::make_unique<LivePlayback>(std::move(streams[i]), sources[i].where,
+                                                     options.live, broken);
+      part.live = playback.get();
+      part.playback = std::move(playback);
+    }
+    stage->parts_.push_back(std::move(part));
+    stage->scene_.push_back({nullptr, sources[i].place});
+  }
+  return stage;
+}
+
+Box Stage::bounds() const {
+  Box all;
+  for (const Part& part : parts_) grow(all, part.playback->bounds(), part.place);
+  return all;
+}
+
+std::size_t Stage::bounded() const {
+  return static_cast<std::size_t>(std::count_if(parts_.begin(), parts_.end(), [](const Part& part) {
+    return !part.playback->bounds().empty();
+  }));
+}
+
+bool Stage::playing() const {
+  return std::any_of(parts_.begin(), parts_.end(),
+                     [](const Part& part) { return part.live != nullptr || part.reel->playing(); });
+}
+
+void Stage::look(const Camera& camera, glm::ivec2 size) {
+  for (Part& part : parts_) part.playback->look(moved(camera, part.place), size);
+}
+
+void Stage::set_mode(DrawMode mode) {
+  for (Part& part : parts_) part.playback->set_mode(mode);
+}
+
+std::vector<Stage::Change> Stage::take(std::size_t source,
+                                       std::shared_ptr<const SceneFrame> frame) {
+  scene_[source].frame = std::move(frame);
+  return {{source, false}};
+}
+
+Stage::Update Stage::update(Clock::TimePoint now) {
+  Update update;
+  update.ended = true;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Playback::Update one = parts_[i].playback->update(now);
+    update.ended = update.ended && one.ended;
+    if (!one.frame || one.frame == scene_[i].frame) continue;
+    scene_[i].frame = one.frame;
+    update.changes.push_back({i, one.refined});
+  }
+  return update;
+}
+
+}  // namespace pointreel

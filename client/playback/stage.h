@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/playback/live_playback.h"
+#include "client/playback/playback.h"
+#include "client/playback/reel_playback.h"
+#include "client/source/source.h"
+#include "common/base/error.h"
+
+namespace pointreel {
+
+/// Whether it names a live stream: ws:// or wss://, or http(s):// with /live/ in its path.
+bool is_live_address(const std::string& where);
+
+/// What is played together in one scene: reels and live streams, each at its place. Controls of
+/// time are those of all reels; live streams have none.
+class Stage {
+ public:
+  struct Options {
+    SourceOptions source;
+    ReelPlayback::Options reel;  ///< `remote` is found out
+    LivePlayback::Options live;
+    glm::ivec2 size{1280, 720};  ///< of the picture
+  };
+  struct Placed {
+    std::string where;  ///< open_source's, or a live stream's address (is_live_address)
+    glm::dvec3 place{0.0};
+  };
+  /// Told of each frame that cannot be shown, by any thread; `source` is its index.
+  using OnError = std::function<void(std::size_t source, std::uint32_t frame, const Error&)>;
+
+  /// How the camera looks at a scene with these bounds, and this axis up, to begin with.
+  using CameraFor = std::function<Camera(const Box& bounds, char up)>;
+
+  /// Opens all. `sources` is not empty. Live streams are connected to in the background.
+  static Result<std::unique_ptr<Stage>> open(const std::vector<Placed>& sources,
+                                             const Options& options, const CameraFor& camera_for,
+                                             OnError on_error);
+
+  std::size_t size() const { return parts_.size(); }
+  const Playback& playback(std::size_t i) const { return *parts_[i].playback; }
+  /// Null if that is a live stream.
+  ReelPlayback* reel(std::size_t i) const { return parts_[i].reel; }
+  const LivePlayback* live(std::size_t i) const { return parts_[i].live; }
+  /// In the world; empty while nothing is known.
+  Box bounds() const;
+  /// Sources whose bounds are known.
+  std::size_t bounded() const;
+  char up() const { return parts_.front().playback->up(); }
+  bool playing() const;
+
+  void look(const Camera& camera, glm::ivec2 size);
+  void set_mode(DrawMode mode);
+  /// Of each reel.
+  template <class Control>
+  void for_each_reel(const Control& control) {
+    for (Part& part : parts_) {
+      if (part.reel != nullptr) control(*part.reel);
+    }
+  }
+
+  struct Change {
+    std::size_t source = 0;
+    bool refined = false;
+  };
+  struct Update {
+    std::vector<Change> changes;  ///< sources that have another frame in the scene than before
+    bool ended = false;           ///< of all sources
+  };
+  Update update(Clock::TimePoint now);
+  /// Puts a frame into the scene without any clock.
+  std::vector<Change> take(std::size_t source, std::shared_ptr<const SceneFrame> frame);
+  const Scene& scene() const { return scene_; }
+
+ private:
+  struct Part {
+    std::unique_ptr<Playback> playback;
+    glm::dvec3 place;
+    ReelPlayback* reel = nullptr;  ///< the same object
+    LivePlayback* live = nullptr;  ///< the same object
+  };
+
+  std::vector<Part> parts_;
+  Scene scene_;
+};
+
+}  // namespace pointreel

@@ -1,0 +1,53 @@
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "tests/soak/scenario.h"
+
+int main(int argc, char** argv) {
+  using namespace pointreel::soak;
+  CLI::App app{
+      "Everything that streams at once, over links that slow down, break, lie and heal.\n"
+      "Exit codes: 0 all held, 1 something did not, 2 usage; sanitizers have their own.",
+      "pointreel_soak"};
+  int seconds = 10;
+  Options options;
+  app.add_option("--seconds", seconds, "that each scenario lasts; they run at the same time")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "of all that is random")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  options.time = std::chrono::seconds(seconds);
+
+  std::string name = (std::filesystem::temp_directory_path() / "pointreel-soak-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    fmt::print(stderr, "pointreel_soak: {}: cannot be made\n", name);
+    return 1;
+  }
+  options.scratch = name;
+
+  const std::vector<std::pair<const char*, Outcome (*)(const Options&)>> scenarios = {
+      {"play a reel", play_reel}};
+  std::vector<Outcome> outcomes(scenarios.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < scenarios.size(); ++i) {
+    threads.emplace_back([&, i] { outcomes[i] = scenarios[i].second(options); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  bool good = true;
+  for (std::size_t i = 0; i < scenarios.size(); ++i) {
+    good = good && outcomes[i];
+    fmt::print("{}: {}\n", scenarios[i].first,
+               outcomes[i] ? *outcomes[i] : "FAILED: " + outcomes[i].error().message);
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(options.scratch, ignored);
+  return good ? 0 : 1;
+}

@@ -3,11 +3,14 @@
 #include <ctime>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 #include <boost/asio/buffer.hpp>
 
 #include "server/serve/head_reader.h"
 #include "server/serve/responder.h"
+#include "server/serve/websocket_session.h"
 
 namespace pointreel {
 namespace {
@@ -36,7 +39,7 @@ Task<bool> write(Transport& transport, const Response& response, bool keep_alive
   const std::string head = write_head(response, keep_alive, unix_time());
   if (response.file.get() < 0) {
     const std::string_view body =
-        response.error_text.empty() ? response.text : std::string_view(response.error_text);
+        response.own_text.empty() ? response.text : std::string_view(response.own_text);
     if (!co_await transport.write(head, !body.empty())) co_return false;
     co_return body.empty() || co_await transport.write(body, false);
   }
@@ -46,22 +49,55 @@ Task<bool> write(Transport& transport, const Response& response, bool keep_alive
 
 }  // namespace
 
-Task<void> serve_connection(std::shared_ptr<Transport> transport, const Catalog& catalog,
-                            ConnectionTimes times) {
+Task<void> serve_connection(std::shared_ptr<Transport> transport, Peer peer, Service& service,
+                            const Limits& limits) {
+  if (!co_await transport->handshake()) {
+    ++service.metrics().failed_handshakes;
+    service.log().write(Log::Level::kDebug, "tls.failed", {{"peer", peer.address}});
+    transport->close();
+    co_return;
+  }
   HeadReader reader;
-  const bool met = co_await transport->handshake();
-  while (met) {
-    const HeadReader::State state = co_await read_head(*transport, reader, times.header);
+  while (true) {
+    const HeadReader::State state = co_await read_head(*transport, reader, limits.header_timeout);
     if (state == HeadReader::State::kEmpty) break;
+    const auto begin = Clock::now();
     const bool refused = state == HeadReader::State::kRefused;
-    const Response response = refused ? reader.refusal() : respond(catalog, reader.request());
+    std::shared_ptr<Wake> wake;
+    if (!refused && reader.request().websocket) {
+      wake = std::make_shared<Wake>(transport->executor());
+    }
+    auto answer = refused ? service.refuse(reader.refusal())
+                          : service.answer(reader.request(), peer,
+                                           wake ? wake->function() : std::function<void()>());
+    if (auto* call = std::get_if<LiveCall>(&answer)) {
+      co_await serve_websocket(transport, std::string(reader.raw()), std::move(*call),
+                               std::move(wake), peer, service, limits);
+      break;
+    }
+    const Response& response = std::get<Response>(answer);
     const bool keep_alive = !refused && !response.close && reader.keep_alive();
-    if (!co_await write(*transport, response, keep_alive)) break;
+    const bool written = co_await write(*transport, response, keep_alive);
+    if (written) {
+      service.metrics().body_bytes.fetch_add(response.size, std::memory_order_relaxed);
+    }
+    if (service.log().writes(Log::Level::kInfo)) {
+      const std::chrono::duration<double, std::milli> took = Clock::now() - begin;
+      service.log().write(Log::Level::kInfo, "request",
+                          {{"peer", peer.address},
+                           {"method", refused ? "" : reader.request().method},
+                           {"target", refused ? "" : reader.request().target},
+                           {"status", std::int64_t{response.status}},
+                           {"bytes", static_cast<std::int64_t>(response.size)},
+                           {"ms", took.count()},
+                           {"whole", written}});
+    }
+    if (!written) break;
     if (!keep_alive) {
       co_await transport->linger();
       break;
     }
-    transport->set_deadline(times.idle);
+    transport->set_deadline(limits.idle_timeout);
   }
   transport->close();
 }

@@ -9,6 +9,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/rfc7230.hpp>
 #include <fmt/format.h>
 
 namespace pointreel {
@@ -36,6 +37,14 @@ Request request_of(const http::request<http::empty_body>& message) {
   request.if_none_match = joined(http::field::if_none_match);
   request.host_fields = static_cast<int>(message.count(http::field::host));
   request.http_1_0 = message.version() < 11;
+  request.authorization = joined(http::field::authorization);
+  request.forwarded = message.count(http::field::forwarded) > 0 ||
+                      message.count("X-Forwarded-For") > 0 || message.count("X-Real-IP") > 0 ||
+                      message.count(http::field::via) > 0;
+  request.has_origin = message.count(http::field::origin) > 0;
+  request.websocket = message.method() == http::verb::get && !request.http_1_0 &&
+                      http::token_list(message[http::field::connection]).exists("upgrade") &&
+                      http::token_list(message[http::field::upgrade]).exists("websocket");
   const std::string length = joined(http::field::content_length);
   request.has_body = message.chunked() || (!length.empty() && length != "0");
   return request;

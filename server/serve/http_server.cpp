@@ -43,14 +43,16 @@ class Place {
 }  // namespace
 
 struct HttpServer::State {
-  State(Catalog served, const HttpServerOptions& wanted)
-      : catalog(std::move(served)), options(wanted) {}
+  State(Catalog catalog, const HttpServerOptions& wanted, Relay* relay)
+      : options(wanted), service(std::move(catalog), relay, wanted.service) {
+    service.open_connections = [this] { return connections.load(); };
+  }
 
   Task<void> accept();
   void admit(Socket socket);
 
-  Catalog catalog;
   HttpServerOptions options;
+  Service service;
   std::optional<TlsContext> tls;
   ListenAddress address;
   std::atomic<std::size_t> connections{0}, refusals{0};
@@ -79,7 +81,15 @@ Task<void> HttpServer::State::accept() {
 }
 
 void HttpServer::State::admit(Socket socket) {
+  error_code error;
+  const auto endpoint = socket.remote_endpoint(error);
+  if (error) return;  // gone already
+  const asio::ip::address& from = endpoint.address();
+  Peer peer = peer_of(
+      (from.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, from.to_v4()) : from.to_v6())
+          .to_bytes());
   const bool full = connections >= options.max_connections;
+  ++(full ? service.metrics().refused_full : service.metrics().connections);
   if (full && refusals >= kMaxRefusals) return;
   std::unique_ptr<TlsSession> session;
   if (tls && !(session = tls->session(socket.native_handle()))) return;
@@ -94,11 +104,10 @@ void HttpServer::State::admit(Socket socket) {
   const std::shared_ptr<Transport> transport(placed, &placed->transport);
   // Both on the strand from their first step on.
   asio::co_spawn(transport->executor(), Transport::watch(transport), asio::detached);
-  asio::co_spawn(
-      transport->executor(),
-      full ? refuse_connection(transport)
-           : serve_connection(transport, catalog, {options.header_timeout, options.idle_timeout}),
-      asio::detached);
+  asio::co_spawn(transport->executor(),
+                 full ? refuse_connection(transport)
+                      : serve_connection(transport, std::move(peer), service, options),
+                 asio::detached);
 }
 
 HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -110,8 +119,9 @@ const ListenAddress& HttpServer::address() const { return state_->address; }
 std::size_t HttpServer::connection_count() const { return state_->connections; }
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
-                                                      const HttpServerOptions& options) try {
-  auto state = std::make_unique<State>(std::move(catalog), options);
+                                                      const HttpServerOptions& options,
+                                                      Relay* relay) try {
+  auto state = std::make_unique<State>(std::move(catalog), options, relay);
   if (!options.certificate.empty()) {
     auto tls = TlsContext::load(options.certificate, options.key);
     if (!tls) return tl::unexpected(tls.error());

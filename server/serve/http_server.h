@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -8,26 +7,22 @@
 
 #include "common/base/error.h"
 #include "server/serve/catalog.h"
+#include "server/serve/limits.h"
 #include "server/serve/listen_address.h"
+#include "server/serve/service.h"
 
 namespace pointreel {
 
-struct HttpServerOptions {
+struct HttpServerOptions : Limits {
   ListenAddress listen;
   /// PEM files of TLS; none: plain HTTP.
   std::filesystem::path certificate, key;
-  std::size_t max_connections = 1024;  ///< one more is told 503 and closed
-  unsigned threads = 0;                ///< 0: one for each processor
-  /// From the first byte of a request (or the connection's begin) to the end of its head.
-  std::chrono::milliseconds header_timeout{10'000};
-  /// Between two requests of a connection.
-  std::chrono::milliseconds idle_timeout{60'000};
-  /// Without the peer taking a single byte of a response.
-  std::chrono::milliseconds stall_timeout{30'000};
+  unsigned threads = 0;  ///< 0: one for each processor
+  ServiceOptions service;
 };
 
 /// An HTTP/1.1 server (RFC 9110 to 9112), plain or over TLS, for a catalog: GET, HEAD and OPTIONS,
-/// ranges, conditions, keep-alive, pipelining.
+/// ranges, conditions, keep-alive, pipelining; and, on the same port, live streams over WebSocket.
 ///
 /// Trust: what comes from the network is untrusted. A request's head is bounded (8 KiB) and its
 /// body refused. A connection holds at most that head, a response's head and one open file: files
@@ -38,8 +33,10 @@ class HttpServer {
   /// Listens and serves in threads of its own; returns when connections are accepted. The error
   /// says that the address is in use, not this machine's, or not permitted, or what is wrong with
   /// the certificate.
+  /// `relay` may be null: no live streams. Else it must outlive the server.
   static Result<std::unique_ptr<HttpServer>> start(Catalog catalog,
-                                                   const HttpServerOptions& options);
+                                                   const HttpServerOptions& options,
+                                                   Relay* relay = nullptr);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -30,18 +30,26 @@ std::string_view reason_phrase(int status) {
       return "Permanent Redirect";
     case 400:
       return "Bad Request";
+    case 401:
+      return "Unauthorized";
+    case 403:
+      return "Forbidden";
     case 404:
       return "Not Found";
     case 405:
       return "Method Not Allowed";
     case 408:
       return "Request Timeout";
+    case 409:
+      return "Conflict";
     case 412:
       return "Precondition Failed";
     case 413:
       return "Content Too Large";
     case 416:
       return "Range Not Satisfiable";
+    case 429:
+      return "Too Many Requests";
     case 431:
       return "Request Header Fields Too Large";
     case 500:
@@ -63,7 +71,7 @@ Response options_response() {
   response.fields = fmt::format(
       "Allow: {0}\r\n"
       "Access-Control-Allow-Methods: {0}\r\n"
-      "Access-Control-Allow-Headers: Range, If-Range, If-Match, If-None-Match\r\n"
+      "Access-Control-Allow-Headers: Range, If-Range, If-Match, If-None-Match, Authorization\r\n"
       "Access-Control-Max-Age: 86400\r\n",
       kMethods);
   return response;
@@ -121,33 +129,6 @@ Response resource_response(const Resource& resource, const Request& request) {
   return response;
 }
 
-Response answer(const Catalog& catalog, const Request& request) {
-  if (request.host_fields > 1 || (request.host_fields == 0 && !request.http_1_0)) {
-    return error_response(400, "a request needs exactly one Host field");
-  }
-  if (request.method != "GET" && request.method != "HEAD" && request.method != "OPTIONS") {
-    return error_response(405, "only GET, HEAD and OPTIONS are understood",
-                          fmt::format("Allow: {}\r\n", kMethods));
-  }
-  if (request.has_body) return error_response(413, "no request may have a body");
-  if (request.method == "OPTIONS" && request.target == "*") return options_response();
-  const auto path = decode_target(request.target);
-  if (!path) return error_response(400, path.error().message);
-  if (request.method == "OPTIONS") return options_response();
-
-  std::shared_ptr<const Resource> resource = catalog.find(*path);
-  if (resource == nullptr) {
-    return error_response(404, "no such resource; GET / lists what there is");
-  }
-  if (resource->kind == Resource::Kind::kRedirect) {
-    return error_response(308, "the manifest is " + resource->text,
-                          fmt::format("Location: {}\r\n", resource->text));
-  }
-  Response response = resource_response(*resource, request);
-  response.resource = std::move(resource);
-  return response;
-}
-
 /// Heads that leave in the same second have the same date.
 const std::string& cached_date(std::int64_t unix_time) {
   thread_local std::int64_t written = -1;
@@ -164,8 +145,8 @@ const std::string& cached_date(std::int64_t unix_time) {
 Response error_response(int status, std::string_view line, std::string_view extra_fields) {
   Response response;
   response.status = status;
-  response.error_text = fmt::format("{}\n", line);
-  response.size = response.error_text.size();
+  response.own_text = fmt::format("{}\n", line);
+  response.size = response.own_text.size();
   response.fields = fmt::format(
       "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
       "{}",
@@ -173,17 +154,46 @@ Response error_response(int status, std::string_view line, std::string_view extr
   return response;
 }
 
-Response respond(const Catalog& catalog, const Request& request) {
-  Response response = answer(catalog, request);
+tl::expected<std::string, Response> path_of(const Request& request) {
+  const auto refuse = [](Response response) { return tl::unexpected(std::move(response)); };
+  if (request.host_fields > 1 || (request.host_fields == 0 && !request.http_1_0)) {
+    return refuse(error_response(400, "a request needs exactly one Host field"));
+  }
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "OPTIONS") {
+    return refuse(error_response(405, "only GET, HEAD and OPTIONS are understood",
+                                 fmt::format("Allow: {}\r\n", kMethods)));
+  }
+  if (request.has_body) return refuse(error_response(413, "no request may have a body"));
+  if (request.method == "OPTIONS" && request.target == "*") return refuse(options_response());
+  auto path = decode_target(request.target);
+  if (!path) return refuse(error_response(400, path.error().message));
+  if (request.method == "OPTIONS") return refuse(options_response());
+  return *std::move(path);
+}
+
+Response respond(const Catalog& catalog, std::string_view path, const Request& request) {
+  std::shared_ptr<const Resource> resource = catalog.find(path);
+  if (resource == nullptr) {
+    return error_response(404, "no such resource; GET / lists what there is");
+  }
+  if (resource->kind == Resource::Kind::kRedirect) {
+    return error_response(308, "the manifest is " + resource->text,
+                          fmt::format("Location: {}\r\n", resource->text));
+  }
+  Response response = resource_response(*resource, request);
+  response.resource = std::move(resource);
+  return response;
+}
+
+void finish_response(Response& response, const Request& request) {
   // The body of a request is never read, so what comes after its head cannot be understood.
   response.close = request.has_body;
   if (request.method == "HEAD") {
     response.file = FileHandle();
     response.text = {};
-    response.error_text.clear();
+    response.own_text.clear();
     response.size = 0;
   }
-  return response;
 }
 
 std::string http_date(std::int64_t unix_time) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "server/live/relay.h"
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
 
@@ -23,6 +24,8 @@ struct ServeArguments {
   std::string listen = "127.0.0.1:8090";
   HttpServerOptions options;
   double header_seconds = 10, idle_seconds = 60, stall_seconds = 30;
+  bool live = false;
+  std::string log = "warning";
 };
 
 std::chrono::milliseconds from_seconds(double seconds) {
@@ -48,6 +51,12 @@ Result<void> serve(const ServeArguments& arguments) {
   const auto listen = parse_listen_address(arguments.listen);
   if (!listen) return tl::unexpected(listen.error());
   options.listen = *listen;
+  if (arguments.reels.empty() && !arguments.live) {
+    return fail("there is nothing to serve; name packages, or give --live");
+  }
+  const auto level = parse_log_level(arguments.log);
+  if (!level) return tl::unexpected(level.error());
+  options.service.log = *level;
   auto catalog = Catalog::load({arguments.reels.begin(), arguments.reels.end()});
   if (!catalog) return tl::unexpected(catalog.error());
   allow_open_files(options.max_connections);
@@ -63,7 +72,9 @@ Result<void> serve(const ServeArguments& arguments) {
   ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 
-  const auto server = HttpServer::start(*std::move(catalog), options);
+  Relay relay;
+  const auto server =
+      HttpServer::start(*std::move(catalog), options, arguments.live ? &relay : nullptr);
   if (!server) return tl::unexpected(server.error());
   fmt::print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
              to_string((*server)->address()));
@@ -80,9 +91,18 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command = app.add_subcommand(
       "serve",
-      "Serve packages over HTTP until SIGINT or SIGTERM\n"
-      "Each is at /NAME, its folder's name; GET / lists them, GET /healthz says ok.");
-  command->add_option("reels", arguments->reels, "Package folders")->required()->type_name("REEL");
+      "Serve packages and live streams over HTTP until SIGINT or SIGTERM\n"
+      "Each package is at /NAME, its folder's name; GET / lists them, GET /healthz says ok, GET\n"
+      "/metrics is for Prometheus. Live streams are at /live/NAME, a WebSocket.\n"
+      "--config FILE takes options from a file: a line [serve], then lines NAME = VALUE.");
+  app.set_config("--config", "",
+                 "Take a command's options from FILE: [COMMAND], NAME = VALUE (TOML)")
+      ->type_name("FILE");
+  // What is misspelt there is an error, as it is on the command line.
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  command->allow_config_extras(CLI::config_extras_mode::error);
+  command->fallthrough();
+  command->add_option("reels", arguments->reels, "Package folders")->type_name("REEL");
   command
       ->add_option("--listen", arguments->listen,
                    "Address and port; port 0 takes a free one, 0.0.0.0 all of this machine's "
@@ -93,6 +113,36 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       ->add_option("--max-connections", arguments->options.max_connections,
                    "Connections at a time; one more is answered with 503")
       ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_flag("--live", arguments->live,
+                    "Relay live streams, too: pointreel-server publish sends them");
+  command
+      ->add_option("--view-token", arguments->options.service.view_token,
+                   "Who asks for anything must show it: Authorization: Bearer TOKEN")
+      ->type_name("TOKEN")
+      ->envname("POINTREEL_VIEW_TOKEN");
+  command
+      ->add_option("--publish-token", arguments->options.service.publish_token,
+                   "Who publishes must show it; without one, only this machine may publish")
+      ->type_name("TOKEN")
+      ->envname("POINTREEL_PUBLISH_TOKEN");
+  command
+      ->add_option("--log", arguments->log,
+                   "What to write on standard error, as JSON lines: debug, info (every request), "
+                   "warning, error or off")
+      ->type_name("LEVEL")
+      ->capture_default_str();
+  command
+      ->add_option("--max-message", arguments->options.max_message,
+                   "Bytes of a publisher's message; 4M is 4 MiB")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(kMaxLiveText, kLiveHeaderSize + kMaxLiveLayer))
+      ->capture_default_str();
+  command
+      ->add_option("--publish-rate", arguments->options.publish_rate,
+                   "Bytes a second of a publisher, who is held back beyond it; 0: any")
+      ->check(CLI::Range(0.0, 1e12))
+      ->type_name("BYTES")
       ->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "0: one for each processor")
       ->check(CLI::Range(0, 1024))

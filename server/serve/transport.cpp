@@ -43,9 +43,13 @@ Transport::Transport(Socket socket, std::unique_ptr<TlsSession> tls, Clock::dura
 
 Task<void> Transport::watch(std::shared_ptr<Transport> self) {
   while (self->socket_.is_open()) {
-    if (Clock::now() >= self->deadline_) {
-      self->close();
-      break;
+    if (const auto now = Clock::now(); now >= self->deadline_) {
+      if (!self->suspended_) {
+        self->close();
+        break;
+      }
+      // Looked at again no sooner than the next deadline can pass, if it is of the same kind.
+      self->deadline_ = now + self->stall_;
     }
     self->timer_.expires_at(self->deadline_);
     error_code ignored;
@@ -54,6 +58,7 @@ Task<void> Transport::watch(std::shared_ptr<Transport> self) {
 }
 
 void Transport::set_deadline(Clock::duration from_now) {
+  suspended_ = false;
   deadline_ = Clock::now() + from_now;
   if (deadline_ < timer_.expiry()) timer_.cancel();
 }
@@ -184,10 +189,15 @@ Task<bool> Transport::write_file_encrypted(int file, std::uint64_t offset, std::
   co_return piece.empty() || co_await write_encrypted(piece);
 }
 
-Task<void> Transport::linger() {
+void Transport::end_writing() {
   if (tls_ && socket_.is_open()) tls_->end_writing();
+  error_code ignored;
+  socket_.shutdown(Socket::shutdown_send, ignored);
+}
+
+Task<void> Transport::linger() {
+  end_writing();
   error_code error;
-  socket_.shutdown(Socket::shutdown_send, error);
   set_deadline(kLingerTime);
   std::array<char, 4096> unread;
   for (std::size_t total = 0; !error && total < kLingerBytes;) {

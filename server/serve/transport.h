@@ -22,12 +22,17 @@ class Transport {
             Clock::duration stall);
 
   Strand executor() { return socket_.get_executor(); }
-  bool is_open() const { return socket_.is_open(); }
+  Socket& socket() { return socket_; }
+  TlsSession* tls() { return tls_.get(); }
 
   /// Closes the socket when a deadline passes; to be spawned once. One timer that is looked at when
   /// it ends, instead of one armed for each operation: deadlines nearly always move to later times.
   static Task<void> watch(std::shared_ptr<Transport> self);
   void set_deadline(Clock::duration from_now);
+  /// For a peer that takes no byte of what is written.
+  void set_stall_deadline() { set_deadline(stall_); }
+  /// Nothing needs to happen until the next deadline is set.
+  void suspend_deadline() { suspended_ = true; }
   void close();
 
   /// Agrees on keys; nothing to do without TLS.
@@ -38,6 +43,8 @@ class Transport {
   Task<bool> write(std::string_view text, bool more);
   /// Bytes `offset` to `offset + size` of a file. False, too, if it has become shorter.
   Task<bool> write_file(int file, std::uint64_t offset, std::uint64_t size);
+  /// Tells the peer that nothing more comes.
+  void end_writing();
   /// Ends writing, and reads for a while what still comes: closing a socket with unread bytes
   /// resets the connection, and the last response would be lost with it.
   Task<void> linger();
@@ -56,6 +63,7 @@ class Transport {
   std::string held_;  ///< under TLS, what waits for more, so that both are in one record
   Timer timer_;
   Clock::time_point deadline_{};
+  bool suspended_ = false;
   Clock::duration stall_;
 };
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/stream/live.h"
+
+namespace pointreel {
+
+/// What peers may take of the server.
+struct Limits {
+  std::size_t max_connections = 1024;  ///< one more is told 503 and closed
+  /// From the first byte of a request (or the connection's begin) to the end of its head.
+  std::chrono::milliseconds header_timeout{10'000};
+  /// Between two requests of a connection; between signs of life of a live session.
+  std::chrono::milliseconds idle_timeout{60'000};
+  /// Without the peer taking a single byte of a response.
+  std::chrono::milliseconds stall_timeout{30'000};
+  std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< bytes of a publisher's message
+  double publish_rate = 0;                                    ///< bytes a second of one; 0: any
+};
+
+}  // namespace pointreel

@@ -1,0 +1,70 @@
+#include "server/serve/log.h"
+
+#include <array>
+#include <chrono>
+#include <ctime>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spdlog/async.h>
+#include <spdlog/sinks/stdout_sinks.h>
+
+namespace pointreel {
+namespace {
+
+constexpr std::size_t kWaitingLines = 8192;
+constexpr std::array<std::string_view, 5> kLevels = {"debug", "info", "warning", "error", "off"};
+
+}  // namespace
+
+struct Log::Writer {
+  // A pool of its own: spdlog's global one would outlive the log.
+  std::shared_ptr<spdlog::details::thread_pool> pool =
+      std::make_shared<spdlog::details::thread_pool>(kWaitingLines, 1);
+  std::shared_ptr<spdlog::async_logger> logger = std::make_shared<spdlog::async_logger>(
+      "pointreel", std::make_shared<spdlog::sinks::stderr_sink_mt>(), pool,
+      spdlog::async_overflow_policy::overrun_oldest);
+};
+
+Log::Log(Level least) : least_(least) {
+  if (least == Level::kOff) return;
+  writer_ = std::make_unique<Writer>();
+  writer_->logger->set_pattern("%v");
+  writer_->logger->flush_on(spdlog::level::trace);
+}
+
+Log::~Log() = default;
+
+void Log::write(Level level, std::string_view event, std::initializer_list<Field> fields) {
+  if (!writes(level) || !writer_) return;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  writer_->logger->info(write_log_line(
+      level, event, fields, std::chrono::duration_cast<std::chrono::microseconds>(now).count()));
+}
+
+Result<Log::Level> parse_log_level(std::string_view text) {
+  for (std::size_t i = 0; i < kLevels.size(); ++i) {
+    if (text == kLevels[i]) return static_cast<Log::Level>(i);
+  }
+  return fail(fmt::format("--log {}: choose debug, info, warning, error or off", text));
+}
+
+std::string write_log_line(Log::Level level, std::string_view event,
+                           std::initializer_list<Log::Field> fields, std::int64_t unix_us) {
+  const std::time_t seconds = unix_us / 1'000'000;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  nlohmann::ordered_json line;
+  line["time"] =
+      fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900, utc.tm_mon + 1,
+                  utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, unix_us / 1000 % 1000);
+  line["level"] = kLevels[static_cast<std::size_t>(level)];
+  line["event"] = event;
+  for (const Log::Field& field : fields) {
+    std::visit([&](auto value) { line[std::string(field.name)] = value; }, field.value);
+  }
+  // Untrusted text need not be UTF-8; JSON must be.
+  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,126 @@
+#include "server/serve/service.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+namespace {
+
+constexpr std::string_view kLivePath = "/live/";
+
+/// Whether `name` is in the query of a request target, with a value or without.
+bool query_has(std::string_view target, std::string_view name) {
+  const auto begin = target.find('?');
+  if (begin == std::string_view::npos) return false;
+  for (std::string_view rest = target.substr(begin + 1); !rest.empty();) {
+    const auto end = std::min(rest.find('&'), rest.size());
+    const std::string_view pair = rest.substr(0, end);
+    if (pair.substr(0, pair.find('=')) == name) return true;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return false;
+}
+
+/// With tokens, what one may see is not for caches that give it to all.
+void make_private(Response& response) {
+  constexpr std::string_view kPublic = "Cache-Control: public,";
+  if (const auto at = response.fields.find(kPublic); at != std::string::npos) {
+    response.fields.replace(at, kPublic.size(), "Cache-Control: private,");
+  }
+}
+
+Response token_wanted() {
+  return error_response(401, "this needs a token: Authorization: Bearer TOKEN",
+                        "WWW-Authenticate: Bearer realm=\"pointreel\"\r\n");
+}
+
+}  // namespace
+
+Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options)
+    : catalog_(std::move(catalog)),
+      relay_(relay),
+      access_(options.view_token, options.publish_token),
+      log_(options.log) {}
+
+std::variant<Response, LiveCall> Service::answer(const Request& request, const Peer& peer,
+                                                 std::function<void()> wake) {
+  auto decided = decide(request, peer, std::move(wake));
+  if (auto* response = std::get_if<Response>(&decided)) {
+    finish_response(*response, request);
+    metrics_.count_response(response->status);
+  }
+  return decided;
+}
+
+std::variant<Response, LiveCall> Service::decide(const Request& request, const Peer& peer,
+                                                 std::function<void()> wake) {
+  auto path = path_of(request);
+  if (!path) return std::move(path.error());
+  if (*path == "/healthz") return respond(catalog_, *path, request);
+  if (request.websocket && relay_ != nullptr && path->starts_with(kLivePath) &&
+      is_stream_name(std::string_view(*path).substr(kLivePath.size()))) {
+    return live_call(request, peer, path->substr(kLivePath.size()), std::move(wake));
+  }
+  if (access_.check(Access::Right::kView, request.authorization, false) !=
+      Access::Verdict::kGranted) {
+    return token_wanted();
+  }
+  if (*path == "/metrics") return metrics_page();
+  Response response = respond(catalog_, *path, request);
+  if (!access_.viewing_is_public()) make_private(response);
+  return response;
+}
+
+std::variant<Response, LiveCall> Service::live_call(const Request& request, const Peer& peer,
+                                                    std::string stream,
+                                                    std::function<void()> wake) {
+  const bool publishes = query_has(request.target, "publish");
+  // What comes through a proxy is not from this machine, and a page in a browser on this machine
+  // does not speak for its user.
+  const bool nearby = peer.loopback && !request.forwarded && !request.has_origin;
+  switch (access_.check(publishes ? Access::Right::kPublish : Access::Right::kView,
+                        request.authorization, nearby)) {
+    case Access::Verdict::kGranted:
+      break;
+    case Access::Verdict::kNoToken:
+      return token_wanted();
+    case Access::Verdict::kOnlyNearby:
+      return error_response(403, "without a token only the server's own machine may publish");
+  }
+  LiveCall call;
+  if (publishes) {
+    auto publication = relay_->publish(stream);
+    if (!publication) return error_response(409, publication.error().message);
+    call.publication = *std::move(publication);
+  } else {
+    auto viewer = relay_->join(stream, std::move(wake));
+    if (!viewer) return error_response(404, viewer.error().message);
+    call.viewer = *std::move(viewer);
+  }
+  call.stream = std::move(stream);
+  return call;
+}
+
+Response Service::refuse(Response refusal) {
+  metrics_.count_response(refusal.status);
+  return refusal;
+}
+
+Response Service::metrics_page() const {
+  Gauges gauges;
+  gauges.open_connections = open_connections();
+  if (relay_ != nullptr) gauges.streams = relay_->statistics();
+  Response response;
+  response.own_text = write_metrics(metrics_, gauges);
+  response.size = response.own_text.size();
+  response.fields = fmt::format(
+      "Content-Type: text/plain; version=0.0.4; charset=utf-8\r\nContent-Length: {}\r\n"
+      "Cache-Control: no-store\r\n",
+      response.size);
+  return response;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,287 @@
+// Live streams through the server's sockets: publishers and viewers that behave, and others.
+
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/net/websocket.h"
+#include "server/live/relay.h"
+#include "server/serve/http_server.h"
+#include "tests/certificate.h"
+#include "tests/temporary_folder.h"
+#include "tests/unit/live_frames.h"
+#include "tests/unit/raw_http_client.h"
+
+namespace pointreel {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+using Kind = WebSocket::Kind;
+
+constexpr const char* kUpgrade =
+    "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+
+/// Plain, or over TLS.
+class LiveServerTest : public testing::TestWithParam<bool> {
+ protected:
+  LiveServerTest() {
+    std::signal(SIGPIPE, SIG_IGN);
+    options_.listen.port = 0;
+    options_.threads = 2;
+    options_.service.log = Log::Level::kOff;
+    if (GetParam()) {
+      options_.certificate = certificate_.certificate;
+      options_.key = certificate_.key;
+    }
+  }
+  void start() {
+    auto server = HttpServer::start({}, options_, &relay_);
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = *std::move(server);
+  }
+  auto connect(const std::string& target, const std::string& token = "") {
+    WebSocketOptions options;
+    options.token = token;
+    options.ca_file = certificate_.certificate;
+    options.silence_timeout = 20s;
+    options.connect_timeout = 20s;
+    return WebSocket::connect((GetParam() ? "wss://localhost:" : "ws://127.0.0.1:") +
+                                  std::to_string(server_->port()) + target,
+                              options);
+  }
+  std::unique_ptr<WebSocket> connected(const std::string& target, const std::string& token = "") {
+    auto socket = connect(target, token);
+    if (socket) return *std::move(socket);
+    ADD_FAILURE() << target << ": " << socket.error().message;
+    return nullptr;
+  }
+  static bool send(WebSocket& socket, const LiveMessage& message) {
+    return socket
+        .send(*message.bytes, message.kind == LiveMessage::Kind::text ? Kind::text : Kind::binary)
+        .has_value();
+  }
+  static bool say_hello(WebSocket& socket, std::uint64_t session = 1) {
+    return send(socket, text_message(write_hello(plain_hello(session))));
+  }
+  /// What came next, in brief; or why nothing does.
+  static std::string next(WebSocket& socket) {
+    auto message = socket.receive(20s);
+    if (!message) return message.error().message;
+    if (!*message) return "nothing";
+    const auto kind =
+        (*message)->kind == Kind::text ? LiveMessage::Kind::text : LiveMessage::Kind::binary;
+    return brief({kind, std::make_shared<const Bytes>(std::move((*message)->bytes))});
+  }
+  static bool soon(const std::function<bool()>& holds) {
+    for (const auto end = Clock::now() + 20s; Clock::now() < end;) {
+      if (holds()) return true;
+      std::this_thread::sleep_for(5ms);
+    }
+    return holds();
+  }
+  StreamStatistics statistics() const {
+    const auto all = relay_.statistics();
+    return all.empty() ? StreamStatistics() : all.front();
+  }
+
+  TemporaryFolder temporary_;
+  TestCertificate certificate_{temporary_.path()};
+  HttpServerOptions options_;
+  Relay relay_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports, LiveServerTest, testing::Values(false, true),
+                         [](const auto& tls) { return tls.param ? "tls" : "plain"; });
+
+TEST_P(LiveServerTest, carries_what_a_publisher_sends_to_all_viewers) {
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  std::vector<std::unique_ptr<WebSocket>> viewers;
+  for (int i = 0; i < 3; ++i) {
+    viewers.push_back(connected("/live/stage"));
+    ASSERT_TRUE(viewers.back());
+    EXPECT_EQ(next(*viewers.back()), "hello");
+  }
+  for (std::uint32_t frame = 0; frame < 5; ++frame) {
+    for (std::uint8_t layer = 0; layer < 3; ++layer) {
+      ASSERT_TRUE(send(*publisher, layer_message(frame, layer, 3, frame == 3 ? 300'000 : 10)));
+      for (const auto& viewer : viewers) {
+        EXPECT_EQ(next(*viewer), std::to_string(frame) + "." + std::to_string(layer));
+      }
+    }
+  }
+  publisher->close();
+  for (const auto& viewer : viewers) EXPECT_EQ(next(*viewer), "end");
+  viewers.clear();
+  EXPECT_TRUE(soon([&] { return statistics().viewers == 0; }));
+  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+}
+
+TEST_P(LiveServerTest, says_404_where_there_is_no_stream) {
+  start();
+  const auto viewer = connect("/live/nobody");
+  ASSERT_FALSE(viewer);
+  EXPECT_EQ(viewer.error().status, 404);
+  EXPECT_EQ(connect("/elsewhere").error().status, 404);
+}
+
+TEST_P(LiveServerTest, lets_view_and_publish_whom_the_tokens_say) {
+  options_.service.view_token = "look";
+  options_.service.publish_token = "show";
+  start();
+  for (const char* wrong : {"", "look", "shows", "sho", "Show"}) {
+    const auto refused = connect("/live/stage?publish", wrong);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().status, 401) << wrong;
+  }
+  const auto publisher = connected("/live/stage?publish", "show");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  EXPECT_EQ(connect("/live/stage", "show").error().status, 401) << "the rights are apart";
+  EXPECT_EQ(connect("/live/stage").error().status, 401);
+  const auto viewer = connected("/live/stage", "look");
+  ASSERT_TRUE(viewer);
+  EXPECT_EQ(next(*viewer), "hello");
+}
+
+TEST_P(LiveServerTest, tells_a_publisher_why_it_is_ended) {
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  const auto second = connected("/live/stage?publish");
+  ASSERT_TRUE(second && say_hello(*second, 2));
+  EXPECT_THAT(next(*second), HasSubstr("stage"));
+  const Bytes nonsense(100, 7);
+  ASSERT_TRUE(publisher->send(nonsense, Kind::binary));
+  EXPECT_THAT(next(*publisher), testing::Not(HasSubstr("nothing")));
+  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+  EXPECT_FALSE(statistics().publishing);
+}
+
+TEST_P(LiveServerTest, bounds_what_publishers_send) {
+  options_.max_message = 100'000;
+  options_.publish_rate = 10'000;
+  start();
+  const auto longest = connected("/live/long?publish");
+  ASSERT_TRUE(longest && say_hello(*longest));
+  longest->send(*layer_message(0, 0, 3, 100'001).bytes, Kind::binary);
+  EXPECT_FALSE(longest->receive(20s));
+  const auto fast = connected("/live/fast?publish");
+  ASSERT_TRUE(fast && say_hello(*fast));
+  fast->send(*layer_message(0, 0, 3, 90'000).bytes, Kind::binary);
+  EXPECT_THAT(next(*fast), HasSubstr("more than 10000 bytes a second"));
+}
+
+TEST_P(LiveServerTest, lets_a_viewer_that_stalls_delay_nobody) {
+  options_.stall_timeout = 60s;
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  WebSocketOptions lazy;
+  lazy.ca_file = certificate_.certificate;
+  lazy.max_waiting = 1;
+  lazy.silence_timeout = 60s;
+  const auto stalled = WebSocket::connect((GetParam() ? "wss://localhost:" : "ws://127.0.0.1:") +
+                                              std::to_string(server_->port()) + "/live/stage",
+                                          lazy);
+  ASSERT_TRUE(stalled);
+  const auto prompt = connected("/live/stage");
+  ASSERT_TRUE(prompt);
+  EXPECT_EQ(next(*prompt), "hello");
+  ASSERT_TRUE(soon([&] { return statistics().viewers == 2; }));
+  for (std::uint32_t frame = 0; frame < 60; ++frame) {
+    ASSERT_TRUE(send(*publisher, layer_message(frame, 0, 1, 500'000)));
+    ASSERT_EQ(next(*prompt), std::to_string(frame) + ".0");
+  }
+  EXPECT_GT(statistics().drops.frames, 0u);
+  // Once it reads again, it is not long until it is at the newest frame.
+  std::string last;
+  for (int i = 0; i < 60 && last != "59.0"; ++i) last = next(**stalled);
+  EXPECT_EQ(last, "59.0");
+}
+
+TEST_P(LiveServerTest, gives_up_peers_without_a_sign_of_life) {
+  if (GetParam()) GTEST_SKIP() << "the same on any transport";
+  options_.idle_timeout = 400ms;
+  start();
+  RawHttpClient silent(server_->port());
+  EXPECT_EQ(silent.get("/live/stage?publish", kUpgrade).status, 101);
+  const auto answering = connected("/live/other?publish");
+  ASSERT_TRUE(answering && say_hello(*answering));
+  EXPECT_TRUE(soon([&] { return server_->connection_count() == 1; }));
+  std::this_thread::sleep_for(800ms);
+  EXPECT_TRUE(send(*answering, layer_message(0, 0)));
+  EXPECT_TRUE(soon([&] { return statistics().frames == 1 || relay_.statistics().size() == 2; }));
+  EXPECT_EQ(server_->connection_count(), 1u) << "it answers pings, if it says nothing else";
+}
+
+TEST_P(LiveServerTest, takes_for_near_only_who_speaks_for_itself) {
+  if (GetParam()) GTEST_SKIP() << "the same on any transport";
+  start();
+  const auto status = [&](const std::string& fields) {
+    return RawHttpClient(server_->port()).get("/live/stage?publish", kUpgrade + fields).status;
+  };
+  EXPECT_EQ(status(""), 101);
+  EXPECT_EQ(status("Origin: http://example.org\r\n"), 403) << "a page in somebody's browser";
+  EXPECT_EQ(status("X-Forwarded-For: 192.0.2.7\r\n"), 403) << "through a proxy";
+  EXPECT_EQ(status("Forwarded: for=192.0.2.7\r\n"), 403);
+  EXPECT_EQ(status("Via: 1.1 proxy\r\n"), 403);
+}
+
+TEST_P(LiveServerTest, outlives_hostile_frames) {
+  if (GetParam()) GTEST_SKIP() << "the same on any transport";
+  start();
+  // Not masked; reserved bits; a length beyond all limits; fragments of a control frame; noise.
+  const std::vector<std::string> frames = {
+      std::string("\x82\x05hello", 7),
+      std::string("\xf2\x85\0\0\0\0hello", 11),
+      std::string("\x82\xff\x7f\xff\xff\xff\xff\xff\xff\xff\0\0\0\0", 14),
+      std::string("\x09\x80\0\0\0\0", 6),
+      std::string(5000, '\x5a'),
+  };
+  for (const std::string& frame : frames) {
+    RawHttpClient hostile(server_->port());
+    ASSERT_EQ(hostile.get("/live/stage?publish", kUpgrade).status, 101);
+    hostile.send(frame);
+    hostile.end_sending();
+  }
+  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+  EXPECT_EQ(RawHttpClient(server_->port())
+                .get("/live/stage?publish", "Connection: Upgrade\r\nUpgrade: websocket\r\n")
+                .status,
+            400)
+      << "no key, no version";
+}
+
+TEST_P(LiveServerTest, ends_at_once_with_sessions_open) {
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  const auto viewer = connected("/live/stage");
+  ASSERT_TRUE(viewer);
+  EXPECT_EQ(next(*viewer), "hello");
+  server_->stop();
+  EXPECT_FALSE(publisher->receive(20s));
+  EXPECT_FALSE(viewer->receive(20s));
+  EXPECT_EQ(statistics().viewers, 0u);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,83 @@
+#include "tests/load/load_generator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <memory>
+
+#include "tests/load/crowd.h"
+#include "tests/load/viewers.h"
+
+namespace pointreel {
+namespace {
+
+double thread_cpu_seconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+LoadClock::duration seconds(double s) {
+  return std::chrono::duration_cast<LoadClock::duration>(std::chrono::duration<double>(s));
+}
+
+}  // namespace
+
+double LoadFigures::delay_ms(double share) const {
+  const auto all = static_cast<double>(delays_ms.size() + incomplete + missing);
+  const auto rank = static_cast<std::size_t>(std::max(0.0, std::ceil(share * all) - 1.0));
+  if (rank >= delays_ms.size()) return std::numeric_limits<double>::infinity();
+  return delays_ms[rank];
+}
+
+Result<LoadFigures> run_load(const LoadOptions& options) {
+  const auto url = parse_load_url(options.url);
+  if (!url) return tl::unexpected(url.error());
+  const bool live = url->scheme == "ws";
+  if (!live && url->scheme != "http") return fail(options.url + ": give http:// or ws://");
+
+  LoadRecord record;
+  std::shared_ptr<const PackageRequests> requests;
+  if (!live) {
+    auto made = package_requests(options, *url);
+    if (!made) return tl::unexpected(made.error());
+    requests = std::move(*made);
+  }
+  std::vector<std::unique_ptr<CrowdMember>> members;
+  for (unsigned i = 0; i < options.viewers; ++i) {
+    // Spread evenly, however many there are.
+    const double phase = std::fmod(0.6180339887498949 * i, 1.0);
+    members.push_back(live ? live_viewer(*url, options.token, record)
+                           : package_viewer(requests, phase, record));
+    if (const auto connected = members.back()->connect(*url); !connected)
+      return tl::unexpected(connected.error());
+  }
+
+  const auto now = LoadClock::now();
+  const auto bytes = [&] {
+    std::uint64_t sum = 0;
+    for (const auto& member : members) sum += member->bytes();
+    return sum;
+  };
+  std::uint64_t bytes_before = 0;
+  double cpu_before = 0.0;
+  const auto measured_from = now + seconds(options.warm_up);
+  run_crowd(
+      members, now, measured_from + seconds(options.seconds),
+      [&] {
+        record.on = true;
+        bytes_before = bytes();
+        cpu_before = thread_cpu_seconds();
+      },
+      measured_from);
+  LoadFigures figures = std::move(record.figures);
+  figures.seconds = options.seconds;
+  figures.bytes = bytes() - bytes_before;
+  figures.cpu_seconds = thread_cpu_seconds() - cpu_before;
+  for (const auto& member : members) figures.broken += member->broken();
+  std::sort(figures.delays_ms.begin(), figures.delays_ms.end());
+  return figures;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,61 @@
+// pointreel-load: many viewers of one server.
+
+#include <cstdio>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/load/load_generator.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"Many viewers of a package or a live stream, and how late their frames come"};
+  app.footer("Exit codes: 0 good, 1 failed, 2 wrong usage.");
+  pointreel::LoadOptions options;
+  bool json = false;
+  app.add_option("url", options.url, "http://ADDRESS:PORT/NAME or ws://ADDRESS:PORT/live/NAME")
+      ->required();
+  app.add_option("--viewers", options.viewers)->capture_default_str();
+  app.add_option("--seconds", options.seconds, "that are measured")->capture_default_str();
+  app.add_option("--warm-up", options.warm_up, "seconds before that")->capture_default_str();
+  app.add_option("--token", options.token, "bearer token");
+  app.add_flag("--json", json, "print JSON");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto figures = pointreel::run_load(options);
+  if (!figures) {
+    fmt::print(stderr, "pointreel-load: {}\n", figures.error().message);
+    return 1;
+  }
+  if (json) {
+    const nlohmann::json report = {{"viewers", options.viewers},
+                                   {"seconds", figures->seconds},
+                                   {"frames", figures->frames},
+                                   {"incomplete", figures->incomplete},
+                                   {"missing", figures->missing},
+                                   {"broken", figures->broken},
+                                   {"bits_per_second", figures->bits_per_second()},
+                                   {"cpu_seconds", figures->cpu_seconds},
+                                   {"delay_ms",
+                                    {{"p50", figures->delay_ms(0.5)},
+                                     {"p95", figures->delay_ms(0.95)},
+                                     {"p99", figures->delay_ms(0.99)}}}};
+    fmt::print("{}\n", report.dump(1));
+  } else {
+    fmt::print(
+        "{} viewers, {:.1f} Mbit/s in all; {} frames whole, {} incomplete, {} missing, {} "
+        "connections broken\n",
+        options.viewers, figures->bits_per_second() / 1e6, figures->frames, figures->incomplete,
+        figures->missing, figures->broken);
+    fmt::print(
+        "delay of half, 95 and 99 % of the frames: {:.2f}, {:.2f}, {:.2f} ms; generator: "
+        "{:.0f} % of a core\n",
+        figures->delay_ms(0.5), figures->delay_ms(0.95), figures->delay_ms(0.99),
+        100.0 * figures->cpu_seconds / figures->seconds);
+  }
+  return figures->broken > 0 ? 1 : 0;
+}

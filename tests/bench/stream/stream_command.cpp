@@ -13,6 +13,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/stream/chapter.h"
+#include "tests/bench/stream/load.h"
 #include "tests/bench/stream/memory.h"
 
 namespace pointreel::bench {
@@ -24,6 +25,7 @@ using nlohmann::json;
 /// In the order in which they run.
 const std::vector<StreamChapter>& chapters() {
   static const std::vector<StreamChapter> kChapters = {
+      {"load", "many viewers at once", run_load},
       {"memory", "resident memory over frames and connections", run_memory}};
   return kChapters;
 }

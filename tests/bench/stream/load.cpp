@@ -1,0 +1,205 @@
+#include "tests/bench/stream/load.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "common/net/websocket.h"
+#include "common/stream/live.h"
+#include "common/stream/package.h"
+#include "tests/e2e/process.h"
+#include "tests/load/load_generator.h"
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr unsigned kViewers = 200;
+constexpr double kFps = 30.0;
+constexpr std::uint32_t kFrames = 60;
+/// Of a frame's layers, as of an octree's: 10 Mbit/s at 30 frames a second.
+constexpr std::uint32_t kLayerBytes[] = {3'000, 9'000, 29'667};
+
+std::string noise(std::size_t size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::string text(size, '\0');
+  for (char& c : text) c = static_cast<char>(random());
+  return text;
+}
+
+ByteView bytes_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// A package of that rate. No server looks into layers, so these are noise.
+Result<void> make_reel(const fs::path& folder) {
+  Manifest manifest;
+  manifest.name = "noise";
+  manifest.codec = "octree";
+  manifest.entropy = "none";
+  manifest.fps = kFps;
+  manifest.duration_us = kFrames * 1'000'000ull / 30;
+  manifest.depth_max = 10;
+  manifest.bounds.grow(glm::dvec3(0.0));
+  manifest.bounds.grow(glm::dvec3(1.0));
+  manifest.layer_names = {"base", "middle", "full"};
+  Segment segment;
+  segment.cube = {glm::dvec3(0.0), 1.0};
+  for (std::uint32_t i = 0; i < kFrames; ++i) {
+    segment.times_us.push_back(i * 1'000'000ull / 30);
+    segment.points.push_back(1);
+  }
+  fs::create_directories(folder);
+  for (std::size_t layer = 0; layer < manifest.layer_names.size(); ++layer) {
+    LayerFile file;
+    file.path = manifest.layer_names[layer] + ".prs";
+    file.frames.assign(kFrames, {kLayerBytes[layer], 0, 0});
+    file.bytes = std::uint64_t{kFrames} * kLayerBytes[layer];
+    const std::string content = noise(file.bytes, layer);
+    file.checksum = checksum_of(bytes_of(content));
+    std::ofstream out(folder / file.path, std::ios::binary);
+    if (!out.write(content.data(), static_cast<std::streamsize>(content.size())))
+      return fail((folder / file.path).string() + ": cannot be written");
+    segment.layers.push_back(std::move(file));
+  }
+  manifest.segments.push_back(std::move(segment));
+  std::ofstream out(folder / kManifestName, std::ios::binary);
+  if (!(out << write_manifest(manifest))) return fail(folder.string() + ": cannot be written");
+  return {};
+}
+
+/// Seconds of processors that a process has taken.
+double cpu_seconds(pid_t pid) {
+  std::ifstream in(fmt::format("/proc/{}/stat", pid));
+  std::string text;
+  std::getline(in, text);
+  // After the name, which may hold anything, fields 3 on: 14 and 15 are user and system time.
+  std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
+  std::string ignored;
+  for (int i = 0; i < 11; ++i) fields >> ignored;
+  double user = 0.0, system = 0.0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+std::uint64_t unix_us() {
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(
+                                        std::chrono::system_clock::now().time_since_epoch())
+                                        .count());
+}
+
+/// Publishes noise at the rate until it is destroyed.
+class NoisePublisher {
+ public:
+  static Result<std::unique_ptr<NoisePublisher>> start(const std::string& url) {
+    auto socket = WebSocket::connect(url);
+    if (!socket) return tl::unexpected<Error>(socket.error());
+    LiveHello hello;
+    hello.name = "noise";
+    hello.session = unix_us();
+    hello.codec = "octree";
+    hello.entropy = "none";
+    hello.fps = kFps;
+    hello.layer_names = {"base", "middle", "full"};
+    const std::string text = write_hello(hello);
+    if (const auto sent = (*socket)->send(bytes_of(text), WebSocket::Kind::text); !sent)
+      return tl::unexpected(sent.error());
+    return std::unique_ptr<NoisePublisher>(new NoisePublisher(std::move(*socket)));
+  }
+  ~NoisePublisher() {
+    ending_ = true;
+    thread_.join();
+  }
+
+ private:
+  explicit NoisePublisher(std::unique_ptr<WebSocket> socket)
+      : socket_(std::move(socket)), thread_([this] { run(); }) {}
+
+  void run() {
+    const std::string content = noise(*std::max_element(kLayerBytes, kLayerBytes + 3), 9);
+    auto due = std::chrono::steady_clock::now();
+    for (std::uint32_t frame = 0; !ending_; ++frame) {
+      const std::uint64_t captured = unix_us();
+      for (std::uint8_t layer = 0; layer < 3; ++layer) {
+        const Bytes message = write_live_layer({frame,
+                                                layer,
+                                                3,
+                                                captured,
+                                                1,
+                                                {kLayerBytes[layer], 0, 0},
+                                                bytes_of(content).subspan(0, kLayerBytes[layer])});
+        if (!socket_->send(message, WebSocket::Kind::binary)) return;
+      }
+      due += std::chrono::microseconds(33'333);
+      std::this_thread::sleep_until(due);
+    }
+  }
+
+  const std::unique_ptr<WebSocket> socket_;
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+Result<json> measure_load(const char* name, const std::string& url, pid_t server,
+                          const StreamOptions& options, std::vector<Bar>& bars) {
+  LoadOptions load;
+  load.url = url;
+  load.viewers = kViewers;
+  load.seconds = options.quick ? 2.0 : 15.0;
+  const double before = cpu_seconds(server);
+  const auto figures = pointreel::run_load(load);
+  const double all = load.seconds + load.warm_up;
+  const double server_cores = (cpu_seconds(server) - before) / all;
+  if (!figures) return tl::unexpected(figures.error());
+  bars.push_back(
+      {fmt::format("{} viewers at 10 Mbit/s, {}: frame delay, 99 % of the frames", kViewers, name),
+       figures->delay_ms(0.99), "ms", 50.0});
+  return json{{"viewers", kViewers},
+              {"mbit_per_second_each", figures->bits_per_second() / 1e6 / kViewers},
+              {"frames", figures->frames},
+              {"incomplete", figures->incomplete},
+              {"missing", figures->missing},
+              {"broken", figures->broken},
+              {"delay_ms",
+               {{"median", figures->delay_ms(0.5)},
+                {"p95", figures->delay_ms(0.95)},
+                {"p99", figures->delay_ms(0.99)}}},
+              {"server_cores", server_cores},
+              {"generator_cores", figures->cpu_seconds / figures->seconds}};
+}
+
+}  // namespace
+
+Result<json> run_load(const StreamOptions& options, std::vector<Bar>& bars) {
+  const fs::path reel = options.scratch / "noise";
+  if (const auto made = make_reel(reel); !made) return tl::unexpected(made.error());
+  e2e::Background server("pointreel-server",
+                         {"serve", reel.string(), "--live", "--listen", "127.0.0.1:0"});
+  const std::string line = server.first_line();
+  const auto at = line.find("http://");
+  if (at == std::string::npos) return fail("pointreel-server did not start");
+  const std::string address = line.substr(at + 7);
+
+  auto package =
+      measure_load("package", "http://" + address + "/noise", server.pid(), options, bars);
+  if (!package) return package;
+  const std::string stream = "ws://" + address + "/live/noise";
+  const auto publisher = NoisePublisher::start(stream + "?publish");
+  if (!publisher) return tl::unexpected(publisher.error());
+  auto live = measure_load("live", stream, server.pid(), options, bars);
+  if (!live) return live;
+  return json{{"package", *std::move(package)}, {"live", *std::move(live)}};
+}
+
+}  // namespace pointreel::bench

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <limits>
 #include <memory>
 
 #include "tests/load/crowd.h"
@@ -23,13 +22,6 @@ LoadClock::duration seconds(double s) {
 }
 
 }  // namespace
-
-double LoadFigures::delay_ms(double share) const {
-  const auto all = static_cast<double>(delays_ms.size() + incomplete + missing);
-  const auto rank = static_cast<std::size_t>(std::max(0.0, std::ceil(share * all) - 1.0));
-  if (rank >= delays_ms.size()) return std::numeric_limits<double>::infinity();
-  return delays_ms[rank];
-}
 
 Result<LoadFigures> run_load(const LoadOptions& options) {
   const auto url = parse_load_url(options.url);

@@ -8,7 +8,7 @@
 
 #include "common/base/error.h"
 #include "tests/load/crowd.h"
-#include "tests/load/load_generator.h"
+#include "tests/load/load_figures.h"
 
 namespace pointreel {
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "common/base/memory.h"
+#include "server/live/publish_command.h"
 #include "server/pack/commands.h"
 #include "server/serve/serve_command.h"
 
@@ -19,6 +20,7 @@ int main(int argc, char** argv) {
   pointreel::add_pack_command(app, exit_code);
   pointreel::add_inspect_commands(app, exit_code);
   pointreel::add_serve_command(app, exit_code);
+  pointreel::add_publish_command(app, exit_code);
   const char* footer =
       "Exit codes: 0 all is well; 1 it failed, or the package has faults; 2 the command line is "
       "wrong (info and verify: or names no package).";

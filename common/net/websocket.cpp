@@ -38,6 +38,9 @@ using Secure = websocket::stream<beast::ssl_stream<beast::tcp_stream>>;
 /// For the closing handshake.
 constexpr std::chrono::milliseconds kCloseTime{500};
 constexpr std::size_t kWriteBuffer = 64u << 10;
+/// Bytes that the system may hold beyond what is in flight: who sends is told early that the link
+/// is slow, and can choose what to send.
+constexpr int kUnsentLimit = 64 << 10;
 /// Of the body of an answer that is no upgrade, in an error.
 constexpr std::size_t kMostExcuse = 200;
 
@@ -202,6 +205,7 @@ class Connection : public WebSocket {
   void set_options(int socket) const {
     const int yes = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+    ::setsockopt(socket, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentLimit, sizeof(kUnsentLimit));
     const auto stall = static_cast<unsigned>(options_.stall_timeout.count());
     if (stall > 0) ::setsockopt(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, &stall, sizeof(stall));
   }

@@ -109,6 +109,7 @@ class Stream {
       taken_from_ = owner_;
     }
     if (owner_ == owner && !same) return fail("the session may not change within a connection");
+    resent_ = resent_ || (same && owner_ != owner);
     owner_ = owner;
     told_ = *hello;
     hello_ = std::move(message);
@@ -128,7 +129,13 @@ class Stream {
       return fail(fmt::format("layer: {} layers, the hello names {}", parsed->layers,
                               told_.layer_names.size()));
     }
+    // Who has connected anew sends its newest frame again: some of it may have come already.
+    const bool again =
+        !newest_.empty() && (parsed->frame < last_.frame ||
+                             (parsed->frame == last_.frame && parsed->layer <= last_.layer));
+    if (resent_ && again) return {};
     if (parsed->layer == 0) {
+      resent_ = false;
       if (!newest_.empty() && parsed->frame <= last_.frame) {
         return fail(fmt::format("layer: frame {} after {}", parsed->frame, last_.frame));
       }
@@ -165,6 +172,7 @@ class Stream {
   mutable std::mutex mutex_;  // of what follows, seats included
   const void* owner_ = nullptr;
   const void* taken_from_ = nullptr;
+  bool resent_ = false;  ///< a publisher has connected anew, and nothing new has come yet
   LiveHello told_;
   LiveMessage hello_;
   LiveLayer last_;                   ///< without bytes

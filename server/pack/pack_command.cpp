@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/octree/slabs.h"
 #include "common/base/progress.h"
 #include "server/pack/commands.h"
+#include "server/pack/encode_arguments.h"
 #include "server/pack/packer.h"
 #include "server/pack/stop_signal.h"
 
@@ -25,30 +25,18 @@ using nlohmann::ordered_json;
 struct PackArguments {
   std::vector<std::string> inputs;
   std::string output, name;
-  std::string codec = "octree", entropy = "context", cube = "group", up = "y";
-  double delta = 0.05, voxel = 0.0, fps = 30.0;
-  int depth = 10, threads = 0, quality = kDefaultColorQuality;
-  int normal_quality = kDefaultNormalQuality, slabs = 0;
-  std::string normals = "send", method = "auto";
+  EncodeArguments encode;
+  std::string cube = "group", up = "y";
+  double fps = 30.0;
+  int threads = 0;
   std::uint32_t segment = 30;
-  DracoOptions draco;
   std::string bitrate;
   double frame_time_ms = 0.0;
-  bool no_normals = false, no_colors = false, train = false, force = false;
+  bool train = false, force = false;
   std::string json;
-  CLI::Option *delta_option = nullptr, *depth_option = nullptr, *voxel_option = nullptr;
   CLI::Option *bitrate_option = nullptr, *frame_time_option = nullptr;
-  CLI::Option *json_option = nullptr, *slabs_option = nullptr;
-  std::vector<CLI::Option*> octree_only, draco_only;
+  CLI::Option* json_option = nullptr;
 };
-
-/// The first of the options that was given, if any.
-const CLI::Option* given(const std::vector<CLI::Option*>& options) {
-  for (const CLI::Option* option : options) {
-    if (option->count() > 0) return option;
-  }
-  return nullptr;
-}
 
 /// "20M", "800k", "1.5G" or a plain number of bits a second.
 Result<double> parse_bitrate(const std::string& text) {
@@ -69,61 +57,24 @@ Result<double> parse_bitrate(const std::string& text) {
   return rate;
 }
 
-Result<EncodeOptions> make_encode_options(const PackArguments& arguments) {
-  EncodeOptions options;
-  options.normals = !arguments.no_normals && arguments.normals == "send";
-  options.colors = !arguments.no_colors;
-  const bool draco = arguments.codec == "draco";
-  if (const CLI::Option* wrong = given(draco ? arguments.octree_only : arguments.draco_only)) {
-    return fail(
-        fmt::format("{} belongs to --codec {}", wrong->get_name(), draco ? "octree" : "draco"));
-  }
-  if (draco) {
-    DracoOptions draco_options = arguments.draco;
-    draco_options.method = arguments.method == "auto"         ? DracoMethod::automatic
-                           : arguments.method == "sequential" ? DracoMethod::sequential
-                                                              : DracoMethod::kd_tree;
-    options.codec = draco_options;
-    return options;
-  }
-  OctreeOptions octree;
-  octree.entropy = arguments.entropy == "none"   ? Entropy::none
-                   : arguments.entropy == "zstd" ? Entropy::zstd
-                                                 : Entropy::context;
-  octree.depth = arguments.depth_option->count() > 0 ? DepthRule::fixed(arguments.depth)
-                                                     : DepthRule::by_delta(arguments.delta);
-  octree.color_quality = arguments.quality;
-  octree.normal_quality = arguments.normal_quality;
-  octree.slabs = arguments.slabs;
-  options.codec = octree;
-  return options;
-}
-
 Result<PackOptions> make_options(const PackArguments& arguments) {
   PackOptions options;
   for (const std::string& input : arguments.inputs) options.inputs.emplace_back(input);
   options.output = arguments.output;
   options.name = arguments.name;
-  if (!(arguments.delta >= 0.0)) return fail("--delta must be 0 or more");
   if (!(arguments.fps > 0.0 && arguments.fps <= 1e6)) {
     return fail("--fps must be above 0 and at most 1000000");
   }
-  const Result<EncodeOptions> encode = make_encode_options(arguments);
+  const Result<EncodeOptions> encode = arguments.encode.options();
   if (!encode) return tl::unexpected(encode.error());
   options.encode = *encode;
-  if (arguments.voxel_option->count() > 0) {
-    if (!(arguments.voxel > 0.0 && std::isfinite(arguments.voxel))) {
-      return fail("--voxel must be above 0");
-    }
-    options.voxel = arguments.voxel;
-  }
-  if (arguments.train && arguments.entropy != "context") {
+  const Result<std::optional<double>> voxel = arguments.encode.voxel();
+  if (!voxel) return tl::unexpected(voxel.error());
+  options.voxel = *voxel;
+  if (arguments.train && arguments.encode.entropy != "context") {
     return fail("--train belongs to --entropy context");
   }
   options.train = arguments.train;
-  if (arguments.slabs_option->count() > 0 && arguments.entropy != "context") {
-    return fail("--slabs belongs to --entropy context");
-  }
   if (arguments.bitrate_option->count() > 0) {
     const Result<double> bitrate = parse_bitrate(arguments.bitrate);
     if (!bitrate) return tl::unexpected(bitrate.error());
@@ -293,75 +244,6 @@ int run_pack(const PackArguments& arguments) {
   return report(arguments, *summary);
 }
 
-void add_octree_options(CLI::App& command, PackArguments& a) {
-  const char* group = "Octree";
-  a.octree_only.push_back(command.add_option("--entropy", a.entropy, "entropy stage")
-                              ->check(CLI::IsMember({"none", "zstd", "context"}))
-                              ->capture_default_str()
-                              ->group(group));
-  a.octree_only.push_back(
-      command
-          .add_flag("--train", a.train,
-                    "learn the contexts from the frames: smaller, if they are many or noisy")
-          ->group(group));
-  a.slabs_option = command
-                       .add_option("--slabs", a.slabs,
-                                   "parts of a frame that go to different threads of encoder and "
-                                   "player, at about one percent of a frame's bytes each; 0: one "
-                                   "below 2^20 voxels, then one for each 2^19")
-                       ->check(CLI::Range(0, kMostSlabs))
-                       ->capture_default_str()
-                       ->group(group);
-  a.octree_only.push_back(a.slabs_option);
-  a.delta_option = command.add_option("--delta", a.delta,
-                                      "depth by the share of points that may merge into others");
-  a.depth_option =
-      command.add_option("--depth", a.depth, "a fixed depth, 0 to 21")->check(CLI::Range(0, 21));
-  a.voxel_option = command.add_option(
-      "--voxel", a.voxel, "a fixed voxel edge in the source's units, voxels on its multiples");
-  a.delta_option->capture_default_str()
-      ->group(group)
-      ->excludes(a.depth_option)
-      ->excludes(a.voxel_option);
-  a.depth_option->group(group)->excludes(a.voxel_option);
-  a.voxel_option->group(group);
-  a.octree_only.push_back(
-      command
-          .add_option("--quality", a.quality,
-                      "of colours, 1 to 100: 14 more halve their error, 100 is lossless")
-          ->check(CLI::Range(1, kLosslessColorQuality))
-          ->capture_default_str()
-          ->group(group));
-  a.octree_only.push_back(
-      command
-          .add_option("--normal-quality", a.normal_quality,
-                      "of normals, 1 to 100, on the same scale; 100 is half a degree")
-          ->check(CLI::Range(1, kBestNormalQuality))
-          ->capture_default_str()
-          ->group(group));
-  for (CLI::Option* option : {a.delta_option, a.depth_option, a.voxel_option}) {
-    a.octree_only.push_back(option);
-  }
-}
-
-void add_draco_options(CLI::App& command, PackArguments& a) {
-  const auto add = [&](const char* flag, int& value, const char* what, int min, int max) {
-    a.draco_only.push_back(command.add_option(flag, value, what)
-                               ->check(CLI::Range(min, max))
-                               ->capture_default_str()
-                               ->group("Draco"));
-  };
-  add("--qp", a.draco.position_bits, "bits of a position", 1, 21);
-  add("--qn", a.draco.normal_bits, "bits of a normal", 2, 16);
-  add("--qg", a.draco.generic_bits, "bits of a generic attribute", 1, 30);
-  add("--cl", a.draco.compression_level, "compression level, 10 smallest", 0, 10);
-  a.draco_only.push_back(
-      command.add_option("--method", a.method, "auto: sequential at --cl 0, else kd-tree")
-          ->check(CLI::IsMember({"auto", "kd-tree", "sequential"}))
-          ->capture_default_str()
-          ->group("Draco"));
-}
-
 }  // namespace
 
 void add_pack_command(CLI::App& app, int& exit_code) {
@@ -372,9 +254,6 @@ void add_pack_command(CLI::App& app, int& exit_code) {
       ->required()
       ->expected(1, -1);
   command->add_option("-o,--output", a.output, "the package's folder")->required();
-  command->add_option("--codec", a.codec, "codec")
-      ->check(CLI::IsMember({"octree", "draco"}))
-      ->capture_default_str();
   command->add_option("--cube", a.cube, "what shares a cube")
       ->check(CLI::IsMember({"group", "frame"}))
       ->capture_default_str();
@@ -402,22 +281,17 @@ void add_pack_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", a.threads, "0 for all processors")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  CLI::Option* normals =
-      command
-          ->add_option("--normals", a.normals,
-                       "send those of the source, or let the client derive them from the points")
-          ->check(CLI::IsMember({"send", "derive"}))
-          ->capture_default_str();
-  command->add_flag("--no-normals", a.no_normals, "leave normals out, as --normals derive")
-      ->excludes(normals);
-  command->add_flag("--no-colors", a.no_colors, "leave colours out");
   command->add_flag("--force", a.force, "replace a package that is there already");
   a.json_option =
       command->add_option("--json", a.json, "the summary as JSON, in a file or on standard output")
           ->expected(0, 1)
           ->type_name("[FILE]");
-  add_octree_options(*command, a);
-  add_draco_options(*command, a);
+  a.encode.add_to(*command);
+  a.encode.octree_only.push_back(
+      command
+          ->add_flag("--train", a.train,
+                     "learn the contexts from the frames: smaller, if they are many or noisy")
+          ->group("Octree"));
   command->callback([arguments, &exit_code] { exit_code = run_pack(*arguments); });
 }
 

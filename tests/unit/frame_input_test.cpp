@@ -1,0 +1,276 @@
+// Where a publisher's frames come from.
+
+#include "server/live/frame_input.h"
+
+#include <atomic>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "server/live/publish_command.h"
+#include "server/live/publisher.h"
+#include "tests/unit/packed_clouds.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// Time that passes while somebody waits for it, and when it is told to.
+struct FakeTime {
+  std::atomic<std::uint64_t> now_us = 5'000'000;
+
+  LiveClock clock() {
+    LiveClock clock;
+    clock.now_us = [this] { return now_us.load(); };
+    clock.wait_until = [this](std::uint64_t time_us, const std::stop_token&) {
+      if (time_us > now_us) now_us = time_us;
+    };
+    return clock;
+  }
+};
+
+class FrameInputTest : public PackTest {
+ protected:
+  /// The points of each frame are 101, 102, ...
+  std::vector<fs::path> write(std::size_t frames) {
+    ::write_frames(frames_, frames, 101);
+    return list_cloud_files({frames_}).value();
+  }
+};
+
+/// The next frame's points; 0 at the end.
+std::size_t next_points(FrameInput& input, const std::stop_token& stop = {}) {
+  const auto frame = input.next(stop);
+  if (!frame || !*frame) return 0;
+  return (*frame)->cloud.value().cloud.size();
+}
+
+TEST_F(FrameInputTest, files_are_played_at_their_rate) {
+  FakeTime time;
+  const auto input = play_files(write(3), 10.0, false, time.clock());
+  std::vector<std::uint64_t> captured;
+  while (const auto frame = input->next({}).value()) captured.push_back(frame->capture_us);
+  EXPECT_THAT(captured, testing::ElementsAre(5'000'000, 5'100'000, 5'200'000));
+  EXPECT_EQ(input->skipped(), 0u);
+}
+
+TEST_F(FrameInputTest, a_loop_goes_on_where_the_files_end) {
+  FakeTime time;
+  const auto input = play_files(write(2), 10.0, true, time.clock());
+  std::vector<std::size_t> points;
+  for (int i = 0; i < 5; ++i) points.push_back(next_points(*input));
+  EXPECT_THAT(points, testing::ElementsAre(101, 102, 101, 102, 101));
+}
+
+TEST_F(FrameInputTest, who_is_too_slow_gets_the_newest_frame_and_the_last_is_never_skipped) {
+  FakeTime time;
+  const auto input = play_files(write(12), 10.0, false, time.clock());
+  std::size_t taken = 0, last = 0;
+  std::uint64_t before = 0;
+  while (const auto frame = input->next({}).value()) {
+    EXPECT_GT(frame->capture_us, before);
+    before = frame->capture_us;
+    last = frame->cloud.value().cloud.size();
+    ++taken;
+    time.now_us += 250'000;
+  }
+  EXPECT_EQ(last, 112u);
+  EXPECT_LT(taken, 12u);
+  EXPECT_EQ(taken + input->skipped(), 12u);
+}
+
+TEST_F(FrameInputTest, a_file_that_cannot_be_read_is_an_error_of_its_frame_alone) {
+  FakeTime time;
+  write(2);
+  std::ofstream(frames_ / "frame_0.ply") << "no cloud";
+  const auto input = play_files(list_cloud_files({frames_}).value(), 10.0, false, time.clock());
+  const auto bad = input->next({}).value();
+  ASSERT_TRUE(bad);
+  EXPECT_FALSE(bad->cloud);
+  EXPECT_THAT(bad->name, HasSubstr("frame_0.ply"));
+  EXPECT_THAT(bad->cloud.error().message, testing::Not(HasSubstr("frame_0.ply")));
+  EXPECT_EQ(next_points(*input), 102u);
+}
+
+TEST_F(FrameInputTest, stopping_ends_a_wait_for_the_next_file) {
+  std::stop_source stop;
+  const auto input = play_files(write(2), 0.001, true);
+  EXPECT_EQ(next_points(*input, stop.get_token()), 101u);
+  std::jthread stopper([&] { stop.request_stop(); });
+  next_points(*input, stop.get_token());
+  EXPECT_EQ(next_points(*input, stop.get_token()), 0u);
+}
+
+TEST_F(FrameInputTest, a_folder_is_followed_from_its_newest_file_on) {
+  write(3);
+  const auto input = follow_folder(frames_).value();
+  EXPECT_EQ(next_points(*input), 103u);
+  ASSERT_TRUE(write_ply(frames_ / "frame_3.tmp", ellipsoid(50)));
+  fs::rename(frames_ / "frame_3.tmp", frames_ / "frame_3.ply");
+  EXPECT_EQ(next_points(*input), 50u);
+  ASSERT_TRUE(write_ply(frames_ / "frame_4.ply", ellipsoid(60)));
+  ASSERT_TRUE(write_ply(frames_ / "frame_5.ply", ellipsoid(70)));
+  std::ofstream(frames_ / "notes.txt") << "not a frame";
+  EXPECT_EQ(next_points(*input), 70u) << "the newest of those that came meanwhile";
+  EXPECT_EQ(input->skipped(), 1u);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(next_points(*input, stop.get_token()), 0u);
+}
+
+TEST_F(FrameInputTest, a_folder_that_is_none_cannot_be_followed) {
+  const auto input = follow_folder(frames_ / "nowhere");
+  ASSERT_FALSE(input);
+  EXPECT_THAT(input.error().message, HasSubstr("nowhere"));
+}
+
+/// Both ends of a pipe.
+struct Pipe {
+  Pipe() { EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0); }
+  ~Pipe() {
+    ::close(ends[0]);
+    finish();
+  }
+  void put(ByteView bytes) {
+    EXPECT_EQ(::write(ends[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  void put_size(std::uint32_t size) {
+    Bytes head(4);
+    std::memcpy(head.data(), &size, 4);
+    put(head);
+  }
+  void put_frame(const PointCloud& cloud) {
+    const Bytes file = ply_bytes(cloud);
+    put_size(static_cast<std::uint32_t>(file.size()));
+    put(file);
+  }
+  void finish() {
+    if (ends[1] >= 0) ::close(ends[1]);
+    ends[1] = -1;
+  }
+  int ends[2] = {-1, -1};
+};
+
+TEST(PipeInput, gives_frames_as_they_come_and_ends_with_the_pipe) {
+  Pipe pipe;
+  FakeTime time;
+  const auto input = read_pipe(pipe.ends[0], time.clock());
+  pipe.put_frame(ellipsoid(30));
+  EXPECT_EQ(next_points(*input), 30u);
+  time.now_us = 7'000'000;
+  pipe.put_frame(ellipsoid(40));
+  const auto frame = input->next({}).value();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->capture_us, 7'000'000u);
+  pipe.finish();
+  const auto end = input->next({});
+  ASSERT_TRUE(end);
+  EXPECT_FALSE(*end);
+}
+
+TEST(PipeInput, what_is_no_cloud_is_an_error_of_its_frame_alone) {
+  Pipe pipe;
+  const auto input = read_pipe(pipe.ends[0]);
+  pipe.put_size(3);
+  pipe.put(Bytes{1, 2, 3});
+  const auto bad = input->next({}).value();
+  ASSERT_TRUE(bad);
+  EXPECT_FALSE(bad->cloud);
+  pipe.put_frame(ellipsoid(30));
+  EXPECT_EQ(next_points(*input), 30u);
+}
+
+std::string pipe_error(const std::function<void(Pipe&)>& write) {
+  Pipe pipe;
+  const auto input = read_pipe(pipe.ends[0]);
+  write(pipe);
+  pipe.finish();
+  const auto frame = input->next({});
+  return frame ? "none" : frame.error().message;
+}
+
+TEST(PipeInput, ends_with_an_error_where_a_size_is_no_size_or_a_frame_is_cut) {
+  EXPECT_THAT(pipe_error([](Pipe& pipe) { pipe.put_size(0x0a796c70); }), HasSubstr("is PLY"));
+  EXPECT_THAT(pipe_error([](Pipe& pipe) { pipe.put_size(0xffffffff); }), HasSubstr("the most"));
+  EXPECT_THAT(pipe_error([](Pipe& pipe) { pipe.put(Bytes{1, 0}); }), HasSubstr("within the size"));
+  EXPECT_THAT(pipe_error([](Pipe& pipe) {
+                pipe.put_size(100);
+                pipe.put(Bytes(99));
+              }),
+              HasSubstr("within frame 0"));
+}
+
+TEST(PipeInput, stopping_ends_a_wait) {
+  Pipe pipe;
+  const auto input = read_pipe(pipe.ends[0]);
+  std::stop_source stop;
+  std::jthread stopper([&] { stop.request_stop(); });
+  const auto frame = input->next(stop.get_token());
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(*frame);
+}
+
+TEST(SteadyGrid, stays_until_a_frame_does_not_fit) {
+  SteadyGrid steady{PublishOptions{}};
+  const Box box{{0, 0, 0}, {1, 2, 1}};
+  const Cube first = steady.of(box).value().cube;
+  EXPECT_EQ(steady.of({{-0.05, 0.1, 0}, {1.05, 2.1, 0.5}}).value().cube, first);
+  EXPECT_EQ(steady.of(Box{}).value().cube, first);
+  const Cube second = steady.of({{3, 0, 0}, {4, 2, 1}}).value().cube;
+  EXPECT_FALSE(second == first);
+  EXPECT_LE(second.origin.x, 3.0 - 0.09);
+}
+
+TEST(SteadyGrid, keeps_voxels_of_a_given_size) {
+  PublishOptions options;
+  options.voxel = 0.01;
+  SteadyGrid steady(options);
+  const Grid grid = steady.of({{0, 0, 0}, {1, 2, 1}}).value();
+  const auto& octree = std::get<OctreeOptions>(grid.encode.codec);
+  EXPECT_NEAR(grid.cube.edge / std::exp2(octree.depth.depth), 0.01, 1e-9);
+}
+
+/// What `publish` says of a command line that it refuses.
+std::string usage_error(std::vector<std::string> arguments) {
+  CLI::App app;
+  int code = -1;
+  add_publish_command(app, code);
+  testing::internal::CaptureStderr();
+  std::vector<std::string> all = {"publish"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  std::reverse(all.begin(), all.end());
+  std::string refusal;
+  try {
+    app.parse(all);
+  } catch (const CLI::ParseError& error) {
+    code = 2;
+    refusal = error.what();
+  }
+  refusal += testing::internal::GetCapturedStderr();
+  return code == 2 ? refusal : "accepted with " + std::to_string(code);
+}
+
+TEST(PublishCommand, refuses_what_makes_no_sense_before_it_connects) {
+  const std::string to = "ws://127.0.0.1:1/live/me";
+  EXPECT_THAT(usage_error({"-i", "-", "--to", "http://host/live/me"}), HasSubstr("ws://"));
+  EXPECT_THAT(usage_error({"-i", "-", "--to", "ws://host/live/"}), HasSubstr("stream's name"));
+  EXPECT_THAT(usage_error({"-i", "-", "--to", to + "?publish"}), HasSubstr("stream's name"));
+  EXPECT_THAT(usage_error({"-i", "-", "--to", to, "--loop"}), HasSubstr("--loop"));
+  EXPECT_THAT(usage_error({"-i", ".", "--to", to, "--loop", "--follow"}), HasSubstr("exclude"));
+  EXPECT_THAT(usage_error({"-i", ".", "--to", to, "--fps", "0"}), HasSubstr("--fps"));
+  EXPECT_THAT(usage_error({"-i", ".", "--to", to, "--frame-time", "0"}), HasSubstr("--frame-time"));
+  EXPECT_THAT(usage_error({"-i", ".", "--to", to, "--qp", "9"}), HasSubstr("--codec"));
+  EXPECT_THAT(usage_error({"-i", "."}), HasSubstr("--to"));
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -54,10 +54,11 @@ FaultReel::FaultReel() {
   truth_ = truth_of(path());
 }
 
-ServerProcess::ServerProcess(int port) {
-  process_ = std::make_unique<e2e::Background>(
-      "pointreel-server", std::vector<std::string>{"serve", FaultReel::get().path(), "--listen",
-                                                   fmt::format("127.0.0.1:{}", port)});
+ServerProcess::ServerProcess(int port, const std::vector<std::string>& options) {
+  std::vector<std::string> arguments = {"serve", FaultReel::get().path(), "--listen",
+                                        fmt::format("127.0.0.1:{}", port)};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  process_ = std::make_unique<e2e::Background>("pointreel-server", arguments);
   const std::string line = process_->first_line();
   port_ = std::atoi(line.substr(line.rfind(':') + 1).c_str());
   EXPECT_GT(port_, 0) << line;

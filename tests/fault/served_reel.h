@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tests/e2e/process.h"
 #include "tests/fault/watcher.h"
@@ -27,8 +28,8 @@ class FaultReel {
 /// pointreel-server in a process of its own.
 class ServerProcess {
  public:
-  /// `port` 0: any that is free.
-  explicit ServerProcess(int port = 0);
+  /// `port` 0: any that is free. `options` of pointreel-server serve.
+  explicit ServerProcess(int port = 0, const std::vector<std::string>& options = {});
   /// As if the machine had lost its power.
   void kill();
   int port() const { return port_; }

@@ -1,0 +1,133 @@
+// A live stream is watched over a link, and by a server, that fail in every way: what is seen is
+// what was published, and the newest of it as soon as the link is back.
+
+#include <csignal>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/fault/live_stage.h"
+#include "tests/fault/served_reel.h"
+#include "tests/link/link_emulator.h"
+#include "tests/load/load_generator.h"
+
+namespace pointreel {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+class LiveFault : public testing::Test {
+ protected:
+  LiveFault() {
+    auto link = LinkEmulator::start({server_.address()});
+    if (!link) throw std::runtime_error(link.error().message);
+    link_ = std::move(*link);
+    LiveReel::get();
+    publisher_ =
+        std::make_unique<StagePublisher>("ws://" + server_.address() + "/live/ball?publish");
+    watcher_ = std::make_unique<LiveWatcher>("ws://" + link_->address() + "/live/ball");
+    if (!watcher_->sees(5)) ADD_FAILURE() << watcher_->trouble().value_or("nothing came");
+  }
+  ~LiveFault() override {
+    const auto shown = watcher_->shown();
+    watcher_.reset();
+    std::size_t wrong = 0, back = 0;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      wrong += !shown[i].right;
+      // The same frame may come again with more layers.
+      if (i > 0 && i != began_again_) back += shown[i].frame < shown[i - 1].frame;
+    }
+    EXPECT_EQ(wrong, 0u) << "of " << shown.size() << " pictures";
+    EXPECT_EQ(back, 0u) << "older than what was shown before them";
+  }
+
+  /// What comes next is of now, not of when the link went down.
+  void expect_to_be_live() {
+    const std::uint32_t newest = publisher_->newest();
+    ASSERT_TRUE(watcher_->sees(3));
+    EXPECT_GE(watcher_->shown().back().frame + 3, newest);
+    EXPECT_TRUE(watcher_->hears_of_trouble(false));
+  }
+
+  ServerProcess server_{0, {"--live"}};
+  std::unique_ptr<LinkEmulator> link_;
+  std::unique_ptr<StagePublisher> publisher_;
+  std::unique_ptr<LiveWatcher> watcher_;
+  std::size_t began_again_ = 0;  ///< number of the first picture of another publisher
+};
+
+TEST_F(LiveFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
+  const int port = server_.port();
+  server_.kill();
+  ASSERT_TRUE(watcher_->hears_of_trouble());
+  EXPECT_EQ(watcher_->trouble()->find('\n'), std::string::npos);
+  server_ = ServerProcess(port, {"--live"});
+  expect_to_be_live();
+}
+
+TEST_F(LiveFault, IsLiveAgainAfterTheLinkWasCut) {
+  link_->set({.cut = true});
+  ASSERT_TRUE(watcher_->hears_of_trouble());
+  EXPECT_THAT(*watcher_->trouble(), AnyOf(HasSubstr("again"), HasSubstr("waiting")));
+  link_->set({});
+  expect_to_be_live();
+}
+
+TEST_F(LiveFault, IsLiveAgainWhereItsConnectionWasForgotten) {
+  link_->forget_connections();
+  ASSERT_TRUE(watcher_->hears_of_trouble());
+  expect_to_be_live();
+  EXPECT_GE(watcher_->counts().reconnections, 1u);
+}
+
+TEST_F(LiveFault, HardlyNoticesConnectionsThatAreReset) {
+  for (int i = 0; i < 5; ++i) {
+    link_->reset_connections();
+    expect_to_be_live();
+  }
+}
+
+TEST_F(LiveFault, SeesWhatComesInSingleBytes) {
+  link_->set({.split = 1});
+  EXPECT_TRUE(watcher_->sees(10));
+}
+
+TEST_F(LiveFault, ShowsNothingWrongOfWhatComesDamaged) {
+  link_->set({.corrupt_every = 20'000});
+  EXPECT_TRUE(watcher_->sees(60));
+  EXPECT_GT(link_->statistics().flipped_bits, 0u);
+}
+
+TEST_F(LiveFault, SaysThatThePublisherHasGoneAndTakesAnother) {
+  publisher_.reset();
+  ASSERT_TRUE(watcher_->hears_of_trouble());
+  EXPECT_THAT(*watcher_->trouble(), HasSubstr("publisher has gone"));
+  began_again_ = watcher_->shown().size();
+  publisher_ = std::make_unique<StagePublisher>("ws://" + server_.address() + "/live/ball?publish");
+  expect_to_be_live();
+}
+
+TEST_F(LiveFault, ServesManyViewersAsWell) {
+  LoadOptions options;
+  options.url = "ws://" + server_.address() + "/live/ball";
+  options.viewers = 20;
+  options.seconds = 1.0;
+  options.warm_up = 0.5;
+  const auto live = run_load(options);
+  ASSERT_TRUE(live) << live.error().message;
+  EXPECT_EQ(live->broken, 0u);
+  EXPECT_GT(live->frames, 20u);
+  options.url = "http://" + server_.address() + "/ball";
+  const auto package = run_load(options);
+  ASSERT_TRUE(package) << package.error().message;
+  EXPECT_EQ(package->broken, 0u);
+  EXPECT_GT(package->frames, 20u);
+}
+
+}  // namespace
+}  // namespace pointreel

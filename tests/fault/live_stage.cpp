@@ -1,0 +1,183 @@
+#include "tests/fault/live_stage.h"
+
+#include <cmath>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "client/source/open_live_source.h"
+#include "common/net/websocket.h"
+#include "common/stream/live.h"
+#include "common/stream/package.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kFrames = 64;
+constexpr int kPoints = 1500;
+constexpr auto kPatience = std::chrono::seconds(30);
+
+PointCloud ball(int frame) {
+  PointCloud cloud;
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / kPoints;
+    const double angle = 2.399963 * i + 0.01 * frame;
+    const double r = std::sqrt(1.0 - z * z);
+    cloud.positions.push_back(glm::vec3(r * std::cos(angle), r * std::sin(angle), z));
+    cloud.colors.push_back(glm::u16vec3(257 * (i % 256), 257 * (frame % 256), 257 * 200));
+  }
+  return cloud;
+}
+
+std::optional<std::uint64_t> content_of(const std::vector<LayerView>& layers) {
+  const auto decoded = decode_frame(layers);
+  if (!decoded) return std::nullopt;
+  const auto hash = [](const auto& values) {
+    return checksum_of(
+        {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(values[0])});
+  };
+  return hash(decoded->svo->masks) ^ 3 * hash(decoded->cloud.colors);
+}
+
+}  // namespace
+
+const LiveReel& LiveReel::get() {
+  static const LiveReel reel;
+  return reel;
+}
+
+LiveReel::LiveReel() {
+  OctreeOptions octree;
+  octree.depth = DepthRule::fixed(10);
+  EncodeOptions options;
+  options.codec = octree;
+  for (int i = 0; i < kFrames; ++i) {
+    frames_.push_back(*encode_frame(ball(i), Cube{glm::dvec3(-1.0), 2.0}, options));
+    const std::vector<LayerView> views = layer_views(frames_.back().layers);
+    truth_.emplace_back();
+    for (std::size_t n = 1; n <= views.size(); ++n)
+      truth_.back().push_back(*content_of({views.begin(), views.begin() + n}));
+  }
+}
+
+std::optional<bool> LiveReel::is_right(const LiveFrame& frame) const {
+  std::vector<LayerView> views;
+  for (const FetchedLayer& layer : frame.frame.layers) views.push_back(layer.view());
+  const auto content = content_of(views);
+  if (!content) return std::nullopt;
+  const auto& truth = truth_[frame.number % truth_.size()];
+  return views.size() <= truth.size() && truth[views.size() - 1] == *content;
+}
+
+StagePublisher::StagePublisher(std::string url)
+    : url_(std::move(url)), thread_([this] { run(); }) {}
+
+StagePublisher::~StagePublisher() {
+  ending_ = true;
+  thread_.join();
+}
+
+void StagePublisher::run() {
+  LiveHello hello;
+  hello.name = "ball";
+  static std::atomic<std::uint64_t> sessions{0};
+  hello.session = ++sessions;
+  hello.codec = "octree";
+  hello.entropy = "context";
+  hello.colors = true;
+  hello.layer_names = {"base", "middle", "full"};
+  const std::string text = write_hello(hello);
+  auto due = std::chrono::steady_clock::now();
+  while (!ending_) {
+    auto socket = WebSocket::connect(url_);
+    bool open = socket.has_value();
+    if (open)
+      open = (*socket)
+                 ->send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
+                        WebSocket::Kind::text)
+                 .has_value();
+    // Capturing goes on whether it is connected or not.
+    do {
+      const std::uint32_t number = newest_ + 1;
+      const EncodedFrame& frame = LiveReel::get().frame(number);
+      const auto captured =
+          static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(
+                                         std::chrono::system_clock::now().time_since_epoch())
+                                         .count());
+      for (std::size_t i = 0; i < frame.layers.size() && open; ++i) {
+        const EncodedLayer& layer = frame.layers[i];
+        Bytes bytes = layer.geometry;
+        bytes.insert(bytes.end(), layer.colors.begin(), layer.colors.end());
+        const LayerSizes sizes{static_cast<std::uint32_t>(layer.geometry.size()),
+                               static_cast<std::uint32_t>(layer.colors.size()), 0};
+        open = (*socket)
+                   ->send(write_live_layer({number, static_cast<std::uint8_t>(i),
+                                            static_cast<std::uint8_t>(frame.layers.size()),
+                                            captured, frame.source_points, sizes, bytes}),
+                          WebSocket::Kind::binary)
+                   .has_value();
+      }
+      newest_ = number;
+      due += std::chrono::microseconds(33'333);
+      std::this_thread::sleep_until(due);
+    } while (open && !ending_);
+  }
+}
+
+LiveWatcher::LiveWatcher(const std::string& url) {
+  auto source = open_live_source(url, {});
+  if (!source) {
+    ADD_FAILURE() << source.error().message;
+    return;
+  }
+  source_ = std::move(*source);
+  thread_ = std::thread([this] { watch(); });
+}
+
+LiveWatcher::~LiveWatcher() {
+  if (!source_) return;
+  ending_ = true;
+  source_->cancel();
+  thread_.join();
+}
+
+void LiveWatcher::watch() {
+  while (!ending_) {
+    const auto frame = source_->next(milliseconds(100));
+    if (frame) {
+      const auto right = LiveReel::get().is_right(*frame);
+      const std::lock_guard lock(mutex_);
+      if (right)
+        shown_.push_back(
+            {frame->number, static_cast<std::uint32_t>(frame->frame.layers.size()), *right});
+      else
+        ++undecodable_;
+    }
+    changed_.notify_all();
+  }
+}
+
+std::vector<LiveWatcher::Shown> LiveWatcher::shown() const {
+  const std::lock_guard lock(mutex_);
+  return shown_;
+}
+
+std::uint64_t LiveWatcher::undecodable() const {
+  const std::lock_guard lock(mutex_);
+  return undecodable_;
+}
+
+bool LiveWatcher::sees(std::size_t more) {
+  std::unique_lock lock(mutex_);
+  const std::size_t wanted = shown_.size() + more;
+  return changed_.wait_for(lock, kPatience, [&] { return shown_.size() >= wanted; });
+}
+
+bool LiveWatcher::hears_of_trouble(bool there) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, kPatience, [&] { return trouble().has_value() == there; });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/source/live_source.h"
+#include "codec/codec.h"
+
+namespace pointreel {
+
+/// Frames of a live stream, which come again and again, and what each decodes to.
+class LiveReel {
+ public:
+  static const LiveReel& get();  ///< made once for all tests
+  const EncodedFrame& frame(std::uint32_t number) const { return frames_[number % frames_.size()]; }
+  /// Whether this is what the layers of that frame decode to; nothing if they do not decode.
+  std::optional<bool> is_right(const LiveFrame& frame) const;
+
+ private:
+  LiveReel();
+  std::vector<EncodedFrame> frames_;
+  std::vector<std::vector<std::uint64_t>> truth_;  ///< of each frame, for each number of layers
+};
+
+/// Publishes LiveReel at 30 frames a second, connecting again with the same session. Each has a
+/// session of its own.
+class StagePublisher {
+ public:
+  explicit StagePublisher(std::string url);
+  ~StagePublisher();
+  StagePublisher(const StagePublisher&) = delete;
+  StagePublisher& operator=(const StagePublisher&) = delete;
+  std::uint32_t newest() const { return newest_; }  ///< number of the newest frame
+
+ private:
+  void run();
+  const std::string url_;
+  std::atomic<bool> ending_{false};
+  std::atomic<std::uint32_t> newest_{0};
+  std::thread thread_;
+};
+
+/// Takes every frame that a live source gives, and keeps what it saw.
+class LiveWatcher {
+ public:
+  struct Shown {
+    std::uint32_t frame = 0;
+    std::uint32_t layers = 0;
+    bool right = false;
+  };
+
+  explicit LiveWatcher(const std::string& url);
+  ~LiveWatcher();
+  LiveWatcher(const LiveWatcher&) = delete;
+  LiveWatcher& operator=(const LiveWatcher&) = delete;
+
+  std::vector<Shown> shown() const;
+  std::uint64_t undecodable() const;
+  std::optional<std::string> trouble() const { return source_->trouble(); }
+  LiveCounts counts() const { return source_->counts(); }
+
+  // Each waits for at most half a minute; false if it did not happen.
+
+  bool sees(std::size_t more);
+  bool hears_of_trouble(bool there = true);
+
+ private:
+  void watch();
+
+  std::unique_ptr<LiveSource> source_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Shown> shown_;
+  std::uint64_t undecodable_ = 0;
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace pointreel

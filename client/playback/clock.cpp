@@ -8,6 +8,7 @@ namespace pointreel {
 namespace {
 
 std::int64_t floor_mod(std::int64_t a, std::int64_t n) { return ((a % n) + n) % n; }
+std::int64_t floor_div(std::int64_t a, std::int64_t n) { return (a - floor_mod(a, n)) / n; }
 
 }  // namespace
 
@@ -19,7 +20,7 @@ std::uint32_t Timeline::frame_at(std::uint64_t time_us) const {
 Clock::Clock(Timeline timeline, bool loop) : timeline_(std::move(timeline)), loop_(loop) {}
 
 std::int64_t Clock::unwrapped(TimePoint now) const {
-  if (!playing_) return base_us_;
+  if (!playing_ || held_) return base_us_;
   const double elapsed_us = std::chrono::duration<double, std::micro>(now - base_now_).count();
   return base_us_ + std::llround(std::max(0.0, elapsed_us) * speed_);
 }
@@ -30,11 +31,11 @@ Clock::Reading Clock::read(TimePoint now) const {
   Reading reading;
   std::int64_t pass = 0;
   if (loop_) {
-    pass = time / duration;
-    reading.position_us = static_cast<std::uint64_t>(time % duration);
+    pass = floor_div(time, duration);
+    reading.position_us = static_cast<std::uint64_t>(floor_mod(time, duration));
   } else {
-    reading.ended = time >= duration;
-    reading.position_us = static_cast<std::uint64_t>(std::min(time, duration));
+    reading.ended = direction() > 0 ? time >= duration : time < 0;
+    reading.position_us = static_cast<std::uint64_t>(std::clamp<std::int64_t>(time, 0, duration));
   }
   reading.frame = timeline_.frame_at(reading.position_us);
   reading.ordinal = pass * timeline_.frame_count() + reading.frame;
@@ -46,19 +47,33 @@ void Clock::restart_at(std::uint64_t position_us, TimePoint now) {
   base_now_ = now;
 }
 
+void Clock::rebase(TimePoint now) {
+  base_us_ = unwrapped(now);
+  base_now_ = now;
+}
+
 void Clock::play(TimePoint now) {
   if (playing_) return;
-  const Reading reading = read(now);
-  base_us_ = reading.ended ? 0 : unwrapped(now);
-  base_now_ = now;
+  const auto last = static_cast<std::int64_t>(timeline_.duration_us) - 1;
+  rebase(now);
+  if (!loop_ && direction() > 0 && base_us_ > last) base_us_ = 0;
+  if (!loop_ && direction() < 0 && base_us_ <= 0) base_us_ = last;
   playing_ = true;
 }
 
 void Clock::pause(TimePoint now) {
-  if (!playing_) return;
-  base_us_ = unwrapped(now);
-  base_now_ = now;
+  rebase(now);
   playing_ = false;
+}
+
+void Clock::hold(TimePoint now) {
+  rebase(now);
+  held_ = true;
+}
+
+void Clock::release(TimePoint now) {
+  rebase(now);
+  held_ = false;
 }
 
 void Clock::seek(std::uint64_t time_us, TimePoint now) {
@@ -83,9 +98,12 @@ void Clock::step(std::int64_t frames, TimePoint now) {
 }
 
 void Clock::set_speed(double speed, TimePoint now) {
-  base_us_ = unwrapped(now);
-  base_now_ = now;
-  speed_ = std::clamp(speed, kMinSpeed, kMaxSpeed);
+  rebase(now);
+  // What is past an end counts as the end for who turns around there.
+  if (!loop_)
+    base_us_ =
+        std::clamp<std::int64_t>(base_us_, 0, static_cast<std::int64_t>(timeline_.duration_us));
+  speed_ = std::copysign(std::clamp(std::abs(speed), kMinSpeed, kMaxSpeed), speed);
 }
 
 void Clock::set_loop(bool loop, TimePoint now) {

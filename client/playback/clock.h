@@ -28,10 +28,11 @@ class Clock {
   struct Reading {
     std::uint64_t position_us = 0;  ///< in [0, duration]; duration only at the end without loop
     std::uint32_t frame = 0;        ///< to be seen now
-    /// Counts frames through all passes: differs by k between two readings with no jump between
-    /// them if k frames began between them.
+    /// Counts frames through all passes, down in backward play: differs by k between two readings
+    /// with no jump between them if k frames began between them.
     std::int64_t ordinal = 0;
-    bool ended = false;  ///< not looping, and past the last frame's own duration
+    /// Not looping, and past the last frame's own duration, or backward past the reel's start.
+    bool ended = false;
   };
 
   /// Paused at the start, speed 1.
@@ -39,10 +40,15 @@ class Clock {
 
   Reading read(TimePoint now) const;
 
-  /// From the end, without loop, begins anew.
+  /// From the end, without loop, begins anew; so does backward play from the start, at the end.
   void play(TimePoint now);
   void pause(TimePoint now);
   bool playing() const { return playing_; }
+
+  /// Stands still, though it plays, until it is released: what is to be seen is not there.
+  void hold(TimePoint now);
+  void release(TimePoint now);
+  bool held() const { return held_; }
 
   /// Goes to a time, clamped to the reel, and keeps on playing if it played.
   void seek(std::uint64_t time_us, TimePoint now);
@@ -51,9 +57,11 @@ class Clock {
   /// Pauses and goes `frames` on, or back: exactly to that frame's time.
   void step(std::int64_t frames, TimePoint now);
 
-  /// Clamped to [kMinSpeed, kMaxSpeed]; the position does not jump.
+  /// Negative: backward. Clamped to between kMinSpeed and kMaxSpeed either way; the position does
+  /// not jump.
   void set_speed(double speed, TimePoint now);
   double speed() const { return speed_; }
+  int direction() const { return speed_ < 0.0 ? -1 : 1; }
 
   /// Switching it keeps the position.
   void set_loop(bool loop, TimePoint now);
@@ -64,12 +72,14 @@ class Clock {
  private:
   /// Microseconds since the start of pass 0, neither wrapped nor clamped.
   std::int64_t unwrapped(TimePoint now) const;
+  /// Makes `now` the new point of reference without a jump.
+  void rebase(TimePoint now);
   /// Makes `position_us` of pass 0 the new point of reference.
   void restart_at(std::uint64_t position_us, TimePoint now);
 
   Timeline timeline_;
   bool loop_;
-  bool playing_ = false;
+  bool playing_ = false, held_ = false;
   double speed_ = 1.0;
   std::int64_t base_us_ = 0;  ///< unwrapped position at base_now_
   TimePoint base_now_{};

@@ -1,5 +1,7 @@
 #include "client/playback/clock.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace pointreel {
@@ -148,6 +150,86 @@ TEST(Clock, BoundsTheSpeed) {
   EXPECT_EQ(clock.speed(), kMaxSpeed);
   clock.set_speed(0.0, kStart);
   EXPECT_EQ(clock.speed(), kMinSpeed);
+  clock.set_speed(-0.01, kStart);
+  EXPECT_EQ(clock.speed(), -kMinSpeed);
+  clock.set_speed(-9.0, kStart);
+  EXPECT_EQ(clock.speed(), -kMaxSpeed);
+}
+
+TEST(Clock, PlaysBackwardAndShowsEachFrameForItsOwnTime) {
+  Clock clock(ten_frames(), false);
+  clock.seek(999'999, kStart);
+  clock.set_speed(-1.0, kStart);
+  clock.play(kStart);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(clock.read(kStart + milliseconds(100 * i)).frame, 9 - i);
+    EXPECT_EQ(clock.read(kStart + milliseconds(100 * i + 99)).frame, 9 - i);
+  }
+}
+
+TEST(Clock, WrapsAtTheStartOfALoopInBackwardPlayAndCountsDown) {
+  Clock clock(ten_frames(), true);
+  clock.set_speed(-1.0, kStart);
+  clock.play(kStart);
+  const auto first = clock.read(kStart);
+  const auto last = clock.read(kStart + milliseconds(1));
+  EXPECT_EQ(first.frame, 0u);
+  EXPECT_EQ(last.frame, 9u);
+  EXPECT_EQ(last.position_us, 999'000u);
+  EXPECT_EQ(last.ordinal - first.ordinal, -1);
+  EXPECT_FALSE(last.ended);
+  EXPECT_EQ(clock.read(kStart + milliseconds(7250)).position_us, 750'000u);
+  EXPECT_EQ(clock.read(kStart + milliseconds(7250)).ordinal, -73);
+}
+
+TEST(Clock, EndsAtTheStartInBackwardPlayWithoutLoopAndBeginsAnewAtTheEnd) {
+  Clock clock(ten_frames(), false);
+  clock.seek(200'000, kStart);
+  clock.set_speed(-1.0, kStart);
+  clock.play(kStart);
+  EXPECT_FALSE(clock.read(kStart + milliseconds(200)).ended);
+  const auto end = clock.read(kStart + milliseconds(201));
+  EXPECT_TRUE(end.ended);
+  EXPECT_EQ(end.frame, 0u);
+  EXPECT_EQ(end.position_us, 0u);
+  clock.pause(kStart + milliseconds(300));
+  clock.play(kStart + milliseconds(400));
+  EXPECT_EQ(clock.read(kStart + milliseconds(450)).frame, 9u);
+  EXPECT_FALSE(clock.read(kStart + milliseconds(450)).ended);
+}
+
+TEST(Clock, TurnsAroundWithoutAJumpAlsoPastAnEnd) {
+  Clock clock(ten_frames(), false);
+  clock.play(kStart);
+  clock.set_speed(-2.0, kStart + milliseconds(500));
+  EXPECT_EQ(clock.read(kStart + milliseconds(500)).position_us, 500'000u);
+  EXPECT_EQ(clock.read(kStart + milliseconds(600)).position_us, 300'000u);
+  clock.set_speed(1.0, kStart + milliseconds(9000));
+  EXPECT_EQ(clock.read(kStart + milliseconds(9100)).position_us, 100'000u);
+}
+
+TEST(Clock, KeepsToEverySpeedAllowedInBothDirections) {
+  for (const double speed : {0.1, 0.5, 1.0, 2.5, 4.0, -0.1, -1.5, -4.0}) {
+    Clock clock(ten_frames(), true);
+    clock.seek(500'000, kStart);
+    clock.set_speed(speed, kStart);
+    clock.play(kStart);
+    const auto expected = static_cast<std::uint64_t>(std::llround(500'000 + 100'000 * speed));
+    EXPECT_EQ(clock.read(kStart + milliseconds(100)).position_us, expected) << speed;
+  }
+}
+
+TEST(Clock, StandsStillWhileHeldAndGoesOnFromThere) {
+  Clock clock(ten_frames(), true);
+  clock.play(kStart);
+  clock.hold(kStart + milliseconds(250));
+  EXPECT_TRUE(clock.playing());
+  EXPECT_EQ(clock.read(kStart + milliseconds(9999)).position_us, 250'000u);
+  clock.hold(kStart + milliseconds(9999));
+  clock.release(kStart + milliseconds(10'000));
+  EXPECT_EQ(clock.read(kStart + milliseconds(10'100)).position_us, 350'000u);
+  clock.release(kStart + milliseconds(10'100));
+  EXPECT_EQ(clock.read(kStart + milliseconds(10'200)).position_us, 450'000u);
 }
 
 TEST(Clock, KeepsThePositionWhenTheLoopIsSwitchedOffInALaterPass) {

@@ -4,10 +4,29 @@
 #include <utility>
 
 namespace pointreel {
+namespace {
 
-FrameBuffer::FrameBuffer(const Options& options) : options_(options) {
+/// What is nearer than this is made of whatever is there; what is further may wait for what comes.
+constexpr std::uint32_t kSoon = 2;
+
+}  // namespace
+
+FrameBuffer::FrameBuffer(Options options)
+    : options_(std::move(options)),
+      store_(static_cast<std::uint32_t>(std::max<std::size_t>(1, options_.levels.size()))) {
   options_.ahead = std::min(options_.ahead, options_.frame_count - 1);
+  if (options_.levels.empty()) options_.levels = {kWholeFrame};
+  if (!options_.choice) options_.choice = [](std::uint32_t, DrawMode, int) { return LayerSet{}; };
+  fetch_ahead_ = std::clamp(options_.fetch_ahead, options_.ahead, options_.frame_count - 1);
 }
+
+void FrameBuffer::wake_all() {
+  shown_changed_.notify_all();
+  to_fetch_.notify_all();
+  to_make_.notify_all();
+}
+
+// Where the playhead is.
 
 std::uint32_t FrameBuffer::distance(std::uint32_t frame) const {
   const std::int64_t count = options_.frame_count;
@@ -17,48 +36,44 @@ std::uint32_t FrameBuffer::distance(std::uint32_t frame) const {
   return static_cast<std::uint32_t>(options_.loop ? steps + count : count - steps);
 }
 
-template <class Predicate>
-std::optional<std::uint32_t> FrameBuffer::first_in_window(const Predicate& predicate) const {
+std::uint32_t FrameBuffer::behind(std::uint32_t frame) const {
   const std::int64_t count = options_.frame_count;
-  for (std::int64_t step = 0; step <= options_.ahead && step < count; ++step) {
-    std::int64_t frame = static_cast<std::int64_t>(playhead_) + step * direction_;
-    if (frame < 0 || frame >= count) {
-      if (!options_.loop) break;
-      frame = (frame + count) % count;
-    }
-    const auto index = static_cast<std::uint32_t>(frame);
-    if (!in_work_.contains(index) && predicate(index)) return index;
-  }
-  return std::nullopt;
+  const std::int64_t steps =
+      (static_cast<std::int64_t>(playhead_) - static_cast<std::int64_t>(frame)) * direction_;
+  return static_cast<std::uint32_t>((steps + count) % count);
 }
 
-std::optional<std::uint32_t> FrameBuffer::first_missing() const {
-  const auto missing =
-      first_in_window([this](std::uint32_t frame) { return !finished_.contains(frame); });
-  if (missing) return missing;
-  return first_in_window([this](std::uint32_t frame) {
-    const auto it = finished_.find(frame);
-    return it != finished_.end() && lacks_level(it->second);
-  });
+std::optional<std::uint32_t> FrameBuffer::at(std::uint32_t step) const {
+  const std::int64_t count = options_.frame_count;
+  std::int64_t frame = static_cast<std::int64_t>(playhead_) + std::int64_t{step} * direction_;
+  if (step >= count || (!options_.loop && (frame < 0 || frame >= count))) return std::nullopt;
+  frame = (frame + count) % count;
+  return static_cast<std::uint32_t>(frame);
 }
 
-void FrameBuffer::move(std::uint32_t frame, bool keep_newest_passed) {
+void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_passed) {
   const std::uint32_t before = playhead_;
+  const int direction_before = direction_;
   playhead_ = std::min(frame, options_.frame_count - 1);
+  direction_ = direction < 0 ? -1 : 1;
+  ++order_;
   // Of the frames that the playhead left behind, the one nearest to it is kept for as long as
   // nothing newer is there.
-  std::uint32_t newest = 0;
+  const std::int64_t count = options_.frame_count;
+  std::int64_t newest = -1;
   std::shared_ptr<const SceneFrame> passed;
   for (auto it = finished_.begin(); it != finished_.end();) {
     if (in_window(it->first)) {
       ++it;
       continue;
     }
-    const std::uint32_t from_before =
-        options_.loop ? (it->first + options_.frame_count - before) % options_.frame_count
-                      : it->first;
-    if (it->second.frame && (!passed || from_before > newest)) {
-      newest = from_before;
+    const std::int64_t from_before =
+        (static_cast<std::int64_t>(it->first) - before) * direction_before;
+    const std::int64_t from = (from_before + count) % count;
+    // Of frames that were ahead and that a turn around has put behind, none was shown.
+    const bool was_passed = direction_ == direction_before || from == 0;
+    if (it->second.frame && was_passed && from > newest) {
+      newest = from;
       passed = it->second.frame;
     }
     it = finished_.erase(it);
@@ -67,26 +82,50 @@ void FrameBuffer::move(std::uint32_t frame, bool keep_newest_passed) {
     passed_ = nullptr;
   else if (passed)
     passed_ = std::move(passed);
+  store_.forgive([this](std::uint32_t f) { return !in_fetch_window(f); });
+  store_.shrink(options_.store_bytes, [this](std::uint32_t f) -> std::uint64_t {
+    return in_fetch_window(f) ? 0 : distance(f);
+  });
 }
 
-void FrameBuffer::advance(std::uint32_t frame) {
+void FrameBuffer::advance(std::uint32_t frame, int direction) {
   {
     const std::lock_guard lock(mutex_);
-    if (frame == playhead_ && direction_ == 1) return;
-    direction_ = 1;
-    move(frame, true);
+    if (frame == playhead_ && direction == direction_ && !scrubbing_) return;
+    scrubbing_ = false;
+    move(frame, direction, true);
   }
-  changed_.notify_all();
+  wake_all();
 }
 
 void FrameBuffer::seek(std::uint32_t frame, int direction) {
   {
     const std::lock_guard lock(mutex_);
-    direction_ = direction < 0 ? -1 : 1;
+    scrubbing_ = false;
     ++epoch_;
-    move(frame, false);
+    move(frame, direction, false);
+    store_.stop([this](std::uint32_t f) { return !in_fetch_window(f); });
   }
-  changed_.notify_all();
+  wake_all();
+}
+
+void FrameBuffer::scrub(std::uint32_t frame) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::uint32_t before = playhead_;
+    if (!scrubbing_) {
+      // What is on the screen stays there; what lies ahead of it is not shown.
+      if (const auto it = finished_.find(before); it != finished_.end() && it->second.frame)
+        passed_ = it->second.frame;
+      std::erase_if(finished_, [&](const auto& entry) { return entry.first != before; });
+      scrubbing_ = true;
+      ++epoch_;
+      passed_order_ = order_;
+    }
+    if (frame != before) move(frame, direction_, true);
+    store_.stop([&](std::uint32_t f) { return f != playhead_ && f != before; });
+  }
+  wake_all();
 }
 
 void FrameBuffer::set_loop(bool loop) {
@@ -95,7 +134,7 @@ void FrameBuffer::set_loop(bool loop) {
     options_.loop = loop;
     std::erase_if(finished_, [&](const auto& entry) { return !in_window(entry.first); });
   }
-  changed_.notify_all();
+  wake_all();
 }
 
 void FrameBuffer::set_mode(DrawMode mode) {
@@ -105,10 +144,10 @@ void FrameBuffer::set_mode(DrawMode mode) {
     options_.mode = mode;
     ++generation_;
     finished_.clear();
-    in_work_.clear();
+    making_.clear();
     passed_ = nullptr;
   }
-  changed_.notify_all();
+  wake_all();
 }
 
 void FrameBuffer::set_level(int level) {
@@ -117,8 +156,237 @@ void FrameBuffer::set_level(int level) {
     if (level == level_) return;
     level_ = level;
   }
-  changed_.notify_all();
+  wake_all();
 }
+
+void FrameBuffer::set_pace(const Pace& pace) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::uint32_t fetch_ahead =
+        std::clamp(pace.fetch_ahead, options_.ahead, options_.frame_count - 1);
+    if (Pace{fetch_ahead, pace.lead, pace.base_first} ==
+        Pace{fetch_ahead_, lead_, options_.base_first})
+      return;
+    fetch_ahead_ = fetch_ahead;
+    lead_ = pace.lead;
+    options_.base_first = pace.base_first;
+  }
+  wake_all();
+}
+
+// What is wanted.
+
+LayerSet FrameBuffer::wanted(std::uint32_t frame) const {
+  LayerSet wanted = options_.choice(frame, options_.mode, level_);
+  const auto all = static_cast<std::uint32_t>(options_.levels.size());
+  std::uint32_t seen = 1;
+  while (seen < all && options_.levels[seen - 1] < level_) ++seen;
+  wanted.layers = scrubbing_ ? 1 : std::clamp(wanted.layers, 1u, seen);
+  return wanted;
+}
+
+/// The level that can be seen of a frame that is made of so many layers.
+int FrameBuffer::target(std::uint32_t layers) const {
+  return std::min(level_, options_.levels[layers - 1]);
+}
+
+bool FrameBuffer::lacks(std::uint32_t frame, int level, const LayerSet& attributes) const {
+  const auto it = finished_.find(frame);
+  if (it == finished_.end()) return true;
+  const Finished& finished = it->second;
+  if (std::max(finished.frame ? finished.frame->level : 0, finished.tried) < level) return true;
+  return finished.frame && ((attributes.colors && !finished.made_of.colors) ||
+                            (attributes.normals && !finished.made_of.normals));
+}
+
+/// True if nothing that could be fetched would make it finer.
+bool FrameBuffer::satisfied(std::uint32_t frame) const {
+  const LayerSet want = wanted(frame);
+  const std::uint32_t layers = std::min(want.layers, store_.limit(frame));
+  return layers == 0 || !lacks(frame, target(layers), want);
+}
+
+bool FrameBuffer::has_room() const {
+  return store_.bytes() + store_.coming_bytes() < options_.store_bytes;
+}
+
+std::optional<FetchJob> FrameBuffer::begin(std::uint32_t step, bool base_only) {
+  const auto frame = at(step);
+  if (!frame || satisfied(*frame)) return std::nullopt;
+  LayerSet want = wanted(*frame);
+  if (base_only) want.layers = 1;
+  return store_.begin(*frame, want);
+}
+
+std::optional<FetchJob> FrameBuffer::find_fetch() {
+  const bool split = options_.base_first || scrubbing_;
+  if (auto job = begin(0, split)) return job;
+  if (scrubbing_) return std::nullopt;
+  if (lead_ == 0) {
+    if (auto job = begin(0, false)) return job;
+  }
+  const std::uint32_t near = std::min(std::max(options_.near, 1u) - 1, fetch_ahead_);
+  if (split) {
+    for (std::uint32_t step = 1; step <= near; ++step)
+      if (auto job = begin(step, true)) return job;
+  }
+  for (std::uint32_t step = std::max(1u, lead_); step <= near; ++step)
+    if (auto job = begin(step, false)) return job;
+  for (std::uint32_t step = near + 1; step <= fetch_ahead_; ++step) {
+    if (step > options_.ahead && !has_room()) return std::nullopt;
+    const auto frame = at(step);
+    if (!frame) break;
+    // Those that have their base wait until there is nothing else.
+    if (store_.usable(*frame, {1, false, false}) > 0 || store_.coming(*frame, {})) continue;
+    if (auto job = begin(step, false)) return job;
+  }
+  for (std::uint32_t step = std::max(near + 1, lead_); step <= fetch_ahead_; ++step)
+    if (auto job = begin(step, false)) return job;
+  return std::nullopt;
+}
+
+std::optional<FetchJob> FrameBuffer::next_fetch() {
+  std::unique_lock lock(mutex_);
+  std::optional<FetchJob> job;
+  to_fetch_.wait(lock, [&] { return closed_ || (job = find_fetch()).has_value(); });
+  if (closed_) return std::nullopt;
+  to_fetch_.notify_one();
+  return job;
+}
+
+void FrameBuffer::fetched(const FetchJob& job, FetchedFrame frame, double ms) {
+  {
+    const std::lock_guard lock(mutex_);
+    store_.arrived(job, std::move(frame), ms);
+    store_.shrink(options_.store_bytes, [this](std::uint32_t f) -> std::uint64_t {
+      return in_fetch_window(f) ? 0 : distance(f);
+    });
+  }
+  to_make_.notify_one();
+}
+
+void FrameBuffer::fetch_failed(const FetchJob& job) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!store_.give_up(job) && in_window(job.frame)) finished_[job.frame];
+  }
+  wake_all();
+}
+
+void FrameBuffer::fetch_stopped(const FetchJob& job) {
+  {
+    const std::lock_guard lock(mutex_);
+    store_.failed(job);
+  }
+  wake_all();
+}
+
+std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
+  const auto frame = at(step);
+  if (!frame || finished_.contains(*frame) != again) return std::nullopt;
+  const LayerSet want = wanted(*frame);
+  const std::uint32_t layers = store_.usable(*frame, want);
+  if (layers == 0) {
+    // Broken beyond what is known of it here: the playhead has come back to it, or it was given up
+    // before it came into the window.
+    if (!again && store_.limit(*frame) == 0) {
+      finished_[*frame];
+      shown_changed_.notify_all();
+    }
+    return std::nullopt;
+  }
+  const int level = target(layers);
+  const auto making = making_.find(*frame);
+  if (making != making_.end() && making->second.level >= level) return std::nullopt;
+  if (!again && step > kSoon && store_.coming(*frame, want)) return std::nullopt;
+  if (again && (step < lead_ || !lacks(*frame, level, want))) return std::nullopt;
+  Making& work = making_[*frame];
+  work.level = std::max(work.level, level);
+  ++work.threads;
+  FrameRequest request;
+  request.frame = *frame;
+  request.mode = options_.mode;
+  request.level = level_;
+  request.layers = layers;
+  request.epoch = epoch_;
+  request.generation = generation_;
+  request.order = order_;
+  request.fetched = store_.copy(*frame, layers);
+  request.cost = store_.take_cost(*frame);
+  request.wanted = want;
+  return request;
+}
+
+std::optional<FrameRequest> FrameBuffer::find_wanted() {
+  const std::uint32_t last = scrubbing_ ? 0 : options_.ahead;
+  for (const bool again : {false, true})
+    for (std::uint32_t step = 0; step <= last; ++step)
+      if (auto request = make(step, again)) return request;
+  return std::nullopt;
+}
+
+std::optional<FrameRequest> FrameBuffer::next_wanted() {
+  std::unique_lock lock(mutex_);
+  std::optional<FrameRequest> request;
+  to_make_.wait(lock, [&] { return closed_ || (request = find_wanted()).has_value(); });
+  if (closed_) return std::nullopt;
+  to_make_.notify_one();
+  return request;
+}
+
+void FrameBuffer::answered(const FrameRequest& request) {
+  if (outdated(request)) return;
+  const auto it = making_.find(request.frame);
+  if (it != making_.end() && --it->second.threads <= 0) making_.erase(it);
+}
+
+void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const SceneFrame> frame) {
+  {
+    const std::lock_guard lock(mutex_);
+    answered(request);
+    if (outdated(request)) return;
+    if (in_window(request.frame)) {
+      Finished& finished = finished_[request.frame];
+      const int level = std::min(request.level, options_.levels[request.layers - 1]);
+      // Two threads may have made it, each of what was there at its time.
+      if (!finished.frame || finished.frame->level <= frame->level) {
+        finished.frame = std::move(frame);
+        finished.made_of = request.wanted;
+      }
+      finished.tried = std::max(finished.tried, level);
+      // What is cheap to fetch again is not kept.
+      if (options_.store_bytes == 0 && satisfied(request.frame))
+        store_.shrink(0, [&](std::uint32_t f) -> std::uint64_t { return f == request.frame; });
+    } else if (request.epoch == epoch_) {
+      if (scrubbing_) {
+        if (request.order > passed_order_) {
+          passed_order_ = request.order;
+          passed_ = std::move(frame);
+        }
+      } else if (!passed_ || behind(request.frame) < behind(passed_->index)) {
+        // Late. Of two late frames the one that lies less far behind is the newer.
+        passed_ = std::move(frame);
+      }
+    }
+  }
+  shown_changed_.notify_all();
+}
+
+bool FrameBuffer::broken(const FrameRequest& request, std::uint32_t layer) {
+  bool again = false;
+  {
+    const std::lock_guard lock(mutex_);
+    answered(request);
+    again = store_.broken(request.frame, layer);
+    if (!again && store_.limit(request.frame) == 0 && !outdated(request) &&
+        in_window(request.frame))
+      finished_[request.frame];  // what is there already stays
+  }
+  wake_all();
+  return again;
+}
+
+// What is there.
 
 std::shared_ptr<const SceneFrame> FrameBuffer::best() const {
   const std::lock_guard lock(mutex_);
@@ -130,89 +398,46 @@ FrameBuffer::State FrameBuffer::wait(std::chrono::milliseconds timeout, bool fin
   std::unique_lock lock(mutex_);
   const auto done = [&] {
     const auto it = finished_.find(playhead_);
-    return it != finished_.end() && !(fine && lacks_level(it->second));
+    if (closed_ || it == finished_.end()) return closed_;
+    return !fine || !it->second.frame || satisfied(playhead_);
   };
-  changed_.wait_for(lock, timeout, [&] { return closed_ || done(); });
+  if (!shown_changed_.wait_for(lock, timeout, done)) return State::waiting;
   if (closed_) return State::closed;
-  if (!done()) return State::waiting;
   return finished_.at(playhead_).frame ? State::ready : State::failed;
+}
+
+/// Fetched, or not to be had.
+bool FrameBuffer::done_with(std::uint32_t frame) const {
+  return finished_.contains(frame) || store_.limit(frame) == 0 ||
+         store_.usable(frame, {1, false, false}) > 0;
+}
+
+FrameBuffer::Fill FrameBuffer::fill() const {
+  const std::lock_guard lock(mutex_);
+  Fill fill;
+  fill.full = !has_room();
+  bool fetched = true, made = true;
+  for (std::uint32_t step = 0; step <= std::max(fetch_ahead_, options_.ahead); ++step) {
+    const auto frame = at(step);
+    if (!frame) break;
+    ++fill.window;
+    fetched = fetched && done_with(*frame);
+    fill.fetched += fetched;
+    if (step > options_.ahead) continue;
+    ++fill.ahead;
+    made = made && finished_.contains(*frame);
+    fill.made += made;
+  }
+  return fill;
 }
 
 void FrameBuffer::close() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
+    store_.stop([](std::uint32_t) { return true; });
   }
-  changed_.notify_all();
-}
-
-std::optional<FrameRequest> FrameBuffer::next_wanted() {
-  std::unique_lock lock(mutex_);
-  std::optional<std::uint32_t> frame;
-  changed_.wait(lock, [&] { return closed_ || (frame = first_missing()); });
-  if (closed_) return std::nullopt;
-  ++in_work_[*frame];
-  return FrameRequest{*frame, options_.mode, level_, epoch_, generation_};
-}
-
-bool FrameBuffer::wanted(const FrameRequest& request) const {
-  const std::lock_guard lock(mutex_);
-  if (closed_ || outdated(request)) return false;
-  if (!in_window(request.frame)) return request.epoch == epoch_;
-  const auto it = finished_.find(request.frame);
-  return it == finished_.end() || (it->second.frame && it->second.frame->level < request.level);
-}
-
-bool FrameBuffer::late(const FrameRequest& request) const {
-  const std::lock_guard lock(mutex_);
-  return !in_window(request.frame);
-}
-
-void FrameBuffer::answered(const FrameRequest& request) {
-  if (outdated(request)) return;
-  const auto it = in_work_.find(request.frame);
-  if (it != in_work_.end() && --it->second <= 0) in_work_.erase(it);
-}
-
-void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const SceneFrame> frame) {
-  {
-    const std::lock_guard lock(mutex_);
-    answered(request);
-    if (outdated(request)) return;
-    if (in_window(request.frame)) {
-      Finished& finished = finished_[request.frame];
-      finished.tried = std::max(finished.tried, request.level);
-      // Two threads may have made it, each for the view of its time.
-      if (!finished.frame || finished.frame->level <= frame->level)
-        finished.frame = std::move(frame);
-    } else if (request.epoch == epoch_) {
-      // Late. Of two late frames the one that lies less far behind is the newer.
-      const std::uint32_t count = options_.frame_count;
-      const auto behind = [&](std::uint32_t f) { return (playhead_ + count - f) % count; };
-      if (!passed_ || behind(request.frame) < behind(passed_->index)) passed_ = std::move(frame);
-    }
-  }
-  changed_.notify_all();
-}
-
-void FrameBuffer::fail(const FrameRequest& request) {
-  {
-    const std::lock_guard lock(mutex_);
-    answered(request);
-    if (!outdated(request) && in_window(request.frame)) {
-      Finished& finished = finished_[request.frame];  // what is there already stays
-      finished.tried = std::max(finished.tried, request.level);
-    }
-  }
-  changed_.notify_all();
-}
-
-void FrameBuffer::abandon(const FrameRequest& request) {
-  {
-    const std::lock_guard lock(mutex_);
-    answered(request);
-  }
-  changed_.notify_all();
+  wake_all();
 }
 
 std::size_t FrameBuffer::held() const {
@@ -221,6 +446,11 @@ std::size_t FrameBuffer::held() const {
              std::count_if(finished_.begin(), finished_.end(),
                            [](const auto& entry) { return entry.second.frame != nullptr; })) +
          (passed_ ? 1 : 0);
+}
+
+std::uint64_t FrameBuffer::stored_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return store_.bytes();
 }
 
 }  // namespace pointreel

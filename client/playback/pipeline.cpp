@@ -19,14 +19,12 @@ tbb::task_arena arena_for(int threads) {
 
 }  // namespace
 
-Pipeline::Pipeline(Source& source, FrameBuffer& buffer, Parts parts, Prepare prepare,
-                   OnError on_error, const Options& options)
+Pipeline::Pipeline(Source& source, FrameBuffer& buffer, Prepare prepare, OnError on_error,
+                   const Options& options)
     : source_(source),
       buffer_(buffer),
-      parts_(std::move(parts)),
       prepare_(std::move(prepare)),
       on_error_(std::move(on_error)),
-      fetched_(std::max(1u, options.prepare_threads)),
       arena_(arena_for(static_cast<int>(std::max(1u, options.prepare_threads)))) {
   for (unsigned i = 0; i < std::max(1u, options.fetch_threads); ++i)
     fetch_threads_.emplace_back([this] { fetch_frames(); });
@@ -38,50 +36,73 @@ Pipeline::~Pipeline() {
   ending_ = true;
   buffer_.close();
   source_.cancel();
-  fetched_.close();
   for (std::thread& thread : fetch_threads_) thread.join();
   for (std::thread& thread : prepare_threads_) thread.join();
 }
 
-void Pipeline::report(const FrameRequest& request, const Error& error) {
-  if (ending_) return;  // a fetch that was cancelled is no error
+void Pipeline::report(std::uint32_t frame, const Error& error) {
   ++errors_;
-  on_error_(request.frame, error);
+  on_error_(frame, error);
 }
 
 void Pipeline::fetch_frames() {
-  while (const auto request = buffer_.next_wanted()) {
+  while (const auto job = buffer_.next_fetch()) {
     const auto start = std::chrono::steady_clock::now();
-    auto frame = source_.fetch(request->frame, parts_(*request));
+    FetchRequest request;
+    request.first_layer = job->first;
+    request.layers = job->last;
+    request.colors = job->colors;
+    request.normals = job->normals;
+    request.stop = job->stop;
+    request.fresh = job->fresh;
+    auto frame = source_.fetch(job->frame, request);
     const double ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    if (!frame) {
-      report(*request, frame.error());
-      buffer_.fail(*request);
-    } else if (!buffer_.wanted(*request) ||
-               !fetched_.push(Fetched{*request, std::move(*frame), ms})) {
-      buffer_.abandon(*request);
+    if (frame) {
+      fetched_bytes_ += frame->size();
+      buffer_.fetched(*job, std::move(*frame), ms);
+    } else if (ending_ || job->stop.stop_requested()) {
+      buffer_.fetch_stopped(*job);  // that is no error
+    } else {
+      report(job->frame, frame.error());
+      buffer_.fetch_failed(*job);
     }
   }
 }
 
+Result<SceneFrame> Pipeline::prepare(const FrameRequest& request, const FetchedFrame& fetched) {
+  return arena_.execute([&] { return prepare_(request, fetched); });
+}
+
 void Pipeline::prepare_frames() {
-  while (const auto item = fetched_.pop()) {
-    // What nobody waits for is not worth the time; nor is a late frame when a newer one is here.
-    if (!buffer_.wanted(item->request) || (buffer_.late(item->request) && fetched_.size() > 0)) {
-      buffer_.abandon(item->request);
-      continue;
-    }
-    auto frame = arena_.execute([&] { return prepare_(item->request, item->frame); });
-    if (frame) {
-      frame->fetch_ms = item->fetch_ms;
-      frame->fetched_bytes = item->frame.size();
-      buffer_.deliver(item->request, std::make_shared<const SceneFrame>(std::move(*frame)));
-    } else {
-      report(item->request, frame.error());
-      buffer_.fail(item->request);
-    }
+  while (auto request = buffer_.next_wanted()) prepare_frame_of(*request);
+}
+
+void Pipeline::prepare_frame_of(FrameRequest& request) {
+  auto frame = prepare(request, request.fetched);
+  if (frame) {
+    frame->fetch_ms = request.cost.ms;
+    frame->fetched_bytes = request.cost.bytes;
+    buffer_.deliver(request, std::make_shared<const SceneFrame>(std::move(*frame)));
+    return;
   }
+  const std::uint32_t layer = find_broken_layer(request);
+  if (buffer_.broken(request, layer))
+    ++refetched_;
+  else
+    report(request.frame, frame.error());
+}
+
+/// The first layer with which the frame does not decode.
+std::uint32_t Pipeline::find_broken_layer(const FrameRequest& request) {
+  FetchedFrame prefix;
+  prefix.tables = request.fetched.tables;
+  for (const FetchedLayer& layer : request.fetched.layers) {
+    if (prefix.layers.size() + 1 == request.fetched.layers.size()) break;
+    prefix.layers.push_back(layer);
+    if (!prepare(request, prefix)) return static_cast<std::uint32_t>(prefix.layers.size() - 1);
+  }
+  return static_cast<std::uint32_t>(prefix.layers.size());
 }
 
 }  // namespace pointreel

@@ -1,10 +1,12 @@
 #include "client/playback/reel_playback.h"
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 #include <utility>
 
 #include "client/playback/prepare.h"
+#include "codec/octree/octree_codec.h"
 
 namespace pointreel {
 namespace {
@@ -18,13 +20,67 @@ Timeline timeline_of(const Manifest& manifest) {
   return timeline;
 }
 
+// Over a network.
+constexpr double kFetchAhead = 2.0;  ///< seconds of playing that are fetched ahead
+constexpr double kNear = 0.5;        ///< seconds of which all bases come first
+constexpr double kLead = 0.1;        ///< seconds in which no frame can be refined in time
+constexpr double kResume = 0.1;      ///< seconds that must be there to go on after a stall
+constexpr std::uint64_t kStoreBytes = std::uint64_t{96} << 20;
+
+/// Of frames at this speed, in so many seconds.
+std::uint32_t frames_in(const Manifest& manifest, double seconds, double speed) {
+  const double frames = std::ceil(seconds * manifest.fps * std::abs(speed));
+  return static_cast<std::uint32_t>(std::clamp(frames, 1.0, 1e6));
+}
+
+unsigned prepare_threads() { return std::clamp(std::thread::hardware_concurrency(), 1u, 8u); }
+
+/// LayerControl::Situation::bytes of a segment, with the attributes of `most`; empty of files.
+std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
+                               const LayerSet& most) {
+  const Segment& segment = manifest.segments[index];
+  std::vector<double> bytes;
+  if (segment.layers.empty()) return bytes;
+  const auto mean = [&](const LayerSet& set) {
+    std::uint64_t sum = 0;
+    for (std::size_t layer = 0; layer < set.layers; ++layer)
+      for (const LayerSizes& sizes : segment.layers[layer].frames)
+        sum += sizes.geometry + std::uint64_t{set.colors || set.normals ? sizes.colors : 0} +
+               (set.normals ? sizes.normals : 0);
+    return static_cast<double>(sum) / segment.frame_count();
+  };
+  const auto layers = static_cast<std::uint32_t>(segment.layers.size());
+  const LayerSet all{layers, most.colors, most.normals};
+  for (Rung rung = kBareRung; rung < kBaseRung + static_cast<Rung>(layers); ++rung)
+    bytes.push_back(mean(rung_set(rung, all)));
+  return bytes;
+}
+
+/// FrameBuffer::Options::levels.
+std::vector<int> levels_of(const Manifest& manifest) {
+  if (manifest.codec != "octree") return {kWholeFrame};
+  const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
+  std::vector<int> levels;
+  for (int layer = 0; layer + 1 < layer_count(depth); ++layer)
+    levels.push_back(last_level_of_layer(layer, depth));
+  levels.push_back(kWholeFrame);
+  return levels;
+}
+
 FrameBuffer::Options buffer_options(const Manifest& manifest,
                                     const ReelPlayback::Options& options) {
-  return {manifest.frame_count(),
-          options.single_frame ? 0u
-          : options.remote     ? 16u
-                               : 4u,
-          options.loop, options.mode};
+  FrameBuffer::Options buffer;
+  buffer.frame_count = manifest.frame_count();
+  buffer.ahead = options.single_frame ? 0u : options.remote ? 8u : 4u;
+  buffer.loop = options.loop;
+  buffer.mode = options.mode;
+  buffer.levels = levels_of(manifest);
+  if (options.remote && !options.single_frame) {
+    buffer.fetch_ahead = frames_in(manifest, kFetchAhead, options.speed);
+    buffer.near = frames_in(manifest, kNear, options.speed);
+    buffer.store_bytes = kStoreBytes;
+  }
+  return buffer;
 }
 
 }  // namespace
@@ -34,34 +90,148 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
     : source_(std::move(source)),
       options_(options),
       clock_(timeline_of(source_->manifest()), options.loop),
-      buffer_(buffer_options(source_->manifest(), options)),
-      mode_(options.mode) {
+      buffer_([&] {
+        FrameBuffer::Options buffer = buffer_options(source_->manifest(), options);
+        buffer.choice = [this](std::uint32_t, DrawMode mode, int level) {
+          const LayerDecision most = wanted(mode, level);
+          return decide(caps(), most.set, most.limit).set;
+        };
+        return buffer;
+      }()),
+      mode_(options.mode),
+      control_({static_cast<std::uint32_t>(levels_of(source_->manifest()).size()),
+                prepare_threads(), options.remote}) {
   const Clock::TimePoint now{};
   clock_.set_speed(options.speed, now);
   clock_.seek(options.start_us, now);
-  jump(now, 1);
+  jump(now, clock_.direction());
   look(camera, size);
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   // Over a network the frames under way hide each other's round trips.
-  const Pipeline::Options threads{options.remote ? 4u : 1u, std::min(cores, 8u)};
+  const Pipeline::Options threads{options.remote ? 6u : 1u, prepare_threads()};
   pipeline_.emplace(
       *source_, buffer_,
-      [this](const FrameRequest& frame) {
-        FetchRequest request = layer_choice(manifest(), frame.mode, frame.level);
-        request.layers = std::min(request.layers, options_.layers);
-        return request;
-      },
       [this](const FrameRequest& frame, const FetchedFrame& fetched) {
         auto scene = prepare_frame(manifest(), frame.frame, fetched,
                                    {frame.mode, options_.delta, frame.level});
-        if (scene && frame.mode == DrawMode::voxel) {
+        if (!scene) return scene;
+        // A frame that lacks layers says nothing of the depth, unless that is what it was given.
+        if (frame.mode == DrawMode::voxel &&
+            (scene->level == kWholeFrame || scene->level >= voxel_depth_.get())) {
           voxel_depth_.learn(*scene);
           set_level();
         }
+        const std::lock_guard lock(control_mutex_);
+        control_.made(frame.layers, scene->decode_ms + scene->normals_ms + scene->svo_ms);
         return scene;
       },
       std::move(on_error), threads);
 }
+
+// What is fetched.
+
+/// What the view and the mode need, or less where less was asked for.
+LayerDecision ReelPlayback::wanted(DrawMode mode, int level) const {
+  const FetchRequest view = layer_choice(manifest(), mode, level);
+  const auto all =
+      static_cast<std::uint32_t>(std::max<std::size_t>(1, manifest().layer_names.size()));
+  LayerDecision decision{{std::min(view.layers, all), view.colors, view.normals}, Limit::none};
+  if (decision.set.layers < all) decision.limit = Limit::view;
+  if (options_.layers < decision.set.layers) {
+    decision.set.layers = options_.layers;
+    decision.limit = Limit::asked;
+  }
+  return decision;
+}
+
+LayerCaps ReelPlayback::caps() const { return {link_cap_, machine_cap_}; }
+
+LayerDecision ReelPlayback::decision() const {
+  const LayerDecision most = wanted(mode_, seen_level());
+  return decide(caps(), most.set, most.limit);
+}
+
+double ReelPlayback::frame_seconds() const {
+  return 1.0 / (std::max(manifest().fps, 1e-3) * std::abs(clock_.speed()));
+}
+
+void ReelPlayback::set_pace() {
+  FrameBuffer::Pace pace;
+  if (options_.remote && !options_.single_frame) {
+    pace.fetch_ahead = frames_in(manifest(), kFetchAhead, clock_.speed());
+    pace.base_first = timed_;
+    if (clock_.playing() && !clock_.held())
+      pace.lead = frames_in(manifest(), kLead, clock_.speed());
+  }
+  buffer_.set_pace(pace);
+}
+
+void ReelPlayback::note_choice(std::uint32_t frame) {
+  const std::uint32_t segment = locate(manifest(), frame).segment;
+  if (!scrubbing_) chosen_.insert_or_assign(segment, decision());
+}
+
+std::vector<ReelPlayback::Chosen> ReelPlayback::chosen() const {
+  std::vector<Chosen> runs;
+  std::uint32_t next = 0;
+  for (const auto& [segment, decision] : chosen_) {
+    if (runs.empty() || segment != next || runs.back().decision != decision)
+      runs.push_back({manifest().segments[segment].first_frame, decision});
+    next = segment + 1;
+  }
+  return runs;
+}
+
+ReelPlayback::Statistics ReelPlayback::statistics() const {
+  Statistics statistics = statistics_;
+  statistics.fetched_bytes = pipeline_->fetched_bytes();
+  statistics.refetched = pipeline_->refetched();
+  statistics.buffered_seconds = fill_.fetched * frame_seconds();
+  const std::lock_guard lock(control_mutex_);
+  statistics.link_bits_per_second = 8.0 * control_.bytes_per_second();
+  return statistics;
+}
+
+/// Tells the control how things stand, and the buffer what it makes of it.
+void ReelPlayback::control(Clock::TimePoint now) {
+  if (!first_control_) first_control_ = now;
+  set_pace();
+  const std::uint32_t window = std::max(1u, fill_.window);
+  const std::uint32_t ahead = std::max(1u, fill_.ahead);
+  // The frame that is fetched next, or the last one if all are there.
+  const std::int64_t count = timeline().frame_count();
+  const std::int64_t step = std::min(fill_.fetched, window - 1);
+  const std::int64_t to_fetch = ((playhead_ + step * clock_.direction()) % count + count) % count;
+  const auto next = static_cast<std::uint32_t>(to_fetch);
+
+  LayerControl::Situation situation;
+  situation.now = std::chrono::duration<double>(now - *first_control_).count();
+  situation.playing = clock_.playing() && !scrubbing_;
+  situation.frame_seconds = frame_seconds();
+  situation.fetched =
+      fill_.full && fill_.fetched > fill_.ahead ? 1.0 : static_cast<double>(fill_.fetched) / window;
+  situation.makeable = static_cast<double>(std::min(fill_.fetched, ahead)) / ahead;
+  situation.made = static_cast<double>(fill_.made) / ahead;
+  situation.bytes =
+      rung_bytes(manifest(), locate(manifest(), next).segment, wanted(mode_, kWholeFrame).set);
+  const LinkUse use = source_->link_use();
+  LayerCaps caps;
+  {
+    const std::lock_guard lock(control_mutex_);
+    control_.carried(use.bytes - link_use_.bytes,
+                     std::chrono::duration<double>(use.receiving - link_use_.receiving).count());
+    control_.update(situation);
+    caps = control_.caps();
+  }
+  link_use_ = use;
+  if (caps != this->caps()) {
+    link_cap_ = caps.link;
+    machine_cap_ = caps.machine_layers;
+    buffer_.choice_changed();
+  }
+  note_choice(next);
+}
+
+// What is looked at.
 
 void ReelPlayback::look(const Camera& camera, glm::ivec2 size) {
   if (camera_ != camera || size_ != size) {
@@ -72,13 +242,20 @@ void ReelPlayback::look(const Camera& camera, glm::ivec2 size) {
   set_level();
 }
 
-void ReelPlayback::set_level() {
+int ReelPlayback::seen_level() const {
   const int level = view_level_;
-  buffer_.set_level(mode_ == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level);
+  return mode_ == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level;
 }
+
+void ReelPlayback::set_level() { buffer_.set_level(seen_level()); }
 
 void ReelPlayback::set_mode(DrawMode mode) {
   mode_ = mode;
+  {
+    const std::lock_guard lock(control_mutex_);
+    control_.forget_made();
+  }
+  set_level();
   buffer_.set_mode(mode);
   given_ordinal_.reset();
 }
@@ -87,56 +264,138 @@ FetchRequest ReelPlayback::choice(int level) const {
   return layer_choice(manifest(), mode_, level);
 }
 
+// Time.
+
 void ReelPlayback::jump(Clock::TimePoint now, int direction) {
   playhead_ = clock_.read(now).frame;
   buffer_.seek(playhead_, direction);
   given_ordinal_.reset();
+  scrubbing_ = false;
+  if (!started_ || !clock_.playing()) return;
+  clock_.hold(now);
+  hold_ = Hold::jump;
 }
 
-void ReelPlayback::toggle_play(Clock::TimePoint now) {
-  if (clock_.playing()) {
-    clock_.pause(now);
-  } else {
-    clock_.play(now);
-    jump(now, 1);
-  }
+void ReelPlayback::play(Clock::TimePoint now) {
+  if (clock_.playing()) return;
+  clock_.play(now);
+  jump(now, clock_.direction());
+}
+
+void ReelPlayback::pause(Clock::TimePoint now) {
+  clock_.pause(now);
+  release(now);
+}
+
+void ReelPlayback::seek(std::uint64_t time_us, Clock::TimePoint now) {
+  clock_.seek(time_us, now);
+  jump(now, clock_.direction());
 }
 
 void ReelPlayback::seek_by(std::int64_t delta_us, Clock::TimePoint now) {
   clock_.seek_by(delta_us, now);
-  jump(now, 1);
+  jump(now, clock_.direction());
 }
 
 void ReelPlayback::step(std::int64_t frames, Clock::TimePoint now) {
   clock_.step(frames, now);
+  release(now);
   jump(now, frames < 0 ? -1 : 1);
 }
 
-void ReelPlayback::toggle_loop(Clock::TimePoint now) {
-  clock_.set_loop(!clock_.loop(), now);
-  buffer_.set_loop(clock_.loop());
+void ReelPlayback::set_speed(double speed, Clock::TimePoint now) {
+  const int before = clock_.direction();
+  clock_.set_speed(speed, now);
+  if (clock_.direction() == before) return;
+  given_ordinal_.reset();
+  if (!scrubbing_) buffer_.advance(playhead_, clock_.direction());
+}
+
+void ReelPlayback::set_loop(bool loop, Clock::TimePoint now) {
+  clock_.set_loop(loop, now);
+  buffer_.set_loop(loop);
   given_ordinal_.reset();
 }
 
+void ReelPlayback::scrub_begin(Clock::TimePoint now) {
+  if (scrubbing_) return;
+  played_before_scrub_ = clock_.playing();
+  pause(now);
+  scrubbing_ = true;
+  given_ordinal_.reset();
+  buffer_.scrub(playhead_);
+}
+
+void ReelPlayback::scrub_to(std::uint64_t time_us, Clock::TimePoint now) {
+  if (!scrubbing_) scrub_begin(now);
+  clock_.seek(time_us, now);
+  const std::uint32_t frame = clock_.read(now).frame;
+  if (frame == playhead_) return;
+  playhead_ = frame;
+  buffer_.scrub(frame);
+}
+
+void ReelPlayback::scrub_end(Clock::TimePoint now) {
+  if (!scrubbing_) return;
+  if (played_before_scrub_) clock_.play(now);
+  jump(now, clock_.direction());
+}
+
+void ReelPlayback::release(Clock::TimePoint now) {
+  if (hold_ == Hold::starved) {
+    const double seconds = std::chrono::duration<double>(now - held_since_).count();
+    ++statistics_.stalls;
+    statistics_.stalled_seconds += seconds;
+    statistics_.longest_stall_seconds = std::max(statistics_.longest_stall_seconds, seconds);
+  }
+  hold_ = Hold::none;
+  clock_.release(now);
+}
+
+/// Frames that the link does not bring in time are waited for.
+void ReelPlayback::hold_if_starved(Clock::TimePoint now) {
+  fill_ = buffer_.fill();
+  if (hold_ == Hold::none) {
+    if (!options_.remote || !started_ || !clock_.playing() || fill_.fetched > 0) return;
+    clock_.hold(now);
+    hold_ = Hold::starved;
+    held_since_ = now;
+    return;
+  }
+  const std::uint32_t enough =
+      std::min(fill_.window, frames_in(manifest(), kResume, clock_.speed()));
+  const bool there = hold_ == Hold::jump ? fill_.made > 0 : fill_.fetched >= enough;
+  if (there) release(now);
+}
+
 ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
+  timed_ = true;
   if (!started_ && buffer_.wait(std::chrono::milliseconds(0)) != FrameBuffer::State::waiting) {
     started_ = true;
     clock_.play(now);
   }
   const Clock::Reading reading = clock_.read(now);
   if (reading.ended) {
-    if (given_ordinal_) dropped_ += static_cast<std::uint64_t>(reading.ordinal - *given_ordinal_);
+    if (given_ordinal_)
+      dropped_ += static_cast<std::uint64_t>(std::abs(reading.ordinal - *given_ordinal_));
+    given_ordinal_.reset();
     return {given_, false, true};
   }
   if (reading.frame != playhead_) {
     playhead_ = reading.frame;
-    buffer_.advance(reading.frame);
+    buffer_.advance(reading.frame, clock_.direction());
   }
+  hold_if_starved(now);
+  control(now);
   Update update{buffer_.best()};
   if (update.frame && update.frame != given_) {
-    const std::optional<std::int64_t> before = given_ordinal_;
-    count_dropped(*update.frame, reading);
-    update.refined = given_ && before == given_ordinal_;
+    if (scrubbing_) {
+      update.refined = given_ && given_->index == update.frame->index;
+    } else {
+      const std::optional<std::int64_t> before = given_ordinal_;
+      count_dropped(*update.frame, reading);
+      update.refined = given_ && before == given_ordinal_;
+    }
     given_ = update.frame;
   }
   return update;
@@ -144,18 +403,21 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
 
 /// Frames that lie between the one given before and this one.
 void ReelPlayback::count_dropped(const SceneFrame& frame, const Clock::Reading& reading) {
-  const std::int64_t count = timeline().frame_count();
-  const std::int64_t late =
-      (static_cast<std::int64_t>(reading.frame) - static_cast<std::int64_t>(frame.index) + count) %
-      count;
-  const std::int64_t ordinal = reading.ordinal - late;
-  if (given_ordinal_ && ordinal > *given_ordinal_ + 1)
-    dropped_ += static_cast<std::uint64_t>(ordinal - *given_ordinal_ - 1);
+  const std::int64_t count = timeline().frame_count(), direction = clock_.direction();
+  const std::int64_t ahead =
+      static_cast<std::int64_t>(reading.frame) - static_cast<std::int64_t>(frame.index);
+  const std::int64_t late = (ahead * direction % count + count) % count;
+  const std::int64_t ordinal = reading.ordinal - direction * late;
+  if (given_ordinal_ && (ordinal - *given_ordinal_) * direction > 1)
+    dropped_ += static_cast<std::uint64_t>((ordinal - *given_ordinal_) * direction - 1);
   given_ordinal_ = ordinal;
 }
 
 FrameBuffer::State ReelPlayback::await(std::uint32_t frame, std::chrono::milliseconds timeout) {
+  set_pace();
+  playhead_ = frame;
   buffer_.advance(frame);
+  note_choice(frame);
   return buffer_.wait(timeout, true);
 }
 

@@ -2,15 +2,19 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/playback/buffer.h"
 #include "client/playback/clock.h"
 #include "client/playback/layer_choice.h"
+#include "client/playback/layer_control.h"
 #include "client/playback/pipeline.h"
 #include "client/playback/playback.h"
 #include "client/scene/camera.h"
@@ -53,18 +57,35 @@ class ReelPlayback : public Playback {
   std::uint64_t dropped() const override { return dropped_; }
   std::uint64_t errors() const override { return pipeline_->errors(); }
 
-  /// What is fetched of frames that have `level`, for the mode of now.
+  /// What the view shows of frames that have `level`, in the mode of now.
   FetchRequest choice(int level) const;
 
-  // Time. Stands still, as if paused, until the first frame is there.
+  // Time. Stands still, as if paused, until the first frame is there, and wherever the link does
+  // not bring frames in time: what the machine does not make in time is dropped.
 
-  void toggle_play(Clock::TimePoint now);
+  void play(Clock::TimePoint now);
+  void pause(Clock::TimePoint now);
+  void toggle_play(Clock::TimePoint now) { playing() ? pause(now) : play(now); }
+  void seek(std::uint64_t time_us, Clock::TimePoint now);
   void seek_by(std::int64_t delta_us, Clock::TimePoint now);
+  /// Pauses, and goes so many frames on or back.
   void step(std::int64_t frames, Clock::TimePoint now);
-  void set_speed(double speed, Clock::TimePoint now) { clock_.set_speed(speed, now); }
-  void toggle_loop(Clock::TimePoint now);
-  bool playing() const { return clock_.playing(); }
+  /// Negative: backward. Clamped as the clock says.
+  void set_speed(double speed, Clock::TimePoint now);
+  void set_loop(bool loop, Clock::TimePoint now);
+  void toggle_loop(Clock::TimePoint now) { set_loop(!clock_.loop(), now); }
+  bool playing() const { return scrubbing_ ? played_before_scrub_ : clock_.playing(); }
   double speed() const { return clock_.speed(); }
+  bool loop() const { return clock_.loop(); }
+  std::uint64_t position_us(Clock::TimePoint now) const { return clock_.read(now).position_us; }
+
+  // While a timeline is dragged: coarse pictures of exactly the frame under the cursor; at the end
+  // it is refined, and playback goes on if it was playing.
+
+  void scrub_begin(Clock::TimePoint now);
+  void scrub_to(std::uint64_t time_us, Clock::TimePoint now);
+  void scrub_end(Clock::TimePoint now);
+  bool scrubbing() const { return scrubbing_; }
 
   // Without a clock: frames in any order, each as soon as it is there.
 
@@ -72,8 +93,40 @@ class ReelPlayback : public Playback {
   FrameBuffer::State await(std::uint32_t frame, std::chrono::milliseconds timeout);
   std::shared_ptr<const SceneFrame> best() const { return buffer_.best(); }
 
+  // What was chosen, and how it went.
+
+  /// Of the frames from here to the next entry's, or the end of what was fetched so far.
+  struct Chosen {
+    std::uint32_t first_frame = 0;  ///< of a segment
+    LayerDecision decision;
+  };
+  /// The last choice for each segment, those that follow each other and are alike in one.
+  std::vector<Chosen> chosen() const;
+  /// What is fetched next, and why no more.
+  LayerDecision decision() const;
+
+  struct Statistics {
+    std::uint64_t fetched_bytes = 0;
+    std::uint64_t refetched = 0;      ///< layers that came damaged
+    double link_bits_per_second = 0;  ///< 0: not known
+    double buffered_seconds = 0;      ///< that could be played from what has been fetched
+    /// Times at which playback stood still for want of frames, but for its start and after jumps.
+    std::uint64_t stalls = 0;
+    double stalled_seconds = 0, longest_stall_seconds = 0;
+  };
+  Statistics statistics() const;
+
  private:
+  LayerDecision wanted(DrawMode mode, int level) const;
+  LayerCaps caps() const;
+  double frame_seconds() const;
+  int seen_level() const;
   void set_level();
+  void set_pace();
+  void release(Clock::TimePoint now);
+  void hold_if_starved(Clock::TimePoint now);
+  void control(Clock::TimePoint now);
+  void note_choice(std::uint32_t frame);
   void jump(Clock::TimePoint now, int direction);
   void count_dropped(const SceneFrame& frame, const Clock::Reading& reading);
 
@@ -91,7 +144,22 @@ class ReelPlayback : public Playback {
   std::shared_ptr<const SceneFrame> given_;
   std::optional<std::int64_t> given_ordinal_;  ///< none after a jump
   std::uint64_t dropped_ = 0;
-  std::optional<Pipeline> pipeline_;  ///< last: its threads use what is above
+  bool timed_ = false;  ///< update() has been called: time matters
+  bool scrubbing_ = false, played_before_scrub_ = false;
+  // Standing still.
+  enum class Hold { none, jump, starved } hold_ = Hold::none;
+  Clock::TimePoint held_since_{};
+  Statistics statistics_;
+  FrameBuffer::Fill fill_;  ///< as of the last update
+  // What is fetched.
+  mutable std::mutex control_mutex_;
+  LayerControl control_;
+  std::atomic<Rung> link_cap_{LayerCaps{}.link};
+  std::atomic<std::uint32_t> machine_cap_{LayerCaps{}.machine_layers};
+  std::optional<Clock::TimePoint> first_control_;
+  LinkUse link_use_;                               ///< as of the last update
+  std::map<std::uint32_t, LayerDecision> chosen_;  ///< by segment
+  std::optional<Pipeline> pipeline_;               ///< last: its threads use what is above
 };
 
 }  // namespace pointreel

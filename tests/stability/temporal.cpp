@@ -40,14 +40,22 @@ void check_counts(Checks& checks) {
 
 /// What is shown while frame 1 is missing, frame 2 is late, and frame 3 is there.
 void check_missing(Checks& checks) {
-  FrameBuffer buffer({5, 4, false, DrawMode::point});
+  FrameBuffer::Options options;
+  options.frame_count = 5;
+  options.ahead = 4;
+  options.loop = false;
+  options.mode = DrawMode::point;
+  FrameBuffer buffer(options);
   const auto answer = [&buffer](std::uint32_t frame, bool found) {
-    const auto request = buffer.next_wanted();
-    if (!request || request->frame != frame) return false;
+    const auto job = buffer.next_fetch();
+    if (!job || job->frame != frame) return false;
     if (!found) {
-      buffer.fail(*request);
+      buffer.fetch_failed(*job);
       return true;
     }
+    buffer.fetched(*job, {}, 0.0);
+    const auto request = buffer.next_wanted();
+    if (!request || request->frame != frame) return false;
     auto scene = std::make_shared<SceneFrame>();
     scene->index = frame;
     buffer.deliver(*request, std::move(scene));
@@ -59,6 +67,8 @@ void check_missing(Checks& checks) {
     return best ? static_cast<int>(best->index) : -1;
   };
   bool asked = answer(0, true) && answer(1, false);
+  const auto job = buffer.next_fetch();
+  if (job) buffer.fetched(*job, {}, 0.0);
   const auto late = buffer.next_wanted();  // frame 2, answered only after its time
   asked = asked && late && late->frame == 2 && answer(3, true);
   const int at_0 = shown(0), at_1 = shown(1), at_2 = shown(2), at_3 = shown(3);

@@ -19,16 +19,35 @@ std::shared_ptr<const SceneFrame> picture(std::uint32_t index) {
 }
 
 FrameBuffer::Options options(std::uint32_t frames, std::uint32_t ahead, bool loop) {
-  return {frames, ahead, loop, DrawMode::surfel};
+  FrameBuffer::Options options;
+  options.frame_count = frames;
+  options.ahead = ahead;
+  options.loop = loop;
+  return options;
+}
+
+/// The layers of a job as a source would give them, of ten bytes each.
+FetchedFrame layers_of(const FetchJob& job) {
+  FetchedFrame fetched;
+  for (std::uint32_t i = job.first; i < job.last; ++i)
+    fetched.layers.push_back({Bytes(10, static_cast<std::uint8_t>(job.frame)), {10, 0, 0}});
+  return fetched;
+}
+
+/// Fetches what is wanted first and says what is to be made first then.
+FrameRequest ask(FrameBuffer& buffer) {
+  const auto job = buffer.next_fetch();
+  buffer.fetched(*job, layers_of(*job), 1.0);
+  return *buffer.next_wanted();
 }
 
 /// Answers `count` requests and says for which frames they were.
 std::vector<std::uint32_t> serve(FrameBuffer& buffer, int count) {
   std::vector<std::uint32_t> frames;
   for (int i = 0; i < count; ++i) {
-    const auto request = buffer.next_wanted();
-    frames.push_back(request->frame);
-    buffer.deliver(*request, picture(request->frame));
+    const auto request = ask(buffer);
+    frames.push_back(request.frame);
+    buffer.deliver(request, picture(request.frame));
   }
   return frames;
 }
@@ -46,7 +65,7 @@ TEST(FrameBuffer, AsksForNothingMoreThanItsWindow) {
   serve(buffer, 3);
   std::atomic<bool> asked{false};
   std::thread worker([&] {
-    if (buffer.next_wanted()) asked = true;
+    if (buffer.next_fetch()) asked = true;
   });
   std::this_thread::sleep_for(milliseconds(10));
   EXPECT_FALSE(asked);
@@ -86,21 +105,25 @@ TEST(FrameBuffer, DoesNotMakeAFrameTwiceInAReelShorterThanTheWindow) {
     }
 }
 
-TEST(FrameBuffer, AsksForTheNewPlaceFirstAfterASeek) {
+TEST(FrameBuffer, AsksForTheNewPlaceFirstAfterASeekAndCancelsWhatWasAskedForBefore) {
   FrameBuffer buffer(options(1000, 4, false));
-  const auto old_request = buffer.next_wanted();
+  const auto old_job = buffer.next_fetch();
+  const auto kept_job = buffer.next_fetch();
+  buffer.seek(1);
+  EXPECT_TRUE(old_job->stop.stop_requested());
+  EXPECT_FALSE(kept_job->stop.stop_requested()) << "frame 1 is still of use";
   buffer.seek(500);
-  EXPECT_EQ(buffer.next_wanted()->frame, 500u);
-  EXPECT_FALSE(buffer.wanted(*old_request));
+  EXPECT_EQ(buffer.next_fetch()->frame, 500u);
+  EXPECT_TRUE(kept_job->stop.stop_requested());
 }
 
 TEST(FrameBuffer, DropsWhatComesFromBeforeASeek) {
   FrameBuffer buffer(options(1000, 4, false));
   serve(buffer, 2);
-  const auto old_request = buffer.next_wanted();
+  const auto old_request = ask(buffer);
   buffer.seek(500);
   EXPECT_EQ(buffer.best(), nullptr);
-  buffer.deliver(*old_request, picture(old_request->frame));
+  buffer.deliver(old_request, picture(old_request.frame));
   EXPECT_EQ(buffer.best(), nullptr);
   EXPECT_EQ(buffer.held(), 0u);
 }
@@ -108,23 +131,20 @@ TEST(FrameBuffer, DropsWhatComesFromBeforeASeek) {
 TEST(FrameBuffer, UsesWhatComesFromBeforeASeekIfItIsInTheNewWindow) {
   FrameBuffer buffer(options(1000, 4, false));
   serve(buffer, 2);
-  const auto request = buffer.next_wanted();  // frame 2
+  const auto request = ask(buffer);  // frame 2
   buffer.seek(2);
-  EXPECT_TRUE(buffer.wanted(*request));
-  buffer.deliver(*request, picture(2));
+  buffer.deliver(request, picture(2));
   EXPECT_EQ(buffer.best()->index, 2u);
 }
 
 TEST(FrameBuffer, ShowsALateFrameOnAMachineThatIsTooSlowButNeverGoesBack) {
   FrameBuffer buffer(options(1000, 4, false));
-  const auto first = buffer.next_wanted();
-  const auto second = buffer.next_wanted();
+  const auto first = ask(buffer);
+  const auto second = ask(buffer);
   buffer.advance(30);
-  EXPECT_TRUE(buffer.late(*first));
-  EXPECT_TRUE(buffer.wanted(*second));
-  buffer.deliver(*second, picture(1));
+  buffer.deliver(second, picture(1));
   EXPECT_EQ(buffer.best()->index, 1u);
-  buffer.deliver(*first, picture(0));
+  buffer.deliver(first, picture(0));
   EXPECT_EQ(buffer.best()->index, 1u);
 }
 
@@ -148,92 +168,135 @@ TEST(FrameBuffer, HoldsTheLastFrameAcrossTheEndOfALoop) {
   EXPECT_EQ(buffer.best()->index, 1u);
 }
 
-TEST(FrameBuffer, GoesOnAfterAFrameThatFails) {
+TEST(FrameBuffer, GoesOnAfterAFrameThatCannotBeHad) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 1);
-  const auto broken = buffer.next_wanted();
-  buffer.fail(*broken);
-  EXPECT_EQ(buffer.next_wanted()->frame, 2u);
+  buffer.fetch_failed(*buffer.next_fetch());
+  EXPECT_EQ(buffer.next_fetch()->frame, 2u);
   buffer.advance(1);
   EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::failed);
   EXPECT_EQ(buffer.best()->index, 0u) << "the last picture is held";
 }
 
-TEST(FrameBuffer, AsksAgainForAnAbandonedFrame) {
+TEST(FrameBuffer, AsksAgainForAFrameThatCouldNotBeHadWhenThePlayheadComesBack) {
+  FrameBuffer buffer(options(100, 1, false));
+  buffer.fetch_failed(*buffer.next_fetch());
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::failed);
+  buffer.seek(50);
+  buffer.seek(0);
+  EXPECT_EQ(buffer.next_fetch()->frame, 0u);
+}
+
+TEST(FrameBuffer, AsksAgainForAFetchThatWasStopped) {
   FrameBuffer buffer(options(100, 2, false));
-  const auto request = buffer.next_wanted();
-  buffer.abandon(*request);
-  EXPECT_EQ(buffer.next_wanted()->frame, 0u);
+  const auto job = buffer.next_fetch();
+  buffer.fetch_stopped(*job);
+  EXPECT_EQ(buffer.next_fetch()->frame, 0u);
+}
+
+TEST(FrameBuffer, FetchesWhatIsBrokenOnceMoreAndThenGoesOn) {
+  FrameBuffer buffer(options(100, 2, false));
+  const auto first = ask(buffer);
+  EXPECT_TRUE(buffer.broken(first, 0));
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::waiting);
+  const auto job = buffer.next_fetch();
+  EXPECT_EQ(job->frame, 0u);
+  EXPECT_TRUE(job->fresh);
+  buffer.fetched(*job, layers_of(*job), 1.0);
+  EXPECT_FALSE(buffer.broken(*buffer.next_wanted(), 0));
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::failed);
+  EXPECT_EQ(buffer.next_fetch()->frame, 1u);
 }
 
 TEST(FrameBuffer, DropsEverythingMadeForAnotherMode) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 1);
-  const auto old_request = buffer.next_wanted();
+  const auto old_request = ask(buffer);
   buffer.set_mode(DrawMode::voxel);
   buffer.set_mode(DrawMode::surfel);
   EXPECT_EQ(buffer.best(), nullptr);
-  const auto request = buffer.next_wanted();
-  EXPECT_EQ(request->frame, 0u);
-  EXPECT_EQ(buffer.next_wanted()->frame, 1u);
-  EXPECT_FALSE(buffer.wanted(*old_request));
-  buffer.deliver(*old_request, picture(1));
+  EXPECT_EQ(ask(buffer).frame, 0u);
+  EXPECT_EQ(buffer.next_wanted()->frame, 1u) << "what was fetched of it is still there";
+  buffer.deliver(old_request, picture(1));
   EXPECT_EQ(buffer.held(), 0u);
 }
 
 TEST(FrameBuffer, DoesNotShowTheStartBehindTheEndWhenTheLoopIsSwitchedOff) {
   FrameBuffer buffer(options(10, 3, true));
   buffer.seek(8);
-  const auto eight = buffer.next_wanted();
+  const auto eight = ask(buffer);
   serve(buffer, 3);  // 9, 0, 1
   buffer.set_loop(false);
   EXPECT_EQ(buffer.held(), 1u);
   EXPECT_EQ(buffer.best(), nullptr);
-  buffer.deliver(*eight, picture(8));
+  buffer.deliver(eight, picture(8));
   EXPECT_EQ(buffer.best()->index, 8u);
 }
 
 TEST(FrameBuffer, ClosingEndsTheWaitOfAWorkerAndOfThePlayer) {
   FrameBuffer buffer(options(1, 0, true));
   serve(buffer, 1);
-  std::thread worker([&] { EXPECT_EQ(buffer.next_wanted(), std::nullopt); });
+  std::thread fetcher([&] { EXPECT_FALSE(buffer.next_fetch()); });
+  std::thread worker([&] { EXPECT_FALSE(buffer.next_wanted()); });
   FrameBuffer starved(options(1, 0, true));
   std::thread player(
       [&] { EXPECT_EQ(starved.wait(milliseconds(60'000)), FrameBuffer::State::closed); });
   buffer.close();
   starved.close();
+  fetcher.join();
   worker.join();
   player.join();
 }
 
 TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
   constexpr std::uint32_t kFrames = 50, kAhead = 5;
-  FrameBuffer buffer(options(kFrames, kAhead, true));
+  FrameBuffer::Options random_options = options(kFrames, kAhead, true);
+  random_options.levels = {7, 9, kWholeFrame};
+  random_options.base_first = true;
+  random_options.fetch_ahead = 12;
+  random_options.near = 3;
+  random_options.store_bytes = 300;
+  FrameBuffer buffer(random_options);
   std::vector<std::thread> workers;
-  for (int t = 0; t < 3; ++t)
+  for (int t = 0; t < 3; ++t) {
     workers.emplace_back([&, t] {
       std::mt19937 random(static_cast<unsigned>(t));
+      while (const auto job = buffer.next_fetch()) {
+        if (random() % 4 == 0)
+          std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+        if (job->stop.stop_requested())
+          buffer.fetch_stopped(*job);
+        else if (random() % 10 == 0)
+          buffer.fetch_failed(*job);
+        else
+          buffer.fetched(*job, layers_of(*job), 0.1);
+      }
+    });
+    workers.emplace_back([&, t] {
+      std::mt19937 random(static_cast<unsigned>(t + 100));
       while (const auto request = buffer.next_wanted()) {
         if (random() % 4 == 0)
           std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
-        if (!buffer.wanted(*request)) {
-          buffer.abandon(*request);
-        } else if (random() % 10 == 0) {
-          buffer.fail(*request);
-        } else {
+        if (random() % 10 == 0)
+          buffer.broken(*request, static_cast<std::uint32_t>(random()) % request->layers);
+        else
           buffer.deliver(*request, picture(request->frame));
-        }
       }
     });
+  }
   std::mt19937 random(99);
   std::uint32_t playhead = 0;
   for (int i = 0; i < 3000; ++i) {
-    const bool jump = random() % 10 == 0;
-    playhead = jump ? static_cast<std::uint32_t>(random() % kFrames) : (playhead + 1) % kFrames;
-    if (jump)
-      buffer.seek(playhead);
+    const bool jump = random() % 10 == 0, scrub = random() % 20 == 0;
+    const bool back = i / 500 % 2 == 1;
+    playhead = jump || scrub ? static_cast<std::uint32_t>(random() % kFrames)
+                             : (playhead + (back ? kFrames - 1 : 1)) % kFrames;
+    if (scrub)
+      buffer.scrub(playhead);
+    else if (jump)
+      buffer.seek(playhead, back ? -1 : 1);
     else
-      buffer.advance(playhead);
+      buffer.advance(playhead, back ? -1 : 1);
     if (i % 3 == 0) {
       const auto state = buffer.wait(milliseconds(2000));
       ASSERT_NE(state, FrameBuffer::State::waiting);
@@ -258,14 +321,15 @@ TEST(FrameBuffer, AsksAgainForFramesThatLackALevelOnlyWhenNoneIsMissing) {
   FrameBuffer buffer(options(100, 2, false));
   buffer.set_level(7);
   const auto answer = [&] {
-    const auto request = buffer.next_wanted();
-    buffer.deliver(*request, picture_at(request->frame, request->level));
-    return std::pair{request->frame, request->level};
+    const auto request = ask(buffer);
+    buffer.deliver(request, picture_at(request.frame, request.level));
+    return std::pair{request.frame, request.level};
   };
   EXPECT_EQ(answer(), (std::pair{0u, 7}));
+  buffer.seek(0);
+  EXPECT_EQ(answer(), (std::pair{1u, 7}));
+  EXPECT_EQ(answer(), (std::pair{2u, 7}));
   buffer.set_level(9);
-  EXPECT_EQ(answer(), (std::pair{1u, 9}));
-  EXPECT_EQ(answer(), (std::pair{2u, 9}));
   EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
   EXPECT_EQ(answer(), (std::pair{0u, 9}));
@@ -277,42 +341,301 @@ TEST(FrameBuffer, AsksAgainForFramesThatLackALevelOnlyWhenNoneIsMissing) {
 TEST(FrameBuffer, KeepsWhatIsFinerWhenTheCameraMovesAway) {
   FrameBuffer buffer(options(100, 1, false));
   for (int i = 0; i < 2; ++i) {
-    const auto request = buffer.next_wanted();
-    buffer.deliver(*request, picture_at(request->frame, 9));
+    const auto request = ask(buffer);
+    buffer.deliver(request, picture_at(request.frame, 9));
   }
   EXPECT_EQ(buffer.best()->level, 9);
   buffer.set_level(6);
   EXPECT_EQ(buffer.best()->level, 9);
   buffer.advance(1);
-  const auto request = buffer.next_wanted();
-  EXPECT_EQ(request->frame, 2u);
-  EXPECT_EQ(request->level, 6);
+  const auto request = ask(buffer);
+  EXPECT_EQ(request.frame, 2u);
+  EXPECT_EQ(request.level, 6);
   EXPECT_EQ(buffer.best()->level, 9);
 }
 
 TEST(FrameBuffer, AsksForALevelThatCannotBeHadOnlyOnce) {
-  for (const bool broken : {false, true}) {
-    FrameBuffer buffer(options(1, 0, false));
-    buffer.set_level(7);
-    auto request = buffer.next_wanted();
-    buffer.deliver(*request, picture_at(0, 7));
-    buffer.set_level(10);
-    request = buffer.next_wanted();
-    EXPECT_EQ(request->level, 10);
-    EXPECT_TRUE(buffer.wanted(*request));
-    if (broken)
-      buffer.fail(*request);
-    else
-      buffer.deliver(*request, picture_at(0, 7));
-    EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
-    ASSERT_NE(buffer.best(), nullptr) << "what was there stays";
-    std::thread closer([&] {
-      std::this_thread::sleep_for(milliseconds(5));
-      buffer.close();
-    });
-    EXPECT_FALSE(buffer.next_wanted());
-    closer.join();
+  FrameBuffer buffer(options(1, 0, false));
+  buffer.set_level(7);
+  auto request = ask(buffer);
+  buffer.deliver(request, picture_at(0, 7));
+  buffer.set_level(10);
+  request = ask(buffer);
+  EXPECT_EQ(request.level, 10);
+  buffer.deliver(request, picture_at(0, 7));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  std::thread closer([&] {
+    std::this_thread::sleep_for(milliseconds(5));
+    buffer.close();
+  });
+  EXPECT_FALSE(buffer.next_fetch());
+  closer.join();
+}
+
+/// Three layers down to levels 7, 9 and 10, over a network.
+FrameBuffer::Options layered(std::uint32_t frames, std::uint32_t ahead) {
+  FrameBuffer::Options layered = options(frames, ahead, false);
+  layered.levels = {7, 9, kWholeFrame};
+  layered.base_first = true;
+  layered.near = 2;
+  layered.fetch_ahead = 4;
+  layered.store_bytes = 1 << 20;
+  return layered;
+}
+
+struct Asked {
+  std::uint32_t frame, first, last;
+  bool operator==(const Asked&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const Asked& asked) {
+  return out << asked.frame << ':' << asked.first << '-' << asked.last;
+}
+
+Asked asked(const FetchJob& job) { return {job.frame, job.first, job.last}; }
+
+Asked fetch(FrameBuffer& buffer) {
+  const auto job = buffer.next_fetch();
+  buffer.fetched(*job, layers_of(*job), 1.0);
+  return asked(*job);
+}
+
+TEST(FrameBuffer, AsksForBasesOfWhatIsNearThenForTheirRestsThenForWhatIsFurtherAhead) {
+  FrameBuffer buffer(layered(100, 1));
+  std::vector<Asked> jobs;
+  for (int i = 0; i < 7; ++i) jobs.push_back(asked(*buffer.next_fetch()));
+  EXPECT_EQ(jobs,
+            (std::vector<Asked>{
+                {0, 0, 1}, {0, 1, 3}, {1, 0, 1}, {1, 1, 3}, {2, 0, 3}, {3, 0, 3}, {4, 0, 3}}));
+}
+
+TEST(FrameBuffer, DoesNotRefineWhatIsAboutToPass) {
+  FrameBuffer buffer(layered(100, 1));
+  buffer.set_pace({4, 1, true});
+  std::vector<Asked> jobs;
+  for (int i = 0; i < 3; ++i) jobs.push_back(asked(*buffer.next_fetch()));
+  EXPECT_EQ(jobs, (std::vector<Asked>{{0, 0, 1}, {1, 0, 1}, {1, 1, 3}}));
+}
+
+TEST(FrameBuffer, FetchesOnlyTheLayersThatAreSeenAndRefinesWithTheOthersAlone) {
+  FrameBuffer buffer(layered(100, 0));
+  buffer.set_level(8);
+  EXPECT_EQ(fetch(buffer), (Asked{0, 0, 1}));
+  EXPECT_EQ(fetch(buffer), (Asked{0, 1, 2}));
+  buffer.set_level(10);
+  EXPECT_EQ(fetch(buffer), (Asked{0, 2, 3}));
+  const auto request = buffer.next_wanted();
+  EXPECT_EQ(request->layers, 3u);
+  ASSERT_EQ(request->fetched.layers.size(), 3u);
+  EXPECT_EQ(request->cost.bytes, 30u);
+}
+
+TEST(FrameBuffer, ShowsTheBaseUntilTheRestIsThere) {
+  FrameBuffer buffer(layered(100, 0));
+  fetch(buffer);
+  const auto base = buffer.next_wanted();
+  EXPECT_EQ(base->layers, 1u);
+  buffer.deliver(*base, picture_at(0, 7));
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
+  EXPECT_EQ(fetch(buffer), (Asked{0, 1, 3}));
+  const auto whole = buffer.next_wanted();
+  EXPECT_EQ(whole->layers, 3u);
+  buffer.deliver(*whole, picture_at(0, kWholeFrame));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->level, kWholeFrame);
+}
+
+TEST(FrameBuffer, KeepsTheFinerPictureWhenTheCoarserOneIsReadyAfterIt) {
+  FrameBuffer buffer(layered(100, 0));
+  fetch(buffer);
+  const auto base = buffer.next_wanted();
+  fetch(buffer);
+  buffer.deliver(*buffer.next_wanted(), picture_at(0, kWholeFrame));
+  buffer.deliver(*base, picture_at(0, 7));
+  EXPECT_EQ(buffer.best()->level, kWholeFrame);
+}
+
+TEST(FrameBuffer, FetchesNothingTwiceForWhoComesBack) {
+  FrameBuffer buffer(layered(100, 1));
+  for (int i = 0; i < 7; ++i) fetch(buffer);  // frames 0 to 4, whole
+  buffer.seek(50);
+  EXPECT_EQ(fetch(buffer), (Asked{50, 0, 1}));
+  buffer.seek(1, -1);
+  EXPECT_EQ(buffer.next_wanted()->frame, 1u);
+  EXPECT_EQ(buffer.next_wanted()->frame, 0u);
+}
+
+TEST(FrameBuffer, KeepsNoMoreCodedFramesThanItIsTold) {
+  FrameBuffer::Options small = layered(1000, 1);
+  small.store_bytes = 400;
+  FrameBuffer buffer(small);
+  for (std::uint32_t frame = 0; frame < 990; frame += 37) {
+    buffer.seek(frame);
+    for (int i = 0; i < 4; ++i) fetch(buffer);
+    EXPECT_LE(buffer.stored_bytes(), 400u);
   }
+}
+
+TEST(FrameBuffer, DoesWithCoarserLayersWhereFinerOnesCannotBeHad) {
+  FrameBuffer buffer(layered(100, 0));
+  fetch(buffer);
+  buffer.deliver(*buffer.next_wanted(), picture_at(0, 7));
+  const auto rest = buffer.next_fetch();
+  EXPECT_EQ(asked(*rest), (Asked{0, 1, 3}));
+  buffer.fetch_failed(*rest);
+  const auto middle = buffer.next_fetch();
+  EXPECT_EQ(asked(*middle), (Asked{0, 1, 2})) << "one of the two may still be there";
+  buffer.fetch_failed(*middle);
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->level, 7);
+  EXPECT_EQ(buffer.next_fetch()->frame, 1u);
+}
+
+TEST(FrameBuffer, DoesWithCoarserLayersWhereFinerOnesAreBrokenTwice) {
+  FrameBuffer buffer(layered(100, 0));
+  fetch(buffer);
+  buffer.deliver(*buffer.next_wanted(), picture_at(0, 7));
+  fetch(buffer);
+  EXPECT_TRUE(buffer.broken(*buffer.next_wanted(), 1));
+  const auto again = buffer.next_fetch();
+  EXPECT_EQ(asked(*again), (Asked{0, 1, 2})) << "the layer after it is there";
+  EXPECT_TRUE(again->fresh);
+  buffer.fetched(*again, layers_of(*again), 1.0);
+  EXPECT_FALSE(buffer.broken(*buffer.next_wanted(), 1));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->level, 7);
+}
+
+TEST(FrameBuffer, TakesTheLayersThatAreChosen) {
+  FrameBuffer::Options chosen = layered(100, 0);
+  LayerSet choice{1, true, false};
+  chosen.choice = [&choice](std::uint32_t, DrawMode, int) { return choice; };
+  FrameBuffer buffer(chosen);
+  const auto base = buffer.next_fetch();
+  EXPECT_EQ(asked(*base), (Asked{0, 0, 1}));
+  EXPECT_FALSE(base->normals);
+  buffer.fetched(*base, layers_of(*base), 1.0);
+  buffer.deliver(*buffer.next_wanted(), picture_at(0, 7));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  choice = {2, true, true};
+  buffer.choice_changed();
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
+  EXPECT_EQ(fetch(buffer), (Asked{0, 0, 1})) << "for its normals";
+  EXPECT_EQ(fetch(buffer), (Asked{0, 1, 2}));
+  EXPECT_EQ(buffer.next_wanted()->layers, 2u);
+}
+
+// Scrubbing.
+
+TEST(FrameBuffer, AsksForTheBaseUnderTheCursorAloneWhileScrubbing) {
+  FrameBuffer buffer(layered(100, 1));
+  buffer.scrub(40);
+  EXPECT_EQ(fetch(buffer), (Asked{40, 0, 1}));
+  const auto request = buffer.next_wanted();
+  EXPECT_EQ(request->layers, 1u);
+  buffer.deliver(*request, picture_at(40, 7));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  std::atomic<bool> asked_more{false};
+  std::thread fetcher([&] {
+    if (const auto job = buffer.next_fetch()) asked_more = job->frame == 40;
+  });
+  std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(asked_more);
+  buffer.seek(40);
+  fetcher.join();
+  EXPECT_TRUE(asked_more) << "released, it is refined";
+}
+
+TEST(FrameBuffer, AsksForTheNewestCursorFirstAndCancelsAllButTheOneBefore) {
+  FrameBuffer buffer(layered(100, 1));
+  const auto playing = buffer.next_fetch();
+  buffer.scrub(10);
+  const auto first = buffer.next_fetch();
+  EXPECT_EQ(asked(*first), (Asked{10, 0, 1}));
+  EXPECT_FALSE(first->stop.stop_requested());
+  buffer.scrub(20);
+  EXPECT_TRUE(playing->stop.stop_requested());
+  EXPECT_FALSE(first->stop.stop_requested());
+  const auto second = buffer.next_fetch();
+  EXPECT_EQ(asked(*second), (Asked{20, 0, 1}));
+  buffer.scrub(30);
+  EXPECT_TRUE(first->stop.stop_requested());
+  EXPECT_FALSE(second->stop.stop_requested());
+  EXPECT_EQ(fetch(buffer), (Asked{30, 0, 1}));
+}
+
+TEST(FrameBuffer, ShowsWhereAFastDragPassedButNeverGoesBack) {
+  FrameBuffer buffer(layered(100, 1));
+  for (int i = 0; i < 2; ++i) fetch(buffer);
+  buffer.deliver(*buffer.next_wanted(), picture(0));
+  buffer.scrub(10);
+  ASSERT_NE(buffer.best(), nullptr) << "the last picture stays";
+  EXPECT_EQ(buffer.best()->index, 0u);
+  fetch(buffer);
+  const auto ten = buffer.next_wanted();
+  buffer.scrub(20);
+  fetch(buffer);
+  const auto twenty = buffer.next_wanted();
+  buffer.scrub(30);
+  buffer.deliver(*twenty, picture(20));
+  EXPECT_EQ(buffer.best()->index, 20u);
+  buffer.deliver(*ten, picture(10));
+  EXPECT_EQ(buffer.best()->index, 20u);
+  fetch(buffer);
+  buffer.deliver(*buffer.next_wanted(), picture(30));
+  EXPECT_EQ(buffer.best()->index, 30u);
+}
+
+TEST(FrameBuffer, ShowsNothingOfADragAfterItsEndButTheFrameItEndedAt) {
+  FrameBuffer buffer(layered(100, 1));
+  buffer.scrub(10);
+  fetch(buffer);
+  const auto ten = buffer.next_wanted();
+  buffer.scrub(20);
+  buffer.seek(20);
+  buffer.deliver(*ten, picture(10));
+  EXPECT_EQ(buffer.best(), nullptr);
+}
+
+// Backward.
+
+TEST(FrameBuffer, FetchesAndHoldsBackwardToo) {
+  FrameBuffer buffer(options(10, 3, true));
+  buffer.seek(1, -1);
+  EXPECT_EQ(serve(buffer, 4), (Frames{1, 0, 9, 8}));
+  buffer.advance(0, -1);
+  buffer.advance(9, -1);
+  EXPECT_EQ(buffer.best()->index, 9u);
+  buffer.advance(7, -1);
+  EXPECT_EQ(buffer.best()->index, 8u) << "the last one in the direction of play";
+  EXPECT_EQ(serve(buffer, 1), (Frames{7}));
+}
+
+TEST(FrameBuffer, DoesNotShowWhatLayAheadWhenItTurnsAround) {
+  FrameBuffer buffer(options(100, 3, false));
+  buffer.seek(50);
+  serve(buffer, 4);  // 50 to 53
+  buffer.advance(51);
+  buffer.advance(50, -1);
+  EXPECT_NE(buffer.best()->index, 53u);
+  EXPECT_LE(buffer.best()->index, 51u);
+}
+
+TEST(FrameBuffer, SaysHowFullItIs) {
+  FrameBuffer buffer(layered(100, 2));
+  EXPECT_EQ(buffer.fill().fetched, 0u);
+  EXPECT_EQ(buffer.fill().window, 5u);
+  EXPECT_EQ(buffer.fill().ahead, 3u);
+  fetch(buffer);  // the base of 0
+  EXPECT_EQ(buffer.fill().fetched, 1u);
+  fetch(buffer);
+  fetch(buffer);  // the base of 1
+  EXPECT_EQ(buffer.fill().fetched, 2u);
+  buffer.deliver(*buffer.next_wanted(), picture(0));
+  EXPECT_EQ(buffer.fill().made, 1u);
+  buffer.set_pace({8, 0, true});
+  EXPECT_EQ(buffer.fill().window, 9u);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class FakeSource : public Source {
     manifest_.segments.push_back(std::move(segment));
   }
   const Manifest& manifest() const override { return manifest_; }
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest&) override {
+  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
     const int now = ++fetching;
     most_fetching = std::max(most_fetching.load(), now);
     std::this_thread::sleep_for(delay.load());
@@ -32,12 +32,28 @@ class FakeSource : public Source {
     if (cancelled) return fail("cancelled");
     if (broken.contains(frame)) return fail("broken");
     FetchedFrame fetched;
-    fetched.file = {static_cast<std::uint8_t>(frame)};
+    if (!layered) {
+      fetched.file = {static_cast<std::uint8_t>(frame)};
+      return fetched;
+    }
+    const std::lock_guard lock(mutex);
+    for (std::uint32_t layer = request.first_layer; layer < request.layers; ++layer) {
+      layers.insert(layer);
+      if (request.fresh) ++fresh;
+      const bool damaged = layer == damaged_layer && (damaged_always || !request.fresh);
+      fetched.layers.push_back({{static_cast<std::uint8_t>(damaged ? 255 : frame)}, {1, 0, 0}});
+    }
     return fetched;
   }
   void cancel() override { cancelled = true; }
 
   std::set<std::uint32_t> broken;
+  bool layered = false;               ///< else files
+  std::uint32_t damaged_layer = ~0u;  ///< comes damaged once, or always
+  bool damaged_always = false;
+  std::mutex mutex;
+  std::multiset<std::uint32_t> layers;  ///< that were fetched
+  int fresh = 0;
   std::atomic<std::chrono::microseconds> delay{std::chrono::microseconds(0)};
   std::atomic<int> fetching{0}, most_fetching{0}, fetches{0};
   std::atomic<bool> cancelled{false};
@@ -57,8 +73,6 @@ struct Errors {
   }
 };
 
-FetchRequest all_parts(const FrameRequest&) { return {}; }
-
 Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched) {
   EXPECT_EQ(fetched.file.at(0), static_cast<std::uint8_t>(request.frame));
   SceneFrame scene;
@@ -67,7 +81,11 @@ Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetc
 }
 
 FrameBuffer::Options once(std::uint32_t frames, std::uint32_t ahead) {
-  return {frames, ahead, false, DrawMode::surfel};
+  FrameBuffer::Options options;
+  options.frame_count = frames;
+  options.ahead = ahead;
+  options.loop = false;
+  return options;
 }
 
 TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
@@ -76,7 +94,7 @@ TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
   FrameBuffer buffer(once(60, 6));
   Errors errors;
   std::atomic<int> prepared{0};
-  Pipeline pipeline(source, buffer, all_parts,
+  Pipeline pipeline(source, buffer,
                     [&](const FrameRequest& request, const FetchedFrame& fetched) {
                       if (request.frame % 7 == 0) std::this_thread::sleep_for(milliseconds(3));
                       ++prepared;
@@ -99,7 +117,7 @@ TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
   FrameBuffer buffer(once(20, 6));
   Errors errors;
   std::atomic<int> parts{0}, working{0}, most_working{0};
-  Pipeline pipeline(source, buffer, all_parts,
+  Pipeline pipeline(source, buffer,
                     [&](const FrameRequest& request, const FetchedFrame& fetched) {
                       tbb_executor()(6, [&](int) {
                         const int now = ++working;
@@ -127,7 +145,7 @@ TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {
   FrameBuffer buffer(once(20, 4));
   Errors errors;
   Pipeline pipeline(
-      source, buffer, all_parts,
+      source, buffer,
       [&](const FrameRequest& request, const FetchedFrame& fetched) -> Result<SceneFrame> {
         if (request.frame == 12) return fail("no frame");
         return prepare(request, fetched);
@@ -150,7 +168,7 @@ TEST(Pipeline, StopsFetchingWhenItsBufferIsFull) {
   FakeSource source(1000);
   FrameBuffer buffer(once(1000, 5));
   Errors errors;
-  Pipeline pipeline(source, buffer, all_parts, prepare, errors.sink(), {4, 4});
+  Pipeline pipeline(source, buffer, prepare, errors.sink(), {4, 4});
   while (buffer.held() < 6) std::this_thread::sleep_for(milliseconds(1));
   std::this_thread::sleep_for(milliseconds(20));
   EXPECT_EQ(source.fetches, 6);
@@ -161,7 +179,7 @@ TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
   source.delay = std::chrono::microseconds(500);
   FrameBuffer buffer(once(200, 4));
   Errors errors;
-  Pipeline pipeline(source, buffer, all_parts, prepare, errors.sink(), {3, 2});
+  Pipeline pipeline(source, buffer, prepare, errors.sink(), {3, 2});
   std::mt19937 random(5);
   for (int i = 0; i < 100; ++i) {
     const auto target = static_cast<std::uint32_t>(random() % 200);
@@ -181,7 +199,7 @@ TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
   FakeSource source(4000);
   FrameBuffer buffer(once(4000, 4));
   Errors errors;
-  Pipeline pipeline(source, buffer, all_parts,
+  Pipeline pipeline(source, buffer,
                     [](const FrameRequest& request, const FetchedFrame& fetched) {
                       std::this_thread::sleep_for(milliseconds(10));
                       return prepare(request, fetched);
@@ -200,9 +218,9 @@ TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
 
 TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
   FakeSource source(3);
-  FrameBuffer buffer({3, 2, true, DrawMode::surfel});
+  FrameBuffer buffer(once(3, 2));
   Errors errors;
-  Pipeline pipeline(source, buffer, all_parts,
+  Pipeline pipeline(source, buffer,
                     [](const FrameRequest& request, const FetchedFrame& fetched) {
                       auto scene = prepare(request, fetched);
                       scene->cloud.positions.resize(request.mode == DrawMode::voxel ? 2 : 1);
@@ -217,41 +235,110 @@ TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
   }
 }
 
-TEST(Pipeline, FetchesAFrameAgainForALevelThatItLacks) {
+/// Three layers, which end at levels 7, 9 and 10.
+FrameBuffer::Options layered(std::uint32_t frames, std::uint32_t ahead) {
+  FrameBuffer::Options options = once(frames, ahead);
+  options.levels = {7, 9, kWholeFrame};
+  options.store_bytes = 1 << 20;
+  return options;
+}
+
+/// A frame as deep as its layers; damaged ones do not decode.
+Result<SceneFrame> prepare_layers(const FrameRequest& request, const FetchedFrame& fetched) {
+  for (const FetchedLayer& layer : fetched.layers)
+    if (layer.bytes.at(0) != request.frame) return fail("damaged");
+  SceneFrame scene;
+  scene.index = request.frame;
+  scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
+  const int deepest[] = {7, 9, kWholeFrame};
+  scene.level = std::min(request.level, deepest[fetched.layers.size() - 1]);
+  return scene;
+}
+
+TEST(Pipeline, FetchesTheLayersThatAFrameLacks) {
   FakeSource source(3);
-  FrameBuffer buffer({3, 2, true, DrawMode::surfel});
+  source.layered = true;
+  FrameBuffer buffer(layered(3, 2));
   buffer.set_level(7);
   Errors errors;
-  std::mutex mutex;
-  std::multiset<std::uint32_t> layers;
-  Pipeline pipeline(
-      source, buffer,
-      [&](const FrameRequest& request) {
-        const std::lock_guard lock(mutex);
-        layers.insert(request.level <= 7 ? 1 : 2);
-        return FetchRequest{request.level <= 7 ? 1u : 2u, true, true};
-      },
-      [](const FrameRequest& request, const FetchedFrame& fetched) {
-        auto scene = prepare(request, fetched);
-        scene->level = request.level <= 7 ? 7 : 9;
-        return scene;
-      },
-      errors.sink(), {2, 2});
+  Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
   ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->level, 7);
   while (buffer.held() < 3) std::this_thread::sleep_for(milliseconds(1));
   buffer.set_level(8);
-  ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
-  EXPECT_EQ(buffer.best()->level, 9);
-  for (const std::uint32_t frame : {1, 2}) {
+  for (const std::uint32_t frame : {0, 1, 2}) {
     buffer.advance(frame);
     ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+    EXPECT_EQ(buffer.best()->layers, 2u);
   }
-  buffer.set_level(9);  // they have that
   buffer.set_level(5);
   std::this_thread::sleep_for(milliseconds(5));
-  const std::lock_guard lock(mutex);
-  EXPECT_EQ(layers, (std::multiset<std::uint32_t>{1, 1, 1, 2, 2, 2}));
+  const std::lock_guard lock(source.mutex);
+  EXPECT_EQ(source.layers, (std::multiset<std::uint32_t>{0, 0, 0, 1, 1, 1}));
+}
+
+TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
+  FakeSource source(1);
+  source.layered = true;
+  source.damaged_layer = 1;
+  FrameBuffer buffer(layered(1, 0));
+  Errors errors;
+  Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
+  ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->layers, 3u);
+  EXPECT_EQ(pipeline.refetched(), 1u);
+  EXPECT_EQ(pipeline.fetched_bytes(), 4u);
+  EXPECT_TRUE(errors.frames.empty());
+  EXPECT_EQ(source.layers, (std::multiset<std::uint32_t>{0, 1, 1, 2}));
+  EXPECT_EQ(source.fresh, 1);
+}
+
+TEST(Pipeline, ShowsAFrameWithoutTheLayerThatStaysDamaged) {
+  for (const std::uint32_t layer : {0u, 1u, 2u}) {
+    FakeSource source(2);
+    source.layered = true;
+    source.damaged_layer = layer;
+    source.damaged_always = true;
+    FrameBuffer buffer(layered(2, 0));
+    Errors errors;
+    Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
+    ASSERT_EQ(buffer.wait(milliseconds(5000), true),
+              layer == 0 ? FrameBuffer::State::failed : FrameBuffer::State::ready);
+    if (layer > 0) {
+      EXPECT_EQ(buffer.best()->layers, layer);
+    }
+    while (pipeline.errors() == 0) std::this_thread::sleep_for(milliseconds(1));
+    std::this_thread::sleep_for(milliseconds(2));
+    EXPECT_EQ(pipeline.errors(), 1u);
+    const std::lock_guard lock(source.mutex);
+    EXPECT_EQ(source.layers.count(layer), 2u) << "fetched twice, and not again";
+  }
+}
+
+TEST(Pipeline, ShowsTheFrameUnderTheCursorOfADrag) {
+  FakeSource source(200);
+  source.layered = true;
+  source.delay = std::chrono::microseconds(300);
+  FrameBuffer::Options options = layered(200, 4);
+  options.base_first = true;
+  FrameBuffer buffer(options);
+  Errors errors;
+  Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {4, 2});
+  std::mt19937 random(7);
+  for (int i = 0; i < 200; ++i) {
+    const auto cursor = static_cast<std::uint32_t>(random() % 200);
+    buffer.scrub(cursor);
+    if (i % 4 != 0) continue;
+    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.best()->index, cursor);
+    EXPECT_EQ(buffer.best()->layers, 1u);
+    if (i % 40 != 0) continue;
+    buffer.seek(cursor);
+    ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+    EXPECT_EQ(buffer.best()->index, cursor);
+    EXPECT_EQ(buffer.best()->layers, 3u);
+  }
+  EXPECT_TRUE(errors.frames.empty());
 }
 
 TEST(Pipeline, EndsAtOnceInTheMiddleOfAllAndCallsNothingAnError) {
@@ -260,7 +347,7 @@ TEST(Pipeline, EndsAtOnceInTheMiddleOfAllAndCallsNothingAnError) {
     FakeSource source(100);
     source.delay = std::chrono::microseconds(200);
     FrameBuffer buffer(once(100, 10));
-    Pipeline pipeline(source, buffer, all_parts, prepare, errors.sink(), {3, 3});
+    Pipeline pipeline(source, buffer, prepare, errors.sink(), {3, 3});
     std::this_thread::sleep_for(std::chrono::microseconds(150 * i));
   }
   EXPECT_TRUE(errors.frames.empty());

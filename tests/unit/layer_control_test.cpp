@@ -1,0 +1,219 @@
+#include "client/playback/layer_control.h"
+
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+constexpr LayerSet kAll{3, true, true};
+constexpr double kFrame = 1.0 / 30.0;
+
+LayerControl::Situation situation(double now, double fetched) {
+  LayerControl::Situation situation;
+  situation.now = now;
+  situation.frame_seconds = kFrame;
+  situation.fetched = fetched;
+  situation.makeable = situation.made = 1.0;
+  // The base without normals, with them; two layers; three.
+  situation.bytes = {6'000, 10'000, 40'000, 90'000};
+  return situation;
+}
+
+LayerDecision chosen(const LayerControl& control, const LayerSet& top, Limit limit) {
+  return decide(control.caps(), top, limit);
+}
+
+/// A reel that plays over a link, with a buffer of two seconds, ten milliseconds a step.
+struct Playing {
+  LayerControl control{{3, 2, true}};
+  double now = 0.0, buffered = 0.0, bits_per_second = 0.0;
+  double speed = 1.0;
+  double stalled = 0.0;
+  int changes = 0;
+
+  void step() {
+    constexpr double kStep = 0.01;
+    const double seconds = kFrame / speed, room = 2.0 - buffered;
+    const auto before = control.rung();
+    LayerControl::Situation now_is = situation(now, buffered / 2.0);
+    now_is.frame_seconds = seconds;
+    control.update(now_is);
+    changes += control.rung() != before;
+    const double frame_bytes = now_is.bytes[static_cast<std::size_t>(control.rung())];
+    // The link is idle once the buffer is full.
+    const double most = room / seconds * frame_bytes;
+    const double bytes = std::min(bits_per_second / 8.0 * kStep, most);
+    if (bytes > 0.0)
+      control.carried(static_cast<std::uint64_t>(bytes), bytes / (bits_per_second / 8.0));
+    buffered = std::min(2.0, buffered + bytes / frame_bytes * seconds);
+    stalled += buffered < kStep ? kStep : 0.0;
+    buffered = std::max(0.0, buffered - kStep);
+    now += kStep;
+  }
+  void run(double bits, double seconds) {
+    bits_per_second = bits;
+    for (const double end = now + seconds; now < end;) step();
+  }
+};
+
+TEST(RungSet, GoesFromABareBaseToAllLayers) {
+  EXPECT_EQ(rung_set(0, kAll), (LayerSet{1, true, false}));
+  EXPECT_EQ(rung_set(1, kAll), (LayerSet{1, true, true}));
+  EXPECT_EQ(rung_set(2, kAll), (LayerSet{2, true, true}));
+  EXPECT_EQ(rung_set(3, kAll), kAll);
+  EXPECT_EQ(rung_set(9, kAll), kAll);
+}
+
+TEST(RungSet, NeverHoldsWhatTheModeDoesNotDraw) {
+  EXPECT_EQ(rung_set(3, {2, true, false}), (LayerSet{2, true, false}));
+  EXPECT_EQ(rung_set(0, {3, false, true}), (LayerSet{1, false, true})) << "all that there is of it";
+}
+
+TEST(LayerControl, BeginsWithTheBaseAndTakesAllOnceTheLinkIsKnownToCarryIt) {
+  Playing playing;
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none),
+            (LayerDecision{{1, true, true}, Limit::link}));
+  playing.run(100e6, 0.5);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
+  EXPECT_NEAR(playing.control.bytes_per_second(), 12.5e6, 1e5);
+}
+
+TEST(LayerControl, ChoosesTheMostThatEachLinkCarries) {
+  // 30 frames a second of 10, 40 and 90 kB need 2.4, 9.6 and 21.6 Mbit/s.
+  for (const auto& [bits, layers] :
+       {std::pair{3e6, 1u}, {5e6, 1u}, {12e6, 2u}, {20e6, 2u}, {30e6, 3u}, {1e9, 3u}}) {
+    Playing playing;
+    playing.run(bits, 20.0);
+    int as_expected = 0;
+    for (int i = 0; i < 100; ++i) {
+      playing.run(bits, 0.1);
+      as_expected += chosen(playing.control, kAll, Limit::none).set.layers == layers;
+    }
+    EXPECT_GE(as_expected, 70) << bits << ": now and then more is tried";
+  }
+}
+
+TEST(LayerControl, LeavesOutNormalsWhereNotEvenTheBaseIsCarried) {
+  Playing playing;
+  playing.run(1.7e6, 4.0);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none),
+            (LayerDecision{{1, true, false}, Limit::link}));
+}
+
+TEST(LayerControl, FollowsALinkThatGetsWorseAndBetterWithinTwoSecondsAndWithoutAStall) {
+  Playing playing;
+  playing.run(100e6, 10.0);
+  playing.stalled = 0.0;
+  playing.run(5e6, 2.0);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 1u);
+  playing.changes = 0;
+  playing.run(5e6, 18.0);
+  EXPECT_LE(playing.changes, 8) << "a rung more is tried ever more rarely";
+  playing.run(100e6, 2.0);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 3u);
+  playing.changes = 0;
+  playing.run(100e6, 10.0);
+  EXPECT_EQ(playing.changes, 0);
+  EXPECT_EQ(playing.stalled, 0.0);
+}
+
+TEST(LayerControl, KeepsWhatAFullBufferShowsToBeCarriedWhateverWasMeasured) {
+  LayerControl control({3, 2, true});
+  control.carried(1'000'000, 0.1);
+  control.update(situation(0.0, 0.5));
+  EXPECT_EQ(control.rung(), 3);
+  for (int i = 0; i < 50; ++i) control.carried(20'000, 0.04);  // bound by round trips
+  control.update(situation(1.0, 0.95));
+  EXPECT_EQ(control.rung(), 3);
+  control.update(situation(2.0, 0.6));
+  EXPECT_LT(control.rung(), 3);
+}
+
+TEST(LayerControl, TriesMoreThanWasMeasuredWhileTheBufferStaysFull) {
+  LayerControl control({3, 2, true});
+  control.carried(20'000, 0.04);  // 4 Mbit/s
+  for (double now = 0.0; now < 0.9; now += 0.1) control.update(situation(now, 1.0));
+  EXPECT_EQ(control.rung(), 1);
+  for (double now = 1.0; now < 4.0; now += 0.1) control.update(situation(now, 1.0));
+  EXPECT_EQ(control.rung(), 3);
+}
+
+TEST(LayerControl, HasTimeForEverythingWhilePaused) {
+  LayerControl control({3, 2, true});
+  control.carried(10'000, 0.1);
+  LayerControl::Situation paused = situation(0.0, 0.0);
+  paused.playing = false;
+  control.update(paused);
+  EXPECT_EQ(chosen(control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
+  EXPECT_EQ(chosen(control, {2, true, false}, Limit::view),
+            (LayerDecision{{2, true, false}, Limit::view}));
+}
+
+TEST(LayerControl, AsksForLessAtHigherSpeeds) {
+  Playing playing;
+  playing.run(30e6, 4.0);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 3u);
+  playing.speed = 2.0;
+  playing.run(30e6, 4.0);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 2u);
+}
+
+TEST(LayerControl, SaysThatTheViewLimitsWhereTheLinkWouldCarryMore) {
+  Playing playing;
+  playing.run(100e6, 1.0);
+  EXPECT_EQ(chosen(playing.control, {2, true, true}, Limit::view),
+            (LayerDecision{{2, true, true}, Limit::view}));
+}
+
+/// A machine without a link between it and the frames.
+struct Machine {
+  LayerControl control{{3, 2, false}};
+  double now = 0.0;
+
+  /// Frames that take so long, ready or not.
+  void run(std::uint32_t layers, double ms, double made, double seconds) {
+    for (const double end = now + seconds; now < end; now += 0.02) {
+      control.made(layers, ms);
+      LayerControl::Situation is = situation(now, 1.0);
+      is.made = made;
+      control.update(is);
+    }
+  }
+};
+
+TEST(LayerControl, GivesUpALayerThatTheMachineDoesNotMakeInTimeAndTakesItBack) {
+  Machine machine;
+  machine.run(3, 130.0, 0.1, 1.5);
+  EXPECT_EQ(chosen(machine.control, kAll, Limit::none),
+            (LayerDecision{{2, true, true}, Limit::machine}));
+  machine.run(2, 40.0, 1.0, 5.0);
+  EXPECT_EQ(machine.control.machine_layers(), 2u) << "three layers would take 90 ms";
+  machine.run(2, 15.0, 1.0, 1.5);
+  EXPECT_EQ(chosen(machine.control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
+}
+
+TEST(LayerControl, DoesNotBlameTheMachineForWhatTakesNoTime) {
+  Machine machine;
+  machine.run(3, 10.0, 0.1, 3.0);
+  EXPECT_EQ(machine.control.machine_layers(), 3u);
+}
+
+TEST(LayerControl, KeepsAtLeastTheBase) {
+  Machine machine;
+  for (const std::uint32_t layers : {3u, 2u, 1u}) machine.run(layers, 500.0, 0.0, 2.0);
+  EXPECT_EQ(chosen(machine.control, kAll, Limit::none).set.layers, 1u);
+  Playing playing;
+  playing.run(1e3, 4.0);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 1u);
+}
+
+TEST(LayerControl, SaysNothingOfReelsOfFiles) {
+  LayerControl control({1, 2, true});
+  LayerControl::Situation files = situation(0.0, 1.0);
+  files.bytes.clear();
+  control.update(files);
+  EXPECT_EQ(chosen(control, {}, Limit::none).set.layers, 1u);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,281 @@
+#include "client/playback/reel_playback.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "client/source/open_source.h"
+#include "tests/unit/packed_reel.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A package on disk behind a link that the test opens and closes.
+class GatedSource : public Source {
+ public:
+  explicit GatedSource(std::unique_ptr<Source> source) : source_(std::move(source)) {}
+  const Manifest& manifest() const override { return source_->manifest(); }
+  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
+    {
+      std::unique_lock lock(mutex_);
+      while (!open_ && !cancelled_ && !request.stop.stop_requested())
+        changed_.wait_for(lock, milliseconds(1));
+      if (cancelled_ || request.stop.stop_requested()) {
+        ++stopped_;
+        return fail("stopped");
+      }
+      layers_.insert(request.layers);
+    }
+    auto fetched = source_->fetch(frame, request);
+    const std::lock_guard lock(mutex_);
+    if (fetched) use_.bytes += fetched->size();
+    use_.receiving = std::chrono::microseconds(use_.bytes / 100);  // 800 Mbit/s
+    return fetched;
+  }
+  void cancel() override {
+    const std::lock_guard lock(mutex_);
+    cancelled_ = true;
+  }
+  LinkUse link_use() const override {
+    const std::lock_guard lock(mutex_);
+    return use_;
+  }
+  void open(bool open) {
+    const std::lock_guard lock(mutex_);
+    open_ = open;
+    changed_.notify_all();
+  }
+  std::multiset<std::uint32_t> layers() {
+    const std::lock_guard lock(mutex_);
+    return layers_;
+  }
+
+ private:
+  const std::unique_ptr<Source> source_;
+  mutable std::mutex mutex_;
+  LinkUse use_;
+  std::condition_variable changed_;
+  bool open_ = true, cancelled_ = false;
+  int stopped_ = 0;
+  std::multiset<std::uint32_t> layers_;  ///< that each fetch ended with
+};
+
+/// Thirty frames of a ball at ten a second, in three layers, looked at from near.
+class ReelPlaybackTest : public PackTest {
+ protected:
+  static constexpr std::uint32_t kFrames = 30;
+
+  ReelPlaybackTest() {
+    write_frames(kFrames);
+    PackOptions packing = options();
+    OctreeOptions octree;
+    octree.depth = DepthRule::fixed(10);
+    packing.encode.codec = octree;
+    packing.fps = 10.0;
+    packing.segment_frames = 10;
+    EXPECT_TRUE(pack(packing));
+  }
+
+  void start(bool loop = true, double speed = 1.0, std::uint64_t start_us = 0) {
+    auto source = open_source(reel_.string());
+    ASSERT_TRUE(source) << source.error().message;
+    auto gated = std::make_unique<GatedSource>(std::move(*source));
+    source_ = gated.get();
+    ReelPlayback::Options options;
+    options.remote = true;
+    options.loop = loop;
+    options.speed = speed;
+    options.start_us = start_us;
+    Camera camera;
+    camera.frame_bounds(gated->manifest().bounds, 1.0);
+    camera.zoom(0.05);
+    playback_ = std::make_unique<ReelPlayback>(std::move(gated), options, camera, glm::ivec2(2000),
+                                               [](std::uint32_t, const Error&) {});
+  }
+
+  ReelPlayback::Update update() { return playback_->update(now_); }
+  /// Time stands still until it is as `done` says.
+  void until(const std::function<bool(const ReelPlayback::Update&)>& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!done(last_ = update())) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
+      std::this_thread::sleep_for(milliseconds(1));
+      now_ += std::chrono::microseconds(1);
+    }
+  }
+  void until_shown(std::uint32_t frame) {
+    until([&](const auto& update) { return update.frame && update.frame->index == frame; });
+  }
+  void until_whole(std::uint32_t frame) {
+    until([&](const auto& update) {
+      return update.frame && update.frame->index == frame && update.frame->level == kWholeFrame;
+    });
+  }
+  void pass(milliseconds time) { now_ += time; }
+
+  Clock::TimePoint now_{std::chrono::hours(1)};
+  GatedSource* source_ = nullptr;
+  std::unique_ptr<ReelPlayback> playback_;
+  ReelPlayback::Update last_;
+};
+
+TEST_F(ReelPlaybackTest, ShowsEveryFrameForwardAndAcrossTheEndOfTheLoop) {
+  start();
+  until_shown(0);
+  for (std::uint32_t frame = 1; frame < 2 * kFrames; ++frame) {
+    pass(milliseconds(100));
+    until_shown(frame % kFrames);
+  }
+  EXPECT_EQ(playback_->dropped(), 0u);
+  EXPECT_EQ(playback_->errors(), 0u);
+}
+
+TEST_F(ReelPlaybackTest, ShowsEveryFrameBackwardAndAcrossTheStartOfTheLoop) {
+  start(true, -1.0, 550'000);
+  until_shown(5);
+  for (std::uint32_t i = 1; i < 2 * kFrames; ++i) {
+    pass(milliseconds(100));
+    until_shown((5 + 2 * kFrames - i) % kFrames);
+  }
+  EXPECT_EQ(playback_->dropped(), 0u);
+}
+
+TEST_F(ReelPlaybackTest, EndsWithoutLoopInBothDirections) {
+  for (const double speed : {4.0, -4.0}) {
+    start(false, speed, speed > 0.0 ? 2'700'000 : 250'000);
+    until_shown(speed > 0.0 ? 27 : 2);
+    pass(milliseconds(500));
+    until([](const auto& update) { return update.ended; });
+  }
+}
+
+TEST_F(ReelPlaybackTest, TurnsAroundWhereItIs) {
+  start();
+  until_shown(0);
+  pass(milliseconds(1050));
+  until_shown(10);
+  playback_->set_speed(-1.0, now_);
+  pass(milliseconds(100));
+  until_shown(9);
+}
+
+TEST_F(ReelPlaybackTest, GoesToExactFramesWhilePausedAndSteps) {
+  start();
+  until_shown(0);
+  playback_->pause(now_);
+  for (const std::uint32_t frame : {17u, 3u, 29u, 0u}) {
+    playback_->seek(frame * 100'000 + 50'000, now_);
+    until_whole(frame);
+  }
+  playback_->step(-1, now_);
+  until_whole(29);
+  playback_->step(1, now_);
+  playback_->step(1, now_);
+  until_whole(1);
+  pass(std::chrono::seconds(10));
+  until_whole(1);
+}
+
+TEST_F(ReelPlaybackTest, StandsStillWhileTheLinkBringsNothingAndDropsNothing) {
+  start();
+  until_shown(0);
+  source_->open(false);
+  // What was fetched ahead is played, two seconds at most.
+  std::uint32_t frame = 0;
+  for (int i = 0; i < 40; ++i) {
+    pass(milliseconds(100));
+    frame = update().frame->index;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_EQ(playback_->statistics().buffered_seconds, 0.0);
+  pass(milliseconds(700));
+  EXPECT_EQ(update().frame->index, frame);
+  source_->open(true);
+  until([&](const auto&) { return playback_->statistics().stalls == 1; });
+  EXPECT_GT(playback_->statistics().longest_stall_seconds, 0.6);
+  const auto before = playback_->dropped();
+  until_shown((frame + 1) % kFrames);
+  for (std::uint32_t i = 2; i < 20; ++i) {
+    pass(milliseconds(100));
+    until_shown((frame + i) % kFrames);
+  }
+  EXPECT_EQ(playback_->dropped(), before);
+}
+
+TEST_F(ReelPlaybackTest, ShowsTheBaseUnderTheCursorOfADragAndRefinesItAtTheEnd) {
+  start();
+  until_shown(0);
+  playback_->scrub_begin(now_);
+  EXPECT_TRUE(playback_->scrubbing());
+  for (const std::uint32_t frame : {20u, 11u, 28u, 5u}) {
+    playback_->scrub_to(frame * 100'000 + 50'000, now_);
+    until_shown(frame);
+    pass(milliseconds(500));
+    until_shown(frame);
+  }
+  EXPECT_TRUE(playback_->playing()) << "goes on afterwards";
+  playback_->scrub_end(now_);
+  until_shown(5);
+  until([&](const auto& update) { return update.frame->level == kWholeFrame; });
+  pass(milliseconds(100));
+  until_shown(6);
+}
+
+TEST_F(ReelPlaybackTest, AsksForNoMoreThanBasesWhileDragged) {
+  start();
+  until_whole(0);
+  playback_->pause(now_);
+  until([&](const auto&) { return playback_->statistics().buffered_seconds > 1.9; });
+  playback_->scrub_begin(now_);
+  std::this_thread::sleep_for(milliseconds(20));
+  const auto before = source_->layers();
+  playback_->scrub_to(2'550'000, now_);
+  until_shown(25);
+  EXPECT_EQ(last_.frame->layers, 1u);
+  const auto after = source_->layers();
+  EXPECT_EQ(after.count(3), before.count(3));
+  EXPECT_EQ(after.count(1), before.count(1) + 1);
+  playback_->scrub_end(now_);
+  until_whole(25);
+  EXPECT_FALSE(playback_->playing());
+}
+
+TEST_F(ReelPlaybackTest, SaysWhatWasChosenForWhichFramesAndWhy) {
+  start();
+  until_shown(0);
+  playback_->pause(now_);
+  until_whole(0);
+  pass(milliseconds(100));
+  until([&](const auto&) { return !playback_->chosen().empty(); });
+  const auto chosen = playback_->chosen();
+  EXPECT_EQ(chosen.back().decision.set.layers, 3u);
+  EXPECT_EQ(chosen.back().decision.limit, Limit::none);
+  Camera far;
+  far.frame_bounds(playback_->manifest().bounds, 1.0);
+  far.zoom(40.0);
+  playback_->look(far, glm::ivec2(200));
+  EXPECT_EQ(playback_->decision(), (LayerDecision{{1, true, true}, Limit::view}));
+}
+
+TEST_F(ReelPlaybackTest, FetchesAFrameOnceHoweverOftenItIsShown) {
+  start();
+  until_whole(0);
+  for (std::uint32_t frame = 1; frame < kFrames; ++frame) {
+    pass(milliseconds(100));
+    until_whole(frame);
+  }
+  const auto bytes = playback_->statistics().fetched_bytes;
+  for (std::uint32_t frame = 0; frame < 3 * kFrames; ++frame) {
+    pass(milliseconds(100));
+    until_shown(frame % kFrames);
+  }
+  EXPECT_EQ(playback_->statistics().fetched_bytes, bytes);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -19,6 +19,7 @@ std::int64_t unix_time() { return static_cast<std::int64_t>(std::time(nullptr));
 
 /// Reads one request's head: kHead, kRefused, or kEmpty if the connection ended first.
 Task<HeadReader::State> read_head(Transport& transport, HeadReader& reader,
+                                  ConnectionTable::Place& place,
                                   std::chrono::milliseconds patience) {
   bool started = false;
   while (true) {
@@ -26,6 +27,7 @@ Task<HeadReader::State> read_head(Transport& transport, HeadReader& reader,
     if (state == HeadReader::State::kHead || state == HeadReader::State::kRefused) co_return state;
     if (state == HeadReader::State::kPart && !started) {
       started = true;
+      place.busy();
       transport.set_deadline(patience);
     }
     const auto space = reader.space();
@@ -49,8 +51,8 @@ Task<bool> write(Transport& transport, const Response& response, bool keep_alive
 
 }  // namespace
 
-Task<void> serve_connection(std::shared_ptr<Transport> transport, Peer peer, Service& service,
-                            const Limits& limits) {
+Task<void> serve_connection(std::shared_ptr<Transport> transport, ConnectionTable::Place& place,
+                            Peer peer, Service& service, const Limits& limits) {
   if (!co_await transport->handshake()) {
     ++service.metrics().failed_handshakes;
     service.log().write(Log::Level::kDebug, "tls.failed", {{"peer", peer.address}});
@@ -59,8 +61,10 @@ Task<void> serve_connection(std::shared_ptr<Transport> transport, Peer peer, Ser
   }
   HeadReader reader;
   while (true) {
-    const HeadReader::State state = co_await read_head(*transport, reader, limits.header_timeout);
+    const HeadReader::State state =
+        co_await read_head(*transport, reader, place, limits.header_timeout);
     if (state == HeadReader::State::kEmpty) break;
+    place.busy();
     const auto begin = Clock::now();
     const bool refused = state == HeadReader::State::kRefused;
     std::shared_ptr<Wake> wake;
@@ -97,14 +101,20 @@ Task<void> serve_connection(std::shared_ptr<Transport> transport, Peer peer, Ser
       co_await transport->linger();
       break;
     }
+    place.idle(begin);
     transport->set_deadline(limits.idle_timeout);
   }
   transport->close();
 }
 
-Task<void> refuse_connection(std::shared_ptr<Transport> transport) {
+Task<void> refuse_connection(std::shared_ptr<Transport> transport,
+                             ConnectionTable::Refusal refusal) {
+  const bool full = refusal == ConnectionTable::Refusal::kFull;
   const Response response =
-      error_response(503, "too many connections; try again", "Retry-After: 1\r\n");
+      error_response(503,
+                     full ? "too many connections; try again"
+                          : "too many connections from your address; end some of them",
+                     "Retry-After: 1\r\n");
   if (co_await write(*transport, response, false)) co_await transport->linger();
   transport->close();
 }

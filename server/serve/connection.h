@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "server/serve/asio_types.h"
+#include "server/serve/connection_table.h"
 #include "server/serve/limits.h"
 #include "server/serve/peer.h"
 #include "server/serve/service.h"
@@ -12,10 +13,12 @@
 namespace pointreel {
 
 /// Answers requests until the peer ends, errs or stalls, or goes on as a WebSocket and ends that.
-Task<void> serve_connection(std::shared_ptr<Transport> transport, Peer peer, Service& service,
-                            const Limits& limits);
+/// `place` lives as long as the transport.
+Task<void> serve_connection(std::shared_ptr<Transport> transport, ConnectionTable::Place& place,
+                            Peer peer, Service& service, const Limits& limits);
 
 /// Tells a connection that there is no room for it.
-Task<void> refuse_connection(std::shared_ptr<Transport> transport);
+Task<void> refuse_connection(std::shared_ptr<Transport> transport,
+                             ConnectionTable::Refusal refusal);
 
 }  // namespace pointreel

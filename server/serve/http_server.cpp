@@ -11,11 +11,13 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <fmt/format.h>
 
 #include "server/serve/asio_types.h"
 #include "server/serve/connection.h"
+#include "server/serve/connection_table.h"
 #include "server/serve/tls.h"
 #include "server/serve/transport.h"
 
@@ -25,14 +27,16 @@ namespace {
 /// Connections that are being told that the table is full. Beyond it they are closed unheard.
 constexpr std::size_t kMaxRefusals = 64;
 constexpr std::chrono::milliseconds kAcceptPause{100};
+/// Between two lines that say that there is no room.
+constexpr std::chrono::seconds kWarningPause{10};
 
 /// A count that is given back when the owner ends.
-class Place {
+class Count {
  public:
-  explicit Place(std::atomic<std::size_t>& count) : count_(&count) { ++*count_; }
-  Place(Place&& other) noexcept : count_(std::exchange(other.count_, nullptr)) {}
-  Place& operator=(Place&&) = delete;
-  ~Place() {
+  explicit Count(std::atomic<std::size_t>& count) : count_(&count) { ++*count_; }
+  Count(Count&& other) noexcept : count_(std::exchange(other.count_, nullptr)) {}
+  Count& operator=(Count&&) = delete;
+  ~Count() {
     if (count_ != nullptr) --*count_;
   }
 
@@ -44,18 +48,29 @@ class Place {
 
 struct HttpServer::State {
   State(Catalog catalog, const HttpServerOptions& wanted, Relay* relay)
-      : options(wanted), service(std::move(catalog), relay, wanted.service) {
-    service.open_connections = [this] { return connections.load(); };
+      : options(wanted),
+        service(std::move(catalog), relay, wanted.service, wanted.requests_per_second),
+        table(wanted.max_connections, wanted.max_connections_per_address) {
+    service.watch(table);
   }
 
   Task<void> accept();
   void admit(Socket socket);
+  void refuse(std::shared_ptr<Transport> transport, const Peer& peer,
+              ConnectionTable::Refusal refusal);
+  /// Null if there is no memory for TLS.
+  std::unique_ptr<Transport> transport_on(Socket socket);
+  void watch(const std::shared_ptr<Transport>& transport) {
+    asio::co_spawn(transport->executor(), Transport::watch(transport), asio::detached);
+  }
 
   HttpServerOptions options;
   Service service;
   std::optional<TlsContext> tls;
   ListenAddress address;
-  std::atomic<std::size_t> connections{0}, refusals{0};
+  ConnectionTable table;
+  std::atomic<std::size_t> refusals{0};
+  Clock::time_point warned{};  ///< of connections that were refused; on the acceptor's strand
   // Its end ends the coroutines and so closes their sockets.
   std::optional<asio::io_context> context{std::in_place};
   std::optional<Acceptor> acceptor{asio::make_strand(*context)};
@@ -80,6 +95,13 @@ Task<void> HttpServer::State::accept() {
   }
 }
 
+std::unique_ptr<Transport> HttpServer::State::transport_on(Socket socket) {
+  std::unique_ptr<TlsSession> session;
+  if (tls && !(session = tls->session(socket.native_handle()))) return nullptr;
+  return std::make_unique<Transport>(std::move(socket), std::move(session), options.header_timeout,
+                                     options.stall_timeout);
+}
+
 void HttpServer::State::admit(Socket socket) {
   error_code error;
   const auto endpoint = socket.remote_endpoint(error);
@@ -88,26 +110,49 @@ void HttpServer::State::admit(Socket socket) {
   Peer peer = peer_of(
       (from.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, from.to_v4()) : from.to_v6())
           .to_bytes());
-  const bool full = connections >= options.max_connections;
-  ++(full ? service.metrics().refused_full : service.metrics().connections);
-  if (full && refusals >= kMaxRefusals) return;
-  std::unique_ptr<TlsSession> session;
-  if (tls && !(session = tls->session(socket.native_handle()))) return;
-  struct Placed {  // what is declared first ends last
-    Place place;
-    Transport transport;
+  auto transport = transport_on(std::move(socket));
+  if (!transport) return;
+  struct Admitted {  // what is declared first ends last
+    std::optional<ConnectionTable::Place> place;
+    std::unique_ptr<Transport> transport;
   };
-  const auto placed =
-      std::make_shared<Placed>(Place(full ? refusals : connections),
-                               Transport(std::move(socket), std::move(session),
-                                         options.header_timeout, options.stall_timeout));
-  const std::shared_ptr<Transport> transport(placed, &placed->transport);
+  const auto admitted = std::make_shared<Admitted>();
+  admitted->transport = std::move(transport);
+  const std::shared_ptr<Transport> shared(admitted, admitted->transport.get());
+  auto place = table.admit(peer, [executor = shared->executor(), weak = std::weak_ptr(shared)] {
+    asio::post(executor, [weak] {
+      if (const auto idle = weak.lock()) idle->close();
+    });
+  });
+  if (!place) return refuse(shared, peer, place.error());
+  admitted->place.emplace(*std::move(place));
+  ++service.metrics().connections;
   // Both on the strand from their first step on.
-  asio::co_spawn(transport->executor(), Transport::watch(transport), asio::detached);
-  asio::co_spawn(transport->executor(),
-                 full ? refuse_connection(transport)
-                      : serve_connection(transport, std::move(peer), service, options),
+  watch(shared);
+  asio::co_spawn(shared->executor(),
+                 serve_connection(shared, *admitted->place, std::move(peer), service, options),
                  asio::detached);
+}
+
+void HttpServer::State::refuse(std::shared_ptr<Transport> transport, const Peer& peer,
+                               ConnectionTable::Refusal refusal) {
+  const bool full = refusal == ConnectionTable::Refusal::kFull;
+  ++(full ? service.metrics().refused_full : service.metrics().refused_address);
+  if (const auto now = Clock::now(); now >= warned + kWarningPause) {
+    warned = now;
+    service.log().write(
+        Log::Level::kWarning, full ? "connections.full" : "connections.address",
+        {{"peer", peer.address}, {"open", static_cast<std::int64_t>(table.count())}});
+  }
+  if (refusals >= kMaxRefusals) return;
+  struct Refused {
+    Count count;
+    std::shared_ptr<Transport> transport;
+  };
+  const auto refused = std::make_shared<Refused>(Count(refusals), std::move(transport));
+  const std::shared_ptr<Transport> shared(refused, refused->transport.get());
+  watch(shared);
+  asio::co_spawn(shared->executor(), refuse_connection(shared, refusal), asio::detached);
 }
 
 HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -116,7 +161,7 @@ HttpServer::~HttpServer() { stop(); }
 
 const ListenAddress& HttpServer::address() const { return state_->address; }
 
-std::size_t HttpServer::connection_count() const { return state_->connections; }
+std::size_t HttpServer::connection_count() const { return state_->table.count(); }
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
                                                       const HttpServerOptions& options,

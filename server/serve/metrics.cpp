@@ -122,7 +122,8 @@ std::string write_metrics(const Metrics& metrics, const Gauges& gauges) {
   page.value(number(metrics.refused_full), "reason=\"full\"");
   page.value(number(metrics.refused_address), "reason=\"address\"");
   page.one("pointreel_connections_evicted_total", "counter",
-           "Idle connections that were closed to make room.", number(metrics.evicted));
+           "Idle connections that were closed to make room.",
+           static_cast<double>(gauges.evicted_connections));
   page.one("pointreel_tls_failed_handshakes_total", "counter",
            "Connections that did not get through TLS's handshake.",
            number(metrics.failed_handshakes));

@@ -28,7 +28,6 @@ struct Metrics {
   Count connections{0};             ///< that were accepted and given a place
   Count refused_full{0};            ///< connections for which there was no place at all
   Count refused_address{0};         ///< connections of an address that had enough
-  Count evicted{0};                 ///< idle connections that made room
   Count failed_handshakes{0};       ///< of TLS
   Count limited_requests{0};        ///< that came too fast
   Count viewers{0}, publishers{0};  ///< live sessions that began
@@ -36,7 +35,7 @@ struct Metrics {
 
 /// What is so now.
 struct Gauges {
-  std::size_t open_connections = 0;
+  std::size_t open_connections = 0, evicted_connections = 0;
   std::vector<StreamStatistics> streams;
 };
 

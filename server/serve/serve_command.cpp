@@ -111,8 +111,19 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--max-connections", arguments->options.max_connections,
-                   "Connections at a time; one more is answered with 503")
+                   "Connections at a time; for one more an idle one goes, or it gets 503")
       ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command
+      ->add_option("--max-connections-per-address", arguments->options.max_connections_per_address,
+                   "Of these, of one address; all who come through one proxy have one")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command
+      ->add_option("--max-requests", arguments->options.requests_per_second,
+                   "Requests a second of one address, beyond which 429 is answered; 0: any number")
+      ->check(CLI::Range(0.0, 1e9))
+      ->type_name("RATE")
       ->capture_default_str();
   command->add_flag("--live", arguments->live,
                     "Relay live streams, too: pointreel-server publish sends them");

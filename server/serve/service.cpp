@@ -39,10 +39,12 @@ Response token_wanted() {
 
 }  // namespace
 
-Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options)
+Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options,
+                 double requests_per_second)
     : catalog_(std::move(catalog)),
       relay_(relay),
       access_(options.view_token, options.publish_token),
+      rate_(requests_per_second),
       log_(options.log) {}
 
 std::variant<Response, LiveCall> Service::answer(const Request& request, const Peer& peer,
@@ -57,6 +59,10 @@ std::variant<Response, LiveCall> Service::answer(const Request& request, const P
 
 std::variant<Response, LiveCall> Service::decide(const Request& request, const Peer& peer,
                                                  std::function<void()> wake) {
+  if (rate_.limits() && !rate_.allow(peer.network, RateLimiter::Clock::now())) {
+    metrics_.limited_requests.fetch_add(1, std::memory_order_relaxed);
+    return error_response(429, "too many requests; wait a second", "Retry-After: 1\r\n");
+  }
   auto path = path_of(request);
   if (!path) return std::move(path.error());
   if (*path == "/healthz") return respond(catalog_, *path, request);
@@ -111,7 +117,10 @@ Response Service::refuse(Response refusal) {
 
 Response Service::metrics_page() const {
   Gauges gauges;
-  gauges.open_connections = open_connections();
+  if (table_ != nullptr) {
+    gauges.open_connections = table_->count();
+    gauges.evicted_connections = table_->evicted();
+  }
   if (relay_ != nullptr) gauges.streams = relay_->statistics();
   Response response;
   response.own_text = write_metrics(metrics_, gauges);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -10,9 +9,11 @@
 #include "server/live/relay.h"
 #include "server/serve/access.h"
 #include "server/serve/catalog.h"
+#include "server/serve/connection_table.h"
 #include "server/serve/log.h"
 #include "server/serve/metrics.h"
 #include "server/serve/peer.h"
+#include "server/serve/rate_limiter.h"
 #include "server/serve/responder.h"
 
 /// All that the server does, without a socket: who may have what, and what the answer is.
@@ -33,7 +34,8 @@ struct LiveCall {
 class Service {
  public:
   /// `relay` may be null: there are no live streams. Else it must outlive the service.
-  Service(Catalog catalog, Relay* relay, const ServiceOptions& options);
+  Service(Catalog catalog, Relay* relay, const ServiceOptions& options,
+          double requests_per_second = 0);
 
   /// Safe from any thread. `wake` is for a viewer, see Relay::join.
   std::variant<Response, LiveCall> answer(const Request& request, const Peer& peer,
@@ -45,7 +47,7 @@ class Service {
   Log& log() { return log_; }
   Relay* relay() { return relay_; }
   /// What /metrics says of connections comes from here; set before the first answer.
-  std::function<std::size_t()> open_connections = [] { return std::size_t{0}; };
+  void watch(const ConnectionTable& table) { table_ = &table; }
 
  private:
   std::variant<Response, LiveCall> decide(const Request& request, const Peer& peer,
@@ -57,6 +59,8 @@ class Service {
   Catalog catalog_;
   Relay* relay_;
   Access access_;
+  RateLimiter rate_;
+  const ConnectionTable* table_ = nullptr;
   Log log_;
   Metrics metrics_;
 };

@@ -37,6 +37,7 @@ class HttpServerTest : public testing::Test {
 
   void start(HttpServerOptions options = {}) {
     options.listen.port = 0;
+    options.service.log = Log::Level::kOff;
     if (options.threads == 0) options.threads = 2;
     auto catalog = Catalog::load({reel_});
     ASSERT_TRUE(catalog) << catalog.error().message;
@@ -363,8 +364,10 @@ TEST_F(HttpServerTest, tells_one_connection_too_many_and_recovers) {
   std::vector<std::unique_ptr<RawHttpClient>> clients;
   for (int i = 0; i < 8; ++i) {
     clients.push_back(std::make_unique<RawHttpClient>(port()));
-    ASSERT_EQ(clients.back()->get("/healthz").status, 200);
+    // In the middle of a request, so that none is idle.
+    ASSERT_TRUE(clients.back()->send("GET /healthz HTTP/1.1\r\n"));
   }
+  ASSERT_TRUE(soon([&] { return server_->connection_count() == 8; }));
   for (int i = 0; i < 200; ++i) {
     RawHttpClient refused(port());
     const Answer answer = refused.get("/healthz");
@@ -372,10 +375,99 @@ TEST_F(HttpServerTest, tells_one_connection_too_many_and_recovers) {
     EXPECT_EQ(answer.field("retry-after"), "1");
     EXPECT_TRUE(refused.ends());
   }
-  for (const auto& client : clients) EXPECT_EQ(client->get("/walk/0.base.prs").body, base_);
+  for (const auto& client : clients) {
+    client->send("Host: test\r\n\r\n");
+    EXPECT_EQ(client->read_answer().body, "ok\n");
+  }
   EXPECT_EQ(server_->connection_count(), 8u);
   clients.pop_back();
   EXPECT_TRUE(soon([&] { return get("/healthz").status == 200; }));
+}
+
+TEST_F(HttpServerTest, lets_the_connection_go_that_has_been_idle_for_longest_when_it_is_full) {
+  HttpServerOptions options;
+  options.max_connections = 3;
+  start(options);
+  RawHttpClient oldest(port()), busy(port()), newest(port());
+  ASSERT_EQ(busy.get("/healthz").status, 200);
+  ASSERT_EQ(oldest.get("/healthz").status, 200);
+  ASSERT_EQ(newest.get("/healthz").status, 200);
+  ASSERT_TRUE(busy.send("GET /healthz HTTP/1.1\r\n"));
+  std::this_thread::sleep_for(100ms);  // that it is busy must have come there
+  EXPECT_EQ(get("/healthz").status, 200);
+  EXPECT_TRUE(oldest.ends());
+  EXPECT_EQ(newest.get("/healthz").status, 200);
+  busy.send("Host: test\r\n\r\n");
+  EXPECT_EQ(busy.read_answer().status, 200);
+  EXPECT_THAT(newest.get("/metrics").body, HasSubstr("pointreel_connections_evicted_total 1\n"));
+}
+
+TEST_F(HttpServerTest, bounds_what_one_address_may_have) {
+  HttpServerOptions options;
+  options.max_connections_per_address = 2;
+  options.requests_per_second = 20;
+  start(options);
+  RawHttpClient first(port()), second(port());
+  ASSERT_TRUE(first.send("GET /healthz HTTP/1.1\r\n") && second.send("GET "));
+  ASSERT_TRUE(soon([&] { return server_->connection_count() == 2; }));
+  const Answer refused = get("/healthz");
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_THAT(refused.body, HasSubstr("from your address"));
+  first.send("Host: test\r\n\r\n");
+  ASSERT_EQ(first.read_answer().status, 200);
+  int limited = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Answer answer = first.get("/walk/0.base.prs", "Range: bytes=0-0\r\n");
+    if (answer.status == 429) {
+      ++limited;
+      EXPECT_EQ(answer.field("retry-after"), "1");
+    } else {
+      EXPECT_EQ(answer.status, 206);
+    }
+  }
+  EXPECT_GT(limited, 0);
+  EXPECT_TRUE(soon([&] { return first.get("/healthz").status == 200; })) << "after a while";
+}
+
+TEST_F(HttpServerTest, keeps_what_tokens_guard_from_others_and_from_shared_caches) {
+  HttpServerOptions options;
+  options.service.view_token = "geheim";
+  start(options);
+  RawHttpClient client(port());
+  for (const char* target : {"/", "/walk/reel.json", "/walk/0.base.prs", "/missing", "/metrics"}) {
+    for (const char* wrong : {"", "Authorization: Bearer geheim1\r\n",
+                              "Authorization: Bearer gehei\r\n", "Authorization: geheim\r\n",
+                              "Authorization: Basic geheim\r\n", "Authorization: Bearer\r\n"}) {
+      const Answer answer = client.get(target, wrong);
+      EXPECT_EQ(answer.status, 401) << target << " " << wrong;
+      EXPECT_THAT(answer.field("www-authenticate"), StartsWith("Bearer"));
+    }
+  }
+  EXPECT_EQ(client.get("/healthz").status, 200);
+  EXPECT_EQ(client.request("OPTIONS", "/walk/0.base.prs").status, 204) << "preflights have none";
+  const Answer given = client.get("/walk/0.base.prs", "authorization: bearer  geheim \r\n");
+  EXPECT_EQ(given.status, 200);
+  EXPECT_EQ(given.field("cache-control"), "private, max-age=31536000, immutable");
+}
+
+TEST_F(HttpServerTest, tells_prometheus_what_it_did) {
+  start();
+  RawHttpClient client(port());
+  client.get("/walk/0.base.prs");
+  client.get("/walk/0.base.prs");
+  client.get("/missing");
+  const Answer answer = client.get("/metrics");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.field("content-type"), "text/plain; version=0.0.4; charset=utf-8");
+  EXPECT_EQ(answer.field("cache-control"), "no-store");
+  for (const char* line :
+       {"pointreel_http_responses_total{status=\"200\"} 2\n",
+        "pointreel_http_responses_total{status=\"404\"} 1\n",
+        "# TYPE pointreel_http_responses_total counter\n", "pointreel_http_body_bytes_total 2044\n",
+        "pointreel_connections 1\n", "process_resident_memory_bytes "}) {
+    EXPECT_THAT(answer.body, HasSubstr(line));
+  }
+  EXPECT_EQ(client.request("HEAD", "/metrics").body, "");
 }
 
 TEST_F(HttpServerTest, keeps_answering_when_far_too_many_connect_at_once) {
@@ -383,11 +475,13 @@ TEST_F(HttpServerTest, keeps_answering_when_far_too_many_connect_at_once) {
   options.max_connections = 4;
   start(options);
   RawHttpClient kept(port());
-  ASSERT_EQ(kept.get("/healthz").status, 200);
+  ASSERT_TRUE(kept.send("GET /walk/0.base.prs HTTP/1.1\r\n"));
+  ASSERT_TRUE(soon([&] { return server_->connection_count() == 1; }));
   {
     std::vector<std::unique_ptr<RawHttpClient>> silent;
     for (int i = 0; i < 200; ++i) silent.push_back(std::make_unique<RawHttpClient>(port()));
-    EXPECT_EQ(kept.get("/walk/0.base.prs").body, base_);
+    kept.send("Host: test\r\n\r\n");
+    EXPECT_EQ(kept.read_answer().body, base_);
     EXPECT_LE(server_->connection_count(), 4u);
   }
   EXPECT_TRUE(soon([&] { return get("/healthz").status == 200; }));

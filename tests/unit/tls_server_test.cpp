@@ -33,6 +33,7 @@ class TlsServerTest : public testing::Test {
     options_.certificate = certificate_.certificate;
     options_.key = certificate_.key;
     options_.threads = 2;
+    options_.service.log = Log::Level::kOff;
     options_.listen.port = 0;
   }
   void start() {

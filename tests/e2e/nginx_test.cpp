@@ -1,0 +1,179 @@
+// Packages behind nginx, as server/nginx/*.conf say, play as they do from their folder.
+
+#include "tests/nginx/nginx.h"
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/cloud/ply.h"
+#include "common/net/websocket.h"
+#include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
+#include "tests/unit/raw_http_client.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Answer = RawHttpClient::Answer;
+
+std::string content(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The number behind `name` in a page of metrics.
+double metric(const std::string& page, const std::string& name) {
+  const auto at = page.find("\n" + name + " ");
+  return at == std::string::npos ? -1.0 : std::stod(page.substr(at + name.size() + 2));
+}
+
+class NginxTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!Nginx::installed()) GTEST_SKIP() << "nginx is not installed: apt-get install nginx";
+    fs::create_directories(folder_ / "in");
+    fs::create_directories(folder_ / "reels");
+    for (int frame = 0; frame < 3; ++frame) {
+      PointCloud cloud;
+      for (int i = 0; i < 60'000; ++i) {
+        cloud.positions.push_back(
+            {0.001f * static_cast<float>(i % 245), 0.001f * static_cast<float>(i / 245),
+             0.05f * static_cast<float>(frame) + 0.0001f * static_cast<float>((i * 7919) % 977)});
+        cloud.colors.push_back(glm::u16vec3(i % 65536, 65535 - i % 65536, 20'000 * frame));
+      }
+      ASSERT_TRUE(write_ply(folder_ / fmt::format("in/{}.ply", frame), cloud));
+    }
+    const Outcome packed =
+        run("pointreel-server", {"pack", "-i", (folder_ / "in").string(), "-o",
+                                 (folder_ / "reels" / "wall").string(), "--depth", "10"});
+    ASSERT_EQ(packed.exit_code, 0) << packed.err;
+    for (const auto& entry : fs::directory_iterator(folder_ / "reels" / "wall")) {
+      const std::string name = entry.path().filename().string();
+      if (name.find(".base.") != std::string::npos) base_ = name;
+    }
+    ASSERT_FALSE(base_.empty());
+  }
+
+  std::string picture(const std::string& source, const std::string& name) {
+    const std::string file = (folder_ / name).string();
+    const Outcome played = run("pointreel", {"play", source, "--mode", "point", "--offscreen",
+                                             "200x150", "--at", "0.05", "--screenshot", file});
+    EXPECT_EQ(played.exit_code, 0) << source << ": " << played.err;
+    return content(file);
+  }
+
+  TemporaryFolder folder_;
+  std::string base_;
+};
+
+TEST_F(NginxTest, packages_play_from_plain_nginx_as_from_their_folder) {
+  const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t port) {
+    return nginx_configuration("packages.conf",
+                               {{"listen 80;", fmt::format("listen 127.0.0.1:{};", port)},
+                                {"/srv/pointreel", (folder_ / "reels").string()}});
+  });
+  ASSERT_TRUE(nginx) << nginx.error().message;
+  const std::string url = fmt::format("http://127.0.0.1:{}/wall/reel.json", (*nginx)->port());
+  const std::string there = picture(url, "there.png");
+  EXPECT_FALSE(there.empty());
+  EXPECT_EQ(there, picture((folder_ / "reels" / "wall").string(), "here.png"));
+
+  RawHttpClient client((*nginx)->port());
+  const Answer part = client.get("/wall/" + base_, "Range: bytes=10-99\r\n");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, content(folder_ / "reels" / "wall" / base_).substr(10, 90));
+  EXPECT_EQ(part.field("cache-control"), "public, max-age=31536000, immutable");
+  EXPECT_EQ(part.field("access-control-allow-origin"), "*");
+  EXPECT_THAT(part.field("access-control-expose-headers"), HasSubstr("Content-Range"));
+  const Answer manifest = client.get("/wall/reel.json");
+  EXPECT_EQ(manifest.field("cache-control"), "no-cache");
+  EXPECT_EQ(manifest.field("content-type"), "application/json");
+  EXPECT_EQ(
+      client.get("/wall/reel.json", "If-None-Match: " + manifest.field("etag") + "\r\n").status,
+      304);
+  EXPECT_EQ(client.request("OPTIONS", "/wall/" + base_, "Origin: http://example.org\r\n").status,
+            204);
+  EXPECT_EQ(client.request("DELETE", "/wall/" + base_).status, 403);
+  std::ofstream(folder_ / "reels" / "wall" / "notes") << "secret";
+  for (const char* target : {"/wall/notes", "/wall/", "/", "/wall/../../nginx/nginx.conf"}) {
+    EXPECT_GE(RawHttpClient((*nginx)->port()).get(target).status, 400) << target;
+  }
+}
+
+TEST_F(NginxTest, keeps_what_it_fetched_and_passes_live_streams_on) {
+  Background server("pointreel-server", {"serve", (folder_ / "reels" / "wall").string(), "--live",
+                                         "--listen", "127.0.0.1:0"});
+  const std::string line = server.first_line();
+  const auto port = static_cast<std::uint16_t>(std::atoi(line.substr(line.rfind(':') + 1).c_str()));
+  ASSERT_NE(port, 0) << line;
+  const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t own) {
+    return nginx_configuration("live.conf",
+                               {{"listen 80;", fmt::format("listen 127.0.0.1:{};", own)},
+                                {"127.0.0.1:8090", fmt::format("127.0.0.1:{}", port)},
+                                {"/var/cache/nginx-pointreel", (folder_ / "cache").string()}});
+  });
+  ASSERT_TRUE(nginx) << nginx.error().message;
+  const std::uint16_t front = (*nginx)->port();
+  EXPECT_EQ(picture(fmt::format("http://127.0.0.1:{}/wall/reel.json", front), "there.png"),
+            picture((folder_ / "reels" / "wall").string(), "here.png"));
+
+  const auto asked = [&] {
+    const std::string page = RawHttpClient(port).get("/metrics").body;
+    return metric(page, "pointreel_http_responses_total{status=\"206\"}");
+  };
+  const std::string bytes = content(folder_ / "reels" / "wall" / base_);
+  RawHttpClient client(front);
+  EXPECT_EQ(client.get("/wall/" + base_, "Range: bytes=1-2\r\n").body, bytes.substr(1, 2));
+  const double before = asked();
+  for (std::size_t i = 0; i < 50; ++i) {
+    const Answer answer =
+        client.get("/wall/" + base_, fmt::format("Range: bytes={}-{}\r\n", i, i + 100));
+    EXPECT_EQ(answer.status, 206);
+    EXPECT_EQ(answer.field("content-range"),
+              fmt::format("bytes {}-{}/{}", i, i + 100, bytes.size()));
+    EXPECT_TRUE(answer.body == bytes.substr(i, 101));
+    EXPECT_EQ(answer.field("x-cache"), "HIT");
+  }
+  EXPECT_EQ(asked(), before) << "nginx needs to ask the server for nothing more";
+  EXPECT_EQ(client.get("/metrics").status, 403);
+
+  // Live: the publisher goes to the server, viewers come through nginx.
+  Background publisher("pointreel-server", {"publish", "-i", (folder_ / "in").string(), "--to",
+                                            fmt::format("ws://127.0.0.1:{}/live/stage", port),
+                                            "--fps", "10", "--loop"});
+  WebSocketOptions options;
+  options.silence_timeout = 20s;
+  tl::expected<std::unique_ptr<WebSocket>, ConnectError> viewer = tl::unexpected(ConnectError{});
+  const std::string url = fmt::format("ws://127.0.0.1:{}/live/stage", front);
+  for (int i = 0; i < 400 && !viewer; ++i, std::this_thread::sleep_for(50ms)) {
+    viewer = WebSocket::connect(url, options);
+  }
+  ASSERT_TRUE(viewer) << viewer.error().message;
+  int layers = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto message = (*viewer)->receive(20s);
+    ASSERT_TRUE(message) << message.error().message;
+    ASSERT_TRUE(*message);
+    layers += (*message)->kind == WebSocket::Kind::binary ? 1 : 0;
+  }
+  EXPECT_GT(layers, 10);
+  const auto denied = WebSocket::connect(url + "2?publish", options);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().status, 403) << "who comes through nginx is not from this machine";
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

@@ -70,8 +70,7 @@ class TroubleLines {
     for (std::size_t i = 0; i < stage.size(); ++i) {
       const Playback& playback = stage.playback(i);
       const std::optional<std::string> trouble = playback.trouble();
-      if (trouble && trouble != said_[i])
-        fmt::print(stderr, "pointreel: {}: {}\n", playback.name(), *trouble);
+      if (trouble && trouble != said_[i]) fmt::print(stderr, "pointreel: {}\n", *trouble);
       if (!trouble && said_[i]) fmt::print(stderr, "pointreel: {}: goes on\n", playback.name());
       said_[i] = trouble;
     }

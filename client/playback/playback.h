@@ -38,7 +38,7 @@ class Playback {
   virtual void set_mode(DrawMode mode) = 0;
   virtual Update update(Clock::TimePoint now) = 0;
 
-  /// What is wrong while nothing comes, in one line.
+  /// What is wrong while nothing comes, and where, in one line.
   virtual std::optional<std::string> trouble() const = 0;
   /// Frames whose time came and went without them.
   virtual std::uint64_t dropped() const = 0;

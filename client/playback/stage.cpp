@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
-#include "client/source/websocket_live_source.h"
 
 namespace pointreel {
 namespace {
@@ -20,6 +20,14 @@ void grow(Box& box, const Box& other, const glm::dvec3& place) {
 Camera moved(Camera camera, const glm::dvec3& place) {
   camera.target -= place;
   return camera;
+}
+
+/// NAME of .../live/NAME or .../live/NAME/reel.json.
+std::string stream_name(const std::string& address) {
+  const std::size_t begin = address.find("/live/");
+  if (begin == std::string::npos) return address;
+  const std::string name = address.substr(begin + 6);
+  return name.substr(0, name.find('/'));
 }
 
 }  // namespace
@@ -40,7 +48,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::string& where = sources[i].where;
     if (is_live_address(where)) {
-      auto stream = open_websocket_live_source(where, options.source);
+      auto stream = open_live_source(where, options.source);
       if (!stream) return tl::unexpected(stream.error());
       streams[i] = *std::move(stream);
       continue;
@@ -70,8 +78,8 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
       part.reel = playback.get();
       part.playback = std::move(playback);
     } else {
-      auto playback = std::make_unique<LivePlayback>(std::move(streams[i]), sources[i].where,
-                                                     options.live, broken);
+      auto playback = std::make_unique<LivePlayback>(
+          std::move(streams[i]), stream_name(sources[i].where), options.live, broken);
       part.live = playback.get();
       part.playback = std::move(playback);
     }

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   options.scratch = name;
 
   const std::vector<std::pair<const char*, Outcome (*)(const Options&)>> scenarios = {
-      {"play a reel", play_reel}};
+      {"play a reel", play_reel}, {"watch live", watch_live}};
   std::vector<Outcome> outcomes(scenarios.size());
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < scenarios.size(); ++i) {

@@ -1,0 +1,214 @@
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "client/playback/live_playback.h"
+#include "client/source/open_live_source.h"
+#include "server/live/publisher.h"
+#include "server/live/relay.h"
+#include "server/serve/http_server.h"
+#include "tests/soak/scenario.h"
+
+namespace pointreel::soak {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+/// Each frame is known by its number of points, which follows from when it was captured.
+std::uint32_t points_of(std::uint64_t capture_us) {
+  return 300 + static_cast<std::uint32_t>(capture_us % 997);
+}
+
+PointCloud cloud_of(std::uint32_t points) {
+  PointCloud cloud;
+  for (std::uint32_t i = 0; i < points; ++i) {
+    const double angle = 2.399963 * i, z = 1.0 - 2.0 * (i + 0.5) / points;
+    const double r = std::sqrt(1.0 - z * z);
+    cloud.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    cloud.colors.emplace_back(257 * (i % 256), 30'000, 20'000);
+  }
+  return cloud;
+}
+
+/// Fifty a second, for ever.
+class Camera50 : public FrameInput {
+ public:
+  Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
+    next_us_ = std::max(next_us_ + 20'000, clock_.now_us());
+    clock_.wait_until(next_us_, stop);
+    if (stop.stop_requested()) return std::optional<InputFrame>();
+    LoadedCloud loaded;
+    loaded.cloud = cloud_of(points_of(next_us_));
+    return InputFrame{"camera", next_us_, std::move(loaded)};
+  }
+  std::uint64_t skipped() const override { return 0; }
+
+ private:
+  const LiveClock clock_ = LiveClock::system();
+  std::uint64_t next_us_ = 0;
+};
+
+/// A publisher in a thread of its own, until it is destroyed.
+class PublishThread {
+ public:
+  explicit PublishThread(const std::string& url) {
+    options_.name = "soak";
+    options_.fps = 50.0;
+    OctreeOptions octree;
+    octree.entropy = Entropy::zstd;
+    octree.depth = DepthRule::fixed(11);
+    options_.encode.codec = octree;
+    options_.outbox.url = url;
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      Camera50 camera;
+      const auto ended = publish(camera, options_, {{}, stop});
+      if (!ended) error_ = ended.error();
+    });
+  }
+  /// Why it ended by itself.
+  std::optional<Error> end() {
+    thread_.request_stop();
+    thread_.join();
+    return error_;
+  }
+
+ private:
+  PublishOptions options_;
+  std::optional<Error> error_;  // of the thread, until it has ended
+  std::jthread thread_;
+};
+
+/// A viewer behind a link of its own.
+class Watcher {
+ public:
+  static Result<std::unique_ptr<Watcher>> join(std::uint16_t port) {
+    auto watcher = std::make_unique<Watcher>();
+    auto link = LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", port)});
+    if (!link) return tl::unexpected(link.error());
+    watcher->link_ = *std::move(link);
+    auto source =
+        open_live_source("ws://" + watcher->link_->address() + "/live/soak", SourceOptions{});
+    if (!source) return tl::unexpected(source.error());
+    LivePlayback::Options options;
+    options.mode = DrawMode::point;
+    watcher->playback_ = std::make_unique<LivePlayback>(*std::move(source), "soak", options,
+                                                        [](std::uint32_t, const Error&) {});
+    return watcher;
+  }
+
+  LinkEmulator& link() { return *link_; }
+  std::uint64_t newest_us() const { return last_ ? last_->time_us : 0; }
+  std::uint64_t shown() const { return shown_; }
+
+  Result<void> look() {
+    const auto update = playback_->update(steady_clock::now());
+    if (!update.frame || update.frame == last_) return {};
+    const SceneFrame& frame = *update.frame;
+    if (frame.points != points_of(frame.time_us))
+      return fail(fmt::format("a frame has {} points instead of {}", frame.points,
+                              points_of(frame.time_us)));
+    if (last_ &&
+        (frame.time_us < last_->time_us || (frame.time_us == last_->time_us && !update.refined)))
+      return fail("a frame was shown after a newer one, or twice");
+    last_ = update.frame;
+    ++shown_;
+    return {};
+  }
+
+ private:
+  std::unique_ptr<LinkEmulator> link_;
+  std::unique_ptr<LivePlayback> playback_;
+  std::shared_ptr<const SceneFrame> last_;
+  std::uint64_t shown_ = 0;
+};
+
+}  // namespace
+
+Outcome watch_live(const Options& options) {
+  Relay relay;
+  auto catalog = Catalog::load({});
+  if (!catalog) return tl::unexpected(catalog.error());
+  HttpServerOptions serving;
+  serving.listen = {"127.0.0.1", 0};
+  serving.service.log = Log::Level::kOff;  // two publishers may meet: the old one's link is cut
+  const auto server = HttpServer::start(*std::move(catalog), serving, &relay);
+  if (!server) return tl::unexpected(server.error());
+  const std::uint16_t port = (*server)->port();
+
+  const auto publisher_link = LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", port)});
+  if (!publisher_link) return tl::unexpected(publisher_link.error());
+  const std::string publish_url = "ws://" + (*publisher_link)->address() + "/live/soak?publish";
+  auto publisher = std::make_unique<PublishThread>(publish_url);
+
+  std::vector<std::unique_ptr<Watcher>> watchers(3);
+  for (auto& watcher : watchers) {
+    auto joined = Watcher::join(port);
+    if (!joined) return tl::unexpected(joined.error());
+    watcher = *std::move(joined);
+  }
+
+  std::mt19937_64 random(options.seed);
+  const auto begin = steady_clock::now();
+  auto next_fault = begin, next_visitor = begin;
+  auto next_publisher = begin + std::chrono::seconds(3);
+  std::unique_ptr<Watcher> visitor;
+  std::uint64_t visitors = 0, publishers = 1;
+  const auto look = [&]() -> Result<void> {
+    for (const auto& watcher : watchers) {
+      if (auto good = watcher->look(); !good) return good;
+    }
+    return visitor ? visitor->look() : Result<void>{};
+  };
+  while (steady_clock::now() - begin < options.time) {
+    const auto now = steady_clock::now();
+    if (now >= next_fault) {
+      worsen(random() % 3 == 0 ? **publisher_link : watchers[random() % watchers.size()]->link(),
+             random);
+      next_fault = now + milliseconds(100 + random() % 400);
+    }
+    if (now >= next_visitor) {
+      visitor.reset();
+      auto joined = Watcher::join(port);
+      if (!joined) return tl::unexpected(joined.error());
+      visitor = *std::move(joined);
+      ++visitors;
+      next_visitor = now + milliseconds(random() % 500);
+    }
+    if (now >= next_publisher) {
+      if (const auto error = publisher->end()) return tl::unexpected(*error);
+      publisher = std::make_unique<PublishThread>(publish_url);
+      ++publishers;
+      next_publisher = now + milliseconds(1000 + random() % 4000);
+    }
+    if (auto good = look(); !good) return tl::unexpected(good.error());
+    std::this_thread::sleep_for(milliseconds(2));
+  }
+
+  // Good links: new pictures come to everybody, whatever happened before.
+  (*publisher_link)->set({});
+  for (const auto& watcher : watchers) watcher->link().set({});
+  const std::uint64_t healed_us = LiveClock::system().now_us();
+  const auto all_goes_on = [&] {
+    return std::all_of(watchers.begin(), watchers.end(),
+                       [&](const auto& watcher) { return watcher->newest_us() > healed_us; });
+  };
+  for (int tries = 0; tries < 15'000 && !all_goes_on(); ++tries) {
+    if (auto good = look(); !good) return tl::unexpected(good.error());
+    std::this_thread::sleep_for(milliseconds(2));
+  }
+  if (!all_goes_on()) return fail("no new frame came over good links");
+  if (const auto error = publisher->end()) return tl::unexpected(*error);
+  std::uint64_t shown = 0;
+  for (const auto& watcher : watchers) shown += watcher->shown();
+  return fmt::format("{} frames shown by {} viewers, {} visitors, {} publishers", shown,
+                     watchers.size(), visitors, publishers);
+}
+
+}  // namespace pointreel::soak

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/fault/fault_reel.h"
 #include "tests/fault/live_stage.h"
 #include "tests/fault/served_reel.h"
 #include "tests/link/link_emulator.h"
@@ -54,7 +55,7 @@ class LiveFault : public testing::Test {
     EXPECT_TRUE(watcher_->hears_of_trouble(false));
   }
 
-  ServerProcess server_{0, {"--live"}};
+  ServerProcess server_{FaultReel::get().path(), 0, {"--live"}};
   std::unique_ptr<LinkEmulator> link_;
   std::unique_ptr<StagePublisher> publisher_;
   std::unique_ptr<LiveWatcher> watcher_;
@@ -66,7 +67,7 @@ TEST_F(LiveFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
   server_.kill();
   ASSERT_TRUE(watcher_->hears_of_trouble());
   EXPECT_EQ(watcher_->trouble()->find('\n'), std::string::npos);
-  server_ = ServerProcess(port, {"--live"});
+  server_ = ServerProcess(FaultReel::get().path(), port, {"--live"});
   expect_to_be_live();
 }
 

@@ -53,11 +53,13 @@ class StagePublisher {
 class LiveWatcher {
  public:
   struct Shown {
+    std::chrono::steady_clock::time_point at;
     std::uint32_t frame = 0;
     std::uint32_t layers = 0;
     bool right = false;
   };
 
+  /// `url` is that of a live source.
   explicit LiveWatcher(const std::string& url);
   ~LiveWatcher();
   LiveWatcher(const LiveWatcher&) = delete;

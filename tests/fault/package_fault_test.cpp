@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/fault/fault_reel.h"
 #include "tests/fault/served_reel.h"
 #include "tests/fault/watcher.h"
 #include "tests/link/link_emulator.h"
@@ -44,9 +45,9 @@ class PackageFault : public testing::Test {
   }
 
   void play() {
-    watcher_ = std::make_unique<Watcher>(playing("http://" + link_->address() + "/ball"),
-                                         FaultReel::get().truth());
-    ASSERT_TRUE(watcher_->sees(5));
+    watcher_ =
+        std::make_unique<Watcher>("http://" + link_->address() + "/ball", FaultReel::get().truth());
+    ASSERT_TRUE(watcher_->sees(5)) << watcher_->trouble().value_or("");
   }
 
   /// What is shown from the `from`th picture on comes in order, beginning near what was shown
@@ -60,7 +61,7 @@ class PackageFault : public testing::Test {
     }
   }
 
-  ServerProcess server_;
+  ServerProcess server_{FaultReel::get().path()};
   std::unique_ptr<LinkEmulator> link_;
   std::unique_ptr<Watcher> watcher_;
 };
@@ -73,7 +74,7 @@ TEST_F(PackageFault, GoesOnAfterTheServerWasKilledAndStartedAgain) {
   EXPECT_THAT(*watcher_->trouble(), HasSubstr("; trying again"));
   EXPECT_EQ(watcher_->trouble()->find('\n'), std::string::npos);
   const std::size_t before = watcher_->shown().size();
-  server_ = ServerProcess(port);
+  server_ = ServerProcess(FaultReel::get().path(), port);
   EXPECT_TRUE(watcher_->sees(10));
   EXPECT_TRUE(watcher_->hears_of_no_trouble());
   EXPECT_EQ(watcher_->blank(), 0u);

@@ -4,7 +4,6 @@
 #include <csignal>
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include "common/cloud/ply.h"
 #include "server/pack/packer.h"
@@ -30,38 +29,31 @@ PointCloud ball(int frame) {
 
 }  // namespace
 
-const FaultReel& FaultReel::get() {
-  static const FaultReel reel;
-  return reel;
-}
-
-FaultReel::FaultReel() {
-  std::filesystem::create_directory(folder_ / "frames");
+Result<double> make_ball_reel(const std::filesystem::path& folder) {
+  const std::filesystem::path clouds = folder.string() + ".clouds";
+  std::filesystem::create_directories(clouds);
   for (int i = 0; i < kFrames; ++i)
-    EXPECT_TRUE(write_ply(folder_ / "frames" / fmt::format("{}.ply", i), ball(i)));
+    if (const auto written = write_ply(clouds / fmt::format("{}.ply", i), ball(i)); !written)
+      return tl::unexpected(written.error());
   PackOptions options;
-  options.inputs = {folder_ / "frames"};
-  options.output = path();
+  options.inputs = {clouds};
+  options.output = folder;
   OctreeOptions octree;
   octree.depth = DepthRule::fixed(10);
   options.encode.codec = octree;
   const auto packed = pack(options);
-  if (!packed) {
-    ADD_FAILURE() << packed.error().message;
-    return;
-  }
-  bits_per_second_ = 8.0 * static_cast<double>(packed->bytes) * 30.0 / kFrames;
-  truth_ = truth_of(path());
+  if (!packed) return tl::unexpected(packed.error());
+  return 8.0 * static_cast<double>(packed->bytes) * 30.0 / kFrames;
 }
 
-ServerProcess::ServerProcess(int port, const std::vector<std::string>& options) {
-  std::vector<std::string> arguments = {"serve", FaultReel::get().path(), "--listen",
+ServerProcess::ServerProcess(const std::filesystem::path& reel, int port,
+                             const std::vector<std::string>& options) {
+  std::vector<std::string> arguments = {"serve", reel.string(), "--listen",
                                         fmt::format("127.0.0.1:{}", port)};
   arguments.insert(arguments.end(), options.begin(), options.end());
   process_ = std::make_unique<e2e::Background>("pointreel-server", arguments);
   const std::string line = process_->first_line();
   port_ = std::atoi(line.substr(line.rfind(':') + 1).c_str());
-  EXPECT_GT(port_, 0) << line;
 }
 
 void ServerProcess::kill() { process_->end(SIGKILL); }

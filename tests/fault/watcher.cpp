@@ -1,8 +1,7 @@
 #include "tests/fault/watcher.h"
 
-#include <algorithm>
-
-#include <gtest/gtest.h>
+#include <memory>
+#include <utility>
 
 #include "client/playback/prepare.h"
 #include "client/playback/reel_playback.h"
@@ -21,6 +20,20 @@ ByteView bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)};
 }
 
+/// Plays the package at `url` in a loop.
+Result<std::unique_ptr<Playback>> playing(const std::string& url) {
+  auto source = open_source(url);
+  if (!source) return tl::unexpected(source.error());
+  ReelPlayback::Options options;
+  options.mode = DrawMode::point;
+  options.pixel_size = 1e-4f;  // everything is seen
+  options.remote = true;
+  Camera camera;
+  camera.frame_bounds((*source)->manifest().bounds, 1.0);
+  return std::make_unique<ReelPlayback>(std::move(*source), options, camera, glm::ivec2(1000, 1000),
+                                        [](std::uint32_t, const Error&) {});
+}
+
 }  // namespace
 
 std::uint64_t content_of(const SceneFrame& frame) {
@@ -28,13 +41,10 @@ std::uint64_t content_of(const SceneFrame& frame) {
          3 * checksum_of(bytes_of(frame.attributes.colors));
 }
 
-Truth truth_of(const std::string& folder) {
+Result<Truth> truth_of(const std::string& folder) {
   Truth truth;
   const auto source = open_source(folder);
-  if (!source) {
-    ADD_FAILURE() << source.error().message;
-    return truth;
-  }
+  if (!source) return tl::unexpected(source.error());
   const Manifest& manifest = (*source)->manifest();
   for (std::uint32_t frame = 0; frame < manifest.frame_count(); ++frame)
     for (std::uint32_t layers = 1; layers <= manifest.layer_names.size(); ++layers) {
@@ -45,8 +55,8 @@ Truth truth_of(const std::string& folder) {
   return truth;
 }
 
-Watcher::Watcher(std::function<std::unique_ptr<Playback>()> make, const Truth& truth)
-    : truth_(truth), thread_([this, make = std::move(make)] { play(make); }) {}
+Watcher::Watcher(std::string url, const Truth& truth)
+    : truth_(truth), thread_([this, url = std::move(url)] { play(url); }) {}
 
 Watcher::~Watcher() {
   {
@@ -57,9 +67,14 @@ Watcher::~Watcher() {
   thread_.join();
 }
 
-void Watcher::play(const std::function<std::unique_ptr<Playback>()>& make) {
-  const std::unique_ptr<Playback> playback = make();
-  if (!playback) return;
+void Watcher::play(const std::string& url) {
+  auto opened = playing(url);
+  if (!opened) {
+    const std::lock_guard lock(mutex_);
+    trouble_ = opened.error().message;
+    return;
+  }
+  const std::unique_ptr<Playback> playback = std::move(*opened);
   std::shared_ptr<const SceneFrame> last;
   std::unique_lock lock(mutex_);
   while (!ending_) {
@@ -108,30 +123,14 @@ bool Watcher::sees(std::size_t more) {
   const std::size_t wanted = shown().size() + more;
   return wait([&] { return shown_.size() >= wanted; });
 }
+bool Watcher::stands_still(std::chrono::milliseconds time) {
+  return wait([&] { return shown_.empty() || Clock::now() - shown_.back().at >= time; });
+}
 bool Watcher::hears_of_trouble() {
   return wait([&] { return trouble_.has_value(); });
 }
 bool Watcher::hears_of_no_trouble() {
   return wait([&] { return !trouble_.has_value(); });
-}
-
-std::function<std::unique_ptr<Playback>()> playing(const std::string& url) {
-  return [url]() -> std::unique_ptr<Playback> {
-    auto source = open_source(url);
-    if (!source) {
-      ADD_FAILURE() << source.error().message;
-      return nullptr;
-    }
-    ReelPlayback::Options options;
-    options.mode = DrawMode::point;
-    options.pixel_size = 1e-4f;  // everything is seen
-    options.remote = true;
-    Camera camera;
-    camera.frame_bounds((*source)->manifest().bounds, 1.0);
-    return std::make_unique<ReelPlayback>(std::move(*source), options, camera,
-                                          glm::ivec2(1000, 1000),
-                                          [](std::uint32_t, const Error&) {});
-  };
 }
 
 }  // namespace pointreel

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -15,6 +14,7 @@
 
 #include "client/playback/playback.h"
 #include "client/scene/frame.h"
+#include "common/base/error.h"
 
 namespace pointreel {
 
@@ -25,7 +25,7 @@ std::uint64_t content_of(const SceneFrame& frame);
 using Truth = std::map<std::uint32_t, std::set<std::uint64_t>>;
 
 /// Truth of a package in a folder, as point mode shows it from near.
-Truth truth_of(const std::string& folder);
+Result<Truth> truth_of(const std::string& folder);
 
 /// Plays in a thread as a player does, a hundred looks a second, and keeps what it saw.
 class Watcher {
@@ -39,8 +39,8 @@ class Watcher {
     bool right = false;  ///< what it looks like is in the truth
   };
 
-  /// `make` is called by the thread that then plays. `truth` outlives the watcher.
-  Watcher(std::function<std::unique_ptr<Playback>()> make, const Truth& truth);
+  /// Plays the package at `url` in a loop. `truth` outlives the watcher.
+  Watcher(std::string url, const Truth& truth);
   ~Watcher();
   Watcher(const Watcher&) = delete;
   Watcher& operator=(const Watcher&) = delete;
@@ -49,18 +49,20 @@ class Watcher {
   std::vector<Shown> shown() const;
   /// Looks at which there was no picture, although there had been one.
   std::uint64_t blank() const;
-  std::optional<std::string> trouble() const;
+  std::optional<std::string> trouble() const;  ///< also that the package cannot be opened
   std::uint64_t errors() const;
 
   // Each waits for at most half a minute; false if it did not happen.
 
   /// So many more frames are shown than are now.
   bool sees(std::size_t more);
+  /// Nothing new is shown for so long a time.
+  bool stands_still(std::chrono::milliseconds time);
   bool hears_of_trouble();
   bool hears_of_no_trouble();
 
  private:
-  void play(const std::function<std::unique_ptr<Playback>()>& make);
+  void play(const std::string& url);
   bool wait(const std::function<bool()>& condition);
 
   const Truth& truth_;
@@ -72,8 +74,5 @@ class Watcher {
   std::optional<std::string> trouble_;
   std::thread thread_;
 };
-
-/// Plays the package at `url` in a loop; an error of opening it fails the test and plays nothing.
-std::function<std::unique_ptr<Playback>()> playing(const std::string& url);
 
 }  // namespace pointreel

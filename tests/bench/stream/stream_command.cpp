@@ -13,6 +13,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/stream/chapter.h"
+#include "tests/bench/stream/faults.h"
 #include "tests/bench/stream/load.h"
 #include "tests/bench/stream/memory.h"
 
@@ -25,6 +26,7 @@ using nlohmann::json;
 /// In the order in which they run.
 const std::vector<StreamChapter>& chapters() {
   static const std::vector<StreamChapter> kChapters = {
+      {"faults", "how soon playback goes on after links and servers failed", run_faults},
       {"load", "many viewers at once", run_load},
       {"memory", "resident memory over frames and connections", run_memory}};
   return kChapters;

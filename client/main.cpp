@@ -167,8 +167,10 @@ int run(int argc, char** argv) {
                   "Fetch and decode only so many layers of a package, coarse to fine (default all)")
       ->check(CLI::Range(1, 255))
       ->type_name("N");
-  play_command.add_option("--speed", options.speed, "Speed of playback in a window, 0.1 to 4")
-      ->check(within(0.1, 4.0))
+  play_command
+      .add_option("--speed", options.speed,
+                  "Speed of playback in a window: 0.1 to 4, and -0.1 to -4 backward")
+      ->check(CLI::Validator(within(0.1, 4.0)) | within(-4.0, -0.1))
       ->capture_default_str();
   bool loop = true;
   CLI::Option* loop_flag =

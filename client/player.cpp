@@ -383,6 +383,7 @@ class Player {
       camera_.zoom(std::pow(0.9, events.wheel));
       moved_ = redraw = true;
     }
+    scrub(events, now);
     for (const Action action : events.actions) {
       switch (action) {
         case Action::toggle_play:
@@ -406,6 +407,12 @@ class Player {
         case Action::faster:
           stage_->for_each_reel(
               [&](ReelPlayback& reel) { reel.set_speed(reel.speed() * 1.1, now); });
+          break;
+        case Action::normal_speed:
+          stage_->for_each_reel([&](ReelPlayback& reel) { reel.set_speed(1.0, now); });
+          break;
+        case Action::turn_around:
+          stage_->for_each_reel([&](ReelPlayback& reel) { reel.set_speed(-reel.speed(), now); });
           break;
         case Action::toggle_loop:
           stage_->for_each_reel([&](ReelPlayback& reel) { reel.toggle_loop(now); });
@@ -453,6 +460,18 @@ class Player {
       }
     }
     return {};
+  }
+
+  void scrub(const Input& events, Clock::TimePoint now) {
+    stage_->for_each_reel([&](ReelPlayback& reel) {
+      if (events.scrub) {
+        if (!reel.scrubbing()) reel.scrub_begin(now);
+        reel.scrub_to(static_cast<std::uint64_t>(*events.scrub *
+                                                 static_cast<double>(reel.timeline().duration_us)),
+                      now);
+      }
+      if (!events.scrubbing && reel.scrubbing()) reel.scrub_end(now);
+    });
   }
 
   void tell_how_is_drawn() {

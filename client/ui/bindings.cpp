@@ -16,6 +16,8 @@ constexpr std::array kBindings = {
     Binding{",", Action::step_back, "one frame back, and pause"},
     Binding{"[", Action::slower, "a tenth slower"},
     Binding{"]", Action::faster, "a tenth faster"},
+    Binding{"BS", Action::normal_speed, "normal speed, forward"},
+    Binding{"r", Action::turn_around, "backward, or forward again"},
     Binding{"l", Action::toggle_loop, "loop, or not"},
     Binding{"m", Action::next_mode, "surfels, voxels, points"},
     Binding{"n", Action::next_instancing, "the next way of instancing (--instancing)"},
@@ -47,7 +49,11 @@ std::string bindings_help() {
       keys += fmt::format(", {}", kBindings[++i].key);
     text += fmt::format("  {:<13} {}\n", keys, kBindings[i].help);
   }
-  text += "  left drag     orbit\n  right drag    move\n  wheel         nearer, farther\n";
+  text +=
+      "  left drag     orbit\n"
+      "  right drag    move\n"
+      "  wheel         nearer, farther\n"
+      "  shift+drag    to any time: the window is as wide as the reel is long\n";
   return text;
 }
 

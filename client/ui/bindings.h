@@ -16,6 +16,8 @@ enum class Action {
   step_back,
   slower,
   faster,
+  normal_speed,
+  turn_around,
   toggle_loop,
   next_mode,
   next_instancing,
@@ -28,8 +30,8 @@ enum class Action {
   quit,
 };
 
-/// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, ESC: mpv's names, and
-/// mpv's keys wherever it has the action.
+/// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, BS, ESC: mpv's names,
+/// and mpv's keys wherever it has the action.
 struct Binding {
   std::string_view key;
   Action action;

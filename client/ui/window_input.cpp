@@ -1,5 +1,6 @@
 #include "client/ui/window_input.h"
 
+#include <algorithm>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -27,11 +28,20 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
     if (key == GLFW_KEY_LEFT) input->press("LEFT");
     if (key == GLFW_KEY_RIGHT) input->press("RIGHT");
     if (key == GLFW_KEY_ESCAPE) input->press("ESC");
+    if (key == GLFW_KEY_BACKSPACE) input->press("BS");
+  });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* of, int button, int action, int modifiers) {
+    auto* input = static_cast<WindowInput*>(glfwGetWindowUserPointer(of));
+    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
+    input->input_.scrubbing = action == GLFW_PRESS && (modifiers & GLFW_MOD_SHIFT) != 0;
+    if (input->input_.scrubbing) input->scrub_to(input->cursor_.x);
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* of, double x, double y) {
     auto* input = static_cast<WindowInput*>(glfwGetWindowUserPointer(of));
     const glm::dvec2 moved = glm::dvec2(x, y) - std::exchange(input->cursor_, glm::dvec2(x, y));
-    if (glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
+    if (input->input_.scrubbing)
+      input->scrub_to(x);
+    else if (glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
       input->input_.orbit += moved;
     else if (glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS ||
              glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_MIDDLE) == GLFW_PRESS)
@@ -45,6 +55,7 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
 WindowInput::~WindowInput() {
   glfwSetCharCallback(window_, nullptr);
   glfwSetKeyCallback(window_, nullptr);
+  glfwSetMouseButtonCallback(window_, nullptr);
   glfwSetCursorPosCallback(window_, nullptr);
   glfwSetScrollCallback(window_, nullptr);
 }
@@ -53,7 +64,17 @@ void WindowInput::press(std::string_view key) {
   if (const auto action = action_of(key)) input_.actions.push_back(*action);
 }
 
-Input WindowInput::take() { return std::exchange(input_, Input{}); }
+void WindowInput::scrub_to(double x) {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  input_.scrub = std::clamp(x / std::max(1, width), 0.0, 1.0);
+}
+
+Input WindowInput::take() {
+  Input taken = std::exchange(input_, Input{});
+  input_.scrubbing = taken.scrubbing;  // until the button is released
+  return taken;
+}
 
 void WindowInput::toggle_fullscreen() {
   auto& [x, y, width, height] = windowed_;

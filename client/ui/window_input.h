@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -17,6 +18,9 @@ struct Input {
   /// Drags in pixels, x to the right and y down.
   glm::dvec2 orbit{0.0}, pan{0.0};
   double wheel = 0.0;  ///< notches, positive away from the user
+  /// While the time is dragged: to where, 0 at the window's left edge and 1 at its right one.
+  std::optional<double> scrub;
+  bool scrubbing = false;  ///< the time is being dragged
 };
 
 /// Turns a window's keys and mouse into actions. The window outlives it; one for a window.
@@ -35,6 +39,7 @@ class WindowInput {
 
  private:
   void press(std::string_view key);
+  void scrub_to(double x);
 
   GLFWwindow* const window_;
   Input input_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <csignal>
 #include <list>
 #include <mutex>
 #include <random>
@@ -155,6 +156,11 @@ class HttpClient::Loop : HttpTransfer::Listener {
   void wake() { curl_multi_wakeup(multi_); }
 
   void run() {
+    // TLS writes to connections that are no more.
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    ::pthread_sigmask(SIG_BLOCK, &pipe, nullptr);
     Time before = Clock::now();
     for (;;) {
       if (!take_orders()) break;

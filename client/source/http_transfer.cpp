@@ -147,6 +147,8 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
     range_ = fmt::format("{}-{}", wanted_.offset + body_.size(), wanted_.offset + wanted_.size - 1);
     asked_for_ = wanted_.size - body_.size();
     set(CURLOPT_RANGE, range_.c_str());
+  } else {
+    set(CURLOPT_ACCEPT_ENCODING, "");  // manifests are text, which many servers compress
   }
   set(CURLOPT_WRITEFUNCTION, &HttpTransfer::on_body);
   set(CURLOPT_WRITEDATA, static_cast<void*>(this));

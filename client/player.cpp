@@ -9,8 +9,6 @@
 #include <fstream>
 #include <limits>
 #include <memory>
-#include <mutex>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -19,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "client/capture.h"
+#include "client/console.h"
 #include "client/painter.h"
 #include "client/playback/stage.h"
 #include "client/render/gl_context.h"
@@ -42,43 +41,6 @@ void stop_on_signals() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
-
-/// One line for each broken frame, however often it is tried.
-class ErrorLines {
- public:
-  void print(std::size_t source, const std::string& where, std::uint32_t frame,
-             const Error& error) {
-    const std::lock_guard lock(mutex_);
-    // A live stream that goes wrong for days must not fill the memory.
-    if (printed_.size() >= kMost || !printed_.insert({source, frame}).second) return;
-    fmt::print(stderr, "pointreel: {}frame {}: {}\n", where, frame, error.message);
-    if (printed_.size() == kMost)
-      fmt::print(stderr, "pointreel: more broken frames are counted, but not told\n");
-  }
-
- private:
-  static constexpr std::size_t kMost = 10'000;
-  std::mutex mutex_;
-  std::set<std::pair<std::size_t, std::uint32_t>> printed_;
-};
-
-/// One line when something goes wrong with a source, and one when it goes on.
-class TroubleLines {
- public:
-  void look(const Stage& stage) {
-    said_.resize(stage.size());
-    for (std::size_t i = 0; i < stage.size(); ++i) {
-      const Playback& playback = stage.playback(i);
-      const std::optional<std::string> trouble = playback.trouble();
-      if (trouble && trouble != said_[i]) fmt::print(stderr, "pointreel: {}\n", *trouble);
-      if (!trouble && said_[i]) fmt::print(stderr, "pointreel: {}: goes on\n", playback.name());
-      said_[i] = trouble;
-    }
-  }
-
- private:
-  std::vector<std::optional<std::string>> said_;
-};
 
 std::uint64_t microseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(seconds * 1e6));

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/playback/stage.h"
+#include "common/base/error.h"
+
+/// What the player says on standard error while it plays.
+namespace pointreel {
+
+/// One line for each broken frame, however often it is tried. From any thread.
+class ErrorLines {
+ public:
+  /// `where`: before the frame's number; empty if there is one source.
+  void print(std::size_t source, const std::string& where, std::uint32_t frame, const Error& error);
+
+ private:
+  std::mutex mutex_;
+  std::set<std::pair<std::size_t, std::uint32_t>> printed_;
+};
+
+/// One line when something goes wrong with a source, and one when it goes on.
+class TroubleLines {
+ public:
+  void look(const Stage& stage);
+
+ private:
+  std::vector<std::optional<std::string>> said_;
+};
+
+}  // namespace pointreel

@@ -16,6 +16,7 @@
 #include "tests/bench/stream/faults.h"
 #include "tests/bench/stream/load.h"
 #include "tests/bench/stream/memory.h"
+#include "tests/bench/stream/throughput.h"
 
 namespace pointreel::bench {
 namespace {
@@ -28,6 +29,7 @@ const std::vector<StreamChapter>& chapters() {
   static const std::vector<StreamChapter> kChapters = {
       {"faults", "how soon playback goes on after links and servers failed", run_faults},
       {"load", "many viewers at once", run_load},
+      {"throughput", "bytes over HTTP, against nginx", run_throughput},
       {"memory", "resident memory over frames and connections", run_memory}};
   return kChapters;
 }

@@ -16,8 +16,9 @@
 namespace pointreel {
 namespace {
 
-/// Between two looks at what else there is to do.
-constexpr std::uint64_t kPieceSize = 256 * 1024;
+/// Between two looks at what else there is to do: of what the kernel copies, and what is encrypted.
+constexpr std::uint64_t kPieceSize = 1024 * 1024;
+constexpr std::uint64_t kEncryptedPieceSize = 256 * 1024;
 /// Bytes that the kernel may hold for a connection beyond what is in flight.
 constexpr int kUnsentLimit = 256 * 1024;
 /// Plain bytes of the longest record of TLS.
@@ -182,7 +183,7 @@ Task<bool> Transport::write_file_encrypted(int file, std::uint64_t offset, std::
     if (!co_await write_encrypted(piece)) co_return false;
     since_pause += piece.size();
     piece.clear();
-    if (since_pause < kPieceSize) continue;
+    if (since_pause < kEncryptedPieceSize) continue;
     since_pause = 0;
     co_await asio::post(socket_.get_executor(), kUseAwaitable);
   }

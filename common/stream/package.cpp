@@ -206,6 +206,19 @@ Result<void> parse_segments(const json& entries, Manifest& manifest) {
   return {};
 }
 
+Result<LiveManifest> parse_live(const json& object) {
+  Fields fields(object);
+  LiveManifest live;
+  const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
+  if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
+  live.first_frame = static_cast<std::uint32_t>(fields.integer("first_frame", kMaxUint32));
+  live.start_us = fields.integer("start_us", kMaxInteger);
+  live.ended = fields.boolean("ended");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  live.session = *session;
+  return live;
+}
+
 /// What must hold before a single other member is looked at.
 Result<void> check_format(const json& root) {
   Fields fields(root);
@@ -275,6 +288,11 @@ Result<Manifest> parse_root(const json& root) {
     Result<PackageFile> tables = parse_file(*fields.value("tables"), kMaxTablesBytes);
     if (!tables) return fail_at("tables", tables.error());
     manifest.tables = std::move(*tables);
+  }
+  if (fields.has("live")) {
+    const Result<LiveManifest> live = parse_live(*fields.value("live"));
+    if (!live) return fail_at("live", live.error());
+    manifest.live = *live;
   }
   if (const Result<void> all = parse_segments(segments, manifest); !all) {
     return tl::unexpected(all.error());
@@ -356,7 +374,16 @@ std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us) {
   return segment.first_frame + static_cast<std::uint32_t>(next - segment.times_us.begin()) - 1;
 }
 
+std::string write_segment(const Segment& segment) { return dump(to_json(segment)); }
+
 std::string write_manifest(const Manifest& manifest) {
+  std::vector<std::string> lines;
+  lines.reserve(manifest.segments.size());
+  for (const Segment& segment : manifest.segments) lines.push_back(write_segment(segment));
+  return write_manifest(manifest, lines);
+}
+
+std::string write_manifest(const Manifest& manifest, std::span<const std::string> segments) {
   ordered_json head = {{"format", kFormatName},
                        {"version", kPackageVersion},
                        {"name", manifest.name},
@@ -371,6 +398,12 @@ std::string write_manifest(const Manifest& manifest) {
   head["depth_max"] = manifest.depth_max;
   head["bounds"] = box_json(manifest.bounds);
   if (manifest.tables) head["tables"] = to_json(*manifest.tables);
+  if (manifest.live) {
+    head["live"] = {{"session", fmt::format("{:016x}", manifest.live->session)},
+                    {"first_frame", manifest.live->first_frame},
+                    {"start_us", manifest.live->start_us},
+                    {"ended", manifest.live->ended}};
+  }
   head["layers"] = manifest.layer_names;
 
   std::string text = "{\n";
@@ -378,11 +411,11 @@ std::string write_manifest(const Manifest& manifest) {
     text += fmt::format("  \"{}\": {},\n", key, dump(value));
   }
   text += "  \"segments\": [";
-  for (std::size_t i = 0; i < manifest.segments.size(); ++i) {
+  for (std::size_t i = 0; i < segments.size(); ++i) {
     text += i == 0 ? "\n    " : ",\n    ";
-    text += dump(to_json(manifest.segments[i]));
+    text += segments[i];
   }
-  text += manifest.segments.empty() ? "]\n}\n" : "\n  ]\n}\n";
+  text += segments.empty() ? "]\n}\n" : "\n  ]\n}\n";
   return text;
 }
 

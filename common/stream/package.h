@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +54,15 @@ struct Segment {
   std::uint32_t frame_count() const { return static_cast<std::uint32_t>(times_us.size()); }
 };
 
+/// Of a manifest that grows while its frames are captured, and may hold the newest of them only.
+/// Frames and times within it count from 0 all the same, so that it is a reel like any other.
+struct LiveManifest {
+  std::uint64_t session = 0;      ///< as in LiveHello (live.h)
+  std::uint32_t first_frame = 0;  ///< frames of the session that came before those in the manifest
+  std::uint64_t start_us = 0;     ///< Unix time of the manifest's time 0, by the publisher's clock
+  bool ended = false;             ///< the publisher has gone; it may come back
+};
+
 /// reel.json, parsed and checked.
 struct Manifest {
   std::string name;
@@ -65,6 +75,7 @@ struct Manifest {
   std::uint32_t depth_min = 0, depth_max = 0;
   Box bounds;                            ///< of all frames; empty if no frame has a point
   std::optional<PackageFile> tables;     ///< context tables that frames refer to, if there are any
+  std::optional<LiveManifest> live;      ///< not of reels that are complete
   std::vector<std::string> layer_names;  ///< of the layers, coarse to fine
   std::vector<Segment> segments;
 
@@ -102,6 +113,11 @@ std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us);
 /// The text of reel.json, ending in a line feed; one line for each segment. What it holds must be
 /// what `parse_manifest` accepts: parse it before publishing it.
 std::string write_manifest(const Manifest& manifest);
+
+/// The same in two steps, for a manifest that gets segment after segment: the line of each, once,
+/// and the text with these lines in the place of the manifest's own segments.
+std::string write_segment(const Segment& segment);
+std::string write_manifest(const Manifest& manifest, std::span<const std::string> segments);
 
 /// Parses untrusted text: every count, size, name and number is checked (sizes agree with their
 /// sums, frames are consecutive, times do not decrease, numbers are finite, paths stay in the

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "server/live/relay.h"
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
+#include "server/serve/live_sinks.h"
 
 namespace pointreel {
 namespace {
@@ -25,6 +27,7 @@ struct ServeArguments {
   HttpServerOptions options;
   double header_seconds = 10, idle_seconds = 60, stall_seconds = 30;
   bool live = false;
+  std::string record;
   std::string log = "warning";
 };
 
@@ -72,7 +75,18 @@ Result<void> serve(const ServeArguments& arguments) {
   ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 
-  Relay relay;
+  Log log(*level);
+  RelayOptions relay_options;
+  if (arguments.live) {
+    const auto resources = std::make_shared<LiveResources>();
+    catalog->add(resources);
+    std::optional<std::filesystem::path> record;
+    if (!arguments.record.empty()) record = arguments.record;
+    relay_options.sinks = live_sinks(resources, record, [&log](const std::string& line) {
+      log.write(Log::Level::kWarning, "recording", {{"what", line}});
+    });
+  }
+  Relay relay(std::move(relay_options));
   const auto server =
       HttpServer::start(*std::move(catalog), options, arguments.live ? &relay : nullptr);
   if (!server) return tl::unexpected(server.error());
@@ -125,8 +139,13 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0.0, 1e9))
       ->type_name("RATE")
       ->capture_default_str();
-  command->add_flag("--live", arguments->live,
-                    "Relay live streams, too: pointreel-server publish sends them");
+  CLI::Option* live = command->add_flag(
+      "--live", arguments->live, "Relay live streams, too: pointreel-server publish sends them");
+  command
+      ->add_option("--record", arguments->record,
+                   "Record live streams as packages in this folder, NAME, NAME-2, ...")
+      ->type_name("FOLDER")
+      ->needs(live);
   command
       ->add_option("--view-token", arguments->options.service.view_token,
                    "Who asks for anything must show it: Authorization: Bearer TOKEN")

@@ -297,6 +297,36 @@ TEST(Manifest, refuses_control_characters_in_a_name) {
   EXPECT_THAT(error_with({{"name", std::string(256, 'a')}}), HasSubstr("name"));
 }
 
+TEST(Manifest, tells_where_it_stands_in_a_live_stream) {
+  Manifest m = example();
+  EXPECT_FALSE(parse_manifest(write_manifest(m)).value().live);
+  m.live = LiveManifest{0xfedcba9876543210, 4'000'000'000, 1'700'000'000'000'000, true};
+  const auto live = parse_manifest(write_manifest(m)).value().live;
+  ASSERT_TRUE(live);
+  EXPECT_EQ(live->session, 0xfedcba9876543210);
+  EXPECT_EQ(live->first_frame, 4'000'000'000);
+  EXPECT_EQ(live->start_us, 1'700'000'000'000'000u);
+  EXPECT_TRUE(live->ended);
+  const json good = {
+      {"session", "0000000000000001"}, {"first_frame", 0}, {"start_us", 0}, {"ended", false}};
+  EXPECT_EQ(error_with({{"live", good}}), "accepted");
+  const json wrongs = {{"session", "1"}, {"first_frame", -1}, {"start_us", 0.5}, {"ended", 0}};
+  for (const auto& [key, wrong] : wrongs.items()) {
+    json bad = good;
+    bad[key] = wrong;
+    EXPECT_THAT(error_with({{"live", bad}}), HasSubstr("live: " + key));
+  }
+}
+
+TEST(Manifest, that_is_written_segment_by_segment_is_the_same) {
+  const Manifest m = example();
+  std::vector<std::string> lines;
+  for (const Segment& segment : m.segments) lines.push_back(write_segment(segment));
+  Manifest head = m;
+  head.segments.clear();
+  EXPECT_EQ(write_manifest(head, lines), write_manifest(m));
+}
+
 TEST(Manifest, refuses_a_key_that_comes_twice) {
   std::string text = write_manifest(example());
   text.replace(text.find("\"fps\""), 5, "\"up\"");

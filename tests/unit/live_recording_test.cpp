@@ -1,0 +1,405 @@
+// Live streams as packages: recordings on disk, and the newest segments for viewers over HTTP.
+
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/stream/package.h"
+#include "server/live/http_window.h"
+#include "server/live/recorder.h"
+#include "server/live/segmenter.h"
+#include "server/live/sink_thread.h"
+#include "server/pack/inspect.h"
+#include "tests/unit/live_frames.h"
+#include "tests/unit/packed_clouds.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr std::uint64_t kStart = 1'700'000'000'000'000;
+constexpr std::uint64_t kPeriod = 40'000;
+
+LiveHello real_hello(std::uint64_t session = 1) {
+  LiveHello hello = plain_hello(session);
+  hello.fps = 25.0;
+  hello.colors = true;
+  hello.normals = true;
+  hello.bounds = {{-2, -2, -2}, {2, 2, 2}};
+  return hello;
+}
+
+/// A frame that decodes, as a publisher makes it.
+std::vector<LiveMessage> real_frame(std::uint32_t number, double along = 0.0) {
+  OctreeOptions octree;
+  octree.entropy = Entropy::none;
+  octree.depth = DepthRule::fixed(9);
+  EncodeOptions options;
+  options.codec = octree;
+  const auto encoded =
+      encode_frame(ellipsoid(100 + number), {glm::dvec3(-2.0 + along), 4.0}, options).value();
+  std::vector<LiveMessage> messages;
+  for (const EncodedLayer& layer : encoded.layers) {
+    Bytes bytes;
+    for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals}) {
+      bytes.insert(bytes.end(), chunk->begin(), chunk->end());
+    }
+    LiveLayer header;
+    header.frame = number;
+    header.layer = static_cast<std::uint8_t>(messages.size());
+    header.layers = static_cast<std::uint8_t>(encoded.layers.size());
+    header.capture_us = kStart + number * kPeriod;
+    header.points = encoded.source_points;
+    header.sizes = {static_cast<std::uint32_t>(layer.geometry.size()),
+                    static_cast<std::uint32_t>(layer.colors.size()),
+                    static_cast<std::uint32_t>(layer.normals.size())};
+    header.bytes = bytes;
+    messages.push_back(
+        {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_layer(header))});
+  }
+  return messages;
+}
+
+void give(LiveSink& sink, const std::vector<LiveMessage>& messages) {
+  for (const LiveMessage& message : messages) {
+    sink.layer(parse_live_layer(*message.bytes).value(), message);
+  }
+}
+
+void give_frames(LiveSink& sink, std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t i = first; i < first + count; ++i) give(sink, real_frame(i));
+}
+
+class RecorderTest : public testing::Test {
+ protected:
+  RecorderOptions options() {
+    RecorderOptions options;
+    options.folder = temporary_.path() / "recordings";
+    options.name = "stage";
+    options.segment_us = 5 * kPeriod;
+    options.say = [this](const std::string& line) { said_.push_back(line); };
+    return options;
+  }
+  fs::path package(const std::string& name = "stage") const {
+    return temporary_.path() / "recordings" / name;
+  }
+  /// What is wrong with a package; its frames are counted.
+  std::vector<std::string> faults(const fs::path& folder, std::uint32_t& frames) {
+    const auto report = verify(folder);
+    if (!report) return {report.error().message};
+    frames = report->frames;
+    std::vector<std::string> found;
+    for (const Fault& fault : report->faults) found.push_back(fault.file + ": " + fault.what);
+    return found;
+  }
+
+  TemporaryFolder temporary_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(RecorderTest, a_recording_is_a_package_at_every_moment) {
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  for (std::uint32_t frame = 0; frame < 23; ++frame) {
+    give(recorder, real_frame(frame));
+    if (frame < 5) {
+      EXPECT_FALSE(fs::exists(package() / kManifestName));
+      continue;
+    }
+    std::uint32_t frames = 0;
+    ASSERT_THAT(faults(package(), frames), IsEmpty()) << "after frame " << frame;
+    EXPECT_EQ(frames, frame / 5 * 5);
+    EXPECT_TRUE(read_manifest(package()).value().live) << "it grows";
+  }
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 23u);
+  const Manifest manifest = read_manifest(package()).value();
+  EXPECT_FALSE(manifest.live);
+  EXPECT_EQ(frame_time_us(manifest, 7), 7 * kPeriod);
+  EXPECT_EQ(manifest.duration_us, 23 * kPeriod);
+  EXPECT_EQ(manifest.bounds, real_hello().bounds);
+  EXPECT_THAT(said_, IsEmpty());
+}
+
+TEST_F(RecorderTest, a_recorder_that_goes_away_leaves_nothing_behind_that_is_not_in_the_package) {
+  {
+    Recorder recorder(options());
+    recorder.hello(real_hello());
+    give_frames(recorder, 0, 7);
+  }
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 7u);
+  EXPECT_FALSE(fs::exists(package() / ".unfinished"));
+}
+
+TEST_F(RecorderTest, a_publisher_that_comes_back_goes_on_and_another_one_begins_anew) {
+  Recorder recorder(options());
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 0, 4);
+  recorder.end();
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 4, 4);
+  recorder.end();
+  recorder.hello(real_hello(2));
+  give_frames(recorder, 0, 3);
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 8u);
+  EXPECT_THAT(faults(package("stage-2"), frames), IsEmpty());
+  EXPECT_EQ(frames, 3u);
+}
+
+TEST_F(RecorderTest, what_is_there_already_is_not_touched) {
+  fs::create_directories(package());
+  std::ofstream(package() / "mine") << "mine";
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  give_frames(recorder, 0, 3);
+  recorder.end();
+  EXPECT_THAT(contents(package()), SizeIs(1));
+  EXPECT_TRUE(read_manifest(package("stage-2")));
+}
+
+TEST_F(RecorderTest, a_manifest_that_becomes_too_long_goes_on_in_another_package) {
+  RecorderOptions small = options();
+  small.manifest_bytes = 2'000;
+  {
+    Recorder recorder(small);
+    recorder.hello(real_hello());
+    give_frames(recorder, 0, 60);
+  }
+  std::uint32_t all = 0, packages = 0;
+  for (const auto& entry : fs::directory_iterator(package().parent_path())) {
+    std::uint32_t frames = 0;
+    EXPECT_THAT(faults(entry.path(), frames), IsEmpty()) << entry.path();
+    EXPECT_FALSE(read_manifest(entry.path()).value().live);
+    EXPECT_LT(fs::file_size(entry.path() / kManifestName), 5'000u);
+    all += frames;
+    ++packages;
+  }
+  EXPECT_GE(packages, 3u);
+  EXPECT_EQ(all, 60u);
+}
+
+TEST_F(RecorderTest, a_frame_that_came_in_part_is_recorded_as_far_as_it_came) {
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  auto cut = real_frame(0);
+  ASSERT_GT(cut.size(), 1u);
+  cut.pop_back();
+  give(recorder, cut);
+  give(recorder, real_frame(1));
+  recorder.end();
+  const Manifest manifest = read_manifest(package()).value();
+  EXPECT_EQ(manifest.frame_count(), 2u);
+  EXPECT_EQ(manifest.segments[0].layers[cut.size()].frames[0], LayerSizes{});
+  EXPECT_GT(manifest.segments[0].layers[cut.size()].frames[1].total(), 0u);
+}
+
+TEST_F(RecorderTest, frames_in_other_cubes_share_a_segment_whose_cube_holds_them_all) {
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  give(recorder, real_frame(0));
+  give(recorder, real_frame(1, 0.5));
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  const Cube cube = read_manifest(package()).value().segments[0].cube;
+  EXPECT_EQ(cube.origin, glm::dvec3(-2.0));
+  EXPECT_GE(cube.edge, 4.5);
+}
+
+TEST_F(RecorderTest, frames_that_no_package_may_hold_are_left_out) {
+  Recorder recorder(options());
+  LiveHello hello = real_hello();
+  hello.normals = false;
+  recorder.hello(hello);
+  give_frames(recorder, 0, 3);  // they have normals
+  hello.normals = true;
+  recorder.hello(hello);
+  give(recorder, {layer_message(3, 0), layer_message(3, 1)});  // no frame at all
+  give_frames(recorder, 4, 2);
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 2u);
+}
+
+TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_told_once_and_disturbs_nothing) {
+  std::ofstream(temporary_.path() / "recordings") << "a file";
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  give_frames(recorder, 0, 20);
+  recorder.end();
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("recording stage has stopped")));
+}
+
+/// What a window has put out.
+struct Files {
+  std::map<std::string, std::string> files;
+  std::vector<std::string> changed;
+
+  WindowOutput output() {
+    WindowOutput output;
+    output.put = [this](const std::string& name, std::string content, bool immutable) {
+      if (immutable && files.contains(name)) changed.push_back(name);
+      files[name] = std::move(content);
+    };
+    output.remove = [this](const std::string& name) { files.erase(name); };
+    return output;
+  }
+  Manifest manifest() const { return parse_manifest(files.at(kManifestName)).value(); }
+  /// Whether each file of the manifest is there, with its size and checksum.
+  bool whole(const Manifest& manifest) const {
+    for (const PackageFile* file : manifest.files()) {
+      const auto found = files.find(file->path);
+      if (found == files.end() || found->second.size() != file->bytes ||
+          checksum_of({reinterpret_cast<const std::uint8_t*>(found->second.data()),
+                       found->second.size()}) != file->checksum) {
+        return false;
+      }
+    }
+    return true;
+  }
+};
+
+WindowOptions small_window() {
+  WindowOptions options;
+  options.segment_us = 5 * kPeriod;
+  options.segments = 3;
+  return options;
+}
+
+TEST(HttpWindow, is_a_package_of_the_newest_segments_that_tells_where_it_stands) {
+  Files out;
+  HttpWindow window(out.output(), small_window());
+  window.hello(real_hello(77));
+  give_frames(window, 0, 41);
+  const Manifest manifest = out.manifest();
+  EXPECT_TRUE(out.whole(manifest));
+  EXPECT_EQ(manifest.frame_count(), 15u);
+  ASSERT_TRUE(manifest.live);
+  EXPECT_EQ(manifest.live->session, 77u);
+  EXPECT_EQ(manifest.live->first_frame, 25u);
+  EXPECT_EQ(manifest.live->start_us, kStart + 25 * kPeriod);
+  EXPECT_FALSE(manifest.live->ended);
+  EXPECT_EQ(manifest.segments[0].times_us[0], 0u);
+  EXPECT_EQ(frame_time_us(manifest, 14), 14 * kPeriod);
+}
+
+TEST(HttpWindow, whoever_has_an_older_manifest_still_finds_its_files_and_memory_is_bounded) {
+  Files out;
+  HttpWindow window(out.output(), small_window());
+  window.hello(real_hello());
+  give_frames(window, 0, 16);
+  const Manifest old = out.manifest();
+  give_frames(window, 16, 15);
+  EXPECT_TRUE(out.whole(old)) << "three segments later";
+  give_frames(window, 31, 300);
+  EXPECT_LE(out.files.size(), 1u + 2 * 3 * 3) << "twice the manifest's segments, of three layers";
+  EXPECT_THAT(out.changed, IsEmpty()) << "a file never changes under its name";
+}
+
+TEST(HttpWindow, says_that_the_publisher_has_gone_and_goes_on_when_it_is_back) {
+  Files out;
+  HttpWindow window(out.output(), small_window());
+  window.hello(real_hello());
+  give_frames(window, 0, 7);
+  window.end();
+  EXPECT_TRUE(out.manifest().live->ended);
+  EXPECT_EQ(out.manifest().frame_count(), 7u) << "to the last frame";
+  window.hello(real_hello());
+  give_frames(window, 7, 6);
+  EXPECT_FALSE(out.manifest().live->ended);
+  EXPECT_EQ(out.manifest().frame_count(), 12u);
+}
+
+TEST(HttpWindow, another_session_leaves_nothing_of_the_one_before_and_the_end_nothing_at_all) {
+  Files out;
+  {
+    HttpWindow window(out.output(), small_window());
+    window.hello(real_hello(1));
+    give_frames(window, 0, 20);
+    window.hello(real_hello(2));
+    give_frames(window, 0, 6);
+    EXPECT_EQ(out.manifest().live->session, 2u);
+    EXPECT_EQ(out.manifest().live->first_frame, 0u);
+    EXPECT_EQ(out.files.size(), 1u + 3);
+  }
+  EXPECT_THAT(out.files, IsEmpty());
+}
+
+TEST(HttpWindow, has_fewer_segments_where_they_are_large) {
+  Files out;
+  WindowOptions options = small_window();
+  options.bytes = 1;
+  HttpWindow window(out.output(), options);
+  window.hello(real_hello());
+  give_frames(window, 0, 30);
+  EXPECT_THAT(out.manifest().segments, SizeIs(1));
+}
+
+/// A sink that is held up until it is let go.
+class HeldSink : public LiveSink {
+ public:
+  HeldSink(std::mutex& gate, std::vector<std::string>& notes) : gate_(gate), notes_(notes) {}
+  void hello(const LiveHello&) override { note("hello"); }
+  void layer(const LiveLayer&, const LiveMessage& message) override { note(brief(message)); }
+  void end() override { note("end"); }
+
+ private:
+  void note(std::string what) {
+    const std::lock_guard lock(gate_);
+    notes_.push_back(std::move(what));
+  }
+  std::mutex& gate_;
+  std::vector<std::string>& notes_;
+};
+
+TEST(SinkThread, hands_everything_on_in_order_and_holds_nobody_up) {
+  std::mutex gate;
+  std::vector<std::string> notes, said;
+  {
+    SinkThread thread(std::make_unique<HeldSink>(gate, notes), {});
+    const std::lock_guard held(gate);
+    thread.hello(plain_hello());
+    give(thread, {layer_message(0, 0), layer_message(0, 1)});
+    thread.end();
+    EXPECT_THAT(notes, IsEmpty());
+  }
+  EXPECT_THAT(notes, ElementsAre("hello", "0.0", "0.1", "end"));
+}
+
+TEST(SinkThread, leaves_out_whole_rests_of_frames_where_the_sink_is_too_slow_and_says_so) {
+  std::mutex gate;
+  std::vector<std::string> notes, said;
+  {
+    SinkThread thread(
+        std::make_unique<HeldSink>(gate, notes),
+        [&](const std::string& line) { said.push_back(line); }, 25);
+    const std::lock_guard held(gate);
+    thread.hello(plain_hello());
+    give(thread, {layer_message(0, 0), layer_message(0, 1), layer_message(0, 2)});
+    give(thread, {layer_message(1, 0, 3, 20), layer_message(1, 1, 3, 1)});
+  }
+  EXPECT_THAT(notes, ElementsAre("hello", "0.0", "0.1"));
+  EXPECT_THAT(said, ElementsAre(HasSubstr("frame 0"), HasSubstr("frame 1")));
+}
+
+}  // namespace
+}  // namespace pointreel

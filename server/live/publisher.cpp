@@ -23,6 +23,10 @@ using Clock = std::chrono::steady_clock;
 
 /// Of the box, on each side.
 constexpr double kMargin = 0.1;
+/// Of the edge that one frame's box needs.
+constexpr double kMostGrowth = 2.0;
+/// With fewer levels nobody is recognised, and hardly any time is saved.
+constexpr int kLeastDepth = 6;
 /// To send what is left at the end.
 constexpr std::chrono::milliseconds kFlushTime{2000};
 
@@ -34,6 +38,11 @@ Box with_margin(const Box& box) {
   if (box.empty()) return box;
   const glm::dvec3 margin = kMargin * box.extent();
   return {box.min - margin, box.max + margin};
+}
+
+double longest(const Box& box) {
+  const glm::dvec3 extent = box.extent();
+  return std::max({extent.x, extent.y, extent.z});
 }
 
 bool holds(const Box& outer, const Box& inner) {
@@ -78,7 +87,7 @@ class Publisher {
       : options_(options),
         listener_(listener),
         grid_(options),
-        time_(options.frame_time_ms),
+        time_(options.frame_time_ms, kMaxDepth, kLeastDepth),
         outbox_([&] {
           OutboxOptions outbox = options.outbox;
           outbox.say = [this](const std::string& line) { say(line); };
@@ -139,8 +148,11 @@ class Publisher {
     outbox_.push(number_, messages_of(*encoded, number_, last_us_));
     ++number_;
 
-    time_.told(encoded->depth, ms);
-    tell_depth(encoded->depth, ms);
+    // The first one finds the memory cold, which says nothing of the others.
+    if (summary_.frames > 0) {
+      time_.told(encoded->depth, ms);
+      tell_depth(encoded->depth, ms);
+    }
     summary_.depth_min =
         summary_.frames == 0 ? encoded->depth : std::min(summary_.depth_min, encoded->depth);
     summary_.depth_max = std::max(summary_.depth_max, encoded->depth);
@@ -204,8 +216,13 @@ SteadyGrid::SteadyGrid(const PublishOptions& options) {
 }
 
 Result<Grid> SteadyGrid::of(const Box& box) {
-  if (grid_ && holds(held_, box)) return *grid_;
-  const Box roomy = with_margin(box);
+  if (grid_ && holds({grid_->cube.origin, grid_->cube.origin + grid_->cube.edge}, box))
+    return *grid_;
+  Box roomy = with_margin(box);
+  // What moves about comes back to where it was.
+  Box both = roomy;
+  both.grow(held_);
+  if (longest(both) <= kMostGrowth * longest(roomy)) roomy = both;
   const Result<Grid> grid = grid_for(roomy, options_);
   if (!grid) return grid;
   grid_ = *grid;

@@ -53,7 +53,8 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
                                const PublishListener& listener);
 
 /// The cube that consecutive frames share, so that voxels do not jump between them: it stays until
-/// a frame does not fit, and then has a tenth of the box to spare on each side.
+/// a frame does not fit, and then has a tenth of the box to spare on each side; and holds what it
+/// held before, unless that makes it more than twice as large.
 class SteadyGrid {
  public:
   explicit SteadyGrid(const PublishOptions& options);
@@ -63,7 +64,7 @@ class SteadyGrid {
  private:
   PackOptions options_;
   std::optional<Grid> grid_;
-  Box held_;  ///< what the grid holds
+  Box held_;  ///< what the grid was made for
 };
 
 }  // namespace pointreel

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "server/rate/coarsening.h"
-
 namespace pointreel {
 namespace {
 
@@ -27,7 +25,7 @@ void FrameTimeControl::told(int depth, double ms) {
 }
 
 void FrameTimeControl::lower(int depth, double ms) {
-  while (depth > kCoarsestDepth && ms > budget_ms_) {
+  while (depth > coarsest_ && ms > budget_ms_) {
     --depth;
     ms /= kGrowth;
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "common/octree/morton.h"
+#include "server/rate/coarsening.h"
 
 namespace pointreel {
 
@@ -17,9 +18,10 @@ namespace pointreel {
 /// while sees to it that what fails is seldom tried.
 class FrameTimeControl {
  public:
-  /// Above 0; the depth to begin with, which is never exceeded.
-  explicit FrameTimeControl(double budget_ms, int finest = kMaxDepth)
-      : budget_ms_(budget_ms), finest_(finest), depth_(finest) {}
+  /// Above 0; the depth to begin with, which is never exceeded; and the least depth, which is not
+  /// lowered whatever frames take.
+  explicit FrameTimeControl(double budget_ms, int finest = kMaxDepth, int coarsest = kCoarsestDepth)
+      : budget_ms_(budget_ms), finest_(finest), coarsest_(coarsest), depth_(finest) {}
 
   /// The most that the next frame may be divided.
   int depth() const { return depth_; }
@@ -39,7 +41,7 @@ class FrameTimeControl {
   static constexpr int kFirstPatience = 8, kMostPatience = 512;
 
   double budget_ms_;
-  int finest_, depth_;
+  int finest_, coarsest_, depth_;
   double behind_ms_ = 0.0;
   std::uint64_t late_ = 0;
   int calm_ = 0, patience_ = kFirstPatience;  ///< frames

@@ -225,9 +225,11 @@ TEST(SteadyGrid, stays_until_a_frame_does_not_fit) {
   const Cube first = steady.of(box).value().cube;
   EXPECT_EQ(steady.of({{-0.05, 0.1, 0}, {1.05, 2.1, 0.5}}).value().cube, first);
   EXPECT_EQ(steady.of(Box{}).value().cube, first);
-  const Cube second = steady.of({{3, 0, 0}, {4, 2, 1}}).value().cube;
+  const Cube second = steady.of({{2, 0, 0}, {3, 2, 1}}).value().cube;
   EXPECT_FALSE(second == first);
-  EXPECT_LE(second.origin.x, 3.0 - 0.09);
+  EXPECT_EQ(steady.of(box).value().cube, second) << "what it held before";
+  const Cube far = steady.of({{30, 0, 0}, {31, 2, 1}}).value().cube;
+  EXPECT_LE(far.edge, 2.5) << "not all the way from there";
 }
 
 TEST(SteadyGrid, keeps_voxels_of_a_given_size) {

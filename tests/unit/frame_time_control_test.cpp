@@ -115,5 +115,13 @@ TEST(FrameTimeControl, is_a_value) {
   EXPECT_EQ(run(copy, {12.0}, 300), run(control, {12.0}, 300));
 }
 
+TEST(FrameTimeControl, never_goes_below_the_least_depth_and_comes_back_from_it) {
+  FrameTimeControl control(10.0, 10, 6);
+  for (int i = 0; i < 50; ++i) control.told(control.depth(), 400.0);
+  EXPECT_EQ(control.depth(), 6);
+  for (int i = 0; i < 5000; ++i) control.told(control.depth(), 1.0);
+  EXPECT_EQ(control.depth(), 10);
+}
+
 }  // namespace
 }  // namespace pointreel

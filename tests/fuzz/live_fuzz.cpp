@@ -1,0 +1,46 @@
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "common/stream/live.h"
+
+/// Messages of live streams, text or binary as the first byte says. What a parser accepts it must
+/// keep its promises about, and writing it gives what was read.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace pointreel;
+  if (size == 0) return 0;
+  const ByteView message(data + 1, size - 1);
+  if (data[0] % 2 == 0) {
+    const auto layer = parse_live_layer(message);
+    if (!layer) {
+      if (layer.error().message.empty()) std::abort();
+      return 0;
+    }
+    if (layer->layer >= layer->layers || layer->sizes.geometry == 0 ||
+        layer->sizes.total() != layer->bytes.size()) {
+      std::abort();
+    }
+    const Bytes again = write_live_layer(*layer);
+    if (!std::equal(again.begin(), again.end(), message.begin(), message.end())) std::abort();
+    return 0;
+  }
+  const auto text = parse_live_text(
+      std::string_view(reinterpret_cast<const char*>(message.data()), message.size()));
+  if (!text) {
+    if (text.error().message.empty()) std::abort();
+    return 0;
+  }
+  if (const auto* hello = std::get_if<LiveHello>(&*text)) {
+    const std::string written = write_hello(*hello);
+    const auto again = parse_hello(written);
+    if (!again || write_hello(*again) != written) std::abort();
+  } else if (const auto* drops = std::get_if<LiveDrops>(&*text)) {
+    if (!(std::get<LiveDrops>(parse_live_text(write_drops(*drops)).value()) == *drops)) {
+      std::abort();
+    }
+  }
+  return 0;
+}

@@ -14,6 +14,7 @@
 #include "tests/bench/output.h"
 #include "tests/bench/stream/chapter.h"
 #include "tests/bench/stream/faults.h"
+#include "tests/bench/stream/live.h"
 #include "tests/bench/stream/load.h"
 #include "tests/bench/stream/memory.h"
 #include "tests/bench/stream/throughput.h"
@@ -28,6 +29,7 @@ using nlohmann::json;
 const std::vector<StreamChapter>& chapters() {
   static const std::vector<StreamChapter> kChapters = {
       {"faults", "how soon playback goes on after links and servers failed", run_faults},
+      {"live", "from capture to picture, and who is slow", run_live},
       {"load", "many viewers at once", run_load},
       {"throughput", "bytes over HTTP, against nginx", run_throughput},
       {"memory", "resident memory over frames and connections", run_memory}};

@@ -1,0 +1,278 @@
+#include "tests/bench/stream/live.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "client/playback/live_playback.h"
+#include "client/source/live_source.h"
+#include "client/source/open_live_source.h"
+#include "common/net/websocket.h"
+#include "tests/e2e/process.h"
+#include "tests/link/link_emulator.h"
+#include "tests/load/load_generator.h"
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+using Time = std::chrono::steady_clock::time_point;
+namespace fs = std::filesystem;
+
+constexpr const char* kFps = "30";
+constexpr unsigned kOthers = 49;
+/// How late a picture may be for the viewer to be live again.
+constexpr double kLiveMs = 100.0;
+constexpr auto kLook = 1ms;
+
+double unix_ms() {
+  return std::chrono::duration<double, std::milli>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 1e9;
+  std::sort(values.begin(), values.end());
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  return values[std::min(at, values.size() - 1)];
+}
+
+json spread(const std::vector<double>& values) {
+  return {{"count", values.size()},
+          {"median", quantile(values, 0.5)},
+          {"p95", quantile(values, 0.95)},
+          {"p99", quantile(values, 0.99)}};
+}
+
+/// A server with a stream that a publisher of its own process feeds.
+struct Stage {
+  std::unique_ptr<e2e::Background> server, publisher;
+  std::string address;
+
+  Result<void> begin(const fs::path& frames) {
+    server = std::make_unique<e2e::Background>(
+        "pointreel-server", std::vector<std::string>{"serve", "--live", "--listen", "127.0.0.1:0"});
+    const std::string line = server->first_line();
+    const auto at = line.find("http://");
+    if (at == std::string::npos) return fail("pointreel-server did not start");
+    address = line.substr(at + 7);
+    publisher = std::make_unique<e2e::Background>(
+        "pointreel-server",
+        std::vector<std::string>{"publish", "-i", frames.string(), "--loop", "--fps", kFps, "--to",
+                                 "ws://" + address + "/live/stage"});
+    return {};
+  }
+};
+
+/// Sees what a player would show.
+class Watcher {
+ public:
+  static Result<std::unique_ptr<Watcher>> open(const std::string& address) {
+    auto source = open_live_source("ws://" + address + "/live/stage", {});
+    if (!source) return tl::unexpected(source.error());
+    auto watcher = std::unique_ptr<Watcher>(new Watcher(std::move(*source)));
+    if (!watcher->next(20s)) return fail("no live picture came");
+    return watcher;
+  }
+
+  /// Waits for the next picture; how many milliseconds after its capture it was ready.
+  std::optional<double> next(std::chrono::milliseconds timeout) {
+    for (const Time end = std::chrono::steady_clock::now() + timeout;
+         std::chrono::steady_clock::now() < end;) {
+      const Playback::Update update = playback_.update(std::chrono::steady_clock::now());
+      if (update.frame && update.frame->time_us != last_us_) {
+        last_us_ = update.frame->time_us;
+        level_ = update.frame->level;
+        return unix_ms() - 1e-3 * static_cast<double>(last_us_);
+      }
+      Camera camera;
+      camera.up = playback_.up();
+      camera.frame_bounds(playback_.bounds(), 16.0 / 9.0);
+      playback_.look(camera, {1280, 720});
+      std::this_thread::sleep_for(kLook);
+    }
+    return std::nullopt;
+  }
+
+  int level() const { return level_; }
+
+ private:
+  explicit Watcher(std::unique_ptr<LiveSource> source)
+      : playback_(std::move(source), "stage", options(), {}) {}
+
+  static LivePlayback::Options options() {
+    LivePlayback::Options options;
+    options.mode = DrawMode::surfel;
+    return options;
+  }
+
+  LivePlayback playback_;
+  std::uint64_t last_us_ = 0;
+  int level_ = 0;
+};
+
+Result<json> capture_to_picture(const Stage& stage, const StreamOptions& options,
+                                std::vector<Bar>& bars) {
+  auto watcher = Watcher::open(stage.address);
+  if (!watcher) return tl::unexpected(watcher.error());
+  const auto seconds = options.quick ? 3s : 15s;
+  const Time warm = std::chrono::steady_clock::now() + 2s, end = warm + seconds;
+  std::vector<double> delays;
+  for (Time now = {}; (now = std::chrono::steady_clock::now()) < end;) {
+    const std::optional<double> delay = (*watcher)->next(1s);
+    if (delay && now > warm) delays.push_back(*delay);
+  }
+  bars.push_back(
+      {"live at 30 a second: capture to picture, 95 %", quantile(delays, 0.95), "ms", 100.0});
+  json figures = spread(delays);
+  figures["pictures_per_second"] =
+      static_cast<double>(delays.size()) / std::chrono::duration<double>(seconds).count();
+  figures["level"] = (*watcher)->level();
+  return figures;
+}
+
+Result<json> back_to_live(const Stage& stage, const StreamOptions& options,
+                          std::vector<Bar>& bars) {
+  const auto link = LinkEmulator::start({.target = stage.address});
+  if (!link) return tl::unexpected(link.error());
+  auto watcher = Watcher::open((*link)->address());
+  if (!watcher) return tl::unexpected(watcher.error());
+  std::vector<double> times;
+  for (int i = 0; i < (options.quick ? 1 : 5); ++i) {
+    for (int frame = 0; frame < 30; ++frame) (*watcher)->next(1s);
+    LinkConditions cut;
+    cut.cut = true;
+    (*link)->set(cut);
+    const Time until = std::chrono::steady_clock::now() + (options.quick ? 3s : 10s);
+    while (std::chrono::steady_clock::now() < until) (*watcher)->next(50ms);
+    (*link)->set({});
+    const Time restored = std::chrono::steady_clock::now();
+    const Time give_up = restored + 30s;
+    while (std::chrono::steady_clock::now() < give_up) {
+      const std::optional<double> delay = (*watcher)->next(100ms);
+      if (delay && *delay <= kLiveMs) break;
+    }
+    times.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - restored)
+            .count());
+  }
+  bars.push_back({"live: back after a stall of 10 s, median", quantile(times, 0.5), "ms", 500.0});
+  return json{{"ms", times}};
+}
+
+/// A viewer at 1 Mbit/s, in a thread of its own.
+class SlowViewer {
+ public:
+  static Result<std::unique_ptr<SlowViewer>> start(const std::string& address) {
+    LinkConditions slow;
+    slow.bits_per_second = 1'000'000;
+    auto link = LinkEmulator::start({.target = address, .conditions = slow});
+    if (!link) return tl::unexpected(link.error());
+    WebSocketOptions patient;
+    patient.silence_timeout = 30s;
+    auto socket = WebSocket::connect("ws://" + (*link)->address() + "/live/stage", patient);
+    if (!socket) return tl::unexpected<Error>(socket.error());
+    return std::unique_ptr<SlowViewer>(new SlowViewer(std::move(*link), std::move(*socket)));
+  }
+  ~SlowViewer() {
+    socket_->close();
+    thread_.join();
+  }
+
+  LiveDrops drops() const { return {dropped_frames_.load(), dropped_layers_.load()}; }
+  std::uint64_t bases() const { return bases_; }
+
+ private:
+  SlowViewer(std::unique_ptr<LinkEmulator> link, std::unique_ptr<WebSocket> socket)
+      : link_(std::move(link)), socket_(std::move(socket)), thread_([this] { run(); }) {}
+
+  void run() {
+    for (;;) {
+      const auto message = socket_->receive(1s);
+      if (!message) return;
+      if (!*message) continue;
+      const Bytes& bytes = (*message)->bytes;
+      if ((*message)->kind == WebSocket::Kind::binary) {
+        const auto layer = parse_live_layer(bytes);
+        bases_ += layer && layer->layer == 0 ? 1 : 0;
+      } else if (const auto text =
+                     parse_live_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+        if (const auto* drops = std::get_if<LiveDrops>(&*text)) {
+          dropped_frames_ = drops->frames;
+          dropped_layers_ = drops->layers;
+        }
+      }
+    }
+  }
+
+  const std::unique_ptr<LinkEmulator> link_;
+  const std::unique_ptr<WebSocket> socket_;
+  std::atomic<std::uint64_t> bases_{0}, dropped_frames_{0}, dropped_layers_{0};
+  std::thread thread_;
+};
+
+Result<json> one_slow_viewer(const Stage& stage, const StreamOptions& options,
+                             std::vector<Bar>& bars) {
+  LoadOptions load;
+  load.url = "ws://" + stage.address + "/live/stage";
+  load.viewers = kOthers;
+  load.seconds = options.quick ? 2.0 : 5.0;
+  // In turns, so that whatever else the machine does is in both.
+  std::vector<double> without, with;
+  json slow_figures;
+  for (int i = 0; i < (options.quick ? 1 : 5); ++i) {
+    const auto alone = pointreel::run_load(load);
+    if (!alone) return tl::unexpected(alone.error());
+    without.push_back(alone->delay_ms(0.95));
+    const auto slow = SlowViewer::start(stage.address);
+    if (!slow) return tl::unexpected(slow.error());
+    const auto beside = pointreel::run_load(load);
+    if (!beside) return tl::unexpected(beside.error());
+    with.push_back(beside->delay_ms(0.95));
+    slow_figures = {{"bases", (*slow)->bases()},
+                    {"dropped_frames", (*slow)->drops().frames},
+                    {"dropped_layers", (*slow)->drops().layers}};
+  }
+  bars.push_back({"live: delay that one viewer at 1 Mbit/s adds to 49 others (95 % of frames)",
+                  quantile(with, 0.5) - quantile(without, 0.5), "ms", 5.0});
+  return json{{"p95_ms_without", without}, {"p95_ms_with", with}, {"slow_viewer", slow_figures}};
+}
+
+}  // namespace
+
+Result<json> run_live(const StreamOptions& options, std::vector<Bar>& bars) {
+  const fs::path frames = options.scratch / "live-frames";
+  const e2e::Outcome made =
+      e2e::run("pointreel-synth",
+               {"soccer-shoot", "--frames", options.quick ? "6" : "60", "-o", frames.string()});
+  if (made.exit_code != 0) return fail("pointreel-synth: " + made.err);
+  Stage stage;
+  if (const auto begun = stage.begin(frames); !begun) return tl::unexpected(begun.error());
+  // The publisher is there once there is something to join.
+  for (int i = 0; i < 200 && !WebSocket::connect("ws://" + stage.address + "/live/stage"); ++i) {
+    std::this_thread::sleep_for(100ms);
+  }
+  json report;
+  struct Part {
+    const char* name;
+    Result<json> (*measure)(const Stage&, const StreamOptions&, std::vector<Bar>&);
+  };
+  for (const auto& [name, measure] : {Part{"capture_to_picture", capture_to_picture},
+                                      {"back_to_live", back_to_live},
+                                      {"one_slow_viewer", one_slow_viewer}}) {
+    Result<json> figures = measure(stage, options, bars);
+    if (!figures) return fail_at(name, figures.error());
+    report[name] = std::move(*figures);
+  }
+  return report;
+}
+
+}  // namespace pointreel::bench

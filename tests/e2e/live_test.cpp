@@ -1,0 +1,217 @@
+// Live streams by the real programs: published from a folder, relayed, viewed and recorded, with a
+// server that is killed meanwhile.
+
+#include "common/stream/live.h"
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "codec/codec.h"
+#include "common/cloud/ply.h"
+#include "common/net/websocket.h"
+#include "common/stream/package.h"
+#include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kFrames = 3;
+constexpr int kDepth = 8;
+constexpr auto kLong = 60s;
+
+/// A spiral that turns from frame to frame; each has points of its own number.
+PointCloud spiral(int frame) {
+  PointCloud cloud;
+  for (int i = 0; i < 3000 + frame; ++i) {
+    const float turn = 0.01f * static_cast<float>(i) + static_cast<float>(frame);
+    cloud.positions.emplace_back(std::cos(turn), 0.001f * static_cast<float>(i), std::sin(turn));
+    cloud.colors.emplace_back(257 * (i % 256), 257 * frame, 0);
+  }
+  return cloud;
+}
+
+EncodeOptions encode_options() {
+  OctreeOptions octree;
+  octree.entropy = Entropy::zstd;
+  octree.depth = DepthRule::fixed(kDepth);
+  octree.color_quality = kLosslessColorQuality;
+  EncodeOptions options;
+  options.codec = octree;
+  return options;
+}
+
+std::unique_ptr<Background> serve(const fs::path& record, const std::string& listen) {
+  return std::make_unique<Background>(
+      "pointreel-server",
+      std::vector<std::string>{"serve", "--live", "--record", record.string(), "--listen", listen});
+}
+
+std::string address_of(Background& server) {
+  const std::string line = server.first_line();
+  const auto at = line.find("http://");
+  return at == std::string::npos ? std::string() : line.substr(at + 7);
+}
+
+/// Connects again and again until there is a stream.
+std::unique_ptr<WebSocket> join(const std::string& address) {
+  for (const auto end = Clock::now() + kLong; Clock::now() < end;) {
+    auto socket = WebSocket::connect("ws://" + address + "/live/stage");
+    if (socket) return *std::move(socket);
+    std::this_thread::sleep_for(50ms);
+  }
+  return nullptr;
+}
+
+/// What a viewer has got.
+struct View {
+  LiveHello hello;
+  std::uint32_t frame = 0;
+  std::vector<EncodedLayer> layers;  ///< of a whole frame
+};
+
+/// Waits for a whole frame.
+bool see(WebSocket& socket, View& view) {
+  for (const auto end = Clock::now() + kLong; Clock::now() < end;) {
+    const auto message = socket.receive(1s);
+    if (!message) return false;
+    if (!*message) continue;
+    const Bytes& bytes = (*message)->bytes;
+    if ((*message)->kind == WebSocket::Kind::text) {
+      const auto text =
+          parse_live_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      if (text && std::holds_alternative<LiveHello>(*text)) {
+        view.hello = std::get<LiveHello>(*text);
+      }
+      continue;
+    }
+    const auto layer = parse_live_layer(bytes);
+    if (!layer) return false;
+    if (layer->layer == 0) view.layers.clear();
+    if (layer->layer != view.layers.size()) continue;
+    view.frame = layer->frame;
+    const auto part = [&](std::size_t at, std::size_t size) {
+      const ByteView chunk = layer->bytes.subspan(at, size);
+      return Bytes(chunk.begin(), chunk.end());
+    };
+    const LayerSizes& sizes = layer->sizes;
+    view.layers.push_back({part(0, sizes.geometry), part(sizes.geometry, sizes.colors),
+                           part(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)});
+    if (view.layers.size() == layer->layers) return true;
+  }
+  return false;
+}
+
+/// The frame of the folder that this is, exactly; -1: none.
+int which(const View& view) {
+  const auto decoded = decode_frame(layer_views(view.layers));
+  if (!decoded) return -1;
+  for (int i = 0; i < kFrames; ++i) {
+    const auto encoded = encode_frame(spiral(i), decoded->cube, encode_options());
+    const auto truth = decode_frame(layer_views(encoded.value().layers));
+    if (truth->cloud.positions == decoded->cloud.positions &&
+        truth->cloud.colors == decoded->cloud.colors) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that_is_killed) {
+  const TemporaryFolder folder;
+  const fs::path frames = folder.path() / "frames", record = folder.path() / "record";
+  fs::create_directories(frames);
+  for (int i = 0; i < kFrames; ++i) {
+    ASSERT_TRUE(write_ply(frames / fmt::format("frame{}.ply", i), spiral(i)));
+  }
+  auto server = serve(record, "127.0.0.1:0");
+  const std::string address = address_of(*server);
+  ASSERT_FALSE(address.empty());
+  Background publisher(
+      "pointreel-server",
+      {"publish", "-i", frames.string(), "--loop", "--fps", "20", "--depth", std::to_string(kDepth),
+       "--quality", "100", "--frame-time", "100000", "--to", "ws://" + address + "/live/stage"});
+
+  View view;
+  {
+    const auto viewer = join(address);
+    ASSERT_NE(viewer, nullptr);
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_TRUE(see(*viewer, view));
+      EXPECT_GE(which(view), 0) << "frame " << view.frame;
+    }
+    EXPECT_EQ(view.hello.name, "stage");
+    EXPECT_TRUE(view.hello.colors);
+    EXPECT_FALSE(view.hello.normals);
+  }
+  const std::uint64_t session = view.hello.session;
+  const std::uint32_t seen = view.frame;
+
+  // A recording of a second at least, and then nobody has time to end anything in order.
+  const fs::path recording = record / "stage";
+  for (const auto end = Clock::now() + kLong;
+       !fs::exists(recording / kManifestName) && Clock::now() < end;) {
+    std::this_thread::sleep_for(50ms);
+  }
+  server->end(SIGKILL);
+  const Outcome verified = run("pointreel-server", {"verify", recording.string()});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  const auto manifest = read_manifest(recording);
+  ASSERT_TRUE(manifest) << manifest.error().message;
+  EXPECT_TRUE(manifest->live) << "it was growing";
+  EXPECT_GE(manifest->frame_count(), 5u);
+
+  // The publisher finds the server again, and goes on where it is.
+  server = serve(record, address);
+  ASSERT_FALSE(address_of(*server).empty());
+  const auto viewer = join(address);
+  ASSERT_NE(viewer, nullptr);
+  ASSERT_TRUE(see(*viewer, view));
+  EXPECT_EQ(view.hello.session, session);
+  EXPECT_GT(view.frame, seen);
+  EXPECT_GE(which(view), 0);
+
+  // Ended in order, the second recording is a reel like any other.
+  EXPECT_EQ(publisher.end(SIGINT), 0);
+  EXPECT_EQ(server->end(SIGTERM), 0);
+  const auto second = read_manifest(record / "stage-2");
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_FALSE(second->live);
+  EXPECT_EQ(run("pointreel-server", {"verify", (record / "stage-2").string()}).exit_code, 0);
+}
+
+TEST(Live, a_publisher_without_the_token_is_refused_for_good) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_ply(folder.path() / "frame.ply", spiral(0)));
+  Background server("pointreel-server",
+                    {"serve", "--live", "--publish-token", "secret", "--listen", "127.0.0.1:0"});
+  const std::string address = address_of(server);
+  ASSERT_FALSE(address.empty());
+  const std::string url = "ws://" + address + "/live/stage";
+  const std::vector<std::string> publish = {"publish", "-i", folder.path().string(), "--to", url};
+  const Outcome refused = run("pointreel-server", publish);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, testing::HasSubstr("401"));
+  std::vector<std::string> with_token = publish;
+  with_token.insert(with_token.end(), {"--token", "secret", "--json"});
+  const Outcome taken = run("pointreel-server", with_token);
+  EXPECT_EQ(taken.exit_code, 0) << taken.err;
+  EXPECT_THAT(taken.out, testing::HasSubstr("\"frames\": 1,"));
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

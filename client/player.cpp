@@ -179,6 +179,10 @@ class Player {
       source.frames_dropped = stage_->playback(i).dropped();
       source.errors = stage_->playback(i).errors();
       if (const LivePlayback* live = stage_->live(i)) source.live = live->counts();
+      if (const ReelPlayback* reel = stage_->reel(i)) {
+        source.reel = reel->statistics();
+        source.chosen = reel->chosen();
+      }
       report_.errors += source.errors;
       // Where every frame is waited for, nothing is ever late.
       if (!options_.offscreen || !every_frame()) report_.frames_dropped += source.frames_dropped;

@@ -19,12 +19,33 @@ nlohmann::ordered_json json_of(const TimeSamples& samples) {
           {"max", rounded(summary.max)}};
 }
 
+nlohmann::ordered_json json_of(const ReelPlayback::Chosen& chosen) {
+  auto attributes = nlohmann::ordered_json::array();
+  if (chosen.decision.set.colors) attributes.push_back("colors");
+  if (chosen.decision.set.normals) attributes.push_back("normals");
+  return {{"from_frame", chosen.first_frame},
+          {"layers", chosen.decision.set.layers},
+          {"attributes", attributes},
+          {"limited_by", name(chosen.decision.limit)}};
+}
+
 nlohmann::ordered_json json_of(const SourceReport& source) {
   nlohmann::ordered_json json = {{"source", source.where},
                                  {"at", {source.place.x, source.place.y, source.place.z}},
                                  {"frames_shown", source.frames_shown},
                                  {"frames_dropped", source.frames_dropped},
                                  {"errors", source.errors}};
+  if (source.reel) {
+    json["fetched_bytes"] = source.reel->fetched_bytes;
+    json["refetched_layers"] = source.reel->refetched;
+    json["link_mbit_per_second"] = rounded(source.reel->link_bits_per_second / 1e6);
+    json["stalls"] = {{"count", source.reel->stalls},
+                      {"seconds", rounded(source.reel->stalled_seconds)},
+                      {"longest_seconds", rounded(source.reel->longest_stall_seconds)}};
+    auto chosen = nlohmann::ordered_json::array();
+    for (const ReelPlayback::Chosen& choice : source.chosen) chosen.push_back(json_of(choice));
+    json["chosen"] = chosen;
+  }
   if (source.live) {
     json["live"] = {{"frames", source.live->frames},
                     {"skipped", source.live->skipped},

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/playback/reel_playback.h"
 #include "client/playback/statistics.h"
 #include "client/render/renderer.h"
 #include "client/scene/frame.h"
@@ -32,6 +33,8 @@ struct SourceReport {
   std::string where;
   glm::dvec3 place{0.0};
   std::uint64_t frames_shown = 0, frames_dropped = 0, errors = 0;
+  std::optional<ReelPlayback::Statistics> reel;  ///< of a reel, as are the choices
+  std::vector<ReelPlayback::Chosen> chosen;
   std::optional<LiveCounts> live;  ///< of a live stream
   TimeSamples delay;               ///< of a live stream: from capture to the end of drawing
 };

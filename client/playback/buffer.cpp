@@ -164,11 +164,11 @@ void FrameBuffer::set_pace(const Pace& pace) {
     const std::lock_guard lock(mutex_);
     const std::uint32_t fetch_ahead =
         std::clamp(pace.fetch_ahead, options_.ahead, options_.frame_count - 1);
-    if (Pace{fetch_ahead, pace.lead, pace.base_first} ==
-        Pace{fetch_ahead_, lead_, options_.base_first})
-      return;
+    const Pace before{fetch_ahead_, lead_, options_.base_first, focus_};
+    if (Pace{fetch_ahead, pace.lead, pace.base_first, pace.focus} == before) return;
     fetch_ahead_ = fetch_ahead;
     lead_ = pace.lead;
+    focus_ = pace.focus;
     options_.base_first = pace.base_first;
   }
   wake_all();
@@ -225,6 +225,7 @@ std::optional<FetchJob> FrameBuffer::find_fetch() {
   if (lead_ == 0) {
     if (auto job = begin(0, false)) return job;
   }
+  if (focused() && store_.coming(playhead_, {})) return std::nullopt;
   const std::uint32_t near = std::min(std::max(options_.near, 1u) - 1, fetch_ahead_);
   if (split) {
     for (std::uint32_t step = 1; step <= near; ++step)
@@ -318,10 +319,13 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
 }
 
 std::optional<FrameRequest> FrameBuffer::find_wanted() {
-  const std::uint32_t last = scrubbing_ ? 0 : options_.ahead;
+  const std::uint32_t last = scrubbing_ || focused() ? 0 : options_.ahead;
   for (const bool again : {false, true})
-    for (std::uint32_t step = 0; step <= last; ++step)
+    for (std::uint32_t step = 0; step <= last; ++step) {
+      // Whoever looks at one frame may jump to another at any time: a thread is free for that one.
+      if (step > 0 && focus_ && !making_.empty()) continue;
       if (auto request = make(step, again)) return request;
+    }
   return std::nullopt;
 }
 
@@ -354,6 +358,10 @@ void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const Sce
         finished.made_of = request.wanted;
       }
       finished.tried = std::max(finished.tried, level);
+      if (focus_ && satisfied(playhead_)) {
+        to_fetch_.notify_all();
+        to_make_.notify_all();
+      }
       // What is cheap to fetch again is not kept.
       if (options_.store_bytes == 0 && satisfied(request.frame))
         store_.shrink(0, [&](std::uint32_t f) -> std::uint64_t { return f == request.frame; });

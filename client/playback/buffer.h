@@ -87,9 +87,11 @@ class FrameBuffer {
   void set_level(int level);
   struct Pace {
     std::uint32_t fetch_ahead = 0;  ///< Options::fetch_ahead
-    std::uint32_t lead =
-        0;  ///< a frame passes too soon to be refined so many frames before its time
-    bool base_first = false;  ///< Options::base_first
+    std::uint32_t lead = 0;         ///< frames before its time from which on none is refined
+    bool base_first = false;        ///< Options::base_first
+    /// The playhead's frame is waited for: until it is as fine as can be, nothing else is fetched
+    /// or made, and then one frame at a time.
+    bool focus = false;
     bool operator==(const Pace&) const = default;
   };
   void set_pace(const Pace& pace);
@@ -166,6 +168,7 @@ class FrameBuffer {
     return distance(frame) <= (scrubbing_ ? 0 : fetch_ahead_);
   }
   bool has_room() const;
+  bool focused() const { return focus_ && !satisfied(playhead_); }
   std::optional<FetchJob> find_fetch();
   std::optional<FetchJob> begin(std::uint32_t step, bool base_only);
   std::optional<FrameRequest> find_wanted();
@@ -183,7 +186,7 @@ class FrameBuffer {
   std::uint32_t playhead_ = 0;
   int direction_ = 1;
   std::uint32_t fetch_ahead_ = 0, lead_ = 0;
-  bool scrubbing_ = false;
+  bool focus_ = false, scrubbing_ = false;
   std::uint64_t epoch_ = 0, generation_ = 0, order_ = 0;
   bool closed_ = false;
   int level_ = kWholeFrame;

@@ -27,7 +27,7 @@ constexpr double kBusy = 0.8, kIdle = 0.7;  // of the time there is
 const char* name(Limit limit) {
   switch (limit) {
     case Limit::none:
-      return "all";
+      return "nothing";
     case Limit::asked:
       return "asked";
     case Limit::view:
@@ -73,7 +73,9 @@ void LayerControl::carried(std::uint64_t bytes, double seconds) {
 
 void LayerControl::end_sample() {
   const double rate = sample_bytes_ / std::max(sample_seconds_, kLeastSeconds);
-  const double kept = std::exp2(-std::max(sample_seconds_, kSampleSeconds) / kMemory);
+  double kept = std::exp2(-std::max(sample_seconds_, kSampleSeconds) / kMemory);
+  // A link that is not busy shows less than it carries, hardly ever more.
+  if (rate > rate_) kept = std::min(kept, 0.5);
   rate_ = rate_ <= 0.0 ? rate : kept * rate_ + (1.0 - kept) * rate;
   sample_bytes_ = sample_seconds_ = 0.0;
   sampled_ = now_;
@@ -155,20 +157,28 @@ void LayerControl::update_machine(const Situation& situation) {
   else if (late_since_ < 0.0)
     late_since_ = now;
   if (now - machine_changed_ < kSettle) return;
+  if (taken_back_ >= 0.0 && now - taken_back_ >= kTrial) {  // it held
+    taken_back_ = -1.0;
+    machine_patience_ = kSettle;
+  }
   if (late && now - late_since_ >= kLateSeconds && ms > kBusy * budget && layers > 1) {
+    if (taken_back_ >= 0.0) machine_patience_ = std::min(2.0 * machine_patience_, kLongestPatience);
+    taken_back_ = -1.0;
     machine_layers_ = layers - 1;
     machine_changed_ = now;
     late_since_ = -1.0;
     return;
   }
-  if (late || machine_layers_ >= options_.layers || layers < machine_layers_) return;
+  if (late || machine_layers_ >= options_.layers || layers < machine_layers_ ||
+      now - machine_changed_ < machine_patience_)
+    return;
   const auto bytes = [&](std::uint32_t count) {
     return situation.bytes[static_cast<std::size_t>(kBaseRung) + count - 1];
   };
   const double more = ms * bytes(layers + 1) / std::max(1.0, bytes(layers));
   if (situation.made >= kFull && more <= kIdle * budget) {
     ++machine_layers_;
-    machine_changed_ = now;
+    machine_changed_ = taken_back_ = now;
   }
 }
 

@@ -10,7 +10,7 @@ namespace pointreel {
 
 /// What keeps a frame from being fetched whole.
 enum class Limit { none, asked, view, link, machine };
-/// "all", "asked", "view", "link", "machine".
+/// "nothing", "asked", "view", "link", "machine".
 const char* name(Limit limit);
 
 /// What is fetched of a segment's frames, and why no more.
@@ -49,7 +49,8 @@ LayerDecision decide(const LayerCaps& caps, const LayerSet& top, Limit limit);
 ///
 /// The machine. If frames have been fetched but are not ready in time, and making them takes the
 /// time of a frame and more, a layer is given up; it is taken back when frames are ready in time
-/// and would be with it, going by the bytes.
+/// and would be with it, going by the bytes: after a second at first, and after twice as long
+/// whenever that failed.
 class LayerControl {
  public:
   struct Options {
@@ -111,6 +112,8 @@ class LayerControl {
   std::vector<double> made_ms_;  ///< mean of each count of layers; 0: none was made
   double late_since_ = -1.0;     ///< -1: frames are ready in time
   double machine_changed_ = 0.0;
+  double taken_back_ = -1.0;       ///< when a layer last was, if that may still fail
+  double machine_patience_ = 1.0;  ///< seconds before one is taken back
 };
 
 }  // namespace pointreel

@@ -25,7 +25,6 @@ constexpr double kFetchAhead = 2.0;  ///< seconds of playing that are fetched ah
 constexpr double kNear = 0.5;        ///< seconds of which all bases come first
 constexpr double kLead = 0.1;        ///< seconds in which no frame can be refined in time
 constexpr double kResume = 0.1;      ///< seconds that must be there to go on after a stall
-constexpr std::uint64_t kStoreBytes = std::uint64_t{96} << 20;
 
 /// Of frames at this speed, in so many seconds.
 std::uint32_t frames_in(const Manifest& manifest, double seconds, double speed) {
@@ -78,7 +77,7 @@ FrameBuffer::Options buffer_options(const Manifest& manifest,
   if (options.remote && !options.single_frame) {
     buffer.fetch_ahead = frames_in(manifest, kFetchAhead, options.speed);
     buffer.near = frames_in(manifest, kNear, options.speed);
-    buffer.store_bytes = kStoreBytes;
+    buffer.store_bytes = options.store_bytes;
   }
   return buffer;
 }
@@ -106,6 +105,8 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
   clock_.seek(options.start_us, now);
   jump(now, clock_.direction());
   look(camera, size);
+  set_pace();
+  link_cap_ = control_.caps().link;
   // Over a network the frames under way hide each other's round trips.
   const Pipeline::Options threads{options.remote ? 6u : 1u, prepare_threads()};
   pipeline_.emplace(
@@ -158,10 +159,12 @@ void ReelPlayback::set_pace() {
   FrameBuffer::Pace pace;
   if (options_.remote && !options_.single_frame) {
     pace.fetch_ahead = frames_in(manifest(), kFetchAhead, clock_.speed());
-    pace.base_first = timed_;
+    pace.base_first = !awaiting_;
     if (clock_.playing() && !clock_.held())
       pace.lead = frames_in(manifest(), kLead, clock_.speed());
   }
+  // Who has jumped, or looks at one frame, waits for that one.
+  pace.focus = !awaiting_ && (!clock_.playing() || hold_ == Hold::jump);
   buffer_.set_pace(pace);
 }
 
@@ -205,7 +208,7 @@ void ReelPlayback::control(Clock::TimePoint now) {
 
   LayerControl::Situation situation;
   situation.now = std::chrono::duration<double>(now - *first_control_).count();
-  situation.playing = clock_.playing() && !scrubbing_;
+  situation.playing = (clock_.playing() || !started_) && !scrubbing_;
   situation.frame_seconds = frame_seconds();
   situation.fetched =
       fill_.full && fill_.fetched > fill_.ahead ? 1.0 : static_cast<double>(fill_.fetched) / window;
@@ -223,12 +226,15 @@ void ReelPlayback::control(Clock::TimePoint now) {
     caps = control_.caps();
   }
   link_use_ = use;
-  if (caps != this->caps()) {
-    link_cap_ = caps.link;
-    machine_cap_ = caps.machine_layers;
-    buffer_.choice_changed();
-  }
+  set_caps(caps);
   note_choice(next);
+}
+
+void ReelPlayback::set_caps(const LayerCaps& caps) {
+  if (caps == this->caps()) return;
+  link_cap_ = caps.link;
+  machine_cap_ = caps.machine_layers;
+  buffer_.choice_changed();
 }
 
 // What is looked at.
@@ -369,7 +375,6 @@ void ReelPlayback::hold_if_starved(Clock::TimePoint now) {
 }
 
 ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
-  timed_ = true;
   if (!started_ && buffer_.wait(std::chrono::milliseconds(0)) != FrameBuffer::State::waiting) {
     started_ = true;
     clock_.play(now);
@@ -414,7 +419,11 @@ void ReelPlayback::count_dropped(const SceneFrame& frame, const Clock::Reading& 
 }
 
 FrameBuffer::State ReelPlayback::await(std::uint32_t frame, std::chrono::milliseconds timeout) {
-  set_pace();
+  if (!awaiting_) {
+    awaiting_ = true;
+    set_caps({});
+    set_pace();
+  }
   playhead_ = frame;
   buffer_.advance(frame);
   note_choice(frame);

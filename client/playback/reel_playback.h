@@ -37,6 +37,8 @@ class ReelPlayback : public Playback {
     std::uint64_t start_us = 0;
     bool remote = false;  ///< round trips take time: more frames are fetched at once, and ahead
     bool single_frame = false;  ///< only the first one will be asked for
+    /// Of a remote reel's coded frames that are kept, besides those that are played next.
+    std::uint64_t store_bytes = std::uint64_t{96} << 20;
   };
 
   /// Begins to fetch what the camera shows in a picture of `size` pixels. The source has at least
@@ -126,6 +128,7 @@ class ReelPlayback : public Playback {
   void release(Clock::TimePoint now);
   void hold_if_starved(Clock::TimePoint now);
   void control(Clock::TimePoint now);
+  void set_caps(const LayerCaps& caps);
   void note_choice(std::uint32_t frame);
   void jump(Clock::TimePoint now, int direction);
   void count_dropped(const SceneFrame& frame, const Clock::Reading& reading);
@@ -144,7 +147,7 @@ class ReelPlayback : public Playback {
   std::shared_ptr<const SceneFrame> given_;
   std::optional<std::int64_t> given_ordinal_;  ///< none after a jump
   std::uint64_t dropped_ = 0;
-  bool timed_ = false;  ///< update() has been called: time matters
+  bool awaiting_ = false;  ///< await() has been called: time does not matter
   bool scrubbing_ = false, played_before_scrub_ = false;
   // Standing still.
   enum class Hold { none, jump, starved } hold_ = Hold::none;

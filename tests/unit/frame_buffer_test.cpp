@@ -411,10 +411,30 @@ TEST(FrameBuffer, AsksForBasesOfWhatIsNearThenForTheirRestsThenForWhatIsFurtherA
 
 TEST(FrameBuffer, DoesNotRefineWhatIsAboutToPass) {
   FrameBuffer buffer(layered(100, 1));
-  buffer.set_pace({4, 1, true});
+  buffer.set_pace({4, 1, true, false});
   std::vector<Asked> jobs;
   for (int i = 0; i < 3; ++i) jobs.push_back(asked(*buffer.next_fetch()));
   EXPECT_EQ(jobs, (std::vector<Asked>{{0, 0, 1}, {1, 0, 1}, {1, 1, 3}}));
+}
+
+TEST(FrameBuffer, DoesNothingElseBeforeTheFrameThatIsWaitedForIsWhole) {
+  FrameBuffer buffer(layered(100, 2));
+  buffer.set_pace({4, 0, true, true});
+  const auto base = buffer.next_fetch(), rest = buffer.next_fetch();
+  EXPECT_EQ(asked(*base), (Asked{0, 0, 1}));
+  EXPECT_EQ(asked(*rest), (Asked{0, 1, 3}));
+  std::atomic<bool> asked_more{false};
+  std::thread fetcher([&] {
+    buffer.next_fetch();
+    asked_more = true;
+  });
+  std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(asked_more);
+  buffer.fetched(*base, layers_of(*base), 1.0);
+  buffer.fetched(*rest, layers_of(*rest), 1.0);
+  buffer.deliver(*buffer.next_wanted(), picture_at(0, kWholeFrame));
+  fetcher.join();
+  EXPECT_TRUE(asked_more);
 }
 
 TEST(FrameBuffer, FetchesOnlyTheLayersThatAreSeenAndRefinesWithTheOthersAlone) {
@@ -634,7 +654,7 @@ TEST(FrameBuffer, SaysHowFullItIs) {
   EXPECT_EQ(buffer.fill().fetched, 2u);
   buffer.deliver(*buffer.next_wanted(), picture(0));
   EXPECT_EQ(buffer.fill().made, 1u);
-  buffer.set_pace({8, 0, true});
+  buffer.set_pace({8, 0, true, false});
   EXPECT_EQ(buffer.fill().window, 9u);
 }
 

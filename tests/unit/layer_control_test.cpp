@@ -192,6 +192,19 @@ TEST(LayerControl, GivesUpALayerThatTheMachineDoesNotMakeInTimeAndTakesItBack) {
   EXPECT_EQ(chosen(machine.control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
 }
 
+TEST(LayerControl, TakesALayerBackEverMoreRarelyWhereThatFails) {
+  Machine machine;
+  machine.run(3, 130.0, 0.1, 1.5);
+  int taken_back = 0;
+  for (const double end = machine.now + 60.0; machine.now < end;) {
+    const bool all = machine.control.machine_layers() == 3;
+    machine.run(all ? 3 : 2, all ? 130.0 : 10.0, all ? 0.1 : 1.0, 0.1);
+    taken_back += !all && machine.control.machine_layers() == 3;
+  }
+  EXPECT_GE(taken_back, 2);
+  EXPECT_LE(taken_back, 6);
+}
+
 TEST(LayerControl, DoesNotBlameTheMachineForWhatTakesNoTime) {
   Machine machine;
   machine.run(3, 10.0, 0.1, 3.0);

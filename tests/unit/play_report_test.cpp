@@ -80,5 +80,21 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   EXPECT_EQ(json["skipped"]["hidden"], 3);
 }
 
+TEST(PlayReport, SaysWhatWasChosenForWhichFramesAndWhy) {
+  PlayReport report;
+  SourceReport source;
+  source.reel.emplace();
+  source.reel->stalls = 2;
+  source.chosen = {{0, {{1, true, false}, Limit::link}}, {30, {{3, true, true}, Limit::none}}};
+  report.sources.push_back(source);
+  const auto json = nlohmann::json::parse(report.to_json())["sources"][0];
+  EXPECT_EQ(json["stalls"]["count"], 2);
+  EXPECT_EQ(json["chosen"][0]["layers"], 1);
+  EXPECT_EQ(json["chosen"][0]["attributes"], nlohmann::json::array({"colors"}));
+  EXPECT_EQ(json["chosen"][0]["limited_by"], "link");
+  EXPECT_EQ(json["chosen"][1]["from_frame"], 30);
+  EXPECT_EQ(json["chosen"][1]["limited_by"], "nothing");
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -96,6 +96,7 @@ class ReelPlaybackTest : public PackTest {
     camera.zoom(0.05);
     playback_ = std::make_unique<ReelPlayback>(std::move(gated), options, camera, glm::ivec2(2000),
                                                [](std::uint32_t, const Error&) {});
+    until([&](const auto& update) { return update.frame && playback_->playing(); });
   }
 
   ReelPlayback::Update update() { return playback_->update(now_); }
@@ -221,15 +222,17 @@ TEST_F(ReelPlaybackTest, ShowsTheBaseUnderTheCursorOfADragAndRefinesItAtTheEnd) 
   EXPECT_TRUE(playback_->playing()) << "goes on afterwards";
   playback_->scrub_end(now_);
   until_shown(5);
-  until([&](const auto& update) { return update.frame->level == kWholeFrame; });
   pass(milliseconds(100));
   until_shown(6);
+  playback_->pause(now_);
+  until_whole(6);
 }
 
 TEST_F(ReelPlaybackTest, AsksForNoMoreThanBasesWhileDragged) {
   start();
-  until_whole(0);
+  until_shown(0);
   playback_->pause(now_);
+  until_whole(0);
   until([&](const auto&) { return playback_->statistics().buffered_seconds > 1.9; });
   playback_->scrub_begin(now_);
   std::this_thread::sleep_for(milliseconds(20));
@@ -264,11 +267,14 @@ TEST_F(ReelPlaybackTest, SaysWhatWasChosenForWhichFramesAndWhy) {
 
 TEST_F(ReelPlaybackTest, FetchesAFrameOnceHoweverOftenItIsShown) {
   start();
-  until_whole(0);
-  for (std::uint32_t frame = 1; frame < kFrames; ++frame) {
-    pass(milliseconds(100));
+  until_shown(0);
+  playback_->pause(now_);
+  for (std::uint32_t frame = 0; frame < kFrames; ++frame) {
+    playback_->seek(frame * 100'000, now_);
     until_whole(frame);
   }
+  playback_->seek(0, now_);
+  playback_->play(now_);
   const auto bytes = playback_->statistics().fetched_bytes;
   for (std::uint32_t frame = 0; frame < 3 * kFrames; ++frame) {
     pass(milliseconds(100));

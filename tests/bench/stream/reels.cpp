@@ -1,0 +1,144 @@
+#include "tests/bench/stream/reels.h"
+
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/playback/prepare.h"
+#include "client/source/open_source.h"
+#include "common/stream/package.h"
+
+namespace pointreel::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+std::uint64_t checksum_of_values(const std::vector<T>& values) {
+  return checksum_of(
+      {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
+}
+
+Result<void> run_program(const std::string& program, const std::vector<std::string>& arguments) {
+  constexpr int kSeconds = 600;
+  const e2e::Outcome outcome = e2e::run(program, arguments, kSeconds);
+  if (outcome.exit_code != 0) return fail(program + ": " + outcome.err);
+  return {};
+}
+
+/// The same files under as many names as it takes to show them `times` times.
+Result<Manifest> lengthen(const fs::path& packed, const fs::path& longer, std::uint32_t times) {
+  auto manifest = read_manifest(packed);
+  if (!manifest) return manifest;
+  fs::create_directories(longer);
+  if (manifest->tables)
+    fs::create_hard_link(packed / manifest->tables->path, longer / manifest->tables->path);
+  const std::vector<Segment> once = std::exchange(manifest->segments, {});
+  const std::uint64_t duration_us = manifest->duration_us;
+  std::uint32_t frame = 0;
+  for (std::uint32_t pass = 0; pass < times; ++pass) {
+    for (Segment segment : once) {
+      segment.first_frame = frame;
+      frame += segment.frame_count();
+      for (std::uint64_t& time : segment.times_us) time += pass * duration_us;
+      for (LayerFile& file : segment.layers) {
+        const std::string path = fmt::format("{}.{}", pass, file.path);
+        fs::create_hard_link(packed / file.path, longer / path);
+        file.path = path;
+      }
+      manifest->segments.push_back(std::move(segment));
+    }
+  }
+  manifest->duration_us = duration_us * times;
+  std::ofstream out(longer / kManifestName, std::ios::binary);
+  if (!(out << write_manifest(*manifest))) return fail(longer.string() + ": cannot be written");
+  return manifest;
+}
+
+Result<std::uint64_t> content(Source& source, std::uint32_t frame, std::uint32_t layers) {
+  const auto fetched = source.fetch(frame, {.layers = layers});
+  if (!fetched) return tl::unexpected(fetched.error());
+  const auto scene = prepare_frame(source.manifest(), frame, *fetched, {DrawMode::surfel});
+  if (!scene) return tl::unexpected(scene.error());
+  return content_of(*scene);
+}
+
+Result<StreamedReel> make_reel(const fs::path& scratch, const std::string& name,
+                               std::vector<std::string> synth, std::uint32_t frames,
+                               std::uint32_t times, int slabs = 1) {
+  StreamedReel reel;
+  reel.name = name;
+  reel.folder = scratch / name;
+  reel.packed = scratch / (name + "-once");
+  const fs::path packed = reel.packed, clouds = scratch / (name + "-clouds");
+  if (!fs::exists(reel.folder)) {
+    synth.insert(synth.end(), {"-o", clouds.string(), "--frames", std::to_string(frames)});
+    auto made = run_program("pointreel-synth", synth);
+    if (made)
+      made = run_program("pointreel-server",
+                         {"pack", "-i", clouds, "-o", packed, "--slabs", std::to_string(slabs)});
+    if (!made) return tl::unexpected(made.error());
+    fs::remove_all(clouds);
+    if (const auto longer = lengthen(packed, reel.folder, times); !longer)
+      return tl::unexpected(longer.error());
+  }
+  auto source = open_source(packed.string());
+  if (!source) return tl::unexpected(source.error());
+  const Manifest& manifest = (*source)->manifest();
+  reel.packed_frames = manifest.frame_count();
+  reel.frames = reel.packed_frames * times;
+  std::uint64_t bytes = 0;
+  for (const PackageFile* file : manifest.files()) bytes += file->bytes;
+  reel.bits_per_second =
+      8e6 * static_cast<double>(bytes) / static_cast<double>(manifest.duration_us);
+  for (std::uint32_t frame = 0; frame < reel.packed_frames; ++frame) {
+    const auto whole = content(**source, frame, ~0u), base = content(**source, frame, 1);
+    if (!whole || !base) return tl::unexpected(!whole ? whole.error() : base.error());
+    reel.whole.push_back(*whole);
+    reel.base.push_back(*base);
+  }
+  return reel;
+}
+
+std::vector<std::string> serve_arguments(const std::vector<StreamedReel>& reels) {
+  std::vector<std::string> arguments = {"serve", "--listen", "127.0.0.1:0"};
+  for (const StreamedReel& reel : reels) arguments.push_back(reel.folder.string());
+  return arguments;
+}
+
+}  // namespace
+
+std::uint64_t content_of(const SceneFrame& frame) {
+  return checksum_of_values(frame.svo.masks) ^ 3 * checksum_of_values(frame.attributes.colors);
+}
+
+Result<std::vector<StreamedReel>> streamed_reels(const StreamOptions& options) {
+  const fs::path scratch = options.scratch / "reels";
+  std::error_code ignored;
+  fs::create_directories(scratch, ignored);
+  const bool quick = options.quick;
+  auto shoot =
+      make_reel(scratch, "soccer-shoot", {"soccer-shoot"}, quick ? 12 : 60, quick ? 75 : 15);
+  if (!shoot) return tl::unexpected(shoot.error());
+  auto dense = make_reel(scratch, "dense", {"kick", "--voxelize", "10"}, quick ? 4 : 20,
+                         quick ? 225 : 45, 2);
+  if (!dense) return tl::unexpected(dense.error());
+  return std::vector<StreamedReel>{std::move(*shoot), std::move(*dense)};
+}
+
+ReelServer::ReelServer(const std::vector<std::string>& arguments)
+    : process_("pointreel-server", arguments) {}
+
+Result<std::unique_ptr<ReelServer>> ReelServer::start(const std::vector<StreamedReel>& reels) {
+  std::unique_ptr<ReelServer> server(new ReelServer(serve_arguments(reels)));
+  const std::string line = server->process_.first_line();
+  const std::size_t at = line.find("http://");
+  if (at == std::string::npos) return fail("pointreel-server did not say where it listens");
+  const std::size_t begin = at + 7;
+  server->address_ = line.substr(begin, line.find_first_of("/ \n", begin) - begin);
+  return server;
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/scene/frame.h"
+#include "common/base/error.h"
+#include "tests/bench/stream/chapter.h"
+#include "tests/e2e/process.h"
+
+namespace pointreel::bench {
+
+/// A sequence that is streamed. It is longer than what was packed, which is shown over and over
+/// under other names, so that no player has it whole.
+struct StreamedReel {
+  std::string name;
+  std::filesystem::path folder;
+  std::filesystem::path packed;  ///< once, as it was packed
+  std::uint32_t packed_frames = 0, frames = 0;
+  double bits_per_second = 0.0;  ///< of all layers
+  /// content_of each packed frame, whole and of the base alone.
+  std::vector<std::uint64_t> whole, base;
+};
+
+/// A checksum of a frame's voxels and their colours.
+std::uint64_t content_of(const SceneFrame& frame);
+
+/// soccer-shoot as the paper's scanner sees it, and kick dense on a grid of 10 bits in two
+/// slabs. Made in the
+/// scratch folder by whichever chapter asks first.
+Result<std::vector<StreamedReel>> streamed_reels(const StreamOptions& options);
+
+/// `pointreel-server serve` of them, in a process of its own.
+class ReelServer {
+ public:
+  static Result<std::unique_ptr<ReelServer>> start(const std::vector<StreamedReel>& reels);
+  /// "127.0.0.1:8090"; a reel is at /NAME.
+  const std::string& address() const { return address_; }
+
+ private:
+  explicit ReelServer(const std::vector<std::string>& arguments);
+  e2e::Background process_;
+  std::string address_;
+};
+
+}  // namespace pointreel::bench

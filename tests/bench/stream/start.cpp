@@ -1,0 +1,56 @@
+#include "tests/bench/stream/start.h"
+
+#include <fmt/format.h>
+
+#include "client/playback/statistics.h"
+#include "tests/bench/stream/watching.h"
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+
+json json_of(const TimeSamples& samples) {
+  const TimeSummary summary = samples.summary();
+  return {{"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
+}
+
+}  // namespace
+
+Result<json> run_start(const StreamOptions& options, std::vector<Bar>& bars) {
+  const auto reels = streamed_reels(options);
+  if (!reels) return tl::unexpected(reels.error());
+  const auto server = ReelServer::start(*reels);
+  if (!server) return tl::unexpected(server.error());
+  json rows = json::array();
+  for (const StreamedReel& reel : *reels) {
+    for (const auto& [named, limit] :
+         {std::pair{megabits(50), 500.0}, std::pair{megabits(5), 1500.0}}) {
+      const auto link =
+          LinkEmulator::start({.target = (*server)->address(), .conditions = named.conditions});
+      if (!link) return tl::unexpected(link.error());
+      TimeSamples first, whole;
+      for (int run = 0; run < (options.quick ? 3 : 20); ++run) {
+        const double begin = now_ms();
+        auto watching = Watching::start("http://" + (*link)->address() + "/" + reel.name, {});
+        if (!watching) return tl::unexpected(watching.error());
+        if (!(*watching)->until([](const auto& update) { return update.frame != nullptr; }))
+          return fail(reel.name + ": no picture");
+        first.add(now_ms() - begin);
+        const bool fine = (*watching)->until(
+            [](const auto& update) { return update.frame->level == kWholeFrame; },
+            std::chrono::seconds(3));
+        if (fine) whole.add(now_ms() - begin);
+      }
+      bars.push_back({fmt::format("start, {}, {}: first picture, 95 %", reel.name, named.name),
+                      first.summary().p95, "ms", limit});
+      rows.push_back({{"reel", reel.name},
+                      {"link", named.name},
+                      {"first_picture_ms", json_of(first)},
+                      {"first_whole_picture_ms", json_of(whole)}});
+    }
+  }
+  return json{{"rows", rows}};
+}
+
+}  // namespace pointreel::bench

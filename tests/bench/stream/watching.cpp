@@ -1,0 +1,48 @@
+#include "tests/bench/stream/watching.h"
+
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "client/source/open_source.h"
+
+namespace pointreel::bench {
+
+NamedLink megabits(std::uint64_t rate) {
+  LinkConditions conditions;
+  conditions.bits_per_second = rate * 1'000'000;
+  conditions.delay = std::chrono::milliseconds(10);
+  return {fmt::format("{} Mbit/s, 20 ms", rate), conditions};
+}
+
+Watching::Watching(std::unique_ptr<Source> source, const Options& options) {
+  ReelPlayback::Options playing;
+  playing.mode = options.mode;
+  playing.remote = true;
+  if (options.keep_nothing) playing.store_bytes = 0;
+  Camera camera;
+  camera.frame_bounds(source->manifest().bounds, 1.0);
+  camera.zoom(0.1);
+  playback_ =
+      std::make_unique<ReelPlayback>(std::move(source), playing, camera, glm::ivec2(1280, 720),
+                                     [](std::uint32_t, const Error&) {});
+}
+
+Result<std::unique_ptr<Watching>> Watching::start(const std::string& url, const Options& options) {
+  auto source = open_source(url);
+  if (!source) return tl::unexpected(source.error());
+  return std::unique_ptr<Watching>(new Watching(std::move(*source), options));
+}
+
+bool Watching::until(const std::function<bool(const ReelPlayback::Update&)>& done,
+                     std::chrono::milliseconds timeout) {
+  const auto end = Clock::TimePoint::clock::now() + timeout;
+  for (;;) {
+    const auto now = Clock::TimePoint::clock::now();
+    if (done(playback_->update(now))) return true;
+    if (now > end) return false;
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
+}
+
+}  // namespace pointreel::bench

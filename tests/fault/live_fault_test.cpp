@@ -22,16 +22,18 @@ using namespace std::chrono_literals;
 using testing::AnyOf;
 using testing::HasSubstr;
 
+/// `scheme` and `end` tell how the stream is watched.
 class LiveFault : public testing::Test {
  protected:
-  LiveFault() {
+  explicit LiveFault(const char* scheme = "ws", const char* end = "") {
     auto link = LinkEmulator::start({server_.address()});
     if (!link) throw std::runtime_error(link.error().message);
     link_ = std::move(*link);
     LiveReel::get();
     publisher_ =
         std::make_unique<StagePublisher>("ws://" + server_.address() + "/live/ball?publish");
-    watcher_ = std::make_unique<LiveWatcher>("ws://" + link_->address() + "/live/ball");
+    watcher_ =
+        std::make_unique<LiveWatcher>(scheme + ("://" + link_->address()) + "/live/ball" + end);
     if (!watcher_->sees(5)) ADD_FAILURE() << watcher_->trouble().value_or("nothing came");
   }
   ~LiveFault() override {
@@ -49,9 +51,9 @@ class LiveFault : public testing::Test {
 
   /// What comes next is of now, not of when the link went down.
   void expect_to_be_live() {
-    const std::uint32_t newest = publisher_->newest();
-    ASSERT_TRUE(watcher_->sees(3));
-    EXPECT_GE(watcher_->shown().back().frame + 3, newest);
+    const std::uint64_t newest = publisher_->newest_us();
+    ASSERT_TRUE(watcher_->sees(behind_));
+    EXPECT_GE(watcher_->shown().back().capture_us + behind_ * 33'333, newest);
     EXPECT_TRUE(watcher_->hears_of_trouble(false));
   }
 
@@ -59,6 +61,7 @@ class LiveFault : public testing::Test {
   std::unique_ptr<LinkEmulator> link_;
   std::unique_ptr<StagePublisher> publisher_;
   std::unique_ptr<LiveWatcher> watcher_;
+  std::uint32_t behind_ = 3;     ///< so many frames are no delay
   std::size_t began_again_ = 0;  ///< number of the first picture of another publisher
 };
 
@@ -128,6 +131,32 @@ TEST_F(LiveFault, ServesManyViewersAsWell) {
   ASSERT_TRUE(package) << package.error().message;
   EXPECT_EQ(package->broken, 0u);
   EXPECT_GT(package->frames, 20u);
+}
+
+/// The same by a manifest that grows and its segments.
+class LiveOverHttpFault : public LiveFault {
+ protected:
+  LiveOverHttpFault() : LiveFault("http", "/reel.json") { behind_ = 60; }
+};
+
+TEST_F(LiveOverHttpFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
+  const int port = server_.port();
+  server_.kill();
+  ASSERT_TRUE(watcher_->hears_of_trouble());
+  server_ = ServerProcess(FaultReel::get().path(), port, {"--live"});
+  expect_to_be_live();
+}
+
+TEST_F(LiveOverHttpFault, IsLiveAgainAfterTheLinkWasCut) {
+  link_->set({.cut = true});
+  ASSERT_TRUE(watcher_->hears_of_trouble());
+  link_->set({});
+  expect_to_be_live();
+}
+
+TEST_F(LiveOverHttpFault, ShowsNothingWrongOverALinkThatIsBadInEveryWay) {
+  link_->set({.delay = 20ms, .split = 1000, .corrupt_every = 50'000, .reset_after = 200'000});
+  EXPECT_TRUE(watcher_->sees(60));
 }
 
 }  // namespace

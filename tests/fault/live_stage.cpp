@@ -65,7 +65,9 @@ std::optional<bool> LiveReel::is_right(const LiveFrame& frame) const {
   for (const FetchedLayer& layer : frame.frame.layers) views.push_back(layer.view());
   const auto content = content_of(views);
   if (!content) return std::nullopt;
-  const auto& truth = truth_[frame.number % truth_.size()];
+  const std::uint64_t which = frame.capture_us % 1000;
+  if (which >= truth_.size()) return false;
+  const auto& truth = truth_[which];
   return views.size() <= truth.size() && truth[views.size() - 1] == *content;
 }
 
@@ -88,6 +90,7 @@ void StagePublisher::run() {
   hello.layer_names = {"base", "middle", "full"};
   const std::string text = write_hello(hello);
   auto due = std::chrono::steady_clock::now();
+  std::uint32_t number = 0;
   while (!ending_) {
     auto socket = WebSocket::connect(url_);
     bool open = socket.has_value();
@@ -98,12 +101,11 @@ void StagePublisher::run() {
                  .has_value();
     // Capturing goes on whether it is connected or not.
     do {
-      const std::uint32_t number = newest_ + 1;
-      const EncodedFrame& frame = LiveReel::get().frame(number);
-      const auto captured =
-          static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(
-                                         std::chrono::system_clock::now().time_since_epoch())
-                                         .count());
+      const EncodedFrame& frame = LiveReel::get().frame(++number);
+      const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
+          std::chrono::system_clock::now().time_since_epoch());
+      const std::uint64_t captured =
+          LiveReel::get().capture_us(static_cast<std::uint64_t>(now.count()), number);
       for (std::size_t i = 0; i < frame.layers.size() && open; ++i) {
         const EncodedLayer& layer = frame.layers[i];
         Bytes bytes = layer.geometry;
@@ -117,7 +119,7 @@ void StagePublisher::run() {
                           WebSocket::Kind::binary)
                    .has_value();
       }
-      newest_ = number;
+      newest_us_ = captured;
       due += std::chrono::microseconds(33'333);
       std::this_thread::sleep_until(due);
     } while (open && !ending_);
@@ -145,7 +147,7 @@ void LiveWatcher::watch() {
       const auto right = LiveReel::get().is_right(*frame);
       const std::lock_guard lock(mutex_);
       if (right)
-        shown_.push_back({std::chrono::steady_clock::now(), frame->number,
+        shown_.push_back({std::chrono::steady_clock::now(), frame->number, frame->capture_us,
                           static_cast<std::uint32_t>(frame->frame.layers.size()), *right});
       else
         ++undecodable_;

@@ -22,6 +22,10 @@ class LiveReel {
  public:
   static const LiveReel& get();  ///< made once for all tests
   const EncodedFrame& frame(std::uint32_t number) const { return frames_[number % frames_.size()]; }
+  /// So that a frame's time tells which of the frames it is.
+  std::uint64_t capture_us(std::uint64_t now_us, std::uint32_t number) const {
+    return now_us - now_us % 1000 + number % frames_.size();
+  }
   /// Whether this is what the layers of that frame decode to; nothing if they do not decode.
   std::optional<bool> is_right(const LiveFrame& frame) const;
 
@@ -39,13 +43,13 @@ class StagePublisher {
   ~StagePublisher();
   StagePublisher(const StagePublisher&) = delete;
   StagePublisher& operator=(const StagePublisher&) = delete;
-  std::uint32_t newest() const { return newest_; }  ///< number of the newest frame
+  std::uint64_t newest_us() const { return newest_us_; }  ///< when the newest frame was captured
 
  private:
   void run();
   const std::string url_;
   std::atomic<bool> ending_{false};
-  std::atomic<std::uint32_t> newest_{0};
+  std::atomic<std::uint64_t> newest_us_{0};
   std::thread thread_;
 };
 
@@ -55,6 +59,7 @@ class LiveWatcher {
   struct Shown {
     std::chrono::steady_clock::time_point at;
     std::uint32_t frame = 0;
+    std::uint64_t capture_us = 0;
     std::uint32_t layers = 0;
     bool right = false;
   };

@@ -129,9 +129,9 @@ Result<json> run_faults(const StreamOptions& options, std::vector<Bar>& bars) {
       if (!watcher.sees(30)) return fail(watcher.trouble().value_or("nothing came"));
       fault.happen();
       const Time back = std::chrono::steady_clock::now();
-      const std::uint32_t newest = publisher.newest();
+      const std::uint64_t newest = publisher.newest_us();
       const double ms =
-          recovery_ms(watcher, back, [=](const auto& each) { return each.frame >= newest; });
+          recovery_ms(watcher, back, [=](const auto& each) { return each.capture_us >= newest; });
       live[fault.name] = ms;
       worst_live = std::max(worst_live, ms);
       wrong += wrong_pictures(watcher);

@@ -1,0 +1,318 @@
+#include "client/source/http_live_source.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "client/source/http_client.h"
+#include "client/source/live_assembler.h"
+#include "client/source/live_pacing.h"
+#include "common/stream/live.h"
+#include "common/stream/package.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+using Time = LivePacing::Time;
+
+/// Between two looks at the manifest; a segment's length has a few of them.
+constexpr milliseconds kShortestPoll{50}, kLongestPoll{500};
+constexpr int kPollsPerSegment = 4;
+/// What took so long to come, and four times its own length, is not shown.
+constexpr std::chrono::seconds kTooLate{2};
+/// Waiting to be shown; a publisher that sends more at once loses the oldest.
+constexpr std::size_t kMostWaiting = 512;
+constexpr std::uint64_t kMostWaitingBytes = 256u << 20;
+/// Segments that came in less than half of their length before more layers are tried.
+constexpr int kQuickBeforeMore = 4;
+
+/// A frame of a segment that has come, waiting for its time.
+struct WaitingFrame {
+  Time due;
+  std::uint32_t number = 0, points = 0;
+  std::uint64_t capture_us = 0;
+  std::uint8_t layers_sent = 1;
+  std::vector<FetchedLayer> layers;
+
+  std::uint64_t size() const {
+    std::uint64_t bytes = 0;
+    for (const FetchedLayer& layer : layers) bytes += layer.bytes.size();
+    return bytes;
+  }
+};
+
+LiveHello hello_of(const Manifest& manifest) {
+  LiveHello hello;
+  hello.name = manifest.name;
+  hello.session = manifest.live->session;
+  hello.codec = manifest.codec;
+  hello.entropy = manifest.entropy;
+  hello.fps = manifest.fps;
+  hello.up = manifest.up;
+  hello.colors = manifest.colors;
+  hello.normals = manifest.normals;
+  hello.layer_names = manifest.layer_names;
+  hello.bounds = manifest.bounds;
+  return hello;
+}
+
+std::chrono::microseconds length_of(const Segment& segment, double fps) {
+  return std::chrono::microseconds(segment.times_us.back() - segment.times_us.front() +
+                                   static_cast<std::uint64_t>(1e6 / fps));
+}
+
+/// Which layers to fetch, from how long segments took to come.
+class LayerBudget {
+ public:
+  std::size_t layers(std::size_t there_are) const { return std::min(layers_, there_are); }
+
+  void took(std::chrono::duration<double> time, std::chrono::duration<double> length,
+            std::size_t there_are) {
+    layers_ = layers(there_are);
+    if (time > length) {
+      layers_ = std::max<std::size_t>(1, layers_ - 1);
+      quick_ = 0;
+    } else if (2.0 * time > length) {
+      quick_ = 0;
+    } else if (++quick_ >= kQuickBeforeMore) {
+      ++layers_;
+      quick_ = 0;
+    }
+  }
+
+ private:
+  std::size_t layers_ = ~std::size_t{0};
+  int quick_ = 0;
+};
+
+class HttpLiveSource : public LiveSource {
+ public:
+  HttpLiveSource(std::string base, const SourceOptions& options)
+      : base_(std::move(base)), client_(options) {
+    fetcher_ = std::thread([this] { fetch(); });
+    pacer_ = std::thread([this] { pace(); });
+  }
+  ~HttpLiveSource() override {
+    HttpLiveSource::cancel();
+    fetcher_.join();
+    pacer_.join();
+  }
+
+  std::optional<LiveHello> hello(milliseconds timeout) override {
+    return assembler_.hello(timeout);
+  }
+  std::optional<LiveFrame> next(milliseconds timeout) override { return assembler_.next(timeout); }
+  LiveCounts counts() const override { return assembler_.counts(); }
+
+  std::optional<std::string> trouble() const override {
+    if (auto link = client_.trouble()) return link;
+    const std::lock_guard lock(mutex_);
+    return trouble_;
+  }
+
+  void cancel() override {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_.request_stop();
+    }
+    client_.cancel();
+    assembler_.cancel();
+    changed_.notify_all();
+  }
+
+ private:
+  std::string manifest_url() const { return base_ + "/" + kManifestName; }
+
+  void fetch() {
+    std::string tag;
+    auto pause = kLongestPoll;
+    while (!stop_.stop_requested()) {
+      const auto text =
+          client_.get_if_changed(manifest_url(), kMaxManifestBytes, tag, stop_.get_token());
+      if (!text) {
+        if (stop_.stop_requested()) return;
+        set_trouble(text.error().message + "; waiting");
+      } else if (*text) {
+        auto manifest =
+            parse_manifest({reinterpret_cast<const char*>((*text)->data()), (*text)->size()});
+        if (!manifest)
+          set_trouble(manifest_url() + ": " + manifest.error().message);
+        else if (!manifest->live)
+          set_trouble(manifest_url() + ": is no live stream, but a package");
+        else
+          pause = take(*manifest);
+      }
+      wait(pause);
+    }
+  }
+
+  /// Fetches what is new in the manifest; how long to wait before the next look.
+  milliseconds take(const Manifest& manifest) {
+    const LiveManifest& live = *manifest.live;
+    {
+      // Of the publisher before, nothing may be shown once this one is known.
+      const std::lock_guard lock(mutex_);
+      if (session_ != live.session) {
+        session_ = live.session;
+        newest_us_ = 0;
+        next_number_ = 0;
+        pacing_.reset();
+        waiting_.clear();
+        waiting_bytes_ = 0;
+      }
+      assembler_.add(hello_of(manifest));
+    }
+    if (live.ended)
+      set_trouble(base_ + ": the publisher has gone; waiting for it");
+    else
+      set_trouble(std::nullopt);
+    if (manifest.segments.empty()) return kShortestPoll;
+
+    // By the time of their capture: whoever made the manifest may have begun to count anew.
+    const auto is_new = [&](const Segment& segment) {
+      return live.start_us + segment.times_us.back() > newest_us_;
+    };
+    auto first = std::find_if(manifest.segments.begin(), manifest.segments.end(), is_new);
+    if (manifest.segments.end() - first > 2 || newest_us_ == 0) first = manifest.segments.end() - 1;
+    for (auto segment = first; segment != manifest.segments.end(); ++segment)
+      if (!is_new(*segment) || !fetch_segment(manifest, *segment)) break;
+    const auto length = length_of(manifest.segments.back(), manifest.fps);
+    return std::clamp(std::chrono::duration_cast<milliseconds>(length) / kPollsPerSegment,
+                      kShortestPoll, kLongestPoll);
+  }
+
+  bool fetch_segment(const Manifest& manifest, const Segment& segment) {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::size_t layers = budget_.layers(segment.layers.size());
+    std::vector<HttpClient::Range> ranges;
+    for (std::size_t i = 0; i < layers; ++i) {
+      const LayerFile& file = segment.layers[i];
+      if (file.bytes > kMostWaitingBytes) return false;
+      if (file.bytes > 0) ranges.push_back({base_ + "/" + file.path, 0, file.bytes, file.bytes});
+    }
+    const auto files = client_.get_ranges(ranges, stop_.get_token());
+    // Whatever becomes of it: a cache may have dropped it, and there are newer ones.
+    const std::uint64_t shown_us = newest_us_;
+    newest_us_ = manifest.live->start_us + segment.times_us.back();
+    if (!files) return false;
+    const auto now = std::chrono::steady_clock::now();
+    const auto length = length_of(segment, manifest.fps);
+    budget_.took(now - begin, length, segment.layers.size());
+    // After a cut it is of the past, and says nothing of how long the next ones take.
+    if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) return false;
+    pacing_.arrived(manifest.live->start_us + segment.times_us.front(), now);
+    cut_up(manifest, segment, *files, shown_us);
+    return true;
+  }
+
+  /// Frames of a segment's files that were captured after `shown_us`, into the queue.
+  void cut_up(const Manifest& manifest, const Segment& segment, const std::vector<Bytes>& files,
+              std::uint64_t shown_us) {
+    std::deque<WaitingFrame> frames;
+    for (std::uint32_t i = 0; i < segment.frame_count(); ++i) {
+      WaitingFrame frame;
+      frame.points = segment.points[i];
+      frame.capture_us = manifest.live->start_us + segment.times_us[i];
+      if (frame.capture_us <= shown_us) continue;
+      frame.number = next_number_++;
+      frame.due = pacing_.due(frame.capture_us);
+      std::size_t file = 0, sent = 0;
+      for (const LayerFile& layer : segment.layers) {
+        if (layer.frames[i].geometry == 0) break;
+        ++sent;
+        if (file >= files.size()) continue;
+        const ByteRange range = byte_range(layer, i);
+        const auto from = files[file].begin() + static_cast<std::ptrdiff_t>(range.offset);
+        frame.layers.push_back(
+            {Bytes(from, from + static_cast<std::ptrdiff_t>(range.size)), layer.frames[i]});
+        ++file;
+      }
+      frame.layers_sent = static_cast<std::uint8_t>(sent);
+      if (!frame.layers.empty()) frames.push_back(std::move(frame));
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      for (WaitingFrame& frame : frames) {
+        waiting_bytes_ += frame.size();
+        waiting_.push_back(std::move(frame));
+      }
+      while (waiting_.size() > kMostWaiting ||
+             (waiting_.size() > 1 && waiting_bytes_ > kMostWaitingBytes)) {
+        waiting_bytes_ -= waiting_.front().size();
+        waiting_.pop_front();
+      }
+    }
+    changed_.notify_all();
+  }
+
+  void pace() {
+    std::unique_lock lock(mutex_);
+    while (!stop_.stop_requested()) {
+      if (waiting_.empty()) {
+        changed_.wait(lock);
+      } else if (const Time due = waiting_.front().due; std::chrono::steady_clock::now() < due) {
+        changed_.wait_until(lock, due);
+      } else {
+        show(waiting_.front());
+        waiting_bytes_ -= waiting_.front().size();
+        waiting_.pop_front();
+      }
+    }
+  }
+
+  void show(const WaitingFrame& frame) {
+    for (std::size_t i = 0; i < frame.layers.size(); ++i)
+      assembler_.add(LiveLayer{frame.number, static_cast<std::uint8_t>(i), frame.layers_sent,
+                               frame.capture_us, frame.points, frame.layers[i].sizes,
+                               frame.layers[i].bytes});
+  }
+
+  void set_trouble(std::optional<std::string> text) {
+    const std::lock_guard lock(mutex_);
+    trouble_ = std::move(text);
+  }
+
+  void wait(milliseconds pause) {
+    std::unique_lock lock(mutex_);
+    const auto until = std::chrono::steady_clock::now() + pause;
+    changed_.wait_until(lock, until, [&] { return stop_.stop_requested(); });
+  }
+
+  const std::string base_;
+  HttpClient client_;
+  LiveAssembler assembler_;
+  std::stop_source stop_;
+
+  // Of the thread that fetches.
+  std::optional<std::uint64_t> session_;
+  std::uint64_t newest_us_ = 0;  ///< captured until then, frames are here, or lost
+  std::uint32_t next_number_ = 0;
+  LivePacing pacing_;
+  LayerBudget budget_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::string> trouble_;
+  std::deque<WaitingFrame> waiting_;
+  std::uint64_t waiting_bytes_ = 0;
+  std::thread fetcher_, pacer_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LiveSource>> open_http_live_source(const std::string& url,
+                                                          const SourceOptions& options) {
+  std::string base = url;
+  if (const std::string tail = std::string("/") + kManifestName; base.ends_with(tail))
+    base.resize(base.size() - tail.size());
+  while (base.ends_with('/')) base.pop_back();
+  if (base.ends_with(':')) return fail(url + ": names no host");
+  return std::make_unique<HttpLiveSource>(std::move(base), options);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/source/live_pacing.h"
+#include "client/source/open_live_source.h"
+#include "common/stream/live.h"
+#include "common/stream/package.h"
+#include "tests/unit/scripted_http_server.h"
+
+namespace pointreel {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr auto kLong = std::chrono::milliseconds(20'000);
+
+/// A stream that is published segment by segment: of two frames each, 10 ms apart, whose layers are
+/// of 4 and 6 bytes, all of the frame's number.
+class Stage {
+ public:
+  Stage() : server_([this](int socket, const std::string& head) { return serve(socket, head); }) {
+    begin(1);
+  }
+
+  std::string url() const { return server_.url() + "/live/stage/reel.json"; }
+
+  void begin(std::uint64_t session, std::uint64_t start_us = 5'000'000) {
+    const std::lock_guard lock(mutex_);
+    ++version_;
+    manifest_ = Manifest{};
+    manifest_.name = "stage";
+    manifest_.codec = "octree";
+    manifest_.entropy = "none";
+    manifest_.fps = 100.0;
+    manifest_.colors = true;
+    manifest_.depth_max = 9;
+    manifest_.layer_names = {"base", "full"};
+    manifest_.bounds.grow(glm::dvec3(0.0));
+    manifest_.bounds.grow(glm::dvec3(1.0));
+    manifest_.live = LiveManifest{session, 0, start_us, false};
+  }
+
+  /// The manifest has the newest two segments.
+  void publish_segment() {
+    const std::lock_guard lock(mutex_);
+    const std::uint32_t first = frames_of(manifest_);
+    Segment segment;
+    segment.first_frame = first;
+    segment.cube = {glm::dvec3(0.0), 1.0};
+    const auto number = [&](std::uint32_t i) {
+      return static_cast<char>(manifest_.live->first_frame + first + i);
+    };
+    for (const auto& [name, size] : {std::pair{"base", 4u}, std::pair{"full", 6u}}) {
+      const std::string content = std::string(size, number(0)) + std::string(size, number(1));
+      LayerFile file;
+      file.path = fmt::format("{}.{}.{}.prs", manifest_.live->session,
+                              manifest_.live->first_frame + first, name);
+      file.bytes = content.size();
+      file.checksum =
+          checksum_of({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()});
+      file.frames.assign(2, {size - 1, 1, 0});
+      files_[file.path] = content;
+      segment.layers.push_back(std::move(file));
+    }
+    const std::uint64_t begin = first * 10'000ull;
+    segment.times_us = {begin, begin + 10'000};
+    segment.points = {1, 1};
+    manifest_.segments.push_back(std::move(segment));
+    if (manifest_.segments.size() > 2) {
+      // Frames and times count from the first one listed.
+      manifest_.segments.erase(manifest_.segments.begin());
+      manifest_.live->first_frame += 2;
+      manifest_.live->start_us += 20'000;
+      for (Segment& each : manifest_.segments) {
+        each.first_frame -= 2;
+        for (std::uint64_t& time : each.times_us) time -= 20'000;
+      }
+    }
+    manifest_.duration_us = manifest_.segments.back().times_us.back() + 10'000;
+    ++version_;
+  }
+
+  void end() {
+    const std::lock_guard lock(mutex_);
+    manifest_.live->ended = true;
+    ++version_;
+  }
+
+  std::atomic<int> not_modified{0};
+  std::atomic<bool> gone{false};
+
+ private:
+  static std::uint32_t frames_of(const Manifest& manifest) { return manifest.frame_count(); }
+
+  bool serve(int socket, const std::string& head) {
+    const std::lock_guard lock(mutex_);
+    const std::string path = head.substr(4, head.find(' ', 4) - 4);
+    const std::string name = path.substr(path.rfind('/') + 1);
+    const std::string tag = fmt::format("\"{}\"", version_);
+    if (gone) {
+      answer(socket, "404 Not Found", "", "nobody");
+    } else if (name == "reel.json" && head.find("If-None-Match: " + tag) != std::string::npos) {
+      ++not_modified;
+      send_text(socket, "HTTP/1.1 304 Not Modified\r\nETag: " + tag + "\r\n\r\n");
+    } else if (name == "reel.json") {
+      answer(socket, "200 OK", "ETag: " + tag + "\r\n", write_manifest(manifest_));
+    } else if (files_.contains(name)) {
+      answer(socket, "200 OK", "", files_[name]);
+    } else {
+      answer(socket, "404 Not Found", "", "gone");
+    }
+    return true;
+  }
+
+  std::mutex mutex_;
+  Manifest manifest_;
+  std::map<std::string, std::string> files_;
+  int version_ = 0;
+  ScriptedHttpServer server_;
+};
+
+std::unique_ptr<LiveSource> open(const std::string& url) {
+  SourceOptions options;
+  options.first_backoff = std::chrono::milliseconds(1);
+  auto source = open_live_source(url, options);
+  EXPECT_TRUE(source) << source.error().message;
+  return std::move(*source);
+}
+
+/// The session's frame of that number, past those before it.
+std::optional<LiveFrame> await(LiveSource& source, std::uint32_t number) {
+  while (auto frame = source.next(kLong))
+    if (frame->capture_us >= 5'000'000u + 10'000u * number) return frame;
+  return std::nullopt;
+}
+
+TEST(HttpLiveSource, GivesFramesOfSegmentsAsTheyAreListed) {
+  Stage stage;
+  stage.publish_segment();
+  const auto source = open(stage.url());
+  const auto hello = source->hello(kLong);
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(hello->session, 1u);
+  EXPECT_EQ(hello->layer_names.size(), 2u);
+  const auto frame = await(*source, 1);
+  ASSERT_TRUE(frame) << source->trouble().value_or("");
+  EXPECT_EQ(frame->number, 1u);
+  EXPECT_EQ(frame->capture_us, 5'010'000u);
+  ASSERT_EQ(frame->frame.layers.size(), 2u);
+  EXPECT_EQ(frame->frame.layers[0].bytes, Bytes(4, 1));
+  EXPECT_EQ(frame->frame.layers[1].bytes, Bytes(6, 1));
+  EXPECT_EQ(frame->frame.layers[1].sizes.geometry, 5u);
+  for (int i = 0; i < 3; ++i) stage.publish_segment();
+  const auto later = await(*source, 7);
+  ASSERT_TRUE(later);
+  EXPECT_GT(later->number, frame->number);
+  EXPECT_EQ(later->capture_us, 5'070'000u);
+  EXPECT_EQ(later->frame.layers[0].bytes, Bytes(4, 7));
+}
+
+TEST(HttpLiveSource, GoesOnWhereAServerHasBegunToCountAnew) {
+  Stage stage;
+  for (int i = 0; i < 5; ++i) stage.publish_segment();
+  const auto source = open(stage.url());
+  const auto before = await(*source, 9);
+  ASSERT_TRUE(before);
+  stage.begin(1, 5'100'000);
+  stage.publish_segment();
+  const auto frame = source->next(kLong);
+  ASSERT_TRUE(frame);
+  EXPECT_GT(frame->number, before->number);
+  EXPECT_GE(frame->capture_us, 5'100'000u);
+}
+
+TEST(HttpLiveSource, AsksOnlyWhetherTheManifestHasChanged) {
+  Stage stage;
+  stage.publish_segment();
+  const auto source = open(stage.url());
+  ASSERT_TRUE(await(*source, 1));
+  const auto limit = std::chrono::steady_clock::now() + kLong;
+  while (stage.not_modified == 0 && std::chrono::steady_clock::now() < limit)
+    std::this_thread::sleep_for(1ms);
+  EXPECT_GT(stage.not_modified, 0);
+}
+
+TEST(HttpLiveSource, BeginsAnewWithAnotherPublisher) {
+  Stage stage;
+  for (int i = 0; i < 5; ++i) stage.publish_segment();
+  const auto source = open(stage.url());
+  ASSERT_TRUE(await(*source, 9));
+  stage.begin(2);
+  stage.publish_segment();
+  const auto frame = source->next(kLong);
+  ASSERT_TRUE(frame);
+  EXPECT_LE(frame->number, 1u);
+  EXPECT_EQ(source->hello(kLong)->session, 2u);
+}
+
+TEST(HttpLiveSource, SaysThatThePublisherHasGoneOrIsNotThere) {
+  Stage stage;
+  stage.publish_segment();
+  const auto source = open(stage.url());
+  ASSERT_TRUE(await(*source, 1));
+  const auto hears = [&](const char* what) {
+    const auto limit = std::chrono::steady_clock::now() + kLong;
+    std::string said;
+    while (said.find(what) == std::string::npos && std::chrono::steady_clock::now() < limit) {
+      std::this_thread::sleep_for(1ms);
+      said = source->trouble().value_or("");
+    }
+    EXPECT_THAT(said, HasSubstr(what));
+  };
+  stage.end();
+  hears("has gone");
+  stage.gone = true;
+  hears("404");
+}
+
+TEST(HttpLiveSource, EndsItsWaitsWhenItIsCancelled) {
+  Stage stage;
+  const auto source = open(stage.url());
+  std::thread waiting([&] { EXPECT_FALSE(source->next(kLong)); });
+  source->cancel();
+  waiting.join();
+}
+
+TEST(LivePacing, ShowsFramesAsTheyWereCapturedAndAsLateAsTheSlowestSegment) {
+  LivePacing pacing;
+  const LivePacing::Time begin{1'000s};
+  pacing.arrived(0, begin + 100ms);
+  EXPECT_EQ(pacing.due(20'000), begin + 120ms);
+  pacing.arrived(500'000, begin + 900ms);  // 300 ms later than the first
+  EXPECT_EQ(pacing.due(500'000), begin + 900ms);
+  EXPECT_EQ(pacing.due(520'000), begin + 920ms);
+  for (std::uint64_t i = 2; i < 30; ++i) pacing.arrived(500'000 * i, begin + 500ms * i + 100ms);
+  EXPECT_EQ(pacing.due(15'000'000), begin + 15'100ms) << "what was slow is forgotten";
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -13,7 +13,9 @@
 #include "client/playback/live_playback.h"
 #include "client/source/live_source.h"
 #include "client/source/open_live_source.h"
+#include "codec/frame_header.h"
 #include "common/net/websocket.h"
+#include "common/stream/live.h"
 #include "tests/e2e/process.h"
 #include "tests/link/link_emulator.h"
 #include "tests/load/load_generator.h"
@@ -90,7 +92,6 @@ class Watcher {
       const Playback::Update update = playback_.update(std::chrono::steady_clock::now());
       if (update.frame && update.frame->time_us != last_us_) {
         last_us_ = update.frame->time_us;
-        level_ = update.frame->level;
         return unix_ms() - 1e-3 * static_cast<double>(last_us_);
       }
       Camera camera;
@@ -101,8 +102,6 @@ class Watcher {
     }
     return std::nullopt;
   }
-
-  int level() const { return level_; }
 
  private:
   explicit Watcher(std::unique_ptr<LiveSource> source)
@@ -116,8 +115,22 @@ class Watcher {
 
   LivePlayback playback_;
   std::uint64_t last_us_ = 0;
-  int level_ = 0;
 };
+
+/// The median depth of a second's frames: the publisher lowers it rather than being late.
+double depth_now(const std::string& address) {
+  const auto socket = WebSocket::connect("ws://" + address + "/live/stage");
+  std::vector<double> depths;
+  while (socket && depths.size() < 30) {
+    const auto message = (*socket)->receive(1s);
+    if (!message || !*message) break;
+    if ((*message)->kind != WebSocket::Kind::binary) continue;
+    const auto layer = parse_live_layer((*message)->bytes);
+    if (!layer || layer->layer > 0) continue;
+    if (const auto header = read_frame_header(layer->bytes)) depths.push_back(header->header.depth);
+  }
+  return depths.empty() ? 0.0 : quantile(depths, 0.5);
+}
 
 Result<json> capture_to_picture(const Stage& stage, const StreamOptions& options,
                                 std::vector<Bar>& bars) {
@@ -135,7 +148,7 @@ Result<json> capture_to_picture(const Stage& stage, const StreamOptions& options
   json figures = spread(delays);
   figures["pictures_per_second"] =
       static_cast<double>(delays.size()) / std::chrono::duration<double>(seconds).count();
-  figures["level"] = (*watcher)->level();
+  figures["depth"] = depth_now(stage.address);
   return figures;
 }
 

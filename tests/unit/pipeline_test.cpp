@@ -286,6 +286,7 @@ TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
   Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
   ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->layers, 3u);
+  while (pipeline.refetched() == 0) std::this_thread::sleep_for(milliseconds(1));
   EXPECT_EQ(pipeline.refetched(), 1u);
   EXPECT_EQ(pipeline.fetched_bytes(), 4u);
   EXPECT_TRUE(errors.frames.empty());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -152,10 +153,17 @@ void async_teardown(beast::role_type, TransportStream& stream, Handler&& handler
 
 using Stream = websocket::stream<TransportStream, false>;  // without compression
 
+/// A publisher whose machine or link has gone without a word must not keep its stream's name from
+/// the next one for long.
+constexpr std::chrono::milliseconds kPublisherSilence{5'000};
+
 /// Shared by the coroutines that read and write. It ends when the last of them does.
 struct Session {
-  Session(std::shared_ptr<Transport> on, const Limits& limits) : transport(std::move(on)) {
-    stream.set_option(websocket::stream_base::timeout{limits.header_timeout, limits.idle_timeout,
+  Session(std::shared_ptr<Transport> on, const Limits& limits, bool publishes)
+      : transport(std::move(on)) {
+    const auto silence =
+        publishes ? std::min(limits.idle_timeout, kPublisherSilence) : limits.idle_timeout;
+    stream.set_option(websocket::stream_base::timeout{limits.header_timeout, silence,
                                                       /*keep_alive_pings=*/true});
     stream.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
       response.set(beast::http::field::server, "pointreel");
@@ -261,13 +269,13 @@ std::function<void()> Wake::function() {
 Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string received,
                            LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
                            const Limits& limits) {
-  const auto session = std::make_shared<Session>(transport, limits);
+  const bool publishes = call.publication != nullptr;
+  const auto session = std::make_shared<Session>(transport, limits, publishes);
   error_code error;
   co_await session->stream.async_accept(asio::buffer(received),
                                         asio::redirect_error(kUseAwaitable, error));
   if (error) co_return;
   service.metrics().count_response(101);
-  const bool publishes = call.publication != nullptr;
   ++(publishes ? service.metrics().publishers : service.metrics().viewers);
   service.log().write(Log::Level::kInfo, publishes ? "live.publisher" : "live.viewer",
                       {{"peer", peer.address}, {"stream", call.stream}});

@@ -16,7 +16,8 @@ struct Limits {
   double requests_per_second = 0;  ///< of one address; 0: any number; beyond it 429 is answered
   /// From the first byte of a request (or the connection's begin) to the end of its head.
   std::chrono::milliseconds header_timeout{10'000};
-  /// Between two requests of a connection; between signs of life of a live session.
+  /// Between two requests of a connection; between signs of life of a live viewer; a
+  /// publisher has five seconds, if that is less.
   std::chrono::milliseconds idle_timeout{60'000};
   /// Without the peer taking a single byte of a response.
   std::chrono::milliseconds stall_timeout{30'000};

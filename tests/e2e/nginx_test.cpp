@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "common/cloud/ply.h"
 #include "common/net/websocket.h"
@@ -173,6 +174,29 @@ TEST_F(NginxTest, keeps_what_it_fetched_and_passes_live_streams_on) {
   const auto denied = WebSocket::connect(url + "2?publish", options);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().status, 403) << "who comes through nginx is not from this machine";
+
+  // Live over HTTP: a manifest that grows, and files that nginx keeps for whoever comes next.
+  const std::string manifest = fmt::format("http://127.0.0.1:{}/live/stage/reel.json", front);
+  const auto watch = [&] {
+    const Outcome played = run("pointreel", {"play", manifest, "--mode", "point", "--offscreen",
+                                             "64x48", "--duration", "2", "--json", "-"});
+    EXPECT_EQ(played.exit_code, 0) << played.err;
+    const auto report = nlohmann::json::parse(played.out, nullptr, false);
+    return report.is_discarded() ? 0 : report["frames_shown"].get<int>();
+  };
+  EXPECT_GT(watch(), 5);
+  EXPECT_GT(watch(), 5);
+  const Answer live_manifest = client.get("/live/stage/reel.json");
+  EXPECT_EQ(live_manifest.status, 200);
+  const auto growing = nlohmann::json::parse(live_manifest.body, nullptr, false);
+  ASSERT_FALSE(growing.is_discarded());
+  const auto& files = growing["segments"][0]["files"];
+  const std::string file = "/live/stage/" + files[0]["path"].get<std::string>();
+  const Answer first = client.get(file), again = client.get(file);
+  EXPECT_EQ(first.status, 200);
+  EXPECT_EQ(first.body.size(), files[0]["bytes"].get<std::size_t>());
+  EXPECT_EQ(again.field("x-cache"), "HIT");
+  EXPECT_EQ(again.body, first.body);
 }
 
 }  // namespace

@@ -289,6 +289,7 @@ Result<Manifest> parse_root(const json& root) {
     if (!tables) return fail_at("tables", tables.error());
     manifest.tables = std::move(*tables);
   }
+  if (fields.has("partial")) manifest.partial = fields.boolean("partial");
   if (fields.has("live")) {
     const Result<LiveManifest> live = parse_live(*fields.value("live"));
     if (!live) return fail_at("live", live.error());
@@ -398,6 +399,7 @@ std::string write_manifest(const Manifest& manifest, std::span<const std::string
   head["depth_max"] = manifest.depth_max;
   head["bounds"] = box_json(manifest.bounds);
   if (manifest.tables) head["tables"] = to_json(*manifest.tables);
+  if (manifest.partial) head["partial"] = true;
   if (manifest.live) {
     head["live"] = {{"session", fmt::format("{:016x}", manifest.live->session)},
                     {"first_frame", manifest.live->first_frame},

@@ -73,9 +73,11 @@ struct Manifest {
   char up = 'y';                  ///< 'y' or 'z'
   bool colors = false, normals = false;
   std::uint32_t depth_min = 0, depth_max = 0;
-  Box bounds;                            ///< of all frames; empty if no frame has a point
-  std::optional<PackageFile> tables;     ///< context tables that frames refer to, if there are any
-  std::optional<LiveManifest> live;      ///< not of reels that are complete
+  Box bounds;                         ///< of all frames; empty if no frame has a point
+  std::optional<PackageFile> tables;  ///< context tables that frames refer to, if there are any
+  std::optional<LiveManifest> live;   ///< not of reels that are complete
+  /// Some frames have fewer layers than their headers say: a live link did not bring them whole.
+  bool partial = false;
   std::vector<std::string> layer_names;  ///< of the layers, coarse to fine
   std::vector<Segment> segments;
 

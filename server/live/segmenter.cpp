@@ -16,6 +16,12 @@ void Segmenter::begin(const LiveHello& hello) {
     last_us_ = 0;
   }
   hello_ = hello;
+  end_frame();
+}
+
+/// No more layers are taken for the frame.
+void Segmenter::end_frame() {
+  if (frame_ && next_layer_ < promised_layers_) segment_.partial = true;
   frame_.reset();
 }
 
@@ -27,7 +33,7 @@ std::optional<LiveSegment> Segmenter::add(const LiveLayer& layer) {
                                     bytes_ + layer.bytes.size() > segment_bytes_)) {
       finished = flush();
     }
-    frame_.reset();
+    end_frame();
     if (begin_frame(layer)) {
       frame_ = layer.frame;
       next_layer_ = 0;
@@ -69,6 +75,7 @@ bool Segmenter::begin_frame(const LiveLayer& layer) {
     entry.cube = bounding_cube(cubes_);
   }
   ++frames_;
+  promised_layers_ = header.layers;
   last_us_ = std::max(last_us_, layer.capture_us);
   entry.times_us.push_back(last_us_);
   entry.points.push_back(header.source_points);
@@ -80,7 +87,7 @@ bool Segmenter::begin_frame(const LiveLayer& layer) {
 }
 
 std::optional<LiveSegment> Segmenter::flush() {
-  frame_.reset();
+  end_frame();
   if (segment_.entry.times_us.empty()) return std::nullopt;
   LiveSegment finished = std::exchange(segment_, {});
   bytes_ = 0;
@@ -105,6 +112,7 @@ void LiveTotals::add(const LiveSegment& segment) {
   depth_max = std::max(depth_max, segment.depth_max);
   any_frame = true;
   any_point = any_point || segment.any_point;
+  partial = partial || segment.partial;
   cubes.grow(segment.entry.cube.origin);
   cubes.grow(segment.entry.cube.origin + segment.entry.cube.edge);
 }
@@ -121,6 +129,7 @@ Manifest live_head(const LiveHello& hello, const LiveTotals& totals) {
   manifest.depth_min = totals.depth_min;
   manifest.depth_max = totals.depth_max;
   manifest.layer_names = hello.layer_names;
+  manifest.partial = totals.partial;
   // A publisher that gives none has points all the same.
   if (totals.any_point) manifest.bounds = hello.bounds.empty() ? totals.cubes : hello.bounds;
   return manifest;

@@ -19,6 +19,7 @@ struct LiveSegment {
   std::vector<Bytes> files;  ///< one for each layer
   std::uint32_t depth_min = 0, depth_max = 0;
   bool any_point = false;
+  bool partial = false;  ///< Manifest::partial
 };
 
 /// Makes segments of the layers of a live stream, without decoding them. A frame that no package
@@ -41,6 +42,7 @@ class Segmenter {
 
  private:
   bool begin_frame(const LiveLayer& layer);
+  void end_frame();
 
   const std::uint64_t segment_us_, segment_bytes_;
   LiveHello hello_;
@@ -51,6 +53,7 @@ class Segmenter {
   std::uint64_t last_us_ = 0;
   std::optional<std::uint32_t> frame_;  ///< whose layers are taken now
   std::uint8_t next_layer_ = 0;
+  std::uint8_t promised_layers_ = 0;  ///< by its header
 };
 
 /// The names of a segment's files: 00000030.base.511922c5.prs, the count of its first frame, the
@@ -60,7 +63,7 @@ void name_files(LiveSegment& segment, const std::vector<std::string>& layers);
 /// What a manifest says of all its segments together.
 struct LiveTotals {
   std::uint32_t depth_min = 0, depth_max = 0;
-  bool any_frame = false, any_point = false;
+  bool any_frame = false, any_point = false, partial = false;
   Box cubes;
 
   void add(const LiveSegment& segment);

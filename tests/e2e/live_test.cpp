@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -193,13 +192,7 @@ TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that
   ASSERT_TRUE(second) << second.error().message;
   EXPECT_FALSE(second->live);
   const Outcome last = run("pointreel-server", {"verify", (record / "stage-2").string()});
-  // A machine that is slow just then may have made the publisher leave out finer layers, which
-  // verify tells; anything else is a fault.
-  std::istringstream told(last.out);
-  for (std::string line; last.exit_code != 0 && std::getline(told, line);) {
-    EXPECT_THAT(line, testing::AnyOf(testing::HasSubstr("a layer is missing"),
-                                     testing::HasSubstr(" faults"), testing::HasSubstr("1 fault")));
-  }
+  EXPECT_EQ(last.exit_code, 0) << last.out << last.err;
 }
 
 TEST(Live, a_publisher_without_the_token_is_refused_for_good) {

@@ -209,6 +209,31 @@ TEST_F(RecorderTest, a_frame_that_came_in_part_is_recorded_as_far_as_it_came) {
   EXPECT_EQ(manifest.frame_count(), 2u);
   EXPECT_EQ(manifest.segments[0].layers[cut.size()].frames[0], LayerSizes{});
   EXPECT_GT(manifest.segments[0].layers[cut.size()].frames[1].total(), 0u);
+  EXPECT_TRUE(manifest.partial);
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty()) << "what is said is no fault";
+}
+
+TEST_F(RecorderTest, frames_that_came_whole_are_not_said_to_be_in_part) {
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  give_frames(recorder, 0, 8);
+  recorder.end();
+  EXPECT_FALSE(read_manifest(package()).value().partial);
+}
+
+TEST_F(RecorderTest, a_last_frame_that_came_in_part_is_said_to_be_so) {
+  Recorder recorder(options());
+  recorder.hello(real_hello());
+  give_frames(recorder, 0, 2);
+  auto cut = real_frame(2);
+  cut.pop_back();
+  give(recorder, cut);
+  recorder.end();
+  EXPECT_TRUE(read_manifest(package()).value().partial);
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 3u);
 }
 
 TEST_F(RecorderTest, frames_in_other_cubes_share_a_segment_whose_cube_holds_them_all) {

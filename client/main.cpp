@@ -1,267 +1,21 @@
-#include <charconv>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <numbers>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "client/capture.h"
+#include "client/play_command.h"
 #include "client/player.h"
-#include "client/ui/bindings.h"
 #include "common/base/memory.h"
 
 namespace pointreel {
 namespace {
-
-constexpr int kMaxPictureEdge = 16384;
-
-Result<glm::ivec2> parse_size(const std::string& text) {
-  glm::ivec2 size{0};
-  const char* end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.x);
-  const bool separated = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
-  const auto height = separated ? std::from_chars(width.ptr + 1, end, size.y) : width;
-  if (!separated || height.ec != std::errc() || height.ptr != end || size.x < 1 || size.y < 1 ||
-      size.x > kMaxPictureEdge || size.y > kMaxPictureEdge)
-    return fail(fmt::format("\"{}\" is no size such as 1280x720, at most {} a side", text,
-                            kMaxPictureEdge));
-  return size;
-}
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-
-Result<View> parse_view(const std::string& text) {
-  // The poles are as far as the camera goes.
-  static const std::map<std::string, View> kNamed = {
-      {"front", {0.0, 0.0}},         {"back", {radians(180), 0.0}},
-      {"left", {radians(-90), 0.0}}, {"right", {radians(90), 0.0}},
-      {"top", {0.0, radians(90)}},   {"bottom", {0.0, radians(-90)}}};
-  if (const auto named = kNamed.find(text); named != kNamed.end()) return named->second;
-  double yaw = 0.0, pitch = 0.0;
-  const char* end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, yaw);
-  const bool separated = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
-  const auto second = separated ? std::from_chars(first.ptr + 1, end, pitch) : first;
-  if (!separated || second.ec != std::errc() || second.ptr != end || !std::isfinite(yaw) ||
-      !std::isfinite(pitch) || std::abs(pitch) > 90.0)
-    return fail(fmt::format(
-        "\"{}\" is no view: give front, back, left, right, top, bottom, or YAW,PITCH in degrees, "
-        "pitch from -90 to 90",
-        text));
-  return View{radians(yaw), radians(pitch)};
-}
-
-Result<glm::dvec3> parse_position(const std::string& text) {
-  glm::dvec3 position{0.0};
-  const char *at = text.data(), *end = text.data() + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto number = std::from_chars(at, end, position[axis]);
-    const bool separated = axis < 2 ? number.ptr != end && *number.ptr == ',' : number.ptr == end;
-    if (number.ec != std::errc() || !separated || !(std::abs(position[axis]) <= 1e9))
-      return fail(fmt::format("\"{}\" is no position such as -0.5,0,1.5", text));
-    at = number.ptr + 1;
-  }
-  return position;
-}
-
-/// For options: what `parse` has to say, or nothing.
-template <class Parse>
-CLI::Validator check(Parse parse, const std::string& type) {
-  return CLI::Validator(
-      [parse](const std::string& text) {
-        const auto result = parse(text);
-        return result ? std::string() : result.error().message;
-      },
-      type);
-}
-
-/// For numbers; unlike CLI::Range it refuses NaN.
-CLI::Validator within(double min, double max) {
-  return check(
-      [min, max](const std::string& text) -> Result<void> {
-        double number = 0.0;
-        const char* end = text.data() + text.size();
-        const auto parsed = std::from_chars(text.data(), end, number);
-        if (parsed.ec != std::errc() || parsed.ptr != end || !(number >= min && number <= max))
-          return fail(fmt::format("\"{}\" is no number from {:g} to {:g}", text, min, max));
-        return {};
-      },
-      fmt::format("{:g} to {:g}", min, max));
-}
-
-/// An enum's values by their names; there are `count`, numbered from 0 on.
-template <class Enum>
-std::map<std::string, Enum> named(int count) {
-  std::map<std::string, Enum> all;
-  for (int i = 0; i < count; ++i) all.emplace(name(static_cast<Enum>(i)), static_cast<Enum>(i));
-  return all;
-}
 
 int run(int argc, char** argv) {
   CLI::App app("Pointreel plays point clouds that move.", "pointreel");
   app.set_version_flag("--version", "pointreel " POINTREEL_VERSION);
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "Print this help and exit");
-
-  PlayOptions options;
-  std::vector<std::string> sources, places;
-  CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
-  play_command
-      .add_option("SOURCE", sources,
-                  "http:// or https:// address of a package, a package's folder, a folder of PLY "
-                  "and .drc files, or a live stream: ws:// or wss:// .../live/NAME, or http(s)://"
-                  ".../live/NAME/reel.json; several are shown in one scene")
-      ->required();
-  play_command
-      .add_option("--at-position", places,
-                  "Where a source stands, as X,Y,Z in its units; once for each, in their order")
-      ->check(check(parse_position, "X,Y,Z"))
-      ->allow_extra_args(false);
-  play_command
-      .add_option("--token", options.token, "Bearer token for servers that want one to view")
-      ->envname("POINTREEL_TOKEN")
-      ->type_name("TOKEN");
-  play_command
-      .add_option("--ca-file", options.ca_file,
-                  "Certificates to trust for https:// and wss:// (default: the system's)")
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE.pem");
-  const std::map<std::string, DrawMode> modes = {
-      {"surfel", DrawMode::surfel}, {"voxel", DrawMode::voxel}, {"point", DrawMode::point}};
-  std::string mode = "surfel";
-  play_command
-      .add_option("--mode", mode,
-                  "What is drawn: surfel (discs oriented by normals), voxel (cubes of the octree, "
-                  "as fine as a pixel), point")
-      ->check(CLI::IsMember(modes))
-      ->capture_default_str();
-  const std::map<std::string, Instancing> instancings = named<Instancing>(kInstancings);
-  std::string instancing = name(options.draw.instancing);
-  play_command
-      .add_option("--instancing", instancing,
-                  "How surfels and voxels are drawn: geometry (shader), uniform (buffers), texture "
-                  "(buffer), attribute (of each instance), pull (what can be seen is listed first)")
-      ->check(CLI::IsMember(instancings))
-      ->capture_default_str();
-  const std::map<std::string, Splatting> splattings = named<Splatting>(kSplattings);
-  std::string splatting = name(options.draw.splatting);
-  play_command
-      .add_option(
-          "--splatting", splatting,
-          "How surfels become a picture: normalized (weighted means), or one of the paper's: "
-          "regular, no-depth, two-pass, enlarged, enlarged-shading")
-      ->check(CLI::IsMember(splattings))
-      ->capture_default_str();
-  play_command
-      .add_option("--delta", options.delta,
-                  "Share of points that may merge in the voxels that are drawn: the paper's 0.05 "
-                  "gives nearly every point its own, with gaps; 0 keeps all that are distinct")
-      ->check(within(0.0, 1.0))
-      ->capture_default_str();
-  play_command
-      .add_option("--layers", options.layers,
-                  "Fetch and decode only so many layers of a package, coarse to fine (default all)")
-      ->check(CLI::Range(1, 255))
-      ->type_name("N");
-  play_command
-      .add_option("--speed", options.speed,
-                  "Speed of playback in a window: 0.1 to 4, and -0.1 to -4 backward")
-      ->check(CLI::Validator(within(0.1, 4.0)) | within(-4.0, -0.1))
-      ->capture_default_str();
-  bool loop = true;
-  CLI::Option* loop_flag =
-      play_command.add_flag("--loop,!--no-loop", loop,
-                            "Begin anew at the end (default in a window) or end there "
-                            "(default offscreen)");
-  play_command.add_option("--fps", options.fps, "Frames a second of a folder of files")
-      ->check(within(0.01, 1000.0))
-      ->capture_default_str();
-  std::string up;
-  play_command
-      .add_option("--up", up,
-                  "The axis that points up, y or z (default: what the package says; y "
-                  "for a folder of files)")
-      ->check(CLI::IsMember({"y", "z"}));
-  play_command
-      .add_option("--visibility-scale", options.draw.scales.visibility,
-                  "By how much --splatting normalized enlarges surfels to decide what is visible")
-      ->check(within(0.01, 100.0))
-      ->capture_default_str();
-  play_command
-      .add_option("--shading-scale", options.draw.scales.shading,
-                  "By how much it enlarges them to blend their colours")
-      ->check(within(0.01, 100.0))
-      ->capture_default_str();
-  play_command.add_flag("--fill-holes,!--no-fill-holes", options.draw.fill_holes,
-                        "With --splatting normalized: fill holes of surfaces, where their inside "
-                        "would be seen, from what is around (default)");
-  play_command
-      .add_option(
-          "--edl", options.draw.edl,
-          "Strength of eye-dome lighting, which darkens what lies behind what is beside it: "
-          "1 shows the shape of clouds without normals")
-      ->check(within(0.0, 100.0))
-      ->capture_default_str();
-  play_command
-      .add_option(
-          "--pixel-size", options.draw.pixel_size,
-          "Nodes of the octree smaller than this many pixels are not divided; 0 draws the leaves")
-      ->check(within(0.0, 1000.0))
-      ->capture_default_str();
-  std::string size;
-  play_command
-      .add_option("--offscreen", size,
-                  "Draw pictures of this size without window and display: every frame once, in "
-                  "order, as fast as it goes; live streams and several sources in real time")
-      ->check(check(parse_size, "WxH"));
-  play_command
-      .add_option("--at", options.at,
-                  "Begin at this time of the reel; offscreen without --duration: only the frame "
-                  "that is shown then")
-      ->check(within(0.0, 1e9))
-      ->type_name("SECONDS");
-  play_command
-      .add_option("--duration", options.duration,
-                  "End after so much of the reel (offscreen), or of real time (window)")
-      ->check(within(0.0, 1e9))
-      ->type_name("SECONDS");
-  std::string view;
-  play_command
-      .add_option("--view", view,
-                  "From where to look: front, back, left, right, top, bottom, or YAW,PITCH in "
-                  "degrees (default: the front, slightly from above)")
-      ->check(check(parse_view, "VIEW"));
-  play_command.add_option("--screenshot", options.screenshot, "Write the last picture")
-      ->type_name("FILE.png");
-  play_command
-      .add_option("--supersample", options.supersample,
-                  "Draw pictures that are written N times as wide and high, and average")
-      ->check(CLI::Range(1, 4))
-      ->type_name("N")
-      ->capture_default_str();
-  CLI::Option* record =
-      play_command
-          .add_option(
-              "--record", options.record,
-              "Offscreen: write every picture; %d, or %04d for leading zeros, is its number")
-          ->check(check([](const std::string& text) { return NumberedPath::parse(text); },
-                        "out-%04d.png"));
-  play_command
-      .add_option(
-          "--json", options.json,
-          "Write a summary: median, 95th percentile and maximum of the times of each stage "
-          "over the frames shown; frames shown, refined, dropped and broken; bytes fetched; "
-          "layers, points, nodes, leaves, depth and elements drawn of the last one. "
-          "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
-          "leaves out of view and below a pixel, voxels that others hide. - is standard output")
-      ->type_name("FILE");
-  play_command.footer("Keys in the window:\n" + bindings_help() +
-                      "\nExit codes: 0 played to its end or ended by the user, 1 failed, 2 usage");
-
+  const PlayCommand play_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -269,29 +23,12 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "pointreel: {}; see pointreel play --help\n", error.what());
     return 2;
   }
-  options.draw.mode = modes.at(mode);
-  options.draw.instancing = instancings.at(instancing);
-  options.draw.splatting = splattings.at(splatting);
-  if (places.size() > sources.size()) {
-    fmt::print(stderr, "pointreel: --at-position is given {} times for {} source{}\n",
-               places.size(), sources.size(), sources.size() > 1 ? "s" : "");
+  const Result<PlayOptions> options = play_command.options();
+  if (!options) {
+    fmt::print(stderr, "pointreel: {}\n", options.error().message);
     return 2;
   }
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    options.sources.push_back({sources[i], {}});
-    if (i < places.size()) options.sources.back().place = *parse_position(places[i]);
-  }
-  if (loop_flag->count() > 0) options.loop = loop;
-  if (!up.empty()) options.up = up[0];
-  options.offscreen = !size.empty();
-  if (options.offscreen) options.size = *parse_size(size);
-  if (!view.empty()) options.view = *parse_view(view);
-  if (record->count() > 0 && !options.offscreen) {
-    fmt::print(stderr, "pointreel: --record needs --offscreen WxH\n");
-    return 2;
-  }
-
-  if (const auto played = play(options); !played) {
+  if (const auto played = play(*options); !played) {
     fmt::print(stderr, "pointreel: {}\n", played.error().message);
     return 1;
   }

@@ -1,46 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <glm/glm.hpp>
-
-#include "client/playback/stage.h"
-#include "client/render/renderer.h"
+#include "client/play_options.h"
 #include "common/base/error.h"
 
 namespace pointreel {
-
-/// From where the camera looks; radians, as Camera's.
-struct View {
-  double yaw = 0.0;
-  double pitch = 0.0;
-};
-
-/// Everything that `pointreel play` can be told. Values are in range: main checks them.
-struct PlayOptions {
-  std::vector<Stage::Placed> sources;  ///< at least one
-  std::string token, ca_file;          ///< SourceOptions'
-  DrawOptions draw;                    ///< its mode is the one to begin with
-  /// Of the tree that voxels are drawn from. Far above the paper's 0.05, which gives nearly every
-  /// point a voxel of its own, with gaps between them wherever points are not on a grid; below
-  /// 0.75, at which points that are on one would lose a level.
-  double delta = 0.7;
-  std::uint32_t layers = ~0u;  ///< fetch and decode so many of a package's, from the base; >= 1
-  double speed = 1.0;
-  std::optional<bool> loop;  ///< default: yes in a window, no offscreen
-  double fps = 30.0;         ///< of folders
-  std::optional<char> up;    ///< default: what the package says; y for folders
-  bool offscreen = false;
-  glm::ivec2 size{1280, 720};
-  std::optional<double> at;        ///< seconds
-  std::optional<double> duration;  ///< seconds
-  std::optional<View> view;        ///< default: Camera::frame_bounds'
-  int supersample = 1;  ///< pictures that are written are drawn so many times as wide and high
-  std::string screenshot, record, json;  ///< paths; empty: none
-};
 
 /// Plays until the end, the user, SIGINT or SIGTERM ends it, and then writes what options.json asks
 /// for. Prints one line on standard error for each frame that cannot be shown.

@@ -69,7 +69,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     const auto broken = [i, on_error](std::uint32_t frame, const Error& error) {
       on_error(i, frame, error);
     };
-    Part part{nullptr, sources[i].place, nullptr, nullptr};
+    Part part{sources[i].where, sources[i].place, nullptr, nullptr, nullptr};
     if (reels[i]) {
       ReelPlayback::Options reel = options.reel;
       reel.remote = is_remote(sources[i].where);

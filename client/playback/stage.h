@@ -44,6 +44,8 @@ class Stage {
                                              OnError on_error);
 
   std::size_t size() const { return parts_.size(); }
+  const std::string& where(std::size_t i) const { return parts_[i].where; }
+  const glm::dvec3& place(std::size_t i) const { return parts_[i].place; }
   const Playback& playback(std::size_t i) const { return *parts_[i].playback; }
   /// Null if that is a live stream.
   ReelPlayback* reel(std::size_t i) const { return parts_[i].reel; }
@@ -80,8 +82,9 @@ class Stage {
 
  private:
   struct Part {
-    std::unique_ptr<Playback> playback;
+    std::string where;
     glm::dvec3 place;
+    std::unique_ptr<Playback> playback;
     ReelPlayback* reel = nullptr;  ///< the same object
     LivePlayback* live = nullptr;  ///< the same object
   };

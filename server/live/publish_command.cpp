@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/base/stop_signal.h"
 #include "server/live/publisher.h"
 #include "server/pack/commands.h"
 #include "server/pack/encode_arguments.h"
-#include "server/pack/stop_signal.h"
 
 namespace pointreel {
 namespace {

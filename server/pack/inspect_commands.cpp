@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/progress.h"
+#include "common/base/stop_signal.h"
 #include "server/pack/commands.h"
 #include "server/pack/inspect.h"
-#include "server/pack/stop_signal.h"
 
 namespace pointreel {
 namespace {

@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/progress.h"
+#include "common/base/stop_signal.h"
 #include "server/pack/commands.h"
 #include "server/pack/encode_arguments.h"
 #include "server/pack/packer.h"
-#include "server/pack/stop_signal.h"
 
 namespace pointreel {
 namespace {

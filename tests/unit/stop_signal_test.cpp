@@ -1,4 +1,4 @@
-#include "server/pack/stop_signal.h"
+#include "common/base/stop_signal.h"
 
 #include <chrono>
 #include <cstdlib>

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/play_options.h"
+#include "common/base/error.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace pointreel {
+
+/// The command line of `pointreel play`.
+class PlayCommand {
+ public:
+  /// Adds the subcommand. `app` ends first.
+  explicit PlayCommand(CLI::App& app);
+  PlayCommand(const PlayCommand&) = delete;
+  PlayCommand& operator=(const PlayCommand&) = delete;
+
+  /// After parsing. An error says which options do not go together.
+  Result<PlayOptions> options() const;
+
+ private:
+  PlayOptions options_;
+  // As they are written.
+  std::vector<std::string> sources_, places_;
+  std::string mode_, instancing_, splatting_, up_, size_, view_;
+  bool loop_ = true;
+  CLI::Option* loop_flag_ = nullptr;
+};
+
+}  // namespace pointreel

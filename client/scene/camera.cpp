@@ -61,6 +61,29 @@ void Camera::zoom(double factor) {
   distance = std::clamp(distance * factor, kNearest * scene_radius, kFarthest * scene_radius);
 }
 
+void Camera::zoom_at(double factor, const glm::dvec2& cursor, double aspect) {
+  const double before = distance;
+  zoom(factor);
+  const double t = std::tan(0.5 * fov_y);
+  const glm::dmat3 frame = axes();
+  target += (before - distance) * t * (cursor.x * aspect * frame[0] + cursor.y * frame[1]);
+}
+
+void Camera::center_on(const glm::dvec3& point) {
+  const double depth = glm::dot(eye() - point, axes()[2]);
+  if (depth > 0.0) distance = depth;
+  zoom(1.0);
+  target = point;
+}
+
+void Camera::fly(const glm::dvec3& move, double yaw_by, double pitch_by) {
+  const glm::dvec3 from = eye();
+  orbit(yaw_by, pitch_by);
+  const glm::dmat3 frame = axes();
+  const glm::dvec3 above = up == 'z' ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
+  target = from + move.x * frame[0] + move.y * above - (move.z + distance) * frame[2];
+}
+
 glm::mat4 Camera::view_from(const glm::dvec3& origin) const {
   const glm::dmat3 to_eye = glm::transpose(axes());
   glm::dmat4 view(to_eye);

@@ -36,6 +36,18 @@ struct Camera {
   void pan(double right_by, double up_by);
   /// Multiplies the distance; bounded to 1/1000 and 1000 times the scene's radius.
   void zoom(double factor);
+  /// The same, but the eye moves along the ray through `cursor`, so that everything that is seen
+  /// there stays there. The cursor is -1 to 1 across the picture, x to the right and y up; `aspect`
+  /// is the picture's width over its height.
+  void zoom_at(double factor, const glm::dvec2& cursor, double aspect);
+  /// Makes `point` the target, and brings it to the middle of the picture by moving the eye in the
+  /// picture's plane: it is drawn as large as before. The distance is bounded as by `zoom`; of a
+  /// point that is not before the eye it stays.
+  void center_on(const glm::dvec3& point);
+  /// Moves the eye by `move`, in world units, x to the right, y along the world's up axis and z the
+  /// way it looks, and turns it where it stands. The angles are added to yaw and pitch: positive
+  /// ones turn it to the left and down. The target goes with it; stops short of the poles.
+  void fly(const glm::dvec3& move, double yaw_by, double pitch_by);
 
   /// From coordinates relative to `origin` to eye space. The translation is subtracted in double,
   /// so that a scene far from the world's zero does not jitter; only with an `origin` near the

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -141,6 +142,120 @@ TEST(Camera, PanMovesThePictureByTheGivenShareOfItsHeight) {
   const glm::dvec3 p = project(camera, point, 1.0);
   EXPECT_NEAR(p.x, -0.5, 1e-12);
   EXPECT_NEAR(p.y, 0.25, 1e-12);
+}
+
+/// A camera that looks askew, near the world's zero and far from it.
+std::vector<Camera> askew_cameras() {
+  std::vector<Camera> cameras;
+  for (const char up : {'y', 'z'}) {
+    for (const glm::dvec3& middle : {glm::dvec3(0.0), glm::dvec3(4e6, -7e6, 2e5)}) {
+      Camera& camera = cameras.emplace_back();
+      camera.up = up;
+      camera.frame_bounds({middle - 1.0, middle + 1.0}, kAspect);
+      camera.orbit(0.8, 0.35);
+    }
+  }
+  return cameras;
+}
+
+/// The point at `depth` in front of the eye that is seen at `cursor`.
+glm::dvec3 point_under(const Camera& camera, const glm::dvec2& cursor, double depth) {
+  const glm::dmat3 axes = camera.axes();
+  const double t = depth * std::tan(0.5 * camera.fov_y);
+  return camera.eye() + t * (kAspect * cursor.x * axes[0] + cursor.y * axes[1]) - depth * axes[2];
+}
+
+TEST(Camera, ZoomingAtTheCursorLeavesWhatIsThereInItsPlace) {
+  for (const Camera& before : askew_cameras()) {
+    for (const glm::dvec2& cursor : {glm::dvec2(0.0), glm::dvec2(-0.7, 0.9), glm::dvec2(0.3, -1)}) {
+      for (const double factor : {0.5, 0.9, 1.7}) {
+        Camera camera = before;
+        camera.zoom_at(factor, cursor, kAspect);
+        EXPECT_NEAR(camera.distance, factor * before.distance, 1e-12);
+        EXPECT_EQ(camera.yaw, before.yaw);
+        EXPECT_EQ(camera.pitch, before.pitch);
+        for (const double depth : {before.distance, 1.4 * before.distance}) {
+          const glm::dvec3 p = project(camera, point_under(before, cursor, depth), kAspect);
+          EXPECT_NEAR(p.x, cursor.x, 1e-8);
+          EXPECT_NEAR(p.y, cursor.y, 1e-8);
+        }
+      }
+    }
+  }
+}
+
+TEST(Camera, ZoomingAtTheCursorAndBackEndsWhereItBeganAndStopsWithTheDistance) {
+  for (const Camera& before : askew_cameras()) {
+    Camera camera = before;
+    camera.zoom_at(0.25, {0.6, -0.4}, kAspect);
+    camera.zoom_at(4.0, {0.6, -0.4}, kAspect);
+    EXPECT_LT(glm::distance(camera.target, before.target), 1e-8);
+    EXPECT_NEAR(camera.distance, before.distance, 1e-12);
+    for (int i = 0; i < 200; ++i) camera.zoom_at(0.5, {0.6, -0.4}, kAspect);
+    const Camera nearest = camera;
+    camera.zoom_at(0.5, {-0.9, 0.8}, kAspect);
+    EXPECT_EQ(camera, nearest);
+    EXPECT_GT(camera.distance, 0.0);
+  }
+}
+
+TEST(Camera, CenteringOnAPointBringsItToTheMiddleAsLargeAsItWas) {
+  for (const Camera& before : askew_cameras()) {
+    const double depth = 0.7 * before.distance;
+    const glm::dvec3 point = point_under(before, {0.5, -0.8}, depth);
+    Camera camera = before;
+    camera.center_on(point);
+    EXPECT_EQ(camera.target, point);
+    EXPECT_NEAR(camera.distance, depth, 1e-8);
+    EXPECT_EQ(camera.yaw, before.yaw);
+    EXPECT_EQ(camera.pitch, before.pitch);
+    // From then on it is what the eye turns about.
+    camera.orbit(1.1, -0.6);
+    const glm::dvec3 p = project(camera, point, kAspect);
+    EXPECT_NEAR(p.x, 0.0, 1e-8);
+    EXPECT_NEAR(p.y, 0.0, 1e-8);
+  }
+}
+
+TEST(Camera, CenteringOnAPointBehindTheEyeOrAtItKeepsTheDistanceWithinItsBounds) {
+  for (const Camera& before : askew_cameras()) {
+    Camera camera = before;
+    camera.center_on(point_under(before, {0.0, 0.0}, -2.0));
+    EXPECT_EQ(camera.distance, before.distance);
+    camera = before;
+    camera.center_on(point_under(before, {0.0, 0.0}, 1e-7));
+    EXPECT_GE(camera.distance, 0.99e-3 * before.scene_radius);
+  }
+}
+
+TEST(Camera, FlyingTurnsOnTheSpotToTheLeftAndDown) {
+  for (const Camera& before : askew_cameras()) {
+    Camera camera = before;
+    camera.fly(glm::dvec3(0.0), 0.3, 0.2);
+    EXPECT_LT(glm::distance(camera.eye(), before.eye()), 1e-8);
+    EXPECT_EQ(camera.distance, before.distance);
+    // What was in the middle now is to the right and above.
+    const glm::dvec3 p = project(camera, before.target, kAspect);
+    EXPECT_GT(p.x, 0.1);
+    EXPECT_GT(p.y, 0.1);
+    camera.fly(glm::dvec3(0.0), -0.3, -0.2);
+    EXPECT_LT(glm::distance(camera.target, before.target), 1e-8);
+    camera.fly(glm::dvec3(0.0), 0.0, 100.0);
+    EXPECT_LT(camera.pitch, 1.5707);
+    EXPECT_LT(glm::distance(camera.eye(), before.eye()), 1e-8);
+  }
+}
+
+TEST(Camera, FlyingMovesTheEyeToTheRightUpTheWorldAndTheWayItLooks) {
+  for (const Camera& before : askew_cameras()) {
+    const glm::dmat3 axes = before.axes();
+    const glm::dvec3 above = before.up == 'z' ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+    Camera camera = before;
+    camera.fly({0.5, 0.25, 2.0}, 0.0, 0.0);
+    const glm::dvec3 expected = 0.5 * axes[0] + 0.25 * above - 2.0 * axes[2];
+    EXPECT_LT(glm::distance(camera.eye() - before.eye(), expected), 1e-8);
+    EXPECT_LT(glm::distance(camera.target - before.target, expected), 1e-8);
+  }
 }
 
 }  // namespace

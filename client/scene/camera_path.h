@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/scene/camera.h"
+#include "common/base/error.h"
+
+namespace pointreel {
+
+/// Where the camera is at one time. Units are Camera's; what is absent is as the scene is framed,
+/// so that a path of angles alone fits any scene.
+struct CameraKey {
+  std::uint64_t time_us = 0;         ///< of playback, from the reel's start on
+  std::optional<glm::dvec3> target;  ///< each within +-1e12
+  std::optional<double> distance;    ///< 1e-9 to 1e12
+  double yaw = 0.0;                  ///< any number of turns within +-1e6 radians
+  double pitch = 0.0;                ///< -pi/2 to pi/2
+  std::optional<double> fov_y;       ///< 1 to 170 degrees
+
+  bool operator==(const CameraKey&) const = default;
+};
+
+CameraKey key_of(const Camera& camera, std::uint64_t time_us);
+
+/// A camera that moves through its keys, smoothly: by a cubic between any two (Fritsch and Butland,
+/// "A method for constructing local monotone piecewise cubic interpolants", 1984), which passes no
+/// key's value on its way to the next, stands still between keys that are alike, and turns at a
+/// constant rate where the keys do. Distances are interpolated as logarithms, so that a zoom looks
+/// even; yaw goes the shorter way around. Before its first key and after its last it stands still.
+struct CameraPath {
+  std::optional<char> up;       ///< the axis that the angles are about; absent: the scene's
+  std::vector<CameraKey> keys;  ///< at least one to be asked `at`; each later than the one before
+
+  /// Adds a key, in place of one at the same time.
+  void set(const CameraKey& key);
+
+  /// `framed`, moved to where the path is then.
+  Camera at(std::uint64_t time_us, const Camera& framed) const;
+
+  bool operator==(const CameraPath&) const = default;
+};
+
+inline constexpr std::size_t kMaxCameraKeys = 10'000;
+
+/// As JSON; seconds and degrees:
+///
+///     {"pointreel_camera_path": 1, "up": "y", "keys": [
+///       {"seconds": 0, "target": [0, 0.9, 0], "distance": 3, "yaw": 0, "pitch": 10, "fov": 40}]}
+///
+/// Only version, keys and a key's seconds must be there; yaw and pitch are 0 where they are not.
+///
+/// Trust: the text may be hostile. What it gives is within the bounds of CameraKey, and memory is
+/// bounded by the text's length.
+Result<CameraPath> parse_camera_path(std::string_view text);
+/// One line for each key. Angles are rounded to 1e-9 degrees.
+std::string write_camera_path(const CameraPath& path);
+
+/// Files of at most 4 MiB. Errors name the file.
+Result<CameraPath> load_camera_path(const std::string& file);
+/// Replaces the file as a whole or not at all.
+Result<void> save_camera_path(const std::string& file, const CameraPath& path);
+
+}  // namespace pointreel

@@ -1,0 +1,217 @@
+#include "client/scene/camera_path.h"
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
+
+namespace pointreel {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+CameraKey key(double seconds, double yaw_degrees, double pitch_degrees = 0.0) {
+  CameraKey key;
+  key.time_us = static_cast<std::uint64_t>(std::llround(seconds * 1e6));
+  key.yaw = yaw_degrees * kDegree;
+  key.pitch = pitch_degrees * kDegree;
+  return key;
+}
+
+double yaw_at(const CameraPath& path, double seconds) {
+  return path.at(static_cast<std::uint64_t>(std::llround(seconds * 1e6)), Camera()).yaw / kDegree;
+}
+
+CameraPath recorded() {
+  CameraPath path;
+  path.up = 'z';
+  Camera camera;
+  camera.target = {500'000.25, -20.0, 0.125};
+  camera.fov_y = 0.5;
+  path.set(key_of(camera, 33'333));
+  camera.orbit(0.7, -0.3);
+  camera.zoom(0.25);
+  path.set(key_of(camera, 1'000'000));
+  camera.target += glm::dvec3(1.0, 2.0, -3.0);
+  camera.fov_y = 1.0;
+  path.set(key_of(camera, 1'700'001));
+  return path;
+}
+
+TEST(CameraPath, passes_through_every_key_at_its_time) {
+  const CameraPath path = recorded();
+  for (const CameraKey& key : path.keys) {
+    const Camera camera = path.at(key.time_us, Camera());
+    EXPECT_EQ(camera.up, 'z');
+    EXPECT_NEAR(glm::distance(camera.target, *key.target), 0.0, 1e-9);
+    EXPECT_NEAR(camera.distance, *key.distance, 1e-12);
+    EXPECT_NEAR(camera.yaw, key.yaw, 1e-12);
+    EXPECT_NEAR(camera.pitch, key.pitch, 1e-12);
+    EXPECT_NEAR(camera.fov_y, *key.fov_y, 1e-12);
+  }
+}
+
+TEST(CameraPath, stands_still_before_its_first_key_and_after_its_last) {
+  const CameraPath path = recorded();
+  EXPECT_EQ(path.at(0, Camera()), path.at(33'333, Camera()));
+  EXPECT_EQ(path.at(9'000'000, Camera()), path.at(1'700'001, Camera()));
+}
+
+TEST(CameraPath, turns_the_shorter_way_around) {
+  CameraPath path;
+  path.keys = {key(0.0, 170.0), key(1.0, -170.0)};
+  EXPECT_NEAR(yaw_at(path, 0.25), 175.0, 1e-9);
+  EXPECT_NEAR(std::abs(yaw_at(path, 0.5)), 180.0, 1e-9);
+  EXPECT_NEAR(yaw_at(path, 0.75), -175.0, 1e-9);
+  path.keys = {key(0.0, 10.0), key(1.0, 350.0)};
+  EXPECT_NEAR(yaw_at(path, 0.5), 0.0, 1e-9);
+}
+
+TEST(CameraPath, a_turntable_of_even_keys_turns_at_a_constant_rate) {
+  CameraPath path;
+  path.keys = {key(0.0, 0.0), key(1.0, 120.0), key(2.0, 240.0), key(3.0, 360.0)};
+  for (int i = 0; i <= 30; ++i) {
+    const double expected = 12.0 * i;
+    EXPECT_NEAR(std::remainder(yaw_at(path, 0.1 * i) - expected, 360.0), 0.0, 1e-9) << i;
+  }
+}
+
+TEST(CameraPath, changes_its_speed_without_a_jump_at_keys) {
+  CameraPath path;
+  path.keys = {key(0.0, 0.0, 5.0), key(0.4, 30.0, 6.0), key(1.5, 50.0, 40.0), key(1.7, 90.0, 41.0)};
+  for (const double at : {0.4, 1.5}) {
+    const double before = (yaw_at(path, at) - yaw_at(path, at - 1e-5)) / 1e-5;
+    const double after = (yaw_at(path, at + 1e-5) - yaw_at(path, at)) / 1e-5;
+    EXPECT_NEAR(before, after, 0.01 * std::abs(before)) << at;
+  }
+}
+
+TEST(CameraPath, passes_no_keys_value_and_stands_still_between_keys_that_are_alike) {
+  CameraPath path;
+  path.keys = {key(0.0, 0.0), key(1.0, 40.0), key(2.0, 40.0), key(2.1, 0.0), key(3.0, 5.0)};
+  double last = 0.0;
+  for (int i = 0; i <= 300; ++i) {
+    const double yaw = yaw_at(path, 0.01 * i);
+    EXPECT_LE(yaw, 40.0 + 1e-9);
+    EXPECT_GE(yaw, -1e-9);
+    if (i <= 100) {
+      EXPECT_GE(yaw, last - 1e-9) << i;
+    } else if (i <= 200) {
+      EXPECT_NEAR(yaw, 40.0, 1e-9) << i;
+    }
+    last = yaw;
+  }
+}
+
+TEST(CameraPath, zooms_by_the_same_factor_in_the_same_time) {
+  CameraPath path;
+  path.keys = {key(0.0, 0.0), key(2.0, 0.0)};
+  path.keys[0].distance = 8.0;
+  path.keys[1].distance = 0.5;
+  EXPECT_NEAR(path.at(1'000'000, Camera()).distance, 2.0, 1e-12);
+  EXPECT_NEAR(path.at(500'000, Camera()).distance, 4.0, 1e-12);
+}
+
+TEST(CameraPath, keeps_the_framed_view_where_keys_say_nothing) {
+  const auto path = parse_camera_path(
+      R"({"pointreel_camera_path": 1, "keys": [{"seconds": 0, "yaw": 90}, {"seconds": 2}]})");
+  ASSERT_TRUE(path) << path.error().message;
+  Camera framed;
+  framed.target = {1.0, 2.0, 3.0};
+  framed.distance = 7.0;
+  framed.up = 'z';
+  framed.pitch = 0.15;
+  framed.scene_radius = 2.5;
+  const Camera camera = path->at(1'000'000, framed);
+  EXPECT_EQ(camera.target, framed.target);
+  EXPECT_NEAR(camera.distance, 7.0, 1e-12);
+  EXPECT_EQ(camera.up, 'z');
+  EXPECT_EQ(camera.scene_radius, 2.5);
+  EXPECT_NEAR(camera.yaw / kDegree, 45.0, 1e-9);
+  EXPECT_EQ(camera.pitch, 0.0);
+  EXPECT_NEAR(camera.fov_y, framed.fov_y, 1e-15);
+}
+
+TEST(CameraPath, keys_are_kept_in_order_and_replaced_at_the_same_time) {
+  CameraPath path;
+  path.set(key(2.0, 20.0));
+  path.set(key(1.0, 10.0));
+  path.set(key(3.0, 30.0));
+  path.set(key(2.0, 25.0));
+  ASSERT_EQ(path.keys.size(), 3u);
+  EXPECT_EQ(path.keys[0], key(1.0, 10.0));
+  EXPECT_EQ(path.keys[1], key(2.0, 25.0));
+  EXPECT_EQ(path.keys[2], key(3.0, 30.0));
+}
+
+TEST(CameraPathFile, comes_back_as_it_was_saved) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "path.json").string();
+  const CameraPath path = recorded();
+  ASSERT_TRUE(save_camera_path(file, path));
+  const auto loaded = load_camera_path(file);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->up, 'z');
+  ASSERT_EQ(loaded->keys.size(), path.keys.size());
+  for (std::size_t i = 0; i < path.keys.size(); ++i) {
+    EXPECT_EQ(loaded->keys[i].time_us, path.keys[i].time_us);
+    EXPECT_EQ(loaded->keys[i].target, path.keys[i].target);
+    EXPECT_EQ(loaded->keys[i].distance, path.keys[i].distance);
+    EXPECT_NEAR(loaded->keys[i].yaw, path.keys[i].yaw, 1e-10);
+    EXPECT_NEAR(loaded->keys[i].pitch, path.keys[i].pitch, 1e-10);
+    EXPECT_NEAR(*loaded->keys[i].fov_y, *path.keys[i].fov_y, 1e-10);
+  }
+  EXPECT_FALSE(std::filesystem::exists(file + ".part"));
+}
+
+TEST(CameraPathFile, says_what_is_wrong_and_where) {
+  const auto error = [](const std::string& text) {
+    const auto path = parse_camera_path(text);
+    return path ? "accepted" : path.error().message;
+  };
+  const auto keys = [&](const std::string& list) {
+    return error(R"({"pointreel_camera_path": 1, "keys": [)" + list + "]}");
+  };
+  EXPECT_EQ(error("ply\nformat"), "is not valid JSON");
+  EXPECT_EQ(error("[]"), "is no camera path: is not a JSON object");
+  EXPECT_EQ(error("{}"), "is no camera path: pointreel_camera_path: is missing");
+  EXPECT_EQ(error(R"({"pointreel_camera_path": 2})"),
+            "is a camera path of format 2; this player reads format 1");
+  EXPECT_EQ(error(R"({"pointreel_camera_path": 1, "up": "x", "keys": [{"seconds": 0}]})"),
+            "up: is neither \"y\" nor \"z\"");
+  EXPECT_EQ(keys(""), "keys: are not 1 to 10000");
+  EXPECT_EQ(keys("{}"), "keys[0]: seconds: is missing");
+  EXPECT_EQ(keys(R"({"seconds": -1})"), "keys[0]: seconds: is not from 0 to 1e+09");
+  EXPECT_EQ(keys(R"({"seconds": 1}, {"seconds": 1})"),
+            "keys[1]: seconds: are not after those of the key before");
+  EXPECT_EQ(keys(R"({"seconds": 0, "pitch": 90.5})"), "keys[0]: pitch: is not from -90 to 90");
+  EXPECT_EQ(keys(R"({"seconds": 0, "distance": 0})"),
+            "keys[0]: distance: is not from 1e-09 to 1e+12");
+  EXPECT_EQ(keys(R"({"seconds": 0, "target": [0, 1]})"),
+            "keys[0]: target: is not three finite numbers");
+  EXPECT_EQ(keys(R"({"seconds": 0, "target": [0, 1, 1e13]})"),
+            "keys[0]: target: is not from -1e+12 to 1e+12");
+  EXPECT_EQ(keys(R"({"seconds": 0, "fov": "wide"})"), "keys[0]: fov: is not a number");
+}
+
+TEST(CameraPathFile, errors_name_the_file) {
+  const TemporaryFolder folder;
+  const std::string missing = (folder / "none.json").string();
+  EXPECT_EQ(load_camera_path(missing).error().message,
+            missing + ": cannot be opened: No such file or directory");
+  const std::string bad = folder.write("bad.json", "{}").string();
+  EXPECT_TRUE(load_camera_path(bad).error().message.starts_with(bad + ": is no camera path"));
+  EXPECT_TRUE(load_camera_path(folder.path().string())
+                  .error()
+                  .message.starts_with(folder.path().string() + ": "));
+  const std::string nowhere = (folder / "no/such.json").string();
+  EXPECT_EQ(save_camera_path(nowhere, recorded()).error().message,
+            nowhere + ": cannot be written: No such file or directory");
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,6 +1,8 @@
 #include "tests/e2e/process.h"
 
+#include <algorithm>
 #include <chrono>
+#include <string_view>
 #include <thread>
 
 #include <fcntl.h>
@@ -27,19 +29,32 @@ struct Pipe {
   }
 };
 
-pid_t spawn(const std::string& program, std::vector<std::string> arguments, int out, int err) {
-  const std::string path = std::string(POINTREEL_BIN_DIR) + "/" + program;
+pid_t spawn(const std::string& program, std::vector<std::string> arguments, int out, int err,
+            std::vector<std::string> environment = {}) {
+  const std::string path =
+      program.starts_with('/') ? program : std::string(POINTREEL_BIN_DIR) + "/" + program;
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
+  std::vector<char*> variables;
+  for (std::string& variable : environment) variables.push_back(variable.data());
+  for (char** own = environ; *own != nullptr; ++own) {
+    const std::string_view variable(*own);
+    const std::string_view name = variable.substr(0, variable.find('=') + 1);
+    const bool replaced = std::any_of(environment.begin(), environment.end(),
+                                      [&](const std::string& by) { return by.starts_with(name); });
+    if (!replaced) variables.push_back(*own);
+  }
+  variables.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, out, 1);
   if (err >= 0) posix_spawn_file_actions_adddup2(&actions, err, 2);
   pid_t pid = -1;
-  if (posix_spawn(&pid, path.c_str(), &actions, nullptr, argv.data(), environ) != 0) pid = -1;
+  if (posix_spawn(&pid, path.c_str(), &actions, nullptr, argv.data(), variables.data()) != 0)
+    pid = -1;
   posix_spawn_file_actions_destroy(&actions);
   return pid;
 }
@@ -88,9 +103,14 @@ Outcome run(const std::string& program, const std::vector<std::string>& argument
   return outcome;
 }
 
-Background::Background(const std::string& program, const std::vector<std::string>& arguments) {
+Background::Background(const std::string& program, const std::vector<std::string>& arguments,
+                       const Surroundings& surroundings) {
   const Pipe out;
-  pid_ = spawn(program, arguments, out.write, -1);
+  const int err = surroundings.err.empty() ? -1
+                                           : open(surroundings.err.c_str(),
+                                                  O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  pid_ = spawn(program, arguments, out.write, err, surroundings.environment);
+  if (err >= 0) close(err);
   close(out.write);
   out_ = out.read;
 }
@@ -116,11 +136,11 @@ bool Background::running() const {
 
 int Background::end(int signal) {
   if (pid_ <= 0) return -1;
-  kill(pid_, signal);
+  if (signal != 0) kill(pid_, signal);
   int status = 0;
-  for (int tenths = 0; waitpid(pid_, &status, WNOHANG) == 0; ++tenths) {
-    if (tenths == 100) kill(pid_, SIGKILL);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  for (int looks = 0; waitpid(pid_, &status, WNOHANG) == 0; ++looks) {
+    if (looks == 1000) kill(pid_, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   pid_ = -1;
   return code_of(status);

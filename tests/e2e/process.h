@@ -18,10 +18,18 @@ struct Outcome {
 Outcome run(const std::string& program, const std::vector<std::string>& arguments,
             int seconds = 120);
 
-/// A server in the background, ended with SIGTERM at the latest by the destructor.
+/// What a program is started with, beside its arguments.
+struct Surroundings {
+  std::vector<std::string> environment;  ///< "NAME=VALUE", before the test's own of that name
+  std::string err;                       ///< a file for its standard error; empty: the test's
+};
+
+/// A server in the background, ended with SIGTERM at the latest by the destructor. `program` is one
+/// of Pointreel's executables, or any other by its whole path.
 class Background {
  public:
-  Background(const std::string& program, const std::vector<std::string>& arguments);
+  Background(const std::string& program, const std::vector<std::string>& arguments,
+             const Surroundings& surroundings = {});
   ~Background();
   Background(const Background&) = delete;
   Background& operator=(const Background&) = delete;
@@ -32,7 +40,8 @@ class Background {
   pid_t pid() const { return pid_; }
   bool running() const;
 
-  /// Sends the signal and waits; the exit code as in Outcome.
+  /// Sends the signal, 0 for none, and waits; the exit code as in Outcome. Ten seconds later it is
+  /// killed.
   int end(int signal);
 
  private:

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.h"
+#include "tests/e2e/picture.h"
+#include "tests/e2e/process.h"
+#include "tests/window/virtual_display.h"
+
+namespace pointreel::window {
+
+/// `pointreel play` in a real window, with somebody at its keys and its mouse.
+class PlayerWindow {
+ public:
+  struct Options {
+    std::vector<std::string> arguments;  ///< of `pointreel play`
+    /// A folder to write to: figures, what is on standard error, and its settings.
+    std::filesystem::path folder;
+    std::vector<std::string> environment;  ///< "NAME=VALUE"
+  };
+
+  /// Once the window is there. An error if there is none within half a minute.
+  static Result<std::unique_ptr<PlayerWindow>> open(VirtualDisplay& display,
+                                                    const Options& options);
+
+  /// Names of keys as in xdotool: "space", "Right", "question", "shift+Left".
+  void key(const std::string& name);
+  void move_to(glm::ivec2 pixel);
+  void click(glm::ivec2 pixel, int button = 1);
+  void double_click(glm::ivec2 pixel);
+  void press(glm::ivec2 pixel, int button = 1);
+  void release(int button = 1);
+  /// Presses, moves there in some steps, and lets go.
+  void drag(glm::ivec2 from, glm::ivec2 to, int button = 1);
+  void scroll(int notches);  ///< positive away from the user
+  void key_down(const std::string& name);
+  void key_up(const std::string& name);
+  void resize(glm::ivec2 size);
+  bool drop(const std::vector<std::filesystem::path>& files);
+
+  e2e::Picture picture() const { return display_.picture(window_); }
+  glm::ivec2 size() const { return display_.size(window_); }
+  std::string title() const { return display_.title(window_); }
+  /// What it has written on standard error so far.
+  std::string err() const;
+  bool running() const { return process_.running(); }
+  pid_t pid() const { return process_.pid(); }
+
+  /// Waits until it ends by itself, for at most ten seconds, after "q" was pressed; what the player
+  /// tells in --json, which is discarded if it ended with an error.
+  nlohmann::json quit();
+  /// The same after the window was closed as by a window manager.
+  nlohmann::json close();
+  int exit_code() const { return exit_code_; }  ///< after quit or close
+
+ private:
+  PlayerWindow(VirtualDisplay& display, const Options& options);
+  nlohmann::json wait_for_end();
+
+  VirtualDisplay& display_;
+  std::filesystem::path folder_;
+  e2e::Background process_;
+  WindowId window_ = 0;
+  int exit_code_ = -1;
+};
+
+/// Looks every few milliseconds; false if that does not come to hold within half a minute.
+bool wait_until(const std::function<bool()>& holds,
+                std::chrono::milliseconds limit = std::chrono::seconds(30));
+
+}  // namespace pointreel::window

@@ -1,0 +1,95 @@
+// Playing, pausing and seeking, by key and by mouse.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/window/window_test.h"
+
+namespace pointreel::window {
+namespace {
+
+using testing::HasSubstr;
+
+class PlayingWindow : public WindowTest {};
+
+TEST_F(PlayingWindow, a_reel_plays_at_once_and_pauses_and_goes_on) {
+  open();
+  EXPECT_THAT(player().title(), HasSubstr("plate"));
+  EXPECT_TRUE(wait_for_next_frame());
+  pause();
+  keep("paused");
+  player().key("space");
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto report = quit();
+  EXPECT_GT(report["frames_shown"], 1);
+  EXPECT_EQ(report["errors"], 0);
+  EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(PlayingWindow, arrows_go_five_seconds_on_and_back_while_it_is_paused) {
+  open({"--at", "1"});
+  pause();
+  const int from = frame();
+  player().key("Right");
+  EXPECT_TRUE(wait_for_frame(from + 5 * MovingPlate::kFps)) << from << " to " << frame();
+  player().key("Left");
+  EXPECT_TRUE(wait_for_frame(from)) << from << " to " << frame();
+  quit();
+}
+
+TEST_F(PlayingWindow, a_step_shows_the_next_frame_or_the_one_before_and_pauses) {
+  open({"--at", "3"});
+  pause();
+  const int from = frame();
+  player().key("period");
+  EXPECT_TRUE(wait_for_frame(from + 1));
+  player().key("period");
+  EXPECT_TRUE(wait_for_frame(from + 2));
+  player().key("comma");
+  EXPECT_TRUE(wait_for_frame(from + 1));
+  player().key("space");
+  EXPECT_TRUE(wait_for_next_frame());
+  player().key("comma");
+  EXPECT_GE(paused_frame(), 0);
+  quit();
+}
+
+TEST_F(PlayingWindow, dragging_with_shift_goes_to_the_time_under_the_cursor) {
+  open();
+  pause();
+  const glm::ivec2 size = player().size();
+  player().key_down("shift");
+  player().press({size.x / 4, size.y / 2});
+  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames / 4)) << frame();
+  player().move_to({size.x * 3 / 4, size.y / 2});
+  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames * 3 / 4)) << frame();
+  player().release();
+  player().key_up("shift");
+  EXPECT_EQ(paused_frame(), MovingPlate::kFrames * 3 / 4) << "it was paused before";
+  quit();
+}
+
+TEST_F(PlayingWindow, backward_it_comes_from_the_other_side) {
+  open({"--at", "6", "--speed", "-1"});
+  int first = -1;
+  ASSERT_TRUE(wait_until([&] { return (first = frame()) >= 0; }));
+  EXPECT_TRUE(wait_until([&] { return frame() >= 0 && frame() < first; }));
+  quit();
+}
+
+TEST_F(PlayingWindow, without_a_loop_it_ends_with_the_last_frame) {
+  open({"--no-loop", "--at", "11"});
+  EXPECT_TRUE(
+      wait_until([&] { return !player().running() || frame() == MovingPlate::kFrames - 1; }));
+}
+
+TEST_F(PlayingWindow, a_window_that_is_closed_ends_well) {
+  open();
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto report = player().close();
+  EXPECT_EQ(player().exit_code(), 0) << player().err();
+  EXPECT_FALSE(report.is_discarded());
+}
+
+}  // namespace
+}  // namespace pointreel::window

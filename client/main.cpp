@@ -23,11 +23,13 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "pointreel: {}; see pointreel play --help\n", error.what());
     return 2;
   }
-  const Result<PlayOptions> options = play_command.options();
+  Result<PlayOptions> options = play_command.options();
   if (!options) {
     fmt::print(stderr, "pointreel: {}\n", options.error().message);
     return 2;
   }
+  if (const auto read = play_command.read_settings(*options); !read)
+    fmt::print(stderr, "pointreel: {}\n", read.error().message);
   if (const auto played = play(*options); !played) {
     fmt::print(stderr, "pointreel: {}\n", played.error().message);
     return 1;

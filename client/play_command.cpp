@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "client/capture.h"
+#include "client/settings.h"
 #include "client/ui/bindings.h"
 
 namespace pointreel {
@@ -112,6 +114,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
   instancing_ = name(options_.draw.instancing);
   splatting_ = name(options_.draw.splatting);
   CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
+  command_ = &play_command;
   play_command
       .add_option("SOURCE", sources_,
                   "http:// or https:// address of a package, a package's folder, a folder of PLY "
@@ -247,6 +250,13 @@ PlayCommand::PlayCommand(CLI::App& app) {
           "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
           "leaves out of view and below a pixel, voxels that others hide. - is standard output")
       ->type_name("FILE");
+  play_command
+      .add_option("--config", config_,
+                  "Where the window keeps its size and what is changed in it with keys and panels: "
+                  "JSON. Options given here win (default: pointreel/player.json in "
+                  "$XDG_CONFIG_HOME or ~/.config; offscreen none)")
+      ->type_name("FILE");
+  play_command.add_flag("--no-config", no_config_, "Neither read nor keep it");
   play_command.footer("Keys in the window:\n" + bindings_help() +
                       "\nExit codes: 0 played to its end or ended by the user, 1 failed, 2 usage");
 }
@@ -270,6 +280,23 @@ Result<PlayOptions> PlayCommand::options() const {
   if (!view_.empty()) options.view = *parse_view(view_);
   if (!options.record.empty() && !options.offscreen) return fail("--record needs --offscreen WxH");
   return options;
+}
+
+Result<void> PlayCommand::read_settings(PlayOptions& options) const {
+  options.settings_file.clear();
+  if (no_config_) return {};
+  std::filesystem::path file = config_;
+  if (config_.empty() && !options.offscreen) file = default_settings_file();
+  if (file.empty()) return {};
+  const glm::ivec2 size = options.size;
+  const auto read = pointreel::read_settings(
+      file,
+      [this](std::string_view name) { return command_->count(fmt::format("--{}", name)) > 0; },
+      options);
+  if (!read) return read;
+  if (options.offscreen) options.size = size;
+  options.settings_file = file.string();
+  return {};
 }
 
 }  // namespace pointreel

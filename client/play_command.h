@@ -23,6 +23,9 @@ class PlayCommand {
 
   /// After parsing. An error says which options do not go together.
   Result<PlayOptions> options() const;
+  /// Adds what the settings file of a window says, where the command line does not; from then on
+  /// it is options.settings_file. On an error there is none, and options stay as they are.
+  Result<void> read_settings(PlayOptions& options) const;
 
  private:
   PlayOptions options_;
@@ -31,6 +34,9 @@ class PlayCommand {
   std::string mode_, instancing_, splatting_, up_, size_, view_;
   bool loop_ = true;
   CLI::Option* loop_flag_ = nullptr;
+  const CLI::App* command_ = nullptr;
+  std::string config_;
+  bool no_config_ = false;
 };
 
 }  // namespace pointreel

@@ -34,6 +34,10 @@ struct PlayOptions {
   std::optional<char> up;    ///< default: what the package says; y for folders
   bool offscreen = false;
   glm::ivec2 size{1280, 720};
+  /// In a window: whether they are open at first.
+  bool drawing_panel = false, statistics_panel = false;
+  /// Where a window keeps what the user changes of all this (settings.h); empty: nowhere.
+  std::string settings_file;
   std::optional<double> at;        ///< seconds
   std::optional<double> duration;  ///< seconds
   std::optional<View> view;        ///< default: Camera::frame_bounds'

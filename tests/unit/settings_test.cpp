@@ -1,0 +1,217 @@
+#include "client/settings.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/temporary_folder.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+bool nothing_given(std::string_view) { return false; }
+
+std::string content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Of an environment variable, which is as before at the end.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    value != nullptr ? ::setenv(name, value, 1) : ::unsetenv(name);
+  }
+  ~Variable() { before_.empty() ? ::unsetenv(name_) : ::setenv(name_, before_.c_str(), 1); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::string before_;
+};
+
+PlayOptions changed_in_everything() {
+  PlayOptions options;
+  options.size = {800, 601};
+  options.loop = false;
+  options.draw.mode = DrawMode::point;
+  options.draw.instancing = Instancing::texture;
+  options.draw.splatting = Splatting::two_pass;
+  options.draw.scales = {1.1f, 0.7f};
+  options.draw.fill_holes = options.draw.lighting = false;
+  options.delta = 0.05;
+  options.draw.edl = 0.3f;
+  options.draw.pixel_size = 2.5f;
+  options.draw.background = {1.0f, 0.0f, 128.0f / 255.0f};
+  options.drawing_panel = options.statistics_panel = true;
+  return options;
+}
+
+void expect_same(const PlayOptions& one, const PlayOptions& other) {
+  EXPECT_EQ(one.size, other.size);
+  EXPECT_EQ(one.loop, other.loop);
+  EXPECT_EQ(one.draw, other.draw);
+  EXPECT_EQ(one.delta, other.delta);
+  EXPECT_EQ(one.drawing_panel, other.drawing_panel);
+  EXPECT_EQ(one.statistics_panel, other.statistics_panel);
+}
+
+TEST(Settings, what_was_changed_is_there_the_next_time) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "in/a/folder/player.json";
+  ASSERT_TRUE(write_settings(file, PlayOptions(), changed_in_everything()));
+  PlayOptions next;
+  const auto read = read_settings(file, nothing_given, next);
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(next, changed_in_everything());
+}
+
+TEST(Settings, only_what_was_changed_is_written_and_what_others_wrote_is_kept) {
+  const TemporaryFolder folder;
+  const fs::path file =
+      folder.write("player.json", R"({"edl": 0.5, "of_a_newer_version": [1, 2]})");
+  PlayOptions begun;
+  begun.draw.mode = DrawMode::voxel;  // by the command line
+  PlayOptions ended = begun;
+  ended.draw.pixel_size = 0.1f;
+  ASSERT_TRUE(write_settings(file, begun, ended));
+  EXPECT_EQ(json::parse(content(file)),
+            json({{"edl", 0.5}, {"of_a_newer_version", {1, 2}}, {"pixel_size", 0.1}}));
+}
+
+TEST(Settings, nothing_changed_writes_nothing) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), PlayOptions()));
+  EXPECT_FALSE(fs::exists(folder / "player.json"));
+  PlayOptions ended;
+  ended.loop = true;  // as it is in a window anyway
+  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), ended));
+  EXPECT_FALSE(fs::exists(folder / "player.json"));
+}
+
+TEST(Settings, the_command_line_wins) {
+  PlayOptions options;
+  options.draw.edl = 2.0f;
+  const auto given = [](std::string_view name) { return name == "edl" || name == "pixel-size"; };
+  ASSERT_TRUE(parse_settings(R"({"edl": 0.5, "pixel_size": 3, "mode": "point"})", given, options));
+  EXPECT_EQ(options.draw.edl, 2.0f);
+  EXPECT_EQ(options.draw.pixel_size, 1.0f);
+  EXPECT_EQ(options.draw.mode, DrawMode::point);
+}
+
+TEST(Settings, no_file_or_an_empty_one_changes_nothing) {
+  const TemporaryFolder folder;
+  PlayOptions options;
+  EXPECT_TRUE(read_settings(folder / "none/player.json", nothing_given, options));
+  EXPECT_TRUE(read_settings(folder.write("player.json", " \n"), nothing_given, options));
+  expect_same(options, PlayOptions());
+}
+
+TEST(Settings, a_broken_file_is_one_line_and_is_left_as_it_is) {
+  const TemporaryFolder folder;
+  for (const std::string text :
+       {"mode = voxel", "[1]", "{\"edl\": 0.5", "{\"mode\": \"disc\"}", "{\"mode\": 3}",
+        "{\"edl\": \"much\"}", "{\"edl\": -1}", "{\"edl\": 1e999}", "{\"pixel_size\": null}",
+        "{\"window\": [1280]}", "{\"window\": [1280, 1e9]}", "{\"window\": [0.5, 700]}",
+        "{\"window\": [18446744073709551615, 700]}", "{\"loop\": \"yes\"}",
+        "{\"background\": \"#12345g\"}", "{\"background\": \"red\"}", "{\"mode\": \"a\nb\"}"}) {
+    const fs::path file = folder.write("player.json", text);
+    PlayOptions options;
+    const auto read = read_settings(file, nothing_given, options);
+    ASSERT_FALSE(read) << text;
+    EXPECT_THAT(read.error().message, HasSubstr("player.json: "));
+    EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
+    expect_same(options, PlayOptions());
+    if (text.find("\": ") == std::string::npos) {
+      EXPECT_FALSE(write_settings(file, PlayOptions(), changed_in_everything()));
+      EXPECT_EQ(content(file), text);
+    }
+  }
+}
+
+TEST(Settings, a_wrong_value_is_an_error_even_where_the_command_line_wins) {
+  PlayOptions options;
+  EXPECT_FALSE(parse_settings("{\"edl\": -1}", [](std::string_view) { return true; }, options));
+}
+
+TEST(Settings, what_is_no_file_or_is_too_large_is_not_read) {
+  const TemporaryFolder folder;
+  PlayOptions options;
+  EXPECT_FALSE(read_settings(folder.path(), nothing_given, options));
+  EXPECT_FALSE(read_settings("/dev/zero", nothing_given, options));
+  const fs::path large = folder.write("player.json", std::string(70'000, ' ') + "{}");
+  EXPECT_FALSE(read_settings(large, nothing_given, options));
+}
+
+TEST(Settings, a_file_that_cannot_be_written_is_an_error) {
+  const TemporaryFolder folder;
+  folder.write("file", "");
+  const auto written =
+      write_settings(folder / "file/player.json", PlayOptions(), changed_in_everything());
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, HasSubstr("player.json: "));
+}
+
+TEST(Settings, a_link_to_the_file_stays_a_link) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("elsewhere/player.json", "{}");
+  fs::create_symlink(file, folder / "player.json");
+  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), changed_in_everything()));
+  EXPECT_TRUE(fs::is_symlink(folder / "player.json"));
+  EXPECT_THAT(content(file), HasSubstr("\"point\""));
+}
+
+TEST(Settings, hostile_text_is_refused_or_gives_values_that_are_allowed) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), changed_in_everything()));
+  const std::string good = content(folder / "player.json");
+  std::mt19937_64 random(7);
+  int taken = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::string text = good;
+    for (int changes = static_cast<int>(random() % 3); changes >= 0; --changes)
+      text[random() % text.size()] = static_cast<char>(random());
+    PlayOptions options;
+    if (!parse_settings(text, nothing_given, options)) continue;
+    ++taken;
+    EXPECT_TRUE(options.size.x >= 64 && options.size.x <= 16384);
+    EXPECT_TRUE(options.draw.edl >= 0.0f && options.draw.edl <= 100.0f);
+    EXPECT_TRUE(options.delta >= 0.0 && options.delta <= 1.0);
+    EXPECT_LT(static_cast<int>(options.draw.instancing), kInstancings);
+  }
+  EXPECT_GT(taken, 20);
+  const std::string deep = "{\"a\":" + std::string(30'000, '[') + std::string(30'000, ']') + "}";
+  PlayOptions options;
+  EXPECT_TRUE(parse_settings(deep, nothing_given, options)) << "nobody reads \"a\"";
+}
+
+TEST(Settings, they_are_where_xdg_says) {
+  const Variable home("HOME", "/home/somebody");
+  {
+    const Variable config("XDG_CONFIG_HOME", "/elsewhere");
+    EXPECT_EQ(default_settings_file(), "/elsewhere/pointreel/player.json");
+  }
+  {
+    const Variable config("XDG_CONFIG_HOME", "relative");
+    EXPECT_EQ(default_settings_file(), "/home/somebody/.config/pointreel/player.json");
+  }
+  const Variable config("XDG_CONFIG_HOME", nullptr);
+  EXPECT_EQ(default_settings_file(), "/home/somebody/.config/pointreel/player.json");
+  const Variable nobody("HOME", nullptr);
+  EXPECT_EQ(default_settings_file(), "");
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,56 @@
+// What the window remembers.
+
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/window/window_test.h"
+
+namespace pointreel::window {
+namespace {
+
+using testing::HasSubstr;
+
+class SettingsWindow : public WindowTest {
+ protected:
+  void write_settings(const std::string& text) const {
+    folder_.write("config/pointreel/player.json", text);
+  }
+};
+
+TEST_F(SettingsWindow, they_are_read_and_the_command_line_wins) {
+  write_settings(R"({"window": [700, 500], "mode": "voxel", "splatting": "regular"})");
+  open({"--splatting", "two-pass"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_EQ(player().size(), glm::ivec2(700, 500));
+  const auto report = quit();
+  EXPECT_EQ(report["mode"], "voxel");
+  EXPECT_EQ(report["splatting"], "two-pass");
+  EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(SettingsWindow, a_broken_file_is_one_line_and_it_plays_all_the_same) {
+  write_settings("{\"mode\": \"disc\"}");
+  open();
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_EQ(quit()["mode"], "surfel");
+  const std::string err = player().err();
+  EXPECT_THAT(err, HasSubstr("player.json: \"mode\": \"disc\" is none of surfel, voxel, point"));
+  EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+}
+
+TEST_F(SettingsWindow, another_file_can_be_named_or_none) {
+  write_settings(R"({"mode": "voxel"})");
+  const std::string other = folder_.write("other.json", R"({"mode": "point"})");
+  open({"--config", other});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_EQ(quit()["mode"], "point");
+  open({"--no-config"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_EQ(quit()["mode"], "surfel");
+}
+
+}  // namespace
+}  // namespace pointreel::window

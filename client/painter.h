@@ -23,6 +23,11 @@ class Painter {
                          const DrawOptions& options);
   /// Into a window's framebuffer.
   void present() const { renderer_.present(0); }
+  /// Renderer's, of the last picture: to be shown in a window, and where what it shows is.
+  GLuint texture() const { return renderer_.texture(); }
+  std::optional<glm::dvec3> point_at(const glm::dvec2& pixel_from_upper_left) const {
+    return renderer_.point_at(pixel_from_upper_left);
+  }
   /// Writes what was drawn last, as a PNG file.
   Result<void> write(const std::string& path);
 

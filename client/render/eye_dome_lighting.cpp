@@ -1,20 +1,12 @@
 #include "client/render/eye_dome_lighting.h"
 
-#include <array>
 #include <utility>
 
 namespace pointreel {
 
-Result<EyeDomeLighting> EyeDomeLighting::create() {
-  EyeDomeLighting made;
-  auto program =
-      gl::make_program(std::array{gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
-                                  gl::Stage{GL_FRAGMENT_SHADER, {"shaders/eye_dome.frag.glsl"}}});
-  if (!program) return fail(program.error().message);
-  made.program_ = std::move(*program);
-  made.no_attributes_ = gl::VertexArray::create();
-  return made;
-}
+EyeDomeLighting::EyeDomeLighting()
+    : program_({{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
+                {GL_FRAGMENT_SHADER, {"shaders/eye_dome.frag.glsl"}}}) {}
 
 Result<void> EyeDomeLighting::resize(const gl::Texture& color, const gl::Texture& depth) {
   auto picture = gl::make_framebuffer(color);
@@ -24,11 +16,11 @@ Result<void> EyeDomeLighting::resize(const gl::Texture& color, const gl::Texture
   return {};
 }
 
-void EyeDomeLighting::draw(float strength, const gl::Texture* sums) const {
+Result<void> EyeDomeLighting::draw(float strength, const gl::Texture* sums) {
+  if (auto used = program_.use(); !used) return used;
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glBindTextureUnit(0, depth_);
   glBindTextureUnit(1, sums ? sums->name() : 0);
-  glUseProgram(program_.name());
   glUniform1f(0, strength);
   glUniform1i(1, sums ? 1 : 0);
   glDisable(GL_DEPTH_TEST);
@@ -39,6 +31,7 @@ void EyeDomeLighting::draw(float strength, const gl::Texture* sums) const {
   glBindVertexArray(no_attributes_.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDisable(GL_BLEND);
+  return {};
 }
 
 }  // namespace pointreel

@@ -9,7 +9,7 @@ namespace pointreel {
 /// depth alone, so it suits clouds without normals and colours.
 class EyeDomeLighting {
  public:
-  static Result<EyeDomeLighting> create();
+  EyeDomeLighting();
 
   /// For pictures whose colours, encoded as sRGB when they are written, and depths are in these
   /// textures, which stay the caller's.
@@ -19,15 +19,13 @@ class EyeDomeLighting {
   /// it keeps 40 % of its light. `sums` are those of splats, if they were drawn by their means: a
   /// pixel without any was filled, and its depth is none of a surface. Depth test and blending are
   /// off afterwards.
-  void draw(float strength, const gl::Texture* sums) const;
+  Result<void> draw(float strength, const gl::Texture* sums);
 
  private:
-  EyeDomeLighting() = default;
-
-  gl::Program program_;
+  gl::LateProgram program_;
   gl::Framebuffer picture_;  ///< colour alone: the depth is read
   GLuint depth_ = 0;         ///< the caller's
-  gl::VertexArray no_attributes_;
+  gl::VertexArray no_attributes_ = gl::VertexArray::create();
 };
 
 }  // namespace pointreel

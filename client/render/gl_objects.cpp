@@ -90,6 +90,19 @@ Texture make_texture(GLenum format, int width, int height) {
   return texture;
 }
 
+Texture view_texture(const Texture& texture, GLenum format) {
+  GLuint name = 0;
+  glGenTextures(1, &name);  // a view must not be of any kind yet
+  Texture view(name);
+  glTextureView(name, GL_TEXTURE_2D, texture.name(), format, 0, 1, 0, 1);
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(name, GL_TEXTURE_SWIZZLE_A, GL_ONE);
+  return view;
+}
+
 Result<Framebuffer> make_framebuffer(const Texture& color) { return make_framebuffer(color, {}); }
 
 Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth) {
@@ -137,6 +150,22 @@ Result<Program> make_program(std::span<const Stage> stages) {
   std::string log(4096, '\0');
   glGetProgramInfoLog(program.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
   return fail("shaders " + files + " do not link: " + first_line(log));
+}
+
+Result<GLuint> LateProgram::name() {
+  if (program_.name() == 0) {
+    auto made = make_program(stages_);
+    if (!made) return tl::unexpected(made.error());
+    program_ = std::move(*made);
+  }
+  return program_.name();
+}
+
+Result<void> LateProgram::use() {
+  const auto program = name();
+  if (!program) return tl::unexpected(program.error());
+  glUseProgram(*program);
+  return {};
 }
 
 }  // namespace pointreel::gl

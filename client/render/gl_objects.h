@@ -69,6 +69,9 @@ using Program = Object<ProgramKind>;
 /// A texture of one level, sampled without filtering.
 Texture make_texture(GLenum format, int width, int height);
 
+/// The same texels, read as another format. Opaque, and sampled between texels.
+Texture view_texture(const Texture& texture, GLenum format);
+
 /// A framebuffer of a colour texture, or of that and a depth texture; an error where the driver
 /// refuses them.
 Result<Framebuffer> make_framebuffer(const Texture& color);
@@ -102,5 +105,22 @@ struct Stage {
 /// Compiles and links. The error names the stage's last file and holds the compiler's first
 /// message, which numbers lines as "FILE:LINE": file 0 is common.glsl, 1 the first of the stage.
 Result<Program> make_program(std::span<const Stage> stages);
+
+/// A program that is compiled when it is first used: a picture takes but a few of those that a
+/// renderer has, and each takes the driver milliseconds.
+class LateProgram {
+ public:
+  LateProgram() = default;  ///< none
+  explicit LateProgram(std::vector<Stage> stages) : stages_(std::move(stages)) {}
+
+  /// Compiles and links it, if that is still to be done. Errors are make_program's.
+  Result<GLuint> name();
+  /// The same, and makes it current.
+  Result<void> use();
+
+ private:
+  std::vector<Stage> stages_;
+  Program program_;
+};
 
 }  // namespace pointreel::gl

@@ -36,6 +36,15 @@ glm::u16vec4 pack_color(const glm::u16vec3& c) {
   return {kLinear[c.x], kLinear[c.y], kLinear[c.z], 0};
 }
 
+/// Of everything, where nothing has a colour of its own; sRGB.
+constexpr glm::u16vec3 kPlain(0xd0d0);
+
+glm::u16vec3 color_of(ColorSource source, const std::vector<glm::u16vec3>& colors, std::size_t i,
+                      const glm::i16vec4& normal) {
+  if (source == ColorSource::plain) return kPlain;
+  return source == ColorSource::normals || colors.empty() ? fake_color(normal) : colors[i];
+}
+
 /// Bit a: the eye's coordinate a is the higher one.
 unsigned octant_of(const glm::vec3& eye, const glm::vec3& center) {
   return (eye.x > center.x ? 1u : 0u) | (eye.y > center.y ? 2u : 0u) | (eye.z > center.z ? 4u : 0u);
@@ -47,8 +56,8 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal) {
   return glm::u16vec3(glm::ivec3(normal) + 32767);
 }
 
-void pack_points(const SceneFrame& frame, const glm::vec3& offset, std::span<Instance> out,
-                 InstanceBounds& bounds) {
+void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
+                 std::span<Instance> out, InstanceBounds& bounds) {
   const PointCloud& cloud = frame.cloud;
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
@@ -57,15 +66,14 @@ void pack_points(const SceneFrame& frame, const glm::vec3& offset, std::span<Ins
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
     const float radius = cloud.has_radii() ? cloud.radii[i] : leaf_radius;
     const glm::vec3 center = cloud.positions[i] + offset;
-    out[i] = {center, radius, normal,
-              pack_color(cloud.has_colors() ? cloud.colors[i] : fake_color(normal))};
+    out[i] = {center, radius, normal, pack_color(color_of(color, cloud.colors, i, normal))};
     bounds.grow(center, radius);
   }
 }
 
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                       const glm::vec3& eye, const glm::vec3& offset, std::span<Instance> out,
-                       InstanceBounds& bounds) {
+                       ColorSource color, const glm::vec3& eye, const glm::vec3& offset,
+                       std::span<Instance> out, InstanceBounds& bounds) {
   const NodeAttributes& attributes = frame.attributes;
   const bool halves = mode == DrawMode::voxel || frame.radii.empty();
   const bool hiding = mode == DrawMode::voxel && !frame.neighbors.empty();
@@ -81,9 +89,8 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, Dr
                                     : glm::i16vec4(attributes.normals[node.node], 0);
     const float radius = halves ? node.half : frame.radii[node.node];
     const glm::vec3 center = node.center + offset;
-    out[count++] = {
-        center, radius, normal,
-        pack_color(attributes.colors.empty() ? fake_color(normal) : attributes.colors[node.node])};
+    out[count++] = {center, radius, normal,
+                    pack_color(color_of(color, attributes.colors, node.node, normal))};
     bounds.grow(center, radius);
   }
   return count;

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
+#include "client/render/color_source.h"
 #include "client/render/instance_buffer.h"
 #include "client/render/region.h"
 #include "client/scene/cut.h"
@@ -21,15 +22,15 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal);
 /// Surfels or points of a frame's cloud, relative to its cloud's origin and moved by `offset`;
 /// `out` has one for each point. Radii are those of the cloud; where it has none (a frame that was
 /// prepared for another mode), half the diagonal of the octree's leaves. `bounds` grows by them.
-void pack_points(const SceneFrame& frame, const glm::vec3& offset, std::span<Instance> out,
-                 InstanceBounds& bounds);
+void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
+                 std::span<Instance> out, InstanceBounds& bounds);
 
 /// Nodes of a cut through a frame's tree with their mean attributes, relative to the cube's origin
 /// and moved by `offset`; `out` has room for all. The radii of voxels are half their edges, those
 /// of others the frame's. Voxels that their neighbours hide from `eye`, which is relative to the
 /// cube's origin too, are left out where the frame knows the neighbours: how many are there.
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                       const glm::vec3& eye, const glm::vec3& offset, std::span<Instance> out,
-                       InstanceBounds& bounds);
+                       ColorSource color, const glm::vec3& eye, const glm::vec3& offset,
+                       std::span<Instance> out, InstanceBounds& bounds);
 
 }  // namespace pointreel

@@ -29,10 +29,9 @@ constexpr int kFinest = 4;
 /// No hole is filled that is farther from all colours than this share of the picture's height.
 constexpr int kFarthest = 8;
 
-Result<gl::Program> make_picture_program(std::vector<std::string_view> fragment_files) {
-  return gl::make_program(
-      std::array{gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
-                 gl::Stage{GL_FRAGMENT_SHADER, std::move(fragment_files)}});
+gl::LateProgram picture_program(std::vector<std::string_view> fragment_files) {
+  return gl::LateProgram({{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
+                          {GL_FRAGMENT_SHADER, std::move(fragment_files)}});
 }
 
 /// The texels of a level `times` as coarse that a part touches, and one more on each side, which
@@ -49,28 +48,15 @@ PixelRect both(const PixelRect& a, const PixelRect& b) {
 
 }  // namespace
 
-Result<Reconstruction> Reconstruction::create() {
-  Reconstruction made;
-  auto back = gl::make_program(
-      std::array{gl::Stage{GL_VERTEX_SHADER,
-                           {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
-                            "shaders/back.vert.glsl"}},
-                 gl::Stage{GL_FRAGMENT_SHADER, {"shaders/nothing.frag.glsl"}}});
-  if (!back) return fail(back.error().message);
-  auto pull_sums = make_picture_program({"shaders/mean.glsl", "shaders/pull_sums.frag.glsl"});
-  if (!pull_sums) return fail(pull_sums.error().message);
-  auto pull = make_picture_program({"shaders/pull.frag.glsl"});
-  if (!pull) return fail(pull.error().message);
-  auto push = make_picture_program({"shaders/push.frag.glsl"});
-  if (!push) return fail(push.error().message);
-  made.back_ = std::move(*back);
-  made.pull_sums_ = std::move(*pull_sums);
-  made.pull_ = std::move(*pull);
-  made.push_ = std::move(*push);
-  made.points_ = make_instance_array(0);
-  made.no_attributes_ = gl::VertexArray::create();
-  return made;
-}
+Reconstruction::Reconstruction()
+    : back_({{GL_VERTEX_SHADER,
+              {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
+               "shaders/back.vert.glsl"}},
+             {GL_FRAGMENT_SHADER, {"shaders/nothing.frag.glsl"}}}),
+      pull_sums_(picture_program({"shaders/mean.glsl", "shaders/pull_sums.frag.glsl"})),
+      pull_(picture_program({"shaders/pull.frag.glsl"})),
+      push_(picture_program({"shaders/push.frag.glsl"})),
+      points_(make_instance_array(0)) {}
 
 Result<Reconstruction::Level> Reconstruction::make_level(glm::ivec2 size) {
   Level level{gl::make_texture(GL_RGBA32F, size.x, size.y), {}, size};
@@ -107,15 +93,16 @@ Result<void> Reconstruction::resize(glm::ivec2 size) {
   return {};
 }
 
-void Reconstruction::draw_backs(const InstanceBuffer& instances) const {
+Result<void> Reconstruction::draw_backs(const InstanceBuffer& instances) {
+  if (auto used = back_.use(); !used) return used;
   const std::size_t one_in = std::clamp<std::size_t>(instances.size() / kBacks, 1, kFewest);
   bind_instance_array(points_, instances);
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glUseProgram(back_.name());
   glUniform1f(0, kReach * std::sqrt(static_cast<float>(one_in)));
   glUniform1f(1, kBackTolerance);
   glUniform1ui(2, static_cast<GLuint>(one_in));
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances.size()));
+  return {};
 }
 
 void Reconstruction::draw(const Level& level, const PixelRect& part) {
@@ -126,8 +113,8 @@ void Reconstruction::draw(const Level& level, const PixelRect& part) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-Reconstruction::Filling Reconstruction::fill(const gl::Texture& sums, const PixelRect& region,
-                                             float radius) {
+Result<Reconstruction::Filling> Reconstruction::fill(const gl::Texture& sums,
+                                                     const PixelRect& region, float radius) {
   // What the last picture left behind becomes 0 again.
   PixelRect to_pull = both(pulled_region_, region);
   pulled_region_ = region;
@@ -143,13 +130,13 @@ Reconstruction::Filling Reconstruction::fill(const gl::Texture& sums, const Pixe
   const gl::Texture* finer = &sums;
   for (const Level& level : pulled_) {
     const bool finest = finer == &sums;
-    glUseProgram(finest ? pull_sums_.name() : pull_.name());
+    if (auto used = (finest ? pull_sums_ : pull_).use(); !used) return tl::unexpected(used.error());
     glBindTextureUnit(0, finer->name());
     to_pull = coarser_part(to_pull, finest ? kFinest : 2, level.size);
     draw(level, to_pull);
     finer = &level.texture;
   }
-  glUseProgram(push_.name());
+  if (auto used = push_.use(); !used) return tl::unexpected(used.error());
   const gl::Texture* filled = finer;
   for (std::size_t i = pushed_.size(); i-- > 0;) {
     glBindTextureUnit(0, pulled_[i].texture.name());
@@ -165,7 +152,7 @@ Reconstruction::Filling Reconstruction::fill(const gl::Texture& sums, const Pixe
     ++crowd;
     edge *= 2;
   }
-  return {filled->name(), pulled_[crowd].texture.name(), edge};
+  return Filling{filled->name(), pulled_[crowd].texture.name(), edge};
 }
 
 }  // namespace pointreel

@@ -23,13 +23,13 @@ namespace pointreel {
 /// the most part all around, as far as gaps between surfels reach.
 class Reconstruction {
  public:
-  static Result<Reconstruction> create();
+  Reconstruction();
 
   /// For pictures of this size.
   Result<void> resize(glm::ivec2 size);
 
   /// Draws the backs of some of the surfels into the depth of the bound framebuffer.
-  void draw_backs(const InstanceBuffer& instances) const;
+  Result<void> draw_backs(const InstanceBuffer& instances);
 
   /// Textures to be sampled between texels; they stay this object's, until the next call.
   struct Filling {
@@ -40,11 +40,9 @@ class Reconstruction {
   /// `sums` holds the sums of weighted colours and of weights, all 0 outside of `region`, and only
   /// there is the result of any use. `radius`: of a surfel in pixels. Binds framebuffers of its
   /// own; depth test and blending are off.
-  Filling fill(const gl::Texture& sums, const PixelRect& region, float radius);
+  Result<Filling> fill(const gl::Texture& sums, const PixelRect& region, float radius);
 
  private:
-  Reconstruction() = default;
-
   /// Means of squares, from an edge of four pixels on; premultiplied by how much is covered.
   struct Level {
     gl::Texture texture;
@@ -54,8 +52,8 @@ class Reconstruction {
   static Result<Level> make_level(glm::ivec2 size);
   static void draw(const Level& level, const PixelRect& part);
 
-  gl::Program back_, pull_sums_, pull_, push_;
-  gl::VertexArray points_, no_attributes_;
+  gl::LateProgram back_, pull_sums_, pull_, push_;
+  gl::VertexArray points_, no_attributes_ = gl::VertexArray::create();
   glm::ivec2 size_{0};
   std::vector<Level> pulled_, pushed_;  ///< the coarsest is not pushed
   PixelRect pulled_region_;             ///< outside of it, what was pulled is 0

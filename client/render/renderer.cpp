@@ -23,41 +23,42 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
       .count();
 }
 
+bool is_above(const glm::dvec3& eye, const FloorGrid& grid) {
+  return (grid.up == 'z' ? eye.z - floor_origin(grid).z : eye.y - floor_origin(grid).y) >= 0.0;
+}
+
+void cull_backs() {
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+}
+
+/// How far from a pixel `point_at` looks.
+constexpr int kPickReach = 8;
+
 }  // namespace
 
 Result<Renderer> Renderer::create() {
   if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl()) {
     return fail("OpenGL 4.5 is needed to draw, but this context is " + describe_opengl());
   }
-  Renderer renderer;
-  auto splatter = Splatter::create();
-  if (!splatter) return fail(splatter.error().message);
-  renderer.splatter_ = std::move(*splatter);
-  auto eye_dome = EyeDomeLighting::create();
-  if (!eye_dome) return fail(eye_dome.error().message);
-  renderer.eye_dome_ = std::move(*eye_dome);
-  auto point = gl::make_program(
-      std::array{gl::Stage{GL_VERTEX_SHADER,
-                           {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
-                            "shaders/point.vert.glsl"}},
-                 gl::Stage{GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}});
-  if (!point) return fail(point.error().message);
-  renderer.point_ = std::move(*point);
-  renderer.points_ = make_instance_array(0);
-  renderer.view_buffer_ = gl::Buffer::create();
-  glNamedBufferStorage(renderer.view_buffer_.name(), sizeof(ViewBlock), nullptr,
-                       GL_DYNAMIC_STORAGE_BIT);
-  return renderer;
+  return Renderer();
 }
 
-Result<InstancingMethod*> Renderer::method_for(Instancing instancing) {
+Renderer::Renderer()
+    : point_({{GL_VERTEX_SHADER,
+               {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
+                "shaders/point.vert.glsl"}},
+              {GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}}),
+      points_(make_instance_array(0)),
+      view_buffer_(gl::Buffer::create()) {
+  glNamedBufferStorage(view_buffer_.name(), sizeof(ViewBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+}
+
+InstancingMethod& Renderer::method_for(Instancing instancing) {
   auto& method = methods_[static_cast<std::size_t>(instancing)];
-  if (!method) {
-    auto made = make_instancing(instancing);
-    if (!made) return fail(made.error().message);
-    method = std::move(*made);
-  }
-  return method.get();
+  if (!method) method = make_instancing(instancing);
+  return *method;
 }
 
 Result<void> Renderer::resize(glm::ivec2 size) {
@@ -72,8 +73,9 @@ Result<void> Renderer::resize(glm::ivec2 size) {
   gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, size.x, size.y);
   Result<gl::Framebuffer> picture = gl::make_framebuffer(color, depth);
   if (!picture) return fail(picture.error().message);
-  if (auto resized = splatter_->resize(size, color, depth); !resized) return resized;
-  if (auto resized = eye_dome_->resize(color, depth); !resized) return resized;
+  if (auto resized = splatter_.resize(size, color, depth); !resized) return resized;
+  if (auto resized = eye_dome_.resize(color, depth); !resized) return resized;
+  view_ = gl::view_texture(color, GL_RGBA8);
   picture_ = std::move(*picture);
   color_ = std::move(color);
   depth_ = std::move(depth);
@@ -90,7 +92,8 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
                                  const DrawOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   if (Result<void> resized = resize(size); !resized) return fail(resized.error().message);
-  if (auto updated = instances_.update(scene, camera, size, options.mode, options.pixel_size);
+  if (auto updated =
+          instances_.update(scene, camera, size, options.mode, options.pixel_size, options.color);
       !updated)
     return fail(updated.error().message);
   DrawStats stats;
@@ -101,22 +104,7 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   stats.hidden = instances_.stats().hidden;
   stats.cut_ms = instances_.stats().cut_ms;
 
-  const glm::dmat3 axes = camera.axes();
-  const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;
-  const ViewBlock view{
-      camera.projection(static_cast<double>(size.x) / size.y) *
-          camera.view_from(instances_.origin()),
-      glm::vec4(glm::vec3(camera.eye() - instances_.origin()),
-                static_cast<float>(camera.near_plane())),
-      glm::vec4(glm::vec3(axes * kLight), options.lighting ? 1.0f : 0.0f),
-      glm::vec4(static_cast<float>(step), instances_.normals_estimated() ? 1.0f : 0.0f, 0.0f, 0.0f),
-      glm::vec4(glm::vec3(-axes[2] - 0.5 * step * size.x * axes[0] - slope * axes[1]), 0.0f),
-      glm::vec4(glm::vec3(step * axes[0]), 0.0f),
-      glm::vec4(glm::vec3(step * axes[1]), 0.0f),
-      glm::vec4(glm::vec2(size), 0.0f, 0.0f)};
-  glNamedBufferSubData(view_buffer_.name(), 0, sizeof(view), &view);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_buffer_.name());
-
+  camera_ = camera;
   glViewport(0, 0, size.x, size.y);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -134,13 +122,19 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   const GLfloat infinity = 0.0f;
   glClearNamedFramebufferfv(picture_.name(), GL_COLOR, 0, background.data());
   glClearNamedFramebufferfv(picture_.name(), GL_DEPTH, 0, &infinity);
+  const bool above_floor = options.floor && is_above(camera.eye(), *options.floor);
+  if (above_floor) {
+    if (auto drawn = draw_floor(*options.floor, camera, options); !drawn)
+      return tl::unexpected(drawn.error());
+  }
   if (stats.drawn > 0) {
-    if (auto drawn = draw_instances(options, view.to_clip); !drawn)
-      return fail(drawn.error().message);
-    const bool means =
-        options.mode == DrawMode::surfel && options.splatting == Splatting::normalized;
-    if (options.edl > 0.0f) eye_dome_->draw(options.edl, means ? &splatter_->sums() : nullptr);
+    set_view(camera, instances_.origin(), options.lighting);
+    if (auto drawn = draw_instances(camera, options); !drawn) return tl::unexpected(drawn.error());
     instances_.buffer().drawn();
+  }
+  if (options.floor && !above_floor) {
+    if (auto drawn = draw_floor(*options.floor, camera, options); !drawn)
+      return tl::unexpected(drawn.error());
   }
   glDisable(GL_FRAMEBUFFER_SRGB);
   glFinish();
@@ -148,44 +142,81 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   return stats;
 }
 
-Result<void> Renderer::draw_instances(const DrawOptions& options, const glm::mat4& to_clip) {
-  if (options.mode == DrawMode::point) {
-    draw_points(options);
-    return {};
-  }
-  const Result<InstancingMethod*> method = method_for(options.instancing);
-  if (!method) return fail(method.error().message);
-  glEnable(GL_CULL_FACE);
-  glCullFace(GL_BACK);
-  glFrontFace(GL_CCW);
-  if (options.mode == DrawMode::surfel) {
-    const SplatScales scales = scales_of(options.splatting, options.scales);
-    const float largest_scale = std::max(scales.visibility, scales.shading);
-    (*method)->begin(largest_scale);
-    // The corners of a quad are farther out than the rim of its disc.
-    const SplatPlace place{region_of(instances_.bounds(), 1.5f * largest_scale, to_clip, size_),
-                           radius_in_pixels(instances_.bounds(), to_clip, size_)};
-    splatter_->draw(**method, instances_.buffer(), options.splatting, scales, options.fill_holes,
-                    place);
-  } else {
-    (*method)->begin(1.0f);
-    glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
-    glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
-    (*method)->draw(instances_.buffer(),
-                    options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces,
-                    {});
-  }
-  glDisable(GL_CULL_FACE);
-  return {};
+glm::mat4 Renderer::clip_from(const Camera& camera, const glm::dvec3& origin) const {
+  return camera.projection(static_cast<double>(size_.x) / size_.y) * camera.view_from(origin);
 }
 
-void Renderer::draw_points(const DrawOptions& options) {
+void Renderer::set_view(const Camera& camera, const glm::dvec3& origin, bool lighting) const {
+  const glm::dmat3 axes = camera.axes();
+  const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size_.y;
+  const ViewBlock view{
+      clip_from(camera, origin),
+      glm::vec4(glm::vec3(camera.eye() - origin), static_cast<float>(camera.near_plane())),
+      glm::vec4(glm::vec3(axes * kLight), lighting ? 1.0f : 0.0f),
+      glm::vec4(static_cast<float>(step), instances_.normals_estimated() ? 1.0f : 0.0f, 0.0f, 0.0f),
+      glm::vec4(glm::vec3(-axes[2] - 0.5 * step * size_.x * axes[0] - slope * axes[1]), 0.0f),
+      glm::vec4(glm::vec3(step * axes[0]), 0.0f),
+      glm::vec4(glm::vec3(step * axes[1]), 0.0f),
+      glm::vec4(glm::vec2(size_), 0.0f, 0.0f)};
+  glNamedBufferSubData(view_buffer_.name(), 0, sizeof(view), &view);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_buffer_.name());
+}
+
+Result<void> Renderer::draw_floor(const FloorGrid& grid, const Camera& camera,
+                                  const DrawOptions& options) {
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+  set_view(camera, floor_origin(grid), options.lighting);
+  auto drawn = floor_.draw(grid, camera, options.background);
+  glEnable(GL_DEPTH_TEST);
+  return drawn;
+}
+
+Result<void> Renderer::draw_instances(const Camera& camera, const DrawOptions& options) {
+  auto drawn = options.mode == DrawMode::point    ? draw_points(options)
+               : options.mode == DrawMode::surfel ? draw_surfels(camera, options)
+                                                  : draw_voxels(options);
+  if (!drawn || options.edl <= 0.0f) return drawn;
+  const bool means = options.mode == DrawMode::surfel && options.splatting == Splatting::normalized;
+  return eye_dome_.draw(options.edl, means ? &splatter_.sums() : nullptr);
+}
+
+Result<void> Renderer::draw_surfels(const Camera& camera, const DrawOptions& options) {
+  InstancingMethod& method = method_for(options.instancing);
+  const glm::mat4 to_clip = clip_from(camera, instances_.origin());
+  const SplatScales scales = scales_of(options.splatting, options.scales);
+  const float largest_scale = std::max(scales.visibility, scales.shading);
+  cull_backs();
+  method.begin(largest_scale);
+  // The corners of a quad are farther out than the rim of its disc.
+  const SplatPlace place{region_of(instances_.bounds(), 1.5f * largest_scale, to_clip, size_),
+                         radius_in_pixels(instances_.bounds(), to_clip, size_)};
+  auto drawn = splatter_.draw(method, instances_.buffer(), options.splatting, scales,
+                              options.fill_holes, place);
+  glDisable(GL_CULL_FACE);
+  return drawn;
+}
+
+Result<void> Renderer::draw_voxels(const DrawOptions& options) {
+  InstancingMethod& method = method_for(options.instancing);
+  cull_backs();
+  method.begin(1.0f);
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+  glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
+  auto drawn = method.draw(
+      instances_.buffer(),
+      options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces, {});
+  glDisable(GL_CULL_FACE);
+  return drawn;
+}
+
+Result<void> Renderer::draw_points(const DrawOptions& options) {
+  if (auto used = point_.use(); !used) return used;
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   bind_instance_array(points_, instances_.buffer());
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glUseProgram(point_.name());
   glUniform1f(0, options.point_size);
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances_.buffer().size()));
+  return {};
 }
 
 void Renderer::present(GLuint framebuffer) const {
@@ -194,6 +225,41 @@ void Renderer::present(GLuint framebuffer) const {
   glDisable(GL_SCISSOR_TEST);
   glBlitNamedFramebuffer(picture_.name(), framebuffer, 0, 0, size_.x, size_.y, 0, 0, size_.x,
                          size_.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+std::optional<glm::dvec3> Renderer::point_at(const glm::dvec2& pixel) const {
+  if (size_.x == 0) return std::nullopt;
+  // From the lower left corner.
+  const glm::dvec2 at(pixel.x, size_.y - pixel.y);
+  if (!(at.x >= 0.0 && at.x <= size_.x && at.y >= 0.0 && at.y <= size_.y)) return std::nullopt;
+  const glm::ivec2 middle = glm::min(glm::ivec2(at), size_ - 1);
+  const glm::ivec2 first = glm::max(middle - kPickReach, 0);
+  const glm::ivec2 extent = glm::min(middle + kPickReach + 1, size_) - first;
+  std::vector<float> depth(static_cast<std::size_t>(extent.x * extent.y));
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureSubImage(depth_.name(), 0, first.x, first.y, 0, extent.x, extent.y, 1,
+                       GL_DEPTH_COMPONENT, GL_FLOAT,
+                       static_cast<GLsizei>(depth.size() * sizeof(float)), depth.data());
+  double nearest = kPickReach + 0.5;
+  glm::dvec2 found(0.0);
+  float found_depth = 0.0f;
+  for (int y = 0; y < extent.y; ++y) {
+    for (int x = 0; x < extent.x; ++x) {
+      const float there = depth[static_cast<std::size_t>(y * extent.x + x)];
+      const glm::ivec2 here = first + glm::ivec2(x, y);
+      const double away = glm::length(glm::dvec2(here - middle));
+      if (!(there > 0.0f) || away >= nearest) continue;
+      nearest = away;
+      found = here == middle ? at : glm::dvec2(here) + 0.5;
+      found_depth = there;
+    }
+  }
+  if (found_depth == 0.0f) return std::nullopt;
+  const double t = std::tan(0.5 * camera_.fov_y), away = camera_.near_plane() / found_depth;
+  const glm::dvec2 in_picture = (2.0 * found - glm::dvec2(size_)) / static_cast<double>(size_.y);
+  const glm::dmat3 axes = camera_.axes();
+  return camera_.eye() + away * (t * (in_picture.x * axes[0] + in_picture.y * axes[1]) - axes[2]);
 }
 
 Result<std::vector<glm::u8vec4>> Renderer::read_picture() const {

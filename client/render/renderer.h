@@ -8,7 +8,9 @@
 
 #include <glm/glm.hpp>
 
+#include "client/render/color_source.h"
 #include "client/render/eye_dome_lighting.h"
+#include "client/render/floor.h"
 #include "client/render/gl_objects.h"
 #include "client/render/image.h"
 #include "client/render/instancing/instancing.h"
@@ -33,12 +35,14 @@ struct DrawOptions {
   /// blend colours. Other modes have the paper's.
   SplatScales scales{1.4f, 1.4f};
   bool fill_holes = true;  ///< with Splatting::normalized: see reconstruction.h
+  ColorSource color = ColorSource::colors;
   VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
   float point_size = 2.0f;  ///< edge of a point in pixels
   bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
   float edl = 0.0f;      ///< strength of eye-dome lighting (eye_dome_lighting.h); 0: none
-  glm::vec3 background{0.11f, 0.12f, 0.14f};  ///< sRGB, 0 to 1
+  glm::vec3 background{0.11f, 0.12f, 0.14f};      ///< sRGB, 0 to 1
+  std::optional<FloorGrid> floor = std::nullopt;  ///< none: no grid
 
   bool operator==(const DrawOptions&) const = default;
 };
@@ -65,6 +69,8 @@ struct DrawStats {
 /// and the blending of splats happen in linear light, with 32-bit float sums.
 class Renderer {
  public:
+  /// Cheap: programs are compiled when a picture first needs them, so that a renderer which only
+  /// draws points makes one. The error says that there is not enough OpenGL.
   static Result<Renderer> create();
 
   /// Draws `scene` (empty: the background alone) as a picture of `size` pixels, both > 0. Keeps
@@ -78,6 +84,17 @@ class Renderer {
 
   /// Copies the last picture into a framebuffer, 0 for a window's; lower left corners coincide.
   void present(GLuint framebuffer) const;
+
+  /// The last picture as a texture of GL_RGBA8 whose bytes are sRGB, for what draws without
+  /// converting colours (Dear ImGui); opaque, its first row is the lowest, and sampled between
+  /// texels. 0 before the first picture; another one when the size changes.
+  GLuint texture() const { return view_.name(); }
+
+  /// Where in the world lies what the last picture shows at a pixel, counted from the picture's
+  /// upper left corner? Nothing where neither that pixel nor any within a few around it shows more
+  /// than the background and the floor; else of the pixel that is the nearest to it. Surfels are
+  /// taken for up to a radius farther away than they are.
+  std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const;
 
   /// The last picture; an error before the first one.
   Result<Image> read_pixels() const;
@@ -96,22 +113,29 @@ class Renderer {
     glm::vec4 window;
   };
 
-  Renderer() = default;
+  Renderer();
   Result<void> resize(glm::ivec2 size);
-  Result<InstancingMethod*> method_for(Instancing instancing);
-  Result<void> draw_instances(const DrawOptions& options, const glm::mat4& to_clip);
-  void draw_points(const DrawOptions& options);
+  InstancingMethod& method_for(Instancing instancing);
+  glm::mat4 clip_from(const Camera& camera, const glm::dvec3& origin) const;
+  void set_view(const Camera& camera, const glm::dvec3& origin, bool lighting) const;
+  Result<void> draw_instances(const Camera& camera, const DrawOptions& options);
+  Result<void> draw_surfels(const Camera& camera, const DrawOptions& options);
+  Result<void> draw_voxels(const DrawOptions& options);
+  Result<void> draw_points(const DrawOptions& options);
+  Result<void> draw_floor(const FloorGrid& grid, const Camera& camera, const DrawOptions& options);
   Result<std::vector<glm::u8vec4>> read_picture() const;
 
   std::array<std::unique_ptr<InstancingMethod>, kInstancings> methods_;  ///< made when first used
-  std::optional<Splatter> splatter_;
-  std::optional<EyeDomeLighting> eye_dome_;
-  gl::Program point_;
+  Splatter splatter_;
+  EyeDomeLighting eye_dome_;
+  Floor floor_;
+  gl::LateProgram point_;
   gl::VertexArray points_;
   gl::Buffer view_buffer_;
-  gl::Texture color_, depth_;
+  gl::Texture color_, depth_, view_;
   gl::Framebuffer picture_;
   glm::ivec2 size_{0};
+  Camera camera_;  ///< of the last picture
   SceneInstances instances_;
 };
 

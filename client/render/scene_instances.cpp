@@ -17,15 +17,16 @@ const glm::dvec3& origin_of(const SceneFrame& frame, bool is_tree) {
 }  // namespace
 
 Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                                    DrawMode mode, float pixel_size) {
+                                    DrawMode mode, float pixel_size, ColorSource color) {
   stats_.cut_ms = 0.0;
   const View view{camera, size, pixel_size};
-  const bool same = view_ && scene == scene_ && mode == mode_;
+  const bool same = view_ && scene == scene_ && mode == mode_ && color == color_;
   const bool trees =
       std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.is_tree; });
   if (same && (!trees || view_ == view)) return {};
   scene_ = scene;
   mode_ = mode;
+  color_ = color;
   view_ = view;
   stats_ = {};
   cut(scene);
@@ -84,11 +85,12 @@ std::size_t SceneInstances::pack(const PlacedFrame& placed, const Part& part,
   const glm::dvec3 origin = placed.place + origin_of(frame, part.is_tree);
   const glm::vec3 offset(origin - origin_);
   if (!part.is_tree) {
-    pack_points(frame, offset, out, bounds_);
+    pack_points(frame, color_, offset, out, bounds_);
     return out.size();
   }
   const glm::vec3 eye(view_->camera.eye() - origin);
-  const std::size_t count = pack_nodes(frame, part.cut.nodes(), mode_, eye, offset, out, bounds_);
+  const std::size_t count =
+      pack_nodes(frame, part.cut.nodes(), mode_, color_, eye, offset, out, bounds_);
   stats_.visited += part.stats.visited;
   stats_.out_of_view += part.stats.out_of_view;
   if (part.stats.visited > 0) {

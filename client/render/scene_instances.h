@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/render/color_source.h"
 #include "client/render/instance_buffer.h"
 #include "client/render/region.h"
 #include "client/scene/camera.h"
@@ -29,7 +30,7 @@ class SceneInstances {
   /// `scene` as `camera` sees it in a picture of `size` pixels. Keeps hold of the frames. The error
   /// says that the driver has no memory for so many; there are no instances then.
   Result<void> update(const Scene& scene, const Camera& camera, glm::ivec2 size, DrawMode mode,
-                      float pixel_size);
+                      float pixel_size, ColorSource color = ColorSource::colors);
 
   InstanceBuffer& buffer() { return instances_; }
   const InstanceBounds& bounds() const { return bounds_; }
@@ -61,6 +62,7 @@ class SceneInstances {
   std::optional<View> view_;  ///< none: nothing is up to date
   Scene scene_;
   DrawMode mode_ = DrawMode::surfel;
+  ColorSource color_ = ColorSource::colors;
   std::vector<Part> parts_;
   InstanceBuffer instances_;
   InstanceBounds bounds_;

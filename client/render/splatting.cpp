@@ -51,19 +51,9 @@ SplatScales scales_of(Splatting splatting, const SplatScales& chosen) {
   }
 }
 
-Result<Splatter> Splatter::create() {
-  Splatter splatter;
-  auto resolve = gl::make_program(std::array{
-      gl::Stage{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
-      gl::Stage{GL_FRAGMENT_SHADER, {"shaders/mean.glsl", "shaders/resolve.frag.glsl"}}});
-  if (!resolve) return fail(resolve.error().message);
-  splatter.resolve_ = std::move(*resolve);
-  auto reconstruction = Reconstruction::create();
-  if (!reconstruction) return fail(reconstruction.error().message);
-  splatter.reconstruction_ = std::move(*reconstruction);
-  splatter.no_attributes_ = gl::VertexArray::create();
-  return splatter;
-}
+Splatter::Splatter()
+    : resolve_({{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
+                {GL_FRAGMENT_SHADER, {"shaders/mean.glsl", "shaders/resolve.frag.glsl"}}}) {}
 
 Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth) {
   gl::Texture sums = gl::make_texture(GL_RGBA32F, size.x, size.y);
@@ -73,7 +63,7 @@ Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const g
   if (!picture) return fail(picture.error().message);
   Result<gl::Framebuffer> resolved = gl::make_framebuffer(color);
   if (!resolved) return fail(resolved.error().message);
-  if (auto resized = reconstruction_->resize(size); !resized) return resized;
+  if (auto resized = reconstruction_.resize(size); !resized) return resized;
   sums_ = std::move(sums);
   depth_ = depth.name();
   splats_ = std::move(*splats);
@@ -82,55 +72,70 @@ Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const g
   return {};
 }
 
-void Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-                    const SplatScales& scales, bool fill_holes, const SplatPlace& place) {
-  fill_holes = fill_holes && splatting == Splatting::normalized;
+Result<void> Splatter::draw(InstancingMethod& method, const InstanceBuffer& instances,
+                            Splatting splatting, const SplatScales& scales, bool fill_holes,
+                            const SplatPlace& place) {
+  auto drawn = draw_passes(method, instances, splatting, scales,
+                           fill_holes && splatting == Splatting::normalized, place);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  return drawn;
+}
+
+Result<void> Splatter::draw_passes(InstancingMethod& method, const InstanceBuffer& instances,
+                                   Splatting splatting, const SplatScales& scales, bool fill_holes,
+                                   const SplatPlace& place) {
   if (splatting != Splatting::regular && splatting != Splatting::no_depth) {
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance});
-    if (fill_holes) reconstruction_->draw_backs(instances);
+    auto drawn = method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance});
+    if (drawn && fill_holes) drawn = reconstruction_.draw_backs(instances);
+    if (!drawn) return drawn;
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);
   }
-  if (splatting == Splatting::no_depth) glDisable(GL_DEPTH_TEST);
+  // The depth of what is drawn last is that of what is seen.
+  if (splatting == Splatting::no_depth) glDepthFunc(GL_ALWAYS);
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
-  if (splatting == Splatting::normalized) {
-    draw_normalized(method, instances, scales.shading, fill_holes, place);
-  } else {
-    draw_blended(method, instances, scales.shading);
-  }
-  glDisable(GL_BLEND);
-  glEnable(GL_DEPTH_TEST);
-  glDepthMask(GL_TRUE);
+  return splatting == Splatting::normalized
+             ? draw_normalized(method, instances, scales.shading, fill_holes, place)
+             : draw_blended(method, instances, scales.shading);
 }
 
-void Splatter::draw_blended(InstancingMethod& method, const InstanceBuffer& instances,
-                            float scale) const {
+Result<void> Splatter::draw_blended(InstancingMethod& method, const InstanceBuffer& instances,
+                                    float scale) const {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  method.draw(instances, Pass::surfel_blend, {scale, 0.0f});
+  return method.draw(instances, Pass::surfel_blend, {scale, 0.0f});
 }
 
-void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
-                               float scale, bool fill_holes, const SplatPlace& place) {
+Result<void> Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
+                                       float scale, bool fill_holes, const SplatPlace& place) {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
   const std::array<GLfloat, 4> nothing{};
   glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
   glBlendFunc(GL_ONE, GL_ONE);
-  method.draw(instances, Pass::surfel_sum, {scale, 0.0f});
+  if (auto drawn = method.draw(instances, Pass::surfel_sum, {scale, 0.0f}); !drawn) return drawn;
 
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
   Reconstruction::Filling filling{};
-  if (fill_holes) filling = reconstruction_->fill(sums_, place.region, place.radius);
+  if (fill_holes) {
+    const auto filled = reconstruction_.fill(sums_, place.region, place.radius);
+    if (!filled) return tl::unexpected(filled.error());
+    filling = *filled;
+  }
+  if (auto used = resolve_.use(); !used) return used;
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_.name());
   glBindTextureUnit(0, sums_.name());
   glBindTextureUnit(1, filling.colors);
   glBindTextureUnit(2, depth_);
   glBindTextureUnit(3, filling.crowd);
-  glUseProgram(resolve_.name());
   glUniform1i(0, fill_holes ? 1 : 0);
   glUniform1f(1, static_cast<float>(std::max(filling.crowd_edge, 1)));
   glBindVertexArray(no_attributes_.name());
@@ -138,7 +143,7 @@ void Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& i
   const PixelRect& region = place.region;
   glScissor(region.min.x, region.min.y, region.max.x - region.min.x, region.max.y - region.min.y);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  glDisable(GL_SCISSOR_TEST);
+  return {};
 }
 
 }  // namespace pointreel

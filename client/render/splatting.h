@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include <glm/glm.hpp>
 
 #include "client/render/gl_objects.h"
@@ -48,7 +46,7 @@ struct SplatPlace {
 /// Draws surfels: paper 2, section V-B, with ERRATA 9 to 11.
 class Splatter {
  public:
-  static Result<Splatter> create();
+  Splatter();
 
   /// For pictures of this size: `color` is encoded as sRGB when it is written. Both textures stay
   /// the caller's, until the next call.
@@ -56,28 +54,32 @@ class Splatter {
 
   /// Into the textures of `resize`, which are cleared: linear colours, and 1 where something was
   /// drawn, less where blending left it transparent. fill_holes: Splatting::normalized reconstructs
-  /// what is missing (reconstruction.h). Depth writes and the depth test are on, blending off, and
-  /// so they are left.
-  void draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
-            const SplatScales& scales, bool fill_holes, const SplatPlace& place);
+  /// what is missing (reconstruction.h). Depth writes and the depth test (GL_GREATER) are on,
+  /// blending off, and so they are left. The depth is that of what is seen, for one pixel of it or
+  /// another: splats are pushed back by up to a radius, and rims are not all in it.
+  Result<void> draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
+                    const SplatScales& scales, bool fill_holes, const SplatPlace& place);
 
   /// Of weighted colours and of weights, of the last picture by Splatting::normalized.
   const gl::Texture& sums() const { return sums_; }
 
  private:
-  Splatter() = default;
-  void draw_blended(InstancingMethod& method, const InstanceBuffer& instances, float scale) const;
-  void draw_normalized(InstancingMethod& method, const InstanceBuffer& instances, float scale,
-                       bool fill_holes, const SplatPlace& place);
+  Result<void> draw_passes(InstancingMethod& method, const InstanceBuffer& instances,
+                           Splatting splatting, const SplatScales& scales, bool fill_holes,
+                           const SplatPlace& place);
+  Result<void> draw_blended(InstancingMethod& method, const InstanceBuffer& instances,
+                            float scale) const;
+  Result<void> draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
+                               float scale, bool fill_holes, const SplatPlace& place);
 
-  gl::Program resolve_;
+  gl::LateProgram resolve_;
   gl::Texture sums_;
   GLuint depth_ = 0;          ///< the caller's
   gl::Framebuffer splats_;    ///< sums and depth
   gl::Framebuffer picture_;   ///< colour and depth
   gl::Framebuffer resolved_;  ///< colour alone: the depth is read
-  std::optional<Reconstruction> reconstruction_;
-  gl::VertexArray no_attributes_;
+  Reconstruction reconstruction_;
+  gl::VertexArray no_attributes_ = gl::VertexArray::create();
 };
 
 }  // namespace pointreel

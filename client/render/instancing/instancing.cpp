@@ -4,7 +4,7 @@
 
 namespace pointreel {
 
-Result<std::unique_ptr<InstancingMethod>> make_instancing(Instancing instancing) {
+std::unique_ptr<InstancingMethod> make_instancing(Instancing instancing) {
   switch (instancing) {
     case Instancing::geometry:
       return make_geometry_instancing();
@@ -17,7 +17,7 @@ Result<std::unique_ptr<InstancingMethod>> make_instancing(Instancing instancing)
     case Instancing::pull:
       return make_pull_instancing();
   }
-  return fail("there is no such way to instance");
+  return nullptr;
 }
 
 Instancing next(Instancing instancing) {

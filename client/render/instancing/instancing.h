@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "client/render/instancing/method.h"
-#include "common/base/error.h"
 
 namespace pointreel {
 
@@ -16,8 +15,8 @@ enum class Instancing {
   pull,       ///< what can be seen is listed first, and only that is expanded
 };
 
-/// Compiles its programs in the current context.
-Result<std::unique_ptr<InstancingMethod>> make_instancing(Instancing instancing);
+/// For the current context.
+std::unique_ptr<InstancingMethod> make_instancing(Instancing instancing);
 
 inline constexpr int kInstancings = 5;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "client/render/instance_buffer.h"
+#include "common/base/error.h"
 
 namespace pointreel {
 
@@ -32,9 +33,10 @@ class InstancingMethod {
   /// Before the passes of a picture, whose View block is set: view and instances may have changed.
   /// No pass will have a scale above `largest_scale`.
   virtual void begin(float largest_scale) { static_cast<void>(largest_scale); }
-  /// Draws all instances.
-  virtual void draw(const InstanceBuffer& instances, Pass pass,
-                    const PassParameters& parameters) = 0;
+  /// Draws all instances. Programs are compiled when they are first needed: the error is a
+  /// compiler's.
+  virtual Result<void> draw(const InstanceBuffer& instances, Pass pass,
+                            const PassParameters& parameters) = 0;
 };
 
 }  // namespace pointreel

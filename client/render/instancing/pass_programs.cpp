@@ -49,31 +49,27 @@ PassTemplate pass_template(Pass pass) {
   }
 }
 
-Result<PassPrograms> PassPrograms::create(const Stages& stages) {
-  PassPrograms made;
-  for (std::size_t i = 0; i < made.programs_.size(); ++i) {
+PassPrograms::PassPrograms(const Stages& stages) {
+  for (std::size_t i = 0; i < programs_.size(); ++i) {
     const Pass pass = static_cast<Pass>(i);
     std::vector<std::string_view> primitive = placing_files(is_surfel(pass));
     primitive.push_back(vertex_file(pass));
     std::vector<gl::Stage> all = stages(pass, std::move(primitive));
     all.push_back({GL_FRAGMENT_SHADER, fragment_files(pass, "shaders/quad_footprint.glsl")});
-    auto program = gl::make_program(all);
-    if (!program) return fail(program.error().message);
-    made.programs_[i] = std::move(*program);
+    programs_[i] = gl::LateProgram(std::move(all));
   }
-  return made;
 }
 
-void PassPrograms::use(Pass pass, const PassParameters& parameters) const {
-  use_program(programs_[static_cast<std::size_t>(pass)], pass, parameters);
+Result<void> PassPrograms::use(Pass pass, const PassParameters& parameters) {
+  return use_program(programs_[static_cast<std::size_t>(pass)], pass, parameters);
 }
 
-void use_program(const gl::Program& made, Pass pass, const PassParameters& parameters) {
-  const GLuint program = made.name();
-  glUseProgram(program);
-  if (!is_surfel(pass)) return;
-  glProgramUniform1f(program, 0, parameters.scale);
-  glProgramUniform1f(program, 1, parameters.tolerance);
+Result<void> use_program(gl::LateProgram& program, Pass pass, const PassParameters& parameters) {
+  if (auto used = program.use(); !used) return used;
+  if (!is_surfel(pass)) return {};
+  glUniform1f(0, parameters.scale);
+  glUniform1f(1, parameters.tolerance);
+  return {};
 }
 
 PassPrograms::Stages instanced_stages(std::string_view fetch) {

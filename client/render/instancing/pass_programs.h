@@ -26,7 +26,7 @@ std::vector<std::string_view> placing_files(bool surfel);
 std::vector<std::string_view> fragment_files(Pass pass, std::string_view footprint);
 
 /// Makes a program of this pass current and sets its parameters.
-void use_program(const gl::Program& program, Pass pass, const PassParameters& parameters);
+Result<void> use_program(gl::LateProgram& program, Pass pass, const PassParameters& parameters);
 
 /// The programs of a method, one for each pass.
 class PassPrograms {
@@ -36,12 +36,12 @@ class PassPrograms {
   using Stages =
       std::function<std::vector<gl::Stage>(Pass pass, std::vector<std::string_view> primitive)>;
 
-  static Result<PassPrograms> create(const Stages& stages);
+  explicit PassPrograms(const Stages& stages);
 
-  void use(Pass pass, const PassParameters& parameters) const;
+  Result<void> use(Pass pass, const PassParameters& parameters);
 
  private:
-  std::array<gl::Program, kPasses> programs_;
+  std::array<gl::LateProgram, kPasses> programs_;
 };
 
 /// The vertex stage of hardware instancing: `fetch` is the file that defines fetch_instance.

@@ -10,14 +10,16 @@ namespace {
 /// Paper 2, section IV-B, "regular vertex buffers".
 class AttributeInstancing final : public InstancingMethod {
  public:
-  explicit AttributeInstancing(PassPrograms programs) : programs_(std::move(programs)) {}
+  explicit AttributeInstancing(const PassPrograms::Stages& stages) : programs_(stages) {}
 
-  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
-    programs_.use(pass, parameters);
+  Result<void> draw(const InstanceBuffer& instances, Pass pass,
+                    const PassParameters& parameters) override {
+    if (auto used = programs_.use(pass, parameters); !used) return used;
     bind_instance_array(array_, instances);
     const PassTemplate shape = pass_template(pass);
     glDrawArraysInstanced(shape.topology, 0, shape.vertices,
                           static_cast<GLsizei>(instances.size()));
+    return {};
   }
 
  private:
@@ -27,10 +29,8 @@ class AttributeInstancing final : public InstancingMethod {
 
 }  // namespace
 
-Result<std::unique_ptr<InstancingMethod>> make_attribute_instancing() {
-  auto programs = PassPrograms::create(instanced_stages("instancing/attribute/fetch.glsl"));
-  if (!programs) return fail(programs.error().message);
-  return std::make_unique<AttributeInstancing>(std::move(*programs));
+std::unique_ptr<InstancingMethod> make_attribute_instancing() {
+  return std::make_unique<AttributeInstancing>(instanced_stages("instancing/attribute/fetch.glsl"));
 }
 
 }  // namespace pointreel

@@ -10,12 +10,14 @@ namespace {
 /// Paper 2, section IV-A: the vertex shader only forwards attributes.
 class GeometryInstancing final : public InstancingMethod {
  public:
-  explicit GeometryInstancing(PassPrograms programs) : programs_(std::move(programs)) {}
+  explicit GeometryInstancing(const PassPrograms::Stages& stages) : programs_(stages) {}
 
-  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
-    programs_.use(pass, parameters);
+  Result<void> draw(const InstanceBuffer& instances, Pass pass,
+                    const PassParameters& parameters) override {
+    if (auto used = programs_.use(pass, parameters); !used) return used;
     bind_instance_array(array_, instances);
     glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances.size()));
+    return {};
   }
 
  private:
@@ -34,10 +36,8 @@ std::vector<gl::Stage> stages(Pass pass, std::vector<std::string_view> primitive
 
 }  // namespace
 
-Result<std::unique_ptr<InstancingMethod>> make_geometry_instancing() {
-  auto programs = PassPrograms::create(stages);
-  if (!programs) return fail(programs.error().message);
-  return std::make_unique<GeometryInstancing>(std::move(*programs));
+std::unique_ptr<InstancingMethod> make_geometry_instancing() {
+  return std::make_unique<GeometryInstancing>(stages);
 }
 
 }  // namespace pointreel

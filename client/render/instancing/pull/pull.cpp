@@ -26,7 +26,7 @@ enum Binding : GLuint { kWords = 1, kCommands, kSprites, kSolids };
 enum Location : GLint { kInstanceCount = 2, kLargestScale = 3, kVerticesPerSolid = 4 };
 
 struct ListPrograms {
-  gl::Program mark, count, write;
+  gl::LateProgram mark, count, write;
 };
 
 /// Neither surfels that show their back nor any outside of the picture become vertices: three
@@ -34,38 +34,30 @@ struct ListPrograms {
 /// as one, which spares four vertices and two triangles, or eight and six.
 class PullInstancing final : public InstancingMethod {
  public:
-  struct Programs {
-    PassPrograms solids;
-    std::array<gl::Program, kPasses> sprites;
-    ListPrograms list_surfels, list_voxels;
-  };
-
-  explicit PullInstancing(Programs programs) : programs_(std::move(programs)) {
-    glNamedBufferStorage(commands_.name(), 2 * kCommandBytes, nullptr, 0);
-    GLint texels = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-    batch_ = std::min(kMaxBatch, static_cast<std::size_t>(texels) / kTexelsPerSprite /
-                                     kBatchGranule * kBatchGranule);
-  }
+  PullInstancing();
 
   void begin(float largest_scale) override {
     listed_.reset();
-    glProgramUniform1f(programs_.list_surfels.mark.name(), kLargestScale, largest_scale);
+    largest_scale_ = largest_scale;
   }
 
-  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
+  Result<void> draw(const InstanceBuffer& instances, Pass pass,
+                    const PassParameters& parameters) override {
     for (std::size_t first = 0; first < instances.size(); first += batch_) {
       const std::size_t count = std::min(batch_, instances.size() - first);
-      list(instances, pass, first, count);
+      if (auto listed = list(instances, pass, first, count); !listed) return listed;
       glBindVertexArray(no_attributes_.name());
       glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
-      use_program(programs_.sprites[static_cast<std::size_t>(pass)], pass, parameters);
+      if (auto used = use_program(sprites_of_[static_cast<std::size_t>(pass)], pass, parameters);
+          !used)
+        return used;
       glBindTextureUnit(0, sprite_texture_.name());
       glEnable(GL_PROGRAM_POINT_SIZE);
       glDrawArraysIndirect(GL_POINTS, nullptr);
-      programs_.solids.use(pass, parameters);
+      if (auto used = solids_of_.use(pass, parameters); !used) return used;
       glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(kCommandBytes));
     }
+    return {};
   }
 
  private:
@@ -76,10 +68,10 @@ class PullInstancing final : public InstancingMethod {
     bool operator==(const Listed&) const = default;
   };
 
-  void list(const InstanceBuffer& instances, Pass pass, std::size_t first, std::size_t count) {
+  Result<void> list(const InstanceBuffer& instances, Pass pass, std::size_t first,
+                    std::size_t count) {
     const Listed wanted{first, 3 * static_cast<GLuint>(pass_template(pass).vertices - 2)};
-    if (listed_ == wanted) return;
-    listed_ = wanted;
+    if (listed_ == wanted) return {};
     const std::size_t words = (count + kInstancesPerWord - 1) / kInstancesPerWord;
     reserve(count);
     glTextureBufferRange(instance_texture_.name(), GL_RGBA32UI, instances.name(),
@@ -90,20 +82,30 @@ class PullInstancing final : public InstancingMethod {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCommands, commands_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSprites, sprites_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSolids, solids_.name());
-    const ListPrograms& programs = is_surfel(pass) ? programs_.list_surfels : programs_.list_voxels;
-    run(programs.mark, count, words);
+    ListPrograms& programs = is_surfel(pass) ? list_surfels_ : list_voxels_;
+    if (auto used = use(programs.mark, count); !used) return used;
+    glUniform1f(kLargestScale, largest_scale_);
+    run(words);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glProgramUniform1ui(programs.count.name(), kVerticesPerSolid, wanted.vertices);
-    run(programs.count, count, 1);
+    if (auto used = use(programs.count, count); !used) return used;
+    glUniform1ui(kVerticesPerSolid, wanted.vertices);
+    run(1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    run(programs.write, count, count);
+    if (auto used = use(programs.write, count); !used) return used;
+    run(count);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
                     GL_COMMAND_BARRIER_BIT);
+    listed_ = wanted;
+    return {};
   }
 
-  static void run(const gl::Program& program, std::size_t count, std::size_t invocations) {
-    glProgramUniform1ui(program.name(), kInstanceCount, static_cast<GLuint>(count));
-    glUseProgram(program.name());
+  static Result<void> use(gl::LateProgram& step, std::size_t count) {
+    if (auto used = step.use(); !used) return used;
+    glUniform1ui(kInstanceCount, static_cast<GLuint>(count));
+    return {};
+  }
+
+  static void run(std::size_t invocations) {
     glDispatchCompute((static_cast<GLuint>(invocations) + kGroup - 1) / kGroup, 1, 1);
   }
 
@@ -121,7 +123,10 @@ class PullInstancing final : public InstancingMethod {
     solids_ = make(capacity_ * kElementBytes);
   }
 
-  Programs programs_;
+  PassPrograms solids_of_;
+  std::array<gl::LateProgram, kPasses> sprites_of_;
+  ListPrograms list_surfels_, list_voxels_;
+  float largest_scale_ = 1.0f;
   gl::Buffer words_, sprites_, solids_, commands_ = gl::Buffer::create();
   gl::BufferTexture instance_texture_ = gl::BufferTexture::create();
   gl::BufferTexture sprite_texture_ = gl::BufferTexture::create();
@@ -131,65 +136,58 @@ class PullInstancing final : public InstancingMethod {
   std::optional<Listed> listed_;
 };
 
-Result<ListPrograms> make_list_programs(bool surfel) {
+ListPrograms list_programs(bool surfel) {
   const std::string_view sprite =
       surfel ? "instancing/pull/surfel_sprite.glsl" : "instancing/pull/voxel_sprite.glsl";
-  const auto make = [surfel, sprite](std::vector<std::string_view> own) {
+  const auto program = [surfel, sprite](std::vector<std::string_view> own) {
     std::vector<std::string_view> files = placing_files(surfel);
     files.insert(files.end(), {sprite, "instancing/pull/list.glsl"});
     files.insert(files.end(), own.begin(), own.end());
-    return gl::make_program(std::array{gl::Stage{GL_COMPUTE_SHADER, std::move(files)}});
+    return gl::LateProgram({{GL_COMPUTE_SHADER, std::move(files)}});
   };
-  auto mark = make({"instancing/pull/mark.glsl",
-                    surfel ? "instancing/pull/surfel_mark.glsl" : "instancing/pull/voxel_mark.glsl",
-                    "instancing/pull/mark.comp.glsl"});
-  if (!mark) return fail(mark.error().message);
-  auto count = make({"instancing/pull/count.comp.glsl"});
-  if (!count) return fail(count.error().message);
-  auto write = make({"instancing/pull/write.comp.glsl"});
-  if (!write) return fail(write.error().message);
-  return ListPrograms{std::move(*mark), std::move(*count), std::move(*write)};
+  return {program({"instancing/pull/mark.glsl",
+                   surfel ? "instancing/pull/surfel_mark.glsl" : "instancing/pull/voxel_mark.glsl",
+                   "instancing/pull/mark.comp.glsl"}),
+          program({"instancing/pull/count.comp.glsl"}),
+          program({"instancing/pull/write.comp.glsl"})};
 }
 
-Result<gl::Program> make_sprite_program(Pass pass) {
-  std::vector<std::string_view> vertex = placing_files(is_surfel(pass));
-  if (!is_surfel(pass)) {
+gl::LateProgram sprite_program(Pass pass) {
+  std::vector<std::string_view> vertex = placing_files(is_surfel(pass)), fragment;
+  if (is_surfel(pass)) {
+    vertex.insert(vertex.end(), {"instancing/pull/surfel_sprite.glsl",
+                                 "instancing/pull/surfel_sprite.vert.glsl"});
+    fragment = fragment_files(pass, "instancing/pull/sprite_footprint.glsl");
+  } else {
     vertex.insert(vertex.end(),
                   {"instancing/pull/voxel_sprite.glsl", "instancing/pull/voxel_sprite.vert.glsl"});
-    return gl::make_program(
-        std::array{gl::Stage{GL_VERTEX_SHADER, std::move(vertex)},
-                   gl::Stage{GL_FRAGMENT_SHADER, {"instancing/pull/voxel_sprite.frag.glsl"}}});
+    fragment = {"instancing/pull/voxel_sprite.frag.glsl"};
   }
-  vertex.insert(vertex.end(),
-                {"instancing/pull/surfel_sprite.glsl", "instancing/pull/surfel_sprite.vert.glsl"});
-  return gl::make_program(
-      std::array{gl::Stage{GL_VERTEX_SHADER, std::move(vertex)},
-                 gl::Stage{GL_FRAGMENT_SHADER,
-                           fragment_files(pass, "instancing/pull/sprite_footprint.glsl")}});
+  return gl::LateProgram(
+      {{GL_VERTEX_SHADER, std::move(vertex)}, {GL_FRAGMENT_SHADER, std::move(fragment)}});
+}
+
+std::vector<gl::Stage> solid_stages(Pass, std::vector<std::string_view> primitive) {
+  primitive.push_back("instancing/pull/solid.vert.glsl");
+  return {{GL_VERTEX_SHADER, std::move(primitive)}};
+}
+
+PullInstancing::PullInstancing()
+    : solids_of_(solid_stages),
+      list_surfels_(list_programs(true)),
+      list_voxels_(list_programs(false)) {
+  for (std::size_t i = 0; i < kPasses; ++i) sprites_of_[i] = sprite_program(static_cast<Pass>(i));
+  glNamedBufferStorage(commands_.name(), 2 * kCommandBytes, nullptr, 0);
+  GLint texels = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+  batch_ = std::min(kMaxBatch, static_cast<std::size_t>(texels) / kTexelsPerSprite / kBatchGranule *
+                                   kBatchGranule);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<InstancingMethod>> make_pull_instancing() {
-  PullInstancing::Programs programs;
-  auto solids = PassPrograms::create([](Pass, std::vector<std::string_view> primitive) {
-    primitive.push_back("instancing/pull/solid.vert.glsl");
-    return std::vector<gl::Stage>{{GL_VERTEX_SHADER, std::move(primitive)}};
-  });
-  if (!solids) return fail(solids.error().message);
-  programs.solids = std::move(*solids);
-  for (std::size_t i = 0; i < kPasses; ++i) {
-    auto program = make_sprite_program(static_cast<Pass>(i));
-    if (!program) return fail(program.error().message);
-    programs.sprites[i] = std::move(*program);
-  }
-  auto surfels = make_list_programs(true);
-  if (!surfels) return fail(surfels.error().message);
-  auto voxels = make_list_programs(false);
-  if (!voxels) return fail(voxels.error().message);
-  programs.list_surfels = std::move(*surfels);
-  programs.list_voxels = std::move(*voxels);
-  return std::make_unique<PullInstancing>(std::move(programs));
+std::unique_ptr<InstancingMethod> make_pull_instancing() {
+  return std::make_unique<PullInstancing>();
 }
 
 }  // namespace pointreel

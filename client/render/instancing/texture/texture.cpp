@@ -13,15 +13,16 @@ constexpr std::size_t kTexelsPerInstance = 2;
 /// width and height.
 class TextureInstancing final : public InstancingMethod {
  public:
-  explicit TextureInstancing(PassPrograms programs) : programs_(std::move(programs)) {
+  explicit TextureInstancing(const PassPrograms::Stages& stages) : programs_(stages) {
     GLint texels = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
     constexpr std::size_t kGranule = 2048;  // 64 KiB: where texture buffers may begin
     largest_ = static_cast<std::size_t>(texels) / kTexelsPerInstance / kGranule * kGranule;
   }
 
-  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
-    programs_.use(pass, parameters);
+  Result<void> draw(const InstanceBuffer& instances, Pass pass,
+                    const PassParameters& parameters) override {
+    if (auto used = programs_.use(pass, parameters); !used) return used;
     glBindVertexArray(no_attributes_.name());
     glBindTextureUnit(0, texture_.name());
     const PassTemplate shape = pass_template(pass);
@@ -32,6 +33,7 @@ class TextureInstancing final : public InstancingMethod {
                            static_cast<GLsizeiptr>(count * sizeof(Instance)));
       glDrawArraysInstanced(shape.topology, 0, shape.vertices, static_cast<GLsizei>(count));
     }
+    return {};
   }
 
  private:
@@ -43,10 +45,8 @@ class TextureInstancing final : public InstancingMethod {
 
 }  // namespace
 
-Result<std::unique_ptr<InstancingMethod>> make_texture_instancing() {
-  auto programs = PassPrograms::create(instanced_stages("instancing/texture/fetch.glsl"));
-  if (!programs) return fail(programs.error().message);
-  return std::make_unique<TextureInstancing>(std::move(*programs));
+std::unique_ptr<InstancingMethod> make_texture_instancing() {
+  return std::make_unique<TextureInstancing>(instanced_stages("instancing/texture/fetch.glsl"));
 }
 
 }  // namespace pointreel

@@ -13,10 +13,11 @@ constexpr std::size_t kBatchBytes = 65536, kBatch = kBatchBytes / sizeof(Instanc
 /// Paper 2, section IV-B, "uniform buffers": batches of what fits into one.
 class UniformInstancing final : public InstancingMethod {
  public:
-  explicit UniformInstancing(PassPrograms programs) : programs_(std::move(programs)) {}
+  explicit UniformInstancing(const PassPrograms::Stages& stages) : programs_(stages) {}
 
-  void draw(const InstanceBuffer& instances, Pass pass, const PassParameters& parameters) override {
-    programs_.use(pass, parameters);
+  Result<void> draw(const InstanceBuffer& instances, Pass pass,
+                    const PassParameters& parameters) override {
+    if (auto used = programs_.use(pass, parameters); !used) return used;
     glBindVertexArray(no_attributes_.name());
     const PassTemplate shape = pass_template(pass);
     for (std::size_t first = 0; first < instances.size(); first += kBatch) {
@@ -27,6 +28,7 @@ class UniformInstancing final : public InstancingMethod {
       glDrawArraysInstanced(shape.topology, 0, shape.vertices,
                             static_cast<GLsizei>(std::min(kBatch, instances.size() - first)));
     }
+    return {};
   }
 
  private:
@@ -36,10 +38,8 @@ class UniformInstancing final : public InstancingMethod {
 
 }  // namespace
 
-Result<std::unique_ptr<InstancingMethod>> make_uniform_instancing() {
-  auto programs = PassPrograms::create(instanced_stages("instancing/uniform/fetch.glsl"));
-  if (!programs) return fail(programs.error().message);
-  return std::make_unique<UniformInstancing>(std::move(*programs));
+std::unique_ptr<InstancingMethod> make_uniform_instancing() {
+  return std::make_unique<UniformInstancing>(instanced_stages("instancing/uniform/fetch.glsl"));
 }
 
 }  // namespace pointreel

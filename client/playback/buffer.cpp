@@ -1,6 +1,7 @@
 #include "client/playback/buffer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace pointreel {
@@ -29,54 +30,42 @@ void FrameBuffer::wake_all() {
 // Where the playhead is.
 
 std::uint32_t FrameBuffer::distance(std::uint32_t frame) const {
-  const std::int64_t count = options_.frame_count;
-  const std::int64_t steps =
-      (static_cast<std::int64_t>(frame) - static_cast<std::int64_t>(playhead_)) * direction_;
-  if (steps >= 0) return static_cast<std::uint32_t>(steps);
-  return static_cast<std::uint32_t>(options_.loop ? steps + count : count - steps);
+  if (const auto steps = order(direction_).steps(playhead_, frame)) return *steps;
+  const std::uint32_t apart = frame > playhead_ ? frame - playhead_ : playhead_ - frame;
+  return options_.frame_count + apart;
 }
 
 std::uint32_t FrameBuffer::behind(std::uint32_t frame) const {
-  const std::int64_t count = options_.frame_count;
-  const std::int64_t steps =
-      (static_cast<std::int64_t>(playhead_) - static_cast<std::int64_t>(frame)) * direction_;
-  return static_cast<std::uint32_t>((steps + count) % count);
+  return order(direction_).steps(frame, playhead_).value_or(options_.frame_count);
 }
 
 std::optional<std::uint32_t> FrameBuffer::at(std::uint32_t step) const {
-  const std::int64_t count = options_.frame_count;
-  std::int64_t frame = static_cast<std::int64_t>(playhead_) + std::int64_t{step} * direction_;
-  if (step >= count || (!options_.loop && (frame < 0 || frame >= count))) return std::nullopt;
-  frame = (frame + count) % count;
-  return static_cast<std::uint32_t>(frame);
+  return order(direction_).after(playhead_, step);
 }
 
 void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_passed) {
   const std::uint32_t before = playhead_;
   const int direction_before = direction_;
+  const PlayOrder order_before = order(direction_);
   playhead_ = std::min(frame, options_.frame_count - 1);
   direction_ = direction < 0 ? -1 : 1;
   ++order_;
   // Of the frames that the playhead left behind, the one nearest to it is kept for as long as
-  // nothing newer is there.
-  const std::int64_t count = options_.frame_count;
+  // nothing newer is there. Where the window is all that is played, they are in it still.
+  const std::uint32_t moved = order_before.steps(before, playhead_).value_or(0);
   std::int64_t newest = -1;
   std::shared_ptr<const SceneFrame> passed;
   for (auto it = finished_.begin(); it != finished_.end();) {
-    if (in_window(it->first)) {
-      ++it;
-      continue;
-    }
-    const std::int64_t from_before =
-        (static_cast<std::int64_t>(it->first) - before) * direction_before;
-    const std::int64_t from = (from_before + count) % count;
+    const std::uint32_t from = order_before.steps(before, it->first).value_or(0);
+    const bool stays = in_window(it->first);
     // Of frames that were ahead and that a turn around has put behind, none was shown.
-    const bool was_passed = direction_ == direction_before || from == 0;
+    const bool was_passed =
+        (direction_ == direction_before || from == 0) && (!stays || from < moved);
     if (it->second.frame && was_passed && from > newest) {
       newest = from;
       passed = it->second.frame;
     }
-    it = finished_.erase(it);
+    it = stays ? std::next(it) : finished_.erase(it);
   }
   if (!keep_newest_passed)
     passed_ = nullptr;
@@ -132,9 +121,23 @@ void FrameBuffer::set_loop(bool loop) {
   {
     const std::lock_guard lock(mutex_);
     options_.loop = loop;
-    std::erase_if(finished_, [&](const auto& entry) { return !in_window(entry.first); });
+    order_changed();
   }
   wake_all();
+}
+
+void FrameBuffer::set_loop_range(const std::optional<FrameRange>& range) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (range == loop_range_) return;
+    loop_range_ = range;
+    order_changed();
+  }
+  wake_all();
+}
+
+void FrameBuffer::order_changed() {
+  std::erase_if(finished_, [&](const auto& entry) { return !in_window(entry.first); });
 }
 
 void FrameBuffer::set_mode(DrawMode mode) {
@@ -142,12 +145,24 @@ void FrameBuffer::set_mode(DrawMode mode) {
     const std::lock_guard lock(mutex_);
     if (mode == options_.mode) return;
     options_.mode = mode;
-    ++generation_;
-    finished_.clear();
-    making_.clear();
-    passed_ = nullptr;
+    forget_made();
   }
   wake_all();
+}
+
+void FrameBuffer::make_again() {
+  {
+    const std::lock_guard lock(mutex_);
+    forget_made();
+  }
+  wake_all();
+}
+
+void FrameBuffer::forget_made() {
+  ++generation_;
+  finished_.clear();
+  making_.clear();
+  passed_ = nullptr;
 }
 
 void FrameBuffer::set_level(int level) {
@@ -348,8 +363,12 @@ void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const Sce
   {
     const std::lock_guard lock(mutex_);
     answered(request);
-    if (outdated(request)) return;
-    if (in_window(request.frame)) {
+    if (outdated(request)) {
+      // Better than nothing, for who changes the rules faster than frames are made by them.
+      if (request.mode != options_.mode || request.frame != playhead_ || request.epoch != epoch_)
+        return;
+      passed_ = std::move(frame);
+    } else if (in_window(request.frame)) {
       Finished& finished = finished_[request.frame];
       const int level = std::min(request.level, options_.levels[request.layers - 1]);
       // Two threads may have made it, each of what was there at its time.
@@ -429,6 +448,7 @@ FrameBuffer::Fill FrameBuffer::fill() const {
     const auto frame = at(step);
     if (!frame) break;
     ++fill.window;
+    if (fetched) fill.next = *frame;
     fetched = fetched && done_with(*frame);
     fill.fetched += fetched;
     if (step > options_.ahead) continue;
@@ -437,6 +457,33 @@ FrameBuffer::Fill FrameBuffer::fill() const {
     fill.made += made;
   }
   return fill;
+}
+
+std::vector<BufferedRange> FrameBuffer::buffered() const {
+  std::vector<BufferedRange> ranges;
+  const auto add = [&](std::uint32_t frame, std::uint32_t layers) {
+    if (!ranges.empty() && ranges.back().last + 1 == frame && ranges.back().layers == layers)
+      ranges.back().last = frame;
+    else
+      ranges.push_back({frame, frame, layers});
+  };
+  const std::lock_guard lock(mutex_);
+  auto made = finished_.begin();
+  const auto layers_made = [](const Finished& finished) {
+    return finished.frame ? std::max(1u, finished.frame->layers) : 0u;
+  };
+  const auto add_made_before = [&](std::uint32_t frame) {
+    for (; made != finished_.end() && made->first < frame; ++made)
+      if (made->second.frame) add(made->first, layers_made(made->second));
+  };
+  store_.for_each([&](std::uint32_t frame, std::uint32_t layers) {
+    add_made_before(frame);
+    if (made != finished_.end() && made->first == frame)
+      layers = std::max(layers, layers_made((made++)->second));
+    add(frame, layers);
+  });
+  add_made_before(options_.frame_count);
+  return ranges;
 }
 
 void FrameBuffer::close() {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/playback/layer_store.h"
+#include "client/playback/play_order.h"
 #include "client/scene/frame.h"
 
 namespace pointreel {
@@ -28,6 +29,13 @@ struct FrameRequest {
   FetchedFrame fetched;
   LayerStore::Cost cost;  ///< of what was fetched since the frame was made last
   LayerSet wanted;        ///< what was wanted of it
+};
+
+/// Frames that are there, fetched or made, each of this many layers; files count as one.
+struct BufferedRange {
+  std::uint32_t first = 0, last = 0, layers = 0;
+
+  bool operator==(const BufferedRange&) const = default;
 };
 
 /// The frames around the playhead, between the threads that fetch them, those that make them ready
@@ -80,8 +88,12 @@ class FrameBuffer {
   /// The cursor of a drag is at this frame. Lasts until the next seek.
   void scrub(std::uint32_t frame);
   void set_loop(bool loop);
+  /// After the range's end its beginning is what comes next; all frames if none.
+  void set_loop_range(const std::optional<FrameRange>& range);
   /// Frames made for another mode are dropped and made again.
   void set_mode(DrawMode mode);
+  /// What is there was made by other rules: it is made again.
+  void make_again();
   /// The finest level that is seen: of frames to come, and, if any lack it, of those that are
   /// there. What is finer is kept. kWholeFrame at first.
   void set_level(int level);
@@ -111,8 +123,11 @@ class FrameBuffer {
     std::uint32_t window = 0;   ///< that would be fetched
     std::uint32_t ahead = 0;    ///< that would be made
     bool full = false;          ///< no more is fetched for want of room
+    std::uint32_t next = 0;     ///< the first frame that is not fetched; the last one if all are
   };
   Fill fill() const;
+  /// In order, as few as can be. Cheap enough for every picture.
+  std::vector<BufferedRange> buffered() const;
   /// Ends everybody's wait for good.
   void close();
 
@@ -159,8 +174,13 @@ class FrameBuffer {
   bool done_with(std::uint32_t frame) const;
   /// Steps from the playhead in the direction of play; the reel's length or more if never reached.
   std::uint32_t distance(std::uint32_t frame) const;
+  PlayOrder order(int direction) const {
+    return {options_.frame_count, options_.loop, direction, loop_range_};
+  }
   /// The frame so many steps from the playhead; none beyond the reel's end.
   std::optional<std::uint32_t> at(std::uint32_t step) const;
+  void order_changed();
+  void forget_made();
   bool in_window(std::uint32_t frame) const {
     return distance(frame) <= (scrubbing_ ? 0 : options_.ahead);
   }
@@ -185,6 +205,7 @@ class FrameBuffer {
   std::condition_variable to_fetch_, to_make_;     ///< for workers; each wakes the next
   std::uint32_t playhead_ = 0;
   int direction_ = 1;
+  std::optional<FrameRange> loop_range_;
   std::uint32_t fetch_ahead_ = 0, lead_ = 0;
   bool focus_ = false, scrubbing_ = false;
   std::uint64_t epoch_ = 0, generation_ = 0, order_ = 0;

@@ -8,7 +8,6 @@ namespace pointreel {
 namespace {
 
 std::int64_t floor_mod(std::int64_t a, std::int64_t n) { return ((a % n) + n) % n; }
-std::int64_t floor_div(std::int64_t a, std::int64_t n) { return (a - floor_mod(a, n)) / n; }
 
 }  // namespace
 
@@ -19,36 +18,88 @@ std::uint32_t Timeline::frame_at(std::uint64_t time_us) const {
 
 Clock::Clock(Timeline timeline, bool loop) : timeline_(std::move(timeline)), loop_(loop) {}
 
-std::int64_t Clock::unwrapped(TimePoint now) const {
-  if (!playing_ || held_) return base_us_;
+bool Clock::before_far_end() const {
+  return range_ && base_.us <= static_cast<std::int64_t>(range_->b_us);
+}
+
+bool Clock::after_near_end() const {
+  return range_ && base_.us >= static_cast<std::int64_t>(range_->a_us);
+}
+
+/// Where playback is that has gone on by so much, more than nothing.
+Clock::Place Clock::forward(std::int64_t by_us) const {
+  const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
+  Place at = base_;
+  bool in_range = before_far_end();
+  if (range_ && !in_range && loop_) {
+    if (at.us + by_us < duration) return {at.us + by_us, at.passed};
+    by_us -= duration - at.us;
+    at = {0, at.passed + timeline_.frame_count()};
+    in_range = true;
+  }
+  std::int64_t begin = 0, end = duration, frames = timeline_.frame_count();
+  if (in_range) {
+    begin = static_cast<std::int64_t>(range_->a_us);
+    end = static_cast<std::int64_t>(range_->b_us);
+    frames = loop_frames()->last - loop_frames()->first + 1;
+  } else if (!loop_) {
+    return {at.us + by_us, at.passed};
+  }
+  const std::int64_t past = at.us + by_us - end;
+  if (past < 0) return {at.us + by_us, at.passed};
+  return {begin + past % (end - begin), at.passed + (past / (end - begin) + 1) * frames};
+}
+
+/// Back by so much. The last microsecond before an end belongs to what lies before it.
+Clock::Place Clock::backward(std::int64_t by_us) const {
+  const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
+  Place at = base_;
+  bool in_range = after_near_end();
+  if (range_ && !in_range && loop_) {
+    if (by_us <= at.us) return {at.us - by_us, at.passed};
+    by_us -= at.us + 1;
+    at = {duration - 1, at.passed - timeline_.frame_count()};
+    in_range = true;
+  }
+  std::int64_t begin = 0, end = duration, frames = timeline_.frame_count();
+  if (in_range) {
+    begin = static_cast<std::int64_t>(range_->a_us);
+    end = static_cast<std::int64_t>(range_->b_us);
+    frames = loop_frames()->last - loop_frames()->first + 1;
+  } else if (!loop_) {
+    return {at.us - by_us, at.passed};
+  }
+  if (at.us - by_us >= begin) return {at.us - by_us, at.passed};
+  const std::int64_t past = begin - (at.us - by_us) - 1;
+  return {end - 1 - past % (end - begin), at.passed - (past / (end - begin) + 1) * frames};
+}
+
+Clock::Place Clock::place(TimePoint now) const {
+  if (!playing_ || held_) return base_;
   const double elapsed_us = std::chrono::duration<double, std::micro>(now - base_now_).count();
-  return base_us_ + std::llround(std::max(0.0, elapsed_us) * speed_);
+  const std::int64_t by_us = std::llround(std::max(0.0, elapsed_us) * std::abs(speed_));
+  if (by_us == 0) return base_;
+  return direction() > 0 ? forward(by_us) : backward(by_us);
 }
 
 Clock::Reading Clock::read(TimePoint now) const {
   const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
-  const std::int64_t time = unwrapped(now);
+  const Place at = place(now);
   Reading reading;
-  std::int64_t pass = 0;
-  if (loop_) {
-    pass = floor_div(time, duration);
-    reading.position_us = static_cast<std::uint64_t>(floor_mod(time, duration));
-  } else {
-    reading.ended = direction() > 0 ? time >= duration : time < 0;
-    reading.position_us = static_cast<std::uint64_t>(std::clamp<std::int64_t>(time, 0, duration));
-  }
+  if (!loop_) reading.ended = direction() > 0 ? at.us >= duration : at.us < 0;
+  reading.position_us = static_cast<std::uint64_t>(std::clamp<std::int64_t>(at.us, 0, duration));
   reading.frame = timeline_.frame_at(reading.position_us);
-  reading.ordinal = pass * timeline_.frame_count() + reading.frame;
+  reading.ordinal = at.passed + reading.frame;
   return reading;
 }
 
 void Clock::restart_at(std::uint64_t position_us, TimePoint now) {
-  base_us_ = static_cast<std::int64_t>(position_us);
+  base_ = {static_cast<std::int64_t>(position_us), 0};
   base_now_ = now;
 }
 
 void Clock::rebase(TimePoint now) {
-  base_us_ = unwrapped(now);
+  base_ = place(now);
   base_now_ = now;
 }
 
@@ -56,8 +107,9 @@ void Clock::play(TimePoint now) {
   if (playing_) return;
   const auto last = static_cast<std::int64_t>(timeline_.duration_us) - 1;
   rebase(now);
-  if (!loop_ && direction() > 0 && base_us_ > last) base_us_ = 0;
-  if (!loop_ && direction() < 0 && base_us_ <= 0) base_us_ = last;
+  const bool goes_on = loop_ || (direction() > 0 ? before_far_end() : after_near_end());
+  if (!goes_on && direction() > 0 && base_.us > last) base_.us = 0;
+  if (!goes_on && direction() < 0 && base_.us <= 0) base_.us = last;
   playing_ = true;
 }
 
@@ -101,14 +153,33 @@ void Clock::set_speed(double speed, TimePoint now) {
   rebase(now);
   // What is past an end counts as the end for who turns around there.
   if (!loop_)
-    base_us_ =
-        std::clamp<std::int64_t>(base_us_, 0, static_cast<std::int64_t>(timeline_.duration_us));
+    base_.us =
+        std::clamp<std::int64_t>(base_.us, 0, static_cast<std::int64_t>(timeline_.duration_us));
   speed_ = std::copysign(std::clamp(std::abs(speed), kMinSpeed, kMaxSpeed), speed);
 }
 
 void Clock::set_loop(bool loop, TimePoint now) {
   restart_at(read(now).position_us, now);
   loop_ = loop;
+}
+
+void Clock::set_loop_range(const std::optional<LoopRange>& range, TimePoint now) {
+  restart_at(read(now).position_us, now);
+  range_ = range;
+  if (!range_) return;
+  if (range_->a_us > range_->b_us) std::swap(range_->a_us, range_->b_us);
+  range_->a_us = std::min(range_->a_us, timeline_.duration_us - 1);
+  range_->b_us = std::min(range_->b_us, timeline_.duration_us);
+  if (range_->b_us > range_->a_us) return;
+  const std::uint32_t frame = timeline_.frame_at(range_->a_us);
+  range_->a_us = std::min(range_->a_us, timeline_.times_us[frame]);
+  range_->b_us =
+      frame + 1 < timeline_.frame_count() ? timeline_.times_us[frame + 1] : timeline_.duration_us;
+}
+
+std::optional<FrameRange> Clock::loop_frames() const {
+  if (!range_) return std::nullopt;
+  return FrameRange{timeline_.frame_at(range_->a_us), timeline_.frame_at(range_->b_us - 1)};
 }
 
 }  // namespace pointreel

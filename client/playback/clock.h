@@ -2,7 +2,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include "client/playback/play_order.h"
 
 namespace pointreel {
 
@@ -15,6 +18,13 @@ struct Timeline {
   std::uint32_t frame_count() const { return static_cast<std::uint32_t>(times_us.size()); }
   /// The last frame that begins at or before `time_us`; the first if there is none.
   std::uint32_t frame_at(std::uint64_t time_us) const;
+};
+
+/// What is played again and again: from a_us on until b_us is reached.
+struct LoopRange {
+  std::uint64_t a_us = 0, b_us = 0;
+
+  bool operator==(const LoopRange&) const = default;
 };
 
 inline constexpr double kMinSpeed = 0.1, kMaxSpeed = 4.0;
@@ -67,21 +77,41 @@ class Clock {
   void set_loop(bool loop, TimePoint now);
   bool loop() const { return loop_; }
 
+  /// From now on whoever reaches its far end goes on at the near one, whether the reel loops or
+  /// not; the position does not jump, except if it plays and is at that end. What lies outside can
+  /// still be gone to: past the far end playback goes on to the reel's end, and from before the
+  /// near one it comes into the range. The ends may be given in any order and are clamped to the
+  /// reel; if they are the same, it is the frame there. Seeking and stepping know nothing of it.
+  void set_loop_range(const std::optional<LoopRange>& range, TimePoint now);
+  const std::optional<LoopRange>& loop_range() const { return range_; }
+  /// The frames that are seen in it.
+  std::optional<FrameRange> loop_frames() const;
+
   const Timeline& timeline() const { return timeline_; }
 
  private:
-  /// Microseconds since the start of pass 0, neither wrapped nor clamped.
-  std::int64_t unwrapped(TimePoint now) const;
+  /// A position, neither clamped nor, without loop, in the reel, and Reading::ordinal less its
+  /// frame.
+  struct Place {
+    std::int64_t us = 0, passed = 0;
+  };
+  Place place(TimePoint now) const;
+  // Of the range, if there is one: playing forward, or backward, from base_ turns around there.
+  bool before_far_end() const;
+  bool after_near_end() const;
+  Place forward(std::int64_t by_us) const;
+  Place backward(std::int64_t by_us) const;
   /// Makes `now` the new point of reference without a jump.
   void rebase(TimePoint now);
-  /// Makes `position_us` of pass 0 the new point of reference.
+  /// Makes `position_us`, in no pass before any other, the new point of reference.
   void restart_at(std::uint64_t position_us, TimePoint now);
 
   Timeline timeline_;
   bool loop_;
   bool playing_ = false, held_ = false;
   double speed_ = 1.0;
-  std::int64_t base_us_ = 0;  ///< unwrapped position at base_now_
+  std::optional<LoopRange> range_;
+  Place base_;  ///< at base_now_
   TimePoint base_now_{};
 };
 

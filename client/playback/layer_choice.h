@@ -33,6 +33,8 @@ class VoxelDepth {
   void learn(const SceneFrame& frame);
   /// kWholeFrame while nothing is known.
   int get() const;
+  /// The rule has changed.
+  void forget() { depth_ = -1; }
 
  private:
   std::atomic<int> depth_{-1};

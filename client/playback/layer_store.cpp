@@ -26,6 +26,16 @@ std::uint32_t LayerStore::usable(std::uint32_t frame, const LayerSet& wanted) co
   return layers;
 }
 
+void LayerStore::for_each(
+    const std::function<void(std::uint32_t frame, std::uint32_t layers)>& tell) const {
+  for (const auto& [frame, record] : records_) {
+    std::uint32_t layers = 0;
+    while (layers < record.slots.size() && record.slots[layers].state == Slot::State::here)
+      ++layers;
+    if (layers > 0) tell(frame, layers);
+  }
+}
+
 bool LayerStore::coming(std::uint32_t frame, const LayerSet& wanted) const {
   const Record* record = find(frame);
   if (!record) return false;

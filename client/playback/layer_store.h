@@ -43,6 +43,9 @@ class LayerStore {
   /// Layers from the base on that are there with all attributes that are wanted; at most
   /// `wanted.layers`.
   std::uint32_t usable(std::uint32_t frame, const LayerSet& wanted) const;
+  /// Calls `tell` with each frame of which layers are there, in order, and with how many from the
+  /// base on, whatever their attributes.
+  void for_each(const std::function<void(std::uint32_t frame, std::uint32_t layers)>& tell) const;
   /// At least one of the layers wanted is being fetched.
   bool coming(std::uint32_t frame, const LayerSet& wanted) const;
   /// The first `layers` of a frame, which are there.

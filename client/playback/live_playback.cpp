@@ -49,6 +49,7 @@ LivePlayback::LivePlayback(std::unique_ptr<LiveSource> source, std::string name,
       on_error_(std::move(on_error)),
       name_(std::move(name)),
       mode_(options.mode),
+      delta_(options.delta),
       stream_(manifest_of({})) {
   receiver_ = std::thread([this] { receive(); });
   for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i) {
@@ -136,7 +137,7 @@ void LivePlayback::prepare() {
 }
 
 Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) const {
-  PrepareOptions options{mode_, options_.delta, kWholeFrame};
+  PrepareOptions options{mode_, delta_, kWholeFrame};
   Manifest stream;
   {
     const std::lock_guard lock(mutex_);

@@ -45,7 +45,9 @@ class LivePlayback : public Playback {
   char up() const override;
   Box bounds() const override;
   void look(const Camera& camera, glm::ivec2 size) override;
+  // Of frames to come.
   void set_mode(DrawMode mode) override { mode_ = mode; }
+  void set_delta(double delta) override { delta_ = delta; }
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
   /// Frames that came and were never shown, because a newer one was ready or taken before them.
@@ -75,6 +77,7 @@ class LivePlayback : public Playback {
   const OnError on_error_;
   const std::string name_;
   std::atomic<DrawMode> mode_;
+  std::atomic<double> delta_;
   std::atomic<std::uint64_t> errors_{0};
 
   mutable std::mutex mutex_;  ///< of what follows, up to the threads

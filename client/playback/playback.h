@@ -36,6 +36,8 @@ class Playback {
   /// while nothing changes.
   virtual void look(const Camera& camera, glm::ivec2 size) = 0;
   virtual void set_mode(DrawMode mode) = 0;
+  /// PrepareOptions::delta, of frames from now on; a reel's that are there are made again.
+  virtual void set_delta(double delta) = 0;
   virtual Update update(Clock::TimePoint now) = 0;
 
   /// What is wrong while nothing comes, and where, in one line.

@@ -98,6 +98,7 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
         return buffer;
       }()),
       mode_(options.mode),
+      delta_(options.delta),
       control_({static_cast<std::uint32_t>(levels_of(source_->manifest()).size()),
                 prepare_threads(), options.remote}) {
   const Clock::TimePoint now{};
@@ -112,8 +113,8 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
   pipeline_.emplace(
       *source_, buffer_,
       [this](const FrameRequest& frame, const FetchedFrame& fetched) {
-        auto scene = prepare_frame(manifest(), frame.frame, fetched,
-                                   {frame.mode, options_.delta, frame.level});
+        auto scene =
+            prepare_frame(manifest(), frame.frame, fetched, {frame.mode, delta_, frame.level});
         if (!scene) return scene;
         // A frame that lacks layers says nothing of the depth, unless that is what it was given.
         if (frame.mode == DrawMode::voxel &&
@@ -200,11 +201,7 @@ void ReelPlayback::control(Clock::TimePoint now) {
   set_pace();
   const std::uint32_t window = std::max(1u, fill_.window);
   const std::uint32_t ahead = std::max(1u, fill_.ahead);
-  // The frame that is fetched next, or the last one if all are there.
-  const std::int64_t count = timeline().frame_count();
-  const std::int64_t step = std::min(fill_.fetched, window - 1);
-  const std::int64_t to_fetch = ((playhead_ + step * clock_.direction()) % count + count) % count;
-  const auto next = static_cast<std::uint32_t>(to_fetch);
+  const std::uint32_t next = fill_.next;
 
   LayerControl::Situation situation;
   situation.now = std::chrono::duration<double>(now - *first_control_).count();
@@ -323,6 +320,28 @@ void ReelPlayback::set_loop(bool loop, Clock::TimePoint now) {
   given_ordinal_.reset();
 }
 
+void ReelPlayback::set_loop_range(const std::optional<LoopRange>& range, Clock::TimePoint now) {
+  clock_.set_loop_range(range, now);
+  buffer_.set_loop_range(clock_.loop_frames());
+  given_ordinal_.reset();
+}
+
+void ReelPlayback::set_delta(double delta) {
+  delta_ = delta;
+  voxel_depth_.forget();
+  {
+    const std::lock_guard lock(control_mutex_);
+    control_.forget_made();
+  }
+  set_level();
+  // Trees of a package stay as they are for surfels, and points need none.
+  const bool by_delta =
+      mode_ == DrawMode::voxel || (mode_ == DrawMode::surfel && manifest().codec != "octree");
+  if (!by_delta) return;
+  buffer_.make_again();
+  given_ordinal_.reset();
+}
+
 void ReelPlayback::scrub_begin(Clock::TimePoint now) {
   if (scrubbing_) return;
   played_before_scrub_ = clock_.playing();
@@ -408,10 +427,10 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
 
 /// Frames that lie between the one given before and this one.
 void ReelPlayback::count_dropped(const SceneFrame& frame, const Clock::Reading& reading) {
-  const std::int64_t count = timeline().frame_count(), direction = clock_.direction();
-  const std::int64_t ahead =
-      static_cast<std::int64_t>(reading.frame) - static_cast<std::int64_t>(frame.index);
-  const std::int64_t late = (ahead * direction % count + count) % count;
+  const std::int64_t direction = clock_.direction();
+  const PlayOrder order{timeline().frame_count(), clock_.loop(), clock_.direction(),
+                        clock_.loop_frames()};
+  const std::int64_t late = order.steps(frame.index, reading.frame).value_or(0);
   const std::int64_t ordinal = reading.ordinal - direction * late;
   if (given_ordinal_ && (ordinal - *given_ordinal_) * direction > 1)
     dropped_ += static_cast<std::uint64_t>((ordinal - *given_ordinal_) * direction - 1);

@@ -54,6 +54,7 @@ class ReelPlayback : public Playback {
   Box bounds() const override { return manifest().bounds; }
   void look(const Camera& camera, glm::ivec2 size) override;
   void set_mode(DrawMode mode) override;
+  void set_delta(double delta) override;
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
   std::uint64_t dropped() const override { return dropped_; }
@@ -76,6 +77,9 @@ class ReelPlayback : public Playback {
   void set_speed(double speed, Clock::TimePoint now);
   void set_loop(bool loop, Clock::TimePoint now);
   void toggle_loop(Clock::TimePoint now) { set_loop(!clock_.loop(), now); }
+  /// Clock::set_loop_range: between two times, again and again, without a gap.
+  void set_loop_range(const std::optional<LoopRange>& range, Clock::TimePoint now);
+  const std::optional<LoopRange>& loop_range() const { return clock_.loop_range(); }
   bool playing() const { return scrubbing_ ? played_before_scrub_ : clock_.playing(); }
   double speed() const { return clock_.speed(); }
   bool loop() const { return clock_.loop(); }
@@ -94,6 +98,9 @@ class ReelPlayback : public Playback {
   /// Goes to `frame` and waits for it, with all the levels that are seen, at most for `timeout`.
   FrameBuffer::State await(std::uint32_t frame, std::chrono::milliseconds timeout);
   std::shared_ptr<const SceneFrame> best() const { return buffer_.best(); }
+
+  /// Which frames are there, and with how many layers, in order.
+  std::vector<BufferedRange> buffered() const { return buffer_.buffered(); }
 
   // What was chosen, and how it went.
 
@@ -139,6 +146,7 @@ class ReelPlayback : public Playback {
   bool started_ = false;  ///< the first frame came, or failed
   FrameBuffer buffer_;
   std::atomic<DrawMode> mode_;
+  std::atomic<double> delta_;
   std::uint32_t playhead_ = 0;
   std::optional<Camera> camera_;  ///< what view_level_ was found for
   glm::ivec2 size_{0};

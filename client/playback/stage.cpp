@@ -114,6 +114,10 @@ void Stage::set_mode(DrawMode mode) {
   for (Part& part : parts_) part.playback->set_mode(mode);
 }
 
+void Stage::set_delta(double delta) {
+  for (Part& part : parts_) part.playback->set_delta(delta);
+}
+
 std::vector<Stage::Change> Stage::take(std::size_t source,
                                        std::shared_ptr<const SceneFrame> frame) {
   scene_[source].frame = std::move(frame);

@@ -59,6 +59,7 @@ class Stage {
 
   void look(const Camera& camera, glm::ivec2 size);
   void set_mode(DrawMode mode);
+  void set_delta(double delta);
   /// Of each reel.
   template <class Control>
   void for_each_reel(const Control& control) {

@@ -248,5 +248,202 @@ TEST(Clock, PlaysAReelOfOneFrame) {
   EXPECT_EQ(clock.read(kStart + milliseconds(500)).frame, 0u);
 }
 
+TEST(ClockRange, IsPlayedAgainAndAgainWhetherTheReelLoopsOrNot) {
+  for (const bool loop : {false, true}) {
+    Clock clock(ten_frames(), loop);
+    clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
+    clock.play(kStart);
+    EXPECT_EQ(clock.read(kStart + milliseconds(499)).position_us, 499'000u) << "comes into it";
+    for (int pass = 1; pass < 20; ++pass) {
+      const auto begin = kStart + milliseconds(300 + 200 * pass);
+      EXPECT_EQ(clock.read(begin).position_us, 300'000u);
+      EXPECT_EQ(clock.read(begin + milliseconds(199)).position_us, 499'000u);
+      EXPECT_FALSE(clock.read(begin).ended);
+      EXPECT_EQ(clock.read(begin).ordinal, 3 + 2 * pass);
+    }
+  }
+}
+
+TEST(ClockRange, IsPlayedBackwardToo) {
+  for (const bool loop : {false, true}) {
+    Clock clock(ten_frames(), loop);
+    clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
+    clock.seek(450'000, kStart);
+    clock.set_speed(-2.0, kStart);
+    clock.play(kStart);
+    EXPECT_EQ(clock.read(kStart + milliseconds(75)).position_us, 300'000u);
+    EXPECT_EQ(clock.read(kStart + milliseconds(75)).frame, 3u);
+    EXPECT_EQ(clock.read(kStart + milliseconds(80)).position_us, 490'000u);
+    EXPECT_EQ(clock.read(kStart + milliseconds(80)).ordinal, 2);
+    EXPECT_EQ(clock.read(kStart + milliseconds(180)).position_us, 490'000u);
+  }
+}
+
+TEST(ClockRange, LetsWhoSeeksPastItPlayToTheEndAndTakesThemInWhenTheyComeAround) {
+  Clock looping(ten_frames(), true), once(ten_frames(), false);
+  for (Clock* clock : {&looping, &once}) {
+    clock->set_loop_range(LoopRange{300'000, 500'000}, kStart);
+    clock->play(kStart);
+    clock->seek(800'000, kStart);
+    EXPECT_EQ(clock->read(kStart + milliseconds(199)).position_us, 999'000u);
+  }
+  EXPECT_TRUE(once.read(kStart + milliseconds(200)).ended);
+  EXPECT_EQ(looping.read(kStart + milliseconds(200)).position_us, 0u);
+  EXPECT_EQ(looping.read(kStart + milliseconds(200)).ordinal, 10);
+  EXPECT_EQ(looping.read(kStart + milliseconds(699)).position_us, 499'000u);
+  EXPECT_EQ(looping.read(kStart + milliseconds(700)).position_us, 300'000u);
+  EXPECT_EQ(looping.read(kStart + milliseconds(700)).ordinal, 15);
+}
+
+TEST(ClockRange, TurnsAroundAtOnceForWhoSetsItsFarEndToWhereTheyAre) {
+  Clock clock(ten_frames(), false);
+  clock.play(kStart);
+  clock.set_loop_range(LoopRange{200'000, 730'000}, kStart + milliseconds(730));
+  EXPECT_EQ(clock.read(kStart + milliseconds(740)).position_us, 210'000u);
+}
+
+TEST(ClockRange, DoesNotMoveWhoIsPaused) {
+  Clock clock(ten_frames(), true);
+  clock.seek(730'000, kStart);
+  clock.set_loop_range(LoopRange{200'000, 730'000}, kStart);
+  EXPECT_EQ(clock.read(kStart + milliseconds(500)).position_us, 730'000u);
+  clock.step(1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 8u);
+  clock.seek(100'000, kStart);
+  clock.step(-1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 0u);
+}
+
+TEST(ClockRange, TakesItsEndsInAnyOrderAndKeepsThemInTheReel) {
+  Clock clock(ten_frames(), true);
+  clock.set_loop_range(LoopRange{9'000'000, 200'000}, kStart);
+  EXPECT_EQ(clock.loop_range(), (LoopRange{200'000, 1'000'000}));
+  EXPECT_EQ(clock.loop_frames(), (FrameRange{2, 9}));
+  clock.set_loop_range(LoopRange{250'000, 300'001}, kStart);
+  EXPECT_EQ(clock.loop_frames(), (FrameRange{2, 3}));
+  clock.set_loop_range(LoopRange{250'000, 300'000}, kStart);
+  EXPECT_EQ(clock.loop_frames(), (FrameRange{2, 2}));
+}
+
+TEST(ClockRange, IsTheFrameWhereBothEndsAreTheSame) {
+  Clock clock(ten_frames(), true);
+  clock.set_loop_range(LoopRange{350'000, 350'000}, kStart);
+  EXPECT_EQ(clock.loop_range(), (LoopRange{300'000, 400'000}));
+  clock.set_loop_range(LoopRange{5'000'000, 6'000'000}, kStart);
+  EXPECT_EQ(clock.loop_range(), (LoopRange{999'999, 1'000'000}));
+  clock.set_loop_range(std::nullopt, kStart);
+  EXPECT_FALSE(clock.loop_range());
+  EXPECT_FALSE(clock.loop_frames());
+}
+
+TEST(ClockRange, ReachesToTheReelsEndsInEitherDirection) {
+  Clock clock(ten_frames(), false);
+  clock.set_loop_range(LoopRange{0, 1'000'000}, kStart);
+  clock.play(kStart);
+  EXPECT_EQ(clock.read(kStart + milliseconds(1250)).position_us, 250'000u);
+  EXPECT_FALSE(clock.read(kStart + milliseconds(1250)).ended);
+  clock.pause(kStart);
+  clock.seek(0, kStart);
+  clock.set_speed(-1.0, kStart);
+  clock.play(kStart);
+  EXPECT_EQ(clock.read(kStart + milliseconds(1)).position_us, 999'000u);
+}
+
+TEST(ClockRange, KeepsCountingAcrossPausesAndChangesOfSpeed) {
+  Clock clock(ten_frames(), true);
+  clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
+  clock.play(kStart);
+  const auto before = clock.read(kStart + milliseconds(1050));
+  clock.hold(kStart + milliseconds(1050));
+  clock.release(kStart + milliseconds(2000));
+  clock.set_speed(2.0, kStart + milliseconds(2000));
+  EXPECT_EQ(clock.read(kStart + milliseconds(2000)).ordinal, before.ordinal);
+  EXPECT_EQ(clock.read(kStart + milliseconds(2000)).position_us, before.position_us);
+  EXPECT_EQ(clock.read(kStart + milliseconds(2050)).ordinal, before.ordinal + 1);
+}
+
+/// A position that goes on microsecond by microsecond.
+class Walker {
+ public:
+  Walker(const Timeline& timeline, bool loop, int direction, const std::optional<LoopRange>& range,
+         std::int64_t start)
+      : timeline_(timeline), loop_(loop), direction_(direction), range_(range), at_(start) {
+    ordinal_ = frame();
+  }
+  void step() {
+    const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
+    const std::int64_t before = frame();
+    if (ended_) return;
+    if (direction_ > 0) {
+      const bool in_range = range_ && at_ < b();
+      ++at_;
+      if (in_range && at_ == b())
+        at_ = a(), again_ = true;
+      else if (at_ == duration && loop_)
+        at_ = 0, again_ = true;
+      else if (at_ == duration)
+        ended_ = true;
+    } else {
+      if (range_ && at_ == a())
+        at_ = b() - 1, again_ = true;
+      else if (at_ > 0)
+        --at_;
+      else if (loop_)
+        at_ = duration - 1, again_ = true;
+      else
+        ended_ = true;
+    }
+    if (again_ || frame() != before) ordinal_ += direction_ * (again_ ? 1 : apart(before));
+    again_ = false;
+  }
+  std::int64_t at() const { return at_; }
+  bool ended() const { return ended_; }
+  std::int64_t frame() const { return timeline_.frame_at(static_cast<std::uint64_t>(at_)); }
+  std::int64_t ordinal() const { return ordinal_; }
+
+ private:
+  std::int64_t a() const { return static_cast<std::int64_t>(range_->a_us); }
+  std::int64_t b() const { return static_cast<std::int64_t>(range_->b_us); }
+  std::int64_t apart(std::int64_t before) const { return std::abs(frame() - before); }
+
+  const Timeline& timeline_;
+  const bool loop_;
+  const int direction_;
+  const std::optional<LoopRange> range_;
+  std::int64_t at_, ordinal_ = 0;
+  bool ended_ = false, again_ = false;
+};
+
+TEST(ClockRange, IsWhereOneComesToStepByStepFromEverywhereInEveryRange) {
+  const Timeline timeline{{0, 3, 4, 8}, 10};
+  for (std::uint64_t a = 0; a < 10; ++a)
+    for (std::uint64_t b = a + 1; b <= 10; ++b)
+      for (const bool loop : {false, true})
+        for (const int direction : {1, -1})
+          for (std::uint64_t start = 0; start < 10; ++start) {
+            if (direction > 0 && start == b) continue;  // tested above
+            Clock clock(timeline, loop);
+            clock.set_loop_range(LoopRange{a, b}, kStart);
+            clock.set_speed(direction, kStart);
+            clock.seek(start, kStart);
+            clock.play(kStart);
+            // From the end playback begins anew.
+            const std::uint64_t begun = clock.read(kStart).position_us;
+            Walker walker(timeline, loop, direction, LoopRange{a, b},
+                          static_cast<std::int64_t>(begun));
+            for (int t = 0; t < 35 && !walker.ended(); ++t, walker.step()) {
+              const auto reading = clock.read(kStart + microseconds(t));
+              ASSERT_EQ(static_cast<std::int64_t>(reading.position_us), walker.at())
+                  << a << '-' << b << " loop " << loop << " from " << start << " at " << t << " to "
+                  << direction;
+              ASSERT_EQ(reading.frame, walker.frame());
+              ASSERT_EQ(reading.ordinal, walker.ordinal())
+                  << a << '-' << b << " loop " << loop << " from " << start << " at " << t << " to "
+                  << direction;
+              ASSERT_FALSE(reading.ended);
+            }
+          }
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -658,5 +658,73 @@ TEST(FrameBuffer, SaysHowFullItIs) {
   EXPECT_EQ(buffer.fill().window, 9u);
 }
 
+TEST(FrameBuffer, AsksForTheRangesBeginningWhereItsEndIsNear) {
+  FrameBuffer buffer(options(100, 3, false));
+  buffer.set_loop_range(FrameRange{20, 29});
+  buffer.seek(28);
+  EXPECT_EQ(serve(buffer, 4), (Frames{28, 29, 20, 21}));
+  buffer.advance(20);
+  EXPECT_EQ(buffer.best()->index, 20u);
+  EXPECT_EQ(serve(buffer, 2), (Frames{22, 23}));
+  buffer.seek(30);
+  EXPECT_EQ(serve(buffer, 4), (Frames{30, 31, 32, 33}));
+}
+
+TEST(FrameBuffer, KeepsAllOfARangeThatIsShorterThanTheWindow) {
+  FrameBuffer buffer(options(100, 8, false));
+  buffer.set_loop_range(FrameRange{20, 22});
+  buffer.seek(21);
+  EXPECT_EQ(serve(buffer, 3), (Frames{21, 22, 20}));
+  for (std::uint32_t pass = 0; pass < 3; ++pass)
+    for (const std::uint32_t frame : {22u, 20u, 21u}) {
+      buffer.advance(frame);
+      ASSERT_EQ(buffer.best()->index, frame);
+    }
+}
+
+TEST(FrameBuffer, TellsWhatIsFetchedAndWhatIsMade) {
+  FrameBuffer::Options kept = options(100, 2, false);
+  kept.store_bytes = 1000;
+  kept.fetch_ahead = 4;
+  FrameBuffer buffer(kept);
+  EXPECT_TRUE(buffer.buffered().empty());
+  for (int i = 0; i < 5; ++i) {
+    const auto job = buffer.next_fetch();
+    buffer.fetched(*job, layers_of(*job), 1.0);
+  }
+  EXPECT_EQ(buffer.buffered(), (std::vector<BufferedRange>{{0, 4, 1}}));
+  buffer.seek(50);
+  serve(buffer, 1);
+  EXPECT_EQ(buffer.buffered(), (std::vector<BufferedRange>{{0, 4, 1}, {50, 50, 1}}));
+}
+
+TEST(FrameBuffer, TellsOfMadeFramesWhoseBytesAreGone) {
+  FrameBuffer buffer(options(100, 2, false));
+  serve(buffer, 3);
+  EXPECT_EQ(buffer.stored_bytes(), 0u);
+  EXPECT_EQ(buffer.buffered(), (std::vector<BufferedRange>{{0, 2, 1}}));
+}
+
+TEST(FrameBuffer, ShowsWhatWasMadeByOldRulesUntilThereIsBetter) {
+  FrameBuffer buffer(options(100, 0, false));
+  const auto old = ask(buffer);
+  buffer.make_again();
+  EXPECT_EQ(buffer.best(), nullptr);
+  buffer.deliver(old, picture(0));
+  const auto before = buffer.best();
+  ASSERT_TRUE(before);
+  buffer.deliver(*buffer.next_wanted(), picture(0));
+  EXPECT_NE(buffer.best(), before);
+}
+
+TEST(FrameBuffer, ShowsTheNewestPassedFrameWhereTheWindowIsAllThatIsPlayed) {
+  FrameBuffer buffer(options(100, 8, false));
+  buffer.set_loop_range(FrameRange{20, 22});
+  buffer.seek(19);
+  EXPECT_EQ(serve(buffer, 3), (Frames{19, 20, 21}));
+  for (const std::uint32_t frame : {20u, 21u, 22u}) buffer.advance(frame);
+  EXPECT_EQ(buffer.best()->index, 21u) << "22 is not there yet";
+}
+
 }  // namespace
 }  // namespace pointreel

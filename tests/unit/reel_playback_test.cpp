@@ -1,5 +1,6 @@
 #include "client/playback/reel_playback.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <functional>
@@ -281,6 +282,84 @@ TEST_F(ReelPlaybackTest, FetchesAFrameOnceHoweverOftenItIsShown) {
     until_shown(frame % kFrames);
   }
   EXPECT_EQ(playback_->statistics().fetched_bytes, bytes);
+}
+
+TEST_F(ReelPlaybackTest, PlaysARangeAgainAndAgainWithoutLosingAFrameInEitherDirection) {
+  start(false);
+  until_shown(0);
+  playback_->set_loop_range(LoopRange{400'000, 900'000}, now_);
+  EXPECT_EQ(playback_->loop_range(), (LoopRange{400'000, 900'000}));
+  for (std::uint32_t i = 1; i < 24; ++i) {
+    pass(milliseconds(100));
+    until_shown(i < 9 ? i : 4 + (i - 9) % 5);
+  }
+  EXPECT_EQ(last_.frame->index, 8u);
+  playback_->set_speed(-1.0, now_);
+  for (std::uint32_t i = 1; i < 18; ++i) {
+    pass(milliseconds(100));
+    until_shown(8 - i % 5);
+  }
+  EXPECT_EQ(playback_->dropped(), 0u);
+  EXPECT_EQ(playback_->errors(), 0u);
+}
+
+TEST_F(ReelPlaybackTest, HasTheRangesBeginningReadyBeforeItsEndIsReached) {
+  start(false, 1.0, 1'350'000);
+  until_shown(13);
+  playback_->set_loop_range(LoopRange{200'000, 1'500'000}, now_);
+  const auto ready = [&](std::uint32_t frame) {
+    const auto ranges = playback_->buffered();
+    return std::any_of(ranges.begin(), ranges.end(), [&](const BufferedRange& range) {
+      return range.first <= frame && frame <= range.last;
+    });
+  };
+  until([&](const auto&) { return ready(2) && ready(7); });
+  source_->open(false);
+  for (const std::uint32_t frame : {14u, 2u, 3u, 4u, 5u}) {
+    pass(milliseconds(100));
+    until_shown(frame);
+  }
+  EXPECT_EQ(playback_->dropped(), 0u);
+}
+
+TEST_F(ReelPlaybackTest, PlaysOnFromPastTheRange) {
+  start();
+  playback_->set_loop_range(LoopRange{200'000, 600'000}, now_);
+  playback_->seek(2'750'000, now_);
+  until_shown(27);
+  for (const std::uint32_t frame : {28u, 29u, 0u, 1u, 2u, 3u, 4u, 5u, 2u, 3u}) {
+    pass(milliseconds(100));
+    until_shown(frame);
+  }
+  playback_->set_loop_range(std::nullopt, now_);
+  pass(milliseconds(400));
+  until_shown(7);
+}
+
+TEST_F(ReelPlaybackTest, TellsWhatIsThere) {
+  start();
+  until_shown(0);
+  playback_->pause(now_);
+  // Two seconds ahead, at ten frames a second.
+  until(
+      [&](const auto&) { return playback_->buffered() == std::vector<BufferedRange>{{0, 20, 3}}; });
+  source_->open(false);
+  playback_->seek(2'900'000, now_);
+  EXPECT_EQ(playback_->buffered(), (std::vector<BufferedRange>{{0, 20, 3}}));
+}
+
+TEST_F(ReelPlaybackTest, MakesFramesAgainForAnotherDelta) {
+  start();
+  playback_->pause(now_);
+  playback_->set_mode(DrawMode::voxel);
+  playback_->set_delta(0.05);
+  until([&](const auto& update) { return update.frame && update.frame->svo.depth > 0; });
+  until_whole(0);
+  const int fine = last_.frame->svo.depth;
+  playback_->set_delta(0.9);
+  until([&](const auto& update) { return update.frame && update.frame->svo.depth < fine; });
+  playback_->set_delta(0.05);
+  until([&](const auto& update) { return update.frame && update.frame->svo.depth == fine; });
 }
 
 }  // namespace

@@ -130,7 +130,13 @@ Result<WindowContext> WindowContext::create(const std::string& title, int width,
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  // On X11 by EGL first: Mesa's takes half as long to load as its GLX.
+  glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
   GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window) {
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_NATIVE_CONTEXT_API);
+    window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  }
   if (!window) {
     std::string reason = "cannot open a window with OpenGL 4.5: " + glfw_error();
     glfwDefaultWindowHints();

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "client/capture.h"
+#include "client/record/recorder.h"
+
+namespace pointreel {
+
+/// Each picture a PNG file, numbered from 0 on. Times are not kept.
+class PictureSequence : public Recorder {
+ public:
+  explicit PictureSequence(NumberedPath path) : path_(std::move(path)) {}
+
+  Result<void> add(const Image& picture, std::uint64_t time_us) override;
+  Result<void> finish() override { return {}; }
+
+ private:
+  const NumberedPath path_;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace pointreel

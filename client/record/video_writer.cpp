@@ -1,0 +1,220 @@
+#include "client/record/video_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "client/record/matroska.h"
+
+namespace pointreel {
+namespace {
+
+constexpr std::string_view kMissing =
+    "is not installed, which --record needs for videos: install it (apt-get install ffmpeg), or "
+    "record pictures: --record out-%04d.png";
+
+/// What ffmpeg calls the container of a file; empty for none of ours.
+std::string format_of(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".mp4") return "mp4";
+  if (extension == ".mkv") return "matroska";
+  return extension == ".webm" ? "webm" : "";
+}
+
+std::vector<std::string> arguments(const std::string& path, const std::string& part,
+                                   const std::optional<FrameRate>& rate) {
+  const std::string format = format_of(path);
+  std::vector<std::string> all = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error"};
+  const auto add = [&](std::initializer_list<std::string> more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  add({"-f", "matroska"});
+  if (rate) add({"-r", fmt::format("{}/{}", rate->frames, rate->seconds)});
+  add({"-i", "pipe:0", "-an", "-fps_mode", "passthrough"});
+  add({"-vf",
+       "crop=trunc(iw/2)*2:trunc(ih/2)*2,"
+       "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,"
+       "format=yuv420p"});
+  if (format == "webm") {
+    add({"-c:v", "libvpx-vp9", "-b:v", "0", "-crf", "24", "-row-mt", "1", "-deadline", "good",
+         "-cpu-used", "4"});
+  } else {
+    add({"-c:v", "libx264", "-crf", "18"});
+    // Pictures out of order make the times at which uneven ones are decoded, of which .mp4 takes
+    // its length, end before the last picture does.
+    if (!rate) add({"-bf", "0"});
+  }
+  add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
+       "-color_range", "tv"});
+  if (!rate) add({"-enc_time_base", "1:1000000"});
+  if (format == "mp4") {
+    add({"-movflags", "+faststart"});
+    if (!rate) add({"-video_track_timescale", "1000000"});
+  }
+  add({"-f", format, "-y", "file:" + part});
+  return all;
+}
+
+/// What it complained of first, without the address of what complained: "[libx264 @ 0x55d0] ".
+std::string first_line(int file) {
+  std::array<char, 1024> buffer;
+  const ssize_t size = pread(file, buffer.data(), buffer.size(), 0);
+  std::string text(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(0, size)));
+  text.resize(std::min(text.find_first_of("\r\n"), text.size()));
+  if (const std::size_t end = text.find("] "); text.starts_with('[') && end != std::string::npos)
+    text.erase(0, end + 2);
+  for (char& c : text)
+    if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
+  return text;
+}
+
+}  // namespace
+
+bool is_video(const std::string& path) { return !format_of(path).empty(); }
+
+Result<void> find_ffmpeg(const std::string& program) {
+  const auto executable = [](const std::filesystem::path& file) {
+    std::error_code none;
+    return std::filesystem::is_regular_file(file, none) && access(file.c_str(), X_OK) == 0;
+  };
+  if (program.find('/') != std::string::npos) {
+    if (executable(program)) return {};
+  } else {
+    const char* path = std::getenv("PATH");
+    std::string_view folders = path != nullptr ? path : "/bin:/usr/bin";
+    while (!folders.empty()) {
+      const std::size_t end = std::min(folders.find(':'), folders.size());
+      if (executable(std::filesystem::path(folders.substr(0, end)) / program)) return {};
+      folders.remove_prefix(std::min(end + 1, folders.size()));
+    }
+  }
+  return fail(fmt::format("{} {}", program, kMissing));
+}
+
+Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::string& path, glm::ivec2 size,
+                                                         const std::optional<FrameRate>& rate,
+                                                         const std::string& program) {
+  if (size.x < 2 || size.y < 2)
+    return fail(fmt::format("{}: a video of {}x{} pixels cannot be made: draw at least 2x2", path,
+                            size.x, size.y));
+  std::unique_ptr<VideoWriter> writer(new VideoWriter(path));
+  if (auto started = writer->start(size, rate, program); !started)
+    return tl::unexpected(started.error());
+  return writer;
+}
+
+Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>& rate,
+                                const std::string& program) {
+  size_ = size;
+  // A socket rather than a pipe: it can be told not to send a signal when nobody reads.
+  std::array<int, 2> ends{-1, -1};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    return fail(fmt::format("{}: cannot be recorded: {}", path_, std::strerror(errno)));
+  input_ = ends[0];
+  messages_ = memfd_create("ffmpeg", MFD_CLOEXEC);
+
+  std::vector<std::string> words = arguments(path_, part(), rate);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  if (messages_ >= 0) posix_spawn_file_actions_adddup2(&files, messages_, STDERR_FILENO);
+  posix_spawn_file_actions_addclosefrom_np(&files, 3);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  pid_t process = -1;
+  const int failed =
+      posix_spawnp(&process, program.c_str(), &files, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  close(ends[1]);
+  if (failed == ENOENT) return fail(fmt::format("{} {}", program, kMissing));
+  if (failed != 0) return fail(fmt::format("{} cannot be run: {}", program, std::strerror(failed)));
+  process_ = process;
+  const std::string head =
+      matroska_head(static_cast<std::uint32_t>(size.x), static_cast<std::uint32_t>(size.y));
+  if (!send(head.data(), head.size())) return died();
+  return {};
+}
+
+VideoWriter::~VideoWriter() {
+  if (process_ >= 0) kill(process_, SIGKILL);
+  const bool unfinished = process_ >= 0;
+  wait();
+  if (messages_ >= 0) close(messages_);
+  if (unfinished) std::remove(part().c_str());
+}
+
+Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
+  if (glm::ivec2(picture.width, picture.height) != size_)
+    return fail(fmt::format("{}: a picture of {}x{} does not fit a video of {}x{}", path_,
+                            picture.width, picture.height, size_.x, size_.y));
+  if (last_time_us_) time_us = std::max(time_us, *last_time_us_ + 1);
+  last_time_us_ = time_us;
+  const std::size_t bytes = picture.pixels.size() * sizeof(picture.pixels[0]);
+  const std::string head = matroska_picture_head(time_us, bytes);
+  if (!send(head.data(), head.size()) || !send(picture.pixels.data(), bytes)) return died();
+  return {};
+}
+
+Result<void> VideoWriter::finish() {
+  if (wait() != 0) return died();
+  if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
+  return fail(fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
+}
+
+bool VideoWriter::send(const void* bytes, std::size_t size) const {
+  const char* at = static_cast<const char*>(bytes);
+  while (size > 0) {
+    const ssize_t sent = ::send(input_, at, size, MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) return false;
+    at += sent;
+    size -= static_cast<std::size_t>(sent);
+  }
+  return true;
+}
+
+int VideoWriter::wait() {
+  if (input_ >= 0) close(std::exchange(input_, -1));
+  if (process_ < 0) return 0;
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  return status;
+}
+
+tl::unexpected<Error> VideoWriter::died() {
+  wait();
+  std::remove(part().c_str());
+  const std::string why = messages_ >= 0 ? first_line(messages_) : "";
+  return fail(
+      fmt::format("{}: is not recorded: ffmpeg ended{}{}", path_, why.empty() ? "" : ": ", why));
+}
+
+}  // namespace pointreel

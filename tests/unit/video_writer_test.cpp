@@ -1,0 +1,271 @@
+#include "client/record/video_writer.h"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/record/open_recorder.h"
+#include "tests/read_file.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return text;
+  std::array<char, 4096> part;
+  for (std::size_t size; (size = fread(part.data(), 1, part.size(), pipe)) > 0;)
+    text.append(part.data(), size);
+  pclose(pipe);
+  return text;
+}
+
+/// A picture whose colour says which it is.
+Image numbered(glm::ivec2 size, int number) {
+  const auto gray = static_cast<std::uint8_t>(10 + 7 * (number % 32));
+  Image image{size.x, size.y, {}};
+  image.pixels.assign(static_cast<std::size_t>(size.x * size.y), glm::u8vec3(gray));
+  return image;
+}
+
+/// What ffprobe and ffmpeg find in a file.
+struct Video {
+  explicit Video(const fs::path& file) {
+    const auto json = nlohmann::json::parse(
+        output_of("ffprobe -v quiet -select_streams v -show_streams -show_frames -of json '" +
+                  file.string() + "'"),
+        nullptr, false);
+    if (json.is_discarded() || json["streams"].size() != 1) return;
+    stream = json["streams"][0];
+    for (const auto& frame : json["frames"])
+      times.push_back(std::stod(frame["pts_time"].get<std::string>()));
+    const std::string raw = output_of("ffmpeg -v quiet -i '" + file.string() +
+                                      "' -fps_mode passthrough -f rawvideo -pix_fmt rgb24 -");
+    const std::size_t bytes =
+        3 * stream["width"].get<std::size_t>() * stream["height"].get<std::size_t>();
+    for (std::size_t at = 0; at + bytes <= raw.size(); at += bytes)
+      colors.push_back({static_cast<std::uint8_t>(raw[at + bytes / 2 / 3 * 3]),
+                        static_cast<std::uint8_t>(raw[at + bytes / 2 / 3 * 3 + 1]),
+                        static_cast<std::uint8_t>(raw[at + bytes / 2 / 3 * 3 + 2])});
+  }
+
+  nlohmann::json stream;
+  std::vector<double> times;
+  std::vector<glm::ivec3> colors;  ///< of a pixel in the middle of each frame
+};
+
+class VideoWriterTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!find_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  }
+
+  /// Writes one picture for each time.
+  fs::path write(const std::string& name, glm::ivec2 size,
+                 const std::vector<std::uint64_t>& times_us,
+                 const std::optional<FrameRate>& rate) const {
+    const fs::path file = folder_ / name;
+    auto writer = VideoWriter::create(file.string(), size, rate);
+    if (!writer) {
+      ADD_FAILURE() << writer.error().message;
+      return file;
+    }
+    for (std::size_t i = 0; i < times_us.size(); ++i) {
+      const auto added = (*writer)->add(numbered(size, static_cast<int>(i)), times_us[i]);
+      EXPECT_TRUE(added) << added.error().message;
+    }
+    EXPECT_FALSE(fs::exists(file));
+    const auto finished = (*writer)->finish();
+    EXPECT_TRUE(finished) << finished.error().message;
+    EXPECT_FALSE(fs::exists(file.string() + ".part"));
+    return file;
+  }
+
+  static void expect_each_once(const Video& video, std::size_t count) {
+    ASSERT_EQ(video.colors.size(), count);
+    for (std::size_t i = 0; i < count; ++i)
+      EXPECT_NEAR(video.colors[i].g, numbered({1, 1}, static_cast<int>(i)).pixels[0].g, 3) << i;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(VideoWriterTest, has_each_picture_once_at_exactly_its_rate) {
+  std::vector<std::uint64_t> times;
+  for (std::uint64_t i = 0; i < 24; ++i) times.push_back((i * 1'001'000'000 + 15'000) / 30'000);
+  for (const char* name : {"a.mp4", "a.mkv", "a.webm"}) {
+    SCOPED_TRACE(name);
+    const Video video(write(name, {64, 48}, times, FrameRate{30'000, 1001}));
+    EXPECT_EQ(video.stream["r_frame_rate"], "30000/1001");
+    EXPECT_EQ(video.stream["avg_frame_rate"], "30000/1001");
+    EXPECT_EQ(video.stream["pix_fmt"], "yuv420p");
+    EXPECT_EQ(video.stream["color_space"], "bt709");
+    EXPECT_EQ(video.stream["codec_name"], name == std::string("a.webm") ? "vp9" : "h264");
+    expect_each_once(video, times.size());
+    const double resolution = name == std::string("a.mp4") ? 1e-6 : 1e-3;
+    ASSERT_EQ(video.times.size(), times.size());
+    for (std::size_t i = 0; i < times.size(); ++i)
+      EXPECT_NEAR(video.times[i], static_cast<double>(i) * 1001.0 / 30'000.0, 0.51 * resolution);
+  }
+}
+
+TEST_F(VideoWriterTest, has_uneven_pictures_at_exactly_their_times) {
+  const std::vector<std::uint64_t> times = {0, 10'007, 50'000, 52'001, 1'234'567, 2'000'003};
+  for (const char* name : {"b.mp4", "b.mkv", "b.webm"}) {
+    SCOPED_TRACE(name);
+    const Video video(write(name, {64, 48}, times, std::nullopt));
+    expect_each_once(video, times.size());
+    const double resolution = name == std::string("b.mp4") ? 1e-6 : 1e-3;
+    ASSERT_EQ(video.times.size(), times.size());
+    for (std::size_t i = 0; i < times.size(); ++i)
+      EXPECT_NEAR(video.times[i], static_cast<double>(times[i]) / 1e6, 0.51 * resolution) << i;
+    // It does not end before its last picture.
+    if (video.stream.contains("duration")) {
+      EXPECT_GT(std::stod(video.stream["duration"].get<std::string>()), 2.0);
+    }
+  }
+}
+
+TEST_F(VideoWriterTest, colours_come_back_as_they_were) {
+  const fs::path file = folder_ / "c.mp4";
+  auto writer = VideoWriter::create(file.string(), {32, 32}, FrameRate{10, 1});
+  ASSERT_TRUE(writer);
+  const std::vector<glm::u8vec3> colors = {{200, 40, 40}, {30, 180, 60}, {20, 40, 220}};
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    Image image = numbered({32, 32}, 0);
+    image.pixels.assign(image.pixels.size(), colors[i]);
+    ASSERT_TRUE((*writer)->add(image, 100'000 * i));
+  }
+  ASSERT_TRUE((*writer)->finish());
+  const Video video(file);
+  ASSERT_EQ(video.colors.size(), colors.size());
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    for (int channel = 0; channel < 3; ++channel)
+      EXPECT_NEAR(video.colors[i][channel], colors[i][channel], 4) << i << " " << channel;
+}
+
+TEST_F(VideoWriterTest, an_odd_size_loses_its_last_row_and_column) {
+  const Video video(write("d.mp4", {65, 49}, {0, 100'000}, FrameRate{10, 1}));
+  EXPECT_EQ(video.stream["width"], 64);
+  EXPECT_EQ(video.stream["height"], 48);
+  expect_each_once(video, 2);
+  EXPECT_FALSE(VideoWriter::create((folder_ / "e.mp4").string(), {1, 10}, std::nullopt));
+}
+
+TEST_F(VideoWriterTest, one_picture_is_a_video_too) {
+  const Video video(write("f.mp4", {64, 48}, {0}, FrameRate{30, 1}));
+  expect_each_once(video, 1);
+}
+
+TEST_F(VideoWriterTest, pictures_at_the_same_time_follow_each_other) {
+  const Video video(write("g.mp4", {64, 48}, {0, 40'000, 40'000, 80'000}, std::nullopt));
+  expect_each_once(video, 4);
+}
+
+TEST_F(VideoWriterTest, what_is_not_finished_is_not_there) {
+  const fs::path file = folder_ / "h.mp4";
+  {
+    auto writer = VideoWriter::create(file.string(), {64, 48}, std::nullopt);
+    ASSERT_TRUE(writer);
+    ASSERT_TRUE((*writer)->add(numbered({64, 48}, 0), 0));
+  }
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+TEST_F(VideoWriterTest, a_place_that_cannot_be_written_is_an_error_that_says_why) {
+  const std::string file = (folder_ / "no/such/i.mp4").string();
+  auto writer = VideoWriter::create(file, {64, 48}, FrameRate{30, 1});
+  Result<void> ended = writer ? Result<void>() : tl::unexpected(writer.error());
+  for (int i = 0; i < 1000 && ended; ++i) ended = (*writer)->add(numbered({64, 48}, i), 0);
+  if (ended) ended = (*writer)->finish();
+  ASSERT_FALSE(ended);
+  EXPECT_THAT(ended.error().message, StartsWith(file + ": is not recorded: ffmpeg ended: "));
+  EXPECT_THAT(ended.error().message, HasSubstr("No such file or directory"));
+}
+
+/// A program that does this instead of ffmpeg.
+std::string script(const TemporaryFolder& folder, const std::string& commands) {
+  const fs::path file = folder.write("ffmpeg", "#!/bin/sh\n" + commands + "\n");
+  fs::permissions(file, fs::perms::owner_all);
+  return file.string();
+}
+
+TEST(VideoWriter, a_program_that_ends_on_its_way_is_an_error_that_repeats_what_it_said) {
+  const TemporaryFolder folder;
+  const std::string program =
+      script(folder, "head -c 100000 > /dev/null; echo '[x @ 0x5] no space left' >&2; exit 1");
+  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, program);
+  ASSERT_TRUE(writer);
+  Result<void> added;
+  for (int i = 0; i < 1000 && added; ++i) added = (*writer)->add(numbered({64, 48}, i), 0);
+  ASSERT_FALSE(added);
+  EXPECT_EQ(added.error().message,
+            (folder / "a.mp4").string() + ": is not recorded: ffmpeg ended: no space left");
+}
+
+TEST(VideoWriter, a_program_that_fails_at_the_end_is_an_error) {
+  const TemporaryFolder folder;
+  const std::string program = script(folder, "cat > /dev/null; echo 'no' >&2; exit 3");
+  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, program);
+  ASSERT_TRUE(writer);
+  EXPECT_TRUE((*writer)->add(numbered({64, 48}, 0), 0));
+  const auto finished = (*writer)->finish();
+  ASSERT_FALSE(finished);
+  EXPECT_THAT(finished.error().message, HasSubstr("ffmpeg ended: no"));
+}
+
+TEST(VideoWriter, its_absence_is_one_line_that_says_what_to_do) {
+  const TemporaryFolder folder;
+  for (const std::string& program : {(folder / "none").string(), std::string("no-such-ffmpeg")}) {
+    const auto found = find_ffmpeg(program);
+    ASSERT_FALSE(found);
+    EXPECT_THAT(found.error().message, HasSubstr("is not installed"));
+    EXPECT_THAT(found.error().message, HasSubstr("out-%04d.png"));
+    const auto writer =
+        VideoWriter::create((folder / "a.mp4").string(), {8, 8}, std::nullopt, program);
+    ASSERT_FALSE(writer);
+    EXPECT_EQ(writer.error().message, found.error().message);
+  }
+  EXPECT_TRUE(find_ffmpeg("sh"));
+  EXPECT_TRUE(find_ffmpeg(script(folder, "exit 0")));
+}
+
+TEST(OpenRecorder, numbers_pictures_from_zero) {
+  const TemporaryFolder folder;
+  const std::string pattern = (folder / "out-%02d.png").string();
+  ASSERT_TRUE(check_recording(pattern));
+  const auto recorder = open_recorder(pattern, {4, 4}, std::nullopt);
+  ASSERT_TRUE(recorder);
+  ASSERT_TRUE((*recorder)->add(numbered({4, 4}, 0), 0));
+  ASSERT_TRUE((*recorder)->add(numbered({4, 4}, 1), 5));
+  ASSERT_TRUE((*recorder)->finish());
+  EXPECT_TRUE(fs::exists(folder / "out-00.png"));
+  EXPECT_TRUE(fs::exists(folder / "out-01.png"));
+  EXPECT_THAT(read_file(folder / "out-01.png"), HasSubstr("PNG"));
+}
+
+TEST(OpenRecorder, refuses_names_that_are_neither_video_nor_numbered) {
+  for (const char* path : {"", "out", "out.png", "out.avi", "out-%d-%d.png", "mp4"}) {
+    const auto checked = check_recording(path);
+    ASSERT_FALSE(checked) << path;
+    EXPECT_THAT(checked.error().message, HasSubstr(".webm"));
+    EXPECT_FALSE(open_recorder(path, {4, 4}, std::nullopt));
+  }
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -11,6 +11,7 @@
 
 #include "client/playback/stage.h"
 #include "common/base/error.h"
+#include "common/base/progress.h"
 
 /// What the player says on standard error while it plays.
 namespace pointreel {
@@ -18,18 +19,22 @@ namespace pointreel {
 /// One line for each broken frame, however often it is tried. From any thread.
 class ErrorLines {
  public:
+  /// Lines stand above this bar from now on, or no bar if null.
+  void set_progress(Progress* progress);
   /// `where`: before the frame's number; empty if there is one source.
   void print(std::size_t source, const std::string& where, std::uint32_t frame, const Error& error);
 
  private:
   std::mutex mutex_;
+  Progress* progress_ = nullptr;
   std::set<std::pair<std::size_t, std::uint32_t>> printed_;
 };
 
 /// One line when something goes wrong with a source, and one when it goes on.
 class TroubleLines {
  public:
-  void look(const Stage& stage);
+  /// Lines stand above the bar, if there is one.
+  void look(const Stage& stage, Progress* progress = nullptr);
 
  private:
   std::vector<std::optional<std::string>> said_;

@@ -22,9 +22,9 @@ Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::i
   return renderer_.draw(scene, camera, size, options);
 }
 
-Result<void> Painter::write(const std::string& path) {
+Result<Image> Painter::picture() {
   auto image = renderer_.read_pixels();
-  if (!image) return tl::unexpected(image.error());
+  if (!image) return image;
   if (supersample_ > 1) {
     // Once more, larger, and then as it was.
     DrawOptions larger = options_;
@@ -38,6 +38,12 @@ Result<void> Painter::write(const std::string& path) {
     if (const auto drawn = renderer_.draw(scene_, camera_, size_, options_); !drawn)
       return tl::unexpected(drawn.error());
   }
+  return image;
+}
+
+Result<void> Painter::write(const std::string& path) {
+  const auto image = picture();
+  if (!image) return tl::unexpected(image.error());
   return write_png(path, *image);
 }
 

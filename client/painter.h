@@ -28,7 +28,9 @@ class Painter {
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel_from_upper_left) const {
     return renderer_.point_at(pixel_from_upper_left);
   }
-  /// Writes what was drawn last, as a PNG file.
+  /// What was drawn last, as it is written.
+  Result<Image> picture();
+  /// Writes it as a PNG file.
   Result<void> write(const std::string& path);
 
  private:

@@ -6,11 +6,13 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <utility>
+#include <variant>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "client/capture.h"
+#include "client/record/open_recorder.h"
 #include "client/settings.h"
 #include "client/ui/bindings.h"
 
@@ -34,7 +36,10 @@ Result<glm::ivec2> parse_size(const std::string& text) {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-Result<View> parse_view(const std::string& text) {
+/// From where to look, or the path of the camera.
+using CameraChoice = std::variant<View, CameraPath>;
+
+Result<CameraChoice> parse_camera(const std::string& text) {
   // The poles are as far as the camera goes.
   static const std::map<std::string, View> kNamed = {
       {"front", {0.0, 0.0}},         {"back", {radians(180), 0.0}},
@@ -46,13 +51,19 @@ Result<View> parse_view(const std::string& text) {
   const auto first = std::from_chars(text.data(), end, yaw);
   const bool separated = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
   const auto second = separated ? std::from_chars(first.ptr + 1, end, pitch) : first;
-  if (!separated || second.ec != std::errc() || second.ptr != end || !std::isfinite(yaw) ||
-      !std::isfinite(pitch) || std::abs(pitch) > 90.0)
-    return fail(fmt::format(
-        "\"{}\" is no view: give front, back, left, right, top, bottom, or YAW,PITCH in degrees, "
-        "pitch from -90 to 90",
-        text));
-  return View{radians(yaw), radians(pitch)};
+  if (separated && second.ec == std::errc() && second.ptr == end && std::isfinite(yaw) &&
+      std::abs(pitch) <= 90.0)
+    return View{radians(yaw), radians(pitch)};
+  std::error_code none;
+  if (!separated && std::filesystem::exists(text, none)) {
+    auto path = load_camera_path(text);
+    if (!path) return tl::unexpected(path.error());
+    return *std::move(path);
+  }
+  return fail(fmt::format(
+      "\"{}\" is no view: give front, back, left, right, top, bottom, YAW,PITCH in degrees, "
+      "pitch from -90 to 90, or the file of a camera's path",
+      text));
 }
 
 Result<glm::dvec3> parse_position(const std::string& text) {
@@ -224,10 +235,12 @@ PlayCommand::PlayCommand(CLI::App& app) {
       ->check(within(0.0, 1e9))
       ->type_name("SECONDS");
   play_command
-      .add_option("--view", view_,
+      .add_option("--camera,--view", view_,
                   "From where to look: front, back, left, right, top, bottom, or YAW,PITCH in "
-                  "degrees (default: the front, slightly from above)")
-      ->check(check(parse_view, "VIEW"));
+                  "degrees (default: the front, slightly from above); or a file with the camera's "
+                  "path, such as {\"pointreel_camera_path\": 1, \"keys\": [{\"seconds\": 0, "
+                  "\"yaw\": -90, \"pitch\": 10}, {\"seconds\": 2, \"yaw\": 90}]}")
+      ->check(check(parse_camera, "VIEW or FILE"));
   play_command.add_option("--screenshot", options_.screenshot, "Write the last picture")
       ->type_name("FILE.png");
   play_command
@@ -238,9 +251,10 @@ PlayCommand::PlayCommand(CLI::App& app) {
       ->capture_default_str();
   play_command
       .add_option("--record", options_.record,
-                  "Offscreen: write every picture; %d, or %04d for leading zeros, is its number")
-      ->check(
-          check([](const std::string& text) { return NumberedPath::parse(text); }, "out-%04d.png"));
+                  "Offscreen: write every picture into a video (.mp4, .mkv or .webm; needs "
+                  "ffmpeg), each for exactly its time, or into files of its own, where %d, or %04d "
+                  "for leading zeros, is its number")
+      ->check(check(check_recording_name, "out.mp4 or out-%04d.png"));
   play_command
       .add_option(
           "--json", options_.json,
@@ -277,7 +291,13 @@ Result<PlayOptions> PlayCommand::options() const {
   if (!up_.empty()) options.up = up_[0];
   options.offscreen = !size_.empty();
   if (options.offscreen) options.size = *parse_size(size_);
-  if (!view_.empty()) options.view = *parse_view(view_);
+  if (!view_.empty()) {
+    auto camera = parse_camera(view_);
+    if (!camera) return tl::unexpected(camera.error());
+    if (const View* view = std::get_if<View>(&*camera)) options.view = *view;
+    if (CameraPath* path = std::get_if<CameraPath>(&*camera))
+      options.camera_path = std::move(*path);
+  }
   if (!options.record.empty() && !options.offscreen) return fail("--record needs --offscreen WxH");
   return options;
 }

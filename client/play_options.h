@@ -9,6 +9,7 @@
 
 #include "client/playback/stage.h"
 #include "client/render/renderer.h"
+#include "client/scene/camera_path.h"
 
 namespace pointreel {
 
@@ -38,9 +39,10 @@ struct PlayOptions {
   bool drawing_panel = false, statistics_panel = false;
   /// Where a window keeps what the user changes of all this (settings.h); empty: nowhere.
   std::string settings_file;
-  std::optional<double> at;        ///< seconds
-  std::optional<double> duration;  ///< seconds
-  std::optional<View> view;        ///< default: Camera::frame_bounds'
+  std::optional<double> at;               ///< seconds
+  std::optional<double> duration;         ///< seconds
+  std::optional<View> view;               ///< default: Camera::frame_bounds'
+  std::optional<CameraPath> camera_path;  ///< instead
   int supersample = 1;  ///< pictures that are written are drawn so many times as wide and high
   std::string screenshot, record, json;  ///< paths; empty: none
 };

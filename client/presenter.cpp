@@ -38,14 +38,18 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.reel.pixel_size = stage.live.pixel_size = options.draw.pixel_size;
   stage.reel.loop = options.loop.value_or(!options.offscreen);
   stage.reel.speed = options.speed;
-  stage.reel.start_us =
-      static_cast<std::uint64_t>(std::llround(options.at.value_or(0.0) * 1'000'000.0));
+  stage.reel.start_us = start_us(options);
   stage.reel.single_frame = single_frame(options);
   stage.live.prepare_threads = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);
   return stage;
 }
 
-Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
+std::uint64_t start_us(const PlayOptions& options) {
+  return static_cast<std::uint64_t>(std::llround(options.at.value_or(0.0) * 1'000'000.0));
+}
+
+Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, char up,
+                 glm::ivec2 size) {
   Camera camera;
   camera.up = options.up.value_or(up);
   camera.frame_bounds(bounds, static_cast<double>(size.x) / size.y);
@@ -53,7 +57,11 @@ Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm:
     camera.yaw = camera.pitch = 0.0;
     camera.orbit(options.view->yaw, options.view->pitch);
   }
-  return camera;
+  return options.camera_path ? options.camera_path->at(time_us, camera) : camera;
+}
+
+Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
+  return camera_at(options, start_us(options), bounds, up, size);
 }
 
 Result<std::unique_ptr<Presenter>> Presenter::create(const PlayOptions& options) {

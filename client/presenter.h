@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,8 +22,12 @@ namespace pointreel {
 
 Stage::Options stage_options(const PlayOptions& options);
 
-/// Looks at all of the bounds, from where the options say.
+/// Looks at all of the bounds, from where the options say; a camera's path is then at `time_us`.
+Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, char up,
+                 glm::ivec2 size);
+/// Where playback begins.
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
+std::uint64_t start_us(const PlayOptions& options);
 
 /// Only one frame is to be shown, of one source.
 bool single_frame(const PlayOptions& options);

@@ -16,10 +16,14 @@ Result<NumberedPath> numbered(const std::string& path) {
 
 }  // namespace
 
-Result<void> check_recording(const std::string& path) {
-  if (is_video(path)) return find_ffmpeg();
+Result<void> check_recording_name(const std::string& path) {
+  if (is_video(path)) return {};
   if (const auto parsed = numbered(path); !parsed) return tl::unexpected(parsed.error());
   return {};
+}
+
+Result<void> check_recording(const std::string& path) {
+  return is_video(path) ? find_ffmpeg() : check_recording_name(path);
 }
 
 Result<std::unique_ptr<Recorder>> open_recorder(const std::string& path, glm::ivec2 size,

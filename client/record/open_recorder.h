@@ -11,8 +11,9 @@
 
 namespace pointreel {
 
-/// Whether pictures can be recorded there: as a video (is_video), for which ffmpeg must be
-/// installed, or to numbered files (NumberedPath). Nothing is written.
+/// Whether that names a video (is_video) or numbered files (NumberedPath).
+Result<void> check_recording_name(const std::string& path);
+/// Whether pictures can be recorded there: for videos ffmpeg must be installed. Nothing is written.
 Result<void> check_recording(const std::string& path);
 
 /// Begins to record pictures of this size, which come at this rate, or at times of their own.

@@ -182,7 +182,8 @@ Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
 }
 
 Result<void> VideoWriter::finish() {
-  if (wait() != 0) return died();
+  wait();
+  if (status_ != 0) return died();
   if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
   return fail(fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
 }
@@ -199,20 +200,19 @@ bool VideoWriter::send(const void* bytes, std::size_t size) const {
   return true;
 }
 
-int VideoWriter::wait() {
+void VideoWriter::wait() {
   if (input_ >= 0) close(std::exchange(input_, -1));
-  if (process_ < 0) return 0;
-  int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  if (process_ < 0) return;
+  while (waitpid(process_, &status_, 0) < 0 && errno == EINTR) {
   }
   process_ = -1;
-  return status;
 }
 
 tl::unexpected<Error> VideoWriter::died() {
   wait();
   std::remove(part().c_str());
-  const std::string why = messages_ >= 0 ? first_line(messages_) : "";
+  std::string why = messages_ >= 0 ? first_line(messages_) : "";
+  if (why.empty() && WIFSIGNALED(status_)) why = strsignal(WTERMSIG(status_));
   return fail(
       fmt::format("{}: is not recorded: ffmpeg ended{}{}", path_, why.empty() ? "" : ": ", why));
 }

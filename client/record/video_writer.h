@@ -46,7 +46,7 @@ class VideoWriter : public Recorder {
                      const std::string& program);
   /// False if ffmpeg reads no more.
   bool send(const void* bytes, std::size_t size) const;
-  int wait();
+  void wait();
   tl::unexpected<Error> died();
 
   const std::string path_;
@@ -54,6 +54,7 @@ class VideoWriter : public Recorder {
   int input_ = -1;     ///< a socket that is ffmpeg's standard input
   int messages_ = -1;  ///< a nameless file that is its standard error
   int process_ = -1;   ///< until it has been waited for
+  int status_ = 0;     ///< waitpid's
   std::optional<std::uint64_t> last_time_us_;
 };
 

@@ -217,6 +217,16 @@ TEST(VideoWriter, a_program_that_ends_on_its_way_is_an_error_that_repeats_what_i
             (folder / "a.mp4").string() + ": is not recorded: ffmpeg ended: no space left");
 }
 
+TEST(VideoWriter, a_program_that_is_killed_is_an_error_that_says_so) {
+  const TemporaryFolder folder;
+  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt,
+                                    script(folder, "kill -KILL $$"));
+  Result<void> ended = writer ? Result<void>() : tl::unexpected(writer.error());
+  for (int i = 0; i < 1000 && ended; ++i) ended = (*writer)->add(numbered({64, 48}, i), 0);
+  ASSERT_FALSE(ended);
+  EXPECT_THAT(ended.error().message, HasSubstr("ffmpeg ended: Killed"));
+}
+
 TEST(VideoWriter, a_program_that_fails_at_the_end_is_an_error) {
   const TemporaryFolder folder;
   const std::string program = script(folder, "cat > /dev/null; echo 'no' >&2; exit 3");

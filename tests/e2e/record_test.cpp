@@ -1,0 +1,148 @@
+// Recordings, as a user makes them.
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/cloud/ply.h"
+#include "tests/e2e/picture.h"
+#include "tests/e2e/process.h"
+#include "tests/read_file.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr int kFrames = 6;
+
+/// A red cube that goes from left to right between green ones, which stand still.
+PointCloud scene(int frame) {
+  PointCloud cloud;
+  const auto add_cube = [&](const glm::vec3& center, const glm::u8vec3& color) {
+    for (int x = -10; x <= 10; ++x)
+      for (int y = -10; y <= 10; ++y)
+        for (const int z : {-10, 10}) {
+          cloud.positions.push_back(center + 0.01f * glm::vec3(x, y, z));
+          cloud.colors.push_back(glm::u16vec3(color) * std::uint16_t{257});
+        }
+  };
+  add_cube({-1.0f, -0.5f, 0.0f}, {20, 220, 20});
+  add_cube({1.0f, -0.5f, 0.0f}, {20, 220, 20});
+  add_cube({-1.0f + 0.4f * static_cast<float>(frame), 0.5f, 0.0f}, {220, 20, 20});
+  return cloud;
+}
+
+class Record : public testing::Test {
+ protected:
+  void SetUp() override {
+    // No display: nothing of this may need one.
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    fs::create_directories(folder_ / "in");
+    for (int i = 0; i < kFrames; ++i)
+      ASSERT_TRUE(write_ply(folder_ / fmt::format("in/frame{}.ply", i), scene(i)));
+  }
+
+  Outcome play(std::vector<std::string> arguments) const {
+    std::vector<std::string> all = {
+        "play",   (folder_ / "in").string(), "--fps", "10", "--mode", "point", "--offscreen",
+        "160x120"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return run("pointreel", all);
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// The pictures of a video, each as often as it is there.
+  std::vector<Picture> pictures_of(const std::string& video) const {
+    fs::create_directories(folder_ / "frames");
+    const std::string command = "ffmpeg -v error -i '" + path(video) +
+                                "' -fps_mode passthrough -start_number 0 '" + path("frames") +
+                                "/%03d.png'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    std::vector<Picture> pictures;
+    for (int i = 0; fs::exists(folder_ / fmt::format("frames/{:03}.png", i)); ++i)
+      pictures.push_back(read_picture(folder_ / fmt::format("frames/{:03}.png", i)));
+    return pictures;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+bool has_ffmpeg() { return std::system("ffmpeg -version > /dev/null 2>&1") == 0; }
+
+double red_x(const Picture& picture) { return find_hue(picture, {1, 0, 0}).center.x; }
+
+TEST_F(Record, a_video_has_every_frame_once_in_order) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const Outcome played = play({"--camera", "front", "--record", path("out.mp4"), "--json", "-"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  EXPECT_EQ(played.err, "");  // no bar where no terminal is
+  const auto report = nlohmann::json::parse(played.out, nullptr, false);
+  EXPECT_EQ(report["frames_shown"], kFrames);
+  const std::vector<Picture> pictures = pictures_of("out.mp4");
+  ASSERT_EQ(pictures.size(), static_cast<std::size_t>(kFrames));
+  for (std::size_t i = 1; i < pictures.size(); ++i)
+    EXPECT_GT(red_x(pictures[i]), red_x(pictures[i - 1]) + 8) << i;
+}
+
+TEST_F(Record, a_loop_lasts_as_long_as_it_is_told_to) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const Outcome played =
+      play({"--camera", "front", "--record", path("out.webm"), "--loop", "--duration", "1"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  const std::vector<Picture> pictures = pictures_of("out.webm");
+  ASSERT_EQ(pictures.size(), 10u);
+  for (std::size_t i = kFrames; i < pictures.size(); ++i)
+    EXPECT_NEAR(red_x(pictures[i]), red_x(pictures[i - kFrames]), 1.5) << i;
+}
+
+TEST_F(Record, the_camera_follows_its_path_frame_by_frame) {
+  folder_.write("path.json", R"({"pointreel_camera_path": 1, "keys": [
+    {"seconds": 0, "yaw": 0}, {"seconds": 0.2, "yaw": 0}, {"seconds": 0.4, "yaw": 180}]})");
+  const Outcome played = play({"--camera", path("path.json"), "--record", path("out-%d.png"),
+                               "--screenshot", path("last.png")});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  EXPECT_FALSE(fs::exists(folder_ / fmt::format("out-{}.png", kFrames)));
+  // From the front it goes to the right, from the back to the left.
+  const auto x = [&](int i) { return red_x(read_picture(folder_ / fmt::format("out-{}.png", i))); };
+  EXPECT_GT(x(1), x(0) + 8);
+  EXPECT_GT(x(2), x(1) + 8);
+  EXPECT_LT(x(5), x(4) - 8);
+  EXPECT_EQ(read_file(folder_ / "last.png"), read_file(folder_ / "out-5.png"));
+  // One frame of it is the same picture.
+  ASSERT_EQ(play({"--camera", path("path.json"), "--at", "0.3", "--screenshot", path("one.png")})
+                .exit_code,
+            0);
+  EXPECT_EQ(read_file(folder_ / "one.png"), read_file(folder_ / "out-3.png"));
+}
+
+TEST_F(Record, without_ffmpeg_it_is_one_line_before_anything_is_drawn) {
+  setenv("PATH", path("none").c_str(), 1);
+  const Outcome played = play({"--record", path("out.mp4"), "--screenshot", path("last.png")});
+  EXPECT_EQ(played.exit_code, 1);
+  EXPECT_THAT(played.err, HasSubstr("pointreel: ffmpeg is not installed"));
+  EXPECT_EQ(std::count(played.err.begin(), played.err.end(), '\n'), 1);
+  EXPECT_FALSE(fs::exists(folder_ / "last.png"));
+}
+
+TEST_F(Record, what_is_no_path_of_a_camera_is_wrong_usage) {
+  const Outcome played = play({"--camera", path("in/frame0.ply")});
+  EXPECT_EQ(played.exit_code, 2);
+  EXPECT_THAT(played.err, HasSubstr("frame0.ply: is not valid JSON"));
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

@@ -30,9 +30,21 @@ void ErrorLines::print(std::size_t source, const std::string& where, std::uint32
                        const Error& error) {
   const std::lock_guard lock(mutex_);
   if (printed_.size() >= kMostLines || !printed_.insert({source, frame}).second) return;
-  print_line(progress_, fmt::format("{}frame {}: {}", where, frame, error.message));
+  newest_ = fmt::format("{}frame {}: {}", where, frame, error.message);
+  print_line(progress_, *newest_);
   if (printed_.size() == kMostLines)
     print_line(progress_, "more broken frames are counted, but not told");
+}
+
+std::optional<std::string> ErrorLines::take_newest() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(newest_, std::nullopt);
+}
+
+std::string TroubleLines::now() const {
+  for (const std::optional<std::string>& line : said_)
+    if (line) return *line;
+  return {};
 }
 
 void TroubleLines::look(const Stage& stage, Progress* progress) {

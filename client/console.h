@@ -23,10 +23,13 @@ class ErrorLines {
   void set_progress(Progress* progress);
   /// `where`: before the frame's number; empty if there is one source.
   void print(std::size_t source, const std::string& where, std::uint32_t frame, const Error& error);
+  /// The last line since this was last asked for.
+  std::optional<std::string> take_newest();
 
  private:
   std::mutex mutex_;
   Progress* progress_ = nullptr;
+  std::optional<std::string> newest_;
   std::set<std::pair<std::size_t, std::uint32_t>> printed_;
 };
 
@@ -35,6 +38,8 @@ class TroubleLines {
  public:
   /// Lines stand above the bar, if there is one.
   void look(const Stage& stage, Progress* progress = nullptr);
+  /// Of the first source that something is wrong with; empty: all is well.
+  std::string now() const;
 
  private:
   std::vector<std::optional<std::string>> said_;

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +12,7 @@ namespace pointreel {
 namespace {
 
 int run(int argc, char** argv) {
+  const auto started = std::chrono::steady_clock::now();
   CLI::App app("Pointreel plays point clouds that move.", "pointreel");
   app.set_version_flag("--version", "pointreel " POINTREEL_VERSION);
   app.require_subcommand(1);
@@ -30,11 +32,8 @@ int run(int argc, char** argv) {
   }
   if (const auto read = play_command.read_settings(*options); !read)
     fmt::print(stderr, "pointreel: {}\n", read.error().message);
-  if (const auto played = play(*options); !played) {
-    fmt::print(stderr, "pointreel: {}\n", played.error().message);
-    return 1;
-  }
-  return 0;
+  options->started = started;
+  return play(*options) ? 0 : 1;
 }
 
 }  // namespace

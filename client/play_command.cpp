@@ -244,6 +244,11 @@ PlayCommand::PlayCommand(CLI::App& app) {
   play_command.add_option("--screenshot", options_.screenshot, "Write the last picture")
       ->type_name("FILE.png");
   play_command
+      .add_option("--ui-scale", options_.ui_scale,
+                  "Size of the window's interface (default: what the display says)")
+      ->check(within(0.5, 4.0))
+      ->type_name("FACTOR");
+  play_command
       .add_option("--supersample", options_.supersample,
                   "Draw pictures that are written N times as wide and high, and average")
       ->check(CLI::Range(1, 4))

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,6 +44,10 @@ struct PlayOptions {
   std::optional<double> duration;         ///< seconds
   std::optional<View> view;               ///< default: Camera::frame_bounds'
   std::optional<CameraPath> camera_path;  ///< instead
+  /// Of the window's interface, 1 for 96 pixels an inch; default: what the display says.
+  std::optional<double> ui_scale;
+  bool floor = false;                               ///< a grid on the floor
+  std::chrono::steady_clock::time_point started{};  ///< when the process began
   int supersample = 1;  ///< pictures that are written are drawn so many times as wide and high
   std::string screenshot, record, json;  ///< paths; empty: none
 };

@@ -1,15 +1,21 @@
 #include "client/player.h"
 
+#include <cstdio>
+
+#include <fmt/format.h>
+
 #include "client/offscreen_player.h"
 #include "client/window_player.h"
 #include "common/base/stop_signal.h"
 
 namespace pointreel {
 
-Result<void> play(const PlayOptions& options) {
+bool play(const PlayOptions& options) {
   const StopSignal stop;
-  return options.offscreen ? play_offscreen(options, stop.token())
-                           : play_in_window(options, stop.token());
+  if (!options.offscreen) return play_in_window(options, stop.token());
+  const Result<void> played = play_offscreen(options, stop.token());
+  if (!played) fmt::print(stderr, "pointreel: {}\n", played.error().message);
+  return played.has_value();
 }
 
 }  // namespace pointreel

@@ -58,6 +58,11 @@ class Presenter {
   /// Brings the counts of the report up to date. `lost`: frames of every one that were skipped;
   /// with `every_frame` nothing else is ever late.
   const PlayReport& report(const Stage& stage, std::uint64_t lost, bool every_frame);
+  /// What the window showed at the end; `mode` is what the user has chosen last.
+  void set_window(const WindowReport& window, DrawMode mode) {
+    report_.window = window;
+    report_.mode = mode;
+  }
   /// Where options.json says, if it does.
   Result<void> write_report() const;
 

@@ -19,6 +19,32 @@ nlohmann::ordered_json json_of(const TimeSamples& samples) {
           {"max", rounded(summary.max)}};
 }
 
+nlohmann::ordered_json json_of(const WindowReport& window) {
+  nlohmann::ordered_json json = {{"window_ms", rounded(window.window_ms)},
+                                 {"first_picture_ms", rounded(window.first_picture_ms)},
+                                 {"interface_ms", json_of(window.interface)},
+                                 {"scrub_to_picture_ms", json_of(window.scrub_to_picture)},
+                                 {"playing", window.playing},
+                                 {"position_s", window.position_s},
+                                 {"frame", window.frame},
+                                 {"speed", rounded(window.speed)},
+                                 {"loop", window.loop}};
+  if (window.loop_range)
+    json["loop_range_s"] = {static_cast<double>(window.loop_range->a_us) * 1e-6,
+                            static_cast<double>(window.loop_range->b_us) * 1e-6};
+  const Camera& camera = window.camera;
+  json["camera"] = {{"target", {camera.target.x, camera.target.y, camera.target.z}},
+                    {"distance", camera.distance},
+                    {"yaw", camera.yaw},
+                    {"pitch", camera.pitch}};
+  json["flying"] = window.flying;
+  json["floor"] = window.floor;
+  json["shown"] = {
+      {"help", window.help}, {"drawing", window.drawing}, {"statistics", window.statistics}};
+  if (!window.error.empty()) json["error"] = window.error;
+  return json;
+}
+
 nlohmann::ordered_json json_of(const ReelPlayback::Chosen& chosen) {
   auto attributes = nlohmann::ordered_json::array();
   if (chosen.decision.set.colors) attributes.push_back("colors");
@@ -163,16 +189,8 @@ std::string PlayReport::to_json() const {
   auto each = nlohmann::ordered_json::array();
   for (const SourceReport& source : sources) each.push_back(json_of(source));
   json["sources"] = each;
+  if (window) json["window"] = json_of(*window);
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
-std::string PlayReport::to_title() const {
-  return fmt::format(
-      "{} points, depth {}, {} {}s drawn, {} frames shown, {} dropped, {} broken; median ms: fetch "
-      "{:.1f}, decode {:.1f}, normals {:.1f}, octree {:.1f}, cut {:.1f}, render {:.1f}",
-      points_, depth_, last_.drawn, name(mode), frames_shown_, frames_dropped, errors,
-      fetch_.summary().median, decode_.summary().median, normals_.summary().median,
-      svo_.summary().median, cut_.summary().median, render_.summary().median);
 }
 
 }  // namespace pointreel

@@ -10,6 +10,7 @@
 #include "client/playback/reel_playback.h"
 #include "client/playback/statistics.h"
 #include "client/render/renderer.h"
+#include "client/scene/camera.h"
 #include "client/scene/frame.h"
 #include "client/source/live_source.h"
 #include "client/source/source.h"
@@ -39,11 +40,30 @@ struct SourceReport {
   TimeSamples delay;               ///< of a live stream: from capture to the end of drawing
 };
 
+/// What a window came to, and what it showed at the end.
+struct WindowReport {
+  // Since the process began.
+  double window_ms = 0.0;         ///< until there was one
+  double first_picture_ms = 0.0;  ///< until there was a frame in it; 0: never
+  TimeSamples interface;          ///< of each picture with any: to make and draw it
+  /// While the time is dragged: from each move that asks for another frame, or the first one that
+  /// is not answered, until the window shows the frame that is asked for by then.
+  TimeSamples scrub_to_picture;
+  bool playing = false, loop = false, help = false, drawing = false, statistics = false;
+  bool floor = false, flying = false;
+  double position_s = 0.0, speed = 1.0;
+  std::uint32_t frame = 0;
+  std::optional<LoopRange> loop_range;
+  Camera camera;
+  std::string error;  ///< shown at the end
+};
+
 /// What playing came to. Times are over the frames shown, one sample a frame; the counts of layers,
 /// points, nodes, leaves, depth, drawn and what was not drawn are those of the last frame shown.
 class PlayReport {
  public:
   std::vector<SourceReport> sources;
+  std::optional<WindowReport> window;  ///< if there was one
   std::string gl_renderer;
   DrawMode mode = DrawMode::surfel;
   Instancing instancing = Instancing::pull;
@@ -64,8 +84,6 @@ class PlayReport {
 
   std::uint64_t frames_shown() const { return frames_shown_; }
   std::string to_json() const;
-  /// One line for the window's title.
-  std::string to_title() const;
 
  private:
   void set_last(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);

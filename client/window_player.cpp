@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -14,9 +16,17 @@
 
 #include "client/capture.h"
 #include "client/console.h"
+#include "client/error_window.h"
+#include "client/playback/opening.h"
 #include "client/playback/stage.h"
 #include "client/presenter.h"
 #include "client/render/gl_context.h"
+#include "client/scene/camera_path.h"
+#include "client/settings.h"
+#include "client/ui/controls.h"
+#include "client/ui/interface.h"
+#include "client/ui/time_text.h"
+#include "client/ui/timeline_view.h"
 #include "client/ui/window_input.h"
 
 namespace pointreel {
@@ -25,252 +35,475 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
+/// Of the interface while it changes by itself; faster than this is seen by nobody.
+constexpr milliseconds kInterfacePeriod{33};
+/// How often it is drawn after something happened: ImGui needs a picture to find what is under the
+/// cursor, one to press it, and one to release it.
+constexpr int kPicturesAfterInput = 3;
+constexpr milliseconds kBrokenFrameShown{4000};
+
+double ms_since(steady_clock::time_point start, steady_clock::time_point now) {
+  return std::chrono::duration<double, std::milli>(now - start).count();
+}
+
+/// What people call it: the last part of its path or address.
+std::string short_name(const std::string& where) {
+  std::string text = where;
+  while (text.size() > 1 && text.back() == '/') text.pop_back();
+  const std::size_t slash = text.rfind('/');
+  return slash == std::string::npos || slash + 1 == text.size() ? text : text.substr(slash + 1);
+}
+
+std::string short_names(const std::vector<Stage::Placed>& sources) {
+  std::string names;
+  for (const Stage::Placed& source : sources)
+    names += (names.empty() ? "" : ", ") + short_name(source.where);
+  return names;
+}
+
 class WindowPlayer {
  public:
-  WindowPlayer(const PlayOptions& options, const std::stop_token& stop)
-      : options_(options), stop_(stop), draw_(options.draw) {}
+  WindowPlayer(const PlayOptions& options, const std::stop_token& stop, WindowContext& window)
+      : options_(options),
+        stop_(stop),
+        window_(window),
+        controls_({options.draw, options.delta, options.floor}),
+        input_(window.handle()),
+        interface_(window.handle(),
+                   static_cast<float>(options.ui_scale.value_or(window.content_scale()))) {
+    controls_.show_drawing = options.drawing_panel;
+    controls_.show_statistics = options.statistics_panel;
+    input_.set_covered([this](glm::dvec2 cursor) { return interface_.covers(cursor); });
+  }
 
-  Result<void> run() {
-    auto stage = Stage::open(
-        options_.sources, stage_options(options_),
-        [this](const Box& bounds, char up) { return first_camera(options_, bounds, up, size_); },
-        [this](std::size_t source, std::uint32_t frame, const Error& error) {
-          const auto& sources = options_.sources;
-          errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
-                        error);
-        });
-    if (!stage) return tl::unexpected(stage.error());
-    stage_ = *std::move(stage);
-    auto context = WindowContext::create(title(), options_.size.x, options_.size.y);
-    if (!context)
-      return fail(context.error().message + "; --offscreen WxH draws without a display");
+  bool run() {
+    open(options_.sources);
+    show_first_window();
     auto presenter = Presenter::create(options_);
-    if (!presenter) return tl::unexpected(presenter.error());
-    presenter_ = *std::move(presenter);
-    presenter_->begin(*stage_);
-    reset_view();
-    Result<void> ended;
-    {
-      WindowInput input(context->handle());
-      ended = play(*context, input);
+    if (!presenter) {
+      say_error(presenter.error().message);
+    } else {
+      presenter_ = *std::move(presenter);
     }
-    presenter_->report(*stage_, 0, false);
-    stage_.reset();
-    if (ended) ended = presenter_->write_report();
-    presenter_.reset();  // before its context
-    return ended;
+    if (auto played = play(); !played) {
+      say_error(played.error().message);
+    } else if (presenter_) {
+      if (auto written = finish(); !written) say_error(written.error().message);
+    }
+    return error_.empty();
   }
 
  private:
-  void reset_view() { camera_ = first_camera(options_, stage_->bounds(), stage_->up(), size_); }
+  // Opening.
 
-  Result<void> play(WindowContext& window, WindowInput& input) {
-    bool redraw = true;
-    auto last_look = steady_clock::now();
-    while (!stop_.stop_requested() && !quit_ && !glfwWindowShouldClose(window.handle())) {
-      wait_for_events(redraw);
-      redraw = false;
+  void open(std::vector<Stage::Placed> sources) {
+    opened_ = std::move(sources);
+    const PlayOptions options = options_;
+    const glm::ivec2 size = size_;
+    opening_.emplace(
+        opened_, stage_options(options_),
+        [options, size](const Box& bounds, char up) {
+          return first_camera(options, bounds, up, size);
+        },
+        [this, sources = opened_](std::size_t source, std::uint32_t frame, const Error& error) {
+          errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
+                        error);
+        });
+    opening_since_ = steady_clock::now();
+    glfwSetWindowTitle(window_.handle(), ("Pointreel: " + short_names(opened_)).c_str());
+  }
+
+  void look_whether_open(bool& changed) {
+    if (!opening_ || !presenter_) return;
+    auto opened = opening_->poll();
+    if (!opened) return;
+    opening_.reset();
+    changed = true;
+    if (!*opened) {
+      say_error(opened->error().message);
+      return;
+    }
+    error_.clear();
+    controls_.begin(nullptr, {});
+    stage_ = *std::move(*opened);
+    stage_->set_mode(controls_.settings().draw.mode);
+    stage_->set_delta(controls_.settings().delta);
+    drawn_mode_ = controls_.settings().draw.mode;
+    presenter_->begin(*stage_);
+    bounded_ = stage_->bounded();
+    controls_.begin(stage_.get(), [this] {
+      return first_camera(options_, stage_->bounds(), stage_->up(), size_);
+    });
+    std::string names;
+    for (std::size_t i = 0; i < stage_->size(); ++i)
+      names += (i > 0 ? ", " : "") + stage_->playback(i).name();
+    glfwSetWindowTitle(window_.handle(), ("Pointreel: " + names).c_str());
+  }
+
+  void say_error(const std::string& message) {
+    error_ = message;
+    fmt::print(stderr, "pointreel: {}\n", message);
+  }
+
+  // The loop.
+
+  void show_first_window() {
+    glfwPollEvents();
+    glfwGetFramebufferSize(window_.handle(), &size_.x, &size_.y);
+    build_interface(steady_clock::now());
+    window_.clear(controls_.settings().draw.background);
+    interface_.draw();
+    window_.swap();
+    report_.window_ms = ms_since(options_.started, steady_clock::now());
+  }
+
+  Result<void> play() {
+    auto before = steady_clock::now(), last_look = before;
+    const auto began = before;
+    while (!stop_.stop_requested() && !quit_ && !glfwWindowShouldClose(window_.handle())) {
+      wait_for_events();
       const auto now = steady_clock::now();
-      if (auto acted = act(input, now, redraw); !acted) return acted;
-      if (options_.duration && presenter_->shown() && presenter_->seconds() >= *options_.duration)
-        break;
-      const Stage::Update update = stage_->update(now);
-      if (update.ended) break;
-
-      glm::ivec2 size{0};
-      glfwGetFramebufferSize(window.handle(), &size.x, &size.y);
-      if (size.x <= 0 || size.y <= 0) continue;  // minimised
-      redraw = redraw || size != size_;
-      size_ = size;
-      frame_what_came();
-      stage_->look(camera_, size_);
-
-      if (!update.changes.empty()) {
-        draw_.mode = wanted_mode_;
-        if (auto drawn = presenter_->show(*stage_, update.changes, camera_, size_, draw_); !drawn)
-          return drawn;
-        redraw = true;
-      } else if (redraw) {
-        if (auto drawn = presenter_->show_again(*stage_, camera_, size_, draw_); !drawn)
-          return drawn;
-      }
-      if (redraw) {
-        presenter_->painter().present();
-        window.swap();
-      }
+      const double seconds = std::min(0.1, ms_since(before, now) / 1000.0);
+      before = now;
+      const Input input = input_.take();
+      bool redraw = false;
+      look_whether_open(redraw);
+      if (input.any || redraw) pictures_due_ = kPicturesAfterInput;
+      if (auto acted = act(input, now, seconds, redraw); !acted) return acted;
+      if (options_.duration && over(now, began)) break;
       if (now - last_look > milliseconds(100)) {
         last_look = now;
-        trouble_.look(*stage_);
-        update_title(window.handle());
+        look_for_trouble(now);
       }
+
+      glm::ivec2 size{0};
+      glfwGetFramebufferSize(window_.handle(), &size.x, &size.y);
+      if (size.x <= 0 || size.y <= 0) continue;  // minimised
+      if (std::exchange(size_, size) != size) {
+        redraw = true;
+        pictures_due_ = kPicturesAfterInput;
+      }
+      const bool built = interface_due(now);
+      if (built) build_interface(now, redraw);
+      follow_scrub(now);
+      bool shown = false;
+      if (stage_) {
+        const Stage::Update update = stage_->update(now);
+        if (update.ended) break;
+        if (auto drawn = draw(update, redraw, shown); !drawn) return drawn;
+      }
+      if (built || shown || redraw) present();
     }
-    if (options_.screenshot.empty() || !presenter_->shown()) return {};
+    if (options_.screenshot.empty() || !presenter_ || !presenter_->shown()) return {};
     return presenter_->painter().write(options_.screenshot);
   }
 
-  void wait_for_events(bool redraw) const {
-    if (redraw)
+  /// Of real time from the first picture on, or from an error that there is none for.
+  bool over(steady_clock::time_point now, steady_clock::time_point began) const {
+    if (presenter_ && presenter_->shown()) return presenter_->seconds() >= *options_.duration;
+    return !error_.empty() && ms_since(began, now) >= 1000.0 * *options_.duration;
+  }
+
+  void wait_for_events() const {
+    if (pictures_due_ > 0 || flown_)
       glfwPollEvents();
     else
-      glfwWaitEventsTimeout(stage_->playing() ? 0.002 : 0.01);
+      glfwWaitEventsTimeout(stage_ && (stage_->playing() || controls_.scrubbing()) ? 0.002 : 0.01);
   }
 
-  /// Live streams say late where they are: looks at everything anew, unless the user has chosen
-  /// where to look from.
-  void frame_what_came() {
-    if (stage_->bounded() == bounded_) return;
-    bounded_ = stage_->bounded();
-    if (!moved_) reset_view();
+  Result<void> draw(const Stage::Update& update, bool redraw, bool& shown) {
+    // Live streams say late where they are.
+    if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded())
+      controls_.look_home_unless_moved();
+    stage_->look(controls_.camera(), size_);
+    shown = !update.changes.empty();
+    if (!shown && !redraw) return {};
+    // Frames that were made for another mode are drawn as before until new ones are there.
+    if (shown) drawn_mode_ = controls_.settings().draw.mode;
+    DrawOptions draw = controls_.settings().draw;
+    draw.mode = drawn_mode_;
+    if (controls_.settings().floor && !stage_->bounds().empty())
+      draw.floor = FloorGrid{stage_->bounds(), controls_.camera().up};
+    if (!shown) return presenter_->show_again(*stage_, controls_.camera(), size_, draw);
+    return presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw);
   }
 
-  Result<void> act(WindowInput& input, Clock::TimePoint now, bool& redraw) {
-    const Input events = input.take();
-    const double height = std::max(1, size_.y);
-    if (events.orbit != glm::dvec2(0.0)) {
-      // Once across the height of the picture is half a turn.
-      camera_.orbit(-events.orbit.x / height * M_PI, events.orbit.y / height * M_PI);
-      moved_ = redraw = true;
+  void present() {
+    if (stage_)
+      presenter_->painter().present();
+    else
+      window_.clear(controls_.settings().draw.background);
+    if (!interface_.empty()) {
+      window_.finish();  // what is not the interface's
+      const auto start = steady_clock::now();
+      interface_.draw();
+      window_.finish();
+      report_.interface.add(ms_since(start, steady_clock::now()) + build_ms_);
     }
-    if (events.pan != glm::dvec2(0.0)) {
-      camera_.pan(-events.pan.x / height, events.pan.y / height);
-      moved_ = redraw = true;
+    build_ms_ = 0.0;
+    window_.swap();
+    note_what_is_shown(steady_clock::now());
+  }
+
+  void note_what_is_shown(steady_clock::time_point now) {
+    if (!presenter_ || !presenter_->shown()) return;
+    if (report_.first_picture_ms == 0.0) report_.first_picture_ms = ms_since(options_.started, now);
+    if (!scrub_asked_) return;
+    const ReelPlayback* reel = controls_.reel();
+    const SceneFrame* frame = reel ? shown_frame() : nullptr;
+    if (!frame || frame->index != scrub_frame_) return;
+    report_.scrub_to_picture.add(ms_since(*scrub_asked_, now));
+    scrub_asked_.reset();
+  }
+
+  /// Of the reel whose time the controls tell.
+  const SceneFrame* shown_frame() const {
+    for (std::size_t i = 0; i < stage_->size(); ++i)
+      if (stage_->reel(i) == controls_.reel()) return stage_->scene()[i].frame.get();
+    return nullptr;
+  }
+
+  // The interface.
+
+  bool interface_due(steady_clock::time_point now) {
+    if (pictures_due_ > 0) {
+      --pictures_due_;
+      return true;
     }
-    if (events.wheel != 0.0) {
-      camera_.zoom(std::pow(0.9, events.wheel));
-      moved_ = redraw = true;
+    return now - built_ >= kInterfacePeriod && interface_.changing(view_);
+  }
+
+  void build_interface(steady_clock::time_point now) {
+    bool redraw = false;
+    build_interface(now, redraw);
+  }
+
+  void build_interface(steady_clock::time_point now, bool& redraw) {
+    const auto start = steady_clock::now();
+    built_ = now;
+    view_.now = now;
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_.handle(), &width, &height);
+    view_.size = {width, height};
+    view_.error = error_.empty() ? trouble_now_ : error_;
+    view_.hint =
+        error_.empty() ? "" : "Drop a package, a folder or PLY files here, or press q to quit";
+    view_.waiting = waiting();
+    view_.waiting_seconds = ms_since(opening_since_, now) / 1000.0;
+    view_.timeline.reset();
+    if (stage_) view_.timeline = timeline_view(controls_, now);
+    if (auto said = controls_.take_said()) interface_.say(*said, now);
+    const DrawSettings settings = controls_.settings();
+    const TimelineUse use = interface_.build(view_, controls_);
+    bar_scrub_us_ = use.scrub_us;
+    if (use.action) pressed_.push_back(*use.action);
+    redraw = redraw || settings != controls_.settings();
+    build_ms_ += ms_since(start, steady_clock::now());
+  }
+
+  std::string waiting() const {
+    if (opening_ || !presenter_) return "Loading " + short_names(opened_);
+    if (stage_ && !presenter_->shown() && error_.empty()) return "Waiting for the first picture";
+    return {};
+  }
+
+  void follow_scrub(steady_clock::time_point now) {
+    const std::optional<std::uint64_t> time_us =
+        picture_scrub_us_ ? picture_scrub_us_ : bar_scrub_us_;
+    if (!time_us || !controls_.reel()) {
+      controls_.scrub_end(now);
+      return;
     }
-    scrub(events, now);
-    for (const Action action : events.actions) {
-      switch (action) {
-        case Action::toggle_play:
-          stage_->for_each_reel([&](ReelPlayback& reel) { reel.toggle_play(now); });
-          break;
-        case Action::seek_forward:
-        case Action::seek_back:
-          stage_->for_each_reel([&](ReelPlayback& reel) {
-            reel.seek_by(action == Action::seek_forward ? 5'000'000 : -5'000'000, now);
-          });
-          break;
-        case Action::step_forward:
-        case Action::step_back:
-          stage_->for_each_reel(
-              [&](ReelPlayback& reel) { reel.step(action == Action::step_forward ? 1 : -1, now); });
-          break;
-        case Action::slower:
-          stage_->for_each_reel(
-              [&](ReelPlayback& reel) { reel.set_speed(reel.speed() / 1.1, now); });
-          break;
-        case Action::faster:
-          stage_->for_each_reel(
-              [&](ReelPlayback& reel) { reel.set_speed(reel.speed() * 1.1, now); });
-          break;
-        case Action::normal_speed:
-          stage_->for_each_reel([&](ReelPlayback& reel) { reel.set_speed(1.0, now); });
-          break;
-        case Action::turn_around:
-          stage_->for_each_reel([&](ReelPlayback& reel) { reel.set_speed(-reel.speed(), now); });
-          break;
-        case Action::toggle_loop:
-          stage_->for_each_reel([&](ReelPlayback& reel) { reel.toggle_loop(now); });
-          break;
-        case Action::next_mode:
-          wanted_mode_ = static_cast<DrawMode>((static_cast<int>(wanted_mode_) + 1) % 3);
-          stage_->set_mode(wanted_mode_);
-          break;
-        case Action::next_instancing:
-          draw_.instancing = next(draw_.instancing);
-          tell_how_is_drawn();
-          redraw = true;
-          break;
-        case Action::next_splatting:
-          draw_.splatting = next(draw_.splatting);
-          tell_how_is_drawn();
-          redraw = true;
-          break;
-        case Action::toggle_fullscreen:
-          input.toggle_fullscreen();
-          break;
-        case Action::screenshot: {
-          const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
-          const auto written = presenter_->painter().write(path);
-          fmt::print(stderr, "pointreel: {}\n",
-                     written ? "wrote " + path : written.error().message);
-          break;
-        }
-        case Action::toggle_statistics:
-          statistics_ = !statistics_;
-          title_stale_ = true;
-          break;
-        case Action::reset_view:
-          moved_ = false;
-          reset_view();
-          redraw = true;
-          break;
-        case Action::help:
-          fmt::print(stderr, "{}", bindings_help());
-          break;
-        case Action::quit:
-          quit_ = true;
-          break;
+    controls_.scrub_to(*time_us, now);
+    const std::uint32_t frame = controls_.reel()->timeline().frame_at(*time_us);
+    const SceneFrame* shown = shown_frame();
+    if (shown && shown->index == frame)
+      scrub_asked_.reset();
+    else if (!scrub_asked_)
+      scrub_asked_ = now;
+    scrub_frame_ = frame;
+  }
+
+  void look_for_trouble(steady_clock::time_point now) {
+    if (!stage_) return;
+    trouble_.look(*stage_);
+    std::string line = trouble_.now();
+    if (const auto broken = errors_.take_newest()) {
+      broken_ = *broken;
+      broken_at_ = now;
+    }
+    if (line.empty() && now - broken_at_ < kBrokenFrameShown) line = broken_;
+    if (std::exchange(trouble_now_, line) != line) pictures_due_ = 1;
+  }
+
+  /// A key of a path that `play --camera` follows: where the camera is, at the time of now. The
+  /// file is written anew with each, so that none is lost.
+  void add_camera_key(steady_clock::time_point now) {
+    if (!controls_.reel()) return;
+    if (camera_file_.empty())
+      camera_file_ = NumberedPath::parse("pointreel-camera-%04d.json")->first_free();
+    const std::uint64_t at = controls_.reel()->position_us(now);
+    camera_path_.up = controls_.camera().up;
+    camera_path_.set(key_of(controls_.camera(), at));
+    const auto saved = save_camera_path(camera_file_, camera_path_);
+    interface_.say(saved ? fmt::format("camera key {} at {}: {}", camera_path_.keys.size(),
+                                       format_time(at), camera_file_)
+                         : saved.error().message,
+                   now);
+  }
+
+  // What the user does.
+
+  Result<void> act(const Input& input, steady_clock::time_point now, double seconds, bool& redraw) {
+    if (input.moved) interface_.wake(now);
+    if (!input.dropped.empty()) open_dropped(input.dropped);
+    std::vector<Action> actions = std::exchange(pressed_, {});
+    actions.insert(actions.end(), input.actions.begin(), input.actions.end());
+    for (const Action action : actions) {
+      const DrawSettings before = controls_.settings();
+      const Camera camera = controls_.camera();
+      if (!controls_.act(action, now)) {
+        if (auto done = act_on_window(action, now); !done) return done;
       }
+      redraw = redraw || before != controls_.settings() || camera != controls_.camera();
+    }
+    if (input.centered && stage_) {
+      if (const auto point = presenter_->painter().point_at(in_pixels(*input.centered))) {
+        controls_.center_on(*point);
+        redraw = true;
+      }
+    }
+    picture_scrub_us_.reset();
+    if (input.scrub && controls_.reel())
+      picture_scrub_us_ = static_cast<std::uint64_t>(
+          *input.scrub * static_cast<double>(controls_.reel()->timeline().duration_us));
+    input_.set_flying(controls_.flying());
+    flown_ = input.fly != glm::dvec3(0.0);
+    Input in_picture = input;
+    in_picture.cursor = in_pixels(input.cursor);
+    redraw = controls_.move(in_picture, size_, seconds) || redraw;
+    return {};
+  }
+
+  glm::dvec2 in_pixels(glm::dvec2 cursor) const {
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_.handle(), &width, &height);
+    return cursor * glm::dvec2(size_) / glm::dvec2(std::max(1, width), std::max(1, height));
+  }
+
+  void open_dropped(const std::vector<std::string>& paths) {
+    std::vector<Stage::Placed> sources;
+    for (const std::string& path : paths) sources.push_back({path, {}});
+    open(std::move(sources));
+  }
+
+  Result<void> act_on_window(Action action, steady_clock::time_point now) {
+    if (action == Action::quit) {
+      quit_ = true;
+    } else if (action == Action::toggle_fullscreen ||
+               (action == Action::leave && input_.fullscreen())) {
+      input_.toggle_fullscreen();
+    } else if (action == Action::add_camera_key) {
+      add_camera_key(now);
+    } else if (action == Action::screenshot && presenter_ && presenter_->shown()) {
+      const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
+      const auto written = presenter_->painter().write(path);
+      const std::string said = written ? "wrote " + path : written.error().message;
+      fmt::print(stderr, "pointreel: {}\n", said);
+      interface_.say(said, now);
     }
     return {};
   }
 
-  void scrub(const Input& events, Clock::TimePoint now) {
-    stage_->for_each_reel([&](ReelPlayback& reel) {
-      if (events.scrub) {
-        if (!reel.scrubbing()) reel.scrub_begin(now);
-        reel.scrub_to(static_cast<std::uint64_t>(*events.scrub *
-                                                 static_cast<double>(reel.timeline().duration_us)),
-                      now);
+  /// What the user has changed by hand or key, for the next time.
+  Result<void> keep_settings() const {
+    if (options_.settings_file.empty()) return {};
+    PlayOptions ended = options_;
+    const DrawSettings& settings = controls_.settings();
+    ended.draw = settings.draw;
+    ended.delta = settings.delta;
+    ended.floor = settings.floor;
+    ended.drawing_panel = controls_.show_drawing;
+    ended.statistics_panel = controls_.show_statistics;
+    if (controls_.reel()) ended.loop = controls_.reel()->loop();
+    if (!input_.fullscreen()) glfwGetWindowSize(window_.handle(), &ended.size.x, &ended.size.y);
+    return write_settings(options_.settings_file, options_, ended);
+  }
+
+  Result<void> finish() {
+    if (stage_) {
+      presenter_->report(*stage_, 0, false);
+      report_.camera = controls_.camera();
+      report_.playing = stage_->playing();
+      if (const ReelPlayback* reel = controls_.reel()) {
+        report_.playing = reel->playing();
+        report_.loop = reel->loop();
+        report_.speed = reel->speed();
+        report_.loop_range = reel->loop_range();
+        const std::uint64_t at = reel->position_us(steady_clock::now());
+        report_.position_s = static_cast<double>(at) * 1e-6;
+        report_.frame = reel->timeline().frame_at(at);
       }
-      if (!events.scrubbing && reel.scrubbing()) reel.scrub_end(now);
-    });
-  }
-
-  void tell_how_is_drawn() {
-    fmt::print(stderr, "pointreel: instancing {}, splatting {}\n", name(draw_.instancing),
-               name(draw_.splatting));
-  }
-
-  std::string title() const {
-    std::string names;
-    for (std::size_t i = 0; i < stage_->size(); ++i)
-      names += (i > 0 ? ", " : "") + stage_->playback(i).name();
-    return "Pointreel: " + names;
-  }
-
-  void update_title(GLFWwindow* window) {
-    if (!statistics_ && !title_stale_) return;
-    if (!title_stale_ && steady_clock::now() - last_title_ < milliseconds(500)) return;
-    title_stale_ = false;
-    last_title_ = steady_clock::now();
-    const PlayReport& report = presenter_->report(*stage_, 0, false);
-    glfwSetWindowTitle(window,
-                       (statistics_ ? title() + ": " + report.to_title() : title()).c_str());
+    }
+    if (auto kept = keep_settings(); !kept) return kept;
+    report_.help = controls_.show_help;
+    report_.drawing = controls_.show_drawing;
+    report_.statistics = controls_.show_statistics;
+    report_.floor = controls_.settings().floor;
+    report_.flying = controls_.flying();
+    report_.error = view_.error;
+    presenter_->set_window(report_, controls_.settings().draw.mode);
+    return presenter_->write_report();
   }
 
   const PlayOptions& options_;
   const std::stop_token stop_;
-  DrawOptions draw_;
-  DrawMode wanted_mode_ = options_.draw.mode;  ///< what frames are being made for
+  WindowContext& window_;
+  glm::ivec2 size_ = options_.size;  ///< of the picture, in pixels
   ErrorLines errors_;
   TroubleLines trouble_;
-  std::unique_ptr<Stage> stage_;
-  std::unique_ptr<Presenter> presenter_;
-  glm::ivec2 size_ = options_.size;
-  Camera camera_;
-  bool moved_ = false;       ///< the user has chosen where to look from
-  std::size_t bounded_ = 0;  ///< sources that the camera was framed on
-  steady_clock::time_point last_title_{};
-  bool statistics_ = false, title_stale_ = false, quit_ = false;
+  std::unique_ptr<Presenter> presenter_;  ///< null until the first window has been shown
+  std::vector<Stage::Placed> opened_;
+  std::unique_ptr<Stage> stage_;  ///< null until the first one is open
+  std::optional<Opening> opening_;
+  steady_clock::time_point opening_since_{};
+  std::size_t bounded_ = 0;                   ///< sources that the camera was framed on
+  DrawMode drawn_mode_ = options_.draw.mode;  ///< what the frames shown were made for
+  Controls controls_;
+  WindowInput input_;
+  Interface interface_;  ///< after the input, whose callbacks it chains itself to
+  Interface::View view_;
+  std::vector<Action> pressed_;  ///< of buttons, for the next round
+  int pictures_due_ = 0;
+  steady_clock::time_point built_{};
+  double build_ms_ = 0.0;  ///< since the window last changed
+  bool flown_ = false, quit_ = false;
+  CameraPath camera_path_;  ///< that the user has recorded so far, in this file
+  std::string camera_file_;
+  std::string error_;        ///< why the last thing that was to be played could not be
+  std::string trouble_now_;  ///< of what plays
+  std::string broken_;
+  steady_clock::time_point broken_at_{};
+  /// The time that is dragged to, on the bar when it was last built, or on the picture.
+  std::optional<std::uint64_t> bar_scrub_us_, picture_scrub_us_;
+  std::optional<steady_clock::time_point> scrub_asked_;
+  std::uint32_t scrub_frame_ = 0;
+  WindowReport report_;
 };
 
 }  // namespace
 
-Result<void> play_in_window(const PlayOptions& options, const std::stop_token& stop) {
-  return WindowPlayer(options, stop).run();
+bool play_in_window(const PlayOptions& options, const std::stop_token& stop) {
+  auto window = WindowContext::create("Pointreel: " + short_names(options.sources), options.size.x,
+                                      options.size.y);
+  if (!window) {
+    const std::string message =
+        window.error().message + "; --offscreen WxH draws without a display";
+    fmt::print(stderr, "pointreel: {}\n", message);
+    show_error_window("Pointreel", message, options.duration, stop);
+    return false;
+  }
+  return WindowPlayer(options, stop, *window).run();
 }
 
 }  // namespace pointreel

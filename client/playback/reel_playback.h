@@ -92,6 +92,8 @@ class ReelPlayback : public Playback {
   void scrub_to(std::uint64_t time_us, Clock::TimePoint now);
   void scrub_end(Clock::TimePoint now);
   bool scrubbing() const { return scrubbing_; }
+  /// Stands still, though it plays, until frames come.
+  bool waiting() const { return clock_.held(); }
 
   // Without a clock: frames in any order, each as soon as it is there.
 

@@ -1,5 +1,6 @@
 #include "client/render/gl_context.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
@@ -154,6 +155,19 @@ Result<WindowContext> WindowContext::create(const std::string& title, int width,
   return WindowContext(window);
 }
 
+Result<WindowContext> WindowContext::create_of_any_version(const std::string& title, int width,
+                                                           int height) {
+  if (!glfwInit()) return fail("cannot open a window: " + glfw_error());
+  glfwDefaultWindowHints();
+  GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window) {
+    glfwTerminate();
+    return fail("cannot open a window: " + glfw_error());
+  }
+  glfwMakeContextCurrent(window);
+  return WindowContext(window);
+}
+
 WindowContext::WindowContext(WindowContext&& other) noexcept
     : window_(std::exchange(other.window_, nullptr)) {}
 
@@ -167,6 +181,22 @@ WindowContext::~WindowContext() {
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
+
+float WindowContext::content_scale() const {
+  float x = 1.0f, y = 1.0f;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return std::max(x, y);
+}
+
+void WindowContext::clear(const glm::vec3& color) {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_SCISSOR_TEST);
+  glClearColor(color.x, color.y, color.z, 1.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+}
+
+void WindowContext::finish() { glFinish(); }
 
 void WindowContext::swap() { glfwSwapBuffers(window_); }
 

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <glm/glm.hpp>
+
 #include "common/base/error.h"
 
 struct GLFWwindow;
@@ -39,12 +41,23 @@ class WindowContext {
   /// refresh. The error says whether there is no display or not enough OpenGL.
   static Result<WindowContext> create(const std::string& title, int width, int height);
 
+  /// With whatever OpenGL there is: enough for a few words, where create() has failed.
+  static Result<WindowContext> create_of_any_version(const std::string& title, int width,
+                                                     int height);
+
   WindowContext(WindowContext&& other) noexcept;
   WindowContext& operator=(WindowContext&& other) noexcept;
   ~WindowContext();
 
   /// For input and its callbacks; the window stays this object's.
   GLFWwindow* handle() const { return window_; }
+  /// Of what is written in the window, by the display: 1 for 96 pixels an inch.
+  float content_scale() const;
+
+  /// Fills framebuffer 0 with an sRGB colour.
+  void clear(const glm::vec3& color);
+  /// Waits until everything has been drawn.
+  void finish();
   /// Shows what was drawn into framebuffer 0.
   void swap();
 

@@ -1,35 +1,67 @@
 #include "client/ui/bindings.h"
 
 #include <array>
+#include <vector>
 
 #include <fmt/format.h>
 
 namespace pointreel {
 namespace {
 
-/// Keys of the same action stand next to each other.
 constexpr std::array kBindings = {
     Binding{"SPACE", Action::toggle_play, "play or pause"},
+    Binding{"p", Action::toggle_play, "play or pause"},
     Binding{"RIGHT", Action::seek_forward, "5 seconds forward"},
     Binding{"LEFT", Action::seek_back, "5 seconds back"},
+    Binding{"Shift+RIGHT", Action::seek_forward_little, "1 second forward"},
+    Binding{"Shift+LEFT", Action::seek_back_little, "1 second back"},
+    Binding{"UP", Action::seek_forward_far, "1 minute forward"},
+    Binding{"DOWN", Action::seek_back_far, "1 minute back"},
+    Binding{"HOME", Action::seek_start, "to the beginning"},
     Binding{".", Action::step_forward, "one frame forward, and pause"},
     Binding{",", Action::step_back, "one frame back, and pause"},
     Binding{"[", Action::slower, "a tenth slower"},
     Binding{"]", Action::faster, "a tenth faster"},
+    Binding{"{", Action::half_speed, "half as fast"},
+    Binding{"}", Action::double_speed, "twice as fast"},
     Binding{"BS", Action::normal_speed, "normal speed, forward"},
     Binding{"r", Action::turn_around, "backward, or forward again"},
-    Binding{"l", Action::toggle_loop, "loop, or not"},
+    Binding{"l", Action::mark_loop, "A-B loop: set A, set B, clear"},
+    Binding{"L", Action::toggle_loop, "loop the whole, or not"},
     Binding{"m", Action::next_mode, "surfels, voxels, points"},
-    Binding{"n", Action::next_instancing, "the next way of instancing (--instancing)"},
-    Binding{"b", Action::next_splatting, "the next way of splatting (--splatting)"},
+    Binding{"n", Action::next_instancing, "the next way of instancing"},
+    Binding{"b", Action::next_splatting, "the next way of splatting"},
+    Binding{"g", Action::toggle_floor, "a grid on the floor, or not"},
     Binding{"0", Action::reset_view, "the first view again"},
+    Binding{"TAB", Action::toggle_fly, "fly with WASD, E up, Q down"},
+    Binding{"k", Action::add_camera_key, "a key of a camera path, here and now"},
+    Binding{"d", Action::toggle_drawing, "how it is drawn"},
+    Binding{"i", Action::toggle_statistics, "statistics"},
     Binding{"f", Action::toggle_fullscreen, "full screen, or not"},
     Binding{"s", Action::screenshot, "write a picture into the current folder"},
-    Binding{"i", Action::toggle_statistics, "statistics in the title"},
-    Binding{"?", Action::help, "print these keys"},
+    Binding{"?", Action::help, "this help, or not"},
+    Binding{"ESC", Action::leave, "leave help, flying, full screen"},
     Binding{"q", Action::quit, "quit"},
-    Binding{"ESC", Action::quit, "quit"},
 };
+
+std::vector<HelpLine> make_lines() {
+  std::vector<HelpLine> lines;
+  for (std::size_t i = 0; i < kBindings.size(); ++i) {
+    std::string keys(kBindings[i].key);
+    while (i + 1 < kBindings.size() && kBindings[i + 1].action == kBindings[i].action)
+      keys += fmt::format(", {}", kBindings[++i].key);
+    lines.push_back({keys, kBindings[i].help});
+  }
+  for (const auto& [mouse, help] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"left drag", "turn"},
+           {"right drag", "move"},
+           {"shift+drag", "to any time, as if the window were the timeline"},
+           {"wheel", "nearer, farther: what is under the cursor"},
+           {"double click", "turn about what is there"},
+           {"drop", "play a package, a folder or files"}})
+    lines.push_back({mouse, help});
+  return lines;
+}
 
 }  // namespace
 
@@ -41,19 +73,15 @@ std::optional<Action> action_of(std::string_view key) {
   return std::nullopt;
 }
 
+std::span<const HelpLine> help_lines() {
+  static const std::vector<HelpLine> lines = make_lines();
+  return lines;
+}
+
 std::string bindings_help() {
   std::string text;
-  for (std::size_t i = 0; i < kBindings.size(); ++i) {
-    std::string keys(kBindings[i].key);
-    while (i + 1 < kBindings.size() && kBindings[i + 1].action == kBindings[i].action)
-      keys += fmt::format(", {}", kBindings[++i].key);
-    text += fmt::format("  {:<13} {}\n", keys, kBindings[i].help);
-  }
-  text +=
-      "  left drag     orbit\n"
-      "  right drag    move\n"
-      "  wheel         nearer, farther\n"
-      "  shift+drag    to any time: the window is as wide as the reel is long\n";
+  for (const HelpLine& line : help_lines())
+    text += fmt::format("  {:<13} {}\n", line.keys, line.help);
   return text;
 }
 

@@ -7,43 +7,65 @@
 
 namespace pointreel {
 
-/// What a key makes the player do.
+/// What a key or a button makes the player do.
 enum class Action {
   toggle_play,
   seek_forward,
   seek_back,
+  seek_forward_little,
+  seek_back_little,
+  seek_forward_far,
+  seek_back_far,
+  seek_start,
   step_forward,
   step_back,
   slower,
   faster,
+  half_speed,
+  double_speed,
   normal_speed,
   turn_around,
+  mark_loop,
   toggle_loop,
   next_mode,
   next_instancing,
   next_splatting,
+  toggle_floor,
+  reset_view,
+  toggle_fly,
+  add_camera_key,
+  toggle_drawing,
+  toggle_statistics,
   toggle_fullscreen,
   screenshot,
-  toggle_statistics,
-  reset_view,
   help,
+  leave,
   quit,
 };
 
-/// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, BS, ESC: mpv's names,
-/// and mpv's keys wherever it has the action.
+/// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, UP, DOWN, HOME, BS,
+/// TAB, ESC, with Shift+ before those where it is held: mpv's names, and mpv's keys wherever it has
+/// the action.
 struct Binding {
   std::string_view key;
   Action action;
   std::string_view help;
 };
 
-/// The only table of keys: what they do, and what the help says.
+/// The only table of keys: what they do, and what the help says. Keys of the same action stand next
+/// to each other.
 std::span<const Binding> bindings();
 
 std::optional<Action> action_of(std::string_view key);
 
+/// One line of the help: keys, or what the mouse does, and what comes of it.
+struct HelpLine {
+  std::string keys;
+  std::string_view help;
+};
 /// The bindings, one line an action, and the mouse.
+std::span<const HelpLine> help_lines();
+/// The same as text.
 std::string bindings_help();
 
 }  // namespace pointreel

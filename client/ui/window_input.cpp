@@ -1,55 +1,95 @@
 #include "client/ui/window_input.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
 namespace pointreel {
+namespace {
+
+constexpr double kDoubleClick = 0.35;       ///< seconds
+constexpr double kDoubleClickPixels = 5.0;  ///< at most this far apart
+constexpr std::string_view kFlyKeys = "wasdeqWASDEQ";
+
+WindowInput& of(GLFWwindow* window) {
+  return *static_cast<WindowInput*>(glfwGetWindowUserPointer(window));
+}
+
+std::string_view key_name(int key, bool shift) {
+  switch (key) {
+    case GLFW_KEY_LEFT:
+      return shift ? "Shift+LEFT" : "LEFT";
+    case GLFW_KEY_RIGHT:
+      return shift ? "Shift+RIGHT" : "RIGHT";
+    case GLFW_KEY_UP:
+      return "UP";
+    case GLFW_KEY_DOWN:
+      return "DOWN";
+    case GLFW_KEY_HOME:
+      return "HOME";
+    case GLFW_KEY_BACKSPACE:
+      return "BS";
+    case GLFW_KEY_TAB:
+      return "TAB";
+    case GLFW_KEY_ESCAPE:
+      return "ESC";
+    default:
+      return {};
+  }
+}
+
+}  // namespace
 
 WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
   glfwSetWindowUserPointer(window, this);
   glfwGetCursorPos(window, &cursor_.x, &cursor_.y);
 
   // Characters come by what they are, so that they work on every keyboard.
-  glfwSetCharCallback(window, [](GLFWwindow* of, unsigned character) {
-    auto* input = static_cast<WindowInput*>(glfwGetWindowUserPointer(of));
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned character) {
     if (character == ' ') {
-      input->press("SPACE");
+      of(w).press("SPACE");
     } else if (character < 128) {
       const char text = static_cast<char>(character);
-      input->press({&text, 1});
+      if (of(w).flying_ && kFlyKeys.find(text) != std::string_view::npos) return;
+      of(w).press({&text, 1});
     }
   });
-  glfwSetKeyCallback(window, [](GLFWwindow* of, int key, int, int action, int) {
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
+    of(w).input_.any = true;
     if (action == GLFW_RELEASE) return;
-    auto* input = static_cast<WindowInput*>(glfwGetWindowUserPointer(of));
-    if (key == GLFW_KEY_LEFT) input->press("LEFT");
-    if (key == GLFW_KEY_RIGHT) input->press("RIGHT");
-    if (key == GLFW_KEY_ESCAPE) input->press("ESC");
-    if (key == GLFW_KEY_BACKSPACE) input->press("BS");
+    of(w).press(key_name(key, (modifiers & GLFW_MOD_SHIFT) != 0));
   });
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* of, int button, int action, int modifiers) {
-    auto* input = static_cast<WindowInput*>(glfwGetWindowUserPointer(of));
-    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
-    input->input_.scrubbing = action == GLFW_PRESS && (modifiers & GLFW_MOD_SHIFT) != 0;
-    if (input->input_.scrubbing) input->scrub_to(input->cursor_.x);
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int modifiers) {
+    WindowInput& self = of(w);
+    self.input_.any = true;
+    if (action == GLFW_PRESS)
+      self.press_button(button, (modifiers & GLFW_MOD_SHIFT) != 0);
+    else
+      self.dragging_ = self.scrubbing_ = false;
   });
-  glfwSetCursorPosCallback(window, [](GLFWwindow* of, double x, double y) {
-    auto* input = static_cast<WindowInput*>(glfwGetWindowUserPointer(of));
-    const glm::dvec2 moved = glm::dvec2(x, y) - std::exchange(input->cursor_, glm::dvec2(x, y));
-    if (input->input_.scrubbing)
-      input->scrub_to(x);
-    else if (glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
-      input->input_.orbit += moved;
-    else if (glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS ||
-             glfwGetMouseButton(of, GLFW_MOUSE_BUTTON_MIDDLE) == GLFW_PRESS)
-      input->input_.pan += moved;
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+    WindowInput& self = of(w);
+    self.input_.any = self.input_.moved = true;
+    const glm::dvec2 moved = glm::dvec2(x, y) - std::exchange(self.cursor_, glm::dvec2(x, y));
+    if (!self.dragging_ || self.scrubbing_) return;
+    if (glfwGetMouseButton(w, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
+      self.input_.orbit += moved;
+    else
+      self.input_.pan += moved;
   });
-  glfwSetScrollCallback(window, [](GLFWwindow* of, double, double notches) {
-    static_cast<WindowInput*>(glfwGetWindowUserPointer(of))->input_.wheel += notches;
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) {
+    WindowInput& self = of(w);
+    self.input_.any = true;
+    if (!self.covered_ || !self.covered_(self.cursor_)) self.input_.wheel += notches;
   });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    of(w).input_.any = true;
+    of(w).input_.dropped.assign(paths, paths + count);
+  });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { of(w).input_.any = true; });
 }
 
 WindowInput::~WindowInput() {
@@ -58,27 +98,50 @@ WindowInput::~WindowInput() {
   glfwSetMouseButtonCallback(window_, nullptr);
   glfwSetCursorPosCallback(window_, nullptr);
   glfwSetScrollCallback(window_, nullptr);
+  glfwSetDropCallback(window_, nullptr);
+  glfwSetWindowRefreshCallback(window_, nullptr);
 }
 
 void WindowInput::press(std::string_view key) {
+  input_.any = true;
   if (const auto action = action_of(key)) input_.actions.push_back(*action);
 }
 
-void WindowInput::scrub_to(double x) {
-  int width = 0, height = 0;
-  glfwGetWindowSize(window_, &width, &height);
-  input_.scrub = std::clamp(x / std::max(1, width), 0.0, 1.0);
+void WindowInput::press_button(int button, bool shift) {
+  if (covered_ && covered_(cursor_)) return;
+  dragging_ = true;
+  if (button != GLFW_MOUSE_BUTTON_LEFT) return;
+  scrubbing_ = shift;
+  if (scrubbing_) return;
+  const double now = glfwGetTime();
+  const bool twice = clicked_ >= 0.0 && now - clicked_ < kDoubleClick &&
+                     glm::distance(cursor_, clicked_at_) < kDoubleClickPixels;
+  if (twice) input_.centered = cursor_;
+  clicked_ = twice ? -1.0 : now;
+  clicked_at_ = cursor_;
 }
 
 Input WindowInput::take() {
   Input taken = std::exchange(input_, Input{});
-  input_.scrubbing = taken.scrubbing;  // until the button is released
+  taken.cursor = cursor_;
+  if (scrubbing_) {
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_, &width, &height);
+    taken.scrub = std::clamp(cursor_.x / std::max(1, width), 0.0, 1.0);
+  }
+  if (!flying_) return taken;
+  const auto held = [this](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0; };
+  taken.fly = {held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q),
+               held(GLFW_KEY_W) - held(GLFW_KEY_S)};
+  taken.fast = held(GLFW_KEY_LEFT_SHIFT) + held(GLFW_KEY_RIGHT_SHIFT) > 0.0;
   return taken;
 }
 
+bool WindowInput::fullscreen() const { return glfwGetWindowMonitor(window_) != nullptr; }
+
 void WindowInput::toggle_fullscreen() {
   auto& [x, y, width, height] = windowed_;
-  if (glfwGetWindowMonitor(window_) != nullptr) {
+  if (fullscreen()) {
     glfwSetWindowMonitor(window_, nullptr, x, y, width, height, GLFW_DONT_CARE);
     return;
   }

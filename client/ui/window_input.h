@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -12,38 +14,59 @@ struct GLFWwindow;
 
 namespace pointreel {
 
-/// What the user did since it was last asked for.
+/// What the user did since it was last asked for. Pixels are the window's, from its upper left
+/// corner, x to the right and y down.
 struct Input {
+  bool any = false;  ///< something happened that could change what the window shows
   std::vector<Action> actions;
-  /// Drags in pixels, x to the right and y down.
-  glm::dvec2 orbit{0.0}, pan{0.0};
-  double wheel = 0.0;  ///< notches, positive away from the user
-  /// While the time is dragged: to where, 0 at the window's left edge and 1 at its right one.
+  glm::dvec2 cursor{0.0};
+  bool moved = false;               ///< the cursor
+  glm::dvec2 orbit{0.0}, pan{0.0};  ///< drags, in pixels
+  double wheel = 0.0;               ///< notches over the picture, positive away from the user
+  /// While the picture is dragged with shift: to where, 0 at its left edge and 1 at its right one.
   std::optional<double> scrub;
-  bool scrubbing = false;  ///< the time is being dragged
+  std::optional<glm::dvec2> centered;  ///< a double click on the picture
+  /// While flying: keys that are held, to the right, up and forward, each -1 to 1.
+  glm::dvec3 fly{0.0};
+  bool fast = false;                 ///< with shift
+  std::vector<std::string> dropped;  ///< paths
 };
 
 /// Turns a window's keys and mouse into actions. The window outlives it; one for a window.
 class WindowInput {
  public:
+  /// What of the window is no picture: drags, clicks and the wheel are somebody else's there.
+  using Covered = std::function<bool(glm::dvec2 cursor)>;
+
   explicit WindowInput(GLFWwindow* window);
   ~WindowInput();
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
+
+  void set_covered(Covered covered) { covered_ = std::move(covered); }
+  /// W, A, S, D, E and Q are no actions, but move the camera.
+  void set_flying(bool flying) { flying_ = flying; }
 
   /// Call after glfwPollEvents or glfwWaitEvents.
   Input take();
 
   /// Between the whole screen and the window as it was before.
   void toggle_fullscreen();
+  bool fullscreen() const;
 
  private:
   void press(std::string_view key);
-  void scrub_to(double x);
+  void press_button(int button, bool shift);
 
   GLFWwindow* const window_;
+  Covered covered_;
   Input input_;
   glm::dvec2 cursor_{0.0};
+  /// A button is down that went down on the picture.
+  bool dragging_ = false, scrubbing_ = false;
+  bool flying_ = false;
+  double clicked_ = -1.0;  ///< when, in GLFW's seconds, and where
+  glm::dvec2 clicked_at_{0.0};
   std::array<int, 4> windowed_{};  ///< x, y, width, height before full screen
 };
 

@@ -25,8 +25,14 @@ TEST(Bindings, AreThoseOfMpv) {
   EXPECT_EQ(action_of("LEFT"), Action::seek_back);
   EXPECT_EQ(action_of("."), Action::step_forward);
   EXPECT_EQ(action_of("]"), Action::faster);
+  EXPECT_EQ(action_of("p"), Action::toggle_play);
+  EXPECT_EQ(action_of("UP"), Action::seek_forward_far);
+  EXPECT_EQ(action_of("Shift+LEFT"), Action::seek_back_little);
+  EXPECT_EQ(action_of("l"), Action::mark_loop);
+  EXPECT_EQ(action_of("L"), Action::toggle_loop);
+  EXPECT_EQ(action_of("{"), Action::half_speed);
   EXPECT_EQ(action_of("q"), Action::quit);
-  EXPECT_EQ(action_of("ESC"), Action::quit);
+  EXPECT_EQ(action_of("ESC"), Action::leave);
 }
 
 TEST(Bindings, TellKeysThatDoNothing) {

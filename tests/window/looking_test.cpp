@@ -21,7 +21,7 @@ class LookingWindow : public WindowTest {
 
 TEST_F(LookingWindow, m_draws_surfels_then_voxels_then_points) {
   for (const auto& [times, mode] : {std::pair{1, "voxel"}, {2, "point"}, {3, "surfel"}}) {
-    open();
+    open({"--mode", "surfel"});  // it remembers the last one
     pause();
     const e2e::Picture before = player().picture();
     for (int i = 0; i < times; ++i) player().key("m");

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+struct GLFWwindow;
+
+namespace pointreel {
+
+/// Dear ImGui in a window: its context, font, colours and drawing. One at a time in a process, with
+/// the window's OpenGL context current, of any version.
+class Gui {
+ public:
+  /// Chains itself to the window's callbacks, so it is made after and destroyed before whoever
+  /// else has some. `scale`: 1 for 96 pixels an inch, 2 for twice as many.
+  Gui(GLFWwindow* window, float scale);
+  ~Gui();
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+
+  float scale() const { return scale_; }
+  /// Whether a window of the gui that takes the mouse was there when it was last drawn.
+  bool covers(glm::dvec2 cursor) const;
+
+  /// Between these two, ImGui's functions say what there is; then draw() can draw it, as often as
+  /// the window changes.
+  void begin();
+  void end();
+  /// Over what is in the window's framebuffer.
+  void draw();
+
+ private:
+  float scale_;
+};
+
+}  // namespace pointreel

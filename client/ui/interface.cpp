@@ -1,0 +1,72 @@
+#include "client/ui/interface.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "client/ui/overlay.h"
+
+namespace pointreel {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+constexpr double kBarSeconds = 1.8, kFadeSeconds = 0.25, kSaidSeconds = 1.5;
+
+}  // namespace
+
+void Interface::say(const std::string& text, Now now) {
+  said_ = text;
+  said_at_ = now;
+}
+
+float Interface::opacity(Now now) const {
+  if (busy_) return 1.0f;
+  const double idle = Seconds(now - awake_).count() - kBarSeconds;
+  return static_cast<float>(1.0 - std::clamp(idle / kFadeSeconds, 0.0, 1.0));
+}
+
+bool Interface::covers(glm::dvec2 cursor) const {
+  return cursor.y >= static_cast<double>(bar_top_) || gui_.covers(cursor);
+}
+
+bool Interface::changing(const View& view) const {
+  return !view.waiting.empty() || !said_.empty() || (view.timeline && opacity(view.now) > 0.0f) ||
+         (!empty_ && view.error.empty());
+}
+
+TimelineUse Interface::build(const View& view, Controls& controls) {
+  TimelineUse use;
+  gui_.begin();
+  empty_ = true;
+  const float scale = gui_.scale();
+  if (!view.waiting.empty()) {
+    draw_waiting(view.waiting, view.size, scale, view.waiting_seconds);
+    empty_ = false;
+  }
+  if (Seconds(view.now - said_at_).count() > kSaidSeconds) said_.clear();
+  if (!view.error.empty())
+    draw_error(view.error, view.hint, view.size, scale);
+  else if (!said_.empty())
+    draw_said(said_, scale);
+  empty_ = empty_ && view.error.empty() && said_.empty();
+
+  const float bar = opacity(view.now);
+  bar_top_ = view.timeline ? view.size.y - kTimelineHeight * scale : 1e9f;
+  if (view.timeline && bar > 0.0f) {
+    use = draw_timeline(*view.timeline, view.thumbnail, view.size, scale, bar);
+    empty_ = false;
+  }
+  busy_ = use.hovered_us || controls.scrubbing();
+  if (controls.show_help) {
+    controls.show_help = draw_help(view.size, scale);
+    empty_ = false;
+  }
+  gui_.end();
+  return use;
+}
+
+void Interface::draw() {
+  if (!empty_) gui_.draw();
+}
+
+}  // namespace pointreel

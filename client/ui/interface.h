@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "client/ui/controls.h"
+#include "client/ui/gui.h"
+#include "client/ui/timeline.h"
+
+struct GLFWwindow;
+
+namespace pointreel {
+
+/// Everything that is drawn over the picture, and when it is there: the bar while the mouse moves,
+/// panels and help while the user wants them, a few words after an action, what is wrong while it
+/// is.
+class Interface {
+ public:
+  using Now = Controls::Now;
+
+  struct View {
+    Now now;
+    glm::vec2 size{1.0f};  ///< of the window, in its own coordinates
+    std::string waiting;   ///< what for; empty: for nothing
+    double waiting_seconds = 0.0;
+    std::string error, hint;               ///< draw_error's; empty: all is well
+    std::optional<TimelineView> timeline;  ///< of what plays
+    std::optional<Thumbnail> thumbnail;    ///< for TimelineUse::hovered_us of the last build
+  };
+
+  Interface(GLFWwindow* window, float scale) : gui_(window, scale) {}
+
+  float scale() const { return gui_.scale(); }
+
+  /// The mouse moved: the bar is there for a moment.
+  void wake(Now now) { awake_ = now; }
+  void say(const std::string& text, Now now);
+
+  /// What the window shows there is not the picture.
+  bool covers(glm::dvec2 cursor) const;
+  /// It changes by itself: build it again soon.
+  bool changing(const View& view) const;
+
+  /// What there is, which draw() draws, and what the user does to it.
+  TimelineUse build(const View& view, Controls& controls);
+  /// Into the window's framebuffer.
+  void draw();
+  bool empty() const { return empty_; }  ///< nothing is there to be drawn
+
+ private:
+  float opacity(Now now) const;
+
+  Gui gui_;
+  Now awake_{}, said_at_{};
+  std::string said_;
+  bool busy_ = false;  ///< the cursor is on the bar
+  bool empty_ = true;
+  float bar_top_ = 1e9f;  ///< of a bar that is there, or would be if the mouse moved
+};
+
+}  // namespace pointreel

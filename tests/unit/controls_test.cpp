@@ -1,0 +1,201 @@
+#include "client/ui/controls.h"
+
+#include <memory>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "client/ui/time_text.h"
+#include "tests/unit/packed_reel.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+/// Controls of a reel of twenty frames, ten a second, whose time stands still between calls.
+class ControlsTest : public PackTest {
+ protected:
+  void SetUp() override {
+    write_frames(20);
+    Stage::Options options;
+    options.source.fps = 10.0;
+    auto stage = Stage::open({{frames_.string(), {}}}, options, home_for, [](auto&&...) {});
+    ASSERT_TRUE(stage) << stage.error().message;
+    stage_ = *std::move(stage);
+    controls_.begin(stage_.get(), [this] { return home_for(stage_->bounds(), 'y'); });
+    // Time stands still until the first frame is there.
+    for (int i = 0; i < 30'000 && !started(); ++i) std::this_thread::sleep_for(milliseconds(1));
+    act(Action::toggle_play);
+    ASSERT_FALSE(reel().playing());
+  }
+
+  static Camera home_for(const Box& bounds, char up) {
+    Camera camera;
+    camera.up = up;
+    camera.frame_bounds(bounds, 1.5);
+    return camera;
+  }
+
+  bool started() {
+    stage_->update(now_);
+    return reel().playing();
+  }
+  bool act(Action action) { return controls_.act(action, now_); }
+  std::string said() { return controls_.take_said().value_or(""); }
+  const ReelPlayback& reel() const { return *controls_.reel(); }
+  std::uint32_t frame() const { return reel().timeline().frame_at(reel().position_us(now_)); }
+
+  Clock::TimePoint now_ = std::chrono::steady_clock::now();
+  std::unique_ptr<Stage> stage_;
+  Controls controls_{DrawSettings{}};
+};
+
+TEST_F(ControlsTest, PlayPauseAndStepTellTheTime) {
+  act(Action::step_forward);
+  EXPECT_EQ(frame(), 1u);
+  EXPECT_EQ(said(), "00:00.100 / 00:02.000   frame 2 of 20");
+  EXPECT_EQ(said(), "") << "it is said once";
+  act(Action::step_back);
+  act(Action::step_back);
+  EXPECT_EQ(frame(), 19u) << "the reel loops";
+  act(Action::toggle_play);
+  EXPECT_TRUE(reel().playing());
+}
+
+TEST_F(ControlsTest, SeekByAsMuchAsTheirKeysSay) {
+  act(Action::toggle_loop);  // else they wrap
+  EXPECT_EQ(said(), "no loop");
+  act(Action::seek_forward_little);
+  EXPECT_EQ(reel().position_us(now_), 1'000'000u);
+  act(Action::seek_back_far);
+  EXPECT_EQ(reel().position_us(now_), 0u);
+  act(Action::seek_forward_little);
+  act(Action::seek_start);
+  EXPECT_EQ(reel().position_us(now_), 0u);
+}
+
+TEST_F(ControlsTest, SpeedGoesUpAndDownAndBack) {
+  act(Action::double_speed);
+  EXPECT_EQ(said(), "speed 2.00x");
+  act(Action::half_speed);
+  act(Action::faster);
+  EXPECT_NEAR(reel().speed(), 1.1, 1e-9);
+  act(Action::turn_around);
+  EXPECT_NEAR(reel().speed(), -1.1, 1e-9);
+  act(Action::normal_speed);
+  EXPECT_EQ(reel().speed(), 1.0);
+}
+
+TEST_F(ControlsTest, MarkALoopFromAToBInEitherOrder) {
+  act(Action::seek_forward_little);
+  act(Action::mark_loop);
+  EXPECT_EQ(controls_.loop_begin(), 1'000'000u);
+  EXPECT_FALSE(reel().loop_range());
+  act(Action::step_back);
+  act(Action::step_back);
+  act(Action::mark_loop);
+  EXPECT_EQ(reel().loop_range(), (LoopRange{800'000, 1'000'000}));
+  EXPECT_THAT(said(), HasSubstr("00:00.800 to 00:01.000"));
+  EXPECT_FALSE(controls_.loop_begin());
+  act(Action::mark_loop);
+  EXPECT_FALSE(reel().loop_range());
+  EXPECT_EQ(said(), "no A-B loop");
+}
+
+TEST_F(ControlsTest, MarkNoLoopFromATimeToItself) {
+  act(Action::mark_loop);
+  act(Action::mark_loop);
+  EXPECT_FALSE(reel().loop_range());
+  EXPECT_FALSE(controls_.loop_begin());
+}
+
+TEST_F(ControlsTest, ScrubToTheFrameUnderTheCursor) {
+  controls_.scrub_to(1'550'000, now_);
+  EXPECT_TRUE(controls_.scrubbing());
+  EXPECT_EQ(frame(), 15u);
+  controls_.scrub_end(now_);
+  EXPECT_FALSE(controls_.scrubbing());
+  EXPECT_FALSE(reel().playing()) << "as it was before";
+}
+
+TEST_F(ControlsTest, ChangeHowItIsDrawn) {
+  act(Action::next_mode);
+  EXPECT_EQ(controls_.settings().draw.mode, DrawMode::voxel);
+  EXPECT_EQ(said(), "voxels");
+  act(Action::toggle_floor);
+  EXPECT_TRUE(controls_.settings().floor);
+  const Splatting before = controls_.settings().draw.splatting;
+  act(Action::next_splatting);
+  EXPECT_NE(controls_.settings().draw.splatting, before);
+  EXPECT_THAT(said(), HasSubstr(name(controls_.settings().draw.splatting)));
+}
+
+TEST_F(ControlsTest, TurnMoveAndZoomAndComeHome) {
+  const Camera home = controls_.camera();
+  EXPECT_FALSE(controls_.move({}, {600, 400}, 0.1)) << "nothing was done";
+  Input input;
+  input.orbit = {200.0, 0.0};
+  EXPECT_TRUE(controls_.move(input, {600, 400}, 0.1));
+  EXPECT_NEAR(controls_.camera().yaw, -M_PI / 2, 1e-9) << "half the height is a quarter turn";
+  input = {};
+  input.wheel = 2.0;
+  input.cursor = {300.0, 200.0};
+  controls_.move(input, {600, 400}, 0.1);
+  EXPECT_NEAR(controls_.camera().distance, 0.81 * home.distance, 1e-9);
+  controls_.look_home_unless_moved();
+  EXPECT_NE(controls_.camera(), home) << "the user has chosen a view";
+  act(Action::reset_view);
+  EXPECT_EQ(controls_.camera(), home);
+}
+
+TEST_F(ControlsTest, FlyOnlyAfterItsKey) {
+  Input input;
+  input.fly = {0.0, 0.0, 1.0};
+  EXPECT_FALSE(controls_.move(input, {600, 400}, 0.5));
+  act(Action::toggle_fly);
+  EXPECT_TRUE(controls_.flying());
+  const Camera before = controls_.camera();
+  EXPECT_TRUE(controls_.move(input, {600, 400}, 0.5));
+  const glm::dvec3 moved = controls_.camera().eye() - before.eye();
+  EXPECT_LT(glm::dot(moved, before.axes()[2]), 0.0) << "forward is where the camera looks";
+  input.fast = true;
+  const Camera slow = controls_.camera();
+  controls_.move(input, {600, 400}, 0.5);
+  EXPECT_GT(glm::length(controls_.camera().eye() - slow.eye()), 2.0 * glm::length(moved));
+  EXPECT_TRUE(act(Action::leave));
+  EXPECT_FALSE(controls_.flying());
+}
+
+TEST_F(ControlsTest, LeaveOneThingAtATime) {
+  act(Action::toggle_fly);
+  act(Action::help);
+  EXPECT_TRUE(act(Action::leave));
+  EXPECT_FALSE(controls_.show_help);
+  EXPECT_TRUE(controls_.flying());
+  EXPECT_TRUE(act(Action::leave));
+  EXPECT_FALSE(act(Action::leave)) << "nothing is left but full screen";
+}
+
+TEST_F(ControlsTest, LeaveToTheWindowWhatIsItsOwn) {
+  for (const Action action : {Action::quit, Action::screenshot, Action::toggle_fullscreen})
+    EXPECT_FALSE(act(action));
+}
+
+TEST_F(ControlsTest, DoEveryActionOfTheBindingsWithoutAStage) {
+  Controls idle{DrawSettings{}};
+  for (const Binding& binding : bindings()) idle.act(binding.action, now_);
+  EXPECT_EQ(idle.reel(), nullptr);
+  EXPECT_FALSE(idle.flying());
+  EXPECT_FALSE(idle.move({}, {600, 400}, 0.1));
+}
+
+TEST(TimeText, HasHoursWhereThereAreAny) {
+  EXPECT_EQ(format_time(0), "00:00.000");
+  EXPECT_EQ(format_time(61'234'999), "01:01.234");
+  EXPECT_EQ(format_time(3'600'000'000), "1:00:00.000");
+}
+
+}  // namespace
+}  // namespace pointreel

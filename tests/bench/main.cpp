@@ -7,6 +7,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/render/render_command.h"
+#include "tests/bench/render/truth_command.h"
 #include "tests/bench/report/report.h"
 #include "tests/bench/stream/stream_command.h"
 #include "tests/bench/suites.h"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   add_report_command(app, exit_code);
   add_stream_command(app, exit_code);
   add_train_command(app, exit_code);
+  add_truth_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,84 @@
+#include "tests/bench/render/truth_command.h"
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "client/record/open_recorder.h"
+#include "client/render/supersampling.h"
+#include "client/scene/camera_path.h"
+#include "common/base/progress.h"
+#include "datasets_synthetic/motion.h"
+#include "tests/bench/render/truth.h"
+
+namespace pointreel::bench {
+namespace {
+
+struct Options {
+  std::string sequence, record, camera;
+  int frames = 0;  ///< 0: all
+  int width = 640, height = 480, supersample = 2;
+};
+
+Result<void> write_truth(const Options& options) {
+  const Motion* motion = find_motion(options.sequence);
+  if (motion == nullptr)
+    return fail(options.sequence + ": no such sequence; pointreel-synth --list tells which");
+  const auto path = load_camera_path(options.camera);
+  if (!path) return tl::unexpected(path.error());
+  if (auto checked = check_recording(options.record); !checked) return checked;
+  const glm::ivec2 size(options.width, options.height);
+  const FrameRate rate{static_cast<std::uint64_t>(kPosesPerSecond), 1};
+  auto recorder = open_recorder(options.record, size, rate);
+  if (!recorder) return tl::unexpected(recorder.error());
+  const int frames = options.frames > 0 ? options.frames : motion->poses;
+  Progress progress("cast", static_cast<std::size_t>(frames));
+  for (int frame = 0; frame < frames; ++frame) {
+    const double seconds = frame / kPosesPerSecond;
+    const auto scene = make_truth_scene(pose_body(motion->pose(seconds)));
+    if (!scene) return fail_at(options.sequence, scene.error());
+    Camera framed;
+    framed.frame_bounds(bounds(scene->body.surface), static_cast<double>(size.x) / size.y);
+    const auto time_us = static_cast<std::uint64_t>(std::llround(1e6 * seconds));
+    const TruthPicture picture =
+        cast_truth(*scene, path->at(time_us, framed), options.supersample * size, {});
+    const Image image = average_squares(picture.image, options.supersample);
+    if (auto added = (*recorder)->add(image, time_us); !added) return added;
+    progress.tick();
+  }
+  return (*recorder)->finish();
+}
+
+}  // namespace
+
+void add_truth_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "truth", "records the true surface of a sequence, ray by ray, as play --record would");
+  const auto options = std::make_shared<Options>();
+  command->add_option("SEQUENCE", options->sequence, "as pointreel-synth calls it")->required();
+  command->add_option("--record", options->record, "a video, or out-%04d.png")->required();
+  command->add_option("--camera", options->camera, "file of the camera's path, with its target")
+      ->required();
+  command->add_option("--frames", options->frames, "only so many, from the first")
+      ->check(CLI::Range(1, 100'000));
+  command->add_option("--width", options->width, "of the pictures, in pixels")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_option("--height", options->height, "")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_option("--supersample", options->supersample, "rays along each side of a pixel")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command->callback([options, &exit_code] {
+    const auto written = write_truth(*options);
+    if (written) return;
+    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
+    exit_code = 1;
+  });
+}
+
+}  // namespace pointreel::bench

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -10,22 +8,33 @@
 
 namespace pointreel {
 
-/// Opens a stage on a thread of its own.
+/// A stage that is being opened by a thread of its own, so that nobody stands still meanwhile. For
+/// one thread.
 class Opening {
  public:
-  Opening(const std::vector<Stage::Placed>& sources, const Stage::Options& options,
-          const Stage::CameraFor& camera_for, const Stage::OnError& on_error)
-      : stage_(std::async(std::launch::async,
-                          [=] { return Stage::open(sources, options, camera_for, on_error); })) {}
+  using Opened = Result<std::unique_ptr<Stage>>;
 
-  /// Nothing until it is open, or cannot be; then once.
-  std::optional<Result<std::unique_ptr<Stage>>> poll() {
-    if (stage_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
-    return stage_.get();
-  }
+  /// As Stage::open. `camera_for` is called by the other thread, so it must be pure. Neither it nor
+  /// `on_error` is called any more once the opening is destroyed, unless the stage was taken.
+  Opening(std::vector<Stage::Placed> sources, Stage::Options options, Stage::CameraFor camera_for,
+          Stage::OnError on_error);
+  /// Gives it up, if the stage was not taken. Takes no longer than a blink of an eye: what does not
+  /// end by then, as a host's name that nobody knows, ends later by itself.
+  ~Opening();
+  Opening(const Opening&) = delete;
+  Opening& operator=(const Opening&) = delete;
+
+  /// What came of it: once, as soon as it is there.
+  std::optional<Opened> poll();
 
  private:
-  std::future<Result<std::unique_ptr<Stage>>> stage_;
+  struct Shared;
+  const std::shared_ptr<Shared> shared_;
 };
+
+/// Ends a stage that nobody looks at any more, in no longer than a blink of an eye: what it waits
+/// for longer than that, as a large frame that is being decoded, ends later by itself. Its OnError
+/// is not called any more.
+void retire(std::unique_ptr<Stage> stage);
 
 }  // namespace pointreel

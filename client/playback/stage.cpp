@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
 
@@ -47,13 +50,15 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
   Box bounds;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::string& where = sources[i].where;
-    if (is_live_address(where)) {
+    const std::vector<std::filesystem::path>& files = sources[i].files;
+    if (files.empty() && is_live_address(where)) {
       auto stream = open_live_source(where, options.source);
       if (!stream) return tl::unexpected(stream.error());
       streams[i] = *std::move(stream);
       continue;
     }
-    auto reel = open_source(where, options.source);
+    auto reel = files.empty() ? open_source(where, options.source)
+                              : open_file_sequence(files, options.source);
     if (!reel) return tl::unexpected(reel.error());
     if ((*reel)->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
     reels[i] = *std::move(reel);
@@ -65,14 +70,17 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
       camera_for(bounds, first_reel != reels.end() ? (*first_reel)->manifest().up : 'y');
 
   auto stage = std::make_unique<Stage>();
+  stage->listener_ = std::make_shared<Listener>();
+  stage->listener_->on_error = std::move(on_error);
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const auto broken = [i, on_error](std::uint32_t frame, const Error& error) {
-      on_error(i, frame, error);
+    const auto broken = [i, listener = stage->listener_](std::uint32_t frame, const Error& error) {
+      const std::lock_guard lock(listener->mutex);
+      if (listener->on_error) listener->on_error(i, frame, error);
     };
     Part part{sources[i].where, sources[i].place, nullptr, nullptr, nullptr};
     if (reels[i]) {
       ReelPlayback::Options reel = options.reel;
-      reel.remote = is_remote(sources[i].where);
+      reel.remote = sources[i].files.empty() && is_remote(sources[i].where);
       auto playback = std::make_unique<ReelPlayback>(
           std::move(reels[i]), reel, moved(camera, part.place), options.size, broken);
       part.reel = playback.get();
@@ -114,6 +122,11 @@ void Stage::set_mode(DrawMode mode) {
   for (Part& part : parts_) part.playback->set_mode(mode);
 }
 
+void Stage::silence() {
+  const std::lock_guard lock(listener_->mutex);
+  listener_->on_error = nullptr;
+}
+
 void Stage::set_delta(double delta) {
   for (Part& part : parts_) part.playback->set_delta(delta);
 }
@@ -135,6 +148,28 @@ Stage::Update Stage::update(Clock::TimePoint now) {
     update.changes.push_back({i, one.refined});
   }
   return update;
+}
+
+std::vector<Stage::Placed> sources_of(const std::vector<std::string>& paths) {
+  std::vector<Stage::Placed> sources;
+  std::vector<std::filesystem::path> files;
+  std::size_t place = 0;  // of the files among the sources
+  for (const std::string& path : paths) {
+    if (!is_cloud_file(path)) {
+      sources.push_back({path});
+      continue;
+    }
+    if (files.empty()) place = sources.size();
+    files.emplace_back(path);
+  }
+  if (files.empty()) return sources;
+  Stage::Placed sequence{files.front().string()};
+  if (files.size() > 1) {
+    sequence.where += fmt::format(" and {} more", files.size() - 1);
+    sequence.files = std::move(files);
+  }
+  sources.insert(sources.begin() + static_cast<std::ptrdiff_t>(place), std::move(sequence));
+  return sources;
 }
 
 }  // namespace pointreel

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,8 @@ class Stage {
   struct Placed {
     std::string where;  ///< open_source's, or a live stream's address (is_live_address)
     glm::dvec3 place{0.0};
+    /// Instead of `where`, which is for people then, if there are any: a reel of these.
+    std::vector<std::filesystem::path> files = {};
   };
   /// Told of each frame that cannot be shown, by any thread; `source` is its index.
   using OnError = std::function<void(std::size_t source, std::uint32_t frame, const Error&)>;
@@ -60,6 +64,8 @@ class Stage {
   void look(const Camera& camera, glm::ivec2 size);
   void set_mode(DrawMode mode);
   void set_delta(double delta);
+  /// OnError is not called any more. Waits for a call that is under way.
+  void silence();
   /// Of each reel.
   template <class Control>
   void for_each_reel(const Control& control) {
@@ -90,8 +96,19 @@ class Stage {
     LivePlayback* live = nullptr;  ///< the same object
   };
 
+  /// What is told of errors, for as long as somebody listens.
+  struct Listener {
+    std::mutex mutex;
+    OnError on_error;
+  };
+
+  std::shared_ptr<Listener> listener_;
   std::vector<Part> parts_;
   Scene scene_;
 };
+
+/// What was dropped on a window together, or named so: PLY and Draco files are one reel, in natural
+/// order; everything else is a source of its own.
+std::vector<Stage::Placed> sources_of(const std::vector<std::string>& paths);
 
 }  // namespace pointreel

@@ -84,7 +84,7 @@ class FileSource : public PackageSource {
 
 Result<std::unique_ptr<Source>> open_file_source(const std::filesystem::path& folder) {
   auto manifest = read_manifest(folder);
-  if (!manifest) return tl::unexpected(manifest.error());
+  if (!manifest) return tl::unexpected(no_package(manifest.error()));
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
     const PackageFile& file = *manifest->tables;

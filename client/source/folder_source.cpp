@@ -1,5 +1,7 @@
 #include "client/source/folder_source.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -10,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
+#include "common/base/natural_order.h"
 
 namespace pointreel {
 namespace {
@@ -50,26 +53,22 @@ std::string name_of(const std::filesystem::path& path) {
                                  : path.filename().string();
 }
 
-}  // namespace
-
-Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
-                                                   const SourceOptions& options) {
-  auto files = list_cloud_files({path});
-  if (!files) return tl::unexpected(files.error());
-
+Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> files,
+                                           std::string name, const SourceOptions& options) {
   Manifest manifest;
-  manifest.name = name_of(path);
+  manifest.name = std::move(name);
   manifest.codec = "files";
   manifest.fps = options.fps;
   manifest.up = options.up;
   const auto time_of = [&](std::size_t frame) {
     return static_cast<std::uint64_t>(std::llround(1e6 * static_cast<double>(frame) / options.fps));
   };
-  manifest.duration_us = time_of(files->size());
+  manifest.duration_us = time_of(files.size());
 
   std::optional<Error> first_error;
   bool found = false;
-  for (const std::filesystem::path& file : *files) {
+  for (const std::filesystem::path& file : files) {
+    if (options.stop.stop_requested()) return fail(file.string() + ": not read, as nobody waits");
     const auto loaded = read_cloud_file(file);
     if (!loaded) {
       if (!first_error) first_error = loaded.error();
@@ -85,10 +84,37 @@ Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& 
 
   Segment segment;
   segment.cube = bounding_cube(manifest.bounds);
-  for (std::size_t i = 0; i < files->size(); ++i) segment.times_us.push_back(time_of(i));
-  segment.points.assign(files->size(), 0);
+  for (std::size_t i = 0; i < files.size(); ++i) segment.times_us.push_back(time_of(i));
+  segment.points.assign(files.size(), 0);
   manifest.segments.push_back(std::move(segment));
-  return std::make_unique<FolderSource>(std::move(*files), std::move(manifest));
+  return std::make_unique<FolderSource>(std::move(files), std::move(manifest));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
+                                                   const SourceOptions& options) {
+  auto files = list_cloud_files({path});
+  if (!files) return tl::unexpected(files.error());
+  return open_files(std::move(*files), name_of(path), options);
+}
+
+Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::path> files,
+                                                   const SourceOptions& options) {
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    const std::string first = a.filename().string(), second = b.filename().string();
+    return first == second ? a < b : natural_less(first, second);
+  });
+  std::string name = files.front().filename().string();
+  if (files.size() > 1) name += fmt::format(" to {}", files.back().filename().string());
+  return open_files(std::move(files), std::move(name), options);
+}
+
+bool is_cloud_file(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".ply" || extension == ".drc";
 }
 
 }  // namespace pointreel

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "client/source/source.h"
 
@@ -12,5 +13,12 @@ namespace pointreel {
 /// and attributes of the first frame that can be read and has points.
 Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
                                                    const SourceOptions& options);
+
+/// Such files, wherever they are, in natural order of their names; at least one.
+Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::path> files,
+                                                   const SourceOptions& options);
+
+/// Whether its name is that of a PLY or Draco file.
+bool is_cloud_file(const std::filesystem::path& path);
 
 }  // namespace pointreel

@@ -139,6 +139,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     wake();
   }
 
+  std::stop_token stop() const { return options_.stop; }
   int open_attempts() const { return std::max(1, options_.open_attempts); }
 
   std::optional<std::string> trouble() const {
@@ -397,7 +398,7 @@ Result<Bytes> HttpClient::get(const std::string& url, std::uint64_t max_bytes) {
   const auto batch = std::make_shared<Batch>();
   batch->wanted.push_back({.url = url, .limit = max_bytes});
   batch->attempts = loop_->open_attempts();
-  if (const auto got = loop_->get(batch, {}); !got) return tl::unexpected(got.error());
+  if (const auto got = loop_->get(batch, loop_->stop()); !got) return tl::unexpected(got.error());
   return std::move(batch->bodies[0]);
 }
 

@@ -47,9 +47,13 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
 
   auto client = std::make_unique<HttpClient>(options);
   const auto text = client->get(manifest_url, kMaxManifestBytes);
-  if (!text) return tl::unexpected(text.error());
+  if (!text) {
+    const bool found = text.error().message.find("answers 404") == std::string::npos;
+    return tl::unexpected(found ? text.error() : no_package(text.error()));
+  }
   auto manifest = parse_manifest({reinterpret_cast<const char*>(text->data()), text->size()});
-  if (!manifest) return fail_at(manifest_url, manifest.error());
+  if (!manifest)
+    return tl::unexpected(no_package({manifest_url + ": " + manifest.error().message}));
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
     const std::string tables_url = base + "/" + manifest->tables->path;

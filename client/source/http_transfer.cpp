@@ -119,6 +119,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   set(CURLOPT_PRIVATE, static_cast<void*>(this));
   set(CURLOPT_URL, wanted_.url.c_str());
   set(CURLOPT_NOSIGNAL, 1L);
+  set(CURLOPT_QUICK_EXIT, 1L);  // does not wait for a host's name that nobody knows
   set(CURLOPT_PROTOCOLS_STR, "http,https");
   set(CURLOPT_REDIR_PROTOCOLS_STR, wanted_.url.starts_with("https") ? "https" : "http,https");
   set(CURLOPT_FOLLOWLOCATION, 1L);

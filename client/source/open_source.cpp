@@ -1,5 +1,6 @@
 #include "client/source/open_source.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -9,6 +10,17 @@
 #include "client/source/http_source.h"
 
 namespace pointreel {
+namespace {
+
+/// A folder in which there is nothing to play; false if it cannot be looked into.
+bool has_no_frames(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::directory_iterator entries(path, error);
+  return !error && std::none_of(begin(entries), end(entries),
+                                [](const auto& entry) { return is_cloud_file(entry.path()); });
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options) {
@@ -21,10 +33,17 @@ Result<std::unique_ptr<Source>> open_source(const std::string& where,
   namespace fs = std::filesystem;
   std::error_code ignored;
   const fs::path path(where);
-  if (!fs::exists(path, ignored)) return fail(where + ": no such file or folder");
+  if (!fs::exists(path, ignored)) {
+    const bool link = fs::is_symlink(path, ignored);
+    return fail(where + (link ? ": links to a file or folder that is not there"
+                              : ": no such file or folder"));
+  }
   if (path.filename() == kManifestName)
     return open_file_source(path.has_parent_path() ? path.parent_path() : fs::path("."));
   if (fs::exists(path / kManifestName, ignored)) return open_file_source(path);
+  if (has_no_frames(path))
+    return fail(fmt::format("{}: is not a package (it has no {}), and has no .ply or .drc files",
+                            where, kManifestName));
   return open_folder_source(path, options);
 }
 

@@ -9,6 +9,9 @@
 
 namespace pointreel {
 
+/// An error of reading a manifest, for who may have named something that is no package at all.
+Error no_package(const Error& error);
+
 /// A package, wherever its files are: fetches what is wanted of a frame, all of it at once.
 class PackageSource : public Source {
  public:

@@ -100,7 +100,8 @@ struct SourceOptions {
   std::chrono::milliseconds stall_timeout{1'500};
   std::chrono::milliseconds first_backoff{100};  ///< doubles with each attempt
   std::chrono::milliseconds max_backoff{500};
-  int open_attempts = 4;  ///< to open a source; what is fetched later is tried without end
+  std::stop_token stop = {};  ///< asked to stop, opening a source fails soon
+  int open_attempts = 4;      ///< to open a source; what is fetched later is tried without end
 };
 
 /// A range of a layer's file that holds what is wanted of a frame.

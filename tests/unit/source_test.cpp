@@ -122,6 +122,79 @@ TEST(OpenSource, SaysWhatIsWrongInOneLine) {
   EXPECT_THAT(open_source("http://").error().message, HasSubstr("names no host"));
 }
 
+TEST(OpenSource, SaysThatAFolderIsNoPackageAndHasNoFiles) {
+  const TemporaryFolder folder;
+  folder.write("readme.txt", "hello");
+  EXPECT_EQ(open_source(folder.path().string()).error().message,
+            folder.path().string() +
+                ": is not a package (it has no reel.json), and has no .ply or .drc files");
+}
+
+TEST(OpenSource, SaysThatAFileIsNoCloud) {
+  const TemporaryFolder folder;
+  const std::string photo = folder.write("photo.jpg", "\xff\xd8").string();
+  EXPECT_THAT(open_source(photo).error().message,
+              testing::AllOf(HasSubstr(photo), HasSubstr("neither a PLY nor a Draco file")));
+  const std::string cut = folder.write("cut.ply", "ply\nformat ascii 1.0\n").string();
+  EXPECT_THAT(open_source(cut).error().message, HasSubstr(cut + ": "));
+}
+
+TEST(OpenSource, SaysThatALinkLeadsNowhere) {
+  const TemporaryFolder folder;
+  fs::create_symlink("/no/such/file", folder / "gone.ply");
+  EXPECT_THAT(open_source((folder / "gone.ply").string()).error().message,
+              HasSubstr("gone.ply: links to a file or folder that is not there"));
+}
+
+TEST(OpenSource, SaysThatAManifestIsNone) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("reel.json", "<html>").string();
+  for (const std::string& where : {path, folder.path().string()})
+    EXPECT_EQ(open_source(where).error().message,
+              path + ": is not valid JSON; give the folder or address of a package");
+}
+
+TEST(OpenSource, SaysWhichNewerVersionAPackageHas) {
+  const TemporaryFolder folder;
+  std::string text = write_manifest(small_manifest());
+  const std::size_t version = text.find("\"version\": 1");
+  ASSERT_NE(version, std::string::npos);
+  text.replace(version, 12, "\"version\": 7");
+  folder.write("reel.json", text);
+  const std::string said = "format version 7 is newer than 1, the newest that this program reads";
+  const std::string local = open_source(folder.path().string()).error().message;
+  EXPECT_THAT(local, testing::AllOf(HasSubstr("reel.json: " + said), HasSubstr("update it")));
+  EXPECT_THAT(local, testing::Not(HasSubstr("give the folder")));
+  ScriptedHttpServer server([&](int socket, const std::string&) {
+    answer(socket, "200 OK", "", text);
+    return true;
+  });
+  EXPECT_THAT(open_source(server.url() + "/reel", impatient()).error().message,
+              HasSubstr("/reel/reel.json: " + said));
+}
+
+TEST(OpenSource, SaysThatAHostDoesNotAnswer) {
+  std::string url;
+  {
+    const ScriptedHttpServer server([](int, const std::string&) { return false; });
+    url = server.url();
+  }
+  EXPECT_THAT(open_source(url + "/reel", impatient()).error().message,
+              testing::AllOf(HasSubstr(url), HasSubstr("nothing answers there")));
+}
+
+TEST(OpenSource, IsStopped) {
+  std::stop_source stop;
+  ScriptedHttpServer server([&](int, const std::string&) {
+    stop.request_stop();
+    return true;
+  });
+  SourceOptions options = impatient();
+  options.stall_timeout = std::chrono::minutes(10);
+  options.stop = stop.get_token();
+  EXPECT_FALSE(open_source(server.url() + "/reel", options));
+}
+
 TEST(FileSource, ReadsTheWantedRanges) {
   const TemporaryFolder folder;
   folder.write("reel.json", write_manifest(small_manifest()));
@@ -242,7 +315,8 @@ TEST(HttpSource, SaysThatThereIsNoPackage) {
   });
   const auto source = open_source(server.url() + "/nowhere", impatient());
   EXPECT_THAT(source.error().message,
-              testing::AllOf(HasSubstr("/nowhere/reel.json"), HasSubstr("404")));
+              testing::AllOf(HasSubstr("/nowhere/reel.json"), HasSubstr("404"),
+                             HasSubstr("give the folder or address of a package")));
   EXPECT_EQ(server.requests, 1) << "asking again would not help";
 }
 

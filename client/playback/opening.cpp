@@ -1,0 +1,111 @@
+#include "client/playback/opening.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+namespace pointreel {
+namespace {
+
+constexpr std::chrono::milliseconds kBlink{100};
+
+/// Something that a thread does, and somebody waits for a little.
+class Errand {
+ public:
+  void end() {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    changed_.notify_all();
+  }
+  void wait(std::chrono::milliseconds at_most) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, at_most, [this] { return ended_; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+/// Owned by whoever opens and by the thread, whichever is there longer.
+struct Opening::Shared {
+  Stage::CameraFor camera_for;
+  Stage::OnError on_error;
+  std::stop_source stop;
+  Errand errand;
+  std::mutex calling;  ///< while one of the functions above is called
+  bool given_up = false;
+  std::mutex mutex;  ///< of what follows
+  std::optional<Opened> opened;
+  bool unwanted = false;
+};
+
+Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
+                 Stage::CameraFor camera_for, Stage::OnError on_error)
+    : shared_(std::make_shared<Shared>()) {
+  shared_->camera_for = std::move(camera_for);
+  shared_->on_error = std::move(on_error);
+  options.source.stop = shared_->stop.get_token();
+  const auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
+    Opened opened = Stage::open(
+        sources, options,
+        [&shared](const Box& bounds, char up) {
+          const std::lock_guard lock(shared->calling);
+          return shared->given_up ? Camera{} : shared->camera_for(bounds, up);
+        },
+        [shared](std::size_t source, std::uint32_t frame, const Error& error) {
+          const std::lock_guard lock(shared->calling);
+          if (!shared->given_up) shared->on_error(source, frame, error);
+        });
+    {
+      const std::lock_guard lock(shared->mutex);
+      if (!shared->unwanted) shared->opened = std::move(opened);
+    }
+    opened = nullptr;  // a stage that nobody wants ends here
+    shared->errand.end();
+  };
+  std::thread(open).detach();
+}
+
+Opening::~Opening() {
+  shared_->stop.request_stop();
+  std::optional<Opened> opened;
+  bool taken = false;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    taken = std::exchange(shared_->unwanted, true);
+    opened = std::exchange(shared_->opened, std::nullopt);
+  }
+  if (taken) return;  // what the stage calls is its owner's now
+  {
+    const std::lock_guard lock(shared_->calling);
+    shared_->given_up = true;
+  }
+  if (opened && *opened) retire(std::move(**opened));
+  shared_->errand.wait(kBlink);
+}
+
+std::optional<Opening::Opened> Opening::poll() {
+  const std::lock_guard lock(shared_->mutex);
+  if (shared_->opened) shared_->unwanted = true;
+  return std::exchange(shared_->opened, std::nullopt);
+}
+
+void retire(std::unique_ptr<Stage> stage) {
+  if (!stage) return;
+  stage->silence();
+  const auto errand = std::make_shared<Errand>();
+  std::thread([errand, stage = std::move(stage)]() mutable {
+    stage.reset();
+    errand->end();
+  }).detach();
+  errand->wait(kBlink);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,169 @@
+#include "client/playback/opening.h"
+
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/cloud/ply.h"
+#include "tests/temporary_folder.h"
+#include "tests/unit/packed_reel.h"
+#include "tests/unit/scripted_http_server.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+void eventually(const std::function<bool()>& done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!done()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+}
+
+Camera looking(const Box& bounds, char up) {
+  Camera camera;
+  camera.up = up;
+  camera.frame_bounds(bounds, 1.0);
+  return camera;
+}
+
+void nobody(std::size_t, std::uint32_t, const Error&) {}
+
+class OpeningTest : public testing::Test {
+ protected:
+  std::string ply(const std::string& name) {
+    const auto path = folder_.path() / name;
+    EXPECT_TRUE(write_ply(path, ball(200, 1)));
+    return path.string();
+  }
+  /// The stage, or null with `error_`.
+  std::unique_ptr<Stage> wait(Opening& opening) {
+    std::optional<Opening::Opened> opened;
+    eventually([&] { return (opened = opening.poll()).has_value(); });
+    if (!opened) return nullptr;
+    EXPECT_FALSE(opening.poll()) << "once";
+    if (*opened) return std::move(**opened);
+    error_ = opened->error().message;
+    return nullptr;
+  }
+
+  TemporaryFolder folder_;
+  std::string error_;
+};
+
+TEST_F(OpeningTest, GivesTheStageWhenItIsThere) {
+  const std::string file = ply("one.ply");
+  Opening opening({{file}}, {}, looking, nobody);
+  const auto stage = wait(opening);
+  ASSERT_TRUE(stage) << error_;
+  EXPECT_EQ(stage->size(), 1u);
+  EXPECT_FALSE(stage->bounds().empty());
+  eventually([&] {
+    stage->update(std::chrono::steady_clock::now());
+    return stage->scene()[0].frame != nullptr;
+  });
+}
+
+TEST_F(OpeningTest, GivesTheErrorWhereThereIsNothing) {
+  Opening opening({{(folder_.path() / "nothing").string()}}, {}, looking, nobody);
+  EXPECT_FALSE(wait(opening));
+  EXPECT_THAT(error_, HasSubstr("nothing: no such file or folder"));
+}
+
+TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
+  std::atomic<int> asked{0};
+  std::atomic<bool> over{false};
+  ScriptedHttpServer server([&](int, const std::string&) {
+    ++asked;
+    while (!over) std::this_thread::sleep_for(milliseconds(1));
+    return false;
+  });
+  Stage::Options options;
+  options.source.stall_timeout = std::chrono::minutes(10);
+  std::atomic<bool> gone{false};
+  {
+    Opening opening(
+        {{server.url() + "/reel"}}, options,
+        [&](const Box&, char) {
+          EXPECT_FALSE(gone);
+          return Camera{};
+        },
+        nobody);
+    eventually([&] { return asked == 1; });
+    EXPECT_FALSE(opening.poll());
+  }
+  gone = true;
+  over = true;
+}
+
+TEST_F(OpeningTest, CallsNothingOnceItIsGone) {
+  // Each of a hundred is given up at another moment.
+  for (int i = 0; i < 100; ++i) {
+    auto alive = std::make_unique<std::atomic<bool>>(true);
+    const auto* watched = alive.get();
+    {
+      Opening opening(
+          {{ply("frame.ply")}}, {},
+          [watched](const Box& bounds, char up) {
+            EXPECT_TRUE(*watched);
+            return looking(bounds, up);
+          },
+          [watched](std::size_t, std::uint32_t, const Error&) { EXPECT_TRUE(*watched); });
+      std::this_thread::sleep_for(std::chrono::microseconds(20 * i));
+    }
+    *alive = false;
+  }
+}
+
+TEST_F(OpeningTest, StagesAreRetiredWithTheirErrors) {
+  const std::string file = ply("frame2.ply");
+  std::ofstream(folder_.path() / "frame10.ply") << "ply\nbroken\n";
+  std::atomic<int> errors{0};
+  std::atomic<bool> retired{false};
+  Opening opening({{folder_.path().string()}}, {}, looking,
+                  [&](std::size_t, std::uint32_t frame, const Error&) {
+                    EXPECT_EQ(frame, 1u);
+                    EXPECT_FALSE(retired);
+                    ++errors;
+                  });
+  auto stage = wait(opening);
+  ASSERT_TRUE(stage) << error_;
+  eventually([&] { return errors > 0; });
+  retire(std::move(stage));
+  retired = true;
+  retire(nullptr);
+}
+
+TEST_F(OpeningTest, PlaysFilesThatAreDroppedTogetherAsOneReel) {
+  const std::string second = ply("b2.ply"), tenth = ply("b10.ply"), first = ply("b1.PLY");
+  const auto sources = sources_of({tenth, "http://host/reel", first, second});
+  ASSERT_EQ(sources.size(), 2u);
+  EXPECT_EQ(sources[1].where, "http://host/reel");
+  EXPECT_THAT(sources[0].where, HasSubstr("and 2 more"));
+  Opening opening({sources[0]}, {}, looking, nobody);
+  const auto stage = wait(opening);
+  ASSERT_TRUE(stage) << error_;
+  EXPECT_EQ(stage->reel(0)->timeline().frame_count(), 3u);
+  EXPECT_EQ(stage->reel(0)->name(), "b1.PLY to b10.ply");
+}
+
+TEST_F(OpeningTest, TakesASingleFileOrFolderAsItIs) {
+  const std::string file = ply("one.ply");
+  const auto sources = sources_of({file});
+  ASSERT_EQ(sources.size(), 1u);
+  EXPECT_EQ(sources[0].where, file);
+  EXPECT_TRUE(sources[0].files.empty());
+  EXPECT_EQ(sources_of({"folder", "other"}).size(), 2u);
+  EXPECT_TRUE(sources_of({}).empty());
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -503,6 +503,21 @@ std::size_t FrameBuffer::held() const {
          (passed_ ? 1 : 0);
 }
 
+std::uint64_t FrameBuffer::held_bytes() const {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t bytes = passed_ ? memory_of(*passed_) : 0;
+  for (const auto& [index, finished] : finished_)
+    if (finished.frame && finished.frame != passed_) bytes += memory_of(*finished.frame);
+  return bytes;
+}
+
+std::optional<FetchedFrame> FrameBuffer::stored_base(std::uint32_t frame, bool colors,
+                                                     bool normals) const {
+  const std::lock_guard lock(mutex_);
+  if (store_.usable(frame, {1, colors, normals}) == 0) return std::nullopt;
+  return store_.copy(frame, 1);
+}
+
 std::uint64_t FrameBuffer::stored_bytes() const {
   const std::lock_guard lock(mutex_);
   return store_.bytes();

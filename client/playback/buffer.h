@@ -154,7 +154,10 @@ class FrameBuffer {
 
   /// Finished frames that are held; never more than `ahead` + 2.
   std::size_t held() const;
-  std::uint64_t stored_bytes() const;
+  std::uint64_t held_bytes() const;    ///< that they take
+  std::uint64_t stored_bytes() const;  ///< of coded frames
+  /// What has been fetched of the frame, if its base is there with these attributes: the base.
+  std::optional<FetchedFrame> stored_base(std::uint32_t frame, bool colors, bool normals) const;
 
  private:
   struct Finished {

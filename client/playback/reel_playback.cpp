@@ -189,6 +189,8 @@ ReelPlayback::Statistics ReelPlayback::statistics() const {
   Statistics statistics = statistics_;
   statistics.fetched_bytes = pipeline_->fetched_bytes();
   statistics.refetched = pipeline_->refetched();
+  statistics.stored_bytes = buffer_.stored_bytes();
+  statistics.frame_bytes = buffer_.held_bytes() + (thumbnails_ ? thumbnails_->bytes() : 0);
   statistics.buffered_seconds = fill_.fetched * frame_seconds();
   const std::lock_guard lock(control_mutex_);
   statistics.link_bits_per_second = 8.0 * control_.bytes_per_second();
@@ -410,6 +412,8 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
     buffer_.advance(reading.frame, clock_.direction());
   }
   hold_if_starved(now);
+  // Somebody waits for the picture.
+  if (thumbnails_) thumbnails_->set_quiet(fill_.made == 0);
   control(now);
   Update update{buffer_.best()};
   if (update.frame && update.frame != given_) {
@@ -435,6 +439,16 @@ void ReelPlayback::count_dropped(const SceneFrame& frame, const Clock::Reading& 
   if (given_ordinal_ && (ordinal - *given_ordinal_) * direction > 1)
     dropped_ += static_cast<std::uint64_t>((ordinal - *given_ordinal_) * direction - 1);
   given_ordinal_ = ordinal;
+}
+
+std::shared_ptr<const SceneFrame> ReelPlayback::thumbnail(std::uint32_t frame) {
+  if (frame >= timeline().frame_count()) return nullptr;
+  if (!thumbnails_)
+    thumbnails_.emplace(*source_, [this](std::uint32_t index) {
+      const FetchRequest needs = layer_choice(manifest(), DrawMode::point, Thumbnails::kLevel);
+      return buffer_.stored_base(index, needs.colors, needs.normals);
+    });
+  return thumbnails_->get(frame);
 }
 
 FrameBuffer::State ReelPlayback::await(std::uint32_t frame, std::chrono::milliseconds timeout) {

@@ -17,6 +17,7 @@
 #include "client/playback/layer_control.h"
 #include "client/playback/pipeline.h"
 #include "client/playback/playback.h"
+#include "client/playback/thumbnails.h"
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
 #include "client/source/source.h"
@@ -104,6 +105,10 @@ class ReelPlayback : public Playback {
   /// Which frames are there, and with how many layers, in order.
   std::vector<BufferedRange> buffered() const { return buffer_.buffered(); }
 
+  /// A coarse picture of any frame, as Thumbnails::get gives it: null until it is there. Does not
+  /// disturb playback.
+  std::shared_ptr<const SceneFrame> thumbnail(std::uint32_t frame);
+
   // What was chosen, and how it went.
 
   /// Of the frames from here to the next entry's, or the end of what was fetched so far.
@@ -124,6 +129,9 @@ class ReelPlayback : public Playback {
     /// Times at which playback stood still for want of frames, but for its start and after jumps.
     std::uint64_t stalls = 0;
     double stalled_seconds = 0, longest_stall_seconds = 0;
+    // What is held.
+    std::uint64_t stored_bytes = 0;  ///< of coded frames
+    std::uint64_t frame_bytes = 0;   ///< of frames that are ready, thumbnails included
   };
   Statistics statistics() const;
 
@@ -172,7 +180,9 @@ class ReelPlayback : public Playback {
   std::optional<Clock::TimePoint> first_control_;
   LinkUse link_use_;                               ///< as of the last update
   std::map<std::uint32_t, LayerDecision> chosen_;  ///< by segment
-  std::optional<Pipeline> pipeline_;               ///< last: its threads use what is above
+  // Last: their threads use what is above.
+  std::optional<Pipeline> pipeline_;
+  std::optional<Thumbnails> thumbnails_;
 };
 
 }  // namespace pointreel

@@ -49,6 +49,9 @@ struct SceneFrame {
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };
 
+/// Bytes that it takes, of what grows with its points.
+std::uint64_t memory_of(const SceneFrame& frame);
+
 /// A frame and where it stands in the world.
 struct PlacedFrame {
   std::shared_ptr<const SceneFrame> frame;  ///< null: nothing

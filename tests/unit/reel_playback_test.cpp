@@ -362,5 +362,21 @@ TEST_F(ReelPlaybackTest, MakesFramesAgainForAnotherDelta) {
   until([&](const auto& update) { return update.frame && update.frame->svo.depth == fine; });
 }
 
+TEST_F(ReelPlaybackTest, GivesThumbnailsOfAnyFrame) {
+  start();
+  playback_->pause(now_);
+  until([&](const auto&) { return playback_->statistics().buffered_seconds > 1.9; });
+  EXPECT_EQ(playback_->thumbnail(25), nullptr);
+  until([&](const auto&) {
+    const auto frame = playback_->thumbnail(25);
+    return frame && frame->index == 25 && frame->layers == 1;
+  });
+  source_->open(false);  // what is there already needs no link
+  until([&](const auto&) { return playback_->thumbnail(3) != nullptr; });
+  EXPECT_EQ(playback_->thumbnail(kFrames), nullptr);
+  EXPECT_GT(playback_->statistics().frame_bytes, 0u);
+  EXPECT_GT(playback_->statistics().stored_bytes, 0u);
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -1,0 +1,116 @@
+#include "client/playback/thumbnails.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <sys/resource.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include "client/playback/layer_choice.h"
+#include "client/playback/prepare.h"
+
+namespace pointreel {
+namespace {
+
+/// Where the pointer went in the last moments; what came before is not worth making any more.
+constexpr std::size_t kMostWanted = 8;
+constexpr int kNice = 10;
+
+/// What an entry takes besides its frame.
+constexpr std::uint64_t kEntryBytes = 128;
+
+}  // namespace
+
+Thumbnails::Thumbnails(Source& source, Stored stored, std::uint64_t bytes)
+    : source_(source), stored_(std::move(stored)), budget_(bytes) {}
+
+Thumbnails::~Thumbnails() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_.request_stop();
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+std::shared_ptr<const SceneFrame> Thumbnails::get(std::uint32_t frame) {
+  const std::lock_guard lock(mutex_);
+  if (const auto it = entries_.find(frame); it != entries_.end()) {
+    it->second.used = ++uses_;
+    return it->second.frame;
+  }
+  std::erase(wanted_, frame);
+  if (making_ != frame) wanted_.push_back(frame);
+  if (wanted_.size() > kMostWanted) wanted_.erase(wanted_.begin());
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  changed_.notify_all();
+  return nullptr;
+}
+
+void Thumbnails::set_quiet(bool quiet) {
+  const std::lock_guard lock(mutex_);
+  if (quiet_ == quiet) return;
+  quiet_ = quiet;
+  changed_.notify_all();
+}
+
+std::uint64_t Thumbnails::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+void Thumbnails::run() {
+  // Linux has a niceness for each thread. Without it they are made all the same.
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
+  // No help: the threads that make what is played have enough to do.
+  tbb::task_arena alone(1);
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_.stop_requested() || (!quiet_ && !wanted_.empty()); });
+    if (stop_.stop_requested()) return;
+    const std::uint32_t frame = wanted_.back();
+    wanted_.pop_back();
+    making_ = frame;
+    lock.unlock();
+    auto made = alone.execute([&] { return make(frame); });
+    lock.lock();
+    making_.reset();
+    if (stop_.stop_requested()) return;
+    keep(frame, made ? std::make_shared<const SceneFrame>(*std::move(made)) : nullptr);
+  }
+}
+
+Result<SceneFrame> Thumbnails::make(std::uint32_t frame) {
+  auto stored = stored_(frame);
+  if (!stored) {
+    FetchRequest request = layer_choice(source_.manifest(), DrawMode::point, kLevel);
+    request.layers = 1;
+    request.stop = stop_.get_token();
+    auto fetched = source_.fetch(frame, request);
+    if (!fetched) return tl::unexpected(fetched.error());
+    stored = *std::move(fetched);
+  }
+  PrepareOptions options;
+  options.mode = DrawMode::point;
+  options.level = kLevel;
+  return prepare_frame(source_.manifest(), frame, *stored, options);
+}
+
+/// With the mutex held.
+void Thumbnails::keep(std::uint32_t frame, std::shared_ptr<const SceneFrame> made) {
+  Entry& entry = entries_[frame];
+  entry.bytes = kEntryBytes + (made ? memory_of(*made) : 0);
+  entry.frame = std::move(made);
+  entry.used = ++uses_;
+  bytes_ += entry.bytes;
+  while (bytes_ > budget_ && entries_.size() > 1) {
+    const auto oldest = std::min_element(
+        entries_.begin(), entries_.end(),
+        [](const auto& a, const auto& b) { return a.second.used < b.second.used; });
+    bytes_ -= oldest->second.bytes;
+    entries_.erase(oldest);
+  }
+}
+
+}  // namespace pointreel

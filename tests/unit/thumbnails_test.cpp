@@ -1,0 +1,180 @@
+#include "client/playback/thumbnails.h"
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "client/source/open_source.h"
+#include "tests/unit/packed_reel.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+using Frames = std::vector<std::uint32_t>;
+
+/// Tells what is asked for, and lets it through when the test says so.
+class WatchedSource : public Source {
+ public:
+  explicit WatchedSource(std::unique_ptr<Source> source) : source_(std::move(source)) {}
+  const Manifest& manifest() const override { return source_->manifest(); }
+  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
+    {
+      const std::lock_guard lock(mutex_);
+      asked_.push_back(frame);
+    }
+    ++at_once_;
+    EXPECT_LE(at_once_, 1);
+    EXPECT_EQ(request.layers, 1u);
+    while (!open && !request.stop.stop_requested()) std::this_thread::sleep_for(milliseconds(1));
+    --at_once_;
+    if (request.stop.stop_requested() || frame == broken) return fail("cannot be had");
+    return source_->fetch(frame, request);
+  }
+  Frames asked() {
+    const std::lock_guard lock(mutex_);
+    return asked_;
+  }
+
+  std::atomic<bool> open{true};
+  std::uint32_t broken = ~0u;
+
+ private:
+  const std::unique_ptr<Source> source_;
+  std::atomic<int> at_once_{0};
+  std::mutex mutex_;
+  Frames asked_;
+};
+
+class ThumbnailsTest : public PackTest {
+ protected:
+  ThumbnailsTest() {
+    write_frames(12);
+    PackOptions packing = options();
+    OctreeOptions octree;
+    octree.depth = DepthRule::fixed(10);
+    packing.encode.codec = octree;
+    EXPECT_TRUE(pack(packing));
+    source_.emplace(*open_source(reel_.string()));
+  }
+  static std::optional<FetchedFrame> nothing(std::uint32_t) { return std::nullopt; }
+  void eventually(const std::function<bool()>& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!done()) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  }
+  std::shared_ptr<const SceneFrame> wait(Thumbnails& thumbnails, std::uint32_t frame) {
+    std::shared_ptr<const SceneFrame> made;
+    eventually([&] { return (made = thumbnails.get(frame)) != nullptr; });
+    return made;
+  }
+
+  std::optional<WatchedSource> source_;
+};
+
+TEST_F(ThumbnailsTest, AreCoarseFramesThatComeWhenTheyAreReady) {
+  Thumbnails thumbnails(*source_, nothing);
+  EXPECT_EQ(thumbnails.get(7), nullptr);
+  const auto frame = wait(thumbnails, 7);
+  EXPECT_EQ(frame->index, 7u);
+  EXPECT_EQ(frame->layers, 1u);
+  EXPECT_LE(frame->svo.depth, Thumbnails::kLevel);
+  EXPECT_FALSE(frame->attributes.colors.empty());
+  EXPECT_EQ(thumbnails.get(7), frame);
+  EXPECT_EQ(source_->asked(), Frames{7}) << "once";
+}
+
+TEST_F(ThumbnailsTest, AreMadeOneAtATimeTheNewestFirst) {
+  Thumbnails thumbnails(*source_, nothing);
+  source_->open = false;
+  thumbnails.get(0);
+  eventually([&] { return source_->asked().size() == 1; });
+  for (const std::uint32_t frame : {3u, 1u, 2u, 3u}) thumbnails.get(frame);
+  source_->open = true;
+  eventually([&] { return source_->asked().size() == 4; });
+  EXPECT_EQ(source_->asked(), (Frames{0, 3, 2, 1}));
+}
+
+TEST_F(ThumbnailsTest, ForgetWhatWasPassedLongAgo) {
+  Thumbnails thumbnails(*source_, nothing);
+  source_->open = false;
+  thumbnails.get(0);
+  eventually([&] { return source_->asked().size() == 1; });
+  for (std::uint32_t frame = 1; frame < 12; ++frame) thumbnails.get(frame);
+  source_->open = true;
+  eventually([&] { return source_->asked().size() == 9; });
+  wait(thumbnails, 4);
+  EXPECT_EQ(source_->asked(), (Frames{0, 11, 10, 9, 8, 7, 6, 5, 4}));
+}
+
+TEST_F(ThumbnailsTest, KeepTheLastOnesWithinTheirBytes) {
+  std::uint64_t one = 0;
+  {
+    Thumbnails thumbnails(*source_, nothing);
+    wait(thumbnails, 11);
+    one = thumbnails.bytes();
+  }
+  Thumbnails thumbnails(*source_, nothing, 3 * one + one / 2);
+  for (const std::uint32_t frame : {0u, 1u, 2u}) wait(thumbnails, frame);
+  thumbnails.get(0);
+  wait(thumbnails, 3);
+  EXPECT_LE(thumbnails.bytes(), 3 * one + one / 2);
+  const std::size_t asked = source_->asked().size();
+  for (const std::uint32_t frame : {0u, 2u, 3u}) EXPECT_NE(thumbnails.get(frame), nullptr);
+  EXPECT_EQ(source_->asked().size(), asked);
+  EXPECT_EQ(thumbnails.get(1), nullptr) << "used longest ago";
+}
+
+TEST_F(ThumbnailsTest, KeepOneHoweverLargeItIs) {
+  Thumbnails thumbnails(*source_, nothing, 1);
+  wait(thumbnails, 3);
+  wait(thumbnails, 4);
+  EXPECT_EQ(thumbnails.get(4)->index, 4u);
+}
+
+TEST_F(ThumbnailsTest, AreMadeOfWhatIsThereAlready) {
+  const auto stored = [&](std::uint32_t frame) -> std::optional<FetchedFrame> {
+    if (frame != 2) return std::nullopt;
+    return *open_source(reel_.string()).value()->fetch(5, {1, true, false});
+  };
+  Thumbnails thumbnails(*source_, stored);
+  EXPECT_EQ(wait(thumbnails, 2)->index, 2u);
+  EXPECT_EQ(source_->asked(), Frames{});
+}
+
+TEST_F(ThumbnailsTest, AreNotBegunWhileItIsToBeQuiet) {
+  Thumbnails thumbnails(*source_, nothing);
+  thumbnails.set_quiet(true);
+  thumbnails.get(1);
+  std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_EQ(source_->asked(), Frames{});
+  thumbnails.set_quiet(false);
+  wait(thumbnails, 1);
+}
+
+TEST_F(ThumbnailsTest, AreNotAskedForAgainIfTheyCannotBeHad) {
+  source_->broken = 6;
+  Thumbnails thumbnails(*source_, nothing);
+  thumbnails.get(6);
+  eventually([&] { return thumbnails.bytes() > 0; });
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(thumbnails.get(6), nullptr);
+  wait(thumbnails, 5);
+  EXPECT_EQ(source_->asked(), (Frames{6, 5}));
+}
+
+TEST_F(ThumbnailsTest, EndWhileOneIsBeingFetched) {
+  source_->open = false;
+  Thumbnails thumbnails(*source_, nothing);
+  thumbnails.get(0);
+  thumbnails.get(1);
+  eventually([&] { return source_->asked().size() == 1; });
+}
+
+}  // namespace
+}  // namespace pointreel

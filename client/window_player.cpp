@@ -23,6 +23,7 @@
 #include "client/render/gl_context.h"
 #include "client/scene/camera_path.h"
 #include "client/settings.h"
+#include "client/thumbnail_painter.h"
 #include "client/ui/controls.h"
 #include "client/ui/interface.h"
 #include "client/ui/time_text.h"
@@ -90,6 +91,8 @@ class WindowPlayer {
     } else if (presenter_) {
       if (auto written = finish(); !written) say_error(written.error().message);
     }
+    controls_.begin(nullptr, {});
+    retire(std::move(stage_));
     return error_.empty();
   }
 
@@ -125,6 +128,7 @@ class WindowPlayer {
     }
     error_.clear();
     controls_.begin(nullptr, {});
+    retire(std::move(stage_));
     stage_ = *std::move(*opened);
     stage_->set_mode(controls_.settings().draw.mode);
     stage_->set_delta(controls_.settings().delta);
@@ -215,6 +219,11 @@ class WindowPlayer {
     // Live streams say late where they are.
     if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded())
       controls_.look_home_unless_moved();
+    if (options_.camera_path && controls_.reel() && !update.changes.empty()) {
+      if (const SceneFrame* frame = shown_frame())
+        controls_.follow(
+            camera_at(options_, frame->time_us, stage_->bounds(), stage_->up(), size_));
+    }
     stage_->look(controls_.camera(), size_);
     shown = !update.changes.empty();
     if (!shown && !redraw) return {};
@@ -292,10 +301,12 @@ class WindowPlayer {
     view_.waiting_seconds = ms_since(opening_since_, now) / 1000.0;
     view_.timeline.reset();
     if (stage_) view_.timeline = timeline_view(controls_, now);
+    view_.thumbnail = thumbnail();
     if (auto said = controls_.take_said()) interface_.say(*said, now);
     const DrawSettings settings = controls_.settings();
     const TimelineUse use = interface_.build(view_, controls_);
     bar_scrub_us_ = use.scrub_us;
+    hovered_us_ = use.hovered_us;
     if (use.action) pressed_.push_back(*use.action);
     redraw = redraw || settings != controls_.settings();
     build_ms_ += ms_since(start, steady_clock::now());
@@ -305,6 +316,20 @@ class WindowPlayer {
     if (opening_ || !presenter_) return "Loading " + short_names(opened_);
     if (stage_ && !presenter_->shown() && error_.empty()) return "Waiting for the first picture";
     return {};
+  }
+
+  /// Of the time that the cursor is at, once its frame is there; no other picture while it is not.
+  std::optional<Thumbnail> thumbnail() {
+    if (!hovered_us_ || !controls_.reel()) return std::nullopt;
+    const std::uint32_t frame = controls_.reel()->timeline().frame_at(*hovered_us_);
+    for (std::size_t i = 0; i < stage_->size(); ++i) {
+      if (stage_->reel(i) != controls_.reel()) continue;
+      auto base = stage_->reel(i)->thumbnail(frame);
+      if (!base) return std::nullopt;
+      return thumbnails_.draw({std::move(base), stage_->place(i)}, stage_->bounds(),
+                              controls_.camera(), controls_.settings().draw.background);
+    }
+    return std::nullopt;
   }
 
   void follow_scrub(steady_clock::time_point now) {
@@ -356,7 +381,7 @@ class WindowPlayer {
 
   Result<void> act(const Input& input, steady_clock::time_point now, double seconds, bool& redraw) {
     if (input.moved) interface_.wake(now);
-    if (!input.dropped.empty()) open_dropped(input.dropped);
+    if (!input.dropped.empty()) open(sources_of(input.dropped));
     std::vector<Action> actions = std::exchange(pressed_, {});
     actions.insert(actions.end(), input.actions.begin(), input.actions.end());
     for (const Action action : actions) {
@@ -389,12 +414,6 @@ class WindowPlayer {
     int width = 1, height = 1;
     glfwGetWindowSize(window_.handle(), &width, &height);
     return cursor * glm::dvec2(size_) / glm::dvec2(std::max(1, width), std::max(1, height));
-  }
-
-  void open_dropped(const std::vector<std::string>& paths) {
-    std::vector<Stage::Placed> sources;
-    for (const std::string& path : paths) sources.push_back({path, {}});
-    open(std::move(sources));
   }
 
   Result<void> act_on_window(Action action, steady_clock::time_point now) {
@@ -473,7 +492,9 @@ class WindowPlayer {
   WindowInput input_;
   Interface interface_;  ///< after the input, whose callbacks it chains itself to
   Interface::View view_;
-  std::vector<Action> pressed_;  ///< of buttons, for the next round
+  ThumbnailPainter thumbnails_{interface_.scale()};
+  std::optional<std::uint64_t> hovered_us_;  ///< the time that the cursor is at
+  std::vector<Action> pressed_;              ///< of buttons, for the next round
   int pictures_due_ = 0;
   steady_clock::time_point built_{};
   double build_ms_ = 0.0;  ///< since the window last changed

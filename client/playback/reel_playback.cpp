@@ -412,8 +412,8 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
     buffer_.advance(reading.frame, clock_.direction());
   }
   hold_if_starved(now);
-  // Somebody waits for the picture.
-  if (thumbnails_) thumbnails_->set_quiet(fill_.made == 0);
+  // The picture itself is waited for.
+  if (thumbnails_) thumbnails_->set_quiet(fill_.fetched == 0);
   control(now);
   Update update{buffer_.best()};
   if (update.frame && update.frame != given_) {

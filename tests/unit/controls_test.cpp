@@ -150,6 +150,20 @@ TEST_F(ControlsTest, TurnMoveAndZoomAndComeHome) {
   EXPECT_EQ(controls_.camera(), home);
 }
 
+TEST_F(ControlsTest, FollowAPathUntilTheUserMoves) {
+  Camera path = controls_.camera();
+  path.yaw = 1.0;
+  controls_.follow(path);
+  EXPECT_EQ(controls_.camera().yaw, 1.0);
+  controls_.center_on({0.0, 0.5, 0.0});
+  path.yaw = 2.0;
+  controls_.follow(path);
+  EXPECT_EQ(controls_.camera().yaw, 1.0);
+  act(Action::reset_view);
+  controls_.follow(path);
+  EXPECT_EQ(controls_.camera().yaw, 2.0);
+}
+
 TEST_F(ControlsTest, FlyOnlyAfterItsKey) {
   Input input;
   input.fly = {0.0, 0.0, 1.0};

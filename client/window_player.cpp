@@ -41,7 +41,7 @@ constexpr milliseconds kInterfacePeriod{33};
 /// How often it is drawn after something happened: ImGui needs a picture to find what is under the
 /// cursor, one to press it, and one to release it.
 constexpr int kPicturesAfterInput = 3;
-constexpr milliseconds kBrokenFrameShown{4000};
+constexpr milliseconds kBrokenFrameShown{4000}, kErrorShown{8000};
 
 double ms_since(steady_clock::time_point start, steady_clock::time_point now) {
   return std::chrono::duration<double, std::milli>(now - start).count();
@@ -83,6 +83,7 @@ class WindowPlayer {
     auto presenter = Presenter::create(options_);
     if (!presenter) {
       say_error(presenter.error().message);
+      opening_.reset();
     } else {
       presenter_ = *std::move(presenter);
     }
@@ -127,6 +128,9 @@ class WindowPlayer {
       return;
     }
     error_.clear();
+    bar_scrub_us_.reset();
+    scrub_asked_.reset();
+    hovered_us_.reset();
     controls_.begin(nullptr, {});
     retire(std::move(stage_));
     stage_ = *std::move(*opened);
@@ -146,6 +150,7 @@ class WindowPlayer {
 
   void say_error(const std::string& message) {
     error_ = message;
+    error_since_ = steady_clock::now();
     fmt::print(stderr, "pointreel: {}\n", message);
   }
 
@@ -182,7 +187,10 @@ class WindowPlayer {
 
       glm::ivec2 size{0};
       glfwGetFramebufferSize(window_.handle(), &size.x, &size.y);
-      if (size.x <= 0 || size.y <= 0) continue;  // minimised
+      if (size.x <= 0 || size.y <= 0) {  // minimised
+        pictures_due_ = 0;
+        continue;
+      }
       if (std::exchange(size_, size) != size) {
         redraw = true;
         pictures_due_ = kPicturesAfterInput;
@@ -295,8 +303,9 @@ class WindowPlayer {
     glfwGetWindowSize(window_.handle(), &width, &height);
     view_.size = {width, height};
     view_.error = error_.empty() ? trouble_now_ : error_;
-    view_.hint =
-        error_.empty() ? "" : "Drop a package, a folder or PLY files here, or press q to quit";
+    view_.hint = error_.empty() || stage_
+                     ? ""
+                     : "Drop a package, a folder or PLY files here, or press q to quit";
     view_.waiting = waiting();
     view_.waiting_seconds = ms_since(opening_since_, now) / 1000.0;
     view_.timeline.reset();
@@ -313,8 +322,8 @@ class WindowPlayer {
   }
 
   std::string waiting() const {
-    if (opening_ || !presenter_) return "Loading " + short_names(opened_);
-    if (stage_ && !presenter_->shown() && error_.empty()) return "Waiting for the first picture";
+    if (opening_) return "Loading " + short_names(opened_);
+    if (stage_ && !presenter_->shown()) return "Waiting for the first picture";
     return {};
   }
 
@@ -351,6 +360,11 @@ class WindowPlayer {
 
   void look_for_trouble(steady_clock::time_point now) {
     if (!stage_) return;
+    // What was dropped could not be played; what played before goes on.
+    if (!error_.empty() && now - error_since_ > kErrorShown) {
+      error_.clear();
+      pictures_due_ = 1;
+    }
     trouble_.look(*stage_);
     std::string line = trouble_.now();
     if (const auto broken = errors_.take_newest()) {
@@ -501,7 +515,8 @@ class WindowPlayer {
   bool flown_ = false, quit_ = false;
   CameraPath camera_path_;  ///< that the user has recorded so far, in this file
   std::string camera_file_;
-  std::string error_;        ///< why the last thing that was to be played could not be
+  std::string error_;  ///< why the last thing that was to be played could not be
+  steady_clock::time_point error_since_{};
   std::string trouble_now_;  ///< of what plays
   std::string broken_;
   steady_clock::time_point broken_at_{};

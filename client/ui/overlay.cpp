@@ -10,52 +10,54 @@
 namespace pointreel {
 namespace {
 
-constexpr ImGuiWindowFlags kText =
-    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
-    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+/// Text of `size` at `corner`. Its size is given, because ImGui would find it one picture late.
+void begin_text(const char* id, ImVec2 corner, ImVec2 size) {
+  const ImVec2 pad = ImGui::GetStyle().WindowPadding;
+  ImGui::SetNextWindowPos(corner);
+  ImGui::SetNextWindowSize(ImVec2(size.x + 2.0f * pad.x, size.y + 2.0f * pad.y));
+  ImGui::Begin(id, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                   ImGuiWindowFlags_NoNav);
+}
 
 }  // namespace
 
 void draw_said(const std::string& text, float scale) {
-  ImGui::SetNextWindowPos(ImVec2(14.0f * scale, 14.0f * scale));
   ImGui::SetNextWindowBgAlpha(0.6f);
-  ImGui::Begin("said", nullptr, kText);
+  begin_text("said", ImVec2(14.0f * scale, 14.0f * scale), ImGui::CalcTextSize(text.c_str()));
   ImGui::TextUnformatted(text.c_str());
   ImGui::End();
 }
 
 void draw_waiting(const std::string& text, glm::vec2 size, float scale, double seconds) {
-  ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Always,
-                          ImVec2(0.5f, 0.5f));
-  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(0.9f * size.x, size.y));
+  const float line = ImGui::GetTextLineHeight(), r = 0.42f * line;
+  const ImVec2 words = ImGui::CalcTextSize(text.c_str());
+  const float indent = 2.0f * r + ImGui::GetStyle().ItemSpacing.x;
+  const ImVec2 all(indent + words.x, words.y);
   ImGui::SetNextWindowBgAlpha(0.6f);
-  ImGui::Begin("waiting", nullptr, kText);
+  begin_text(
+      "waiting",
+      ImVec2(std::max(0.0f, 0.5f * (size.x - all.x)), std::max(0.0f, 0.5f * (size.y - all.y))),
+      all);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float r = 0.42f * ImGui::GetTextLineHeight();
   const auto turn = static_cast<float>(std::fmod(5.0 * seconds, 6.283));
-  list.PathArcTo(ImVec2(at.x + r, at.y + 0.5f * ImGui::GetTextLineHeight()), r, turn, turn + 4.7f,
-                 16);
+  list.PathArcTo(ImVec2(at.x + r, at.y + 0.5f * line), r, turn, turn + 4.7f, 16);
   list.PathStroke(ImGui::GetColorU32(ImGuiCol_Text), 0, 2.0f * scale);
-  ImGui::Dummy(ImVec2(2.0f * r, 0.0f));
-  ImGui::SameLine();
+  ImGui::SetCursorScreenPos(ImVec2(at.x + indent, at.y));
   ImGui::TextUnformatted(text.c_str());
   ImGui::End();
 }
 
 void draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale) {
-  const float width = std::max(1.0f, size.x - 28.0f * scale);
-  ImGui::SetNextWindowPos(ImVec2(14.0f * scale, 14.0f * scale));
-  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(width, size.y));
+  const float width = std::max(1.0f, size.x - 44.0f * scale);
+  const std::string all = hint.empty() ? text : text + "\n" + hint;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.36f, 0.07f, 0.07f, 0.94f));
-  ImGui::Begin("error", nullptr, kText);
-  ImGui::PushTextWrapPos(width - 16.0f * scale);
-  ImGui::TextUnformatted(text.c_str());
-  if (!hint.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 1.0f, 1.0f, 0.7f));
-    ImGui::TextUnformatted(hint.c_str());
-    ImGui::PopStyleColor();
-  }
+  begin_text("error", ImVec2(14.0f * scale, 14.0f * scale),
+             ImGui::CalcTextSize(all.c_str(), nullptr, false, width));
+  ImGui::PushTextWrapPos(width + ImGui::GetStyle().WindowPadding.x);
+  ImGui::TextUnformatted(all.c_str());
   ImGui::PopTextWrapPos();
   ImGui::End();
   ImGui::PopStyleColor();

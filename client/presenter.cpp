@@ -102,6 +102,7 @@ Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change
   shown_ = true;
   const auto stats = painter_->draw(stage.scene(), camera, size, draw);
   if (!stats) return tl::unexpected(stats.error());
+  drawn_ = *stats;
   report_.size = size;
   report_.mode = draw.mode;
   report_.instancing = draw.instancing;

@@ -47,7 +47,8 @@ class Presenter {
   /// Draws it once more, for another camera, size or way to draw.
   Result<void> show_again(const Stage& stage, const Camera& camera, glm::ivec2 size,
                           const DrawOptions& draw);
-  bool shown() const { return shown_; }  ///< anything at all, since begin()
+  const DrawStats& drawn() const { return drawn_; }  ///< by the last show()
+  bool shown() const { return shown_; }              ///< anything at all, since begin()
 
   Painter& painter() { return *painter_; }
 
@@ -72,6 +73,7 @@ class Presenter {
   const PlayOptions& options_;
   std::unique_ptr<Painter> painter_;
   PlayReport report_;
+  DrawStats drawn_;
   bool shown_ = false;
   std::optional<std::chrono::steady_clock::time_point> started_;
 };

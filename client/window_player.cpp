@@ -134,6 +134,7 @@ class WindowPlayer {
     controls_.begin(nullptr, {});
     retire(std::move(stage_));
     stage_ = *std::move(*opened);
+    recent_.clear();
     stage_->set_mode(controls_.settings().draw.mode);
     stage_->set_delta(controls_.settings().delta);
     drawn_mode_ = controls_.settings().draw.mode;
@@ -242,7 +243,13 @@ class WindowPlayer {
     if (controls_.settings().floor && !stage_->bounds().empty())
       draw.floor = FloorGrid{stage_->bounds(), controls_.camera().up};
     if (!shown) return presenter_->show_again(*stage_, controls_.camera(), size_, draw);
-    return presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw);
+    auto done = presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw);
+    if (!done) return done;
+    for (const Stage::Change& change : update.changes)
+      if (!change.refined)
+        recent_.add(*stage_->scene()[change.source].frame, presenter_->drawn(),
+                    steady_clock::now());
+    return {};
   }
 
   void present() {
@@ -311,9 +318,12 @@ class WindowPlayer {
     view_.timeline.reset();
     if (stage_) view_.timeline = timeline_view(controls_, now);
     view_.thumbnail = thumbnail();
+    view_.statistics.clear();
+    if (stage_ && controls_.show_statistics)
+      view_.statistics = statistics_lines(*stage_, recent_, now);
     if (auto said = controls_.take_said()) interface_.say(*said, now);
     const DrawSettings settings = controls_.settings();
-    const TimelineUse use = interface_.build(view_, controls_);
+    const TimelineUse use = interface_.build(view_, recent_, controls_);
     bar_scrub_us_ = use.scrub_us;
     hovered_us_ = use.hovered_us;
     if (use.action) pressed_.push_back(*use.action);
@@ -497,6 +507,7 @@ class WindowPlayer {
   TroubleLines trouble_;
   std::unique_ptr<Presenter> presenter_;  ///< null until the first window has been shown
   std::vector<Stage::Placed> opened_;
+  RecentFrames recent_;
   std::unique_ptr<Stage> stage_;  ///< null until the first one is open
   std::optional<Opening> opening_;
   steady_clock::time_point opening_since_{};

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "client/ui/overlay.h"
+#include "client/ui/statistics_panel.h"
 
 namespace pointreel {
 namespace {
@@ -34,7 +35,7 @@ bool Interface::changing(const View& view) const {
          (!empty_ && view.error.empty());
 }
 
-TimelineUse Interface::build(const View& view, Controls& controls) {
+TimelineUse Interface::build(const View& view, const RecentFrames& recent, Controls& controls) {
   TimelineUse use;
   gui_.begin();
   empty_ = true;
@@ -57,6 +58,10 @@ TimelineUse Interface::build(const View& view, Controls& controls) {
     empty_ = false;
   }
   busy_ = use.hovered_us || controls.scrubbing();
+  if (controls.show_statistics && !view.statistics.empty()) {
+    controls.show_statistics = draw_statistics(view.statistics, recent, view.size, scale);
+    empty_ = false;
+  }
   if (controls.show_help) {
     controls.show_help = draw_help(view.size, scale);
     empty_ = false;

@@ -2,11 +2,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "client/ui/controls.h"
 #include "client/ui/gui.h"
+#include "client/ui/play_statistics.h"
 #include "client/ui/timeline.h"
 
 struct GLFWwindow;
@@ -25,9 +27,10 @@ class Interface {
     glm::vec2 size{1.0f};  ///< of the window, in its own coordinates
     std::string waiting;   ///< what for; empty: for nothing
     double waiting_seconds = 0.0;
-    std::string error, hint;               ///< draw_error's; empty: all is well
-    std::optional<TimelineView> timeline;  ///< of what plays
-    std::optional<Thumbnail> thumbnail;    ///< for TimelineUse::hovered_us of the last build
+    std::string error, hint;                 ///< draw_error's; empty: all is well
+    std::optional<TimelineView> timeline;    ///< of what plays
+    std::vector<StatisticsLine> statistics;  ///< while Controls::show_statistics
+    std::optional<Thumbnail> thumbnail;      ///< for TimelineUse::hovered_us of the last build
   };
 
   Interface(GLFWwindow* window, float scale) : gui_(window, scale) {}
@@ -44,7 +47,7 @@ class Interface {
   bool changing(const View& view) const;
 
   /// What there is, which draw() draws, and what the user does to it.
-  TimelineUse build(const View& view, Controls& controls);
+  TimelineUse build(const View& view, const RecentFrames& recent, Controls& controls);
   /// Into the window's framebuffer.
   void draw();
   bool empty() const { return empty_; }  ///< nothing is there to be drawn

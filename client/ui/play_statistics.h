@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/playback/clock.h"
+#include "client/playback/stage.h"
+#include "client/render/renderer.h"
+#include "client/scene/frame.h"
+
+namespace pointreel {
+
+/// What it took to show a frame, from first to last.
+enum class Step { fetch, decode, tree, cut, draw };
+inline constexpr std::array<Step, 5> kSteps = {Step::fetch, Step::decode, Step::tree, Step::cut,
+                                               Step::draw};
+/// "fetch", "decode", "tree", "cut", "draw".
+const char* name(Step step);
+
+/// The last frames that were shown, for who wants to see how playing goes right now.
+class RecentFrames {
+ public:
+  static constexpr std::size_t kMost = 120;
+
+  /// A frame was drawn for the first time.
+  void add(const SceneFrame& frame, const DrawStats& drawn, Clock::TimePoint now);
+  void clear() { *this = {}; }
+
+  std::size_t size() const { return count_; }
+  /// Milliseconds of each frame, the oldest first.
+  std::vector<float> times(Step step) const;
+  /// Over the last two seconds, or since the first frame.
+  double frames_per_second(Clock::TimePoint now) const;
+  const DrawStats& drawn() const { return drawn_; }  ///< of the newest
+
+ private:
+  struct Sample {
+    std::array<float, kSteps.size()> ms{};
+    Clock::TimePoint shown{};
+  };
+  const Sample& sample(std::size_t i) const;  ///< 0: the oldest
+
+  std::array<Sample, kMost> samples_{};
+  std::size_t next_ = 0, count_ = 0;
+  DrawStats drawn_;
+};
+
+/// A figure for the statistics panel.
+struct StatisticsLine {
+  std::string label, text;
+
+  bool operator==(const StatisticsLine&) const = default;
+};
+
+/// Rates, what is drawn, layers chosen and why, what was dropped, the link, memory: of all sources,
+/// each by itself where it differs.
+std::vector<StatisticsLine> statistics_lines(const Stage& stage, const RecentFrames& recent,
+                                             Clock::TimePoint now);
+
+/// "847", "61.0 k", "1.23 M", of anything.
+std::string short_count(double count);
+/// "847 B", "61.0 KiB", "1.23 MiB".
+std::string short_bytes(std::uint64_t bytes);
+
+}  // namespace pointreel

@@ -1,0 +1,71 @@
+#include "client/ui/statistics_panel.h"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+namespace pointreel {
+namespace {
+
+const ImVec4 kLabel{0.55f, 0.78f, 1.0f, 1.0f};
+
+void draw_lines(const std::vector<StatisticsLine>& lines) {
+  if (!ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) return;
+  for (const StatisticsLine& line : lines) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextColored(kLabel, "%s", line.label.c_str());
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(line.text.c_str());
+  }
+  ImGui::EndTable();
+}
+
+/// Each from nothing to its own largest.
+void draw_plots(const RecentFrames& recent, float scale) {
+  if (!ImGui::BeginTable("times", 3, ImGuiTableFlags_SizingFixedFit)) return;
+  for (const Step step : kSteps) {
+    const std::vector<float> times = recent.times(step);
+    const float most = *std::max_element(times.begin(), times.end());
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextColored(kLabel, "%s", name(step));
+    ImGui::TableNextColumn();
+    ImGui::PlotLines(fmt::format("##{}", name(step)).c_str(), times.data(),
+                     static_cast<int>(times.size()), 0, nullptr, 0.0f, std::max(most, 0.01f),
+                     ImVec2(190.0f * scale, 26.0f * scale));
+    ImGui::TableNextColumn();
+    std::vector<float> sorted = times;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    ImGui::TextUnformatted(fmt::format("{:.1f} ms, at most {:.1f}", *middle, most).c_str());
+  }
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrames& recent,
+                     glm::vec2 size, float scale) {
+  bool open = true;
+  const float margin = 8.0f * scale;
+  ImGui::SetNextWindowPos(ImVec2(size.x - margin, margin), ImGuiCond_Appearing, ImVec2(1.0f, 0.0f));
+  // As wide as most figures need: it does not change with each of them.
+  const ImVec2 most(size.x - 2.0f * margin, size.y - 2.0f * margin);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(430.0f * scale, most.x), 0.0f), most);
+  ImGui::Begin("Statistics", &open,
+               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
+  draw_lines(lines);
+  if (recent.size() > 0) {
+    ImGui::Separator();
+    draw_plots(recent, scale);
+  }
+  ImGui::End();
+  return open;
+}
+
+}  // namespace pointreel

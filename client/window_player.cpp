@@ -141,7 +141,7 @@ class WindowPlayer {
     presenter_->begin(*stage_);
     bounded_ = stage_->bounded();
     controls_.begin(stage_.get(), [this] {
-      return first_camera(options_, stage_->bounds(), stage_->up(), size_);
+      return camera_at(options_, camera_time_us(), stage_->bounds(), stage_->up(), size_);
     });
     std::string names;
     for (std::size_t i = 0; i < stage_->size(); ++i)
@@ -225,8 +225,10 @@ class WindowPlayer {
   }
 
   Result<void> draw(const Stage::Update& update, bool redraw, bool& shown) {
-    // Live streams say late where they are.
-    if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded())
+    shown = !update.changes.empty();
+    // Live streams say late where they are, and a path moves on with each frame.
+    if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded() ||
+        (shown && options_.camera_path))
       controls_.look_home_unless_moved();
     if (options_.camera_path && controls_.reel() && !update.changes.empty()) {
       if (const SceneFrame* frame = shown_frame())
@@ -234,7 +236,6 @@ class WindowPlayer {
             camera_at(options_, frame->time_us, stage_->bounds(), stage_->up(), size_));
     }
     stage_->look(controls_.camera(), size_);
-    shown = !update.changes.empty();
     if (!shown && !redraw) return {};
     // Frames that were made for another mode are drawn as before until new ones are there.
     if (shown) drawn_mode_ = controls_.settings().draw.mode;
@@ -278,6 +279,14 @@ class WindowPlayer {
     if (!frame || frame->index != scrub_frame_) return;
     report_.scrub_to_picture.add(ms_since(*scrub_asked_, now));
     scrub_asked_.reset();
+  }
+
+  /// Where a path of the camera is: at the time of the frame that is shown.
+  std::uint64_t camera_time_us() const {
+    const ReelPlayback* reel = controls_.reel();
+    if (!reel) return static_cast<std::uint64_t>(presenter_->seconds() * 1e6);
+    const SceneFrame* frame = shown_frame();
+    return frame ? reel->timeline().times_us[frame->index] : start_us(options_);
   }
 
   /// Of the reel whose time the controls tell.

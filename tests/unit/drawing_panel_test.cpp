@@ -1,0 +1,206 @@
+#include "client/ui/drawing_panel.h"
+
+#include <functional>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+namespace pointreel {
+namespace {
+
+constexpr glm::vec2 kSize(900.0f, 700.0f);
+
+/// The panel without a window: what it would draw is thrown away.
+class DrawingPanelTest : public testing::Test {
+ protected:
+  DrawingPanelTest() {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.ConfigWindowsMoveFromTitleBarOnly = true;  // as Gui has it
+    io.DisplaySize = {kSize.x, kSize.y};
+    io.DeltaTime = 0.02f;
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    for (int i = 0; i < 3; ++i) build();  // until it has its size
+  }
+  ~DrawingPanelTest() override { ImGui::DestroyContext(); }
+
+  bool build() {
+    ImGui::NewFrame();
+    const DrawSettings before = settings_;
+    const bool changed = drawing_panel(settings_, open_, kSize, 1.0f);
+    EXPECT_EQ(changed, before != settings_);
+    ImGui::Render();
+    return changed;
+  }
+
+  void at(float x, float y, bool down) {
+    ImGui::GetIO().MousePos = {x, y};
+    ImGui::GetIO().MouseDown[0] = down;
+    build();
+  }
+  void press(float x, float y) {
+    at(x, y, false);
+    at(x, y, true);
+    at(x, y, false);
+  }
+  void drag(float x, float y, float by) {
+    at(x, y, false);
+    at(x, y, true);
+    at(x + by, y, true);
+    at(x + by, y, false);
+  }
+  /// Closes what has popped up.
+  void leave() {
+    press(3.0f, kSize.y - 3.0f);
+    press(3.0f, kSize.y - 3.0f);
+  }
+
+  static ImRect panel() { return ImGui::FindWindowByName("Drawing")->Rect(); }
+
+  /// At places all over what is there, title bar and the button that closes it left out.
+  void all_over(const ImRect& part, float step, const std::function<void(float, float)>& act) {
+    for (float y = part.Min.y + 24.0f; y < part.Max.y; y += step)
+      for (float x = part.Min.x + 4.0f; x < part.Max.x; x += step) act(x, y);
+  }
+
+  void expect_in_range() const {
+    const DrawOptions& draw = settings_.draw;
+    const auto within = [](double value, double least, double most) {
+      return value >= least && value <= most;
+    };
+    EXPECT_TRUE(within(settings_.delta, 0.0, 1.0)) << settings_.delta;
+    EXPECT_TRUE(within(draw.scales.visibility, 0.01, 100.0));
+    EXPECT_TRUE(within(draw.scales.shading, 0.01, 100.0));
+    EXPECT_TRUE(within(draw.edl, 0.0, 100.0));
+    EXPECT_TRUE(within(draw.pixel_size, 0.0, 1000.0));
+    EXPECT_TRUE(within(draw.point_size, 0.5, 100.0));
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(within(draw.background[i], 0.0, 1.0));
+    EXPECT_LT(static_cast<int>(draw.splatting), kSplattings);
+    EXPECT_LT(static_cast<int>(draw.instancing), kInstancings);
+  }
+
+  DrawSettings settings_;
+  bool open_ = true;
+};
+
+TEST_F(DrawingPanelTest, ChangesNothingUntilItIsUsed) {
+  DrawSettings odd;
+  odd.delta = 0.123456789012;
+  odd.draw.scales = {0.01f, 100.0f};  // outside of what the sliders show
+  odd.draw.edl = 50.0f;
+  odd.draw.pixel_size = 900.0f;
+  odd.draw.background = {0.123f, 0.456f, 0.789f};
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+    settings_ = odd;
+    settings_.draw.mode = mode;
+    const DrawSettings before = settings_;
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(build());
+    // Nor where the mouse only moves over it.
+    all_over(panel(), 16.0f, [this](float x, float y) { at(x, y, false); });
+    EXPECT_EQ(settings_, before);
+  }
+  EXPECT_TRUE(open_);
+}
+
+TEST_F(DrawingPanelTest, EverythingInItCanBeReachedByTheMouseAndStaysInRange) {
+  std::set<DrawMode> modes;
+  std::set<ColorSource> colors;
+  std::set<bool> holes, lights, floors;
+  std::set<float> visibility, shading, edl, detail, point_size, gray;
+  std::set<double> delta;
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+    settings_ = {};
+    settings_.draw.mode = mode;
+    for (int i = 0; i < 3; ++i) build();
+    const ImRect place = panel();
+    all_over(place, 9.0f, [&](float x, float y) {
+      settings_ = {};
+      settings_.draw.mode = mode;
+      drag(x, y, 4.0f);
+      expect_in_range();
+      const DrawOptions& draw = settings_.draw;
+      modes.insert(draw.mode);
+      colors.insert(draw.color);
+      holes.insert(draw.fill_holes);
+      lights.insert(draw.lighting);
+      floors.insert(settings_.floor);
+      visibility.insert(draw.scales.visibility);
+      shading.insert(draw.scales.shading);
+      edl.insert(draw.edl);
+      detail.insert(draw.pixel_size);
+      point_size.insert(draw.point_size);
+      gray.insert(draw.background.x);
+      delta.insert(settings_.delta);
+      if (!GImGui->OpenPopupStack.empty()) leave();
+    });
+  }
+  EXPECT_TRUE(open_);
+  EXPECT_EQ(modes.size(), 3u);
+  EXPECT_EQ(colors.size(), 3u);
+  for (const auto& flag : {holes, lights, floors}) EXPECT_EQ(flag.size(), 2u);
+  for (const auto& slider : {visibility, shading, edl, detail, point_size})
+    EXPECT_GT(slider.size(), 5u);
+  EXPECT_GT(delta.size(), 5u);
+  EXPECT_GE(gray.size(), 4u);
+}
+
+TEST_F(DrawingPanelTest, EverySplattingAndInstancingCanBeChosen) {
+  std::set<Splatting> splattings;
+  std::set<Instancing> instancings;
+  const ImRect place = panel();
+  const float x = place.Min.x + 60.0f;
+  for (float y = place.Min.y + 24.0f; y < place.Max.y; y += 9.0f) {
+    settings_ = {};
+    press(x, y);
+    if (GImGui->OpenPopupStack.empty()) continue;
+    leave();
+    // Each of what pops up here.
+    for (float down = -10.0f; down < 160.0f; down += 8.0f) {
+      settings_ = {};
+      press(x, y);
+      press(x + 8.0f, y + down);
+      expect_in_range();
+      splattings.insert(settings_.draw.splatting);
+      instancings.insert(settings_.draw.instancing);
+      if (!GImGui->OpenPopupStack.empty()) leave();
+    }
+  }
+  EXPECT_EQ(splattings.size(), static_cast<std::size_t>(kSplattings));
+  EXPECT_EQ(instancings.size(), static_cast<std::size_t>(kInstancings));
+}
+
+TEST_F(DrawingPanelTest, DefaultsBringBackAllButTheMode) {
+  DrawSettings odd;
+  odd.draw.mode = DrawMode::voxel;
+  odd.delta = 0.2;
+  odd.draw.edl = 2.0f;
+  odd.draw.color = ColorSource::plain;
+  odd.floor = true;
+  settings_ = odd;
+  for (int i = 0; i < 3; ++i) build();
+  bool restored = false;
+  all_over(panel(), 9.0f, [&](float x, float y) {
+    settings_ = odd;
+    press(x, y);
+    DrawSettings fresh;
+    fresh.draw.mode = DrawMode::voxel;
+    restored = restored || settings_ == fresh;
+    if (!GImGui->OpenPopupStack.empty()) leave();
+  });
+  EXPECT_TRUE(restored);
+}
+
+TEST_F(DrawingPanelTest, ItsButtonClosesItAndItTakesNoKeys) {
+  EXPECT_FALSE(ImGui::GetIO().WantCaptureKeyboard && ImGui::GetIO().WantTextInput);
+  const ImRect place = panel();
+  press(place.Max.x - 12.0f, place.Min.y + 10.0f);
+  EXPECT_FALSE(open_);
+}
+
+}  // namespace
+}  // namespace pointreel

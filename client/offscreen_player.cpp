@@ -71,7 +71,9 @@ class OffscreenPlayer {
   bool every_frame() const { return stage_->size() == 1 && stage_->reel(0) != nullptr; }
 
   Result<void> show(const std::vector<Stage::Change>& changes) {
-    return presenter_->show(*stage_, changes, camera_, options_.size, options_.draw);
+    DrawOptions draw = options_.draw;
+    if (options_.floor) draw.floor = floor_under(*stage_, camera_);
+    return presenter_->show(*stage_, changes, camera_, options_.size, draw);
   }
 
   Camera camera_at(std::uint64_t time_us) const {

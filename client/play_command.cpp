@@ -34,6 +34,16 @@ Result<glm::ivec2> parse_size(const std::string& text) {
   return size;
 }
 
+Result<glm::vec3> parse_color(const std::string& text) {
+  std::uint32_t color = 0;
+  const char *begin = text.data() + (text.starts_with('#') ? 1 : 0),
+             *end = text.data() + text.size();
+  const auto parsed = std::from_chars(begin, end, color, 16);
+  if (parsed.ec != std::errc() || parsed.ptr != end || end - begin != 6)
+    return fail(fmt::format("\"{}\" is no colour such as #1c1f24", text));
+  return glm::vec3(color >> 16, color >> 8 & 0xff, color & 0xff) / 255.0f;
+}
+
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 /// From where to look, or the path of the camera.
@@ -124,6 +134,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
   mode_ = "surfel";
   instancing_ = name(options_.draw.instancing);
   splatting_ = name(options_.draw.splatting);
+  color_ = name(options_.draw.color);
   CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
   command_ = &play_command;
   play_command
@@ -218,6 +229,22 @@ PlayCommand::PlayCommand(CLI::App& app) {
           "Nodes of the octree smaller than this many pixels are not divided; 0 draws the leaves")
       ->check(within(0.0, 1000.0))
       ->capture_default_str();
+  play_command.add_option("--point-size", options_.draw.point_size, "Edge of points in pixels")
+      ->check(within(1.0, 64.0))
+      ->capture_default_str();
+  play_command
+      .add_option("--color", color_,
+                  "Where colours come from: colors (the points'), normals (which way they face), "
+                  "plain (shape by light alone)")
+      ->check(CLI::IsMember(named<ColorSource>(kColorSources)))
+      ->capture_default_str();
+  play_command.add_flag("--lighting,!--no-lighting", options_.draw.lighting,
+                        "A light over the viewer's shoulder (default), or colours as they are");
+  play_command
+      .add_option("--background", background_, "Colour around what is drawn (default: #1c1f24)")
+      ->check(check(parse_color, "#RRGGBB"));
+  play_command.add_flag("--floor,!--no-floor", options_.floor,
+                        "A grid on the floor, with round steps of 1, 2 or 5 times a power of ten");
   play_command
       .add_option("--offscreen", size_,
                   "Draw pictures of this size without window and display: every frame once, in "
@@ -285,6 +312,8 @@ Result<PlayOptions> PlayCommand::options() const {
   options.draw.mode = modes().at(mode_);
   options.draw.instancing = named<Instancing>(kInstancings).at(instancing_);
   options.draw.splatting = named<Splatting>(kSplattings).at(splatting_);
+  options.draw.color = named<ColorSource>(kColorSources).at(color_);
+  if (!background_.empty()) options.draw.background = *parse_color(background_);
   if (places_.size() > sources_.size())
     return fail(fmt::format("--at-position is given {} times for {} source{}", places_.size(),
                             sources_.size(), sources_.size() > 1 ? "s" : ""));

@@ -34,6 +34,7 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.source.ca_file = options.ca_file;
   stage.reel.mode = stage.live.mode = options.draw.mode;
   stage.reel.delta = stage.live.delta = options.delta;
+  stage.reel.show_normals = stage.live.show_normals = options.draw.color == ColorSource::normals;
   stage.reel.layers = stage.live.layers = options.layers;
   stage.reel.pixel_size = stage.live.pixel_size = options.draw.pixel_size;
   stage.reel.loop = options.loop.value_or(!options.offscreen);
@@ -62,6 +63,11 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
 
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
   return camera_at(options, start_us(options), bounds, up, size);
+}
+
+std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera) {
+  if (stage.bounds().empty()) return std::nullopt;
+  return FloorGrid{stage.bounds(), camera.up};
 }
 
 Result<std::unique_ptr<Presenter>> Presenter::create(const PlayOptions& options) {

@@ -29,6 +29,9 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
 std::uint64_t start_us(const PlayOptions& options);
 
+/// Of everything that the stage shows; none while it knows no bounds.
+std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera);
+
 /// Only one frame is to be shown, of one source.
 bool single_frame(const PlayOptions& options);
 

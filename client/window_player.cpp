@@ -137,6 +137,8 @@ class WindowPlayer {
     recent_.clear();
     stage_->set_mode(controls_.settings().draw.mode);
     stage_->set_delta(controls_.settings().delta);
+    stage_->set_show_normals(controls_.settings().draw.color == ColorSource::normals);
+    stage_->set_pixel_size(controls_.settings().draw.pixel_size);
     drawn_mode_ = controls_.settings().draw.mode;
     presenter_->begin(*stage_);
     bounded_ = stage_->bounded();
@@ -241,8 +243,7 @@ class WindowPlayer {
     if (shown) drawn_mode_ = controls_.settings().draw.mode;
     DrawOptions draw = controls_.settings().draw;
     draw.mode = drawn_mode_;
-    if (controls_.settings().floor && !stage_->bounds().empty())
-      draw.floor = FloorGrid{stage_->bounds(), controls_.camera().up};
+    if (controls_.settings().floor) draw.floor = floor_under(*stage_, controls_.camera());
     if (!shown) return presenter_->show_again(*stage_, controls_.camera(), size_, draw);
     auto done = presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw);
     if (!done) return done;

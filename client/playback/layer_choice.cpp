@@ -7,7 +7,9 @@
 
 namespace pointreel {
 
-bool draws_normals(DrawMode mode, bool colored) { return mode == DrawMode::surfel || !colored; }
+bool draws_normals(DrawMode mode, bool colored, bool shown) {
+  return shown || mode == DrawMode::surfel || !colored;
+}
 
 int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size) {
   int level = 0;
@@ -19,10 +21,10 @@ int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, f
   return level;
 }
 
-FetchRequest layer_choice(const Manifest& manifest, DrawMode mode, int level) {
+FetchRequest layer_choice(const Manifest& manifest, DrawMode mode, int level, bool show_normals) {
   FetchRequest choice;
   choice.colors = manifest.colors;
-  choice.normals = draws_normals(mode, manifest.colors);
+  choice.normals = draws_normals(mode, manifest.colors, show_normals);
   if (manifest.codec != "octree") return choice;
   const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
   const int most = layer_count(depth);

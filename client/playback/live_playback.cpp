@@ -50,7 +50,9 @@ LivePlayback::LivePlayback(std::unique_ptr<LiveSource> source, std::string name,
       name_(std::move(name)),
       mode_(options.mode),
       delta_(options.delta),
-      stream_(manifest_of({})) {
+      show_normals_(options.show_normals),
+      stream_(manifest_of({})),
+      pixel_size_(options.pixel_size) {
   receiver_ = std::thread([this] { receive(); });
   for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i) {
     preparers_.emplace_back([this] { prepare(); });
@@ -87,10 +89,15 @@ void LivePlayback::look(const Camera& camera, glm::ivec2 size) {
   find_level();
 }
 
+void LivePlayback::set_pixel_size(float pixel_size) {
+  const std::lock_guard lock(mutex_);
+  pixel_size_ = pixel_size;
+  find_level();
+}
+
 void LivePlayback::find_level() {
-  level_ = camera_ && !stream_.bounds.empty()
-               ? level_for(stream_, *camera_, size_, options_.pixel_size)
-               : kWholeFrame;
+  level_ = camera_ && !stream_.bounds.empty() ? level_for(stream_, *camera_, size_, pixel_size_)
+                                              : kWholeFrame;
 }
 
 void LivePlayback::receive() {
@@ -137,7 +144,7 @@ void LivePlayback::prepare() {
 }
 
 Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) const {
-  PrepareOptions options{mode_, delta_, kWholeFrame};
+  PrepareOptions options{mode_, delta_, kWholeFrame, show_normals_};
   Manifest stream;
   {
     const std::lock_guard lock(mutex_);

@@ -30,6 +30,7 @@ class LivePlayback : public Playback {
     double delta = 0.7;            ///< PrepareOptions::delta
     std::uint32_t layers = ~0u;    ///< no more are decoded, however near the camera
     float pixel_size = 1.0f;       ///< DrawOptions::pixel_size
+    bool show_normals = false;     ///< PrepareOptions::show_normals
     unsigned prepare_threads = 2;  ///< >= 1
   };
   /// Told of each frame that could not be prepared, on the thread that found it.
@@ -48,6 +49,8 @@ class LivePlayback : public Playback {
   // Of frames to come.
   void set_mode(DrawMode mode) override { mode_ = mode; }
   void set_delta(double delta) override { delta_ = delta; }
+  void set_show_normals(bool show) override { show_normals_ = show; }
+  void set_pixel_size(float pixel_size) override;
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
   /// Frames that came and were never shown, because a newer one was ready or taken before them.
@@ -78,6 +81,7 @@ class LivePlayback : public Playback {
   const std::string name_;
   std::atomic<DrawMode> mode_;
   std::atomic<double> delta_;
+  std::atomic<bool> show_normals_;
   std::atomic<std::uint64_t> errors_{0};
 
   mutable std::mutex mutex_;  ///< of what follows, up to the threads
@@ -90,6 +94,7 @@ class LivePlayback : public Playback {
   std::uint64_t overtaken_ = 0;
   std::optional<Camera> camera_;
   glm::ivec2 size_{0};
+  float pixel_size_;
   int level_ = kWholeFrame;  ///< the finest that the camera can show
 
   std::thread receiver_;

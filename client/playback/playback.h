@@ -38,6 +38,10 @@ class Playback {
   virtual void set_mode(DrawMode mode) = 0;
   /// PrepareOptions::delta, of frames from now on; a reel's that are there are made again.
   virtual void set_delta(double delta) = 0;
+  /// Whether normals are to be seen, in modes that do without them too; as set_delta.
+  virtual void set_show_normals(bool show) = 0;
+  /// DrawOptions::pixel_size, from the next look() on.
+  virtual void set_pixel_size(float pixel_size) = 0;
   virtual Update update(Clock::TimePoint now) = 0;
 
   /// What is wrong while nothing comes, and where, in one line.

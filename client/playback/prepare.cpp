@@ -62,9 +62,9 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
 
 /// Adds the normals that the mode needs, and takes away those that it does not, so that a reel
 /// looks the same wherever it comes from.
-void derive_normals(SceneFrame& scene, DrawMode mode) {
+void derive_normals(SceneFrame& scene, const PrepareOptions& options) {
   PointCloud& cloud = scene.cloud;
-  if (!draws_normals(mode, cloud.has_colors())) {
+  if (!draws_normals(options.mode, cloud.has_colors(), options.show_normals)) {
     cloud.normals.clear();
   } else if (!cloud.has_normals()) {
     estimate_normals(cloud);
@@ -73,9 +73,9 @@ void derive_normals(SceneFrame& scene, DrawMode mode) {
 }
 
 /// The same of a tree.
-void derive_node_normals(SceneFrame& scene, DrawMode mode) {
+void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
   NodeAttributes& attributes = scene.attributes;
-  if (!draws_normals(mode, !attributes.colors.empty())) {
+  if (!draws_normals(options.mode, !attributes.colors.empty(), options.show_normals)) {
     attributes.normals.clear();
   } else if (attributes.normals.empty()) {
     PointCloud leaves = leaf_centers(scene.svo);
@@ -161,7 +161,7 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
     scene.svo = std::move(*frame->svo);
     scene.attributes = std::move(frame->attributes);
     if (scene.svo.depth < frame->depth) scene.level = scene.svo.depth;
-    derive_node_normals(scene, options.mode);
+    derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();
     if (options.mode == DrawMode::voxel) {
       if (const auto made = coarsen(scene, options.delta); !made)
@@ -171,7 +171,7 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
     }
   } else {
     scene.cloud = std::move(frame->cloud);
-    derive_normals(scene, options.mode);
+    derive_normals(scene, options);
     scene.normals_ms = watch.lap();
     const auto made = options.mode == DrawMode::voxel ? make_voxels(scene, frame->cube, options)
                                                       : make_elements(scene, frame->cube, options);

@@ -7,8 +7,9 @@ namespace pointreel {
 
 struct PrepareOptions {
   DrawMode mode = DrawMode::surfel;
-  double delta = 0.7;       ///< >= 0, of the tree that voxels are drawn from (DepthRule::delta)
-  int level = kWholeFrame;  ///< no finer level of detail will be seen
+  double delta = 0.7;         ///< >= 0, of the tree that voxels are drawn from (DepthRule::delta)
+  int level = kWholeFrame;    ///< no finer level of detail will be seen
+  bool show_normals = false;  ///< in every mode
 };
 
 /// Makes a fetched frame ready to draw: decodes it, and derives what the mode needs and the source

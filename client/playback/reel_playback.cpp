@@ -98,6 +98,8 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
         return buffer;
       }()),
       mode_(options.mode),
+      show_normals_(options.show_normals),
+      pixel_size_(options.pixel_size),
       delta_(options.delta),
       control_({static_cast<std::uint32_t>(levels_of(source_->manifest()).size()),
                 prepare_threads(), options.remote}) {
@@ -113,8 +115,8 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
   pipeline_.emplace(
       *source_, buffer_,
       [this](const FrameRequest& frame, const FetchedFrame& fetched) {
-        auto scene =
-            prepare_frame(manifest(), frame.frame, fetched, {frame.mode, delta_, frame.level});
+        auto scene = prepare_frame(manifest(), frame.frame, fetched,
+                                   {frame.mode, delta_, frame.level, show_normals_});
         if (!scene) return scene;
         // A frame that lacks layers says nothing of the depth, unless that is what it was given.
         if (frame.mode == DrawMode::voxel &&
@@ -133,7 +135,7 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
 
 /// What the view and the mode need, or less where less was asked for.
 LayerDecision ReelPlayback::wanted(DrawMode mode, int level) const {
-  const FetchRequest view = layer_choice(manifest(), mode, level);
+  const FetchRequest view = layer_choice(manifest(), mode, level, show_normals_);
   const auto all =
       static_cast<std::uint32_t>(std::max<std::size_t>(1, manifest().layer_names.size()));
   LayerDecision decision{{std::min(view.layers, all), view.colors, view.normals}, Limit::none};
@@ -242,7 +244,7 @@ void ReelPlayback::look(const Camera& camera, glm::ivec2 size) {
   if (camera_ != camera || size_ != size) {
     camera_ = camera;
     size_ = size;
-    view_level_ = level_for(manifest(), camera, size, options_.pixel_size);
+    view_level_ = level_for(manifest(), camera, size, pixel_size_);
   }
   set_level();
 }
@@ -266,7 +268,7 @@ void ReelPlayback::set_mode(DrawMode mode) {
 }
 
 FetchRequest ReelPlayback::choice(int level) const {
-  return layer_choice(manifest(), mode_, level);
+  return layer_choice(manifest(), mode_, level, show_normals_);
 }
 
 // Time.
@@ -342,6 +344,20 @@ void ReelPlayback::set_delta(double delta) {
   if (!by_delta) return;
   buffer_.make_again();
   given_ordinal_.reset();
+}
+
+void ReelPlayback::set_show_normals(bool show) {
+  if (show_normals_.exchange(show) == show || draws_normals(mode_, manifest().colors)) return;
+  {
+    const std::lock_guard lock(control_mutex_);
+    control_.forget_made();
+  }
+  buffer_.make_again();
+  given_ordinal_.reset();
+}
+
+void ReelPlayback::set_pixel_size(float pixel_size) {
+  if (std::exchange(pixel_size_, pixel_size) != pixel_size) camera_.reset();
 }
 
 void ReelPlayback::scrub_begin(Clock::TimePoint now) {

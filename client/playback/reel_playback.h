@@ -33,6 +33,7 @@ class ReelPlayback : public Playback {
     double delta = 0.7;          ///< PrepareOptions::delta
     std::uint32_t layers = ~0u;  ///< no more are fetched, however near the camera
     float pixel_size = 1.0f;     ///< DrawOptions::pixel_size
+    bool show_normals = false;   ///< PrepareOptions::show_normals
     bool loop = true;
     double speed = 1.0;
     std::uint64_t start_us = 0;
@@ -56,6 +57,8 @@ class ReelPlayback : public Playback {
   void look(const Camera& camera, glm::ivec2 size) override;
   void set_mode(DrawMode mode) override;
   void set_delta(double delta) override;
+  void set_show_normals(bool show) override;
+  void set_pixel_size(float pixel_size) override;
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
   std::uint64_t dropped() const override { return dropped_; }
@@ -156,6 +159,8 @@ class ReelPlayback : public Playback {
   bool started_ = false;  ///< the first frame came, or failed
   FrameBuffer buffer_;
   std::atomic<DrawMode> mode_;
+  std::atomic<bool> show_normals_;
+  float pixel_size_;
   std::atomic<double> delta_;
   std::uint32_t playhead_ = 0;
   std::optional<Camera> camera_;  ///< what view_level_ was found for

@@ -131,6 +131,14 @@ void Stage::set_delta(double delta) {
   for (Part& part : parts_) part.playback->set_delta(delta);
 }
 
+void Stage::set_show_normals(bool show) {
+  for (Part& part : parts_) part.playback->set_show_normals(show);
+}
+
+void Stage::set_pixel_size(float pixel_size) {
+  for (Part& part : parts_) part.playback->set_pixel_size(pixel_size);
+}
+
 std::vector<Stage::Change> Stage::take(std::size_t source,
                                        std::shared_ptr<const SceneFrame> frame) {
   scene_[source].frame = std::move(frame);

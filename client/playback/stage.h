@@ -64,6 +64,8 @@ class Stage {
   void look(const Camera& camera, glm::ivec2 size);
   void set_mode(DrawMode mode);
   void set_delta(double delta);
+  void set_show_normals(bool show);
+  void set_pixel_size(float pixel_size);
   /// OnError is not called any more. Waits for a call that is under way.
   void silence();
   /// Of each reel.

@@ -242,6 +242,8 @@ void Controls::set_settings(const DrawSettings& settings) {
   if (!stage_) return;
   if (settings.draw.mode != before.draw.mode) stage_->set_mode(settings.draw.mode);
   if (settings.delta != before.delta) stage_->set_delta(settings.delta);
+  stage_->set_show_normals(settings.draw.color == ColorSource::normals);
+  stage_->set_pixel_size(settings.draw.pixel_size);
 }
 
 /// As mpv does: the first time A, then B, then neither.

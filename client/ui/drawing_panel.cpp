@@ -21,7 +21,8 @@ constexpr std::array kBackgrounds = {Swatch{"Black", 0.0f}, Swatch{"Middle grey"
                                      Swatch{"White", 1.0f}};
 
 void tip(const char* text) {
-  if (ImGui::IsItemHovered() && GImGui->HoveredIdTimer > kTipSeconds) ImGui::SetTooltip("%s", text);
+  if (ImGui::IsItemHovered() && !ImGui::IsItemActive() && GImGui->HoveredIdTimer > kTipSeconds)
+    ImGui::SetTooltip("%s", text);
 }
 
 void heading(const char* text) {
@@ -147,8 +148,9 @@ bool background_settings(DrawSettings& settings, const DrawOptions& defaults) {
 }  // namespace
 
 bool drawing_panel(DrawSettings& settings, bool& open, glm::vec2 size, float scale) {
-  const float margin = 12.0f * scale;
-  ImGui::SetNextWindowPos({size.x - margin, margin}, ImGuiCond_FirstUseEver, {1.0f, 0.0f});
+  // On the left, below the words that are said there: statistics are on the right.
+  ImGui::SetNextWindowPos({12.0f * scale, std::min(48.0f * scale, 0.1f * size.y)},
+                          ImGuiCond_FirstUseEver);
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_AlwaysAutoResize |
                                       ImGuiWindowFlags_NoCollapse |
                                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |

@@ -65,7 +65,7 @@ bool Gui::covers(glm::dvec2 cursor) const {
   // ImGui's own answer, WantCaptureMouse, is that of the cursor's last place.
   const ImVec2 at(static_cast<float>(cursor.x), static_cast<float>(cursor.y));
   for (const ImGuiWindow* window : GImGui->Windows) {
-    if (window->Active && !window->Hidden && !(window->Flags & ImGuiWindowFlags_NoInputs) &&
+    if (window->Active && !window->Hidden && !(window->Flags & ImGuiWindowFlags_NoMouseInputs) &&
         !window->IsFallbackWindow && window->Rect().Contains(at))
       return true;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "client/ui/drawing_panel.h"
 #include "client/ui/overlay.h"
 #include "client/ui/statistics_panel.h"
 
@@ -60,6 +61,12 @@ TimelineUse Interface::build(const View& view, const RecentFrames& recent, Contr
   busy_ = use.hovered_us || controls.scrubbing();
   if (controls.show_statistics && !view.statistics.empty()) {
     controls.show_statistics = draw_statistics(view.statistics, recent, view.size, scale);
+    empty_ = false;
+  }
+  if (controls.show_drawing) {
+    DrawSettings settings = controls.settings();
+    if (drawing_panel(settings, controls.show_drawing, view.size, scale))
+      controls.set_settings(settings);
     empty_ = false;
   }
   if (controls.show_help) {

@@ -36,6 +36,8 @@ TEST(LayerChoice, TakesNormalsOnlyWhereTheyAreSeen) {
   EXPECT_TRUE(layer_choice(reel(10, false), DrawMode::voxel, 10).normals);
   EXPECT_TRUE(layer_choice(reel(10, false), DrawMode::point, 10).normals);
   EXPECT_TRUE(layer_choice(reel(10), DrawMode::voxel, 10).colors);
+  EXPECT_TRUE(layer_choice(reel(10), DrawMode::voxel, 10, true).normals);
+  EXPECT_TRUE(layer_choice(reel(10), DrawMode::point, 10, true).normals);
 }
 
 TEST(LayerChoice, LeavesWhatHasNoLayersWhole) {

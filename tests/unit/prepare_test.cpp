@@ -132,6 +132,28 @@ TEST(PrepareFrame, GivesTheSameOfAFrameInSlabs) {
   EXPECT_EQ(scene->attributes.colors, expected->attributes.colors);
 }
 
+TEST(PrepareFrame, HasNormalsInEveryModeWhereTheyAreToBeSeen) {
+  for (const bool with_normals : {true, false}) {
+    const PointCloud cloud = sphere(5'000, with_normals, true);
+    const Manifest manifest = manifest_of(cloud);
+    for (const FetchedFrame& frame :
+         {fetched(cloud, octree(0.05)), fetched(cloud, {DracoOptions{}})}) {
+      for (const DrawMode mode : {DrawMode::voxel, DrawMode::point}) {
+        const auto without = prepare_frame(manifest, 0, frame, {mode, 0.05});
+        ASSERT_TRUE(without);
+        EXPECT_TRUE(without->attributes.normals.empty() && !without->cloud.has_normals());
+        const auto scene = prepare_frame(manifest, 0, frame, {mode, 0.05, kWholeFrame, true});
+        ASSERT_TRUE(scene);
+        if (scene->cloud.empty())
+          EXPECT_EQ(scene->attributes.normals.size(), scene->svo.node_count());
+        else
+          EXPECT_TRUE(scene->cloud.has_normals());
+        EXPECT_EQ(scene->normals_estimated, !with_normals);
+      }
+    }
+  }
+}
+
 TEST(PrepareFrame, CutsTheTreeOfVoxelsOffWhereACoarserLevelSatisfiesDelta) {
   const PointCloud cloud = sphere(20'000, false, true);
   const Manifest manifest = manifest_of(cloud);

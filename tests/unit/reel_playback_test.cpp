@@ -378,5 +378,40 @@ TEST_F(ReelPlaybackTest, GivesThumbnailsOfAnyFrame) {
   EXPECT_GT(playback_->statistics().stored_bytes, 0u);
 }
 
+TEST_F(ReelPlaybackTest, FetchesNormalsWhenTheyAreToBeSeen) {
+  start();
+  playback_->pause(now_);
+  playback_->set_mode(DrawMode::voxel);
+  const auto has_normals = [&](bool has) {
+    return [has](const ReelPlayback::Update& update) {
+      return update.frame && update.frame->svo.depth > 0 &&
+             update.frame->attributes.normals.empty() != has;
+    };
+  };
+  until(has_normals(false));
+  playback_->set_show_normals(true);
+  until(has_normals(true));
+  EXPECT_FALSE(last_.frame->normals_estimated);
+  EXPECT_TRUE(playback_->choice(kWholeFrame).normals);
+  playback_->set_show_normals(false);
+  until(has_normals(false));
+}
+
+TEST_F(ReelPlaybackTest, TakesLessOrMoreForAnotherPixelSize) {
+  start();
+  playback_->pause(now_);
+  until_whole(0);
+  Camera camera;
+  camera.frame_bounds(playback_->manifest().bounds, 1.0);
+  playback_->set_pixel_size(100.0f);
+  playback_->look(camera, glm::ivec2(2000));
+  playback_->seek(2'900'000, now_);  // not there yet
+  until_shown(29);
+  EXPECT_LT(last_.frame->level, 10);
+  playback_->set_pixel_size(0.1f);
+  playback_->look(camera, glm::ivec2(2000));
+  until_whole(29);
+}
+
 }  // namespace
 }  // namespace pointreel

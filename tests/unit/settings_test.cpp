@@ -55,6 +55,9 @@ PlayOptions changed_in_everything() {
   options.draw.edl = 0.3f;
   options.draw.pixel_size = 2.5f;
   options.draw.background = {1.0f, 0.0f, 128.0f / 255.0f};
+  options.draw.color = ColorSource::plain;
+  options.draw.point_size = 3.5f;
+  options.floor = true;
   options.drawing_panel = options.statistics_panel = true;
   return options;
 }
@@ -64,6 +67,7 @@ void expect_same(const PlayOptions& one, const PlayOptions& other) {
   EXPECT_EQ(one.loop, other.loop);
   EXPECT_EQ(one.draw, other.draw);
   EXPECT_EQ(one.delta, other.delta);
+  EXPECT_EQ(one.floor, other.floor);
   EXPECT_EQ(one.drawing_panel, other.drawing_panel);
   EXPECT_EQ(one.statistics_panel, other.statistics_panel);
 }

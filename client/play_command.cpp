@@ -343,10 +343,11 @@ Result<void> PlayCommand::read_settings(PlayOptions& options) const {
   if (config_.empty() && !options.offscreen) file = default_settings_file();
   if (file.empty()) return {};
   const glm::ivec2 size = options.size;
-  const auto read = pointreel::read_settings(
-      file,
-      [this](std::string_view name) { return command_->count(fmt::format("--{}", name)) > 0; },
-      options);
+  const auto given = [this](std::string_view name) {
+    const CLI::Option* option = command_->get_option_no_throw(fmt::format("--{}", name));
+    return option != nullptr && option->count() > 0;
+  };
+  const auto read = pointreel::read_settings(file, given, options);
   if (!read) return read;
   if (options.offscreen) options.size = size;
   options.settings_file = file.string();

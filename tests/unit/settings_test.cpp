@@ -49,6 +49,8 @@ PlayOptions changed_in_everything() {
   options.draw.mode = DrawMode::point;
   options.draw.instancing = Instancing::texture;
   options.draw.splatting = Splatting::two_pass;
+  options.draw.color = ColorSource::normals;
+  options.floor = true;
   options.draw.scales = {1.1f, 0.7f};
   options.draw.fill_holes = options.draw.lighting = false;
   options.delta = 0.05;

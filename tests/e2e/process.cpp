@@ -30,13 +30,14 @@ struct Pipe {
 };
 
 pid_t spawn(const std::string& program, std::vector<std::string> arguments, int out, int err,
-            std::vector<std::string> environment = {}) {
+            const Surroundings& surroundings = {}) {
   const std::string path =
       program.starts_with('/') ? program : std::string(POINTREEL_BIN_DIR) + "/" + program;
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
+  std::vector<std::string> environment = surroundings.environment;
   std::vector<char*> variables;
   for (std::string& variable : environment) variables.push_back(variable.data());
   for (char** own = environ; *own != nullptr; ++own) {
@@ -52,6 +53,8 @@ pid_t spawn(const std::string& program, std::vector<std::string> arguments, int 
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, out, 1);
   if (err >= 0) posix_spawn_file_actions_adddup2(&actions, err, 2);
+  if (!surroundings.folder.empty())
+    posix_spawn_file_actions_addchdir_np(&actions, surroundings.folder.c_str());
   pid_t pid = -1;
   if (posix_spawn(&pid, path.c_str(), &actions, nullptr, argv.data(), variables.data()) != 0)
     pid = -1;
@@ -109,7 +112,7 @@ Background::Background(const std::string& program, const std::vector<std::string
   const int err = surroundings.err.empty() ? -1
                                            : open(surroundings.err.c_str(),
                                                   O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  pid_ = spawn(program, arguments, out.write, err, surroundings.environment);
+  pid_ = spawn(program, arguments, out.write, err, surroundings);
   if (err >= 0) close(err);
   close(out.write);
   out_ = out.read;

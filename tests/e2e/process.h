@@ -22,6 +22,7 @@ Outcome run(const std::string& program, const std::vector<std::string>& argument
 struct Surroundings {
   std::vector<std::string> environment;  ///< "NAME=VALUE", before the test's own of that name
   std::string err;                       ///< a file for its standard error; empty: the test's
+  std::string folder;                    ///< to be in; empty: the test's
 };
 
 /// A server in the background, ended with SIGTERM at the latest by the destructor. `program` is one

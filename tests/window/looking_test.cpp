@@ -61,6 +61,63 @@ TEST_F(LookingWindow, the_left_button_turns_the_right_one_moves_the_wheel_zooms_
   quit();
 }
 
+TEST_F(LookingWindow, a_double_click_turns_about_what_is_there) {
+  open({"--at", "3"});
+  pause();
+  const auto first = patch();
+  ASSERT_GT(std::abs(first.center.x - player().size().x / 2), 100);
+  // The rows of the patch begin at a quarter of the picture.
+  player().double_click(glm::ivec2(first.center) + glm::ivec2(0, player().size().y / 4));
+  EXPECT_TRUE(wait_until([&] { return std::abs(patch().center.x - player().size().x / 2) < 10; }))
+      << patch().center.x;
+  quit();
+}
+
+TEST_F(LookingWindow, the_wheel_zooms_to_what_is_under_the_cursor) {
+  open({"--at", "3"});
+  pause();
+  const auto first = patch();
+  player().move_to(glm::ivec2(first.center) + glm::ivec2(0, player().size().y / 4));
+  player().scroll(2);
+  EXPECT_TRUE(wait_until([&] { return times(first) > 1.2; }));
+  EXPECT_NEAR(patch().center.x, first.center.x, 12);
+  quit();
+}
+
+TEST_F(LookingWindow, one_can_fly) {
+  open({"--at", "6"});
+  pause();
+  const int from = frame();
+  const auto first = patch();
+  player().key("Tab");
+  player().key_down("w");
+  EXPECT_TRUE(wait_until([&] { return times(first) > 1.3; })) << "forward";
+  player().key_up("w");
+  player().key_down("d");
+  EXPECT_TRUE(wait_until([&] { return patch().center.x < first.center.x - 60; })) << "to the right";
+  player().key_up("d");
+  player().key("0");
+  EXPECT_TRUE(wait_for_frame(from));
+  player().key("Tab");  // q flies down
+  quit();
+}
+
+TEST_F(LookingWindow, g_shows_a_grid_on_the_floor) {
+  open();
+  pause();
+  const e2e::Picture before = player().picture();
+  player().key("g");
+  EXPECT_TRUE(wait_until([&] {
+    const e2e::Picture now = player().picture();
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < now.pixels.size() && i < before.pixels.size(); ++i)
+      changed += now.pixels[i] != before.pixels[i];
+    return changed > 5000;
+  }));
+  keep("floor");
+  EXPECT_TRUE(quit()["window"]["floor"].get<bool>());
+}
+
 TEST_F(LookingWindow, a_window_of_another_size_shows_the_same_frame) {
   open({"--at", "4"});
   pause();
@@ -81,8 +138,9 @@ TEST_F(LookingWindow, f_fills_the_screen_and_gives_the_window_back) {
   player().key("f");
   EXPECT_TRUE(wait_until([&] { return player().size() == glm::ivec2(1600, 1000); }));
   EXPECT_TRUE(wait_until([&] { return frame() >= 0; }));
-  player().key("f");
+  player().key("Escape");
   EXPECT_TRUE(wait_until([&] { return player().size() == before; }));
+  EXPECT_TRUE(player().running());
   quit();
 }
 

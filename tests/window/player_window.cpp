@@ -26,7 +26,7 @@ e2e::Surroundings surroundings(const VirtualDisplay& display,
       "DISPLAY=" + display.name(),
       "WAYLAND_DISPLAY=", "XDG_CONFIG_HOME=" + (options.folder / "config").string()};
   environment.insert(environment.end(), options.environment.begin(), options.environment.end());
-  return {environment, (options.folder / "err.txt").string()};
+  return {environment, (options.folder / "err.txt").string(), options.folder.string()};
 }
 
 std::string content(const std::filesystem::path& path) {
@@ -94,8 +94,14 @@ void PlayerWindow::press(glm::ivec2 pixel, int button) {
 void PlayerWindow::release(int button) { display_.xdotool({"mouseup", std::to_string(button)}); }
 
 void PlayerWindow::click(glm::ivec2 pixel, int button) {
+  // As slowly as a hand: a button that is left before the next picture was not pressed.
+  constexpr milliseconds kHand{80};
+  move_to(pixel);
+  std::this_thread::sleep_for(kHand);
   press(pixel, button);
+  std::this_thread::sleep_for(kHand);
   release(button);
+  std::this_thread::sleep_for(kHand);
 }
 
 void PlayerWindow::double_click(glm::ivec2 pixel) {

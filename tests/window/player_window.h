@@ -22,7 +22,7 @@ class PlayerWindow {
  public:
   struct Options {
     std::vector<std::string> arguments;  ///< of `pointreel play`
-    /// A folder to write to: figures, what is on standard error, and its settings.
+    /// A folder to be in and to write to: figures, what is on standard error, settings.
     std::filesystem::path folder;
     std::vector<std::string> environment;  ///< "NAME=VALUE"
   };

@@ -1,5 +1,7 @@
 // Playing, pausing and seeking, by key and by mouse.
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,6 +54,58 @@ TEST_F(PlayingWindow, a_step_shows_the_next_frame_or_the_one_before_and_pauses) 
   player().key("comma");
   EXPECT_GE(paused_frame(), 0);
   quit();
+}
+
+TEST_F(PlayingWindow, other_keys_go_a_second_a_minute_and_to_the_beginning) {
+  open({"--at", "5", "--no-loop"});
+  pause();
+  const int from = frame();
+  player().key("shift+Right");
+  EXPECT_TRUE(wait_for_frame(from + MovingPlate::kFps)) << from << " to " << frame();
+  player().key("shift+Left");
+  EXPECT_TRUE(wait_for_frame(from)) << from << " to " << frame();
+  player().key("Up");
+  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames - 1)) << "not beyond the end: " << frame();
+  player().key("Home");
+  EXPECT_TRUE(wait_for_frame(0)) << frame();
+  quit();
+}
+
+TEST_F(PlayingWindow, from_a_to_b_it_plays_again_and_again) {
+  open({"--at", "4"});
+  pause();
+  const int a = frame();
+  player().key("l");
+  player().key("shift+Right");
+  EXPECT_TRUE(wait_for_frame(a + MovingPlate::kFps));
+  player().key("l");
+  player().key("space");
+  int least = MovingPlate::kFrames, most = -1, turns = 0, before = -1;
+  EXPECT_TRUE(wait_until([&] {
+    const int now = frame();
+    if (now < 0) return false;
+    turns += now < before;
+    before = now;
+    if (turns > 0) {
+      least = std::min(least, now);
+      most = std::max(most, now);
+    }
+    return turns == 3;
+  }));
+  EXPECT_GE(least, a);
+  EXPECT_LE(most, a + MovingPlate::kFps);
+  const auto report = quit();
+  EXPECT_EQ(report["window"]["loop_range_s"].size(), 2u) << report["window"].dump();
+}
+
+TEST_F(PlayingWindow, keys_for_speed_and_loop_are_told) {
+  open();
+  for (const char* key : {"bracketright", "bracketright", "BackSpace", "braceright", "L"})
+    player().key(key);
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto report = quit();
+  EXPECT_NEAR(report["window"]["speed"], 2.0, 0.01);
+  EXPECT_FALSE(report["window"]["loop"].get<bool>());
 }
 
 TEST_F(PlayingWindow, dragging_with_shift_goes_to_the_time_under_the_cursor) {

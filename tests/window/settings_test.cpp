@@ -31,6 +31,36 @@ TEST_F(SettingsWindow, they_are_read_and_the_command_line_wins) {
   EXPECT_EQ(player().err(), "");
 }
 
+TEST_F(SettingsWindow, what_is_changed_is_there_the_next_time) {
+  open();
+  EXPECT_TRUE(wait_for_next_frame());
+  player().key("m");
+  player().key("L");
+  player().key("i");
+  player().resize({900, 640});
+  EXPECT_TRUE(wait_until([&] { return player().size() == glm::ivec2(900, 640); }));
+  EXPECT_TRUE(wait_for_next_frame());
+  quit();
+  open();
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_EQ(player().size(), glm::ivec2(900, 640));
+  const auto report = quit();
+  EXPECT_EQ(report["mode"], "voxel");
+  EXPECT_FALSE(report["window"]["loop"].get<bool>());
+  EXPECT_TRUE(report["window"]["shown"]["statistics"].get<bool>());
+}
+
+TEST_F(SettingsWindow, the_size_of_the_whole_screen_is_not_remembered) {
+  open();
+  EXPECT_TRUE(wait_for_next_frame());
+  player().key("f");
+  EXPECT_TRUE(wait_until([&] { return player().size() == glm::ivec2(1600, 1000); }));
+  quit();
+  open();
+  EXPECT_EQ(player().size(), glm::ivec2(1280, 720));
+  quit();
+}
+
 TEST_F(SettingsWindow, a_broken_file_is_one_line_and_it_plays_all_the_same) {
   write_settings("{\"mode\": \"disc\"}");
   open();

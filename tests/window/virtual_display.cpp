@@ -145,7 +145,7 @@ void VirtualDisplay::close(WindowId window) const {
 }
 
 void VirtualDisplay::xdotool(const std::vector<std::string>& commands) const {
-  e2e::Background(find_program("xdotool"), commands, {{"DISPLAY=" + server_->name}, {}}).end(0);
+  e2e::Background(find_program("xdotool"), commands, {{"DISPLAY=" + server_->name}, {}, {}}).end(0);
 }
 
 bool VirtualDisplay::drop(WindowId window, const std::vector<std::filesystem::path>& files) const {

@@ -1,0 +1,166 @@
+// The bar at the bottom, the help and the panels.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/window/window_test.h"
+
+namespace pointreel::window {
+namespace {
+
+constexpr int kFrames = MovingPlate::kFrames;
+
+class InterfaceWindow : public WindowTest {
+ protected:
+  /// Of the timeline, which has 14 pixels beside it.
+  glm::ivec2 on_timeline(double share) {
+    const glm::ivec2 size = player().size();
+    return {static_cast<int>(std::lround(14.0 + share * (size.x - 28.0))), size.y - 45};
+  }
+  /// The middle of a button below it: 0 is a step back, 1 play, 2 a step on, 3 the loop.
+  glm::ivec2 button(int number) {
+    return {static_cast<int>(9.0 + 26.0 * (number + 0.5)), player().size().y - 18};
+  }
+  /// How many pixels of these rows are unlike the upper left corner of the window.
+  std::size_t drawn(int top, int bottom) {
+    const e2e::Picture picture = player().picture();
+    if (picture.pixels.empty()) return 0;
+    return static_cast<std::size_t>(
+        std::count_if(picture.pixels.begin() + std::ptrdiff_t{top} * picture.size.x,
+                      picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x,
+                      [&](const glm::u8vec3& pixel) { return pixel != picture.pixels.front(); }));
+  }
+  /// As a hand does: moves there, sees the bar, and presses.
+  void press(glm::ivec2 pixel) {
+    player().move_to(pixel - glm::ivec2(3, 0));
+    player().move_to(pixel);
+    EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar";
+    player().press(pixel);
+  }
+  std::size_t bar() { return drawn(player().size().y - 60, player().size().y); }
+};
+
+TEST_F(InterfaceWindow, the_bar_is_there_while_the_mouse_moves_and_gone_after_a_moment) {
+  open();
+  ASSERT_TRUE(wait_for_next_frame());
+  EXPECT_TRUE(wait_until([&] { return bar() == 0; }));
+  player().move_to({400, 300});
+  player().move_to({410, 300});
+  EXPECT_TRUE(wait_until([&] { return bar() > 1000; }));
+  keep("bar");
+  EXPECT_TRUE(wait_until([&] { return bar() == 0; }));
+  quit();
+}
+
+TEST_F(InterfaceWindow, dragging_the_timeline_goes_to_the_time_under_the_cursor) {
+  open();
+  pause();
+  press(on_timeline(0.25));
+  EXPECT_TRUE(wait_for_frame(kFrames / 4)) << frame();
+  player().move_to(on_timeline(0.755));
+  EXPECT_TRUE(wait_for_frame(kFrames * 3 / 4)) << frame();
+  keep("timeline dragged");
+  // Far above it, it is still held.
+  player().move_to(on_timeline(0.505) - glm::ivec2(0, 300));
+  EXPECT_TRUE(wait_for_frame(kFrames / 2)) << frame();
+  player().release();
+  EXPECT_EQ(paused_frame(), kFrames / 2);
+  const auto report = quit();
+  EXPECT_EQ(report["window"]["frame"], kFrames / 2);
+  EXPECT_FALSE(report["window"]["playing"].get<bool>());
+}
+
+TEST_F(InterfaceWindow, dragging_while_it_plays_goes_on_playing_from_there) {
+  open();
+  ASSERT_TRUE(wait_for_next_frame());
+  press(on_timeline(0.505));
+  EXPECT_TRUE(wait_for_frame(kFrames / 2)) << frame();
+  EXPECT_EQ(paused_frame(), kFrames / 2) << "while it is held";
+  player().release();
+  EXPECT_TRUE(wait_until([&] { return frame() > kFrames / 2; }));
+  quit();
+}
+
+TEST_F(InterfaceWindow, buttons_do_what_keys_do) {
+  open({"--at", "4"});
+  ASSERT_TRUE(wait_for_next_frame());
+  player().move_to(button(1));
+  EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar";
+  player().click(button(1));
+  const int from = paused_frame();
+  ASSERT_GE(from, 0) << "paused";
+  player().click(button(2));
+  EXPECT_TRUE(wait_for_frame(from + 1)) << frame();
+  player().click(button(0));
+  EXPECT_TRUE(wait_for_frame(from)) << frame();
+  player().click(button(3));
+  player().click(button(1));
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_FALSE(quit()["window"]["loop"].get<bool>());
+}
+
+TEST_F(InterfaceWindow, a_click_on_the_bar_does_not_turn_the_camera) {
+  open();
+  pause();
+  const int from = frame();
+  player().drag({player().size().x / 2, player().size().y - 18},
+                {player().size().x / 2 + 200, player().size().y - 18});
+  EXPECT_EQ(paused_frame(), from);
+  quit();
+}
+
+TEST_F(InterfaceWindow, the_timeline_shows_a_picture_of_the_time_under_the_cursor) {
+  open({"--at", "2"});
+  pause();
+  player().move_to(on_timeline(0.5));
+  player().move_to(on_timeline(0.51));
+  EXPECT_TRUE(wait_until([&] {
+    return e2e::find_hue(player().picture(), {1, 0, 0}).pixels >
+           MovingPlate::plate(player().picture()).pixels + 50;
+  })) << "of the plate in it";
+  keep("thumbnail");
+  quit();
+}
+
+TEST_F(InterfaceWindow, help_shows_the_keys_and_goes_again) {
+  open();
+  pause();
+  const std::size_t before = drawn(0, player().size().y);
+  player().key("question");
+  EXPECT_TRUE(wait_until([&] { return drawn(0, player().size().y) > before + 20'000; }));
+  keep("help");
+  player().key("question");
+  EXPECT_TRUE(wait_until([&] { return drawn(0, player().size().y) < before + 10'000; }));
+  player().key("question");
+  EXPECT_TRUE(wait_until([&] { return drawn(0, player().size().y) > before + 20'000; }));
+  EXPECT_TRUE(quit()["window"]["shown"]["help"].get<bool>());
+}
+
+TEST_F(InterfaceWindow, it_is_twice_as_large_at_scale_2) {
+  open({"--ui-scale", "2"});
+  ASSERT_TRUE(wait_for_next_frame());
+  player().move_to({400, 300});
+  player().move_to({410, 300});
+  EXPECT_TRUE(
+      wait_until([&] { return drawn(player().size().y - 130, player().size().y - 80) > 500; }));
+  keep("scale 2");
+  quit();
+}
+
+TEST_F(InterfaceWindow, s_writes_a_picture_of_what_is_shown_without_the_interface) {
+  open({"--at", "3"});
+  pause();
+  const int shown = frame();
+  player().key("question");
+  player().key("s");
+  const auto png = folder_ / "pointreel-0001.png";
+  EXPECT_TRUE(wait_until([&] { return plate().frame(e2e::read_picture(png)) == shown; }));
+  quit();
+}
+
+}  // namespace
+}  // namespace pointreel::window

@@ -1,0 +1,133 @@
+// What is opened: by the command line, and by dropping it; and what cannot be.
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/link/link_emulator.h"
+#include "tests/window/window_test.h"
+
+namespace pointreel::window {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class OpeningWindow : public WindowTest {
+ protected:
+  bool wait_for_plate() {
+    return wait_until([&] { return MovingPlate::plate(player().picture()).pixels > 500; });
+  }
+  bool wait_for_title(const std::string& part) {
+    return wait_until([&] { return player().title().find(part) != std::string::npos; });
+  }
+  bool wait_for_err(const std::string& part) {
+    return wait_until([&] { return player().err().find(part) != std::string::npos; });
+  }
+  /// Pixels of the window that are as bright as text.
+  std::ptrdiff_t bright() {
+    const e2e::Picture picture = player().picture();
+    return std::count_if(picture.pixels.begin(), picture.pixels.end(),
+                         [](const glm::u8vec3& c) { return std::min({c.r, c.g, c.b}) > 140; });
+  }
+
+  /// The window says it, and standard error does, in one line; "q" ends it with an error.
+  void expect_error(const std::string& part) {
+    EXPECT_TRUE(wait_for_err(part)) << player().err();
+    EXPECT_TRUE(wait_until([&] { return bright() > 200; })) << "a line in the window";
+    const auto report = player().quit();
+    EXPECT_EQ(player().exit_code(), 1);
+    const std::string err = player().err();
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    ASSERT_FALSE(report.is_discarded());
+    EXPECT_THAT(report["window"]["error"], HasSubstr(part));
+  }
+};
+
+TEST_F(OpeningWindow, a_folder_a_package_and_a_ply_are_played_where_they_are_dropped) {
+  open();
+  ASSERT_TRUE(wait_for_next_frame());
+  ASSERT_TRUE(player().drop({plate().ply(7)}));
+  EXPECT_TRUE(wait_for_title("7.ply")) << player().title();
+  EXPECT_TRUE(wait_for_plate());
+  keep("dropped a ply");
+  ASSERT_TRUE(player().drop({plate().ply(0).parent_path()}));
+  EXPECT_TRUE(wait_for_title(": in")) << player().title();
+  EXPECT_TRUE(wait_for_next_frame());
+  ASSERT_TRUE(player().drop({plate().reel()}));
+  EXPECT_TRUE(wait_for_title(": plate")) << player().title();
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto report = quit();
+  EXPECT_EQ(report["sources"][0]["source"], plate().reel());
+  EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(OpeningWindow, several_files_that_are_dropped_are_a_reel) {
+  open();
+  ASSERT_TRUE(wait_for_next_frame());
+  ASSERT_TRUE(player().drop({plate().ply(10), plate().ply(9), plate().ply(11)}));
+  EXPECT_TRUE(wait_for_title("9.ply")) << player().title();
+  EXPECT_TRUE(wait_for_plate());
+  quit();
+}
+
+TEST_F(OpeningWindow, what_cannot_be_played_is_said_and_the_rest_plays_on) {
+  open();
+  ASSERT_TRUE(wait_for_next_frame());
+  ASSERT_TRUE(player().drop({folder_.write("notes.ply", "not a cloud at all")}));
+  EXPECT_TRUE(wait_for_err("notes.ply")) << player().err();
+  keep("dropped what is no cloud");
+  ASSERT_TRUE(player().drop({plate().reel()}));
+  EXPECT_TRUE(wait_for_title(": plate"));
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_FALSE(quit()["window"].contains("error"));
+}
+
+TEST_F(OpeningWindow, a_folder_that_is_not_there_is_an_error_in_the_window) {
+  open_sources({(folder_ / "nowhere").string()});
+  EXPECT_TRUE(wait_for_err("nowhere"));
+  keep("not there");
+  expect_error("nowhere");
+}
+
+TEST_F(OpeningWindow, a_host_that_nobody_is_at_is_an_error_in_the_window) {
+  open_sources({"http://127.0.0.1:9/reel"});
+  expect_error("127.0.0.1:9");
+}
+
+TEST_F(OpeningWindow, a_newer_format_is_told_with_its_version) {
+  fs::copy(plate().reel(), folder_ / "newer", fs::copy_options::recursive);
+  std::ifstream in(folder_ / "newer/reel.json");
+  std::string manifest(std::istreambuf_iterator<char>(in), {});
+  auto json = nlohmann::json::parse(manifest);
+  json["version"] = 99;
+  folder_.write("newer/reel.json", json.dump());
+  open_sources({(folder_ / "newer").string()});
+  expect_error("99");
+}
+
+TEST_F(OpeningWindow, a_window_is_there_while_a_host_does_not_answer_and_can_be_left) {
+  const auto link = LinkEmulator::start({.target = "127.0.0.1:9", .conditions = {.cut = true}});
+  ASSERT_TRUE(link) << link.error().message;
+  open_sources({"http://" + (*link)->address() + "/slow-reel"});
+  EXPECT_TRUE(wait_for_title("slow-reel")) << player().title();
+  EXPECT_TRUE(wait_until([&] { return bright() > 200; })) << "what is loading";
+  keep("loading");
+  // Something else can be played meanwhile, at once.
+  ASSERT_TRUE(player().drop({plate().reel()}));
+  EXPECT_TRUE(wait_for_next_frame());
+  quit();
+  open_sources({"http://" + (*link)->address() + "/slow-reel"});
+  EXPECT_TRUE(wait_for_title("slow-reel"));
+  quit();
+}
+
+}  // namespace
+}  // namespace pointreel::window

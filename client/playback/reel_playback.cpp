@@ -166,8 +166,8 @@ void ReelPlayback::set_pace() {
     if (clock_.playing() && !clock_.held())
       pace.lead = frames_in(manifest(), kLead, clock_.speed());
   }
-  // Who has jumped, or looks at one frame, waits for that one.
-  pace.focus = !awaiting_ && (!clock_.playing() || hold_ == Hold::jump);
+  // Who has jumped, looks at one frame, or sees nothing yet, waits for that one.
+  pace.focus = !awaiting_ && (!given_ || !clock_.playing() || hold_ == Hold::jump);
   buffer_.set_pace(pace);
 }
 

@@ -9,18 +9,9 @@
 #include <utility>
 
 #include "client/render/gl_context.h"
+#include "common/base/unix_time.h"
 
 namespace pointreel {
-namespace {
-
-std::uint64_t unix_time_us() {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(
-                                        std::chrono::system_clock::now().time_since_epoch())
-                                        .count());
-}
-
-}  // namespace
-
 bool single_frame(const PlayOptions& options) {
   return options.offscreen && options.at && !options.duration && options.sources.size() == 1;
 }

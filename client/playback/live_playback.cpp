@@ -16,18 +16,11 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPatience{500};
 
 /// A reel of one frame that has all that is known of the stream, for those who ask a manifest.
-Manifest manifest_of(const LiveHello& hello) {
-  Manifest manifest;
-  manifest.name = hello.name;
-  manifest.codec = hello.codec;
-  manifest.entropy = hello.entropy;
-  manifest.fps = hello.fps;
-  manifest.up = hello.up;
-  manifest.colors = hello.colors;
-  manifest.normals = hello.normals;
+/// As if the stream were a reel of one frame.
+Manifest reel_of(const LiveHello& hello) {
+  Manifest manifest = manifest_of(hello);
   manifest.depth_max = kMaxDepth;  // it may change with every frame
   manifest.bounds = hello.bounds;
-  manifest.layer_names = hello.layer_names;
   Segment segment;
   segment.cube = bounding_cube(hello.bounds);
   segment.times_us = {0};
@@ -51,7 +44,7 @@ LivePlayback::LivePlayback(std::unique_ptr<LiveSource> source, std::string name,
       mode_(options.mode),
       delta_(options.delta),
       show_normals_(options.show_normals),
-      stream_(manifest_of({})),
+      stream_(reel_of({})),
       pixel_size_(options.pixel_size) {
   receiver_ = std::thread([this] { receive(); });
   for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i) {
@@ -112,7 +105,7 @@ void LivePlayback::receive() {
     if (said && said != hello) {
       if (hello && hello->session != said->session) number.reset();
       hello = std::move(said);
-      stream_ = manifest_of(*hello);
+      stream_ = reel_of(*hello);
       find_level();
     }
     if (!frame || !hello) continue;

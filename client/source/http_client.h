@@ -14,6 +14,9 @@
 
 namespace pointreel {
 
+/// A package's folder: what its address is, or that of its reel.json, without a slash at the end.
+Result<std::string> folder_address(const std::string& url);
+
 /// GET requests, several at a time over connections that are kept alive, made by a thread of its
 /// own. A transfer in which no byte moves is given up and made again over a new connection, and
 /// failures that may pass are tried again after a pause that doubles; http_transfer.h tells what is

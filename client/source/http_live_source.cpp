@@ -307,12 +307,9 @@ class HttpLiveSource : public LiveSource {
 
 Result<std::unique_ptr<LiveSource>> open_http_live_source(const std::string& url,
                                                           const SourceOptions& options) {
-  std::string base = url;
-  if (const std::string tail = std::string("/") + kManifestName; base.ends_with(tail))
-    base.resize(base.size() - tail.size());
-  while (base.ends_with('/')) base.pop_back();
-  if (base.ends_with(':')) return fail(url + ": names no host");
-  return std::make_unique<HttpLiveSource>(std::move(base), options);
+  auto base = folder_address(url);
+  if (!base) return tl::unexpected(base.error());
+  return std::make_unique<HttpLiveSource>(*std::move(base), options);
 }
 
 }  // namespace pointreel

@@ -38,12 +38,9 @@ class HttpSource : public PackageSource {
 
 Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
                                                  const SourceOptions& options) {
-  std::string base = url;
-  if (const std::string tail = std::string("/") + kManifestName; base.ends_with(tail))
-    base.resize(base.size() - tail.size());
-  while (base.ends_with('/')) base.pop_back();
-  if (base.ends_with(':')) return fail(url + ": names no host");
-  const std::string manifest_url = base + "/" + kManifestName;
+  auto base = folder_address(url);
+  if (!base) return tl::unexpected(base.error());
+  const std::string manifest_url = *base + "/" + kManifestName;
 
   auto client = std::make_unique<HttpClient>(options);
   const auto text = client->get(manifest_url, kMaxManifestBytes);
@@ -56,14 +53,14 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
     return tl::unexpected(no_package({manifest_url + ": " + manifest.error().message}));
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
-    const std::string tables_url = base + "/" + manifest->tables->path;
+    const std::string tables_url = *base + "/" + manifest->tables->path;
     const auto bytes = client->get(tables_url, manifest->tables->bytes);
     if (!bytes) return tl::unexpected(bytes.error());
     auto read = read_tables(*manifest->tables, *bytes);
     if (!read) return fail_at(tables_url, read.error());
     tables = std::move(*read);
   }
-  return std::make_unique<HttpSource>(std::move(base), std::move(client), std::move(*manifest),
+  return std::make_unique<HttpSource>(*std::move(base), std::move(client), std::move(*manifest),
                                       std::move(tables));
 }
 

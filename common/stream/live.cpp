@@ -69,6 +69,19 @@ Result<LiveHello> hello_of(const json& root) {
 
 }  // namespace
 
+Manifest manifest_of(const LiveHello& hello) {
+  Manifest manifest;
+  manifest.name = hello.name;
+  manifest.codec = hello.codec;
+  manifest.entropy = hello.entropy;
+  manifest.fps = hello.fps;
+  manifest.up = hello.up;
+  manifest.colors = hello.colors;
+  manifest.normals = hello.normals;
+  manifest.layer_names = hello.layer_names;
+  return manifest;
+}
+
 std::string write_hello(const LiveHello& hello) {
   ordered_json json = {{"type", "hello"},
                        {"version", kPackageVersion},

@@ -43,6 +43,9 @@ struct LiveHello {
   bool operator==(const LiveHello&) const = default;
 };
 
+/// What it says of a reel of the stream's frames: all but segments, depths and bounds.
+Manifest manifest_of(const LiveHello& hello);
+
 /// One layer of one frame. Frames come in order, and so do the layers of each, base first; frames
 /// and layers may be missing, but no layer below one that comes.
 struct LiveLayer {

@@ -20,6 +20,7 @@
 
 #include "common/base/bounded_queue.h"
 #include "common/base/natural_order.h"
+#include "common/base/unix_time.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -275,10 +276,7 @@ LiveClock LiveClock::system() {
   using std::chrono::microseconds;
   using Clock = std::chrono::system_clock;
   LiveClock clock;
-  clock.now_us = [] {
-    return static_cast<std::uint64_t>(
-        std::chrono::duration_cast<microseconds>(Clock::now().time_since_epoch()).count());
-  };
+  clock.now_us = unix_time_us;
   clock.wait_until = [](std::uint64_t time_us, const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any stopped;

@@ -118,17 +118,9 @@ void LiveTotals::add(const LiveSegment& segment) {
 }
 
 Manifest live_head(const LiveHello& hello, const LiveTotals& totals) {
-  Manifest manifest;
-  manifest.name = hello.name;
-  manifest.codec = hello.codec;
-  manifest.entropy = hello.entropy;
-  manifest.fps = hello.fps;
-  manifest.up = hello.up;
-  manifest.colors = hello.colors;
-  manifest.normals = hello.normals;
+  Manifest manifest = manifest_of(hello);
   manifest.depth_min = totals.depth_min;
   manifest.depth_max = totals.depth_max;
-  manifest.layer_names = hello.layer_names;
   manifest.partial = totals.partial;
   // A publisher that gives none has points all the same.
   if (totals.any_point) manifest.bounds = hello.bounds.empty() ? totals.cubes : hello.bounds;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/source/open_live_source.h"
+#include "common/base/unix_time.h"
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
 #include "common/stream/package.h"
@@ -102,10 +103,7 @@ void StagePublisher::run() {
     // Capturing goes on whether it is connected or not.
     do {
       const EncodedFrame& frame = LiveReel::get().frame(++number);
-      const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
-          std::chrono::system_clock::now().time_since_epoch());
-      const std::uint64_t captured =
-          LiveReel::get().capture_us(static_cast<std::uint64_t>(now.count()), number);
+      const std::uint64_t captured = LiveReel::get().capture_us(unix_time_us(), number);
       for (std::size_t i = 0; i < frame.layers.size() && open; ++i) {
         const EncodedLayer& layer = frame.layers[i];
         Bytes bytes = layer.geometry;

@@ -14,6 +14,7 @@
 #include "client/source/live_source.h"
 #include "client/source/open_live_source.h"
 #include "codec/frame_header.h"
+#include "common/base/unix_time.h"
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
 #include "tests/e2e/process.h"
@@ -34,11 +35,7 @@ constexpr unsigned kOthers = 49;
 constexpr double kLiveMs = 100.0;
 constexpr auto kLook = 1ms;
 
-double unix_ms() {
-  return std::chrono::duration<double, std::milli>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
+double unix_ms() { return static_cast<double>(unix_time_us()) / 1000.0; }
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 1e9;

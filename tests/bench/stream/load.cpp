@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "common/base/unix_time.h"
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
 #include "common/stream/package.h"
@@ -93,12 +94,6 @@ double cpu_seconds(pid_t pid) {
   return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
-std::uint64_t unix_us() {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(
-                                        std::chrono::system_clock::now().time_since_epoch())
-                                        .count());
-}
-
 /// Publishes noise at the rate until it is destroyed.
 class NoisePublisher {
  public:
@@ -107,7 +102,7 @@ class NoisePublisher {
     if (!socket) return tl::unexpected<Error>(socket.error());
     LiveHello hello;
     hello.name = "noise";
-    hello.session = unix_us();
+    hello.session = unix_time_us();
     hello.codec = "octree";
     hello.entropy = "none";
     hello.fps = kFps;
@@ -130,7 +125,7 @@ class NoisePublisher {
     const std::string content = noise(*std::max_element(kLayerBytes, kLayerBytes + 3), 9);
     auto due = std::chrono::steady_clock::now();
     for (std::uint32_t frame = 0; !ending_; ++frame) {
-      const std::uint64_t captured = unix_us();
+      const std::uint64_t captured = unix_time_us();
       for (std::uint8_t layer = 0; layer < 3; ++layer) {
         const Bytes message = write_live_layer({frame,
                                                 layer,

@@ -6,6 +6,7 @@
 #include "tests/bench/compare.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
+#include "tests/bench/player/player_command.h"
 #include "tests/bench/render/render_command.h"
 #include "tests/bench/render/truth_command.h"
 #include "tests/bench/report/report.h"
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   codec->add_option("files", options.files, ".ply or .drc files to measure as well");
   int exit_code = 0;
   add_compare_command(app, exit_code);
+  add_player_command(app, exit_code);
   add_render_command(app, exit_code);
   add_report_command(app, exit_code);
   add_stream_command(app, exit_code);

@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include "client/playback/statistics.h"
+#include "tests/bench/player/player_chapters.h"
+#include "tests/bench/player/watched_window.h"
+#include "tests/bench/stream/reels.h"
+
+namespace pointreel::bench {
+namespace {
+
+using nlohmann::json;
+
+json json_of(const TimeSamples& samples) {
+  const TimeSummary summary = samples.summary();
+  return {{"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
+}
+
+}  // namespace
+
+Result<json> run_player_start(const StreamOptions& options, std::vector<Bar>& bars) {
+  const auto reels = streamed_reels(options);
+  if (!reels) return tl::unexpected(reels.error());
+  json rows = json::array();
+  for (const StreamedReel& reel : *reels) {
+    TimeSamples window, first;
+    double differing = 0.0;
+    const int runs = options.quick ? 3 : 20;
+    for (int run = 0; run < runs; ++run) {
+      auto watched = WatchedWindow::open(options, {reel.folder.string()});
+      if (!watched) return tl::unexpected(watched.error());
+      if (!watched->wait_for_picture()) return fail(reel.name + ": no picture");
+      if (run == 0) {
+        watched->player->key("Home");
+        watched->player->key("space");
+        watched->player->key("Home");
+        const auto share = differing_share(watched->settled(), reel.folder.string(), 0.0,
+                                           watched->player->size(), options);
+        if (!share) return tl::unexpected(share.error());
+        differing = *share;
+      }
+      const auto report = watched->quit();
+      if (!report) return tl::unexpected(report.error());
+      window.add((*report)["window"]["window_ms"]);
+      first.add((*report)["window"]["first_picture_ms"]);
+    }
+    bars.push_back(
+        {fmt::format("start, {}: window, 95 %", reel.name), window.summary().p95, "ms", 300.0});
+    bars.push_back({fmt::format("start, {}: first picture, 95 %", reel.name), first.summary().p95,
+                    "ms", 600.0});
+    bars.push_back({fmt::format("start, {}: pixels unlike those without a window", reel.name),
+                    100.0 * differing, "%", 0.0});
+    rows.push_back({{"reel", reel.name},
+                    {"runs", runs},
+                    {"window_ms", json_of(window)},
+                    {"first_picture_ms", json_of(first)},
+                    {"pixels_unlike_offscreen", differing}});
+  }
+  return json{{"rows", rows}};
+}
+
+}  // namespace pointreel::bench

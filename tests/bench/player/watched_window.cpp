@@ -1,0 +1,102 @@
+#include "tests/bench/player/watched_window.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdlib>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tests/e2e/process.h"
+
+namespace pointreel::bench {
+
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr int kBarHeight = 100, kTopHeight = 60;  ///< of the timeline, of messages; and some more
+
+bool differ(const glm::u8vec3& one, const glm::u8vec3& other) {
+  constexpr int kRounding = 2;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(int{one[i]} - int{other[i]}) > kRounding) return true;
+  return false;
+}
+
+}  // namespace
+
+Result<WatchedWindow> WatchedWindow::open(const StreamOptions& options,
+                                          const std::vector<std::string>& arguments) {
+  WatchedWindow watched;
+  auto display = window::VirtualDisplay::start();
+  if (!display) return tl::unexpected(display.error());
+  watched.display = *std::move(display);
+  std::vector<std::string> all = {"--no-config"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  auto player = window::PlayerWindow::open(*watched.display, {all, options.scratch / "player", {}});
+  if (!player) return tl::unexpected(player.error());
+  watched.player = *std::move(player);
+  return watched;
+}
+
+bool WatchedWindow::wait_for_picture() const {
+  return window::wait_until([&] {
+    const e2e::Picture picture = player->picture();
+    if (picture.pixels.empty()) return false;
+    const glm::ivec2 middle = picture.size / 2;
+    for (int y = middle.y - 40; y < middle.y + 40; y += 4)
+      for (int x = middle.x - 40; x < middle.x + 40; x += 4)
+        if (differ(picture.at(x, y), picture.at(0, 0))) return true;
+    return false;
+  });
+}
+
+e2e::Picture without_texts(const e2e::Picture& picture) {
+  const int bottom = std::max(kTopHeight, picture.size.y - kBarHeight);
+  if (picture.size.y < bottom) return {};
+  e2e::Picture part;
+  part.size = {picture.size.x, bottom - kTopHeight};
+  part.pixels.assign(picture.pixels.begin() + std::ptrdiff_t{kTopHeight} * picture.size.x,
+                     picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x);
+  return part;
+}
+
+e2e::Picture WatchedWindow::settled() const {
+  e2e::Picture seen;
+  auto since = steady_clock::now();
+  window::wait_until([&] {
+    e2e::Picture now = without_texts(player->picture());
+    if (now.pixels != seen.pixels) {
+      seen = std::move(now);
+      since = steady_clock::now();
+    }
+    return steady_clock::now() - since > std::chrono::milliseconds(1500);
+  });
+  return seen;
+}
+
+Result<nlohmann::json> WatchedWindow::quit() {
+  nlohmann::json report = player->quit();
+  if (player->exit_code() != 0 || report.is_discarded())
+    return fail("pointreel play did not end well: " + player->err());
+  return report;
+}
+
+Result<double> differing_share(const e2e::Picture& shown, const std::string& reel, double at,
+                               glm::ivec2 size, const StreamOptions& options) {
+  const std::string png = (options.scratch / "truth.png").string();
+  const e2e::Outcome drawn =
+      e2e::run("pointreel", {"play", reel, "--at", fmt::format("{:.6f}", at), "--offscreen",
+                             fmt::format("{}x{}", size.x, size.y), "--screenshot", png});
+  if (drawn.exit_code != 0) return fail("pointreel play: " + drawn.err);
+  const e2e::Picture truth = without_texts(e2e::read_picture(png));
+  if (truth.size != shown.size || truth.pixels.empty()) return fail("pictures are not of one size");
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < truth.pixels.size(); ++i)
+    wrong += differ(truth.pixels[i], shown.pixels[i]);
+  return static_cast<double>(wrong) / static_cast<double>(truth.pixels.size());
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,102 @@
+#include "tests/bench/stream/chapter.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "tests/bench/output.h"
+
+namespace pointreel::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Options {
+  std::vector<std::string> only;
+  std::string json;
+  bool quick = false;
+};
+
+/// A folder of its own that ends with its owner.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "pointreel-bench-XXXXXX").string();
+    if (::mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Result<json> run_chapters(const std::string& name, const std::vector<StreamChapter>& chapters,
+                          const Options& options) {
+  const Scratch scratch;
+  if (scratch.path().empty()) {
+    return fail(fs::temp_directory_path().string() + ": no folder can be made there");
+  }
+  const double begin = now_ms();
+  json report = {{"benchmark", name}, {"quick", options.quick}, {"machine", machine()}};
+  std::vector<Bar> bars;
+  for (const StreamChapter& chapter : chapters) {
+    const bool wanted = options.only.empty() || std::find(options.only.begin(), options.only.end(),
+                                                          chapter.name) != options.only.end();
+    if (!wanted) continue;
+    const double chapter_begin = now_ms();
+    auto figures = chapter.run({options.quick, scratch.path()}, bars);
+    if (!figures) return fail_at(chapter.name, figures.error());
+    (*figures)["seconds"] = (now_ms() - chapter_begin) / 1000.0;
+    if (options.json != "-") {
+      fmt::print("{}: {}\n{}\n\n", chapter.name, chapter.about, figures->dump(1));
+      std::fflush(stdout);
+    }
+    report[chapter.name] = *std::move(figures);
+  }
+  report["bars"] = to_json(bars);
+  report["seconds"] = (now_ms() - begin) / 1000.0;
+  if (options.json != "-") print(bars);
+  return report;
+}
+
+}  // namespace
+
+void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name,
+                          const std::string& about, const std::vector<StreamChapter>& chapters) {
+  CLI::App* command = app.add_subcommand(name, about);
+  const auto options = std::make_shared<Options>();
+  std::vector<std::string> names;
+  std::string list;
+  for (const StreamChapter& chapter : chapters) {
+    names.push_back(chapter.name);
+    list += fmt::format("  {:<12} {}\n", chapter.name, chapter.about);
+  }
+  command->add_option("--only", options->only, "these chapters alone")
+      ->check(CLI::IsMember(names))
+      ->type_name("CHAPTER");
+  command->add_flag("--quick", options->quick, "fewer repetitions and frames");
+  command->add_option("--json", options->json, "write the report here, - for standard output");
+  command->footer("Chapters:\n" + list);
+  command->callback([name, chapters, options, &exit_code] {
+    const auto report = run_chapters(name, chapters, *options);
+    const auto written = !report                 ? tl::unexpected(report.error())
+                         : options->json.empty() ? Result<void>{}
+                                                 : write_json(options->json, *report);
+    if (written) return;
+    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
+    exit_code = 1;
+  });
+}
+
+}  // namespace pointreel::bench

@@ -41,6 +41,8 @@ constexpr milliseconds kInterfacePeriod{33};
 /// How often it is drawn after something happened: ImGui needs a picture to find what is under the
 /// cursor, one to press it, and one to release it.
 constexpr int kPicturesAfterInput = 3;
+/// Milliseconds of drawing: what takes longer is drawn more simply while the time is dragged.
+constexpr double kQuickEnough = 8.0;
 constexpr milliseconds kBrokenFrameShown{4000}, kErrorShown{8000};
 
 double ms_since(steady_clock::time_point start, steady_clock::time_point now) {
@@ -75,6 +77,11 @@ class WindowPlayer {
     controls_.show_drawing = options.drawing_panel;
     controls_.show_statistics = options.statistics_panel;
     input_.set_covered([this](glm::dvec2 cursor) { return interface_.covers(cursor); });
+    input_.set_track([this](glm::dvec2 cursor) -> std::optional<WindowInput::Track> {
+      const auto area = interface_.track_at(cursor);
+      if (!area) return std::nullopt;
+      return WindowInput::Track{area->left, area->right};
+    });
   }
 
   bool run() {
@@ -128,7 +135,6 @@ class WindowPlayer {
       return;
     }
     error_.clear();
-    bar_scrub_us_.reset();
     scrub_asked_.reset();
     hovered_us_.reset();
     controls_.begin(nullptr, {});
@@ -200,7 +206,6 @@ class WindowPlayer {
       }
       const bool built = interface_due(now);
       if (built) build_interface(now, redraw);
-      follow_scrub(now);
       bool shown = false;
       if (stage_) {
         const Stage::Update update = stage_->update(now);
@@ -244,6 +249,12 @@ class WindowPlayer {
     DrawOptions draw = controls_.settings().draw;
     draw.mode = drawn_mode_;
     if (controls_.settings().floor) draw.floor = floor_under(*stage_, controls_.camera());
+    // Software OpenGL needs longer for this than for all else that a picture under the cursor
+    // takes.
+    if (controls_.scrubbing() && presenter_->drawn().render_ms > kQuickEnough) {
+      draw.splatting = Splatting::two_pass;
+      draw.fill_holes = false;
+    }
     if (!shown) return presenter_->show_again(*stage_, controls_.camera(), size_, draw);
     auto done = presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw);
     if (!done) return done;
@@ -334,7 +345,6 @@ class WindowPlayer {
     if (auto said = controls_.take_said()) interface_.say(*said, now);
     const DrawSettings settings = controls_.settings();
     const TimelineUse use = interface_.build(view_, recent_, controls_);
-    bar_scrub_us_ = use.scrub_us;
     hovered_us_ = use.hovered_us;
     if (use.action) pressed_.push_back(*use.action);
     redraw = redraw || settings != controls_.settings();
@@ -361,21 +371,25 @@ class WindowPlayer {
     return std::nullopt;
   }
 
-  void follow_scrub(steady_clock::time_point now) {
-    const std::optional<std::uint64_t> time_us =
-        picture_scrub_us_ ? picture_scrub_us_ : bar_scrub_us_;
-    if (!time_us || !controls_.reel()) {
-      controls_.scrub_end(now);
-      return;
+  /// The time is dragged, or was let go.
+  void scrub(const Input& input, steady_clock::time_point now, bool& redraw) {
+    const ReelPlayback* reel = controls_.reel();
+    if (reel && input.scrub) {
+      if (!controls_.scrubbing()) scrub_asked_.reset();
+      const auto time_us = static_cast<std::uint64_t>(
+          *input.scrub * static_cast<double>(reel->timeline().duration_us));
+      controls_.scrub_to(time_us, now);
+      scrub_frame_ = reel->timeline().frame_at(time_us);
+      const SceneFrame* shown = shown_frame();
+      if (shown && shown->index == scrub_frame_)
+        scrub_asked_.reset();
+      else if (!scrub_asked_)
+        scrub_asked_ = now;
     }
-    controls_.scrub_to(*time_us, now);
-    const std::uint32_t frame = controls_.reel()->timeline().frame_at(*time_us);
-    const SceneFrame* shown = shown_frame();
-    if (shown && shown->index == frame)
-      scrub_asked_.reset();
-    else if (!scrub_asked_)
-      scrub_asked_ = now;
-    scrub_frame_ = frame;
+    if (!input.scrubbing && controls_.scrubbing()) {
+      controls_.scrub_end(now);
+      redraw = true;  // as it is to be
+    }
   }
 
   void look_for_trouble(steady_clock::time_point now) {
@@ -432,10 +446,7 @@ class WindowPlayer {
         redraw = true;
       }
     }
-    picture_scrub_us_.reset();
-    if (input.scrub && controls_.reel())
-      picture_scrub_us_ = static_cast<std::uint64_t>(
-          *input.scrub * static_cast<double>(controls_.reel()->timeline().duration_us));
+    scrub(input, now, redraw);
     input_.set_flying(controls_.flying());
     flown_ = input.fly != glm::dvec3(0.0);
     Input in_picture = input;
@@ -541,8 +552,6 @@ class WindowPlayer {
   std::string trouble_now_;  ///< of what plays
   std::string broken_;
   steady_clock::time_point broken_at_{};
-  /// The time that is dragged to, on the bar when it was last built, or on the picture.
-  std::optional<std::uint64_t> bar_scrub_us_, picture_scrub_us_;
   std::optional<steady_clock::time_point> scrub_asked_;
   std::uint32_t scrub_frame_ = 0;
   WindowReport report_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include <glm/glm.hpp>
 
 struct GLFWwindow;
@@ -18,8 +20,9 @@ class Gui {
   Gui& operator=(const Gui&) = delete;
 
   float scale() const { return scale_; }
-  /// Whether a window of the gui that takes the mouse was there when it was last drawn.
-  bool covers(glm::dvec2 cursor) const;
+  /// Whether a window of the gui that takes the mouse was there when it was last drawn; one
+  /// that is not called `but`.
+  bool covers(glm::dvec2 cursor, std::string_view but = {}) const;
 
   /// Between these two, ImGui's functions say what there is; then draw() can draw it, as often as
   /// the window changes.

@@ -31,6 +31,16 @@ bool Interface::covers(glm::dvec2 cursor) const {
   return cursor.y >= static_cast<double>(bar_top_) || gui_.covers(cursor);
 }
 
+std::optional<TrackArea> Interface::track_at(glm::dvec2 cursor) const {
+  const auto in = [](double value, float from, float to) {
+    return value >= static_cast<double>(from) && value <= static_cast<double>(to);
+  };
+  if (!track_ || !in(cursor.x, track_->left, track_->right) ||
+      !in(cursor.y, track_->top, track_->bottom) || gui_.covers(cursor, kTimelineWindow))
+    return std::nullopt;
+  return track_;
+}
+
 bool Interface::changing(const View& view) const {
   return !view.waiting.empty() || !said_.empty() || (view.timeline && opacity(view.now) > 0.0f) ||
          (!empty_ && view.error.empty());
@@ -53,9 +63,12 @@ TimelineUse Interface::build(const View& view, const RecentFrames& recent, Contr
   empty_ = empty_ && view.error.empty() && said_.empty();
 
   const float bar = opacity(view.now);
+  track_.reset();
+  if (view.timeline && !view.timeline->live) track_ = track_area(view.size, scale);
   bar_top_ = view.timeline ? view.size.y - kTimelineHeight * scale : 1e9f;
   if (view.timeline && bar > 0.0f) {
-    use = draw_timeline(*view.timeline, view.thumbnail, view.size, scale, bar);
+    use =
+        draw_timeline(*view.timeline, view.thumbnail, controls.scrubbing(), view.size, scale, bar);
     empty_ = false;
   }
   busy_ = use.hovered_us || controls.scrubbing();

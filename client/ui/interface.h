@@ -43,6 +43,8 @@ class Interface {
 
   /// What the window shows there is not the picture.
   bool covers(glm::dvec2 cursor) const;
+  /// The bar's track, if the cursor is on it.
+  std::optional<TrackArea> track_at(glm::dvec2 cursor) const;
   /// It changes by itself: build it again soon.
   bool changing(const View& view) const;
 
@@ -60,7 +62,9 @@ class Interface {
   std::string said_;
   bool busy_ = false;  ///< the cursor is on the bar
   bool empty_ = true;
-  float bar_top_ = 1e9f;  ///< of a bar that is there, or would be if the mouse moved
+  // Of a bar that is there, or would be if the mouse moved.
+  float bar_top_ = 1e9f;
+  std::optional<TrackArea> track_;
 };
 
 }  // namespace pointreel

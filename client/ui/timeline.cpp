@@ -176,16 +176,15 @@ class Bar {
         edge_(kButton * scale),
         x_(margin_ - 0.2f * edge_) {}
 
-  /// The track can be grabbed well above and below itself.
-  void draw_track(const std::optional<Thumbnail>& thumbnail) {
-    const float width = std::max(1.0f, size_.x - 2.0f * margin_);
+  void draw_track(const std::optional<Thumbnail>& thumbnail, bool dragged) {
+    const TrackArea area = track_area(size_, scale_);
+    const float width = area.right - area.left;
     const Track track(view_, ImVec2(margin_, top_ + 25.0f * scale_), width, scale_);
-    ImGui::SetCursorScreenPos(ImVec2(margin_, top_));
-    ImGui::InvisibleButton("track", ImVec2(width, 37.0f * scale_));
-    const bool active = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered() || active;
+    const ImVec2 corner(area.left, area.top), end(area.right, area.bottom);
+    const bool hovered =
+        dragged || (ImGui::IsWindowHovered() && ImGui::IsMouseHoveringRect(corner, end));
     const float cursor = ImGui::GetIO().MousePos.x;
     track.draw(hovered);
-    if (active) use_.scrub_us = track.time_at(cursor);
     if (!hovered) return;
     use_.hovered_us = track.time_at(cursor);
     draw_hover(*use_.hovered_us, view_, std::clamp(cursor, margin_, margin_ + width),
@@ -243,21 +242,27 @@ class Bar {
 
 }  // namespace
 
+TrackArea track_area(glm::vec2 size, float scale) {
+  // It can be grabbed well above and below itself.
+  const float margin = kMargin * scale, top = size.y - kTimelineHeight * scale;
+  return {margin, std::max(margin + 1.0f, size.x - margin), top, top + 37.0f * scale};
+}
+
 TimelineUse draw_timeline(const TimelineView& view, const std::optional<Thumbnail>& thumbnail,
-                          glm::vec2 size, float scale, float opacity) {
+                          bool dragged, glm::vec2 size, float scale, float opacity) {
   const float height = kTimelineHeight * scale;
   ImGui::SetNextWindowPos(ImVec2(0.0f, size.y - height));
   ImGui::SetNextWindowSize(ImVec2(size.x, height));
   ImGui::PushStyleVar(ImGuiStyleVar_Alpha, opacity);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0.0f, 0.0f));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
-  ImGui::Begin("timeline", nullptr,
+  ImGui::Begin(kTimelineWindow, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav);
   Bar bar(view, size, scale);
   if (!view.live) {
-    bar.draw_track(thumbnail);
+    bar.draw_track(thumbnail, dragged);
     bar.draw_time_buttons();
   }
   bar.draw_text();

@@ -38,16 +38,23 @@ struct Thumbnail {
 /// What the user does to the bar.
 struct TimelineUse {
   std::optional<std::uint64_t> hovered_us;  ///< the time that the cursor is at
-  std::optional<std::uint64_t> scrub_us;    ///< while the time is dragged
   std::optional<Action> action;             ///< of the button that was pressed
 };
 
+inline constexpr const char* kTimelineWindow = "timeline";  ///< its name in the gui
 /// Height of the bar, in pixels at scale 1.
 inline constexpr float kTimelineHeight = 70.0f;
 
+/// Of the part of the bar that the time can be dragged on; window coordinates.
+struct TrackArea {
+  float left = 0.0f, right = 1.0f, top = 0.0f, bottom = 1.0f;
+};
+TrackArea track_area(glm::vec2 size, float scale);
+
 /// The bar across the bottom of a window of `size`; between Gui::begin and end. `opacity` 0 to 1.
-/// `thumbnail` of the time that was hovered the last time, if there is one by now.
+/// `dragged`: the time is; `thumbnail` of the time that was hovered the last time, if there is one
+/// by now.
 TimelineUse draw_timeline(const TimelineView& view, const std::optional<Thumbnail>& thumbnail,
-                          glm::vec2 size, float scale, float opacity);
+                          bool dragged, glm::vec2 size, float scale, float opacity);
 
 }  // namespace pointreel

@@ -65,16 +65,19 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int modifiers) {
     WindowInput& self = of(w);
     self.input_.any = true;
-    if (action == GLFW_PRESS)
+    if (action == GLFW_PRESS) {
       self.press_button(button, (modifiers & GLFW_MOD_SHIFT) != 0);
-    else
-      self.dragging_ = self.scrubbing_ = false;
+    } else {
+      self.dragging_ = false;
+      self.scrubbed_.reset();
+    }
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
     WindowInput& self = of(w);
     self.input_.any = self.input_.moved = true;
     const glm::dvec2 moved = glm::dvec2(x, y) - std::exchange(self.cursor_, glm::dvec2(x, y));
-    if (!self.dragging_ || self.scrubbing_) return;
+    if (self.scrubbed_) self.scrub();
+    if (!self.dragging_) return;
     if (glfwGetMouseButton(w, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
       self.input_.orbit += moved;
     else
@@ -108,11 +111,20 @@ void WindowInput::press(std::string_view key) {
 }
 
 void WindowInput::press_button(int button, bool shift) {
-  if (covered_ && covered_(cursor_)) return;
+  const bool left = button == GLFW_MOUSE_BUTTON_LEFT;
+  if (left && track_at_) scrubbed_ = track_at_(cursor_);
+  if (!scrubbed_ && covered_ && covered_(cursor_)) return;
+  if (!scrubbed_ && left && shift) {
+    int width = 0, height = 0;
+    glfwGetWindowSize(window_, &width, &height);
+    scrubbed_ = Track{0.0, static_cast<double>(width)};
+  }
+  if (scrubbed_) {
+    scrub();
+    return;
+  }
   dragging_ = true;
-  if (button != GLFW_MOUSE_BUTTON_LEFT) return;
-  scrubbing_ = shift;
-  if (scrubbing_) return;
+  if (!left) return;
   const double now = glfwGetTime();
   const bool twice = clicked_ >= 0.0 && now - clicked_ < kDoubleClick &&
                      glm::distance(cursor_, clicked_at_) < kDoubleClickPixels;
@@ -121,14 +133,15 @@ void WindowInput::press_button(int button, bool shift) {
   clicked_at_ = cursor_;
 }
 
+void WindowInput::scrub() {
+  const double width = std::max(1.0, scrubbed_->right - scrubbed_->left);
+  input_.scrub = std::clamp((cursor_.x - scrubbed_->left) / width, 0.0, 1.0);
+}
+
 Input WindowInput::take() {
   Input taken = std::exchange(input_, Input{});
   taken.cursor = cursor_;
-  if (scrubbing_) {
-    int width = 1, height = 1;
-    glfwGetWindowSize(window_, &width, &height);
-    taken.scrub = std::clamp(cursor_.x / std::max(1, width), 0.0, 1.0);
-  }
+  taken.scrubbing = scrubbed_.has_value();
   if (!flying_) return taken;
   const auto held = [this](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0; };
   taken.fly = {held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q),

@@ -23,8 +23,9 @@ struct Input {
   bool moved = false;               ///< the cursor
   glm::dvec2 orbit{0.0}, pan{0.0};  ///< drags, in pixels
   double wheel = 0.0;               ///< notches over the picture, positive away from the user
-  /// While the picture is dragged with shift: to where, 0 at its left edge and 1 at its right one.
+  /// Where the time was dragged to: 0 at the track's left end and 1 at its right one.
   std::optional<double> scrub;
+  bool scrubbing = false;              ///< it still is being dragged
   std::optional<glm::dvec2> centered;  ///< a double click on the picture
   /// While flying: keys that are held, to the right, up and forward, each -1 to 1.
   glm::dvec3 fly{0.0};
@@ -37,6 +38,12 @@ class WindowInput {
  public:
   /// What of the window is no picture: drags, clicks and the wheel are somebody else's there.
   using Covered = std::function<bool(glm::dvec2 cursor)>;
+  /// From where to where time runs, if the cursor is on a track that can be dragged. Asked as the
+  /// button goes down, so that no drag is lost, however long a picture takes.
+  struct Track {
+    double left = 0.0, right = 1.0;
+  };
+  using TrackAt = std::function<std::optional<Track>(glm::dvec2 cursor)>;
 
   explicit WindowInput(GLFWwindow* window);
   ~WindowInput();
@@ -44,6 +51,7 @@ class WindowInput {
   WindowInput& operator=(const WindowInput&) = delete;
 
   void set_covered(Covered covered) { covered_ = std::move(covered); }
+  void set_track(TrackAt track) { track_at_ = std::move(track); }
   /// W, A, S, D, E and Q are no actions, but move the camera.
   void set_flying(bool flying) { flying_ = flying; }
 
@@ -57,13 +65,15 @@ class WindowInput {
  private:
   void press(std::string_view key);
   void press_button(int button, bool shift);
+  void scrub();
 
   GLFWwindow* const window_;
   Covered covered_;
+  TrackAt track_at_;
   Input input_;
   glm::dvec2 cursor_{0.0};
-  /// A button is down that went down on the picture.
-  bool dragging_ = false, scrubbing_ = false;
+  bool dragging_ = false;          ///< a button is down that went down on the picture
+  std::optional<Track> scrubbed_;  ///< while the time is dragged
   bool flying_ = false;
   double clicked_ = -1.0;  ///< when, in GLFW's seconds, and where
   glm::dvec2 clicked_at_{0.0};

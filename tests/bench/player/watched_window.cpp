@@ -46,7 +46,8 @@ bool WatchedWindow::wait_for_picture() const {
     const e2e::Picture picture = player->picture();
     if (picture.pixels.empty()) return false;
     const glm::ivec2 middle = picture.size / 2;
-    for (int y = middle.y - 40; y < middle.y + 40; y += 4)
+    // Below the middle, where the window says what it waits for.
+    for (int y = middle.y + 40; y < middle.y + 120; y += 4)
       for (int x = middle.x - 40; x < middle.x + 40; x += 4)
         if (differ(picture.at(x, y), picture.at(0, 0))) return true;
     return false;

@@ -115,17 +115,21 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
   pipeline_.emplace(
       *source_, buffer_,
       [this](const FrameRequest& frame, const FetchedFrame& fetched) {
+        const double delta = delta_;
         auto scene = prepare_frame(manifest(), frame.frame, fetched,
-                                   {frame.mode, delta_, frame.level, show_normals_});
+                                   {frame.mode, delta, frame.level, show_normals_});
         if (!scene) return scene;
-        // A frame that lacks layers says nothing of the depth, unless that is what it was given.
-        if (frame.mode == DrawMode::voxel &&
-            (scene->level == kWholeFrame || scene->level >= voxel_depth_.get())) {
+        {
+          const std::lock_guard lock(control_mutex_);
+          control_.made(frame.layers, scene->decode_ms + scene->normals_ms + scene->svo_ms);
+          // A frame that lacks layers says nothing of the depth, unless that is what it was given;
+          // nor does one that was made by another rule.
+          if (frame.mode != DrawMode::voxel || delta != delta_ ||
+              (scene->level != kWholeFrame && scene->level < voxel_depth_.get()))
+            return scene;
           voxel_depth_.learn(*scene);
-          set_level();
         }
-        const std::lock_guard lock(control_mutex_);
-        control_.made(frame.layers, scene->decode_ms + scene->normals_ms + scene->svo_ms);
+        set_level();
         return scene;
       },
       std::move(on_error), threads);
@@ -254,7 +258,11 @@ int ReelPlayback::seen_level() const {
   return mode_ == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level;
 }
 
-void ReelPlayback::set_level() { buffer_.set_level(seen_level()); }
+void ReelPlayback::set_level() {
+  // One after the other, so that what was found out last is what stays.
+  const std::lock_guard lock(level_mutex_);
+  buffer_.set_level(seen_level());
+}
 
 void ReelPlayback::set_mode(DrawMode mode) {
   mode_ = mode;
@@ -284,12 +292,14 @@ void ReelPlayback::jump(Clock::TimePoint now, int direction) {
 }
 
 void ReelPlayback::play(Clock::TimePoint now) {
-  if (clock_.playing()) return;
+  begins_ = true;
+  if (!started_ || clock_.playing()) return;
   clock_.play(now);
   jump(now, clock_.direction());
 }
 
 void ReelPlayback::pause(Clock::TimePoint now) {
+  begins_ = false;
   clock_.pause(now);
   release(now);
 }
@@ -305,6 +315,7 @@ void ReelPlayback::seek_by(std::int64_t delta_us, Clock::TimePoint now) {
 }
 
 void ReelPlayback::step(std::int64_t frames, Clock::TimePoint now) {
+  begins_ = false;
   clock_.step(frames, now);
   release(now);
   jump(now, frames < 0 ? -1 : 1);
@@ -331,10 +342,10 @@ void ReelPlayback::set_loop_range(const std::optional<LoopRange>& range, Clock::
 }
 
 void ReelPlayback::set_delta(double delta) {
-  delta_ = delta;
-  voxel_depth_.forget();
   {
     const std::lock_guard lock(control_mutex_);
+    delta_ = delta;
+    voxel_depth_.forget();
     control_.forget_made();
   }
   set_level();
@@ -362,7 +373,7 @@ void ReelPlayback::set_pixel_size(float pixel_size) {
 
 void ReelPlayback::scrub_begin(Clock::TimePoint now) {
   if (scrubbing_) return;
-  played_before_scrub_ = clock_.playing();
+  played_before_scrub_ = playing();
   pause(now);
   scrubbing_ = true;
   given_ordinal_.reset();
@@ -380,7 +391,8 @@ void ReelPlayback::scrub_to(std::uint64_t time_us, Clock::TimePoint now) {
 
 void ReelPlayback::scrub_end(Clock::TimePoint now) {
   if (!scrubbing_) return;
-  if (played_before_scrub_) clock_.play(now);
+  begins_ = played_before_scrub_;
+  if (begins_ && started_) clock_.play(now);
   jump(now, clock_.direction());
 }
 
@@ -414,7 +426,7 @@ void ReelPlayback::hold_if_starved(Clock::TimePoint now) {
 ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
   if (!started_ && buffer_.wait(std::chrono::milliseconds(0)) != FrameBuffer::State::waiting) {
     started_ = true;
-    clock_.play(now);
+    if (begins_ && !scrubbing_) clock_.play(now);
   }
   const Clock::Reading reading = clock_.read(now);
   if (reading.ended) {
@@ -427,11 +439,12 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
     playhead_ = reading.frame;
     buffer_.advance(reading.frame, clock_.direction());
   }
+  // Before the clock is looked after: it goes on with the frame that it was held for.
+  Update update{started_ ? buffer_.best() : nullptr};
   hold_if_starved(now);
   // The picture itself is waited for.
   if (thumbnails_) thumbnails_->set_quiet(fill_.fetched == 0);
   control(now);
-  Update update{buffer_.best()};
   if (update.frame && update.frame != given_) {
     if (scrubbing_) {
       update.refined = given_ && given_->index == update.frame->index;

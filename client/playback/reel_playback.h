@@ -84,7 +84,9 @@ class ReelPlayback : public Playback {
   /// Clock::set_loop_range: between two times, again and again, without a gap.
   void set_loop_range(const std::optional<LoopRange>& range, Clock::TimePoint now);
   const std::optional<LoopRange>& loop_range() const { return clock_.loop_range(); }
-  bool playing() const { return scrubbing_ ? played_before_scrub_ : clock_.playing(); }
+  bool playing() const {
+    return scrubbing_ ? played_before_scrub_ : started_ ? clock_.playing() : begins_;
+  }
   double speed() const { return clock_.speed(); }
   bool loop() const { return clock_.loop(); }
   std::uint64_t position_us(Clock::TimePoint now) const { return clock_.read(now).position_us; }
@@ -157,6 +159,7 @@ class ReelPlayback : public Playback {
   const Options options_;
   Clock clock_;
   bool started_ = false;  ///< the first frame came, or failed
+  bool begins_ = true;    ///< it plays from then on
   FrameBuffer buffer_;
   std::atomic<DrawMode> mode_;
   std::atomic<bool> show_normals_;
@@ -167,6 +170,7 @@ class ReelPlayback : public Playback {
   glm::ivec2 size_{0};
   std::atomic<int> view_level_{kWholeFrame};  ///< the finest level that the camera can show
   VoxelDepth voxel_depth_;
+  std::mutex level_mutex_;  ///< of telling the buffer what of both is seen
   std::shared_ptr<const SceneFrame> given_;
   std::optional<std::int64_t> given_ordinal_;  ///< none after a jump
   std::uint64_t dropped_ = 0;

@@ -64,6 +64,7 @@ Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& ba
       // What was asked for last is shown before the hand lets go.
       watched->settled();
       player.release();
+      player.move_to(size / 3);  // or a small picture would stand over the timeline
       const std::uint32_t frame = frame_at(last.x, size, reel.frames);
       // The frame's middle, so that nothing rounds to its neighbour.
       const auto share = differing_share(watched->settled(), reel.folder.string(),

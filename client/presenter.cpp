@@ -12,6 +12,7 @@
 #include "common/base/unix_time.h"
 
 namespace pointreel {
+
 bool single_frame(const PlayOptions& options) {
   return options.offscreen && options.at && !options.duration && options.sources.size() == 1;
 }
@@ -97,13 +98,9 @@ Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change
                              const Camera& camera, glm::ivec2 size, const DrawOptions& draw) {
   start_clock();
   shown_ = true;
-  const auto stats = painter_->draw(stage.scene(), camera, size, draw);
+  const auto stats = paint(stage, camera, size, draw);
   if (!stats) return tl::unexpected(stats.error());
   drawn_ = *stats;
-  report_.size = size;
-  report_.mode = draw.mode;
-  report_.instancing = draw.instancing;
-  report_.splatting = draw.splatting;
   for (const Stage::Change& change : changes) {
     const SceneFrame& frame = *stage.scene()[change.source].frame;
     const ReelPlayback* reel = stage.reel(change.source);
@@ -126,13 +123,18 @@ Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change
 
 Result<void> Presenter::show_again(const Stage& stage, const Camera& camera, glm::ivec2 size,
                                    const DrawOptions& draw) {
-  const auto drawn = painter_->draw(stage.scene(), camera, size, draw);
+  const auto drawn = paint(stage, camera, size, draw);
   if (!drawn) return tl::unexpected(drawn.error());
+  return {};
+}
+
+Result<DrawStats> Presenter::paint(const Stage& stage, const Camera& camera, glm::ivec2 size,
+                                   const DrawOptions& draw) {
   report_.size = size;
   report_.mode = draw.mode;
   report_.instancing = draw.instancing;
   report_.splatting = draw.splatting;
-  return {};
+  return painter_->draw(stage.scene(), camera, size, draw);
 }
 
 double Presenter::seconds() const {

@@ -73,6 +73,10 @@ class Presenter {
  private:
   explicit Presenter(const PlayOptions& options) : options_(options) {}
 
+  /// Notes how it is drawn, and draws it.
+  Result<DrawStats> paint(const Stage& stage, const Camera& camera, glm::ivec2 size,
+                          const DrawOptions& draw);
+
   const PlayOptions& options_;
   std::unique_ptr<Painter> painter_;
   PlayReport report_;

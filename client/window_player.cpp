@@ -237,11 +237,6 @@ class WindowPlayer {
     if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded() ||
         (shown && options_.camera_path))
       controls_.look_home_unless_moved();
-    if (options_.camera_path && controls_.reel() && !update.changes.empty()) {
-      if (const SceneFrame* frame = shown_frame())
-        controls_.follow(
-            camera_at(options_, frame->time_us, stage_->bounds(), stage_->up(), size_));
-    }
     stage_->look(controls_.camera(), size_);
     if (!shown && !redraw) return {};
     // Frames that were made for another mode are drawn as before until new ones are there.
@@ -301,12 +296,14 @@ class WindowPlayer {
     return frame ? reel->timeline().times_us[frame->index] : start_us(options_);
   }
 
-  /// Of the reel whose time the controls tell.
-  const SceneFrame* shown_frame() const {
-    for (std::size_t i = 0; i < stage_->size(); ++i)
-      if (stage_->reel(i) == controls_.reel()) return stage_->scene()[i].frame.get();
-    return nullptr;
+  /// Which source is the reel whose time the controls tell; there is one.
+  std::size_t timed_source() const {
+    std::size_t i = 0;
+    while (stage_->reel(i) != controls_.reel()) ++i;
+    return i;
   }
+  /// Of that reel; null before the first one.
+  const SceneFrame* shown_frame() const { return stage_->scene()[timed_source()].frame.get(); }
 
   // The interface.
 
@@ -360,15 +357,12 @@ class WindowPlayer {
   /// Of the time that the cursor is at, once its frame is there; no other picture while it is not.
   std::optional<Thumbnail> thumbnail() {
     if (!hovered_us_ || !controls_.reel()) return std::nullopt;
-    const std::uint32_t frame = controls_.reel()->timeline().frame_at(*hovered_us_);
-    for (std::size_t i = 0; i < stage_->size(); ++i) {
-      if (stage_->reel(i) != controls_.reel()) continue;
-      auto base = stage_->reel(i)->thumbnail(frame);
-      if (!base) return std::nullopt;
-      return thumbnails_.draw({std::move(base), stage_->place(i)}, stage_->bounds(),
-                              controls_.camera(), controls_.settings().draw.background);
-    }
-    return std::nullopt;
+    const std::size_t source = timed_source();
+    auto base =
+        stage_->reel(source)->thumbnail(controls_.reel()->timeline().frame_at(*hovered_us_));
+    if (!base) return std::nullopt;
+    return thumbnails_.draw({std::move(base), stage_->place(source)}, stage_->bounds(),
+                            controls_.camera(), controls_.settings().draw.background);
   }
 
   /// The time is dragged, or was let go.

@@ -233,10 +233,6 @@ void Controls::look_home_unless_moved() {
   if (stage_ && !moved_) camera_ = home_();
 }
 
-void Controls::follow(const Camera& camera) {
-  if (stage_ && !moved_) camera_ = camera;
-}
-
 void Controls::set_settings(const DrawSettings& settings) {
   const DrawSettings before = std::exchange(settings_, settings);
   if (!stage_) return;

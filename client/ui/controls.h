@@ -60,8 +60,6 @@ class Controls {
   void center_on(const glm::dvec3& point);
   /// Looks at everything anew, unless the user has chosen where to look from.
   void look_home_unless_moved();
-  /// The same along a path.
-  void follow(const Camera& camera);
   bool flying() const { return flying_; }
 
   // Drawing.

@@ -152,15 +152,16 @@ TEST_F(ControlsTest, TurnMoveAndZoomAndComeHome) {
 
 TEST_F(ControlsTest, FollowAPathUntilTheUserMoves) {
   Camera path = controls_.camera();
+  controls_.begin(stage_.get(), [&path] { return path; });
   path.yaw = 1.0;
-  controls_.follow(path);
+  controls_.look_home_unless_moved();
   EXPECT_EQ(controls_.camera().yaw, 1.0);
   controls_.center_on({0.0, 0.5, 0.0});
   path.yaw = 2.0;
-  controls_.follow(path);
+  controls_.look_home_unless_moved();
   EXPECT_EQ(controls_.camera().yaw, 1.0);
   act(Action::reset_view);
-  controls_.follow(path);
+  controls_.look_home_unless_moved();
   EXPECT_EQ(controls_.camera().yaw, 2.0);
 }
 

@@ -252,7 +252,7 @@ void Controls::mark_loop(Now now) {
     loop_a_ = at;
     said_ = "A-B loop: from " + format_time(at);
   } else {
-    const auto [a, b] = std::minmax(*std::exchange(loop_a_, std::nullopt), at);
+    const auto [a, b] = std::minmax({*std::exchange(loop_a_, std::nullopt), at});
     if (a == b) {
       said_ = "no A-B loop";
       return;

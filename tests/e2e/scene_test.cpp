@@ -8,6 +8,7 @@
 
 #include "common/cloud/ply.h"
 #include "tests/e2e/picture.h"
+#include "tests/e2e/play.h"
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 
@@ -42,13 +43,16 @@ class SceneOfSources : public testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Plays for a second; red must be on the left and blue on the right.
+  /// Plays until more than two frames of each were shown; red must be on the left and blue on the
+  /// right.
   nlohmann::json play(const std::string& red, const std::string& blue) {
-    const Outcome played =
-        run("pointreel", {"play", red, blue, "--at-position", "-0.5,0,0", "--at-position",
-                          "0.5,0,0", "--mode", "point", "--offscreen", "320x200", "--duration", "1",
-                          "--screenshot", path("picture.png"), "--json", "-"});
-    EXPECT_EQ(played.exit_code, 0) << played.err;
+    const auto report = play_until(
+        {red, blue, "--at-position", "-0.5,0,0", "--at-position", "0.5,0,0", "--mode", "point",
+         "--offscreen", "320x200", "--loop", "--screenshot", path("picture.png")},
+        [](const nlohmann::json& told) {
+          return told["sources"][0]["frames_shown"] > 2 && told["sources"][1]["frames_shown"] > 2;
+        });
+    EXPECT_FALSE(report.is_discarded());
     const Picture picture = read_picture(folder_ / "picture.png");
     const Patch left = find_hue(picture, {1, 0, 0}), right = find_hue(picture, {0, 0, 1});
     EXPECT_GT(left.pixels, 500u);
@@ -56,7 +60,7 @@ class SceneOfSources : public testing::Test {
     EXPECT_LT(left.center.x, 150.0);
     EXPECT_GT(right.center.x, 170.0);
     EXPECT_NEAR(left.center.y, right.center.y, 5.0);
-    return nlohmann::json::parse(played.out, nullptr, false);
+    return report;
   }
 
   TemporaryFolder folder_;

@@ -110,7 +110,7 @@ class ReelPlaybackTest : public PackTest {
   ReelPlayback::Update update() { return playback_->update(now_); }
   /// Time stands still until it is as `done` says.
   void until(const std::function<bool(const ReelPlayback::Update&)>& done) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (!done(last_ = update())) {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
       std::this_thread::sleep_for(milliseconds(1));
@@ -215,24 +215,18 @@ TEST_F(ReelPlaybackTest, StandsStillWhileTheLinkBringsNothingAndDropsNothing) {
   start();
   until_shown(0);
   source_->open(false);
-  // What was fetched ahead is played, two seconds at most.
-  std::uint32_t frame = 0;
-  for (int i = 0; i < 40; ++i) {
-    pass(milliseconds(100));
-    update();
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  EXPECT_EQ(playback_->statistics().buffered_seconds, 0.0);
-  // The last one may be in the making still.
-  for (int same = 0; same < 50; ++same) {
-    const std::uint32_t shown = update().frame->index;
-    if (std::exchange(frame, shown) != shown) same = 0;
-    std::this_thread::sleep_for(milliseconds(1));
-  }
+  // What was fetched ahead, without a gap, is played.
+  until([&](const auto& update) {
+    pass(milliseconds(20));
+    return playback_->statistics().buffered_seconds == 0.0 &&
+           update.frame->index == playback_->buffered().front().last;
+  });
+  const std::uint32_t frame = last_.frame->index;
+  const auto stalls = playback_->statistics().stalls;
   pass(milliseconds(700));
   EXPECT_EQ(update().frame->index, frame);
   source_->open(true);
-  until([&](const auto&) { return playback_->statistics().stalls == 1; });
+  until([&](const auto&) { return playback_->statistics().stalls > stalls; });
   EXPECT_GT(playback_->statistics().longest_stall_seconds, 0.6);
   const auto before = playback_->dropped();
   until_shown((frame + 1) % kFrames);
@@ -268,9 +262,10 @@ TEST_F(ReelPlaybackTest, AsksForNoMoreThanBasesWhileDragged) {
   until_shown(0);
   playback_->pause(now_);
   until_whole(0);
-  until([&](const auto&) { return playback_->statistics().buffered_seconds > 1.9; });
+  // All that it wants is there, so that nothing more is asked for.
+  until(
+      [&](const auto&) { return playback_->buffered() == std::vector<BufferedRange>{{0, 20, 3}}; });
   playback_->scrub_begin(now_);
-  std::this_thread::sleep_for(milliseconds(20));
   const auto before = source_->layers();
   playback_->scrub_to(2'550'000, now_);
   until_shown(25);
@@ -347,9 +342,11 @@ TEST_F(ReelPlaybackTest, HasTheRangesBeginningReadyBeforeItsEndIsReached) {
       return range.first <= frame && frame <= range.last;
     });
   };
-  until([&](const auto&) { return ready(2) && ready(7); });
+  // They are fetched side by side: that the last of them is there says nothing of the others.
+  const std::vector<std::uint32_t> next{14, 2, 3, 4, 5};
+  until([&](const auto&) { return std::all_of(next.begin(), next.end(), ready); });
   source_->open(false);
-  for (const std::uint32_t frame : {14u, 2u, 3u, 4u, 5u}) {
+  for (const std::uint32_t frame : next) {
     pass(milliseconds(100));
     until_shown(frame);
   }

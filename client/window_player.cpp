@@ -16,6 +16,7 @@
 
 #include "client/capture.h"
 #include "client/console.h"
+#include "client/draft.h"
 #include "client/error_window.h"
 #include "client/playback/opening.h"
 #include "client/playback/stage.h"
@@ -41,8 +42,8 @@ constexpr milliseconds kInterfacePeriod{33};
 /// How often it is drawn after something happened: ImGui needs a picture to find what is under the
 /// cursor, one to press it, and one to release it.
 constexpr int kPicturesAfterInput = 3;
-/// Milliseconds of drawing: what takes longer is drawn more simply while the time is dragged.
-constexpr double kQuickEnough = 8.0;
+/// After which a camera that was moved by hand stands still.
+constexpr milliseconds kStandsStill{150};
 constexpr milliseconds kBrokenFrameShown{4000}, kErrorShown{8000};
 
 double ms_since(steady_clock::time_point start, steady_clock::time_point now) {
@@ -147,6 +148,7 @@ class WindowPlayer {
     stage_->set_pixel_size(controls_.settings().draw.pixel_size);
     drawn_mode_ = controls_.settings().draw.mode;
     presenter_->begin(*stage_);
+    draft_.forget();
     bounded_ = stage_->bounded();
     controls_.begin(stage_.get(), [this] {
       return camera_at(options_, camera_time_us(), stage_->bounds(), stage_->up(), size_);
@@ -210,12 +212,13 @@ class WindowPlayer {
       if (stage_) {
         const Stage::Update update = stage_->update(now);
         if (update.ended) break;
-        if (auto drawn = draw(update, redraw, shown); !drawn) return drawn;
+        redraw = redraw || (reduction_ > 1 && presenter_->shown() && !hurried(now));
+        if (auto drawn = draw(update, now, redraw, shown); !drawn) return drawn;
       }
       if (built || shown || redraw) present();
     }
     if (options_.screenshot.empty() || !presenter_ || !presenter_->shown()) return {};
-    return presenter_->painter().write(options_.screenshot);
+    return write_picture(options_.screenshot);
   }
 
   /// Of real time from the first picture on, or from an error that there is none for.
@@ -231,7 +234,13 @@ class WindowPlayer {
       glfwWaitEventsTimeout(stage_ && (stage_->playing() || controls_.scrubbing()) ? 0.002 : 0.01);
   }
 
-  Result<void> draw(const Stage::Update& update, bool redraw, bool& shown) {
+  /// Whether the next picture is waited for.
+  bool hurried(steady_clock::time_point now) const {
+    return !presenter_->shown() || controls_.scrubbing() || flown_ || now - moved_ < kStandsStill;
+  }
+
+  Result<void> draw(const Stage::Update& update, steady_clock::time_point now, bool redraw,
+                    bool& shown) {
     shown = !update.changes.empty();
     // Live streams say late where they are, and a path moves on with each frame.
     if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded() ||
@@ -241,23 +250,36 @@ class WindowPlayer {
     if (!shown && !redraw) return {};
     // Frames that were made for another mode are drawn as before until new ones are there.
     if (shown) drawn_mode_ = controls_.settings().draw.mode;
-    DrawOptions draw = controls_.settings().draw;
-    draw.mode = drawn_mode_;
-    if (controls_.settings().floor) draw.floor = floor_under(*stage_, controls_.camera());
-    // Software OpenGL needs longer for this than for all else that a picture under the cursor
-    // takes.
-    if (controls_.scrubbing() && presenter_->drawn().render_ms > kQuickEnough) {
-      draw.splatting = Splatting::two_pass;
-      draw.fill_holes = false;
-    }
-    if (!shown) return presenter_->show_again(*stage_, controls_.camera(), size_, draw);
-    auto done = presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw);
-    if (!done) return done;
+    const std::uint64_t elements = element_count(stage_->scene());
+    DrawOptions draw = draw_options();
+    draw.reduction = reduction_ = draft_.reduction(hurried(now), elements);
+    const auto start = steady_clock::now();
+    auto done = shown ? presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw)
+                      : presenter_->show_again(*stage_, controls_.camera(), size_, draw);
+    draft_.drew(elements, ms_since(start, steady_clock::now()));
+    if (!done || !shown) return done;
     for (const Stage::Change& change : update.changes)
       if (!change.refined)
         recent_.add(*stage_->scene()[change.source].frame, presenter_->drawn(),
                     steady_clock::now());
     return {};
+  }
+
+  DrawOptions draw_options() const {
+    DrawOptions draw = controls_.settings().draw;
+    draw.mode = drawn_mode_;
+    if (controls_.settings().floor) draw.floor = floor_under(*stage_, controls_.camera());
+    return draw;
+  }
+
+  /// What is shown, as fine as it is to be.
+  Result<void> write_picture(const std::string& path) {
+    if (reduction_ > 1) {
+      reduction_ = 1;
+      auto drawn = presenter_->show_again(*stage_, controls_.camera(), size_, draw_options());
+      if (!drawn) return drawn;
+    }
+    return presenter_->painter().write(path);
   }
 
   void present() {
@@ -445,7 +467,10 @@ class WindowPlayer {
     flown_ = input.fly != glm::dvec3(0.0);
     Input in_picture = input;
     in_picture.cursor = in_pixels(input.cursor);
-    redraw = controls_.move(in_picture, size_, seconds) || redraw;
+    if (controls_.move(in_picture, size_, seconds)) {
+      moved_ = now;
+      redraw = true;
+    }
     return {};
   }
 
@@ -465,7 +490,7 @@ class WindowPlayer {
       add_camera_key(now);
     } else if (action == Action::screenshot && presenter_ && presenter_->shown()) {
       const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
-      const auto written = presenter_->painter().write(path);
+      const auto written = write_picture(path);
       const std::string said = written ? "wrote " + path : written.error().message;
       fmt::print(stderr, "pointreel: {}\n", said);
       interface_.say(said, now);
@@ -534,7 +559,10 @@ class WindowPlayer {
   Interface::View view_;
   ThumbnailPainter thumbnails_{interface_.scale()};
   std::optional<std::uint64_t> hovered_us_;  ///< the time that the cursor is at
-  std::vector<Action> pressed_;              ///< of buttons, for the next round
+  Draft draft_;
+  int reduction_ = 1;                 ///< of what is shown
+  steady_clock::time_point moved_{};  ///< the camera, by hand
+  std::vector<Action> pressed_;       ///< of buttons, for the next round
   int pictures_due_ = 0;
   steady_clock::time_point built_{};
   double build_ms_ = 0.0;  ///< since the window last changed

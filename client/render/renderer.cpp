@@ -88,9 +88,10 @@ Result<DrawStats> Renderer::draw(std::shared_ptr<const SceneFrame> frame, const 
   return draw(Scene{{std::move(frame)}}, camera, size, options);
 }
 
-Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
+Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::ivec2 shown,
                                  const DrawOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
   if (Result<void> resized = resize(size); !resized) return fail(resized.error().message);
   if (auto updated =
           instances_.update(scene, camera, size, options.mode, options.pixel_size, options.color);
@@ -105,6 +106,7 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   stats.cut_ms = instances_.stats().cut_ms;
 
   camera_ = camera;
+  shown_ = shown;
   glViewport(0, 0, size.x, size.y);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -214,7 +216,7 @@ Result<void> Renderer::draw_points(const DrawOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   bind_instance_array(points_, instances_.buffer());
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glUniform1f(0, options.point_size);
+  glUniform1f(0, std::max(1.0f, options.point_size / static_cast<float>(options.reduction)));
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances_.buffer().size()));
   return {};
 }
@@ -223,14 +225,15 @@ void Renderer::present(GLuint framebuffer) const {
   // Bytes as they are: without GL_FRAMEBUFFER_SRGB neither side converts.
   glDisable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_SCISSOR_TEST);
-  glBlitNamedFramebuffer(picture_.name(), framebuffer, 0, 0, size_.x, size_.y, 0, 0, size_.x,
-                         size_.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitNamedFramebuffer(picture_.name(), framebuffer, 0, 0, size_.x, size_.y, 0, 0, shown_.x,
+                         shown_.y, GL_COLOR_BUFFER_BIT, size_ == shown_ ? GL_NEAREST : GL_LINEAR);
 }
 
 std::optional<glm::dvec3> Renderer::point_at(const glm::dvec2& pixel) const {
   if (size_.x == 0) return std::nullopt;
   // From the lower left corner.
-  const glm::dvec2 at(pixel.x, size_.y - pixel.y);
+  const glm::dvec2 at =
+      glm::dvec2(pixel.x, shown_.y - pixel.y) * glm::dvec2(size_) / glm::dvec2(shown_);
   if (!(at.x >= 0.0 && at.x <= size_.x && at.y >= 0.0 && at.y <= size_.y)) return std::nullopt;
   const glm::ivec2 middle = glm::min(glm::ivec2(at), size_ - 1);
   const glm::ivec2 first = glm::max(middle - kPickReach, 0);

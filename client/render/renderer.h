@@ -39,6 +39,9 @@ struct DrawOptions {
   VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
   float point_size = 2.0f;  ///< edge of a point in pixels
+  /// The edge in pixels of the squares that are drawn as if each was a pixel: the picture is made,
+  /// and read, that much smaller, and is shown as large as it is to be. 1 to 16.
+  int reduction = 1;
   bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
   float edl = 0.0f;      ///< strength of eye-dome lighting (eye_dome_lighting.h); 0: none
   glm::vec3 background{0.11f, 0.12f, 0.14f};      ///< sRGB, 0 to 1
@@ -82,7 +85,8 @@ class Renderer {
   Result<DrawStats> draw(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                          glm::ivec2 size, const DrawOptions& options);
 
-  /// Copies the last picture into a framebuffer, 0 for a window's; lower left corners coincide.
+  /// Copies the last picture into a framebuffer, 0 for a window's, in the size that it was to have;
+  /// lower left corners coincide.
   void present(GLuint framebuffer) const;
 
   /// The last picture as a texture of GL_RGBA8 whose bytes are sRGB, for what draws without
@@ -90,10 +94,10 @@ class Renderer {
   /// texels. 0 before the first picture; another one when the size changes.
   GLuint texture() const { return view_.name(); }
 
-  /// Where in the world lies what the last picture shows at a pixel, counted from the picture's
-  /// upper left corner? Nothing where neither that pixel nor any within a few around it shows more
-  /// than the background and the floor; else of the pixel that is the nearest to it. Surfels are
-  /// taken for up to a radius farther away than they are.
+  /// Where in the world lies what the last picture shows at a pixel, counted from the upper left
+  /// corner of what is shown? Nothing where neither that pixel nor any within a few around it shows
+  /// more than the background and the floor; else of the pixel that is the nearest to it. Surfels
+  /// are taken for up to a radius farther away than they are.
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const;
 
   /// The last picture; an error before the first one.
@@ -134,8 +138,9 @@ class Renderer {
   gl::Buffer view_buffer_;
   gl::Texture color_, depth_, view_;
   gl::Framebuffer picture_;
-  glm::ivec2 size_{0};
-  Camera camera_;  ///< of the last picture
+  glm::ivec2 size_{0};   ///< of the picture that was made
+  glm::ivec2 shown_{0};  ///< in which it is shown
+  Camera camera_;        ///< of the last picture
   SceneInstances instances_;
 };
 

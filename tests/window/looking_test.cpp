@@ -61,6 +61,28 @@ TEST_F(LookingWindow, the_left_button_turns_the_right_one_moves_the_wheel_zooms_
   quit();
 }
 
+TEST_F(LookingWindow, what_was_turned_there_and_back_looks_as_before) {
+  open({"--at", "6"});
+  pause();
+  const e2e::Picture before = player().picture();
+  const glm::ivec2 middle = player().size() / 2;
+  const auto as_before = [&] {
+    const e2e::Picture now = player().picture();
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < now.pixels.size(); ++i) other += now.pixels[i] != before.pixels[i];
+    return other * 1000 < now.pixels.size();
+  };
+  // However coarse it was while the hand moved.
+  player().press(middle);
+  player().move_to(middle + glm::ivec2(40, 0));
+  EXPECT_TRUE(wait_until([&] { return !as_before(); }));
+  player().move_to(middle);
+  player().release();
+  player().move_to({player().size().x / 2, 0});
+  EXPECT_TRUE(wait_until(as_before));
+  quit();
+}
+
 TEST_F(LookingWindow, a_double_click_turns_about_what_is_there) {
   open({"--at", "3"});
   pause();

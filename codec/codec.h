@@ -107,7 +107,7 @@ struct DecodeLimits {
   std::uint32_t max_points = 1u << 26;
   /// The context tables that come with the frames, if any do; they outlive the call.
   const ContextTables* tables = nullptr;
-  Executor executor = {};  ///< lends threads for frames that have several slabs
+  Executor executor = {};  ///< lends threads for slabs, and for colours beside normals
   /// Octree: also gives the attributes of all nodes.
   bool inner_nodes = false;
   /// Octree: gives the leaves as a cloud. Without it, and with `inner_nodes`, there is the tree

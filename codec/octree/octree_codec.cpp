@@ -170,6 +170,36 @@ void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, Oc
   }
 }
 
+/// The colours of a frame that has transformed ones, into the frame.
+Result<void> decode_colors(const std::vector<LayerView>& layers,
+                           const std::vector<int>& last_levels, int depth,
+                           const ParsedFrameHeader& parsed, const DecodeLimits& limits,
+                           OctreeFrame& frame) {
+  if (!parsed.header.colors_transformed) return {};
+  const auto decoder = decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::colors,
+                                          &LayerView::colors, parsed.tag);
+  if (!decoder) return fail_at("colors", decoder.error());
+  if (*decoder != nullptr && parsed.header.colors_16_bit) {
+    set_colors(**decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
+  } else if (*decoder != nullptr) {
+    set_colors(**decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
+  }
+  return {};
+}
+
+/// The same of normals.
+Result<void> decode_normals(const std::vector<LayerView>& layers,
+                            const std::vector<int>& last_levels, int depth,
+                            const ParsedFrameHeader& parsed, const DecodeLimits& limits,
+                            OctreeFrame& frame) {
+  if (!parsed.header.normals_transformed) return {};
+  const auto decoder = decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::normals,
+                                          &LayerView::normals, parsed.tag);
+  if (!decoder) return fail_at("normals", decoder.error());
+  if (*decoder != nullptr) set_normals(**decoder, limits, frame);
+  return {};
+}
+
 /// Of the tree that a caller gets who wants no leaves.
 void cut_off(OctreeFrame& frame, int depth) {
   frame.svo = truncate(frame.svo, depth);
@@ -367,22 +397,15 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   }
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
-  if (header.colors_transformed) {
-    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, depth,
-                                            ChunkKind::colors, &LayerView::colors, parsed->tag);
-    if (!decoder) return fail_at("colors", decoder.error());
-    if (*decoder != nullptr && header.colors_16_bit) {
-      set_colors(**decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
-    } else if (*decoder != nullptr) {
-      set_colors(**decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
-    }
-  }
-  if (header.normals_transformed) {
-    const auto decoder = decode_transformed(frame.svo, layers, *last_levels, depth,
-                                            ChunkKind::normals, &LayerView::normals, parsed->tag);
-    if (!decoder) return fail_at("normals", decoder.error());
-    if (*decoder != nullptr) set_normals(**decoder, limits, frame);
-  }
+  // Each needs the tree alone.
+  std::array<Result<void>, 2> transformed;
+  for_each(limits.executor, 2, [&](int i) {
+    transformed[static_cast<std::size_t>(i)] =
+        i == 0 ? decode_colors(layers, *last_levels, depth, *parsed, limits, frame)
+               : decode_normals(layers, *last_levels, depth, *parsed, limits, frame);
+  });
+  for (const Result<void>& done : transformed)
+    if (!done) return tl::unexpected(done.error());
   if (limits.inner_nodes) add_means(frame);
   if (depth < frame.svo.depth) cut_off(frame, depth);
   return frame;

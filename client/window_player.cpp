@@ -44,6 +44,10 @@ constexpr milliseconds kInterfacePeriod{33};
 constexpr int kPicturesAfterInput = 3;
 /// After which a camera that was moved by hand stands still.
 constexpr milliseconds kStandsStill{150};
+/// While the time is dragged the interface is drawn with the picture that is asked for; this long.
+constexpr milliseconds kPictureAwaited{80};
+/// Faster nobody reads.
+constexpr milliseconds kStatisticsPeriod{200};
 constexpr milliseconds kBrokenFrameShown{4000}, kErrorShown{8000};
 
 double ms_since(steady_clock::time_point start, steady_clock::time_point now) {
@@ -206,16 +210,17 @@ class WindowPlayer {
         redraw = true;
         pictures_due_ = kPicturesAfterInput;
       }
-      const bool built = interface_due(now);
-      if (built) build_interface(now, redraw);
-      bool shown = false;
+      Stage::Update update;
+      if (stage_) update = stage_->update(now);
+      if (update.ended) break;
+      const bool shown = !update.changes.empty();
+      if ((shown || redraw || !picture_awaited(now)) && interface_due(now))
+        build_interface(now, redraw);
       if (stage_) {
-        const Stage::Update update = stage_->update(now);
-        if (update.ended) break;
         redraw = redraw || (reduction_ > 1 && presenter_->shown() && !hurried(now));
-        if (auto drawn = draw(update, now, redraw, shown); !drawn) return drawn;
+        if (auto drawn = draw(update, now, redraw); !drawn) return drawn;
       }
-      if (built || shown || redraw) present();
+      if (shown || redraw || input.exposed || interface_.changed()) present();
     }
     if (options_.screenshot.empty() || !presenter_ || !presenter_->shown()) return {};
     return write_picture(options_.screenshot);
@@ -227,8 +232,12 @@ class WindowPlayer {
     return !error_.empty() && ms_since(began, now) >= 1000.0 * *options_.duration;
   }
 
+  bool picture_awaited(steady_clock::time_point now) const {
+    return scrub_asked_ && now - *scrub_asked_ < kPictureAwaited;
+  }
+
   void wait_for_events() const {
-    if (pictures_due_ > 0 || flown_)
+    if ((pictures_due_ > 0 && !picture_awaited(steady_clock::now())) || flown_)
       glfwPollEvents();
     else
       glfwWaitEventsTimeout(stage_ && (stage_->playing() || controls_.scrubbing()) ? 0.002 : 0.01);
@@ -239,9 +248,8 @@ class WindowPlayer {
     return !presenter_->shown() || controls_.scrubbing() || flown_ || now - moved_ < kStandsStill;
   }
 
-  Result<void> draw(const Stage::Update& update, steady_clock::time_point now, bool redraw,
-                    bool& shown) {
-    shown = !update.changes.empty();
+  Result<void> draw(const Stage::Update& update, steady_clock::time_point now, bool redraw) {
+    const bool shown = !update.changes.empty();
     // Live streams say late where they are, and a path moves on with each frame.
     if (std::exchange(bounded_, stage_->bounded()) != stage_->bounded() ||
         (shown && options_.camera_path))
@@ -287,13 +295,12 @@ class WindowPlayer {
       presenter_->painter().present();
     else
       window_.clear(controls_.settings().draw.background);
-    if (!interface_.empty()) {
-      window_.finish();  // what is not the interface's
-      const auto start = steady_clock::now();
-      interface_.draw();
-      window_.finish();
+    window_.finish();  // what is not the interface's
+    const auto start = steady_clock::now();
+    interface_.draw();
+    window_.finish();
+    if (!interface_.empty())
       report_.interface.add(ms_since(start, steady_clock::now()) + build_ms_);
-    }
     build_ms_ = 0.0;
     window_.swap();
     note_what_is_shown(steady_clock::now());
@@ -358,16 +365,24 @@ class WindowPlayer {
     view_.timeline.reset();
     if (stage_) view_.timeline = timeline_view(controls_, now);
     view_.thumbnail = thumbnail();
-    view_.statistics.clear();
-    if (stage_ && controls_.show_statistics)
-      view_.statistics = statistics_lines(*stage_, recent_, now);
+    tell_statistics(now);
     if (auto said = controls_.take_said()) interface_.say(*said, now);
     const DrawSettings settings = controls_.settings();
-    const TimelineUse use = interface_.build(view_, recent_, controls_);
+    const TimelineUse use = interface_.build(view_, controls_);
     hovered_us_ = use.hovered_us;
     if (use.action) pressed_.push_back(*use.action);
     redraw = redraw || settings != controls_.settings();
     build_ms_ += ms_since(start, steady_clock::now());
+  }
+
+  void tell_statistics(steady_clock::time_point now) {
+    if (!stage_ || !controls_.show_statistics) {
+      view_.statistics.clear();
+    } else if (view_.statistics.empty() || now - told_ >= kStatisticsPeriod) {
+      told_ = now;
+      view_.statistics = statistics_lines(*stage_, recent_, now);
+      view_.recent = recent_;
+    }
   }
 
   std::string waiting() const {
@@ -564,7 +579,7 @@ class WindowPlayer {
   steady_clock::time_point moved_{};  ///< the camera, by hand
   std::vector<Action> pressed_;       ///< of buttons, for the next round
   int pictures_due_ = 0;
-  steady_clock::time_point built_{};
+  steady_clock::time_point built_{}, told_{};
   double build_ms_ = 0.0;  ///< since the window last changed
   bool flown_ = false, quit_ = false;
   CameraPath camera_path_;  ///< that the user has recorded so far, in this file

@@ -6,6 +6,8 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include "client/ui/panel.h"
+
 namespace pointreel {
 namespace {
 
@@ -151,12 +153,8 @@ bool drawing_panel(DrawSettings& settings, bool& open, glm::vec2 size, float sca
   // On the left, below the words that are said there: statistics are on the right.
   ImGui::SetNextWindowPos({12.0f * scale, std::min(48.0f * scale, 0.1f * size.y)},
                           ImGuiCond_FirstUseEver);
-  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_AlwaysAutoResize |
-                                      ImGuiWindowFlags_NoCollapse |
-                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                                      ImGuiWindowFlags_NoFocusOnAppearing;
   bool changed = false;
-  if (ImGui::Begin("Drawing", &open, kFlags)) {
+  if (begin_panel("Drawing", open, ImGuiWindowFlags_NoFocusOnAppearing)) {
     ImGui::PushItemWidth(150.0f * scale);
     changed |= choose_beside(settings.draw.mode, std::array{"Surfels", "Voxels", "Points"});
     changed |= element_settings(settings);

@@ -10,6 +10,10 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 #include <imgui_internal.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "client/ui/panel.h"
 
 namespace pointreel {
 namespace {
@@ -50,10 +54,51 @@ void set_style(float scale) {
   ImGui::StyleColorsDark();
   style.WindowRounding = style.FrameRounding = style.GrabRounding = 4.0f;
   style.WindowBorderSize = 0.0f;
-  style.Colors[ImGuiCol_WindowBg] = {0.07f, 0.075f, 0.085f, 0.88f};
+  style.Colors[ImGuiCol_WindowBg] = {0.07f, 0.075f, 0.085f, 1.0f};
   style.Colors[ImGuiCol_TitleBg] =
       style.Colors[ImGuiCol_TitleBgActive] = {0.12f, 0.13f, 0.15f, 0.95f};
   style.ScaleAllSizes(scale);
+}
+
+template <class T>
+std::uint64_t checksum(const ImVector<T>& values, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(values.Data, static_cast<std::size_t>(values.size_in_bytes()), seed);
+}
+
+/// Stands for all that is drawn.
+std::uint64_t number_of(const ImDrawList& list) {
+  std::uint64_t number = checksum(list.VtxBuffer, checksum(list.IdxBuffer, 0));
+  for (const ImDrawCmd& command : list.CmdBuffer) {
+    number = XXH3_64bits_withSeed(&command.ClipRect, sizeof(command.ClipRect), number);
+    number = XXH3_64bits_withSeed(&command.TextureId, sizeof(command.TextureId), number);
+    number = XXH3_64bits_withSeed(&command.ElemCount, sizeof(command.ElemCount), number);
+  }
+  return number;
+}
+
+/// Of the framebuffer's pixels.
+PanelTextures::Place place_of(const ImGuiWindow& window, const ImDrawData& all) {
+  const auto pixels = [](const ImVec2& at, const ImVec2& scale) {
+    return glm::ivec2(glm::round(glm::vec2(at.x * scale.x, at.y * scale.y)));
+  };
+  const ImVec2& from = all.DisplayPos;
+  return {pixels(ImVec2(window.Pos.x - from.x, window.Pos.y - from.y), all.FramebufferScale),
+          glm::max(pixels(window.Size, all.FramebufferScale), 1)};
+}
+
+/// Of these lists alone.
+void draw_lists(const ImDrawData& all, std::vector<ImDrawList*>& lists) {
+  if (lists.empty()) return;
+  ImDrawData part = all;
+  part.CmdLists = lists.data();
+  part.CmdListsCount = static_cast<int>(lists.size());
+  part.TotalVtxCount = part.TotalIdxCount = 0;
+  for (const ImDrawList* list : lists) {
+    part.TotalVtxCount += list->VtxBuffer.Size;
+    part.TotalIdxCount += list->IdxBuffer.Size;
+  }
+  ImGui_ImplOpenGL3_RenderDrawData(&part);
+  lists.clear();
 }
 
 }  // namespace
@@ -97,15 +142,36 @@ void Gui::begin() {
   ImGui::NewFrame();
 }
 
-void Gui::end() { ImGui::Render(); }
+void Gui::end() {
+  ImGui::Render();
+  const ImDrawData& all = *ImGui::GetDrawData();
+  built_.clear();
+  for (int i = 0; i < all.CmdListsCount; ++i) built_.push_back(number_of(*all.CmdLists[i]));
+}
 
 void Gui::draw() {
-  ImDrawData* drawn = ImGui::GetDrawData();
-  if (!drawn || drawn->CmdListsCount == 0) return;
+  const ImDrawData* all = ImGui::GetDrawData();
+  if (!all) return;
+  drawn_ = built_;
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glDisable(GL_FRAMEBUFFER_SRGB);  // its colours are sRGB already
   if (epoxy_gl_version() >= 45) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-  ImGui_ImplOpenGL3_RenderDrawData(drawn);
+  const int height = static_cast<int>(all->DisplaySize.y * all->FramebufferScale.y);
+  std::vector<ImDrawList*> others;  // one after the other, but for the panels
+  for (int i = 0; i < all->CmdListsCount; ++i) {
+    ImDrawList* list = all->CmdLists[i];
+    const ImGuiWindow* window = ImGui::FindWindowByName(list->_OwnerName);
+    if (!window || (window->Flags & kOnOpaqueGround) == 0) {
+      others.push_back(list);
+      continue;
+    }
+    draw_lists(*all, others);
+    if (!panels_.draw(window->Name, *list, built_[static_cast<std::size_t>(i)], *all,
+                      place_of(*window, *all), height))
+      others.push_back(list);
+  }
+  draw_lists(*all, others);
+  panels_.forget_unused();
 }
 
 }  // namespace pointreel

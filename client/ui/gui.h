@@ -1,8 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include <glm/glm.hpp>
+
+#include "client/ui/panel_textures.h"
 
 struct GLFWwindow;
 
@@ -28,11 +32,16 @@ class Gui {
   /// the window changes.
   void begin();
   void end();
-  /// Over what is in the window's framebuffer.
+  /// Whether that differs from what draw() has drawn last.
+  bool changed() const { return built_ != drawn_; }
+  /// Over what is in the window's framebuffer. Windows with the flag kOnOpaqueGround are opaque,
+  /// and take next to no time while they do not change; these need OpenGL 4.5.
   void draw();
 
  private:
   float scale_;
+  std::vector<std::uint64_t> built_, drawn_;  ///< numbers that stand for each of ImGui's lists
+  PanelTextures panels_;
 };
 
 }  // namespace pointreel

@@ -46,7 +46,7 @@ bool Interface::changing(const View& view) const {
          (!empty_ && view.error.empty());
 }
 
-TimelineUse Interface::build(const View& view, const RecentFrames& recent, Controls& controls) {
+TimelineUse Interface::build(const View& view, Controls& controls) {
   TimelineUse use;
   gui_.begin();
   empty_ = true;
@@ -73,7 +73,7 @@ TimelineUse Interface::build(const View& view, const RecentFrames& recent, Contr
   }
   busy_ = use.hovered_us || controls.scrubbing();
   if (controls.show_statistics && !view.statistics.empty()) {
-    controls.show_statistics = draw_statistics(view.statistics, recent, view.size, scale);
+    controls.show_statistics = draw_statistics(view.statistics, view.recent, view.size, scale);
     empty_ = false;
   }
   if (controls.show_drawing) {
@@ -90,8 +90,6 @@ TimelineUse Interface::build(const View& view, const RecentFrames& recent, Contr
   return use;
 }
 
-void Interface::draw() {
-  if (!empty_) gui_.draw();
-}
+void Interface::draw() { gui_.draw(); }
 
 }  // namespace pointreel

@@ -30,6 +30,7 @@ class Interface {
     std::string error, hint;                 ///< draw_error's; empty: all is well
     std::optional<TimelineView> timeline;    ///< of what plays
     std::vector<StatisticsLine> statistics;  ///< while Controls::show_statistics
+    RecentFrames recent;                     ///< the same
     std::optional<Thumbnail> thumbnail;      ///< for TimelineUse::hovered_us of the last build
   };
 
@@ -49,7 +50,9 @@ class Interface {
   bool changing(const View& view) const;
 
   /// What there is, which draw() draws, and what the user does to it.
-  TimelineUse build(const View& view, const RecentFrames& recent, Controls& controls);
+  TimelineUse build(const View& view, Controls& controls);
+  /// Whether that differs from what draw() has drawn last.
+  bool changed() const { return gui_.changed(); }
   /// Into the window's framebuffer.
   void draw();
   bool empty() const { return empty_; }  ///< nothing is there to be drawn

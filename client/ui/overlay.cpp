@@ -6,6 +6,7 @@
 #include <imgui.h>
 
 #include "client/ui/bindings.h"
+#include "client/ui/panel.h"
 
 namespace pointreel {
 namespace {
@@ -68,10 +69,7 @@ bool draw_help(glm::vec2 size, float scale) {
   ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Always,
                           ImVec2(0.5f, 0.5f));
   ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(0.96f * size.x, 0.96f * size.y));
-  ImGui::Begin("Keys and mouse", &open,
-               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoNav);
+  begin_panel("Keys and mouse", open, ImGuiWindowFlags_NoMove);
   const std::span<const HelpLine> lines = help_lines();
   // In two columns where there is width for them.
   const bool wide = size.x > 760.0f * scale;

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "client/ui/panel.h"
+
 namespace pointreel {
 namespace {
 
@@ -55,10 +57,7 @@ bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrame
   // As wide as most figures need: it does not change with each of them.
   const ImVec2 most(size.x - 2.0f * margin, size.y - 2.0f * margin);
   ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(430.0f * scale, most.x), 0.0f), most);
-  ImGui::Begin("Statistics", &open,
-               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
-                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
+  begin_panel("Statistics", open, ImGuiWindowFlags_NoFocusOnAppearing);
   draw_lines(lines);
   if (recent.size() > 0) {
     ImGui::Separator();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "client/ui/panel.h"
 #include "client/ui/time_text.h"
 
 namespace pointreel {
@@ -259,7 +260,8 @@ TimelineUse draw_timeline(const TimelineView& view, const std::optional<Thumbnai
   ImGui::Begin(kTimelineWindow, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav);
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav |
+                   (opacity < 1.0f ? 0 : kOnOpaqueGround));
   Bar bar(view, size, scale);
   if (!view.live) {
     bar.draw_track(thumbnail, dragged);

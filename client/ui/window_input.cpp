@@ -92,7 +92,8 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
     of(w).input_.any = true;
     of(w).input_.dropped.assign(paths, paths + count);
   });
-  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { of(w).input_.any = true; });
+  glfwSetWindowRefreshCallback(
+      window, [](GLFWwindow* w) { of(w).input_.any = of(w).input_.exposed = true; });
 }
 
 WindowInput::~WindowInput() {

@@ -17,7 +17,8 @@ namespace pointreel {
 /// What the user did since it was last asked for. Pixels are the window's, from its upper left
 /// corner, x to the right and y down.
 struct Input {
-  bool any = false;  ///< something happened that could change what the window shows
+  bool any = false;      ///< something happened that could change what the window shows
+  bool exposed = false;  ///< what the window showed is lost
   std::vector<Action> actions;
   glm::dvec2 cursor{0.0};
   bool moved = false;               ///< the cursor

@@ -391,9 +391,10 @@ class WindowPlayer {
     return {};
   }
 
-  /// Of the time that the cursor is at, once its frame is there; no other picture while it is not.
+  /// Of the time that the cursor is at, once its frame is there; no other picture while it is not,
+  /// and none while the window itself shows that time.
   std::optional<Thumbnail> thumbnail() {
-    if (!hovered_us_ || !controls_.reel()) return std::nullopt;
+    if (!hovered_us_ || !controls_.reel() || controls_.scrubbing()) return std::nullopt;
     const std::size_t source = timed_source();
     auto base =
         stage_->reel(source)->thumbnail(controls_.reel()->timeline().frame_at(*hovered_us_));

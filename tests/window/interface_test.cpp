@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -138,6 +140,34 @@ TEST_F(InterfaceWindow, help_shows_the_keys_and_goes_again) {
   player().key("question");
   EXPECT_TRUE(wait_until([&] { return drawn(0, player().size().y) > before + 20'000; }));
   EXPECT_TRUE(quit()["window"]["shown"]["help"].get<bool>());
+}
+
+TEST_F(InterfaceWindow, a_panel_answers_to_the_mouse_and_is_otherwise_as_it_was) {
+  open();
+  pause();
+  const auto panel = [this] {
+    const e2e::Picture picture = player().picture();
+    std::vector<glm::u8vec3> pixels;
+    for (int y = 60; y < 200 && y < picture.size.y; ++y)
+      for (int x = 20; x < 200 && x < picture.size.x; ++x) pixels.push_back(picture.at(x, y));
+    return pixels;
+  };
+  const auto without = panel();
+  player().key("d");
+  EXPECT_TRUE(wait_until([&] { return panel() != without; }));
+  const glm::ivec2 outside(500, 300), on_voxels(103, 86);
+  player().move_to(outside);
+  std::vector<glm::u8vec3> before;
+  EXPECT_TRUE(wait_until([&] { return std::exchange(before, panel()) == before; }));
+  player().move_to(on_voxels);
+  EXPECT_TRUE(wait_until([&] { return panel() != before; }));
+  keep("a panel under the mouse");
+  player().move_to(outside);
+  EXPECT_TRUE(wait_until([&] { return panel() == before; }));
+  player().press(on_voxels);
+  player().release();
+  EXPECT_TRUE(wait_until([&] { return panel() != before; }));
+  EXPECT_EQ(quit()["mode"], "voxel");
 }
 
 TEST_F(InterfaceWindow, it_is_twice_as_large_at_scale_2) {

@@ -142,7 +142,7 @@ int Background::end(int signal) {
   if (signal != 0) kill(pid_, signal);
   int status = 0;
   for (int looks = 0; waitpid(pid_, &status, WNOHANG) == 0; ++looks) {
-    if (looks == 1000) kill(pid_, SIGKILL);
+    if (looks == 6000) kill(pid_, SIGKILL);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   pid_ = -1;

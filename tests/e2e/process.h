@@ -41,7 +41,7 @@ class Background {
   pid_t pid() const { return pid_; }
   bool running() const;
 
-  /// Sends the signal, 0 for none, and waits; the exit code as in Outcome. Ten seconds later it is
+  /// Sends the signal, 0 for none, and waits; the exit code as in Outcome. A minute later it is
   /// killed.
   int end(int signal);
 

@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 
 constexpr int kFrames = 64;
 constexpr int kPoints = 1500;
-constexpr auto kPatience = std::chrono::seconds(30);
+constexpr auto kPatience = std::chrono::minutes(2);
 
 PointCloud ball(int frame) {
   PointCloud cloud;
@@ -168,6 +168,12 @@ bool LiveWatcher::sees(std::size_t more) {
   std::unique_lock lock(mutex_);
   const std::size_t wanted = shown_.size() + more;
   return changed_.wait_for(lock, kPatience, [&] { return shown_.size() >= wanted; });
+}
+
+bool LiveWatcher::sees_what_is_as_new_as(std::uint64_t capture_us) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(
+      lock, kPatience, [&] { return !shown_.empty() && shown_.back().capture_us >= capture_us; });
 }
 
 bool LiveWatcher::hears_of_trouble(bool there) {

@@ -75,9 +75,10 @@ class LiveWatcher {
   std::optional<std::string> trouble() const { return source_->trouble(); }
   LiveCounts counts() const { return source_->counts(); }
 
-  // Each waits for at most half a minute; false if it did not happen.
+  // Each waits for at most two minutes; false if it did not happen.
 
   bool sees(std::size_t more);
+  bool sees_what_is_as_new_as(std::uint64_t capture_us);
   bool hears_of_trouble(bool there = true);
 
  private:

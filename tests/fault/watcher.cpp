@@ -13,7 +13,7 @@ namespace pointreel {
 namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(10);
-constexpr auto kPatience = std::chrono::seconds(30);
+constexpr auto kPatience = std::chrono::minutes(2);
 
 template <class T>
 ByteView bytes_of(const std::vector<T>& values) {

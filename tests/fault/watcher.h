@@ -52,7 +52,7 @@ class Watcher {
   std::optional<std::string> trouble() const;  ///< also that the package cannot be opened
   std::uint64_t errors() const;
 
-  // Each waits for at most half a minute; false if it did not happen.
+  // Each waits for at most two minutes; false if it did not happen.
 
   /// So many more frames are shown than are now.
   bool sees(std::size_t more);

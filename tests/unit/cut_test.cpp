@@ -301,26 +301,5 @@ TEST(FinestLevel, FollowsThePersonsHeightInPixelsAndEndsAtTheEye) {
   EXPECT_EQ(finest_level(cube, person, camera, kSize, 1.0f), kMaxDepth);
 }
 
-TEST(Cut, TakesAboutAMillisecondForAllOfEightyFiveThousandLeaves) {
-  const PointCloud cloud = shell(88315);
-  const Svo svo = tree(cloud, 10);
-  Camera camera;
-  camera.frame_bounds(bounds(cloud), 16.0 / 9.0);
-  VoxelCut cut;
-  double best = 1e9;
-  CutStats stats;
-  for (int i = 0; i < 10; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    stats = cut.run(svo, camera, {1280, 720}, 0.0f);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    best = std::min(best, took.count());
-  }
-  EXPECT_EQ(stats.emitted, svo.leaf_count());
-  RecordProperty("cut_ms", std::to_string(best));
-  RecordProperty("leaves", std::to_string(svo.leaf_count()));
-  std::printf("cut of %u leaves: %.2f ms\n", svo.leaf_count(), best);
-  EXPECT_LT(best, 100.0) << "a hundred times slower than it should be";
-}
-
 }  // namespace
 }  // namespace pointreel

@@ -298,7 +298,7 @@ TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
     else
       buffer.advance(playhead, back ? -1 : 1);
     if (i % 3 == 0) {
-      const auto state = buffer.wait(milliseconds(2000));
+      const auto state = buffer.wait(milliseconds(60'000));
       ASSERT_NE(state, FrameBuffer::State::waiting);
       if (state == FrameBuffer::State::ready) {
         ASSERT_EQ(buffer.best()->index, playhead);

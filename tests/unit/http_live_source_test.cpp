@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-constexpr auto kLong = std::chrono::milliseconds(20'000);
+constexpr auto kLong = std::chrono::milliseconds(60'000);
 
 /// A stream that is published segment by segment: of two frames each, 10 ms apart, whose layers are
 /// of 4 and 6 bytes, all of the frame's number.

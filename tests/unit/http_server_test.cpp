@@ -52,7 +52,7 @@ class HttpServerTest : public testing::Test {
 
   /// Waits, within bounds, for what other threads bring about.
   static bool soon(const std::function<bool()>& holds) {
-    for (const auto end = Clock::now() + 10s; Clock::now() < end;) {
+    for (const auto end = Clock::now() + 60s; Clock::now() < end;) {
       if (holds()) return true;
       std::this_thread::sleep_for(5ms);
     }
@@ -387,13 +387,14 @@ TEST_F(HttpServerTest, tells_one_connection_too_many_and_recovers) {
 TEST_F(HttpServerTest, lets_the_connection_go_that_has_been_idle_for_longest_when_it_is_full) {
   HttpServerOptions options;
   options.max_connections = 3;
+  options.threads = 1;  // it takes what comes in the order in which it comes
   start(options);
   RawHttpClient oldest(port()), busy(port()), newest(port());
   ASSERT_EQ(busy.get("/healthz").status, 200);
   ASSERT_EQ(oldest.get("/healthz").status, 200);
   ASSERT_EQ(newest.get("/healthz").status, 200);
   ASSERT_TRUE(busy.send("GET /healthz HTTP/1.1\r\n"));
-  std::this_thread::sleep_for(100ms);  // that it is busy must have come there
+  ASSERT_EQ(newest.get("/healthz").status, 200);
   EXPECT_EQ(get("/healthz").status, 200);
   EXPECT_TRUE(oldest.ends());
   EXPECT_EQ(newest.get("/healthz").status, 200);
@@ -405,7 +406,7 @@ TEST_F(HttpServerTest, lets_the_connection_go_that_has_been_idle_for_longest_whe
 TEST_F(HttpServerTest, bounds_what_one_address_may_have) {
   HttpServerOptions options;
   options.max_connections_per_address = 2;
-  options.requests_per_second = 20;
+  options.requests_per_second = 1;
   start(options);
   RawHttpClient first(port()), second(port());
   ASSERT_TRUE(first.send("GET /healthz HTTP/1.1\r\n") && second.send("GET "));
@@ -492,7 +493,7 @@ TEST_F(HttpServerTest, lets_a_reader_that_stalls_block_nobody) {
   write_package(reel_, base_, full_);
   HttpServerOptions options;
   options.threads = 1;
-  options.stall_timeout = 1500ms;
+  options.stall_timeout = 10min;
   start(options);
   std::vector<std::unique_ptr<RawHttpClient>> stalled;
   for (int i = 0; i < 4; ++i) {
@@ -502,14 +503,23 @@ TEST_F(HttpServerTest, lets_a_reader_that_stalls_block_nobody) {
   ASSERT_TRUE(soon([&] { return server_->connection_count() == 4; }));
   RawHttpClient prompt(port());
   for (int i = 0; i < 50; ++i) {
-    const auto begin = Clock::now();
     ASSERT_EQ(prompt.get("/walk/0.base.prs").body, base_);
-    EXPECT_LT(Clock::now() - begin, 1s);
   }
   EXPECT_TRUE(prompt.get("/walk/0.full.prs").body == full_);
-  EXPECT_TRUE(soon([&] { return server_->connection_count() == 1; }))
-      << "those that take no byte are given up";
-  const Answer cut = stalled.front()->read_answer();
+  EXPECT_EQ(server_->connection_count(), 5u);
+}
+
+TEST_F(HttpServerTest, gives_up_readers_that_take_nothing) {
+  full_ = patterned(kBig);
+  write_package(reel_, base_, full_);
+  HttpServerOptions options;
+  options.stall_timeout = 300ms;
+  start(options);
+  RawHttpClient stalled(port(), 4096);
+  ASSERT_TRUE(stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+  ASSERT_TRUE(stalled.has_something());
+  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+  const Answer cut = stalled.read_answer();
   EXPECT_EQ(cut.status, 200);
   EXPECT_LT(cut.body.size(), kBig);
 }
@@ -519,7 +529,7 @@ TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_moves) {
   write_package(reel_, base_, full_);
   HttpServerOptions options;
   options.header_timeout = options.idle_timeout = 300ms;
-  options.stall_timeout = 3s;
+  options.stall_timeout = 10min;
   start(options);
   RawHttpClient slow(port(), 4096);
   ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
@@ -530,17 +540,28 @@ TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_moves) {
 TEST_F(HttpServerTest, gives_up_those_that_do_not_ask) {
   HttpServerOptions options;
   options.header_timeout = 300ms;
-  options.idle_timeout = 600ms;
+  options.idle_timeout = 10min;
   start(options);
-  RawHttpClient silent(port());
+  std::unique_ptr<RawHttpClient> idle;
+  ASSERT_TRUE(soon([&] {
+    idle = std::make_unique<RawHttpClient>(port());
+    return idle->get("/healthz").status == 200;
+  }));
+  RawHttpClient silent(port()), dripping(port());
   EXPECT_TRUE(silent.ends());
-  RawHttpClient dripping(port());
-  for (int i = 0; i < 100 && dripping.send("G"); ++i) std::this_thread::sleep_for(20ms);
-  EXPECT_TRUE(dripping.ends()) << "a byte now and then does not extend the time for a head";
+  ASSERT_TRUE(dripping.send("GET / HTTP/1.1\r\nDrops: "));
+  EXPECT_TRUE(soon([&] { return !dripping.send("."); }))
+      << "a byte now and then does not extend the time for a head";
+  EXPECT_TRUE(dripping.ends());
+  EXPECT_EQ(idle->get("/healthz").status, 200) << "idle for less than its timeout";
+}
+
+TEST_F(HttpServerTest, gives_up_those_that_ask_for_nothing_more) {
+  HttpServerOptions options;
+  options.idle_timeout = 300ms;
+  start(options);
   RawHttpClient idle(port());
   EXPECT_EQ(idle.get("/healthz").status, 200);
-  std::this_thread::sleep_for(400ms);
-  EXPECT_EQ(idle.get("/healthz").status, 200) << "idle for less than its timeout";
   EXPECT_TRUE(idle.ends());
   EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
 }
@@ -551,11 +572,10 @@ TEST_F(HttpServerTest, says_so_when_a_file_changed_and_ends_early_when_it_shrink
   start();
   RawHttpClient slow(port(), 4096);
   ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
-  ASSERT_TRUE(soon([&] { return server_->connection_count() == 1; }));
-  // Let the head leave before the file changes under the rest.
+  // The head has left before the file changes under the rest.
+  ASSERT_TRUE(slow.has_something());
   RawHttpClient second(port());
   ASSERT_EQ(second.get("/walk/0.base.prs").body, base_);
-  std::this_thread::sleep_for(200ms);
   fs::resize_file(reel_ / "0.full.prs", 100);
   fs::remove(reel_ / "0.base.prs");
   const Answer cut = slow.read_answer();
@@ -622,7 +642,9 @@ TEST_F(HttpServerTest, stops_with_connections_open_and_closes_them) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   const std::size_t before = open_descriptors();
-  start();
+  HttpServerOptions options;
+  options.header_timeout = options.idle_timeout = options.stall_timeout = 10min;
+  start(options);
   RawHttpClient idle(port()), half(port()), stalled(port(), 4096), silent(port());
   EXPECT_EQ(idle.get("/healthz").status, 200);
   half.send("GET /hea");
@@ -631,7 +653,7 @@ TEST_F(HttpServerTest, stops_with_connections_open_and_closes_them) {
   const auto begin = Clock::now();
   const std::uint16_t old_port = port();
   server_->stop();
-  EXPECT_LT(Clock::now() - begin, 1s);
+  EXPECT_LT(Clock::now() - begin, 5min) << "it waits for none of them";
   EXPECT_TRUE(idle.ends());
   EXPECT_TRUE(half.ends());
   EXPECT_TRUE(silent.ends());

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLong = std::chrono::milliseconds(20'000);
+constexpr auto kLong = std::chrono::milliseconds(60'000);
 constexpr auto kAtOnce = std::chrono::milliseconds(0);
 
 LiveHello hello_of(std::uint64_t session) {

@@ -118,7 +118,7 @@ struct LiveTest : testing::Test {
   /// The first update for which this is so.
   Playback::Update update_until(const std::function<bool(const Playback::Update&)>& done) {
     Playback::Update update;
-    for (int i = 0; i < 20'000; ++i) {
+    for (int i = 0; i < 60'000; ++i) {
       update = playback->update({});
       if (done(update)) return update;
       std::this_thread::sleep_for(milliseconds(1));

@@ -14,6 +14,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr milliseconds kLong{60'000};
+
 /// A source without bytes: delays and failures are the test's.
 class FakeSource : public Source {
  public:
@@ -103,7 +105,7 @@ TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
                     errors.sink(), {2, 3});
   for (std::uint32_t frame = 0; frame < 60; ++frame) {
     buffer.advance(frame);
-    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
     ASSERT_EQ(buffer.best()->index, frame);
   }
   EXPECT_EQ(prepared, 60);
@@ -133,7 +135,7 @@ TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
                     errors.sink(), {2, 2});
   for (std::uint32_t frame = 0; frame < 20; ++frame) {
     buffer.advance(frame);
-    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
   }
   EXPECT_EQ(parts, 120);
   EXPECT_LE(most_working, 2);
@@ -154,8 +156,7 @@ TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {
   for (std::uint32_t frame = 0; frame < 20; ++frame) {
     buffer.advance(frame);
     const bool broken = frame == 0 || frame == 7 || frame == 12;
-    ASSERT_EQ(buffer.wait(milliseconds(5000)),
-              broken ? FrameBuffer::State::failed : FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong), broken ? FrameBuffer::State::failed : FrameBuffer::State::ready);
     if (frame > 0) {
       ASSERT_EQ(buffer.best()->index, broken ? frame - 1 : frame);
     }
@@ -188,7 +189,7 @@ TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
       ASSERT_EQ(shown->index, target);
     }
     if (i % 4 == 0) {
-      ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+      ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
       ASSERT_EQ(buffer.best()->index, target);
     }
   }
@@ -206,13 +207,13 @@ TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
                     },
                     errors.sink(), {1, 1});
   std::vector<std::uint32_t> shown;
-  for (std::uint32_t frame = 0; frame < 200; ++frame) {
+  for (std::uint32_t frame = 0; frame < 4000 && shown.size() < 20; ++frame) {
     buffer.advance(frame);
     std::this_thread::sleep_for(milliseconds(1));
     const auto best = buffer.best();
     if (best && (shown.empty() || shown.back() != best->index)) shown.push_back(best->index);
   }
-  EXPECT_GE(shown.size(), 5u);
+  EXPECT_EQ(shown.size(), 20u);
   EXPECT_TRUE(std::is_sorted(shown.begin(), shown.end()));
 }
 
@@ -230,7 +231,7 @@ TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
   for (int i = 0; i < 20; ++i) {
     const bool voxel = i % 2 == 0;
     buffer.set_mode(voxel ? DrawMode::voxel : DrawMode::surfel);
-    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
     ASSERT_EQ(buffer.best()->cloud.size(), voxel ? 2u : 1u);
   }
 }
@@ -262,13 +263,13 @@ TEST(Pipeline, FetchesTheLayersThatAFrameLacks) {
   buffer.set_level(7);
   Errors errors;
   Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
-  ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+  ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->level, 7);
   while (buffer.held() < 3) std::this_thread::sleep_for(milliseconds(1));
   buffer.set_level(8);
   for (const std::uint32_t frame : {0, 1, 2}) {
     buffer.advance(frame);
-    ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
     EXPECT_EQ(buffer.best()->layers, 2u);
   }
   buffer.set_level(5);
@@ -284,7 +285,7 @@ TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
   FrameBuffer buffer(layered(1, 0));
   Errors errors;
   Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
-  ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+  ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->layers, 3u);
   while (pipeline.refetched() == 0) std::this_thread::sleep_for(milliseconds(1));
   EXPECT_EQ(pipeline.refetched(), 1u);
@@ -303,7 +304,7 @@ TEST(Pipeline, ShowsAFrameWithoutTheLayerThatStaysDamaged) {
     FrameBuffer buffer(layered(2, 0));
     Errors errors;
     Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
-    ASSERT_EQ(buffer.wait(milliseconds(5000), true),
+    ASSERT_EQ(buffer.wait(kLong, true),
               layer == 0 ? FrameBuffer::State::failed : FrameBuffer::State::ready);
     if (layer > 0) {
       EXPECT_EQ(buffer.best()->layers, layer);
@@ -330,12 +331,12 @@ TEST(Pipeline, ShowsTheFrameUnderTheCursorOfADrag) {
     const auto cursor = static_cast<std::uint32_t>(random() % 200);
     buffer.scrub(cursor);
     if (i % 4 != 0) continue;
-    ASSERT_EQ(buffer.wait(milliseconds(5000)), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
     ASSERT_EQ(buffer.best()->index, cursor);
     EXPECT_EQ(buffer.best()->layers, 1u);
     if (i % 40 != 0) continue;
     buffer.seek(cursor);
-    ASSERT_EQ(buffer.wait(milliseconds(5000), true), FrameBuffer::State::ready);
+    ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
     EXPECT_EQ(buffer.best()->index, cursor);
     EXPECT_EQ(buffer.best()->layers, 3u);
   }

@@ -29,7 +29,7 @@ class RawHttpClient {
   };
 
   /// `receive_buffer` > 0 bounds what the kernel takes for a client that does not read.
-  explicit RawHttpClient(std::uint16_t port, int receive_buffer = 0, int patience_ms = 10'000)
+  explicit RawHttpClient(std::uint16_t port, int receive_buffer = 0, int patience_ms = 60'000)
       : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)), patience_ms_(patience_ms) {
     if (receive_buffer > 0) {
       ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof(receive_buffer));
@@ -57,6 +57,12 @@ class RawHttpClient {
   }
 
   void end_sending() { ::shutdown(socket_, SHUT_WR); }
+
+  /// Waits until there is something to read, which stays to be read.
+  bool has_something() {
+    pollfd waiting{socket_, POLLIN, 0};
+    return holds_bytes() || ::poll(&waiting, 1, patience_ms_) == 1;
+  }
 
   /// The next response on the connection. `no_body`: it answers HEAD.
   Answer read_answer(bool no_body = false) {

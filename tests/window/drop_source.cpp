@@ -80,7 +80,7 @@ class Drag {
   /// Gives the list to whoever asks for it, until this message comes.
   std::optional<XClientMessageEvent> answer(const char* message) const {
     const Atom wanted = atom(message);
-    const auto deadline = steady_clock::now() + std::chrono::seconds(10);
+    const auto deadline = steady_clock::now() + std::chrono::seconds(60);
     while (steady_clock::now() < deadline) {
       while (XPending(display_) > 0) {
         XEvent event;

@@ -27,7 +27,7 @@ class PlayerWindow {
     std::vector<std::string> environment;  ///< "NAME=VALUE"
   };
 
-  /// Once the window is there. An error if there is none within half a minute.
+  /// Once the window is there. An error if there is none within a minute.
   static Result<std::unique_ptr<PlayerWindow>> open(VirtualDisplay& display,
                                                     const Options& options);
 
@@ -54,7 +54,7 @@ class PlayerWindow {
   bool running() const { return process_.running(); }
   pid_t pid() const { return process_.pid(); }
 
-  /// Waits until it ends by itself, for at most ten seconds, after "q" was pressed; what the player
+  /// Waits until it ends by itself, for at most a minute, after "q" was pressed; what the player
   /// tells in --json, which is discarded if it ended with an error.
   nlohmann::json quit();
   /// The same after the window was closed as by a window manager.
@@ -72,8 +72,8 @@ class PlayerWindow {
   int exit_code_ = -1;
 };
 
-/// Looks every few milliseconds; false if that does not come to hold within half a minute.
+/// Looks every few milliseconds; false if that does not come to hold within a minute.
 bool wait_until(const std::function<bool()>& holds,
-                std::chrono::milliseconds limit = std::chrono::seconds(30));
+                std::chrono::milliseconds limit = std::chrono::seconds(60));
 
 }  // namespace pointreel::window

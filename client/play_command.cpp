@@ -1,11 +1,13 @@
 #include "client/play_command.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <numbers>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -21,17 +23,27 @@ namespace {
 
 constexpr int kMaxPictureEdge = 16384;
 
+/// As many numbers as `values` has, with a separator between each two; false if it is anything
+/// else, or if one is too large.
+template <class Number, std::size_t kCount>
+bool parse_numbers(std::string_view text, char separator, std::array<Number, kCount>& values) {
+  const char *at = text.data(), *const end = at + text.size();
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (i > 0 && (at == end || *at++ != separator)) return false;
+    const auto number = std::from_chars(at, end, values[i]);
+    if (number.ec != std::errc()) return false;
+    at = number.ptr;
+  }
+  return at == end;
+}
+
 Result<glm::ivec2> parse_size(const std::string& text) {
-  glm::ivec2 size{0};
-  const char* end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.x);
-  const bool separated = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
-  const auto height = separated ? std::from_chars(width.ptr + 1, end, size.y) : width;
-  if (!separated || height.ec != std::errc() || height.ptr != end || size.x < 1 || size.y < 1 ||
-      size.x > kMaxPictureEdge || size.y > kMaxPictureEdge)
+  std::array<int, 2> size{};
+  const auto is_edge = [](int edge) { return edge >= 1 && edge <= kMaxPictureEdge; };
+  if (!parse_numbers(text, 'x', size) || !is_edge(size[0]) || !is_edge(size[1]))
     return fail(fmt::format("\"{}\" is no size such as 1280x720, at most {} a side", text,
                             kMaxPictureEdge));
-  return size;
+  return glm::ivec2(size[0], size[1]);
 }
 
 Result<glm::vec3> parse_color(const std::string& text) {
@@ -56,16 +68,12 @@ Result<CameraChoice> parse_camera(const std::string& text) {
       {"left", {radians(-90), 0.0}}, {"right", {radians(90), 0.0}},
       {"top", {0.0, radians(90)}},   {"bottom", {0.0, radians(-90)}}};
   if (const auto named = kNamed.find(text); named != kNamed.end()) return named->second;
-  double yaw = 0.0, pitch = 0.0;
-  const char* end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, yaw);
-  const bool separated = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
-  const auto second = separated ? std::from_chars(first.ptr + 1, end, pitch) : first;
-  if (separated && second.ec == std::errc() && second.ptr == end && std::isfinite(yaw) &&
-      std::abs(pitch) <= 90.0)
-    return View{radians(yaw), radians(pitch)};
+  std::array<double, 2> turn{};
+  const bool numbers = parse_numbers(text, ',', turn);
+  if (numbers && std::isfinite(turn[0]) && std::abs(turn[1]) <= 90.0)
+    return View{radians(turn[0]), radians(turn[1])};
   std::error_code none;
-  if (!separated && std::filesystem::exists(text, none)) {
+  if (!numbers && std::filesystem::exists(text, none)) {
     auto path = load_camera_path(text);
     if (!path) return tl::unexpected(path.error());
     return *std::move(path);
@@ -77,16 +85,11 @@ Result<CameraChoice> parse_camera(const std::string& text) {
 }
 
 Result<glm::dvec3> parse_position(const std::string& text) {
-  glm::dvec3 position{0.0};
-  const char *at = text.data(), *end = text.data() + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto number = std::from_chars(at, end, position[axis]);
-    const bool separated = axis < 2 ? number.ptr != end && *number.ptr == ',' : number.ptr == end;
-    if (number.ec != std::errc() || !separated || !(std::abs(position[axis]) <= 1e9))
-      return fail(fmt::format("\"{}\" is no position such as -0.5,0,1.5", text));
-    at = number.ptr + 1;
-  }
-  return position;
+  std::array<double, 3> place{};
+  const auto is_near = [](double number) { return std::abs(number) <= 1e9; };
+  if (!parse_numbers(text, ',', place) || !std::all_of(place.begin(), place.end(), is_near))
+    return fail(fmt::format("\"{}\" is no position such as -0.5,0,1.5", text));
+  return glm::dvec3(place[0], place[1], place[2]);
 }
 
 /// For options: what `parse` has to say, or nothing.
@@ -104,10 +107,8 @@ CLI::Validator check(Parse parse, const std::string& type) {
 CLI::Validator within(double min, double max) {
   return check(
       [min, max](const std::string& text) -> Result<void> {
-        double number = 0.0;
-        const char* end = text.data() + text.size();
-        const auto parsed = std::from_chars(text.data(), end, number);
-        if (parsed.ec != std::errc() || parsed.ptr != end || !(number >= min && number <= max))
+        std::array<double, 1> number{};
+        if (!parse_numbers(text, ',', number) || !(number[0] >= min && number[0] <= max))
           return fail(fmt::format("\"{}\" is no number from {:g} to {:g}", text, min, max));
         return {};
       },

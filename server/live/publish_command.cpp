@@ -24,10 +24,10 @@ namespace fs = std::filesystem;
 constexpr double kBudgetShare = 0.8;
 
 struct PublishArguments {
-  std::string input, to, token, ca_file, name, up = "y";
-  double fps = 30.0, frame_time_ms = 0.0;
-  int threads = 0;
+  std::string input, to, token, ca_file;
+  double frame_time_ms = 0.0;
   bool loop = false, follow = false, json = false;
+  SequenceArguments sequence;
   EncodeArguments encode;
   CLI::Option* frame_time_option = nullptr;
 };
@@ -42,9 +42,8 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
       !is_stream_name(stream_name(arguments.to))) {
     return fail(arguments.to + ": does not end in the stream's name, as in ws://HOST:8090/live/me");
   }
-  if (!(arguments.fps > 0.0 && arguments.fps <= 1000.0)) {
-    return fail("--fps must be above 0 and at most 1000");
-  }
+  const SequenceArguments& sequence = arguments.sequence;
+  if (const auto sound = sequence.check(); !sound) return tl::unexpected(sound.error());
   const bool pipe = arguments.input == "-";
   if (pipe && (arguments.loop || arguments.follow)) {
     return fail("--loop and --follow belong to folders");
@@ -56,11 +55,11 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
   const Result<std::optional<double>> voxel = arguments.encode.voxel();
   if (!voxel) return tl::unexpected(voxel.error());
   options.voxel = *voxel;
-  options.name = arguments.name.empty() ? stream_name(arguments.to) : arguments.name;
-  options.fps = arguments.fps;
-  options.up = arguments.up.front();
-  options.threads = arguments.threads;
-  options.frame_time_ms = kBudgetShare * 1000.0 / arguments.fps;
+  options.name = sequence.name.empty() ? stream_name(arguments.to) : sequence.name;
+  options.fps = sequence.fps;
+  options.up = sequence.up.front();
+  options.threads = sequence.threads;
+  options.frame_time_ms = kBudgetShare * 1000.0 / sequence.fps;
   if (arguments.frame_time_option->count() > 0) {
     if (!(arguments.frame_time_ms > 0.0)) return fail("--frame-time must be above 0");
     options.frame_time_ms = arguments.frame_time_ms;
@@ -77,7 +76,7 @@ Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments
   if (arguments.follow) return follow_folder(arguments.input);
   auto files = list_cloud_files({fs::path(arguments.input)});
   if (!files) return tl::unexpected(files.error());
-  return play_files(std::move(*files), arguments.fps, arguments.loop);
+  return play_files(std::move(*files), arguments.sequence.fps, arguments.loop);
 }
 
 void print_json(const PublishSummary& summary) {
@@ -165,20 +164,13 @@ void add_publish_command(CLI::App& app, int& exit_code) {
   command->add_flag("--loop", a.loop, "play the folder again and again");
   command->add_flag("--follow", a.follow,
                     "instead: the newest file of the folder, then each that is put there");
-  command->add_option("--fps", a.fps, "frames a second")->capture_default_str();
   a.frame_time_option =
       command
           ->add_option("--frame-time", a.frame_time_ms,
                        "milliseconds to encode a frame in: depth is lowered rather than falling "
                        "behind (default: 0.8 of the time between two frames)")
           ->type_name("MS");
-  command->add_option("--up", a.up, "the axis that points up")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  command->add_option("--name", a.name, "for people, instead of the stream's name");
-  command->add_option("--threads", a.threads, "0 for all processors")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  a.sequence.add_to(*command, "for people, instead of the stream's name");
   command->add_flag("--json", a.json, "the summary as JSON");
   a.encode.entropy = "zstd";  // decodes in half the time of context, at a quarter more bytes
   a.encode.add_to(*command);

@@ -100,6 +100,22 @@ void EncodeArguments::add_to(CLI::App& command) {
   add_draco_options(command, *this);
 }
 
+void SequenceArguments::add_to(CLI::App& command, const std::string& name_help) {
+  command.add_option("--fps", fps, "frames a second")->capture_default_str();
+  command.add_option("--up", up, "the axis that points up")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  command.add_option("--name", name, name_help);
+  command.add_option("--threads", threads, "0 for all processors")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+Result<void> SequenceArguments::check() const {
+  if (!(fps > 0.0 && fps <= 1e6)) return fail("--fps must be above 0 and at most 1000000");
+  return {};
+}
+
 Result<EncodeOptions> EncodeArguments::options() const {
   if (!(delta >= 0.0)) return fail("--delta must be 0 or more");
   if (slabs_option->count() > 0 && entropy != "context") {

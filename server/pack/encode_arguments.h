@@ -34,4 +34,15 @@ struct EncodeArguments {
   Result<std::optional<double>> voxel() const;
 };
 
+/// The options that say what a sequence of frames is, and how many processors encode it; likewise.
+struct SequenceArguments {
+  std::string name, up = "y";
+  double fps = 30.0;
+  int threads = 0;
+
+  void add_to(CLI::App& command, const std::string& name_help);
+  /// What is wrong with them.
+  Result<void> check() const;
+};
+
 }  // namespace pointreel

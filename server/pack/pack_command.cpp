@@ -24,11 +24,10 @@ using nlohmann::ordered_json;
 /// The command line as it was given; `make_options` turns it into what it means.
 struct PackArguments {
   std::vector<std::string> inputs;
-  std::string output, name;
+  std::string output;
+  SequenceArguments sequence;
   EncodeArguments encode;
-  std::string cube = "group", up = "y";
-  double fps = 30.0;
-  int threads = 0;
+  std::string cube = "group";
   std::uint32_t segment = 30;
   std::string bitrate;
   double frame_time_ms = 0.0;
@@ -61,10 +60,8 @@ Result<PackOptions> make_options(const PackArguments& arguments) {
   PackOptions options;
   for (const std::string& input : arguments.inputs) options.inputs.emplace_back(input);
   options.output = arguments.output;
-  options.name = arguments.name;
-  if (!(arguments.fps > 0.0 && arguments.fps <= 1e6)) {
-    return fail("--fps must be above 0 and at most 1000000");
-  }
+  options.name = arguments.sequence.name;
+  if (const auto sound = arguments.sequence.check(); !sound) return tl::unexpected(sound.error());
   const Result<EncodeOptions> encode = arguments.encode.options();
   if (!encode) return tl::unexpected(encode.error());
   options.encode = *encode;
@@ -85,10 +82,10 @@ Result<PackOptions> make_options(const PackArguments& arguments) {
     options.frame_time_ms = arguments.frame_time_ms;
   }
   options.cube_per_frame = arguments.cube == "frame";
-  options.fps = arguments.fps;
+  options.fps = arguments.sequence.fps;
   options.segment_frames = arguments.segment;
-  options.up = arguments.up.front();
-  options.threads = arguments.threads;
+  options.up = arguments.sequence.up.front();
+  options.threads = arguments.sequence.threads;
   options.force = arguments.force;
   return options;
 }
@@ -270,17 +267,10 @@ void add_pack_command(CLI::App& app, int& exit_code) {
                        "milliseconds to encode a frame in: depth is lowered rather than falling "
                        "behind (other bytes on other machines)")
           ->type_name("MS");
-  command->add_option("--fps", a.fps, "frames a second")->capture_default_str();
   command->add_option("--segment", a.segment, "frames that share a cube and a file")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
-  command->add_option("--up", a.up, "the axis that points up")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  command->add_option("--name", a.name, "the reel's name instead of its folder's");
-  command->add_option("--threads", a.threads, "0 for all processors")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  a.sequence.add_to(*command, "the reel's name instead of its folder's");
   command->add_flag("--force", a.force, "replace a package that is there already");
   a.json_option =
       command->add_option("--json", a.json, "the summary as JSON, in a file or on standard output")

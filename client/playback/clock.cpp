@@ -26,6 +26,16 @@ bool Clock::after_near_end() const {
   return range_ && base_.us >= static_cast<std::int64_t>(range_->a_us);
 }
 
+std::optional<Clock::Lap> Clock::lap(bool in_range) const {
+  if (in_range) {
+    const FrameRange frames = *loop_frames();
+    return Lap{static_cast<std::int64_t>(range_->a_us), static_cast<std::int64_t>(range_->b_us),
+               std::int64_t{frames.last} - frames.first + 1};
+  }
+  if (!loop_) return std::nullopt;
+  return Lap{0, static_cast<std::int64_t>(timeline_.duration_us), timeline_.frame_count()};
+}
+
 /// Where playback is that has gone on by so much, more than nothing.
 Clock::Place Clock::forward(std::int64_t by_us) const {
   const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
@@ -37,17 +47,10 @@ Clock::Place Clock::forward(std::int64_t by_us) const {
     at = {0, at.passed + timeline_.frame_count()};
     in_range = true;
   }
-  std::int64_t begin = 0, end = duration, frames = timeline_.frame_count();
-  if (in_range) {
-    begin = static_cast<std::int64_t>(range_->a_us);
-    end = static_cast<std::int64_t>(range_->b_us);
-    frames = loop_frames()->last - loop_frames()->first + 1;
-  } else if (!loop_) {
-    return {at.us + by_us, at.passed};
-  }
-  const std::int64_t past = at.us + by_us - end;
-  if (past < 0) return {at.us + by_us, at.passed};
-  return {begin + past % (end - begin), at.passed + (past / (end - begin) + 1) * frames};
+  const auto round = lap(in_range);
+  if (!round || at.us + by_us < round->end) return {at.us + by_us, at.passed};
+  const std::int64_t past = at.us + by_us - round->end, length = round->end - round->begin;
+  return {round->begin + past % length, at.passed + (past / length + 1) * round->frames};
 }
 
 /// Back by so much. The last microsecond before an end belongs to what lies before it.
@@ -61,17 +64,10 @@ Clock::Place Clock::backward(std::int64_t by_us) const {
     at = {duration - 1, at.passed - timeline_.frame_count()};
     in_range = true;
   }
-  std::int64_t begin = 0, end = duration, frames = timeline_.frame_count();
-  if (in_range) {
-    begin = static_cast<std::int64_t>(range_->a_us);
-    end = static_cast<std::int64_t>(range_->b_us);
-    frames = loop_frames()->last - loop_frames()->first + 1;
-  } else if (!loop_) {
-    return {at.us - by_us, at.passed};
-  }
-  if (at.us - by_us >= begin) return {at.us - by_us, at.passed};
-  const std::int64_t past = begin - (at.us - by_us) - 1;
-  return {end - 1 - past % (end - begin), at.passed - (past / (end - begin) + 1) * frames};
+  const auto round = lap(in_range);
+  if (!round || at.us - by_us >= round->begin) return {at.us - by_us, at.passed};
+  const std::int64_t past = round->begin - (at.us - by_us) - 1, length = round->end - round->begin;
+  return {round->end - 1 - past % length, at.passed - (past / length + 1) * round->frames};
 }
 
 Clock::Place Clock::place(TimePoint now) const {
@@ -135,9 +131,8 @@ void Clock::seek(std::uint64_t time_us, TimePoint now) {
 void Clock::seek_by(std::int64_t delta_us, TimePoint now) {
   const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
   const std::int64_t target = static_cast<std::int64_t>(read(now).position_us) + delta_us;
-  seek(static_cast<std::uint64_t>(loop_ ? floor_mod(target, duration)
-                                        : std::max<std::int64_t>(target, 0)),
-       now);
+  const bool begins_anew = loop_ && target >= duration;
+  seek(begins_anew ? 0 : static_cast<std::uint64_t>(std::max<std::int64_t>(target, 0)), now);
 }
 
 void Clock::step(std::int64_t frames, TimePoint now) {

@@ -62,7 +62,8 @@ class Clock {
 
   /// Goes to a time, clamped to the reel, and keeps on playing if it played.
   void seek(std::uint64_t time_us, TimePoint now);
-  /// Goes forward, or back if negative. Past either end it wraps when looping, otherwise clamps.
+  /// Goes forward, or back if negative: no farther than the start, nor than the end, where a loop
+  /// begins anew.
   void seek_by(std::int64_t delta_us, TimePoint now);
   /// Pauses and goes `frames` on, or back: exactly to that frame's time.
   void step(std::int64_t frames, TimePoint now);
@@ -95,10 +96,16 @@ class Clock {
   struct Place {
     std::int64_t us = 0, passed = 0;
   };
+  /// What is played again and again: from begin on until end is reached.
+  struct Lap {
+    std::int64_t begin = 0, end = 0, frames = 0;
+  };
   Place place(TimePoint now) const;
   // Of the range, if there is one: playing forward, or backward, from base_ turns around there.
   bool before_far_end() const;
   bool after_near_end() const;
+  /// The range, or else the reel; none if playback goes on past its ends.
+  std::optional<Lap> lap(bool in_range) const;
   Place forward(std::int64_t by_us) const;
   Place backward(std::int64_t by_us) const;
   /// Makes `now` the new point of reference without a jump.

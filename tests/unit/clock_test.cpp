@@ -101,15 +101,19 @@ TEST(Clock, SeeksBackwardWhilePlaying) {
   EXPECT_EQ(clock.read(kStart + milliseconds(1050)).frame, 3u);
 }
 
-TEST(Clock, SeekingByWrapsWhenLoopingAndClampsOtherwise) {
+TEST(Clock, SeekingByGoesNoFartherThanTheEndsAndALoopBeginsAnew) {
   Clock looping(ten_frames(), true), once(ten_frames(), false);
-  looping.seek_by(-250'000, kStart);
-  once.seek_by(-250'000, kStart);
-  EXPECT_EQ(looping.read(kStart).position_us, 750'000u);
-  EXPECT_EQ(once.read(kStart).position_us, 0u);
-  looping.seek_by(500'000, kStart);
-  once.seek_by(5'000'000, kStart);
-  EXPECT_EQ(looping.read(kStart).position_us, 250'000u);
+  for (Clock* clock : {&looping, &once}) {
+    clock->seek_by(250'000, kStart);
+    EXPECT_EQ(clock->read(kStart).position_us, 250'000u);
+    clock->seek_by(-5'000'000, kStart);
+    EXPECT_EQ(clock->read(kStart).position_us, 0u);
+    clock->seek_by(999'999, kStart);
+    EXPECT_EQ(clock->read(kStart).position_us, 999'999u);
+    clock->seek_by(5'000'000, kStart);
+  }
+  EXPECT_EQ(looping.read(kStart).position_us, 0u);
+  EXPECT_EQ(once.read(kStart).position_us, 999'999u);
   EXPECT_EQ(once.read(kStart).frame, 9u);
   EXPECT_FALSE(once.read(kStart).ended);
 }

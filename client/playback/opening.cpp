@@ -31,6 +31,12 @@ class Errand {
   bool ended_ = false;
 };
 
+/// Of the source that is being opened, which tells it.
+struct Trouble {
+  std::mutex mutex;
+  std::optional<std::string> line;
+};
+
 }  // namespace
 
 /// Owned by whoever opens and by the thread, whichever is there longer.
@@ -44,6 +50,7 @@ struct Opening::Shared {
   std::mutex mutex;  ///< of what follows
   std::optional<Opened> opened;
   bool unwanted = false;
+  const std::shared_ptr<Trouble> trouble = std::make_shared<Trouble>();
 };
 
 Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
@@ -52,6 +59,10 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
   shared_->camera_for = std::move(camera_for);
   shared_->on_error = std::move(on_error);
   options.source.stop = shared_->stop.get_token();
+  options.source.on_trouble = [trouble = shared_->trouble](const auto& line) {
+    const std::lock_guard lock(trouble->mutex);
+    trouble->line = line;
+  };
   const auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
     Opened opened = Stage::open(
         sources, options,
@@ -95,6 +106,11 @@ std::optional<Opening::Opened> Opening::poll() {
   const std::lock_guard lock(shared_->mutex);
   if (shared_->opened) shared_->unwanted = true;
   return std::exchange(shared_->opened, std::nullopt);
+}
+
+std::optional<std::string> Opening::trouble() const {
+  const std::lock_guard lock(shared_->trouble->mutex);
+  return shared_->trouble->line;
 }
 
 void retire(std::unique_ptr<Stage> stage) {

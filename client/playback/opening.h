@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "client/playback/stage.h"
@@ -26,6 +27,8 @@ class Opening {
 
   /// What came of it: once, as soon as it is there.
   std::optional<Opened> poll();
+  /// Why that takes its time, in one line, if something is wrong that may pass.
+  std::optional<std::string> trouble() const;
 
  private:
   struct Shared;

@@ -345,6 +345,8 @@ class HttpClient::Loop : HttpTransfer::Listener {
     std::string trouble;
     for (const auto& job : jobs_)
       if (job->batch != nullptr && !job->trouble.empty()) trouble = job->trouble;
+    if (trouble != trouble_ && options_.on_trouble)
+      options_.on_trouble(trouble.empty() ? std::nullopt : std::optional(trouble));
     const std::lock_guard lock(mutex_);
     trouble_ = std::move(trouble);
     publish_use();
@@ -377,7 +379,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
   std::condition_variable done_;
   std::vector<std::shared_ptr<Batch>> inbox_;
   bool cancelled_ = false, ending_ = false;
-  std::string trouble_;
+  std::string trouble_;  ///< written by the thread alone
   LinkUse use_;
 
   // Of the thread alone.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -101,7 +102,10 @@ struct SourceOptions {
   std::chrono::milliseconds first_backoff{100};  ///< doubles with each attempt
   std::chrono::milliseconds max_backoff{500};
   std::stop_token stop = {};  ///< asked to stop, opening a source fails soon
-  int open_attempts = 4;      ///< to open a source; what is fetched later is tried without end
+  /// Source::trouble whenever it changes, of sources that trouble is told of while they are opened:
+  /// HTTP. Called by any thread.
+  std::function<void(const std::optional<std::string>&)> on_trouble = {};
+  int open_attempts = 4;  ///< to open a source; what is fetched later is tried without end
 };
 
 /// A range of a layer's file that holds what is wanted of a frame.

@@ -104,6 +104,25 @@ TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
   over = true;
 }
 
+TEST_F(OpeningTest, TellsWhatItWaitsForOnceThatTakesTooLong) {
+  std::atomic<bool> over{false};
+  ScriptedHttpServer server([&](int, const std::string&) {
+    while (!over) std::this_thread::sleep_for(milliseconds(1));
+    return false;
+  });
+  Stage::Options options;
+  options.source.stall_timeout = milliseconds(50);
+  options.source.open_attempts = 1'000'000;
+  {
+    Opening opening({{server.url() + "/reel"}}, options, looking, nobody);
+    eventually([&] { return opening.trouble().has_value(); });
+    EXPECT_THAT(*opening.trouble(), HasSubstr("no answer within 0.05 s; trying again"));
+    EXPECT_THAT(*opening.trouble(), testing::StartsWith("127.0.0.1:"));
+    EXPECT_FALSE(opening.poll());
+  }
+  over = true;
+}
+
 TEST_F(OpeningTest, CallsNothingOnceItIsGone) {
   // Each of a hundred is given up at another moment.
   for (int i = 0; i < 100; ++i) {

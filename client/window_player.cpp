@@ -126,7 +126,29 @@ class WindowPlayer {
                         error);
         });
     opening_since_ = steady_clock::now();
-    glfwSetWindowTitle(window_.handle(), ("Pointreel: " + short_names(opened_)).c_str());
+    tell_title(short_names(opened_));
+  }
+
+  void tell_title(const std::string& names) {
+    glfwSetWindowTitle(window_.handle(), ("Pointreel: " + names).c_str());
+  }
+
+  /// Of what plays, or of what could not be opened if nothing does.
+  void tell_title() {
+    if (!stage_) return;
+    std::string names;
+    for (std::size_t i = 0; i < stage_->size(); ++i)
+      names += (i > 0 ? ", " : "") + stage_->playback(i).name();
+    tell_title(names);
+  }
+
+  void give_up_opening(steady_clock::time_point now) {
+    opening_.reset();
+    tell_title();
+    if (stage_)
+      interface_.say("no longer loading " + short_names(opened_), now);
+    else
+      say_error(short_names(opened_) + ": loading was given up");
   }
 
   void look_whether_open(bool& changed) {
@@ -137,6 +159,7 @@ class WindowPlayer {
     changed = true;
     if (!*opened) {
       say_error(opened->error().message);
+      tell_title();
       return;
     }
     error_.clear();
@@ -157,10 +180,7 @@ class WindowPlayer {
     controls_.begin(stage_.get(), [this] {
       return camera_at(options_, camera_time_us(), stage_->bounds(), stage_->up(), size_);
     });
-    std::string names;
-    for (std::size_t i = 0; i < stage_->size(); ++i)
-      names += (i > 0 ? ", " : "") + stage_->playback(i).name();
-    glfwSetWindowTitle(window_.handle(), ("Pointreel: " + names).c_str());
+    tell_title();
   }
 
   void say_error(const std::string& message) {
@@ -219,6 +239,7 @@ class WindowPlayer {
       if (stage_) {
         redraw = redraw || (reduction_ > 1 && presenter_->shown() && !hurried(now));
         if (auto drawn = draw(update, now, redraw); !drawn) return drawn;
+        if (shown && view_.waiting != waiting()) build_interface(now, redraw);  // for the first picture
       }
       if (shown || redraw || input.exposed || interface_.changed()) present();
     }
@@ -386,7 +407,11 @@ class WindowPlayer {
   }
 
   std::string waiting() const {
-    if (opening_) return "Loading " + short_names(opened_);
+    if (opening_) {
+      const auto trouble = opening_->trouble();
+      return "Loading " + short_names(opened_) +
+             (trouble ? "\n" + *trouble + "; ESC gives up" : "");
+    }
     if (stage_ && !presenter_->shown()) return "Waiting for the first picture";
     return {};
   }
@@ -472,6 +497,8 @@ class WindowPlayer {
       }
       redraw = redraw || before != controls_.settings() || camera != controls_.camera();
     }
+    if (input.unknown)
+      interface_.say(fmt::format("{} does nothing; ? shows the keys", *input.unknown), now);
     if (input.centered && stage_) {
       if (const auto point = presenter_->painter().point_at(in_pixels(*input.centered))) {
         controls_.center_on(*point);
@@ -499,6 +526,8 @@ class WindowPlayer {
   Result<void> act_on_window(Action action, steady_clock::time_point now) {
     if (action == Action::quit) {
       quit_ = true;
+    } else if (action == Action::leave && opening_) {
+      give_up_opening(now);
     } else if (action == Action::toggle_fullscreen ||
                (action == Action::leave && input_.fullscreen())) {
       input_.toggle_fullscreen();

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pointreel {
 
@@ -16,7 +17,10 @@ enum class Action {
   seek_back_little,
   seek_forward_far,
   seek_back_far,
+  seek_forward_tenth,
+  seek_back_tenth,
   seek_start,
+  seek_last,
   step_forward,
   step_back,
   slower,
@@ -27,6 +31,7 @@ enum class Action {
   turn_around,
   mark_loop,
   toggle_loop,
+  tell_time,
   next_mode,
   next_instancing,
   next_splatting,
@@ -43,27 +48,27 @@ enum class Action {
   quit,
 };
 
-/// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, UP, DOWN, HOME, BS,
-/// TAB, ESC, with Shift+ before those where it is held: mpv's names, and mpv's keys wherever it has
-/// the action.
+/// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, UP, DOWN, PGUP,
+/// PGDWN, HOME, END, BS, TAB, ESC, F1, F11, with Shift+ before LEFT and RIGHT where it is held:
+/// mpv's names, and mpv's keys wherever it has the action.
 struct Binding {
   std::string_view key;
   Action action;
   std::string_view help;
 };
 
-/// The only table of keys: what they do, and what the help says. Keys of the same action stand next
-/// to each other.
+/// The only table of keys: what they do, and what the help says. Keys that stand beside each other
+/// and have the same help are one line of it.
 std::span<const Binding> bindings();
 
 std::optional<Action> action_of(std::string_view key);
 
 /// One line of the help: keys, or what the mouse does, and what comes of it.
 struct HelpLine {
-  std::string keys;
+  std::vector<std::string_view> keys;
   std::string_view help;
 };
-/// The bindings, one line an action, and the mouse.
+/// The bindings, and the mouse.
 std::span<const HelpLine> help_lines();
 /// The same as text.
 std::string bindings_help();

@@ -72,7 +72,10 @@ bool Controls::act(Action action, Now now) {
       return true;
     case Action::leave:
       if (!show_help && !flying_) return false;
-      if (!std::exchange(show_help, false)) flying_ = false;
+      if (!std::exchange(show_help, false)) {
+        flying_ = false;
+        said_ = "no longer flying";
+      }
       return true;
     case Action::reset_view:
       if (stage_) camera_ = home_();
@@ -80,7 +83,7 @@ bool Controls::act(Action action, Now now) {
       return true;
     case Action::toggle_fly:
       flying_ = stage_ != nullptr && !flying_;
-      said_ = flying_ ? "flying: WASD, E up, Q down, shift: faster; TAB ends" : "orbiting";
+      if (!flying_) said_ = "no longer flying";
       return true;
     case Action::add_camera_key:
     case Action::toggle_fullscreen:
@@ -94,7 +97,9 @@ bool Controls::act(Action action, Now now) {
 
 bool Controls::act_on_time(Action action, Now now) {
   if (!reel_) {
-    if (stage_) said_ = "this is live: it has no time to go to";
+    if (stage_)
+      said_ = action == Action::toggle_play ? "live: it cannot be paused"
+                                            : "live: there is no other time to go to";
     return true;
   }
   switch (action) {
@@ -121,8 +126,23 @@ bool Controls::act_on_time(Action action, Now now) {
     case Action::seek_back_far:
       seek_by(-60 * kSecond, now);
       break;
+    case Action::seek_forward_tenth:
+    case Action::seek_back_tenth:
+      stage_->for_each_reel([&](ReelPlayback& reel) {
+        const auto tenth = static_cast<std::int64_t>(reel.timeline().duration_us / 10);
+        reel.seek_by(action == Action::seek_forward_tenth ? tenth : -tenth, now);
+      });
+      said_ = time_text(now);
+      break;
     case Action::seek_start:
       stage_->for_each_reel([&](ReelPlayback& reel) { reel.seek(0, now); });
+      said_ = time_text(now);
+      break;
+    case Action::seek_last:
+      stage_->for_each_reel([&](ReelPlayback& reel) {
+        reel.pause(now);
+        reel.seek(reel.timeline().times_us.back(), now);
+      });
       said_ = time_text(now);
       break;
     case Action::step_forward:
@@ -151,6 +171,9 @@ bool Controls::act_on_time(Action action, Now now) {
       break;
     case Action::mark_loop:
       mark_loop(now);
+      break;
+    case Action::tell_time:
+      said_ = time_text(now);
       break;
     case Action::toggle_loop: {
       const bool loop = !reel_->loop();

@@ -61,6 +61,10 @@ class Controls {
   /// Looks at everything anew, unless the user has chosen where to look from.
   void look_home_unless_moved();
   bool flying() const { return flying_; }
+  /// What keys do that do something else otherwise; empty if none does.
+  const char* unusual_keys() const {
+    return flying_ ? "Flying: W A S D, E up, Q down, shift faster; TAB or ESC ends it" : "";
+  }
 
   // Drawing.
 

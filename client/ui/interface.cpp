@@ -56,11 +56,12 @@ TimelineUse Interface::build(const View& view, Controls& controls) {
     empty_ = false;
   }
   if (Seconds(view.now - said_at_).count() > kSaidSeconds) said_.clear();
+  const std::string said = said_.empty() ? controls.unusual_keys() : said_;
   if (!view.error.empty())
     draw_error(view.error, view.hint, view.size, scale);
-  else if (!said_.empty())
-    draw_said(said_, scale);
-  empty_ = empty_ && view.error.empty() && said_.empty();
+  else if (!said.empty())
+    draw_said(said, scale);
+  empty_ = empty_ && view.error.empty() && said.empty();
 
   const float bar = opacity(view.now);
   track_.reset();

@@ -22,6 +22,19 @@ void begin_text(const char* id, ImVec2 corner, ImVec2 size) {
                    ImGuiWindowFlags_NoNav);
 }
 
+/// Looks like a key, so that dots and commas are to be seen too.
+void draw_key(std::string_view key, float scale) {
+  const char *begin = key.data(), *end = begin + key.size();
+  const ImVec2 words = ImGui::CalcTextSize(begin, end), corner = ImGui::GetCursorScreenPos();
+  const float pad = 5.0f * scale, width = std::max(words.x + 2.0f * pad, words.y);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(corner, ImVec2(corner.x + width, corner.y + words.y),
+                     ImGui::GetColorU32(ImVec4(0.22f, 0.25f, 0.30f, 1.0f)), 3.0f * scale);
+  list.AddText(ImVec2(corner.x + 0.5f * (width - words.x), corner.y),
+               ImGui::GetColorU32(ImVec4(0.75f, 0.88f, 1.0f, 1.0f)), begin, end);
+  ImGui::Dummy(ImVec2(width, words.y));
+}
+
 }  // namespace
 
 void draw_said(const std::string& text, float scale) {
@@ -80,7 +93,10 @@ bool draw_help(glm::vec2 size, float scale) {
       ImGui::TableNextRow();
       for (std::size_t i = row; i < lines.size(); i += rows) {
         ImGui::TableNextColumn();
-        ImGui::TextColored(ImVec4(0.55f, 0.78f, 1.0f, 1.0f), "%s", lines[i].keys.c_str());
+        for (std::size_t k = 0; k < lines[i].keys.size(); ++k) {
+          if (k > 0) ImGui::SameLine(0.0f, 3.0f * scale);
+          draw_key(lines[i].keys[k], scale);
+        }
         ImGui::TableNextColumn();
         ImGui::Text("%.*s  ", static_cast<int>(lines[i].help.size()), lines[i].help.data());
       }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -21,7 +23,17 @@ ImU32 grey(float value, float alpha) {
 ImU32 accent(float alpha) { return ImGui::GetColorU32(ImVec4(0.30f, 0.62f, 0.98f, alpha)); }
 ImU32 mark_color() { return ImGui::GetColorU32(ImVec4(0.98f, 0.75f, 0.25f, 1.0f)); }
 
-enum class Icon { play, pause, step_back, step_forward, loop, drawing, statistics, fullscreen };
+enum class Icon {
+  play,
+  pause,
+  step_back,
+  step_forward,
+  loop,
+  help,
+  drawing,
+  statistics,
+  fullscreen,
+};
 
 void draw_icon(ImDrawList& list, Icon icon, ImVec2 center, float r, ImU32 color) {
   const auto at = [&](float x, float y) { return ImVec2(center.x + x * r, center.y + y * r); };
@@ -50,6 +62,13 @@ void draw_icon(ImDrawList& list, Icon icon, ImVec2 center, float r, ImU32 color)
       list.PathStroke(color, 0, thick);
       list.AddTriangleFilled(at(0.95f, -0.95f), at(0.95f, -0.1f), at(0.15f, -0.35f), color);
       break;
+    case Icon::help: {
+      const float high = 2.6f * r;
+      const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(high, 1e9f, 0.0f, "?");
+      list.AddText(ImGui::GetFont(), high,
+                   ImVec2(center.x - 0.5f * size.x, center.y - 0.5f * size.y), color, "?");
+      break;
+    }
     case Icon::drawing:
       for (int row = 0; row < 3; ++row) {
         const float y = -0.65f + 0.65f * static_cast<float>(row);
@@ -200,22 +219,30 @@ class Bar {
     next_button(Icon::loop, Action::toggle_loop, view_.loop, "loop  L;  A-B loop  l");
   }
 
+  /// As much of it as there is room for, the most important first.
   void draw_text() {
-    std::string text = "live";
+    std::vector<std::string> parts = {"live"};
     if (!view_.live) {
-      text = fmt::format("{} / {}    frame {} / {}", format_time(view_.position_us),
-                         format_time(view_.duration_us), view_.frame + 1, view_.frames);
-      if (std::abs(view_.speed - 1.0) > 1e-3) text += fmt::format("    {:.2f}x", view_.speed);
-      if (view_.waiting) text += "    buffering";
+      parts = {format_time(view_.position_us), " / " + format_time(view_.duration_us),
+               fmt::format("    frame {} / {}", view_.frame + 1, view_.frames)};
+      if (std::abs(view_.speed - 1.0) > 1e-3)
+        parts.push_back(fmt::format("    {:.2f}x", view_.speed));
+      if (view_.waiting) parts.push_back("    buffering");
     }
-    ImGui::GetWindowDrawList()->AddText(
-        ImVec2(x_ + 8.0f * scale_, row() + 0.5f * (edge_ - ImGui::GetFontSize())),
-        grey(0.92f, 1.0f), text.c_str());
+    const float left = x_ + 8.0f * scale_, room = window_buttons() - 4.0f * scale_ - left;
+    std::string text;
+    for (const std::string& part : parts) {
+      if (ImGui::CalcTextSize((text + part).c_str()).x > room) break;
+      text += part;
+    }
+    ImGui::GetWindowDrawList()->AddText(ImVec2(left, row() + 0.5f * (edge_ - ImGui::GetFontSize())),
+                                        grey(0.92f, 1.0f), text.c_str());
   }
 
   void draw_window_buttons() {
-    x_ = size_.x - margin_ + 0.2f * edge_ - 3.0f * edge_;
+    x_ = window_buttons();
     if (x_ < margin_ + 4.0f * edge_) return;
+    next_button(Icon::help, Action::help, view_.help_shown, "keys and mouse  ?");
     next_button(Icon::drawing, Action::toggle_drawing, view_.drawing_shown, "how it is drawn  d");
     next_button(Icon::statistics, Action::toggle_statistics, view_.statistics_shown,
                 "statistics  i");
@@ -226,6 +253,8 @@ class Bar {
 
  private:
   float row() const { return top_ + 39.0f * scale_; }
+  /// Where the buttons on the right begin.
+  float window_buttons() const { return size_.x - margin_ + 0.2f * edge_ - 4.0f * edge_; }
 
   void next_button(Icon icon, Action action, bool lit, const char* tip) {
     ImGui::PushID(static_cast<int>(action));

@@ -26,7 +26,7 @@ struct TimelineView {
   bool playing = false, loop = false, waiting = false;
   double speed = 1.0;
 
-  bool drawing_shown = false, statistics_shown = false;
+  bool help_shown = false, drawing_shown = false, statistics_shown = false;
 };
 
 /// A picture for the time that the cursor is at; an OpenGL texture, its first row at the bottom.

@@ -6,6 +6,7 @@ namespace pointreel {
 
 TimelineView timeline_view(const Controls& controls, Controls::Now now) {
   TimelineView view;
+  view.help_shown = controls.show_help;
   view.drawing_shown = controls.show_drawing;
   view.statistics_shown = controls.show_statistics;
   view.live = controls.reel() == nullptr;

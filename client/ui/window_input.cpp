@@ -10,9 +10,9 @@
 namespace pointreel {
 namespace {
 
-constexpr double kDoubleClick = 0.35;       ///< seconds
-constexpr double kDoubleClickPixels = 5.0;  ///< at most this far apart
-constexpr std::string_view kFlyKeys = "wasdeqWASDEQ";
+constexpr double kDoubleClick = 0.35;                  ///< seconds
+constexpr double kDoubleClickPixels = 5.0;             ///< at most this far apart
+constexpr std::string_view kFlyKeys = "wasdeqWASDEQ";  // rerun's
 
 WindowInput& of(GLFWwindow* window) {
   return *static_cast<WindowInput*>(glfwGetWindowUserPointer(window));
@@ -28,8 +28,18 @@ std::string_view key_name(int key, bool shift) {
       return "UP";
     case GLFW_KEY_DOWN:
       return "DOWN";
+    case GLFW_KEY_PAGE_UP:
+      return "PGUP";
+    case GLFW_KEY_PAGE_DOWN:
+      return "PGDWN";
     case GLFW_KEY_HOME:
       return "HOME";
+    case GLFW_KEY_END:
+      return "END";
+    case GLFW_KEY_F1:
+      return "F1";
+    case GLFW_KEY_F11:
+      return "F11";
     case GLFW_KEY_BACKSPACE:
       return "BS";
     case GLFW_KEY_TAB:
@@ -54,7 +64,7 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
     } else if (character < 128) {
       const char text = static_cast<char>(character);
       if (of(w).flying_ && kFlyKeys.find(text) != std::string_view::npos) return;
-      of(w).press({&text, 1});
+      if (!of(w).press({&text, 1})) of(w).input_.unknown = text;
     }
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int modifiers) {
@@ -86,7 +96,10 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) {
     WindowInput& self = of(w);
     self.input_.any = true;
-    if (!self.covered_ || !self.covered_(self.cursor_)) self.input_.wheel += notches;
+    if (self.track_at_ && self.track_at_(self.cursor_))
+      self.step(notches);
+    else if (!self.covered_ || !self.covered_(self.cursor_))
+      self.input_.wheel += notches;
   });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     of(w).input_.any = true;
@@ -106,9 +119,18 @@ WindowInput::~WindowInput() {
   glfwSetWindowRefreshCallback(window_, nullptr);
 }
 
-void WindowInput::press(std::string_view key) {
+bool WindowInput::press(std::string_view key) {
   input_.any = true;
-  if (const auto action = action_of(key)) input_.actions.push_back(*action);
+  const auto action = action_of(key);
+  if (action) input_.actions.push_back(*action);
+  return action.has_value();
+}
+
+/// The wheel on the track: away from the user is forward, as in mpv.
+void WindowInput::step(double notches) {
+  stepped_ += notches;
+  for (; stepped_ >= 1.0; stepped_ -= 1.0) input_.actions.push_back(Action::step_forward);
+  for (; stepped_ <= -1.0; stepped_ += 1.0) input_.actions.push_back(Action::step_back);
 }
 
 void WindowInput::press_button(int button, bool shift) {

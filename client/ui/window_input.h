@@ -20,6 +20,7 @@ struct Input {
   bool any = false;      ///< something happened that could change what the window shows
   bool exposed = false;  ///< what the window showed is lost
   std::vector<Action> actions;
+  std::optional<char> unknown;  ///< a key that does nothing, by what it types
   glm::dvec2 cursor{0.0};
   bool moved = false;               ///< the cursor
   glm::dvec2 orbit{0.0}, pan{0.0};  ///< drags, in pixels
@@ -64,7 +65,8 @@ class WindowInput {
   bool fullscreen() const;
 
  private:
-  void press(std::string_view key);
+  bool press(std::string_view key);
+  void step(double notches);
   void press_button(int button, bool shift);
   void scrub();
 
@@ -76,6 +78,7 @@ class WindowInput {
   bool dragging_ = false;          ///< a button is down that went down on the picture
   std::optional<Track> scrubbed_;  ///< while the time is dragged
   bool flying_ = false;
+  double stepped_ = 0.0;   ///< notches on the track that are no whole one yet
   double clicked_ = -1.0;  ///< when, in GLFW's seconds, and where
   glm::dvec2 clicked_at_{0.0};
   std::array<int, 4> windowed_{};  ///< x, y, width, height before full screen

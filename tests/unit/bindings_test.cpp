@@ -27,6 +27,7 @@ TEST(Bindings, AreThoseOfMpv) {
   EXPECT_EQ(action_of("]"), Action::faster);
   EXPECT_EQ(action_of("p"), Action::toggle_play);
   EXPECT_EQ(action_of("UP"), Action::seek_forward_far);
+  EXPECT_EQ(action_of("o"), Action::tell_time);
   EXPECT_EQ(action_of("Shift+LEFT"), Action::seek_back_little);
   EXPECT_EQ(action_of("l"), Action::mark_loop);
   EXPECT_EQ(action_of("L"), Action::toggle_loop);
@@ -46,6 +47,21 @@ TEST(Bindings, AreAllInTheHelp) {
     EXPECT_THAT(help, testing::HasSubstr(std::string(binding.key)));
     EXPECT_THAT(help, testing::HasSubstr(std::string(binding.help)));
   }
+}
+
+TEST(Bindings, WithTheSameHelpAreOneLineOfIt) {
+  const auto keys_of = [](Action action) -> std::vector<std::string_view> {
+    for (const Binding& binding : bindings()) {
+      if (binding.action != action) continue;
+      for (const HelpLine& line : help_lines())
+        if (line.help == binding.help) return line.keys;
+    }
+    return {};
+  };
+  EXPECT_THAT(keys_of(Action::toggle_play), testing::ElementsAre("SPACE", "p"));
+  EXPECT_THAT(keys_of(Action::step_forward), testing::ElementsAre(",", "."));
+  EXPECT_THAT(keys_of(Action::quit), testing::ElementsAre("q"));
+  EXPECT_THAT(bindings_help(), testing::HasSubstr("  SPACE  p               play or pause\n"));
 }
 
 }  // namespace

@@ -65,8 +65,12 @@ TEST_F(ControlsTest, PlayPauseAndStepTellTheTime) {
 }
 
 TEST_F(ControlsTest, SeekByAsMuchAsTheirKeysSay) {
-  act(Action::toggle_loop);  // else they wrap
+  act(Action::toggle_loop);  // else it begins anew at the end
   EXPECT_EQ(said(), "no loop");
+  act(Action::seek_forward_tenth);
+  EXPECT_EQ(reel().position_us(now_), 200'000u);
+  act(Action::seek_back_tenth);
+  EXPECT_EQ(reel().position_us(now_), 0u);
   act(Action::seek_forward_little);
   EXPECT_EQ(reel().position_us(now_), 1'000'000u);
   act(Action::seek_back_far);
@@ -74,6 +78,26 @@ TEST_F(ControlsTest, SeekByAsMuchAsTheirKeysSay) {
   act(Action::seek_forward_little);
   act(Action::seek_start);
   EXPECT_EQ(reel().position_us(now_), 0u);
+}
+
+TEST_F(ControlsTest, GoToTheFirstFrameAndToTheLastOneAndPauseThere) {
+  act(Action::toggle_play);
+  act(Action::seek_last);
+  EXPECT_EQ(frame(), 19u);
+  EXPECT_FALSE(reel().playing()) << "it would be gone at once";
+  EXPECT_EQ(said(), "00:01.900 / 00:02.000   frame 20 of 20");
+  act(Action::toggle_play);
+  act(Action::seek_start);
+  EXPECT_EQ(frame(), 0u);
+  EXPECT_TRUE(reel().playing());
+}
+
+TEST_F(ControlsTest, TellTheTimeWhenAsked) {
+  act(Action::step_forward);
+  said();
+  act(Action::tell_time);
+  EXPECT_EQ(said(), "00:00.100 / 00:02.000   frame 2 of 20");
+  EXPECT_EQ(frame(), 1u);
 }
 
 TEST_F(ControlsTest, SpeedGoesUpAndDownAndBack) {
@@ -169,8 +193,10 @@ TEST_F(ControlsTest, FlyOnlyAfterItsKey) {
   Input input;
   input.fly = {0.0, 0.0, 1.0};
   EXPECT_FALSE(controls_.move(input, {600, 400}, 0.5));
+  EXPECT_STREQ(controls_.unusual_keys(), "");
   act(Action::toggle_fly);
   EXPECT_TRUE(controls_.flying());
+  EXPECT_THAT(controls_.unusual_keys(), HasSubstr("Q down"));
   const Camera before = controls_.camera();
   EXPECT_TRUE(controls_.move(input, {600, 400}, 0.5));
   const glm::dvec3 moved = controls_.camera().eye() - before.eye();

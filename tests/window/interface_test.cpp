@@ -105,6 +105,29 @@ TEST_F(InterfaceWindow, buttons_do_what_keys_do) {
   EXPECT_FALSE(quit()["window"]["loop"].get<bool>());
 }
 
+TEST_F(InterfaceWindow, the_wheel_on_the_timeline_goes_frame_by_frame_and_does_not_zoom) {
+  open({"--at", "4"});
+  pause();
+  const int from = frame();
+  player().move_to(on_timeline(0.5));
+  player().scroll(3);
+  EXPECT_TRUE(wait_for_frame(from + 3)) << frame();
+  player().scroll(-2);
+  EXPECT_TRUE(wait_for_frame(from + 1)) << frame();
+  quit();
+}
+
+TEST_F(InterfaceWindow, the_question_mark_of_the_bar_opens_the_help) {
+  open();
+  pause();
+  const glm::ivec2 size = player().size(), mark(size.x - 100, size.y - 18);
+  player().move_to(mark - glm::ivec2(3, 0));
+  EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar";
+  player().click(mark);
+  EXPECT_TRUE(wait_until([&] { return drawn(0, size.y / 2) > 20'000; }));
+  EXPECT_TRUE(quit()["window"]["shown"]["help"].get<bool>());
+}
+
 TEST_F(InterfaceWindow, a_click_on_the_bar_does_not_turn_the_camera) {
   open();
   pause();

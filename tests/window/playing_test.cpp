@@ -56,7 +56,7 @@ TEST_F(PlayingWindow, a_step_shows_the_next_frame_or_the_one_before_and_pauses) 
   quit();
 }
 
-TEST_F(PlayingWindow, other_keys_go_a_second_a_minute_and_to_the_beginning) {
+TEST_F(PlayingWindow, other_keys_go_a_second_a_minute_a_tenth_and_to_the_ends) {
   open({"--at", "5", "--no-loop"});
   pause();
   const int from = frame();
@@ -67,6 +67,25 @@ TEST_F(PlayingWindow, other_keys_go_a_second_a_minute_and_to_the_beginning) {
   player().key("Up");
   EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames - 1)) << "not beyond the end: " << frame();
   player().key("Home");
+  EXPECT_TRUE(wait_for_frame(0)) << frame();
+  player().key("Prior");
+  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames / 10)) << frame();
+  player().key("Next");
+  EXPECT_TRUE(wait_for_frame(0)) << frame();
+  player().key("space");
+  player().key("End");
+  EXPECT_EQ(paused_frame(), MovingPlate::kFrames - 1) << "paused, too";
+  quit();
+}
+
+TEST_F(PlayingWindow, arrows_go_no_farther_than_the_ends_and_a_loop_begins_anew) {
+  open({"--at", "1"});
+  pause();
+  player().key("Left");
+  EXPECT_TRUE(wait_for_frame(0)) << frame();
+  player().key("End");
+  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames - 1)) << frame();
+  player().key("Right");
   EXPECT_TRUE(wait_for_frame(0)) << frame();
   quit();
 }

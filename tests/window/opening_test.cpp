@@ -38,6 +38,20 @@ class OpeningWindow : public WindowTest {
                          [](const glm::u8vec3& c) { return std::min({c.r, c.g, c.b}) > 140; });
   }
 
+  /// From the first to the last column that has some.
+  int bright_width() {
+    const e2e::Picture picture = player().picture();
+    int first = picture.size.x, last = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+      const glm::u8vec3& c = picture.pixels[i];
+      if (std::min({c.r, c.g, c.b}) <= 140) continue;
+      const int x = static_cast<int>(i % static_cast<std::size_t>(picture.size.x));
+      first = std::min(first, x);
+      last = std::max(last, x);
+    }
+    return last - first;
+  }
+
   /// The window says it, and standard error does, in one line; "q" ends it with an error.
   void expect_error(const std::string& part) {
     EXPECT_TRUE(wait_for_err(part)) << player().err();
@@ -84,6 +98,7 @@ TEST_F(OpeningWindow, what_cannot_be_played_is_said_and_the_rest_plays_on) {
   ASSERT_TRUE(player().drop({folder_.write("notes.ply", "not a cloud at all")}));
   EXPECT_TRUE(wait_for_err("notes.ply")) << player().err();
   keep("dropped what is no cloud");
+  EXPECT_TRUE(wait_for_title(": plate")) << "what plays is told again, not " << player().title();
   ASSERT_TRUE(player().drop({plate().reel()}));
   EXPECT_TRUE(wait_for_title(": plate"));
   EXPECT_TRUE(wait_for_next_frame());
@@ -127,6 +142,18 @@ TEST_F(OpeningWindow, a_window_is_there_while_a_host_does_not_answer_and_can_be_
   open_sources({"http://" + (*link)->address() + "/slow-reel"});
   EXPECT_TRUE(wait_for_title("slow-reel"));
   quit();
+}
+
+TEST_F(OpeningWindow, a_host_that_stays_silent_is_told_and_escape_gives_up_waiting) {
+  const auto link = LinkEmulator::start({.target = "127.0.0.1:9", .conditions = {.cut = true}});
+  ASSERT_TRUE(link) << link.error().message;
+  open_sources({"http://" + (*link)->address() + "/slow-reel"});
+  EXPECT_TRUE(wait_until([&] { return bright_width() > 50; })) << "what is loading";
+  const int loading = bright_width();
+  EXPECT_TRUE(wait_until([&] { return bright_width() > 2 * loading; })) << "what is waited for";
+  keep("silent host");
+  player().key("Escape");
+  expect_error("slow-reel: loading was given up");
 }
 
 }  // namespace

@@ -87,6 +87,12 @@ class WindowPlayer {
       if (!area) return std::nullopt;
       return WindowInput::Track{area->left, area->right};
     });
+    // Panels hear of each press and of all of a drag, however long a picture takes.
+    input_.set_while_down([this](glm::dvec2 cursor, int button) {
+      view_.held = Gui::Held{cursor, button};
+      build_interface(steady_clock::now(), redraw_due_);
+      view_.held.reset();
+    });
   }
 
   bool run() {
@@ -210,7 +216,7 @@ class WindowPlayer {
       const double seconds = std::min(0.1, ms_since(before, now) / 1000.0);
       before = now;
       const Input input = input_.take();
-      bool redraw = false;
+      bool redraw = std::exchange(redraw_due_, false);
       look_whether_open(redraw);
       if (input.any || redraw) pictures_due_ = kPicturesAfterInput;
       if (auto acted = act(input, now, seconds, redraw); !acted) return acted;
@@ -239,7 +245,8 @@ class WindowPlayer {
       if (stage_) {
         redraw = redraw || (reduction_ > 1 && presenter_->shown() && !hurried(now));
         if (auto drawn = draw(update, now, redraw); !drawn) return drawn;
-        if (shown && view_.waiting != waiting()) build_interface(now, redraw);  // for the first picture
+        // What was waited for is there.
+        if (shown && view_.waiting != waiting()) build_interface(now, redraw);
       }
       if (shown || redraw || input.exposed || interface_.changed()) present();
     }
@@ -609,6 +616,7 @@ class WindowPlayer {
   steady_clock::time_point moved_{};  ///< the camera, by hand
   std::vector<Action> pressed_;       ///< of buttons, for the next round
   int pictures_due_ = 0;
+  bool redraw_due_ = false;
   steady_clock::time_point built_{}, told_{};
   double build_ms_ = 0.0;  ///< since the window last changed
   bool flown_ = false, quit_ = false;

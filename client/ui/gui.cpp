@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -136,9 +137,14 @@ bool Gui::covers(glm::dvec2 cursor, std::string_view but) const {
   return false;
 }
 
-void Gui::begin() {
+void Gui::begin(const std::optional<Held>& held) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  ImGuiIO& io = ImGui::GetIO();
+  if (held && held->button >= 0 && held->button < static_cast<int>(std::size(io.MouseDown))) {
+    io.MousePos = ImVec2(static_cast<float>(held->cursor.x), static_cast<float>(held->cursor.y));
+    io.MouseDown[held->button] = true;
+  }
   ImGui::NewFrame();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -28,9 +29,15 @@ class Gui {
   /// that is not called `but`.
   bool covers(glm::dvec2 cursor, std::string_view but = {}) const;
 
+  /// A button of the mouse that is down, and where.
+  struct Held {
+    glm::dvec2 cursor{0.0};
+    int button = 0;  ///< GLFW's
+  };
+
   /// Between these two, ImGui's functions say what there is; then draw() can draw it, as often as
-  /// the window changes.
-  void begin();
+  /// the window changes. `held`: the mouse as it was, where it is another by now.
+  void begin(const std::optional<Held>& held = {});
   void end();
   /// Whether that differs from what draw() has drawn last.
   bool changed() const { return built_ != drawn_; }

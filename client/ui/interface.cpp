@@ -48,7 +48,7 @@ bool Interface::changing(const View& view) const {
 
 TimelineUse Interface::build(const View& view, Controls& controls) {
   TimelineUse use;
-  gui_.begin();
+  gui_.begin(view.held);
   empty_ = true;
   const float scale = gui_.scale();
   if (!view.waiting.empty()) {

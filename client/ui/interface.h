@@ -32,6 +32,7 @@ class Interface {
     std::vector<StatisticsLine> statistics;  ///< while Controls::show_statistics
     RecentFrames recent;                     ///< the same
     std::optional<Thumbnail> thumbnail;      ///< for TimelineUse::hovered_us of the last build
+    std::optional<Gui::Held> held;           ///< Gui::begin's
   };
 
   Interface(GLFWwindow* window, float scale) : gui_(window, scale) {}

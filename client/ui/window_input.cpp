@@ -77,7 +77,9 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
     self.input_.any = true;
     if (action == GLFW_PRESS) {
       self.press_button(button, (modifiers & GLFW_MOD_SHIFT) != 0);
+      if (self.while_down_) self.while_down_(self.cursor_, button);
     } else {
+      if (self.while_down_) self.while_down_(self.cursor_, button);
       self.dragging_ = false;
       self.scrubbed_.reset();
     }

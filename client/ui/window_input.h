@@ -47,6 +47,9 @@ class WindowInput {
   };
   using TrackAt = std::function<std::optional<Track>(glm::dvec2 cursor)>;
 
+  /// Called when a button of the mouse has gone down, and before it is let go: it is down there.
+  using WhileDown = std::function<void(glm::dvec2 cursor, int button)>;
+
   explicit WindowInput(GLFWwindow* window);
   ~WindowInput();
   WindowInput(const WindowInput&) = delete;
@@ -54,6 +57,7 @@ class WindowInput {
 
   void set_covered(Covered covered) { covered_ = std::move(covered); }
   void set_track(TrackAt track) { track_at_ = std::move(track); }
+  void set_while_down(WhileDown call) { while_down_ = std::move(call); }
   /// W, A, S, D, E and Q are no actions, but move the camera.
   void set_flying(bool flying) { flying_ = flying; }
 
@@ -73,6 +77,7 @@ class WindowInput {
   GLFWwindow* const window_;
   Covered covered_;
   TrackAt track_at_;
+  WhileDown while_down_;
   Input input_;
   glm::dvec2 cursor_{0.0};
   bool dragging_ = false;          ///< a button is down that went down on the picture

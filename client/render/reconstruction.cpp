@@ -41,11 +41,6 @@ PixelRect coarser_part(const PixelRect& part, int times, glm::ivec2 coarser_size
           glm::min((part.max + times - 1) / times + 1, coarser_size)};
 }
 
-PixelRect both(const PixelRect& a, const PixelRect& b) {
-  if (a.min.x >= a.max.x) return b;
-  return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
-}
-
 }  // namespace
 
 Reconstruction::Reconstruction()
@@ -116,7 +111,7 @@ void Reconstruction::draw(const Level& level, const PixelRect& part) {
 Result<Reconstruction::Filling> Reconstruction::fill(const gl::Texture& sums,
                                                      const PixelRect& region, float radius) {
   // What the last picture left behind becomes 0 again.
-  PixelRect to_pull = both(pulled_region_, region);
+  PixelRect to_pull = around(pulled_region_, region);
   pulled_region_ = region;
   std::vector<PixelRect> to_push;
   PixelRect part = region;

@@ -16,8 +16,14 @@ void InstanceBounds::grow(const glm::vec3& center, float its_radius) {
   ++count;
 }
 
+PixelRect around(const PixelRect& a, const PixelRect& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}
+
 PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& to_clip,
-                    glm::ivec2 size) {
+                    glm::ivec2 size, int pixels) {
   if (bounds.empty()) return {};
   const glm::vec3 low = bounds.min - scale * bounds.radius,
                   high = bounds.max + scale * bounds.radius;
@@ -33,9 +39,10 @@ PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& 
     most = glm::max(most, glm::vec2(clip) / clip.w);
   }
   // A pixel more: sprites are never smaller than one.
+  const float more = static_cast<float>(pixels) + 1.0f;
   const glm::vec2 half = 0.5f * glm::vec2(size);
-  const glm::vec2 from = glm::floor((glm::max(least, -1.0f) + 1.0f) * half) - 1.0f;
-  const glm::vec2 to = glm::ceil((glm::min(most, 1.0f) + 1.0f) * half) + 1.0f;
+  const glm::vec2 from = glm::floor((glm::max(least, -1.0f) + 1.0f) * half) - more;
+  const glm::vec2 to = glm::ceil((glm::min(most, 1.0f) + 1.0f) * half) + more;
   const PixelRect region{glm::clamp(glm::ivec2(from), glm::ivec2(0), size),
                          glm::clamp(glm::ivec2(to), glm::ivec2(0), size)};
   return glm::any(glm::lessThan(region.max, region.min)) ? PixelRect{} : region;

@@ -21,14 +21,18 @@ struct InstanceBounds {
 /// Pixels from `min` on, lower left first, to before `max`.
 struct PixelRect {
   glm::ivec2 min{0}, max{0};
+  bool empty() const { return min.x >= max.x || min.y >= max.y; }
   bool operator==(const PixelRect&) const = default;
 };
 
+/// Holds both.
+PixelRect around(const PixelRect& a, const PixelRect& b);
+
 /// The part of a picture in which spheres around the instances, `scale` times as large as they,
-/// may show; the whole picture where some of the box is not in front of the eye. `to_clip` leads
-/// to clip coordinates whose w is the depth.
+/// may show, and `pixels` more on each side; the whole picture where some of the box is not in
+/// front of the eye. `to_clip` leads to clip coordinates whose w is the depth.
 PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& to_clip,
-                    glm::ivec2 size);
+                    glm::ivec2 size, int pixels = 0);
 
 /// Of an instance of the mean radius in the middle of them all, in pixels; 0 where that is not in
 /// front of the eye.

@@ -14,6 +14,7 @@
 #include "client/render/gl_objects.h"
 #include "client/render/image.h"
 #include "client/render/instancing/instancing.h"
+#include "client/render/region.h"
 #include "client/render/scene_instances.h"
 #include "client/render/splatting.h"
 #include "client/scene/camera.h"
@@ -86,7 +87,7 @@ class Renderer {
                          glm::ivec2 size, const DrawOptions& options);
 
   /// Copies the last picture into a framebuffer, 0 for a window's, in the size that it was to have;
-  /// lower left corners coincide.
+  /// lower left corners coincide, and what is farther out becomes background.
   void present(GLuint framebuffer) const;
 
   /// The last picture as a texture of GL_RGBA8 whose bytes are sRGB, for what draws without
@@ -122,6 +123,8 @@ class Renderer {
   InstancingMethod& method_for(Instancing instancing);
   glm::mat4 clip_from(const Camera& camera, const glm::dvec3& origin) const;
   void set_view(const Camera& camera, const glm::dvec3& origin, bool lighting) const;
+  /// Where in the picture they can show.
+  PixelRect instances_region(const DrawOptions& options) const;
   Result<void> draw_instances(const Camera& camera, const DrawOptions& options);
   Result<void> draw_surfels(const Camera& camera, const DrawOptions& options);
   Result<void> draw_voxels(const DrawOptions& options);
@@ -140,7 +143,10 @@ class Renderer {
   gl::Framebuffer picture_;
   glm::ivec2 size_{0};   ///< of the picture that was made
   glm::ivec2 shown_{0};  ///< in which it is shown
-  Camera camera_;        ///< of the last picture
+  // Of the last picture.
+  Camera camera_;
+  glm::vec3 background_{0.0f};
+  PixelRect drawn_on_;  ///< the rest is background
   SceneInstances instances_;
 };
 

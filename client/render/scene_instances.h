@@ -33,6 +33,7 @@ class SceneInstances {
                       float pixel_size, ColorSource color = ColorSource::colors);
 
   InstanceBuffer& buffer() { return instances_; }
+  const InstanceBuffer& buffer() const { return instances_; }
   const InstanceBounds& bounds() const { return bounds_; }
   /// Of the instances' coordinates, in the world.
   const glm::dvec3& origin() const { return origin_; }

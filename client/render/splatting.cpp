@@ -14,6 +14,10 @@ constexpr float kDepthTolerance = 1.0f;
 /// By what the paper enlarges (Figure 3).
 constexpr float kEnlargement = 2.0f;
 
+void scissor(const PixelRect& part) {
+  glScissor(part.min.x, part.min.y, part.max.x - part.min.x, part.max.y - part.min.y);
+}
+
 }  // namespace
 
 Splatting next(Splatting splatting) {
@@ -65,6 +69,7 @@ Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const g
   if (!resolved) return fail(resolved.error().message);
   if (auto resized = reconstruction_.resize(size); !resized) return resized;
   sums_ = std::move(sums);
+  summed_ = {glm::ivec2(0), size};  // whatever was there
   depth_ = depth.name();
   splats_ = std::move(*splats);
   picture_ = std::move(*picture);
@@ -117,8 +122,12 @@ Result<void> Splatter::draw_blended(InstancingMethod& method, const InstanceBuff
 Result<void> Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
                                        float scale, bool fill_holes, const SplatPlace& place) {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
+  // All of it are 16 bytes a pixel, which takes a while.
   const std::array<GLfloat, 4> nothing{};
+  scissor(around(std::exchange(summed_, place.region), place.region));
+  glEnable(GL_SCISSOR_TEST);
   glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
+  glDisable(GL_SCISSOR_TEST);
   glBlendFunc(GL_ONE, GL_ONE);
   if (auto drawn = method.draw(instances, Pass::surfel_sum, {scale, 0.0f}); !drawn) return drawn;
 
@@ -140,8 +149,7 @@ Result<void> Splatter::draw_normalized(InstancingMethod& method, const InstanceB
   glUniform1f(1, static_cast<float>(std::max(filling.crowd_edge, 1)));
   glBindVertexArray(no_attributes_.name());
   glEnable(GL_SCISSOR_TEST);
-  const PixelRect& region = place.region;
-  glScissor(region.min.x, region.min.y, region.max.x - region.min.x, region.max.y - region.min.y);
+  scissor(place.region);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   return {};
 }

@@ -74,6 +74,7 @@ class Splatter {
 
   gl::LateProgram resolve_;
   gl::Texture sums_;
+  PixelRect summed_;          ///< outside of it they are 0
   GLuint depth_ = 0;          ///< the caller's
   gl::Framebuffer splats_;    ///< sums and depth
   gl::Framebuffer picture_;   ///< colour and depth

@@ -57,6 +57,26 @@ TEST(Region, IsTheWholePictureAroundTheEye) {
   EXPECT_EQ(region_of(around, 1.0f, to_clip(front_camera()), kSize), whole);
 }
 
+TEST(Region, ReachesSoManyPixelsFartherWithinThePicture) {
+  InstanceBounds bounds;
+  bounds.grow({-0.9f, 0.1f, 0.0f}, 0.05f);
+  const glm::mat4 clip = to_clip(front_camera());
+  const PixelRect close = region_of(bounds, 1.0f, clip, kSize),
+                  wide = region_of(bounds, 1.0f, clip, kSize, 7);
+  EXPECT_EQ(wide.min, close.min - 7);
+  EXPECT_EQ(wide.max, close.max + 7);
+  const PixelRect widest = region_of(bounds, 1.0f, clip, kSize, 1000);
+  EXPECT_EQ(widest, (PixelRect{glm::ivec2(0), kSize}));
+}
+
+TEST(Region, AroundTwoPartsHoldsBothAndNothingForNothing) {
+  const PixelRect left{{3, 40}, {20, 60}}, right{{15, 2}, {70, 50}};
+  EXPECT_EQ(around(left, right), (PixelRect{{3, 2}, {70, 60}}));
+  EXPECT_EQ(around(left, {}), left);
+  EXPECT_EQ(around({}, right), right);
+  EXPECT_TRUE(around({}, {}).empty());
+}
+
 TEST(Region, KnowsHowLargeAnInstanceLooksInTheMiddle) {
   InstanceBounds bounds;
   EXPECT_EQ(radius_in_pixels(bounds, to_clip(front_camera()), kSize), 0.0f);

@@ -638,23 +638,42 @@ TEST_F(RendererTest, NothingIsLeftOfALargerFrameAnotherModeOrAnotherSize) {
 }
 
 TEST_F(RendererTest, PresentsTheSameBytesThatItReads) {
-  const Image image =
-      picture(frame_of(asymmetric_cloud()), front_camera(), plain(DrawMode::surfel));
   gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
   gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, kSize.x, kSize.y);
   const Result<gl::Framebuffer> target = gl::make_framebuffer(color, depth);
   ASSERT_TRUE(target);
-  renderer_->present(target->name());
-  std::vector<glm::u8vec3> bottom_up(image.pixels.size());
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glGetTextureImage(color.name(), 0, GL_RGB, GL_UNSIGNED_BYTE,
-                    static_cast<GLsizei>(bottom_up.size() * 3), bottom_up.data());
-  for (int y = 0; y < kSize.y; ++y) {
-    for (int x = 0; x < kSize.x; ++x) {
-      const auto i = static_cast<std::size_t>((kSize.y - 1 - y) * kSize.x + x);
-      ASSERT_EQ(difference(image.at(x, y), bottom_up[i]), 0);
+  const auto expect_the_same = [&](const Image& image) {
+    renderer_->present(target->name());
+    std::vector<glm::u8vec3> bottom_up(image.pixels.size());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTextureImage(color.name(), 0, GL_RGB, GL_UNSIGNED_BYTE,
+                      static_cast<GLsizei>(bottom_up.size() * 3), bottom_up.data());
+    for (int y = 0; y < kSize.y; ++y) {
+      for (int x = 0; x < kSize.x; ++x) {
+        const auto i = static_cast<std::size_t>((kSize.y - 1 - y) * kSize.x + x);
+        ASSERT_EQ(difference(image.at(x, y), bottom_up[i]), 0);
+      }
+    }
+  };
+  // Large and small, and partly out of the picture.
+  Camera near = front_camera();
+  near.distance *= 0.3;
+  Camera far = front_camera();
+  far.distance *= 20.0;
+  const auto frame = frame_of(asymmetric_cloud());
+  for (const Camera& camera : {front_camera(), near, far}) {
+    for (const DrawMode mode : kModes) {
+      DrawOptions options = plain(mode);
+      options.background = {0.37f, 0.51f, 0.83f};
+      expect_the_same(picture(frame, camera, options));
+      options.point_size = 31.0f;
+      options.splatting = Splatting::enlarged;
+      expect_the_same(picture(frame, camera, options));
+      options.floor = FloorGrid{{glm::dvec3(-1.0), glm::dvec3(1.0)}, 'y'};
+      expect_the_same(picture(frame, camera, options));
     }
   }
+  expect_the_same(picture(nullptr, front_camera(), plain(DrawMode::surfel)));
 }
 
 TEST_F(RendererTest, ColoursAreTheFramesOrMadeFromNormalsOrNone) {

@@ -21,6 +21,7 @@
 #include "common/net/websocket.h"
 #include "common/stream/package.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
@@ -59,12 +60,6 @@ std::unique_ptr<Background> serve(const fs::path& record, const std::string& lis
   return std::make_unique<Background>(
       "pointreel-server",
       std::vector<std::string>{"serve", "--live", "--record", record.string(), "--listen", listen});
-}
-
-std::string address_of(Background& server) {
-  const std::string line = server.first_line();
-  const auto at = line.find("http://");
-  return at == std::string::npos ? std::string() : line.substr(at + 7);
 }
 
 /// Connects again and again until there is a stream.
@@ -139,7 +134,7 @@ TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that
     ASSERT_TRUE(write_ply(frames / fmt::format("frame{}.ply", i), spiral(i)));
   }
   auto server = serve(record, "127.0.0.1:0");
-  const std::string address = address_of(*server);
+  const std::string address = server_address(*server);
   ASSERT_FALSE(address.empty());
   Background publisher(
       "pointreel-server",
@@ -177,7 +172,7 @@ TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that
 
   // The publisher finds the server again, and goes on where it is.
   server = serve(record, address);
-  ASSERT_FALSE(address_of(*server).empty());
+  ASSERT_FALSE(server_address(*server).empty());
   const auto viewer = join(address);
   ASSERT_NE(viewer, nullptr);
   ASSERT_TRUE(see(*viewer, view));
@@ -200,7 +195,7 @@ TEST(Live, a_publisher_without_the_token_is_refused_for_good) {
   ASSERT_TRUE(write_ply(folder.path() / "frame.ply", spiral(0)));
   Background server("pointreel-server",
                     {"serve", "--live", "--publish-token", "secret", "--listen", "127.0.0.1:0"});
-  const std::string address = address_of(server);
+  const std::string address = server_address(server);
   ASSERT_FALSE(address.empty());
   const std::string url = "ws://" + address + "/live/stage";
   const std::vector<std::string> publish = {"publish", "-i", folder.path().string(), "--to", url};

@@ -20,6 +20,7 @@
 #include "common/net/websocket.h"
 #include "tests/e2e/play.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/raw_http_client.h"
 
@@ -118,9 +119,8 @@ TEST_F(NginxTest, packages_play_from_plain_nginx_as_from_their_folder) {
 TEST_F(NginxTest, keeps_what_it_fetched_and_passes_live_streams_on) {
   Background server("pointreel-server", {"serve", (folder_ / "reels" / "wall").string(), "--live",
                                          "--listen", "127.0.0.1:0"});
-  const std::string line = server.first_line();
-  const auto port = static_cast<std::uint16_t>(std::atoi(line.substr(line.rfind(':') + 1).c_str()));
-  ASSERT_NE(port, 0) << line;
+  const std::uint16_t port = port_of(server_address(server));
+  ASSERT_NE(port, 0);
   const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t own) {
     return nginx_configuration("live.conf",
                                {{"listen 80;", fmt::format("listen 127.0.0.1:{};", own)},

@@ -10,6 +10,7 @@
 #include "tests/e2e/picture.h"
 #include "tests/e2e/play.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
@@ -76,9 +77,9 @@ TEST_F(SceneOfSources, two_reels_stand_where_they_are_put) {
 
 TEST_F(SceneOfSources, a_live_stream_and_a_reel_are_one_scene) {
   Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
-  const std::string line = server.first_line(), begin = "listening on http://";
-  ASSERT_THAT(line, testing::StartsWith(begin));
-  const std::string url = "ws://" + line.substr(begin.size()) + "/live/red";
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const std::string url = "ws://" + address + "/live/red";
   Background publisher("pointreel-server",
                        {"publish", "-i", path("red"), "--loop", "--fps", "20", "--to", url});
   const auto report = play(url, path("blue.reel"));

@@ -1,6 +1,5 @@
 #include "tests/fault/live_stage.h"
 
-#include <cmath>
 #include <utility>
 
 #include "client/source/open_live_source.h"
@@ -8,6 +7,7 @@
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
 #include "common/stream/package.h"
+#include "tests/fault/turning_ball.h"
 
 namespace pointreel {
 namespace {
@@ -15,20 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int kFrames = 64;
-constexpr int kPoints = 1500;
 constexpr auto kPatience = std::chrono::minutes(2);
-
-PointCloud ball(int frame) {
-  PointCloud cloud;
-  for (int i = 0; i < kPoints; ++i) {
-    const double z = 1.0 - 2.0 * (i + 0.5) / kPoints;
-    const double angle = 2.399963 * i + 0.01 * frame;
-    const double r = std::sqrt(1.0 - z * z);
-    cloud.positions.push_back(glm::vec3(r * std::cos(angle), r * std::sin(angle), z));
-    cloud.colors.push_back(glm::u16vec3(257 * (i % 256), 257 * (frame % 256), 257 * 200));
-  }
-  return cloud;
-}
 
 std::optional<std::uint64_t> content_of(const std::vector<LayerView>& layers) {
   const auto decoded = decode_frame(layers);
@@ -53,7 +40,7 @@ LiveReel::LiveReel() {
   EncodeOptions options;
   options.codec = octree;
   for (int i = 0; i < kFrames; ++i) {
-    frames_.push_back(*encode_frame(ball(i), Cube{glm::dvec3(-1.0), 2.0}, options));
+    frames_.push_back(*encode_frame(turning_ball(i), Cube{glm::dvec3(-1.0), 2.0}, options));
     const std::vector<LayerView> views = layer_views(frames_.back().layers);
     truth_.emplace_back();
     for (std::size_t n = 1; n <= views.size(); ++n)

@@ -1,31 +1,18 @@
 #include "tests/fault/served_reel.h"
 
-#include <cmath>
 #include <csignal>
 
 #include <fmt/format.h>
 
 #include "common/cloud/ply.h"
 #include "server/pack/packer.h"
+#include "tests/e2e/server_address.h"
+#include "tests/fault/turning_ball.h"
 
 namespace pointreel {
 namespace {
 
 constexpr int kFrames = 240;  // 8 seconds
-constexpr int kPoints = 1500;
-
-/// A ball that turns; of no two frames alike.
-PointCloud ball(int frame) {
-  PointCloud cloud;
-  for (int i = 0; i < kPoints; ++i) {
-    const double z = 1.0 - 2.0 * (i + 0.5) / kPoints;
-    const double angle = 2.399963 * i + 0.01 * frame;
-    const double r = std::sqrt(1.0 - z * z);
-    cloud.positions.push_back(glm::vec3(r * std::cos(angle), r * std::sin(angle), z));
-    cloud.colors.push_back(glm::u16vec3(257 * (i % 256), 257 * (frame % 256), 257 * 200));
-  }
-  return cloud;
-}
 
 }  // namespace
 
@@ -33,7 +20,8 @@ Result<double> make_ball_reel(const std::filesystem::path& folder) {
   const std::filesystem::path clouds = folder.string() + ".clouds";
   std::filesystem::create_directories(clouds);
   for (int i = 0; i < kFrames; ++i)
-    if (const auto written = write_ply(clouds / fmt::format("{}.ply", i), ball(i)); !written)
+    if (const auto written = write_ply(clouds / fmt::format("{}.ply", i), turning_ball(i));
+        !written)
       return tl::unexpected(written.error());
   PackOptions options;
   options.inputs = {clouds};
@@ -52,8 +40,7 @@ ServerProcess::ServerProcess(const std::filesystem::path& reel, int port,
                                         fmt::format("127.0.0.1:{}", port)};
   arguments.insert(arguments.end(), options.begin(), options.end());
   process_ = std::make_unique<e2e::Background>("pointreel-server", arguments);
-  const std::string line = process_->first_line();
-  port_ = std::atoi(line.substr(line.rfind(':') + 1).c_str());
+  port_ = e2e::port_of(e2e::server_address(*process_));
 }
 
 void ServerProcess::kill() { process_->end(SIGKILL); }

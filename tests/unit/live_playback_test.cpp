@@ -12,6 +12,7 @@
 
 #include "codec/codec.h"
 #include "common/stream/live.h"
+#include "tests/unit/live_frames.h"
 
 namespace pointreel {
 namespace {
@@ -92,13 +93,10 @@ class FakeLiveSource : public LiveSource {
   bool cancelled_ = false;
 };
 
-LiveHello plain_hello(std::uint64_t session) {
-  LiveHello hello;
-  hello.name = "plain";
-  hello.session = session;
-  hello.codec = "octree";
+/// Of a stream whose z points up.
+LiveHello hello_of(std::uint64_t session) {
+  LiveHello hello = plain_hello(session);
   hello.up = 'z';
-  hello.layer_names = {"base", "middle", "full"};
   return hello;
 }
 
@@ -138,7 +136,7 @@ struct LiveTest : testing::Test {
 };
 
 TEST_F(LiveTest, ShowsEachFrameWithItsTimeOfCapture) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   EXPECT_EQ(playback->update({}).frame, nullptr);
   for (std::uint32_t number : {3u, 4u, 9u}) {
     source->push(live_frame(number, 100));
@@ -155,7 +153,7 @@ TEST_F(LiveTest, ShowsEachFrameWithItsTimeOfCapture) {
 }
 
 TEST_F(LiveTest, KnowsItsBoundsFromTheFirstFrameIfThePublisherDoesNotSay) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   EXPECT_TRUE(playback->bounds().empty());
   source->push(live_frame(0, 400));
   wait_for(0);
@@ -166,7 +164,7 @@ TEST_F(LiveTest, KnowsItsBoundsFromTheFirstFrameIfThePublisherDoesNotSay) {
 }
 
 TEST_F(LiveTest, GoesOnFromABrokenFrameAndTellsIt) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   source->push(live_frame(0, 100));
   const auto first = wait_for(0).frame;
   source->push(broken_frame(1));
@@ -180,7 +178,7 @@ TEST_F(LiveTest, GoesOnFromABrokenFrameAndTellsIt) {
 }
 
 TEST_F(LiveTest, RefinesAFrameWhoseFinerLayersComeLater) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   source->push(live_frame(5, 400, 1));
   const Playback::Update coarse = wait_for(5);
   EXPECT_LT(coarse.frame->svo.depth, 11);
@@ -194,16 +192,16 @@ TEST_F(LiveTest, RefinesAFrameWhoseFinerLayersComeLater) {
 }
 
 TEST_F(LiveTest, ShowsThePublisherThatWasStartedAgainThoughItsNumbersBeginAnew) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   source->push(live_frame(100, 100));
   wait_for(100);
-  source->say(plain_hello(2));
+  source->say(hello_of(2));
   source->push(live_frame(0, 50));
   EXPECT_EQ(wait_for(0).frame->svo.leaf_count(), 50u);
 }
 
 TEST_F(LiveTest, NeverGoesBackAndCountsWhatWasNotShown) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   constexpr std::uint32_t kFrames = 60;
   std::atomic<bool> all_pushed{false};
   std::thread pusher([&] {
@@ -226,7 +224,7 @@ TEST_F(LiveTest, NeverGoesBackAndCountsWhatWasNotShown) {
 }
 
 TEST_F(LiveTest, EndsWhileFramesArePrepared) {
-  source->say(plain_hello(1));
+  source->say(hello_of(1));
   for (std::uint32_t i = 1; i <= 5; ++i) source->push(live_frame(i, 4000));
   playback.reset();
 }

@@ -1,21 +1,13 @@
 #include <fmt/format.h>
 
-#include "client/playback/statistics.h"
 #include "tests/bench/player/player_chapters.h"
 #include "tests/bench/player/watched_window.h"
 #include "tests/bench/stream/reels.h"
+#include "tests/bench/stream/time_json.h"
 
 namespace pointreel::bench {
-namespace {
 
 using nlohmann::json;
-
-json json_of(const TimeSamples& samples) {
-  const TimeSummary summary = samples.summary();
-  return {{"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
-}
-
-}  // namespace
 
 Result<json> run_player_start(const StreamOptions& options, std::vector<Bar>& bars) {
   const auto reels = streamed_reels(options);

@@ -16,6 +16,7 @@
 #include "common/cloud/ply.h"
 #include "tests/bench/stream/resident_memory.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 
 namespace pointreel::bench {
 namespace {
@@ -82,10 +83,9 @@ Result<json> run_memory(const StreamOptions& options, std::vector<Bar>& bars) {
   if (const auto made = make_reel(clouds, reel); !made) return tl::unexpected(made.error());
 
   e2e::Background server("pointreel-server", {"serve", reel.string(), "--listen", "127.0.0.1:0"});
-  const std::string line = server.first_line(), prefix = "listening on ";
-  if (!line.starts_with(prefix)) return fail("pointreel-server serve did not start");
-  const std::string url = line.substr(prefix.size());
-  const auto port = static_cast<std::uint16_t>(std::atoi(url.c_str() + url.rfind(':') + 1));
+  const std::string address = e2e::server_address(server), url = "http://" + address;
+  if (address.empty()) return fail("pointreel-server serve did not start");
+  const std::uint16_t port = e2e::port_of(address);
 
   // A small picture: what is drawn is not what is measured.
   const fs::path report = options.scratch / "memory.json";

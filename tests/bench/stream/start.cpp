@@ -2,20 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "client/playback/statistics.h"
+#include "tests/bench/stream/time_json.h"
 #include "tests/bench/stream/watching.h"
 
 namespace pointreel::bench {
-namespace {
 
 using nlohmann::json;
-
-json json_of(const TimeSamples& samples) {
-  const TimeSummary summary = samples.summary();
-  return {{"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
-}
-
-}  // namespace
 
 Result<json> run_start(const StreamOptions& options, std::vector<Bar>& bars) {
   const auto reels = streamed_reels(options);

@@ -15,6 +15,7 @@
 
 #include "common/stream/package.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/nginx/nginx.h"
 
 namespace pointreel::bench {
@@ -167,8 +168,7 @@ Result<json> run_throughput(const StreamOptions& options, std::vector<Bar>& bars
   }
 
   e2e::Background server("pointreel-server", {"serve", reel.string(), "--listen", "127.0.0.1:0"});
-  const std::string line = server.first_line();
-  const auto port = static_cast<std::uint16_t>(std::atoi(line.substr(line.rfind(':') + 1).c_str()));
+  const std::uint16_t port = e2e::port_of(e2e::server_address(server));
   if (port == 0) return fail("pointreel-server: does not listen");
   const auto nginx = Nginx::start(options.scratch / "nginx", [&](std::uint16_t own) {
     return nginx_configuration("packages.conf",

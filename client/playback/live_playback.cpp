@@ -111,6 +111,7 @@ void LivePlayback::receive() {
     if (!frame || !hello) continue;
     if (number != frame->number) ++order;
     number = frame->number;
+    if (!playing_ && ready_.frame) continue;
     if (received_ && received_->order < order) ++overtaken_;
     received_ = Received{order, *std::move(frame)};
     changed_.notify_one();
@@ -167,6 +168,7 @@ void LivePlayback::deliver(std::uint64_t order, std::shared_ptr<const SceneFrame
 
 Playback::Update LivePlayback::update(Clock::TimePoint) {
   const std::lock_guard lock(mutex_);
+  if (!playing_ && given_.frame) return {given_.frame};
   Update update{ready_.frame};
   update.refined = given_.frame && given_.frame != ready_.frame && given_.order == ready_.order;
   given_ = ready_;

@@ -59,6 +59,12 @@ class LivePlayback : public Playback {
 
   LiveCounts counts() const { return source_->counts(); }
 
+  /// Stands still, once there is a picture: what comes by then is left out.
+  void pause() { playing_ = false; }
+  /// Goes on with the newest frame.
+  void play() { playing_ = true; }
+  bool playing() const { return playing_; }
+
  private:
   /// A frame that came, or one that is ready.
   template <class Frame>
@@ -82,6 +88,7 @@ class LivePlayback : public Playback {
   std::atomic<DrawMode> mode_;
   std::atomic<double> delta_;
   std::atomic<bool> show_normals_;
+  std::atomic<bool> playing_{true};
   std::atomic<std::uint64_t> errors_{0};
 
   mutable std::mutex mutex_;  ///< of what follows, up to the threads

@@ -110,8 +110,15 @@ std::size_t Stage::bounded() const {
 }
 
 bool Stage::playing() const {
-  return std::any_of(parts_.begin(), parts_.end(),
-                     [](const Part& part) { return part.live != nullptr || part.reel->playing(); });
+  return std::any_of(parts_.begin(), parts_.end(), [](const Part& part) {
+    return part.live != nullptr ? part.live->playing() : part.reel->playing();
+  });
+}
+
+void Stage::set_live_playing(bool playing) {
+  for (Part& part : parts_) {
+    if (part.live != nullptr) playing ? part.live->play() : part.live->pause();
+  }
 }
 
 void Stage::look(const Camera& camera, glm::ivec2 size) {

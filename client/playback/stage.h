@@ -76,6 +76,9 @@ class Stage {
     }
   }
 
+  /// Live streams stand still, or go on.
+  void set_live_playing(bool playing);
+
   struct Change {
     std::size_t source = 0;
     bool refined = false;

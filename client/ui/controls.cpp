@@ -97,15 +97,19 @@ bool Controls::act(Action action, Now now) {
 
 bool Controls::act_on_time(Action action, Now now) {
   if (!reel_) {
-    if (stage_)
-      said_ = action == Action::toggle_play ? "live: it cannot be paused"
-                                            : "live: there is no other time to go to";
+    if (stage_ && action == Action::toggle_play) {
+      stage_->set_live_playing(!stage_->playing());
+      said_ = stage_->playing() ? "live" : "paused";
+    } else if (stage_) {
+      said_ = "live: there is no other time to go to";
+    }
     return true;
   }
   switch (action) {
     case Action::toggle_play: {
       const bool play = !reel_->playing();
       stage_->for_each_reel([&](ReelPlayback& reel) { play ? reel.play(now) : reel.pause(now); });
+      stage_->set_live_playing(play);
       break;
     }
     case Action::seek_forward:

@@ -45,6 +45,7 @@ class Controls {
 
   /// Null where nothing plays that has a time.
   const ReelPlayback* reel() const { return reel_; }
+  bool playing() const { return reel_ ? reel_->playing() : stage_ && stage_->playing(); }
   /// A of an A-B loop whose B is not set yet.
   const std::optional<std::uint64_t>& loop_begin() const { return loop_a_; }
   void scrub_to(std::uint64_t time_us, Now now);

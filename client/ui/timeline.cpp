@@ -62,13 +62,12 @@ void draw_icon(ImDrawList& list, Icon icon, ImVec2 center, float r, ImU32 color)
       list.PathStroke(color, 0, thick);
       list.AddTriangleFilled(at(0.95f, -0.95f), at(0.95f, -0.1f), at(0.15f, -0.35f), color);
       break;
-    case Icon::help: {
-      const float high = 2.6f * r;
-      const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(high, 1e9f, 0.0f, "?");
-      list.AddText(ImGui::GetFont(), high,
-                   ImVec2(center.x - 0.5f * size.x, center.y - 0.5f * size.y), color, "?");
+    case Icon::help:
+      list.PathArcTo(at(0.0f, -0.4f), 0.5f * r, 3.14f, 7.85f, 16);
+      list.PathLineTo(at(0.0f, 0.45f));
+      list.PathStroke(color, 0, thick);
+      list.AddCircleFilled(at(0.0f, 0.85f), 0.18f * r, color, 8);
       break;
-    }
     case Icon::drawing:
       for (int row = 0; row < 3; ++row) {
         const float y = -0.65f + 0.65f * static_cast<float>(row);
@@ -162,7 +161,9 @@ class Track {
 /// The time under the cursor, and what is to be seen there.
 void draw_hover(std::uint64_t time_us, const TimelineView& view, float x, float bottom,
                 const std::optional<Thumbnail>& thumbnail, float width, float scale) {
-  const std::string text = format_time(std::min(time_us, view.duration_us));
+  const std::string text =
+      fmt::format("{}   frame {}", format_time(std::min(time_us, view.duration_us)),
+                  view.timeline->frame_at(time_us) + 1);
   const ImVec2 words = ImGui::CalcTextSize(text.c_str());
   const float pad = 5.0f * scale;
   const float picture_x = thumbnail ? static_cast<float>(thumbnail->size.x) * scale : 0.0f;
@@ -212,16 +213,17 @@ class Bar {
   }
 
   void draw_time_buttons() {
-    next_button(Icon::step_back, Action::step_back, false, "one frame back  ,");
+    if (!view_.live) next_button(Icon::step_back, Action::step_back, false, "one frame back  ,");
     next_button(view_.playing ? Icon::pause : Icon::play, Action::toggle_play, false,
                 view_.playing ? "pause  SPACE" : "play  SPACE");
+    if (view_.live) return;
     next_button(Icon::step_forward, Action::step_forward, false, "one frame forward  .");
     next_button(Icon::loop, Action::toggle_loop, view_.loop, "loop  L;  A-B loop  l");
   }
 
   /// As much of it as there is room for, the most important first.
   void draw_text() {
-    std::vector<std::string> parts = {"live"};
+    std::vector<std::string> parts = {view_.playing ? "live" : "live, paused"};
     if (!view_.live) {
       parts = {format_time(view_.position_us), " / " + format_time(view_.duration_us),
                fmt::format("    frame {} / {}", view_.frame + 1, view_.frames)};
@@ -292,10 +294,8 @@ TimelineUse draw_timeline(const TimelineView& view, const std::optional<Thumbnai
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav |
                    (opacity < 1.0f ? 0 : kOnOpaqueGround));
   Bar bar(view, size, scale);
-  if (!view.live) {
-    bar.draw_track(thumbnail, dragged);
-    bar.draw_time_buttons();
-  }
+  if (!view.live) bar.draw_track(thumbnail, dragged);
+  bar.draw_time_buttons();
   bar.draw_text();
   bar.draw_window_buttons();
   ImGui::End();

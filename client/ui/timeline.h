@@ -6,13 +6,19 @@
 
 #include <glm/glm.hpp>
 
+#include "client/playback/clock.h"
 #include "client/ui/bindings.h"
 
 namespace pointreel {
 
 /// What the bar at the bottom of the window tells.
 struct TimelineView {
-  bool live = false;  ///< no reel: there is no time to go to, and of what follows only the panels'
+  bool live = false;  ///< no reel: there is no time to go to
+  bool playing = false;
+  bool help_shown = false, drawing_shown = false, statistics_shown = false;
+
+  // Of a reel.
+  const Timeline* timeline = nullptr;  ///< which outlives the view
 
   /// Frames [first, last) of which a share of what is wanted is there, 0 to 1.
   struct Buffered {
@@ -23,10 +29,8 @@ struct TimelineView {
   std::uint32_t frame = 0, frames = 1;
   std::vector<Buffered> buffered;
   std::optional<std::uint64_t> loop_a_us, loop_b_us;
-  bool playing = false, loop = false, waiting = false;
+  bool loop = false, waiting = false;
   double speed = 1.0;
-
-  bool help_shown = false, drawing_shown = false, statistics_shown = false;
 };
 
 /// A picture for the time that the cursor is at; an OpenGL texture, its first row at the bottom.

@@ -10,12 +10,14 @@ TimelineView timeline_view(const Controls& controls, Controls::Now now) {
   view.drawing_shown = controls.show_drawing;
   view.statistics_shown = controls.show_statistics;
   view.live = controls.reel() == nullptr;
+  view.playing = controls.playing();
   if (view.live) return view;
   const ReelPlayback& reel = *controls.reel();
   const Timeline& timeline = reel.timeline();
   const auto begin_of = [&](std::uint32_t frame) {
     return frame < timeline.frame_count() ? timeline.times_us[frame] : timeline.duration_us;
   };
+  view.timeline = &timeline;
   view.duration_us = timeline.duration_us;
   view.position_us = reel.position_us(now);
   view.frame = timeline.frame_at(view.position_us);
@@ -32,7 +34,6 @@ TimelineView timeline_view(const Controls& controls, Controls::Now now) {
   } else {
     view.loop_a_us = controls.loop_begin();
   }
-  view.playing = reel.playing();
   view.loop = reel.loop();
   view.waiting = reel.waiting();
   view.speed = reel.speed();

@@ -232,6 +232,26 @@ TEST_F(ControlsTest, DoEveryActionOfTheBindingsWithoutAStage) {
   EXPECT_FALSE(idle.move({}, {600, 400}, 0.1));
 }
 
+TEST(LiveControls, PauseAndGoOnAndHaveNoOtherTime) {
+  // Nobody is there: it is connected to in the background.
+  auto stage = Stage::open(
+      {{"ws://127.0.0.1:9/live/me", {}}}, {}, [](auto&&...) { return Camera{}; }, [](auto&&...) {});
+  ASSERT_TRUE(stage) << stage.error().message;
+  Controls controls{DrawSettings{}};
+  controls.begin(stage->get(), [] { return Camera{}; });
+  const Clock::TimePoint now{};
+  EXPECT_EQ(controls.reel(), nullptr);
+  EXPECT_TRUE(controls.playing());
+  controls.act(Action::toggle_play, now);
+  EXPECT_FALSE(controls.playing());
+  EXPECT_EQ(controls.take_said(), "paused");
+  controls.act(Action::toggle_play, now);
+  EXPECT_TRUE(controls.playing());
+  EXPECT_EQ(controls.take_said(), "live");
+  controls.act(Action::seek_forward, now);
+  EXPECT_EQ(controls.take_said(), "live: there is no other time to go to");
+}
+
 TEST(TimeText, HasHoursWhereThereAreAny) {
   EXPECT_EQ(format_time(0), "00:00.000");
   EXPECT_EQ(format_time(61'234'999), "01:01.234");

@@ -135,6 +135,23 @@ struct LiveTest : testing::Test {
   std::unique_ptr<LivePlayback> playback;  // last: its threads use what is above
 };
 
+TEST_F(LiveTest, StandsStillWhilePausedAndGoesOnWithTheNewest) {
+  playback->pause();
+  source->say(plain_hello(1));
+  source->push(live_frame(1, 100));
+  const auto first = wait_for(1).frame;  // there is nothing to stand still at before
+  for (std::uint32_t number = 2; number < 6; ++number) source->push(live_frame(number, 100));
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(playback->update({}).frame, first);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  playback->play();
+  EXPECT_TRUE(playback->playing());
+  source->push(live_frame(9, 100));
+  wait_for(9);
+  EXPECT_EQ(playback->dropped(), 0u);
+}
+
 TEST_F(LiveTest, ShowsEachFrameWithItsTimeOfCapture) {
   source->say(hello_of(1));
   EXPECT_EQ(playback->update({}).frame, nullptr);

@@ -8,6 +8,8 @@
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <imgui.h>
 #include <imgui_internal.h>
@@ -104,13 +106,14 @@ void draw_lists(const ImDrawData& all, std::vector<ImDrawList*>& lists) {
 
 }  // namespace
 
-Gui::Gui(GLFWwindow* window, float scale) : scale_(scale) {
+Gui::Gui(GLFWwindow* window, float scale) : window_(window), scale_(scale) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // what is remembered is in the settings file
   io.LogFilename = nullptr;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
+  io.ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;  // show_cursor does that
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
   add_font(scale);
   set_style(scale);
@@ -153,6 +156,10 @@ void Gui::end() {
   const ImDrawData& all = *ImGui::GetDrawData();
   built_.clear();
   for (int i = 0; i < all.CmdListsCount; ++i) built_.push_back(number_of(*all.CmdLists[i]));
+}
+
+void Gui::show_cursor(bool shown) {
+  glfwSetInputMode(window_, GLFW_CURSOR, shown ? GLFW_CURSOR_NORMAL : GLFW_CURSOR_HIDDEN);
 }
 
 void Gui::draw() {

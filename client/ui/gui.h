@@ -41,11 +41,14 @@ class Gui {
   void end();
   /// Whether that differs from what draw() has drawn last.
   bool changed() const { return built_ != drawn_; }
+  /// The mouse's cursor, over the window.
+  void show_cursor(bool shown);
   /// Over what is in the window's framebuffer. Windows with the flag kOnOpaqueGround are opaque,
   /// and take next to no time while they do not change; these need OpenGL 4.5.
   void draw();
 
  private:
+  GLFWwindow* const window_;
   float scale_;
   std::vector<std::uint64_t> built_, drawn_;  ///< numbers that stand for each of ImGui's lists
   PanelTextures panels_;

@@ -66,6 +66,7 @@ TimelineUse Interface::build(const View& view, Controls& controls) {
   const float bar = opacity(view.now);
   track_.reset();
   if (view.timeline && !view.timeline->live) track_ = track_area(view.size, scale);
+  gui_.show_cursor(!view.timeline || bar > 0.0f);  // as in mpv
   bar_top_ = view.timeline ? view.size.y - kTimelineHeight * scale : 1e9f;
   if (view.timeline && bar > 0.0f) {
     use =

@@ -19,8 +19,6 @@ class Draft {
   int reduction(bool hurried, std::uint64_t elements);
   /// Drawing so many, with the last reduction, took so long.
   void drew(std::uint64_t elements, double ms);
-  /// Nothing is known of how long pictures take.
-  void forget() { *this = {}; }
 
  private:
   double ms_per_element_ = -1.0;  ///< at level 0, roughly; < 0: not known

@@ -23,6 +23,11 @@ Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::i
 }
 
 Result<Image> Painter::picture() {
+  if (reduced()) {
+    options_.reduction = 1;
+    if (const auto drawn = renderer_.draw(scene_, camera_, size_, options_); !drawn)
+      return tl::unexpected(drawn.error());
+  }
   auto image = renderer_.read_pixels();
   if (!image) return image;
   if (supersample_ > 1) {

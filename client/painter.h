@@ -28,7 +28,9 @@ class Painter {
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel_from_upper_left) const {
     return renderer_.point_at(pixel_from_upper_left);
   }
-  /// What was drawn last, as it is written.
+  /// Whether the last picture was drawn smaller than it is shown (DrawOptions::reduction).
+  bool reduced() const { return options_.reduction > 1; }
+  /// What was drawn last, as it is written: never reduced.
   Result<Image> picture();
   /// Writes it as a PNG file.
   Result<void> write(const std::string& path);

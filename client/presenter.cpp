@@ -92,13 +92,15 @@ void Presenter::begin(const Stage& stage) {
   report_ = std::move(report);
   shown_ = false;
   started_.reset();
+  draft_ = {};
 }
 
 Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change>& changes,
-                             const Camera& camera, glm::ivec2 size, const DrawOptions& draw) {
+                             const Camera& camera, glm::ivec2 size, const DrawOptions& draw,
+                             bool hurried) {
   start_clock();
   shown_ = true;
-  const auto stats = paint(stage, camera, size, draw);
+  const auto stats = paint(stage, camera, size, draw, hurried);
   if (!stats) return tl::unexpected(stats.error());
   drawn_ = *stats;
   for (const Stage::Change& change : changes) {
@@ -122,19 +124,24 @@ Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change
 }
 
 Result<void> Presenter::show_again(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                                   const DrawOptions& draw) {
-  const auto drawn = paint(stage, camera, size, draw);
+                                   const DrawOptions& draw, bool hurried) {
+  const auto drawn = paint(stage, camera, size, draw, hurried);
   if (!drawn) return tl::unexpected(drawn.error());
   return {};
 }
 
 Result<DrawStats> Presenter::paint(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                                   const DrawOptions& draw) {
+                                   const DrawOptions& draw, bool hurried) {
   report_.size = size;
   report_.mode = draw.mode;
   report_.instancing = draw.instancing;
   report_.splatting = draw.splatting;
-  return painter_->draw(stage.scene(), camera, size, draw);
+  const std::uint64_t elements = element_count(stage.scene());
+  DrawOptions options = draw;
+  options.reduction = draft_.reduction(hurried, elements);
+  auto drawn = painter_->draw(stage.scene(), camera, size, options);
+  if (drawn) draft_.drew(elements, drawn->cut_ms + drawn->render_ms);
+  return drawn;
 }
 
 double Presenter::seconds() const {

@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/draft.h"
 #include "client/painter.h"
 #include "client/play_options.h"
 #include "client/playback/stage.h"
@@ -44,12 +45,13 @@ class Presenter {
   /// The report is of this stage from now on.
   void begin(const Stage& stage);
 
-  /// Draws the scene with what has changed in it.
+  /// Draws the scene with what has changed in it. `hurried`: smaller than it is shown, if that is
+  /// what there is time for (Draft).
   Result<void> show(const Stage& stage, const std::vector<Stage::Change>& changes,
-                    const Camera& camera, glm::ivec2 size, const DrawOptions& draw);
+                    const Camera& camera, glm::ivec2 size, const DrawOptions& draw, bool hurried);
   /// Draws it once more, for another camera, size or way to draw.
   Result<void> show_again(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                          const DrawOptions& draw);
+                          const DrawOptions& draw, bool hurried);
   const DrawStats& drawn() const { return drawn_; }  ///< by the last show()
   bool shown() const { return shown_; }              ///< anything at all, since begin()
 
@@ -75,10 +77,11 @@ class Presenter {
 
   /// Notes how it is drawn, and draws it.
   Result<DrawStats> paint(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                          const DrawOptions& draw);
+                          const DrawOptions& draw, bool hurried);
 
   const PlayOptions& options_;
   std::unique_ptr<Painter> painter_;
+  Draft draft_;
   PlayReport report_;
   DrawStats drawn_;
   bool shown_ = false;

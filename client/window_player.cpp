@@ -14,22 +14,20 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
+#include "client/camera_recorder.h"
 #include "client/capture.h"
-#include "client/console.h"
-#include "client/draft.h"
 #include "client/error_window.h"
 #include "client/playback/opening.h"
 #include "client/playback/stage.h"
 #include "client/presenter.h"
 #include "client/render/gl_context.h"
-#include "client/scene/camera_path.h"
 #include "client/settings.h"
 #include "client/thumbnail_painter.h"
 #include "client/ui/controls.h"
 #include "client/ui/interface.h"
-#include "client/ui/time_text.h"
 #include "client/ui/timeline_view.h"
 #include "client/ui/window_input.h"
+#include "client/window_errors.h"
 
 namespace pointreel {
 namespace {
@@ -48,7 +46,6 @@ constexpr milliseconds kStandsStill{150};
 constexpr milliseconds kPictureAwaited{80};
 /// Faster nobody reads.
 constexpr milliseconds kStatisticsPeriod{200};
-constexpr milliseconds kBrokenFrameShown{4000}, kErrorShown{8000};
 
 double ms_since(steady_clock::time_point start, steady_clock::time_point now) {
   return std::chrono::duration<double, std::milli>(now - start).count();
@@ -112,7 +109,7 @@ class WindowPlayer {
     }
     controls_.begin(nullptr, {});
     retire(std::move(stage_));
-    return error_.empty();
+    return errors_.failure().empty();
   }
 
  private:
@@ -128,8 +125,8 @@ class WindowPlayer {
           return first_camera(options, bounds, up, size);
         },
         [this, sources = opened_](std::size_t source, std::uint32_t frame, const Error& error) {
-          errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
-                        error);
+          errors_.broken(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
+                         error);
         });
     opening_since_ = steady_clock::now();
     tell_title(short_names(opened_));
@@ -168,7 +165,7 @@ class WindowPlayer {
       tell_title();
       return;
     }
-    error_.clear();
+    errors_.forget_failure();
     scrub_asked_.reset();
     hovered_us_.reset();
     controls_.begin(nullptr, {});
@@ -181,7 +178,6 @@ class WindowPlayer {
     stage_->set_pixel_size(controls_.settings().draw.pixel_size);
     drawn_mode_ = controls_.settings().draw.mode;
     presenter_->begin(*stage_);
-    draft_.forget();
     bounded_ = stage_->bounded();
     controls_.begin(stage_.get(), [this] {
       return camera_at(options_, camera_time_us(), stage_->bounds(), stage_->up(), size_);
@@ -189,11 +185,7 @@ class WindowPlayer {
     tell_title();
   }
 
-  void say_error(const std::string& message) {
-    error_ = message;
-    error_since_ = steady_clock::now();
-    fmt::print(stderr, "pointreel: {}\n", message);
-  }
+  void say_error(const std::string& message) { errors_.failed(message, steady_clock::now()); }
 
   // The loop.
 
@@ -223,7 +215,7 @@ class WindowPlayer {
       if (options_.duration && over(now, began)) break;
       if (now - last_look > milliseconds(100)) {
         last_look = now;
-        look_for_trouble(now);
+        if (stage_ && errors_.look(*stage_, now)) pictures_due_ = std::max(pictures_due_, 1);
       }
 
       glm::ivec2 size{0};
@@ -243,7 +235,7 @@ class WindowPlayer {
       if ((shown || redraw || !picture_awaited(now)) && interface_due(now))
         build_interface(now, redraw);
       if (stage_) {
-        redraw = redraw || (reduction_ > 1 && presenter_->shown() && !hurried(now));
+        redraw = redraw || (presenter_->painter().reduced() && !hurried(now));
         if (auto drawn = draw(update, now, redraw); !drawn) return drawn;
         // What was waited for is there.
         if (shown && view_.waiting != waiting()) build_interface(now, redraw);
@@ -251,13 +243,13 @@ class WindowPlayer {
       if (shown || redraw || input.exposed || interface_.changed()) present();
     }
     if (options_.screenshot.empty() || !presenter_ || !presenter_->shown()) return {};
-    return write_picture(options_.screenshot);
+    return presenter_->painter().write(options_.screenshot);
   }
 
   /// Of real time from the first picture on, or from an error that there is none for.
   bool over(steady_clock::time_point now, steady_clock::time_point began) const {
     if (presenter_ && presenter_->shown()) return presenter_->seconds() >= *options_.duration;
-    return !error_.empty() && ms_since(began, now) >= 1000.0 * *options_.duration;
+    return !errors_.failure().empty() && ms_since(began, now) >= 1000.0 * *options_.duration;
   }
 
   bool picture_awaited(steady_clock::time_point now) const {
@@ -286,13 +278,10 @@ class WindowPlayer {
     if (!shown && !redraw) return {};
     // Frames that were made for another mode are drawn as before until new ones are there.
     if (shown) drawn_mode_ = controls_.settings().draw.mode;
-    const std::uint64_t elements = element_count(stage_->scene());
-    DrawOptions draw = draw_options();
-    draw.reduction = reduction_ = draft_.reduction(hurried(now), elements);
-    const auto start = steady_clock::now();
-    auto done = shown ? presenter_->show(*stage_, update.changes, controls_.camera(), size_, draw)
-                      : presenter_->show_again(*stage_, controls_.camera(), size_, draw);
-    draft_.drew(elements, ms_since(start, steady_clock::now()));
+    const auto done = shown ? presenter_->show(*stage_, update.changes, controls_.camera(), size_,
+                                               draw_options(), hurried(now))
+                            : presenter_->show_again(*stage_, controls_.camera(), size_,
+                                                     draw_options(), hurried(now));
     if (!done || !shown) return done;
     for (const Stage::Change& change : update.changes)
       if (!change.refined)
@@ -306,16 +295,6 @@ class WindowPlayer {
     draw.mode = drawn_mode_;
     if (controls_.settings().floor) draw.floor = floor_under(*stage_, controls_.camera());
     return draw;
-  }
-
-  /// What is shown, as fine as it is to be.
-  Result<void> write_picture(const std::string& path) {
-    if (reduction_ > 1) {
-      reduction_ = 1;
-      auto drawn = presenter_->show_again(*stage_, controls_.camera(), size_, draw_options());
-      if (!drawn) return drawn;
-    }
-    return presenter_->painter().write(path);
   }
 
   void present() {
@@ -384,8 +363,8 @@ class WindowPlayer {
     int width = 1, height = 1;
     glfwGetWindowSize(window_.handle(), &width, &height);
     view_.size = {width, height};
-    view_.error = error_.empty() ? trouble_now_ : error_;
-    view_.hint = error_.empty() || stage_
+    view_.error = errors_.shown();
+    view_.hint = errors_.failure().empty() || stage_
                      ? ""
                      : "Drop a package, a folder or PLY files here, or press q to quit";
     view_.waiting = waiting();
@@ -456,39 +435,6 @@ class WindowPlayer {
     }
   }
 
-  void look_for_trouble(steady_clock::time_point now) {
-    if (!stage_) return;
-    // What was dropped could not be played; what played before goes on.
-    if (!error_.empty() && now - error_since_ > kErrorShown) {
-      error_.clear();
-      pictures_due_ = 1;
-    }
-    trouble_.look(*stage_);
-    std::string line = trouble_.now();
-    if (const auto broken = errors_.take_newest()) {
-      broken_ = *broken;
-      broken_at_ = now;
-    }
-    if (line.empty() && now - broken_at_ < kBrokenFrameShown) line = broken_;
-    if (std::exchange(trouble_now_, line) != line) pictures_due_ = 1;
-  }
-
-  /// A key of a path that `play --camera` follows: where the camera is, at the time of now. The
-  /// file is written anew with each, so that none is lost.
-  void add_camera_key(steady_clock::time_point now) {
-    if (!controls_.reel()) return;
-    if (camera_file_.empty())
-      camera_file_ = NumberedPath::parse("pointreel-camera-%04d.json")->first_free();
-    const std::uint64_t at = controls_.reel()->position_us(now);
-    camera_path_.up = controls_.camera().up;
-    camera_path_.set(key_of(controls_.camera(), at));
-    const auto saved = save_camera_path(camera_file_, camera_path_);
-    interface_.say(saved ? fmt::format("camera key {} at {}: {}", camera_path_.keys.size(),
-                                       format_time(at), camera_file_)
-                         : saved.error().message,
-                   now);
-  }
-
   // What the user does.
 
   Result<void> act(const Input& input, steady_clock::time_point now, double seconds, bool& redraw) {
@@ -539,10 +485,11 @@ class WindowPlayer {
                (action == Action::leave && input_.fullscreen())) {
       input_.toggle_fullscreen();
     } else if (action == Action::add_camera_key) {
-      add_camera_key(now);
+      if (const ReelPlayback* reel = controls_.reel())
+        interface_.say(camera_recorder_.add(controls_.camera(), reel->position_us(now)), now);
     } else if (action == Action::screenshot && presenter_ && presenter_->shown()) {
       const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
-      const auto written = write_picture(path);
+      const auto written = presenter_->painter().write(path);
       const std::string said = written ? "wrote " + path : written.error().message;
       fmt::print(stderr, "pointreel: {}\n", said);
       interface_.say(said, now);
@@ -595,8 +542,7 @@ class WindowPlayer {
   const std::stop_token stop_;
   WindowContext& window_;
   glm::ivec2 size_ = options_.size;  ///< of the picture, in pixels
-  ErrorLines errors_;
-  TroubleLines trouble_;
+  WindowErrors errors_;
   std::unique_ptr<Presenter> presenter_;  ///< null until the first window has been shown
   std::vector<Stage::Placed> opened_;
   RecentFrames recent_;
@@ -611,22 +557,14 @@ class WindowPlayer {
   Interface::View view_;
   ThumbnailPainter thumbnails_{interface_.scale()};
   std::optional<std::uint64_t> hovered_us_;  ///< the time that the cursor is at
-  Draft draft_;
-  int reduction_ = 1;                 ///< of what is shown
-  steady_clock::time_point moved_{};  ///< the camera, by hand
-  std::vector<Action> pressed_;       ///< of buttons, for the next round
+  steady_clock::time_point moved_{};         ///< the camera, by hand
+  std::vector<Action> pressed_;              ///< of buttons, for the next round
   int pictures_due_ = 0;
   bool redraw_due_ = false;
   steady_clock::time_point built_{}, told_{};
   double build_ms_ = 0.0;  ///< since the window last changed
   bool flown_ = false, quit_ = false;
-  CameraPath camera_path_;  ///< that the user has recorded so far, in this file
-  std::string camera_file_;
-  std::string error_;  ///< why the last thing that was to be played could not be
-  steady_clock::time_point error_since_{};
-  std::string trouble_now_;  ///< of what plays
-  std::string broken_;
-  steady_clock::time_point broken_at_{};
+  CameraRecorder camera_recorder_;
   std::optional<steady_clock::time_point> scrub_asked_;
   std::uint32_t scrub_frame_ = 0;
   WindowReport report_;

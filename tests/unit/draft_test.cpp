@@ -22,7 +22,7 @@ TEST(Draft, OfTheFirstPictureIsTheCoarsest) {
   draft.reduction(false, 10);
   draft.drew(10, 1.0);
   EXPECT_EQ(draft.reduction(true, 10), 1) << "it is quick enough as it is";
-  draft.forget();
+  draft = {};
   EXPECT_EQ(draft.reduction(true, 10), kCoarsest);
 }
 

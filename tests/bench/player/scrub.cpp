@@ -62,13 +62,13 @@ Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& ba
         std::this_thread::sleep_for(std::chrono::milliseconds(options.quick ? 60 : 120));
       }
       // What was asked for last is shown before the hand lets go.
-      watched->settled();
+      watched->wait_until_settled();
       player.release();
       player.move_to(size / 3);  // or a small picture would stand over the timeline
       const std::uint32_t frame = frame_at(last.x, size, reel.frames);
       // The frame's middle, so that nothing rounds to its neighbour.
-      const auto share = differing_share(watched->settled(), reel.folder.string(),
-                                         (frame + 0.5) * kFrameMs / 1000.0, size, options);
+      const auto share = watched->differing_share(reel.folder.string(),
+                                                  (frame + 0.5) * kFrameMs / 1000.0, options);
       if (!share) return tl::unexpected(share.error());
       const auto report = watched->quit();
       if (!report) return tl::unexpected(report.error());

@@ -25,8 +25,7 @@ Result<json> run_player_start(const StreamOptions& options, std::vector<Bar>& ba
         watched->player->key("Home");
         watched->player->key("space");
         watched->player->key("Home");
-        const auto share = differing_share(watched->settled(), reel.folder.string(), 0.0,
-                                           watched->player->size(), options);
+        const auto share = watched->differing_share(reel.folder.string(), 0.0, options);
         if (!share) return tl::unexpected(share.error());
         differing = *share;
       }

@@ -25,6 +25,26 @@ bool differ(const glm::u8vec3& one, const glm::u8vec3& other) {
   return false;
 }
 
+/// The rows in which the interface writes nothing by itself.
+e2e::Picture without_texts(const e2e::Picture& picture) {
+  const int bottom = std::max(kTopHeight, picture.size.y - kBarHeight);
+  if (picture.size.y < bottom) return {};
+  e2e::Picture part;
+  part.size = {picture.size.x, bottom - kTopHeight};
+  part.pixels.assign(picture.pixels.begin() + std::ptrdiff_t{kTopHeight} * picture.size.x,
+                     picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x);
+  return part;
+}
+
+/// Of pixels; 1 where the pictures are not of one size.
+double share_that_differs(const e2e::Picture& one, const e2e::Picture& other) {
+  if (one.size != other.size || one.pixels.empty()) return 1.0;
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < one.pixels.size(); ++i)
+    wrong += differ(one.pixels[i], other.pixels[i]);
+  return static_cast<double>(wrong) / static_cast<double>(one.pixels.size());
+}
+
 }  // namespace
 
 Result<WatchedWindow> WatchedWindow::open(const StreamOptions& options,
@@ -54,17 +74,7 @@ bool WatchedWindow::wait_for_picture() const {
   });
 }
 
-e2e::Picture without_texts(const e2e::Picture& picture) {
-  const int bottom = std::max(kTopHeight, picture.size.y - kBarHeight);
-  if (picture.size.y < bottom) return {};
-  e2e::Picture part;
-  part.size = {picture.size.x, bottom - kTopHeight};
-  part.pixels.assign(picture.pixels.begin() + std::ptrdiff_t{kTopHeight} * picture.size.x,
-                     picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x);
-  return part;
-}
-
-e2e::Picture WatchedWindow::settled() const {
+void WatchedWindow::wait_until_settled() const {
   e2e::Picture seen;
   auto since = steady_clock::now();
   window::wait_until([&] {
@@ -75,7 +85,6 @@ e2e::Picture WatchedWindow::settled() const {
     }
     return steady_clock::now() - since > std::chrono::milliseconds(1500);
   });
-  return seen;
 }
 
 Result<nlohmann::json> WatchedWindow::quit() {
@@ -85,19 +94,23 @@ Result<nlohmann::json> WatchedWindow::quit() {
   return report;
 }
 
-Result<double> differing_share(const e2e::Picture& shown, const std::string& reel, double at,
-                               glm::ivec2 size, const StreamOptions& options) {
+Result<double> WatchedWindow::differing_share(const std::string& reel, double at,
+                                              const StreamOptions& options) const {
+  const glm::ivec2 size = player->size();
   const std::string png = (options.scratch / "truth.png").string();
   const e2e::Outcome drawn =
       e2e::run("pointreel", {"play", reel, "--at", fmt::format("{:.6f}", at), "--offscreen",
                              fmt::format("{}x{}", size.x, size.y), "--screenshot", png});
   if (drawn.exit_code != 0) return fail("pointreel play: " + drawn.err);
   const e2e::Picture truth = without_texts(e2e::read_picture(png));
-  if (truth.size != shown.size || truth.pixels.empty()) return fail("pictures are not of one size");
-  std::size_t wrong = 0;
-  for (std::size_t i = 0; i < truth.pixels.size(); ++i)
-    wrong += differ(truth.pixels[i], shown.pixels[i]);
-  return static_cast<double>(wrong) / static_cast<double>(truth.pixels.size());
+  double share = 1.0;
+  window::wait_until(
+      [&] {
+        share = share_that_differs(without_texts(player->picture()), truth);
+        return share == 0.0;
+      },
+      std::chrono::seconds(10));
+  return share;
 }
 
 }  // namespace pointreel::bench

@@ -21,18 +21,15 @@ struct WatchedWindow {
 
   /// Until something that is not the background is in the middle of the window.
   bool wait_for_picture() const;
-  /// Until the picture has not changed for a second and a half; without_texts of it.
-  e2e::Picture settled() const;
+  /// Until the picture has not changed for a second and a half.
+  void wait_until_settled() const;
+  /// Until the window shows this frame of a package as it is drawn without a window, but for at
+  /// most ten seconds: the share of pixels that then differ by more than rounding, of those that
+  /// the interface does not write on by itself.
+  Result<double> differing_share(const std::string& reel, double at,
+                                 const StreamOptions& options) const;
   /// What the player tells once it has ended by itself.
   Result<nlohmann::json> quit();
 };
-
-/// The rows in which the interface writes nothing by itself: of what a window shows, or of what is
-/// drawn without one.
-e2e::Picture without_texts(const e2e::Picture& picture);
-
-/// Share of pixels that differ by more than rounding, of this frame drawn without a window.
-Result<double> differing_share(const e2e::Picture& shown, const std::string& reel, double at,
-                               glm::ivec2 size, const StreamOptions& options);
 
 }  // namespace pointreel::bench

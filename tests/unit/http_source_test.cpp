@@ -1,0 +1,424 @@
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/source/open_source.h"
+#include "tests/unit/scripted_http_server.h"
+#include "tests/unit/small_package.h"
+
+namespace pointreel {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+/// Serves the small package; `layer` answers for its layer files.
+ScriptedHttpServer::Handler serving(ScriptedHttpServer::Handler layer) {
+  return [layer](int socket, const std::string& head) {
+    if (!head.starts_with("GET /reel/reel.json ")) return layer(socket, head);
+    answer(socket, "200 OK", "", write_manifest(small_manifest()));
+    return true;
+  };
+}
+
+bool serve_range(int socket, const std::string& head) {
+  const Range range = range_of(head);
+  const std::size_t total = head.find("base") != std::string::npos ? 30 : 8;
+  answer(socket, "206 Partial Content",
+         fmt::format("Content-Range: bytes {}-{}/{}\r\n", range.first, range.last, total),
+         text_of(offsets(range.first, range.last - range.first + 1)));
+  return true;
+}
+
+/// The error of fetching the base of frame 0 where layer files are answered by `layer`.
+std::string fetch_error(ScriptedHttpServer::Handler layer, int* requests = nullptr,
+                        const SourceOptions& options = patient()) {
+  ScriptedHttpServer server(serving(std::move(layer)));
+  auto source = open_source(server.url() + "/reel", options);
+  if (!source) return "not opened: " + source.error().message;
+  const auto fetched = (*source)->fetch(0, {1, true, true});
+  if (requests) *requests = server.requests - 1;
+  return fetched ? "no error" : fetched.error().message;
+}
+
+TEST(HttpSource, FetchesTheWantedRangesOverAsManyConnectionsAsThereAreLayers) {
+  ScriptedHttpServer server(serving(serve_range));
+  for (const std::string end : {"/reel", "/reel/", "/reel/reel.json"}) {
+    server.connections = 0;
+    auto source = open_source(server.url() + end, patient());
+    ASSERT_TRUE(source) << source.error().message;
+    const auto frame = (*source)->fetch(1, {});
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
+    EXPECT_EQ(frame->layers[1].bytes, offsets(5, 3));
+    EXPECT_LE(server.connections, 2);
+  }
+}
+
+TEST(HttpSource, FetchesNoMoreThanWhatIsWanted) {
+  ScriptedHttpServer server(serving(serve_range));
+  auto source = open_source(server.url() + "/reel", patient());
+  const auto frame = (*source)->fetch(1, {1, false, false});
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->layers.size(), 1u);
+  EXPECT_EQ(frame->layers[0].bytes, offsets(9, 10));
+  EXPECT_EQ(frame->layers[0].sizes, (LayerSizes{10, 0, 0}));
+}
+
+TEST(HttpSource, ServesManyThreadsAtOnce) {
+  ScriptedHttpServer server(serving(serve_range));
+  auto source = open_source(server.url() + "/reel", patient());
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) {
+        const auto frame = (*source)->fetch(1, {});
+        ASSERT_TRUE(frame);
+        EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST(HttpSource, TakesAWholeFileAsTheRangeThatCoversIt) {
+  Manifest manifest = small_manifest();
+  manifest.segments[0].times_us = {0};
+  manifest.segments[0].points = {5};
+  manifest.segments[0].layers = {{"0.base.bin", 9, 1, {{4, 3, 2}}},
+                                 {"0.full.bin", 2, 2, {{2, 0, 0}}}};
+  ScriptedHttpServer server([&](int socket, const std::string& head) {
+    const auto has = [&](const char* name) { return head.find(name) != std::string::npos; };
+    answer(socket, "200 OK", "",
+           has("reel.json") ? write_manifest(manifest) : text_of(offsets(0, has("base") ? 9 : 2)));
+    return true;
+  });
+  auto source = open_source(server.url(), patient());
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->fetch(0, {})->layers[0].bytes, offsets(0, 9));
+}
+
+TEST(HttpSource, SaysThatThereIsNoPackage) {
+  ScriptedHttpServer server([](int socket, const std::string&) {
+    answer(socket, "404 Not Found", "", "nothing");
+    return true;
+  });
+  const auto source = open_source(server.url() + "/nowhere", patient());
+  EXPECT_THAT(source.error().message,
+              testing::AllOf(HasSubstr("/nowhere/reel.json"), HasSubstr("404"),
+                             HasSubstr("give the folder or address of a package")));
+  EXPECT_EQ(server.requests, 1) << "asking again would not help";
+}
+
+TEST(HttpSource, SaysThatAPageIsNoManifest) {
+  ScriptedHttpServer server([](int socket, const std::string&) {
+    answer(socket, "200 OK", "Content-Type: text/html\r\n", "<html>Welcome</html>");
+    return true;
+  });
+  const auto source = open_source(server.url(), patient());
+  ASSERT_FALSE(source);
+  EXPECT_THAT(source.error().message, HasSubstr("/reel.json: "));
+  EXPECT_EQ(source.error().message.find('\n'), std::string::npos);
+}
+
+TEST(HttpSource, SaysThatNobodyAnswers) {
+  std::string url;
+  {
+    url = ScriptedHttpServer([](int, const std::string&) { return false; }).url();
+  }
+  EXPECT_THAT(open_source(url, patient()).error().message, HasSubstr("nothing answers there"));
+}
+
+TEST(HttpSource, RefusesWholeFilesWhereARangeWasAskedFor) {
+  EXPECT_THAT(fetch_error([](int socket, const std::string&) {
+                answer(socket, "200 OK", "", text_of(offsets(0, 30)));
+                return true;
+              }),
+              HasSubstr("Range"));
+}
+
+TEST(HttpSource, RefusesARangeThatWasNotAskedFor) {
+  EXPECT_THAT(
+      fetch_error([](int socket, const std::string& head) {
+        const Range range = range_of(head);
+        answer(socket, "206 Partial Content",
+               fmt::format("Content-Range: bytes {}-{}/30\r\n", range.first + 1, range.last + 1),
+               text_of(offsets(1, 9)));
+        return true;
+      }),
+      HasSubstr("bytes 1-9/30"));
+}
+
+TEST(HttpSource, RefusesAnAnswerWithoutContentRange) {
+  EXPECT_THAT(fetch_error([](int socket, const std::string&) {
+                answer(socket, "206 Partial Content", "", text_of(offsets(0, 9)));
+                return true;
+              }),
+              HasSubstr("the server sends \"\""));
+}
+
+TEST(HttpSource, RefusesAFileThatHasChangedItsSize) {
+  EXPECT_THAT(fetch_error([](int socket, const std::string&) {
+                answer(socket, "206 Partial Content", "Content-Range: bytes 0-8/31\r\n",
+                       text_of(offsets(0, 9)));
+                return true;
+              }),
+              HasSubstr("has changed"));
+}
+
+TEST(HttpSource, StopsReadingABodyThatIsTooLong) {
+  EXPECT_THAT(fetch_error([](int socket, const std::string&) {
+                answer(socket, "206 Partial Content", "Content-Range: bytes 0-8/30\r\n",
+                       std::string(1 << 20, 'x'));
+                return true;
+              }),
+              HasSubstr("more than the 9 bytes"));
+}
+
+TEST(HttpSource, AsksOnceMoreWhereAnAnswerMakesNoSense) {
+  int requests = 0;
+  EXPECT_THAT(fetch_error(
+                  [](int socket, const std::string&) {
+                    answer(socket, "206 Partial Content", "Content-Range: bytes 1-9/30\r\n",
+                           text_of(offsets(1, 9)));
+                    return true;
+                  },
+                  &requests),
+              testing::AllOf(HasSubstr("has changed"), HasSubstr("2 attempts")));
+  EXPECT_EQ(requests, 2);
+}
+
+TEST(HttpSource, TriesAgainWhileAPackageIsOpenedAndGivesUpInTheEnd) {
+  ScriptedHttpServer server([](int socket, const std::string&) {
+    send_text(socket, "HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\nabc");
+    return false;
+  });
+  const auto source = open_source(server.url(), patient());
+  ASSERT_FALSE(source);
+  EXPECT_THAT(source.error().message,
+              testing::AllOf(HasSubstr("broke after 3 bytes"), HasSubstr("3 attempts")));
+  EXPECT_EQ(server.requests, 3);
+}
+
+TEST(HttpSource, RecoversWhenAnAttemptSucceeds) {
+  std::atomic<int> asked{0};
+  EXPECT_EQ(fetch_error([&](int socket, const std::string& head) {
+              const int number = ++asked;
+              if (number <= 2) return false;  // closes without a word
+              if (number <= 6) {
+                answer(socket, "503 Service Unavailable", "", "later");
+                return true;
+              }
+              return serve_range(socket, head);
+            }),
+            "no error");
+  EXPECT_EQ(asked, 7) << "more failures than a source is opened with";
+}
+
+TEST(HttpSource, GoesOnWhereAConnectionBroke) {
+  std::mutex mutex;
+  std::vector<std::size_t> begun;
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    const Range range = range_of(head);
+    {
+      const std::lock_guard lock(mutex);
+      begun.push_back(range.first);
+    }
+    // Four bytes of what is asked for, whatever was promised.
+    const std::size_t size = range.last - range.first + 1;
+    send_text(socket, fmt::format("HTTP/1.1 206 Partial Content\r\nContent-Range: bytes {}-{}/30"
+                                  "\r\nContent-Length: {}\r\n\r\n{}",
+                                  range.first, range.last, size,
+                                  text_of(offsets(range.first, std::min<std::size_t>(size, 4)))));
+    return false;
+  }));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  const auto frame = (*source)->fetch(1, {1, false, false});
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->layers[0].bytes, offsets(9, 10));
+  EXPECT_THAT(begun, testing::ElementsAre(9, 13, 17));
+}
+
+TEST(HttpSource, SaysWhatIsWrongUntilItHasPassed) {
+  std::atomic<bool> well{false};
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    if (well) return serve_range(socket, head);
+    answer(socket, "503 Service Unavailable", "", "later");
+    return true;
+  }));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  EXPECT_EQ((*source)->trouble(), std::nullopt);
+  std::thread fetcher([&] { EXPECT_TRUE((*source)->fetch(0, {})); });
+  std::optional<std::string> trouble;
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!trouble && std::chrono::steady_clock::now() < limit) {
+    std::this_thread::sleep_for(milliseconds(1));
+    trouble = (*source)->trouble();
+  }
+  EXPECT_EQ(trouble, server.url().substr(7) + ": the server answers 503; trying again");
+  well = true;
+  fetcher.join();
+  while ((*source)->trouble() && std::chrono::steady_clock::now() < limit)
+    std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ((*source)->trouble(), std::nullopt);
+}
+
+TEST(HttpSource, DoesNotWaitForeverForASilentServer) {
+  ScriptedHttpServer server([](int, const std::string&) { return true; });
+  SourceOptions options = patient();
+  options.stall_timeout = milliseconds(50);
+  EXPECT_THAT(open_source(server.url(), options).error().message,
+              testing::AllOf(HasSubstr("no answer within"), HasSubstr("3 attempts")));
+}
+
+TEST(HttpSource, AsksAnewOverAnotherConnectionWhereNothingComes) {
+  std::atomic<int> asked{0};
+  SourceOptions options = patient();
+  options.stall_timeout = milliseconds(300);
+  EXPECT_EQ(fetch_error(
+                [&](int socket, const std::string& head) {
+                  if (++asked == 1) {
+                    send_text(socket,
+                              "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-8/30\r\n"
+                              "Content-Length: 9\r\n\r\n");
+                    return true;  // and nothing more
+                  }
+                  return serve_range(socket, head);
+                },
+                nullptr, options),
+            "no error");
+  EXPECT_GE(asked, 2);
+}
+
+TEST(HttpSource, FetchesTheLayersOfAFrameAtTheSameTime) {
+  std::mutex mutex;
+  std::condition_variable both;
+  int here = 0;
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    std::unique_lock lock(mutex);
+    ++here;
+    both.notify_all();
+    const bool met = both.wait_for(lock, std::chrono::seconds(60), [&] { return here == 2; });
+    EXPECT_TRUE(met) << "one waits for the other";
+    lock.unlock();
+    return serve_range(socket, head);
+  }));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  EXPECT_TRUE((*source)->fetch(0, {}));
+}
+
+TEST(HttpSource, FailsAtOnceAfterCancel) {
+  ScriptedHttpServer server(serving([](int, const std::string&) { return true; }));
+  auto source = open_source(server.url() + "/reel", patient());
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(milliseconds(50));
+    (*source)->cancel();
+  });
+  EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("cancelled"));
+  canceller.join();
+  EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("cancelled"));
+}
+
+TEST(HttpSource, StopsOneFetchAndNotTheOthers) {
+  std::atomic<bool> asked{false};
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    if (range_of(head).first == 0 && head.find("base") != std::string::npos) {
+      asked = true;
+      return true;  // frame 0 never comes
+    }
+    return serve_range(socket, head);
+  }));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  std::stop_source stop;
+  std::thread fetcher([&] {
+    FetchRequest request;
+    request.stop = stop.get_token();
+    EXPECT_THAT((*source)->fetch(0, request).error().message, HasSubstr("cancelled"));
+  });
+  while (!asked) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_TRUE((*source)->fetch(1, {}));
+  stop.request_stop();
+  fetcher.join();
+  EXPECT_TRUE((*source)->fetch(1, {}));
+}
+
+TEST(HttpSource, KeepsTheConnectionOfAStoppedFetchIfLittleIsMissing) {
+  std::atomic<int> asked{0};
+  std::stop_source stop;
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    if (++asked == 1) {
+      stop.request_stop();
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    return serve_range(socket, head);
+  }));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  FetchRequest request{1, false, false};
+  request.stop = stop.get_token();
+  EXPECT_THAT((*source)->fetch(0, request).error().message, HasSubstr("cancelled"));
+  // While the answer is still coming a second connection may be made, but no more than that.
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE((*source)->fetch(1, {1, false, false}));
+  EXPECT_LE(server.connections, 2);
+}
+
+TEST(HttpSource, SendsItsTokenAndAsksPastCachesForWhatCameDamaged) {
+  std::mutex mutex;
+  std::string heads;
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    const std::lock_guard lock(mutex);
+    heads += head + "\n";
+    return serve_range(socket, head);
+  }));
+  SourceOptions options = patient();
+  options.token = "open-sesame";
+  auto source = open_source(server.url() + "/reel", options);
+  ASSERT_TRUE(source);
+  FetchRequest request{1, false, false};
+  ASSERT_TRUE((*source)->fetch(0, request));
+  EXPECT_THAT(heads, HasSubstr("Authorization: Bearer open-sesame"));
+  EXPECT_THAT(heads, testing::Not(HasSubstr("no-cache")));
+  request.fresh = true;
+  ASSERT_TRUE((*source)->fetch(0, request));
+  EXPECT_THAT(heads, HasSubstr("Cache-Control: no-cache"));
+}
+
+TEST(HttpSource, FetchesOnlyTheLayersThatAreMissing) {
+  ScriptedHttpServer server(serving(serve_range));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  FetchRequest request;
+  request.first_layer = 1;
+  const auto frame = (*source)->fetch(1, request);
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->layers.size(), 1u);
+  EXPECT_EQ(frame->layers[0].bytes, offsets(5, 3));
+  EXPECT_EQ(server.requests, 2);
+}
+
+TEST(HttpSource, CountsWhatTheLinkCarried) {
+  ScriptedHttpServer server(serving(serve_range));
+  auto source = open_source(server.url() + "/reel", patient());
+  ASSERT_TRUE(source);
+  const std::uint64_t before = (*source)->link_use().bytes;
+  ASSERT_TRUE((*source)->fetch(1, {}));
+  const LinkUse use = (*source)->link_use();
+  EXPECT_EQ(use.bytes, before + 24);
+  EXPECT_GT(use.round_trip.count(), 0);
+  EXPECT_LE(use.receiving, use.busy);
+}
+
+}  // namespace
+}  // namespace pointreel

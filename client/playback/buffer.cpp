@@ -179,11 +179,13 @@ void FrameBuffer::set_pace(const Pace& pace) {
     const std::lock_guard lock(mutex_);
     const std::uint32_t fetch_ahead =
         std::clamp(pace.fetch_ahead, options_.ahead, options_.frame_count - 1);
-    const Pace before{fetch_ahead_, lead_, options_.base_first, focus_};
-    if (Pace{fetch_ahead, pace.lead, pace.base_first, pace.focus} == before) return;
+    const Pace before{fetch_ahead_, lead_, options_.base_first, focus_, coarse_first_};
+    if (Pace{fetch_ahead, pace.lead, pace.base_first, pace.focus, pace.coarse_first} == before)
+      return;
     fetch_ahead_ = fetch_ahead;
     lead_ = pace.lead;
     focus_ = pace.focus;
+    coarse_first_ = pace.coarse_first;
     options_.base_first = pace.base_first;
   }
   wake_all();
@@ -301,7 +303,7 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
   const auto frame = at(step);
   if (!frame || finished_.contains(*frame) != again) return std::nullopt;
   const LayerSet want = wanted(*frame);
-  const std::uint32_t layers = store_.usable(*frame, want);
+  std::uint32_t layers = store_.usable(*frame, want);
   if (layers == 0) {
     // Broken beyond what is known of it here: the playhead has come back to it, or it was given up
     // before it came into the window.
@@ -311,8 +313,10 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
     }
     return std::nullopt;
   }
-  const int level = target(layers);
   const auto making = making_.find(*frame);
+  // Other threads make the rest at the same time.
+  if (coarse_first_ && step == 0 && !again && making == making_.end()) layers = 1;
+  const int level = target(layers);
   if (making != making_.end() && making->second.level >= level) return std::nullopt;
   if (!again && step > kSoon && store_.coming(*frame, want)) return std::nullopt;
   if (again && (step < lead_ || !lacks(*frame, level, want))) return std::nullopt;

@@ -104,6 +104,8 @@ class FrameBuffer {
     /// The playhead's frame is waited for: until it is as fine as can be, nothing else is fetched
     /// or made, and then one frame at a time.
     bool focus = false;
+    /// The playhead's frame is made of its base first, even where all of it is there.
+    bool coarse_first = false;
     bool operator==(const Pace&) const = default;
   };
   void set_pace(const Pace& pace);
@@ -210,7 +212,7 @@ class FrameBuffer {
   int direction_ = 1;
   std::optional<FrameRange> loop_range_;
   std::uint32_t fetch_ahead_ = 0, lead_ = 0;
-  bool focus_ = false, scrubbing_ = false;
+  bool focus_ = false, coarse_first_ = false, scrubbing_ = false;
   std::uint64_t epoch_ = 0, generation_ = 0, order_ = 0;
   bool closed_ = false;
   int level_ = kWholeFrame;

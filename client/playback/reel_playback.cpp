@@ -172,6 +172,8 @@ void ReelPlayback::set_pace() {
   }
   // Who has jumped, looks at one frame, or sees nothing yet, waits for that one.
   pace.focus = !awaiting_ && (!given_ || !clock_.playing() || hold_ == Hold::jump);
+  // Nothing to be seen is worse than a coarse picture, wherever the frames come from.
+  pace.coarse_first = !awaiting_ && !given_;
   buffer_.set_pace(pace);
 }
 

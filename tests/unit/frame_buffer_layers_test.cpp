@@ -170,6 +170,27 @@ TEST(FrameBuffer, ShowsTheBaseUntilTheRestIsThere) {
   EXPECT_EQ(buffer.best()->level, kWholeFrame);
 }
 
+TEST(FrameBuffer, MakesTheFirstFrameOfItsBaseFirstAndOfAllBesideIt) {
+  FrameBuffer::Options options = layered(10, 2);
+  options.base_first = false;
+  FrameBuffer buffer(options);
+  buffer.set_pace({.fetch_ahead = 4, .focus = true, .coarse_first = true});
+  fetch(buffer);  // all of 0
+  const auto base = buffer.next_wanted(), rest = buffer.next_wanted();
+  EXPECT_EQ(base->layers, 1u);
+  EXPECT_EQ(rest->frame, 0u);
+  EXPECT_EQ(rest->layers, 3u);
+  buffer.deliver(*base, picture_at(0, 7));
+  ASSERT_TRUE(buffer.best());
+  EXPECT_EQ(buffer.best()->level, 7);
+  buffer.deliver(*rest, picture_at(0, kWholeFrame));
+  EXPECT_EQ(buffer.best()->level, kWholeFrame);
+  // From then on frames are made whole.
+  buffer.set_pace({.fetch_ahead = 4});
+  fetch(buffer);
+  EXPECT_EQ(buffer.next_wanted()->layers, 3u);
+}
+
 TEST(FrameBuffer, KeepsTheFinerPictureWhenTheCoarserOneIsReadyAfterIt) {
   FrameBuffer buffer(layered(100, 0));
   fetch(buffer);

@@ -25,7 +25,8 @@ std::optional<Thumbnail> ThumbnailPainter::draw(const PlacedFrame& frame, const 
     near.pitch = camera.pitch;
     DrawOptions options;
     options.mode = DrawMode::point;
-    options.point_size = 2.0f * scale_;
+    // No more points than cover it.
+    options.point_size = options.pixel_size = 2.0f * scale_;
     options.background = background;
     if (!renderer_->draw(Scene{frame}, near, glm::ivec2(glm::vec2(kSize) * scale_), options))
       return std::nullopt;

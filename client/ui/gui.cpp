@@ -106,7 +106,9 @@ void draw_lists(const ImDrawData& all, std::vector<ImDrawList*>& lists) {
 
 }  // namespace
 
-Gui::Gui(GLFWwindow* window, float scale) : window_(window), scale_(scale) {
+Gui::Gui(GLFWwindow* window, float scale)
+    : window_(window), arrow_(glfwCreateStandardCursor(GLFW_ARROW_CURSOR)), scale_(scale) {
+  glfwSetCursor(window, arrow_);
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
@@ -127,6 +129,7 @@ Gui::~Gui() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
+  if (arrow_ != nullptr) glfwDestroyCursor(arrow_);
 }
 
 bool Gui::covers(glm::dvec2 cursor, std::string_view but) const {

@@ -9,6 +9,7 @@
 
 #include "client/ui/panel_textures.h"
 
+struct GLFWcursor;
 struct GLFWwindow;
 
 namespace pointreel {
@@ -49,6 +50,7 @@ class Gui {
 
  private:
   GLFWwindow* const window_;
+  GLFWcursor* const arrow_;  ///< null: the display's own cursor
   float scale_;
   std::vector<std::uint64_t> built_, drawn_;  ///< numbers that stand for each of ImGui's lists
   PanelTextures panels_;

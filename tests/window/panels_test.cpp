@@ -130,7 +130,8 @@ TEST_P(PanelsWindow, the_statistics_panel_is_dragged_by_its_title_and_closes_by_
   EXPECT_TRUE(wait_until([&] {
     moved = difference(before_, player().picture());
     return moved.first == panel.first + by && moved.size() == panel.size();
-  })) << moved.first.x - panel.first.x << ", " << moved.size().x - panel.size().x;
+  })) << moved.first.x - panel.first.x
+      << ", " << moved.size().x - panel.size().x;
   close_panel(moved);
   const auto report = quit();
   EXPECT_EQ(report["window"]["camera"]["yaw"], 0.0);

@@ -1,6 +1,7 @@
 #include "tests/e2e/picture.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include <png.h>
 
@@ -16,6 +17,13 @@ Picture read_picture(const std::filesystem::path& png) {
   picture.pixels.resize(std::size_t{image.width} * image.height);
   if (png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr) == 0) return {};
   return picture;
+}
+
+Picture rows(const Picture& picture, int top, int bottom) {
+  const auto at = [&](int row) {
+    return picture.pixels.begin() + std::ptrdiff_t{row} * picture.size.x;
+  };
+  return {{picture.size.x, bottom - top}, {at(top), at(bottom)}};
 }
 
 Patch find_hue(const Picture& picture, const glm::ivec3& bright) {

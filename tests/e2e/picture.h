@@ -22,6 +22,9 @@ struct Picture {
 
 Picture read_picture(const std::filesystem::path& png);
 
+/// Those from `top` on, without `bottom`; both within the picture.
+Picture rows(const Picture& picture, int top, int bottom);
+
 /// Where a colour is in a picture: how many pixels have it, and their mean place.
 struct Patch {
   std::size_t pixels = 0;

@@ -25,15 +25,6 @@ PointCloud plate(int frame) {
   return cloud;
 }
 
-e2e::Picture middle(const e2e::Picture& picture) {
-  const int top = picture.size.y / 4, bottom = picture.size.y * 3 / 4;
-  e2e::Picture rows;
-  rows.size = {picture.size.x, bottom - top};
-  rows.pixels.assign(picture.pixels.begin() + std::ptrdiff_t{top} * picture.size.x,
-                     picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x);
-  return rows;
-}
-
 /// Right of the middle, in heights of the picture: the same in pictures of all sizes.
 double place(const e2e::Picture& picture, const e2e::Patch& patch) {
   return (patch.center.x - 0.5 * picture.size.x) / picture.size.y;
@@ -42,7 +33,7 @@ double place(const e2e::Picture& picture, const e2e::Patch& patch) {
 }  // namespace
 
 e2e::Patch MovingPlate::plate(const e2e::Picture& picture) {
-  return e2e::find_hue(middle(picture), {1, 0, 0});
+  return e2e::find_hue(e2e::rows(picture, picture.size.y / 4, picture.size.y * 3 / 4), {1, 0, 0});
 }
 
 fs::path MovingPlate::ply(int frame) const { return folder_ / fmt::format("in/{}.ply", frame); }

@@ -28,12 +28,7 @@ bool differ(const glm::u8vec3& one, const glm::u8vec3& other) {
 /// The rows in which the interface writes nothing by itself.
 e2e::Picture without_texts(const e2e::Picture& picture) {
   const int bottom = std::max(kTopHeight, picture.size.y - kBarHeight);
-  if (picture.size.y < bottom) return {};
-  e2e::Picture part;
-  part.size = {picture.size.x, bottom - kTopHeight};
-  part.pixels.assign(picture.pixels.begin() + std::ptrdiff_t{kTopHeight} * picture.size.x,
-                     picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x);
-  return part;
+  return picture.size.y < bottom ? e2e::Picture{} : e2e::rows(picture, kTopHeight, bottom);
 }
 
 /// Of pixels; 1 where the pictures are not of one size.

@@ -77,6 +77,15 @@ class PackTest : public testing::Test {
     return draco;
   }
 
+  /// Frames of three layers.
+  PackOptions layered_options() const {
+    PackOptions layered = options();
+    OctreeOptions octree;
+    octree.depth = DepthRule::fixed(10);
+    layered.encode.codec = octree;
+    return layered;
+  }
+
   /// What stands beside the inputs: a reel, or nothing, and never anything unfinished.
   std::vector<std::string> outputs() const {
     std::vector<std::string> names;

@@ -77,11 +77,7 @@ class StatisticsLinesTest : public PackTest {
 
 TEST_F(StatisticsLinesTest, TellWhatIsShownAndWhy) {
   write_frames(3);
-  PackOptions packing = options();
-  OctreeOptions octree;
-  octree.depth = DepthRule::fixed(10);
-  packing.encode.codec = octree;
-  ASSERT_TRUE(pack(packing));
+  ASSERT_TRUE(pack(layered_options()));
   Stage::Options stage_options;
   stage_options.reel.layers = 2;
   stage_options.size = glm::ivec2(4000);

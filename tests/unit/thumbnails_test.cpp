@@ -54,11 +54,7 @@ class ThumbnailsTest : public PackTest {
  protected:
   ThumbnailsTest() {
     write_frames(12);
-    PackOptions packing = options();
-    OctreeOptions octree;
-    octree.depth = DepthRule::fixed(10);
-    packing.encode.codec = octree;
-    EXPECT_TRUE(pack(packing));
+    EXPECT_TRUE(pack(layered_options()));
     source_.emplace(*open_source(reel_.string()));
   }
   static std::optional<FetchedFrame> nothing(std::uint32_t) { return std::nullopt; }

@@ -292,7 +292,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
       .add_option(
           "--json", options_.json,
           "Write a summary: median, 95th percentile and maximum of the times of each stage "
-          "over the frames shown; frames shown, refined, dropped and broken; bytes fetched; "
+          "over the frames shown; frames shown, refined, dropped and broken; all bytes fetched; "
           "layers, points, nodes, leaves, depth and elements drawn of the last one. "
           "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
           "leaves out of view and below a pixel, voxels that others hide. - is standard output")

@@ -139,7 +139,6 @@ void PlayReport::add_refined(const SceneFrame& frame, const NotFetched& rest,
 }
 
 void PlayReport::set_last(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn) {
-  fetched_bytes_ += frame.fetched_bytes;
   layers_ = frame.layers;
   points_ = frame.points;
   nodes_ = frame.svo.node_count();
@@ -147,6 +146,13 @@ void PlayReport::set_last(const SceneFrame& frame, const NotFetched& rest, const
   depth_ = frame.svo.depth;
   rest_ = rest;
   last_ = drawn;
+}
+
+std::uint64_t PlayReport::fetched_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const SourceReport& source : sources)
+    bytes += source.reel ? source.reel->fetched_bytes : source.live ? source.live->bytes : 0;
+  return bytes;
 }
 
 std::string PlayReport::to_json() const {
@@ -164,7 +170,7 @@ std::string PlayReport::to_json() const {
   json["frames_refined"] = frames_refined_;
   json["frames_dropped"] = frames_dropped;
   json["errors"] = errors;
-  json["fetched_bytes"] = fetched_bytes_;
+  json["fetched_bytes"] = fetched_bytes();
   json["fetch_ms"] = json_of(fetch_);
   json["decode_ms"] = json_of(decode_);
   json["normals_ms"] = json_of(normals_);

@@ -83,12 +83,14 @@ class PlayReport {
   void add_refined(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);
 
   std::uint64_t frames_shown() const { return frames_shown_; }
+  /// By all sources, frames that were never shown included.
+  std::uint64_t fetched_bytes() const;
   std::string to_json() const;
 
  private:
   void set_last(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);
 
-  std::uint64_t frames_shown_ = 0, frames_refined_ = 0, fetched_bytes_ = 0;
+  std::uint64_t frames_shown_ = 0, frames_refined_ = 0;
   std::uint64_t shown_rest_ = 0;  ///< bytes that were not fetched of frames before the last
   TimeSamples fetch_, decode_, normals_, svo_, cut_, render_;
   std::uint64_t points_ = 0, nodes_ = 0, leaves_ = 0;

@@ -315,7 +315,8 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
   }
   const auto making = making_.find(*frame);
   // Other threads make the rest at the same time.
-  if (coarse_first_ && step == 0 && !again && making == making_.end()) layers = 1;
+  const bool coarse = coarse_first_ && step == 0 && !again && making == making_.end() && layers > 1;
+  if (coarse) layers = 1;
   const int level = target(layers);
   if (making != making_.end() && making->second.level >= level) return std::nullopt;
   if (!again && step > kSoon && store_.coming(*frame, want)) return std::nullopt;
@@ -332,7 +333,8 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
   request.generation = generation_;
   request.order = order_;
   request.fetched = store_.copy(*frame, layers);
-  request.cost = store_.take_cost(*frame);
+  // Which of the two is shown first is open.
+  request.fetch_ms = coarse ? store_.fetch_ms(*frame) : store_.take_fetch_ms(*frame);
   request.wanted = want;
   return request;
 }

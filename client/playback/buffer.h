@@ -27,7 +27,7 @@ struct FrameRequest {
   std::uint64_t generation = 0;  ///< how many changes of mode came before it
   std::uint64_t order = 0;       ///< how many moves of the playhead came before it
   FetchedFrame fetched;
-  LayerStore::Cost cost;  ///< of what was fetched since the frame was made last
+  double fetch_ms = 0.0;  ///< of what was fetched since the frame was made last
   LayerSet wanted;        ///< what was wanted of it
 };
 

@@ -53,9 +53,14 @@ FetchedFrame LayerStore::copy(std::uint32_t frame, std::uint32_t layers) const {
   return fetched;
 }
 
-LayerStore::Cost LayerStore::take_cost(std::uint32_t frame) {
+double LayerStore::fetch_ms(std::uint32_t frame) const {
+  const Record* record = find(frame);
+  return record == nullptr ? 0.0 : record->fetch_ms;
+}
+
+double LayerStore::take_fetch_ms(std::uint32_t frame) {
   const auto it = records_.find(frame);
-  return it == records_.end() ? Cost{} : std::exchange(it->second.cost, Cost{});
+  return it == records_.end() ? 0.0 : std::exchange(it->second.fetch_ms, 0.0);
 }
 
 std::uint32_t LayerStore::limit(std::uint32_t frame) const {
@@ -120,8 +125,7 @@ void LayerStore::arrived(const FetchJob& job, FetchedFrame came, double ms) {
   ++arrived_jobs_;
   Record& record = records_[job.frame];
   record.slots.resize(layer_count_);
-  record.cost.bytes += came.size();
-  record.cost.ms = std::max(record.cost.ms, ms);
+  record.fetch_ms = std::max(record.fetch_ms, ms);
   const bool is_file = came.layers.empty();
   for (std::uint32_t i = job.first; i < job.last; ++i) {
     Slot& slot = record.slots[i];

@@ -50,12 +50,9 @@ class LayerStore {
   bool coming(std::uint32_t frame, const LayerSet& wanted) const;
   /// The first `layers` of a frame, which are there.
   FetchedFrame copy(std::uint32_t frame, std::uint32_t layers) const;
-  /// What has been fetched of a frame since this was last asked, in bytes and milliseconds.
-  struct Cost {
-    std::uint64_t bytes = 0;
-    double ms = 0.0;
-  };
-  Cost take_cost(std::uint32_t frame);
+  /// The longest that fetching any of the frame took since it was last taken, in milliseconds.
+  double fetch_ms(std::uint32_t frame) const;
+  double take_fetch_ms(std::uint32_t frame);
   /// No layer from this one on can be had of the frame.
   std::uint32_t limit(std::uint32_t frame) const;
 
@@ -105,7 +102,7 @@ class LayerStore {
     std::uint32_t refetched = 0;       ///< a bit for each layer
     std::uint32_t limit = ~0u;
     std::uint64_t bytes = 0;
-    Cost cost;
+    double fetch_ms = 0.0;
   };
   struct Running {
     FetchJob job;

@@ -149,12 +149,10 @@ Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) const {
   const std::size_t most = std::min(choice.layers, std::max(1u, options_.layers));
   std::vector<FetchedLayer>& layers = frame.frame.layers;
   if (layers.size() > most) layers.resize(most);
-  const std::uint64_t bytes = frame.frame.size();
   auto scene = prepare_frame(stream, 0, frame.frame, options);
   if (!scene) return scene;
   scene->index = frame.number;
   scene->time_us = frame.capture_us;
-  scene->fetched_bytes = bytes;
   return scene;
 }
 

@@ -81,8 +81,7 @@ void Pipeline::prepare_frames() {
 void Pipeline::prepare_frame_of(FrameRequest& request) {
   auto frame = prepare(request, request.fetched);
   if (frame) {
-    frame->fetch_ms = request.cost.ms;
-    frame->fetched_bytes = request.cost.bytes;
+    frame->fetch_ms = request.fetch_ms;
     buffer_.deliver(request, std::make_shared<const SceneFrame>(std::move(*frame)));
     return;
   }

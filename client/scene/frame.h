@@ -42,9 +42,8 @@ struct SceneFrame {
   /// The finest level of the tree that would be drawn if everything was in it. A cut that ends
   /// below it needs the frame to be fetched or prepared again.
   int level = kWholeFrame;
-  std::uint32_t points = 0;         ///< that the source had, as far as the frame tells
-  std::uint32_t layers = 0;         ///< that it was made of; 0: a file
-  std::uint64_t fetched_bytes = 0;  ///< that it was made of
+  std::uint32_t points = 0;  ///< that the source had, as far as the frame tells
+  std::uint32_t layers = 0;  ///< that it was made of; 0: a file
   /// What it took to make, in the order of the stages; normals: where estimated.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };

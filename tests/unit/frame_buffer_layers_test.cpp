@@ -151,7 +151,7 @@ TEST(FrameBuffer, FetchesOnlyTheLayersThatAreSeenAndRefinesWithTheOthersAlone) {
   const auto request = buffer.next_wanted();
   EXPECT_EQ(request->layers, 3u);
   ASSERT_EQ(request->fetched.layers.size(), 3u);
-  EXPECT_EQ(request->cost.bytes, 30u);
+  EXPECT_EQ(request->fetch_ms, 1.0);
 }
 
 TEST(FrameBuffer, ShowsTheBaseUntilTheRestIsThere) {
@@ -180,6 +180,8 @@ TEST(FrameBuffer, MakesTheFirstFrameOfItsBaseFirstAndOfAllBesideIt) {
   EXPECT_EQ(base->layers, 1u);
   EXPECT_EQ(rest->frame, 0u);
   EXPECT_EQ(rest->layers, 3u);
+  EXPECT_EQ(base->fetch_ms, 1.0) << "whichever is shown first";
+  EXPECT_EQ(rest->fetch_ms, 1.0);
   buffer.deliver(*base, picture_at(0, 7));
   ASSERT_TRUE(buffer.best());
   EXPECT_EQ(buffer.best()->level, 7);

@@ -19,11 +19,10 @@ Manifest reel() {
   return manifest;
 }
 
-SceneFrame frame_of(std::uint32_t index, std::uint32_t layers, std::uint64_t bytes) {
+SceneFrame frame_of(std::uint32_t index, std::uint32_t layers) {
   SceneFrame frame;
   frame.index = index;
   frame.layers = layers;
-  frame.fetched_bytes = bytes;
   frame.svo.depth = 9;
   frame.svo.level_begin.assign(11, 0);
   return frame;
@@ -31,19 +30,19 @@ SceneFrame frame_of(std::uint32_t index, std::uint32_t layers, std::uint64_t byt
 
 TEST(NotFetched, CountsLayersAttributesAndBytesThatAFrameDidNotNeed) {
   const Manifest manifest = reel();
-  NotFetched rest = not_fetched(manifest, frame_of(1, 2, 2400), {2, true, false});
+  NotFetched rest = not_fetched(manifest, frame_of(1, 2), {2, true, false});
   EXPECT_EQ(rest.layers, 1u);
   EXPECT_FALSE(rest.colors);
   EXPECT_TRUE(rest.normals);
   EXPECT_EQ(rest.bytes, 1230u + 2 * 30u);
-  rest = not_fetched(manifest, frame_of(1, 1, 1000), {1, false, false});
+  rest = not_fetched(manifest, frame_of(1, 1), {1, false, false});
   EXPECT_EQ(rest.layers, 2u);
   EXPECT_TRUE(rest.colors && rest.normals);
   EXPECT_EQ(rest.bytes, 3 * 1230u - 1000u);
-  rest = not_fetched(manifest, frame_of(0, 2, 246), {});
+  rest = not_fetched(manifest, frame_of(0, 2), {});
   EXPECT_EQ(rest.layers, 0u) << "it has no third";
   EXPECT_EQ(rest.bytes, 0u);
-  rest = not_fetched(manifest, frame_of(0, 0, 999), {});
+  rest = not_fetched(manifest, frame_of(0, 0), {});
   EXPECT_EQ(rest.bytes, 0u) << "a file is read whole";
 }
 
@@ -51,19 +50,18 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   const Manifest manifest = reel();
   PlayReport report;
   report.finest_level = 10;
-  const SceneFrame first = frame_of(0, 1, 123), second = frame_of(1, 1, 1230);
+  const SceneFrame first = frame_of(0, 1), second = frame_of(1, 1);
   DrawStats drawn;
   report.add(first, not_fetched(manifest, first, {}), drawn);
   report.add(second, not_fetched(manifest, second, {}), drawn);
   auto json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["frames_shown"], 2);
-  EXPECT_EQ(json["fetched_bytes"], 1353);
   EXPECT_EQ(json["skipped"]["bytes"], 123 + 2460);
   EXPECT_EQ(json["skipped"]["layers"], 2);
   EXPECT_EQ(json["skipped"]["levels"], 1);
 
   // The second comes again, with two layers and without its normals.
-  const SceneFrame again = frame_of(1, 2, 2400);
+  const SceneFrame again = frame_of(1, 2);
   drawn.out_of_view = 7;
   drawn.below_pixel = 5;
   drawn.hidden = 3;
@@ -71,13 +69,22 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["frames_shown"], 2);
   EXPECT_EQ(json["frames_refined"], 1);
-  EXPECT_EQ(json["fetched_bytes"], 1353 + 2400);
   EXPECT_EQ(json["layers"], 2);
   EXPECT_EQ(json["skipped"]["bytes"], 123 + 1230 + 60);
   EXPECT_EQ(json["skipped"]["attributes"], nlohmann::json::array({"normals"}));
   EXPECT_EQ(json["skipped"]["out_of_view"], 7);
   EXPECT_EQ(json["skipped"]["below_pixel"], 5);
   EXPECT_EQ(json["skipped"]["hidden"], 3);
+}
+
+TEST(PlayReport, CountsTheBytesOfReelsAndOfLiveStreams) {
+  PlayReport report;
+  report.sources.resize(2);
+  report.sources[0].reel.emplace().fetched_bytes = 1353;
+  report.sources[1].live.emplace().bytes = 2400;
+  const auto json = nlohmann::json::parse(report.to_json());
+  EXPECT_EQ(json["sources"][0]["fetched_bytes"], 1353);
+  EXPECT_EQ(json["fetched_bytes"], 1353 + 2400);
 }
 
 TEST(PlayReport, SaysWhatWasChosenForWhichFramesAndWhy) {

@@ -104,10 +104,19 @@ void draw_lists(const ImDrawData& all, std::vector<ImDrawList*>& lists) {
   lists.clear();
 }
 
+GLFWcursor* create_transparent_cursor() {
+  std::array<unsigned char, 4> pixel{};
+  const GLFWimage image{1, 1, pixel.data()};
+  return glfwCreateCursor(&image, 0, 0);
+}
+
 }  // namespace
 
 Gui::Gui(GLFWwindow* window, float scale)
-    : window_(window), arrow_(glfwCreateStandardCursor(GLFW_ARROW_CURSOR)), scale_(scale) {
+    : window_(window),
+      arrow_(glfwCreateStandardCursor(GLFW_ARROW_CURSOR)),
+      no_cursor_(create_transparent_cursor()),
+      scale_(scale) {
   glfwSetCursor(window, arrow_);
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
@@ -129,7 +138,8 @@ Gui::~Gui() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
-  if (arrow_ != nullptr) glfwDestroyCursor(arrow_);
+  for (GLFWcursor* cursor : {arrow_, no_cursor_})
+    if (cursor != nullptr) glfwDestroyCursor(cursor);
 }
 
 bool Gui::covers(glm::dvec2 cursor, std::string_view but) const {
@@ -161,8 +171,10 @@ void Gui::end() {
   for (int i = 0; i < all.CmdListsCount; ++i) built_.push_back(number_of(*all.CmdLists[i]));
 }
 
-void Gui::show_cursor(bool shown) {
-  glfwSetInputMode(window_, GLFW_CURSOR, shown ? GLFW_CURSOR_NORMAL : GLFW_CURSOR_HIDDEN);
+void Gui::show_cursor(bool shown) const {
+  // Not by GLFW_CURSOR_HIDDEN: when that changes, GLFW takes the cursor for where it is by now, and
+  // tells nobody of a move to there that is on its way. A drag that short would be none.
+  glfwSetCursor(window_, shown ? arrow_ : no_cursor_);
 }
 
 void Gui::draw() {

@@ -43,14 +43,14 @@ class Gui {
   /// Whether that differs from what draw() has drawn last.
   bool changed() const { return built_ != drawn_; }
   /// The mouse's cursor, over the window.
-  void show_cursor(bool shown);
+  void show_cursor(bool shown) const;
   /// Over what is in the window's framebuffer. Windows with the flag kOnOpaqueGround are opaque,
   /// and take next to no time while they do not change; these need OpenGL 4.5.
   void draw();
 
  private:
   GLFWwindow* const window_;
-  GLFWcursor* const arrow_;  ///< null: the display's own cursor
+  GLFWcursor *const arrow_, *const no_cursor_;  ///< null: the display's own cursor
   float scale_;
   std::vector<std::uint64_t> built_, drawn_;  ///< numbers that stand for each of ImGui's lists
   PanelTextures panels_;

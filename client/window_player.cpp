@@ -443,6 +443,7 @@ class WindowPlayer {
     std::vector<Action> actions = std::exchange(pressed_, {});
     actions.insert(actions.end(), input.actions.begin(), input.actions.end());
     for (const Action action : actions) {
+      if (interface_.scroll_help(action)) continue;
       const DrawSettings before = controls_.settings();
       const Camera camera = controls_.camera();
       if (!controls_.act(action, now)) {

@@ -1,5 +1,6 @@
 #include "client/ui/gui.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -169,6 +170,13 @@ void Gui::end() {
   const ImDrawData& all = *ImGui::GetDrawData();
   built_.clear();
   for (int i = 0; i < all.CmdListsCount; ++i) built_.push_back(number_of(*all.CmdLists[i]));
+}
+
+bool Gui::settling() const {
+  const ImVector<ImGuiWindow*>& windows = GImGui->Windows;
+  return std::any_of(windows.begin(), windows.end(), [](const ImGuiWindow* window) {
+    return window->Active && window->HiddenFramesCannotSkipItems > 0;
+  });
 }
 
 void Gui::show_cursor(bool shown) const {

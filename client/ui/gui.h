@@ -40,6 +40,8 @@ class Gui {
   /// the window changes. `held`: the mouse as it was, where it is another by now.
   void begin(const std::optional<Held>& held = {});
   void end();
+  /// Something has just appeared, and is there once its size is known: the next time.
+  bool settling() const;
   /// Whether that differs from what draw() has drawn last.
   bool changed() const { return built_ != drawn_; }
   /// The mouse's cursor, over the window.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "client/ui/drawing_panel.h"
 #include "client/ui/overlay.h"
@@ -13,6 +14,7 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kBarSeconds = 1.8, kFadeSeconds = 0.25, kSaidSeconds = 1.5;
+constexpr int kHelpPage = 10;  ///< lines
 
 }  // namespace
 
@@ -46,7 +48,35 @@ bool Interface::changing(const View& view) const {
          (!empty_ && view.error.empty());
 }
 
+bool Interface::scroll_help(Action action) {
+  if (!help_scrolls_) return false;
+  switch (action) {
+    case Action::seek_forward_far:  // UP
+      help_lines_down_ -= 1;
+      return true;
+    case Action::seek_back_far:  // DOWN
+      help_lines_down_ += 1;
+      return true;
+    case Action::seek_forward_tenth:  // PGUP
+      help_lines_down_ -= kHelpPage;
+      return true;
+    case Action::seek_back_tenth:  // PGDWN
+      help_lines_down_ += kHelpPage;
+      return true;
+    default:
+      return false;
+  }
+}
+
 TimelineUse Interface::build(const View& view, Controls& controls) {
+  const TimelineUse first = build_once(view, controls);
+  if (!gui_.settling()) return first;
+  TimelineUse use = build_once(view, controls);
+  if (first.action) use.action = first.action;
+  return use;
+}
+
+TimelineUse Interface::build_once(const View& view, Controls& controls) {
   TimelineUse use;
   gui_.begin(view.held);
   empty_ = true;
@@ -85,8 +115,12 @@ TimelineUse Interface::build(const View& view, Controls& controls) {
     empty_ = false;
   }
   if (controls.show_help) {
-    controls.show_help = draw_help(view.size, scale);
+    const HelpUse help = draw_help(view.size, scale, std::exchange(help_lines_down_, 0));
+    controls.show_help = help.open;
+    help_scrolls_ = help.open && help.scrolls;
     empty_ = false;
+  } else {
+    help_scrolls_ = false;
   }
   gui_.end();
   return use;

@@ -43,6 +43,10 @@ class Interface {
   void wake(Now now) { awake_ = now; }
   void say(const std::string& text, Now now);
 
+  /// The help, where it is there and longer than the window, is scrolled by the keys that go to
+  /// other times otherwise. False: that is no such key, or there is no such help.
+  bool scroll_help(Action action);
+
   /// What the window shows there is not the picture.
   bool covers(glm::dvec2 cursor) const;
   /// The bar's track, if the cursor is on it.
@@ -60,11 +64,14 @@ class Interface {
 
  private:
   float opacity(Now now) const;
+  TimelineUse build_once(const View& view, Controls& controls);
 
   Gui gui_;
   Now awake_{}, said_at_{};
   std::string said_;
-  bool busy_ = false;  ///< the cursor is on the bar
+  bool help_scrolls_ = false;
+  int help_lines_down_ = 0;  ///< to be scrolled by with the next build
+  bool busy_ = false;        ///< the cursor is on the bar
   bool empty_ = true;
   // Of a bar that is there, or would be if the mouse moved.
   float bar_top_ = 1e9f;

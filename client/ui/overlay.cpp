@@ -22,17 +22,35 @@ void begin_text(const char* id, ImVec2 corner, ImVec2 size) {
                    ImGuiWindowFlags_NoNav);
 }
 
+constexpr float kKeyPad = 5.0f, kKeyGap = 3.0f;
+
+ImVec2 key_size(std::string_view key, float scale) {
+  const ImVec2 words = ImGui::CalcTextSize(key.data(), key.data() + key.size());
+  return {std::max(words.x + 2.0f * kKeyPad * scale, words.y), words.y};
+}
+
 /// Looks like a key, so that dots and commas are to be seen too.
 void draw_key(std::string_view key, float scale) {
   const char *begin = key.data(), *end = begin + key.size();
   const ImVec2 words = ImGui::CalcTextSize(begin, end), corner = ImGui::GetCursorScreenPos();
-  const float pad = 5.0f * scale, width = std::max(words.x + 2.0f * pad, words.y);
+  const float width = key_size(key, scale).x;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(corner, ImVec2(corner.x + width, corner.y + words.y),
                      ImGui::GetColorU32(ImVec4(0.22f, 0.25f, 0.30f, 1.0f)), 3.0f * scale);
   list.AddText(ImVec2(corner.x + 0.5f * (width - words.x), corner.y),
                ImGui::GetColorU32(ImVec4(0.75f, 0.88f, 1.0f, 1.0f)), begin, end);
   ImGui::Dummy(ImVec2(width, words.y));
+}
+
+/// Of the widest line.
+float keys_width(std::span<const HelpLine> lines, float scale) {
+  float widest = 0.0f;
+  for (const HelpLine& line : lines) {
+    float width = -kKeyGap * scale;
+    for (const std::string_view key : line.keys) width += kKeyGap * scale + key_size(key, scale).x;
+    widest = std::max(widest, width);
+  }
+  return widest;
 }
 
 }  // namespace
@@ -77,34 +95,50 @@ void draw_error(const std::string& text, const std::string& hint, glm::vec2 size
   ImGui::PopStyleColor();
 }
 
-bool draw_help(glm::vec2 size, float scale) {
-  bool open = true;
-  ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Always,
-                          ImVec2(0.5f, 0.5f));
-  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(0.96f * size.x, 0.96f * size.y));
-  begin_panel("Keys and mouse", open, ImGuiWindowFlags_NoMove);
+HelpUse draw_help(glm::vec2 size, float scale, int lines_down) {
+  HelpUse use;
   const std::span<const HelpLine> lines = help_lines();
-  // In two columns where there is width for them.
+  // In two columns where there is width for them; else in one, with lines that wrap.
   const bool wide = size.x > 760.0f * scale;
   const std::size_t columns = wide ? 2 : 1, rows = (lines.size() + columns - 1) / columns;
+  const ImVec2 most(0.96f * size.x, 0.96f * size.y);
+  const float width = std::min(most.x, 460.0f * scale);
+  ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Always,
+                          ImVec2(0.5f, 0.5f));
+  ImGui::SetNextWindowSizeConstraints(ImVec2(wide ? 0.0f : width, 0.0f),
+                                      ImVec2(wide ? most.x : width, most.y));
+  begin_panel("Keys and mouse", use.open, ImGuiWindowFlags_NoMove);
   if (ImGui::BeginTable("keys", static_cast<int>(2 * columns),
                         ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
+    if (!wide) {
+      const ImGuiStyle& style = ImGui::GetStyle();
+      const float keys = keys_width(lines, scale);
+      ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keys);
+      ImGui::TableSetupColumn("help", ImGuiTableColumnFlags_WidthFixed,
+                              width - keys - 2.0f * style.WindowPadding.x - style.ScrollbarSize -
+                                  4.0f * style.CellPadding.x);
+    }
     for (std::size_t row = 0; row < rows; ++row) {
       ImGui::TableNextRow();
       for (std::size_t i = row; i < lines.size(); i += rows) {
         ImGui::TableNextColumn();
         for (std::size_t k = 0; k < lines[i].keys.size(); ++k) {
-          if (k > 0) ImGui::SameLine(0.0f, 3.0f * scale);
+          if (k > 0) ImGui::SameLine(0.0f, kKeyGap * scale);
           draw_key(lines[i].keys[k], scale);
         }
         ImGui::TableNextColumn();
+        ImGui::PushTextWrapPos(wide ? -1.0f : 0.0f);
         ImGui::Text("%.*s  ", static_cast<int>(lines[i].help.size()), lines[i].help.data());
+        ImGui::PopTextWrapPos();
       }
     }
     ImGui::EndTable();
   }
+  use.scrolls = ImGui::GetScrollMaxY() > 0.0f;
+  const float from = ImGui::IsWindowAppearing() ? 0.0f : ImGui::GetScrollY();
+  ImGui::SetScrollY(from + static_cast<float>(lines_down) * ImGui::GetTextLineHeightWithSpacing());
   ImGui::End();
-  return open;
+  return use;
 }
 
 }  // namespace pointreel

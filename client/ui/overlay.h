@@ -18,7 +18,11 @@ void draw_waiting(const std::string& text, glm::vec2 size, float scale, double s
 /// What is wrong, in a line at the top that wraps. `hint`: what to do, below it; may be empty.
 void draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale);
 
-/// Keys and mouse, of the table of bindings. False once the user closes it.
-bool draw_help(glm::vec2 size, float scale);
+struct HelpUse {
+  bool open = true;      ///< false once it is closed
+  bool scrolls = false;  ///< there is more than the window has room for
+};
+/// Keys and mouse, of the table of bindings; first scrolled by so many lines, down is positive.
+HelpUse draw_help(glm::vec2 size, float scale, int lines_down);
 
 }  // namespace pointreel

@@ -25,9 +25,12 @@ void draw_lines(const std::vector<StatisticsLine>& lines) {
   ImGui::EndTable();
 }
 
-/// Each from nothing to its own largest.
-void draw_plots(const RecentFrames& recent, float scale) {
+/// Each from nothing to its own largest, in so many pixels.
+void draw_plots(const RecentFrames& recent, ImVec2 size) {
   if (!ImGui::BeginTable("times", 3, ImGuiTableFlags_SizingFixedFit)) return;
+  // As if they were disabled: under the mouse they would tell a value that says nothing by itself.
+  ImGui::PushStyleVar(ImGuiStyleVar_DisabledAlpha, 1.0f);
+  ImGui::BeginDisabled();
   for (const Step step : kSteps) {
     const std::vector<float> times = recent.times(step);
     const float most = *std::max_element(times.begin(), times.end());
@@ -36,14 +39,15 @@ void draw_plots(const RecentFrames& recent, float scale) {
     ImGui::TextColored(kLabel, "%s", name(step));
     ImGui::TableNextColumn();
     ImGui::PlotLines(fmt::format("##{}", name(step)).c_str(), times.data(),
-                     static_cast<int>(times.size()), 0, nullptr, 0.0f, std::max(most, 0.01f),
-                     ImVec2(190.0f * scale, 26.0f * scale));
+                     static_cast<int>(times.size()), 0, nullptr, 0.0f, std::max(most, 0.01f), size);
     ImGui::TableNextColumn();
     std::vector<float> sorted = times;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     ImGui::TextUnformatted(fmt::format("{:.1f} ms, at most {:.1f}", *middle, most).c_str());
   }
+  ImGui::EndDisabled();
+  ImGui::PopStyleVar();
   ImGui::EndTable();
 }
 
@@ -61,7 +65,9 @@ bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrame
   draw_lines(lines);
   if (recent.size() > 0) {
     ImGui::Separator();
-    draw_plots(recent, scale);
+    // Narrower where the numbers beside it would have no room.
+    draw_plots(recent, ImVec2(std::clamp(most.x - 250.0f * scale, 20.0f * scale, 190.0f * scale),
+                              26.0f * scale));
   }
   ImGui::End();
   return open;

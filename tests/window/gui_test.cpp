@@ -46,5 +46,66 @@ TEST_F(GuiWindow, a_drag_is_heard_of_though_the_cursor_is_shown_while_it_is_on_i
   EXPECT_TRUE(wait_until([&] { return (turned += next_input().orbit.x) == 150.0; })) << turned;
 }
 
+TEST_F(GuiWindow, help_and_panels_are_there_when_they_are_first_built) {
+  Controls controls{{}};
+  Interface interface(window_->handle(), 1.0f);
+  Interface::View view;
+  view.size = {640, 480};
+  const glm::dvec2 middle(320, 240), drawing(40, 60), statistics(600, 20);
+  const auto build = [&] {
+    view.now += std::chrono::milliseconds(33);
+    interface.build(view, controls);
+  };
+  build();
+  EXPECT_FALSE(interface.covers(middle));
+  controls.show_help = true;
+  build();
+  EXPECT_TRUE(interface.covers(middle));
+  controls.show_help = false;
+  build();
+  EXPECT_FALSE(interface.covers(middle) || interface.covers(drawing) ||
+               interface.covers(statistics));
+  controls.show_drawing = true;
+  build();
+  EXPECT_TRUE(interface.covers(drawing));
+  controls.show_statistics = true;
+  view.statistics = {{"Shown", "30 frames/s"}};
+  build();
+  EXPECT_TRUE(interface.covers(statistics));
+}
+
+TEST_F(GuiWindow, help_that_is_longer_than_the_window_is_scrolled_by_the_keys_of_time) {
+  Controls controls{{}};
+  Interface interface(window_->handle(), 1.0f);
+  Interface::View view;
+  view.now = Interface::Now(std::chrono::seconds(100));
+  const auto build = [&](glm::vec2 size) {
+    view.size = size;
+    interface.build(view, controls);
+    interface.build(view, controls);
+  };
+  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "there is none";
+  controls.show_help = true;
+  build({1280, 720});
+  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "all of it is to be seen";
+  build({420, 400});
+  interface.draw();
+  EXPECT_FALSE(interface.changed());
+  EXPECT_FALSE(interface.scroll_help(Action::toggle_play));
+  for (const Action down : {Action::seek_back_far, Action::seek_back_tenth}) {
+    EXPECT_TRUE(interface.scroll_help(down));
+    build({420, 400});
+    EXPECT_TRUE(interface.changed());
+    interface.draw();
+  }
+  for (const Action up : {Action::seek_forward_far, Action::seek_forward_tenth})
+    EXPECT_TRUE(interface.scroll_help(up));
+  build({420, 400});
+  EXPECT_TRUE(interface.changed());
+  controls.show_help = false;
+  build({420, 400});
+  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "it is closed";
+}
+
 }  // namespace
 }  // namespace pointreel::window

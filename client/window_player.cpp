@@ -227,6 +227,7 @@ class WindowPlayer {
       if (std::exchange(size_, size) != size) {
         redraw = true;
         pictures_due_ = kPicturesAfterInput;
+        controls_.look_home_unless_moved();
       }
       Stage::Update update;
       if (stage_) update = stage_->update(now);

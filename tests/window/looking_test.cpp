@@ -144,13 +144,37 @@ TEST_F(LookingWindow, a_window_of_another_size_shows_the_same_frame) {
   open({"--at", "4"});
   pause();
   const int from = frame();
+  // All that plays is seen in each, so the plate is not where it was.
   for (const glm::ivec2 size : {glm::ivec2(800, 600), glm::ivec2(1500, 500)}) {
     player().resize(size);
-    EXPECT_TRUE(wait_until([&] { return player().size() == size && frame() == from; }))
-        << size.x << ": " << frame();
+    EXPECT_TRUE(wait_until([&] { return player().size() == size && patch().pixels > 500; }))
+        << size.x << ": " << patch().pixels;
   }
   keep("resized");
-  EXPECT_EQ(quit()["size"], nlohmann::json({1500, 500}));
+  const auto report = quit();
+  EXPECT_EQ(report["size"], nlohmann::json({1500, 500}));
+  EXPECT_EQ(report["window"]["frame"], from);
+}
+
+TEST_F(LookingWindow, all_of_it_is_to_be_seen_in_a_narrow_window_until_the_camera_is_moved) {
+  open({"--at", "6"});
+  pause();
+  const auto first = patch();
+  player().resize({420, 700});
+  // There is a moment at which nothing is in the window.
+  const auto smaller = [&] { return times(first) > 0.01 && times(first) < 0.6; };
+  EXPECT_TRUE(wait_until(smaller)) << times(first);
+  keep("narrow");
+  const auto narrow = patch();
+  player().move_to(player().size() / 2);
+  player().scroll(1);
+  const auto nearer = [&] { return times(narrow) > 1.15 && times(narrow) < 1.5; };
+  EXPECT_TRUE(wait_until(nearer)) << times(narrow);
+  const auto before = patch();
+  player().resize({1200, 700});
+  const auto as_near = [&] { return std::abs(times(before) - 1.0) < 0.15; };
+  EXPECT_TRUE(wait_until([&] { return player().size().x == 1200 && as_near(); })) << times(before);
+  quit();
 }
 
 TEST_F(LookingWindow, f_fills_the_screen_and_gives_the_window_back) {

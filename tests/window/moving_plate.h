@@ -25,8 +25,8 @@ class MovingPlate {
   /// Frame 0 and others, one for each file.
   std::filesystem::path ply(int frame) const;
 
-  /// Which frame a picture from the first view shows, whatever its size; nothing where the plate is
-  /// not to be seen. Looks at the middle half of its rows, above the timeline.
+  /// Which frame a picture of 16 to 9 from the first view shows, whatever its size; nothing where
+  /// the plate is not to be seen. Looks at the middle half of its rows, above the timeline.
   std::optional<int> frame(const e2e::Picture& picture) const;
 
   /// The red that is in the middle half of the picture's rows.

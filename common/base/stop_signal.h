@@ -8,8 +8,9 @@
 namespace pointreel {
 
 /// Turns the first SIGINT or SIGTERM into a stop request while it lives; a second one ends the
-/// process as usual. Make it before any thread is started that should not be killed by the first:
-/// threads inherit that the signals are blocked.
+/// process, even one that a shell has started in the background, with SIGINT ignored. Make it
+/// before any thread is started that should not be killed by the first: threads inherit that the
+/// signals are blocked.
 class StopSignal {
  public:
   StopSignal();
@@ -22,6 +23,7 @@ class StopSignal {
  private:
   std::stop_source source_;
   sigset_t signals_{}, before_{};
+  struct sigaction interrupt_before_{}, terminate_before_{};
   std::jthread waiter_;
 };
 

@@ -1,6 +1,7 @@
 #include "common/base/stop_signal.h"
 
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <thread>
 
@@ -56,6 +57,23 @@ TEST_F(StopSignals, end_a_pack_that_leaves_nothing_behind) {
 
 TEST_F(StopSignals, kill_the_second_time) {
   EXPECT_EXIT(signal_twice(), testing::KilledBySignal(SIGINT), "");
+}
+
+TEST_F(StopSignals, kill_the_second_time_what_a_shell_has_started_in_the_background) {
+  EXPECT_EXIT((std::signal(SIGINT, SIG_IGN), signal_twice()), testing::KilledBySignal(SIGINT), "");
+}
+
+TEST_F(StopSignals, are_as_they_were_afterwards) {
+  EXPECT_EXIT(
+      {
+        std::signal(SIGTERM, SIG_IGN);
+        {
+          const StopSignal stop;
+        }
+        std::raise(SIGTERM);
+        std::_Exit(7);
+      },
+      testing::ExitedWithCode(7), "");
 }
 
 }  // namespace

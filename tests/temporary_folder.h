@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -7,16 +8,16 @@
 #include <string_view>
 #include <system_error>
 
-#include <gtest/gtest.h>
-
 namespace pointreel {
 
-/// A folder that ends with the test.
+/// A folder that ends with its owner. Throws std::filesystem::filesystem_error if none can be made.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "pointreel_test_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "cannot make " << name;
+    if (::mkdtemp(name.data()) == nullptr)
+      throw std::filesystem::filesystem_error("no folder for a test", name,
+                                              {errno, std::generic_category()});
     path_ = name;
   }
   ~TemporaryFolder() {

@@ -16,6 +16,7 @@
 #include "common/surface/distance.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
@@ -138,9 +139,8 @@ TEST_P(EndToEnd, a_reel_played_over_http_shows_the_right_frame_the_right_way_rou
   const Outcome packed = pack();
   ASSERT_EQ(packed.exit_code, 0) << packed.err;
   Background server("pointreel-server", {"serve", reel().string(), "--listen", "127.0.0.1:0"});
-  const std::string line = server.first_line();
-  const std::size_t url = line.find("http://");
-  ASSERT_NE(url, std::string::npos) << line;
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
 
   for (const std::string mode : {"surfel", "voxel", "point"}) {
     double yellow_before = -1.0;
@@ -149,7 +149,7 @@ TEST_P(EndToEnd, a_reel_played_over_http_shows_the_right_frame_the_right_way_rou
       const fs::path png = folder_ / fmt::format("{}{}.png", mode, frame);
       const fs::path json = folder_ / "play.json";
       const Outcome played =
-          run("pointreel", {"play", line.substr(url) + "/reel", "--mode", mode, "--offscreen",
+          run("pointreel", {"play", "http://" + address + "/reel", "--mode", mode, "--offscreen",
                             "320x240", "--at", fmt::format("{}", (frame + 0.5) / kFps), "--view",
                             "front", "--screenshot", png.string(), "--json", json.string()});
       ASSERT_EQ(played.exit_code, 0) << played.err;

@@ -18,6 +18,7 @@ struct Picture {
     return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) +
                   static_cast<std::size_t>(x)];
   }
+  bool operator==(const Picture&) const = default;
 };
 
 Picture read_picture(const std::filesystem::path& png);

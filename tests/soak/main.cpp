@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <filesystem>
 #include <string>
 #include <thread>
 #include <utility>
@@ -7,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "tests/soak/scenario.h"
+#include "tests/temporary_folder.h"
 
 int main(int argc, char** argv) {
   using namespace pointreel::soak;
@@ -26,12 +25,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.time = std::chrono::seconds(seconds);
 
-  std::string name = (std::filesystem::temp_directory_path() / "pointreel-soak-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) {
-    fmt::print(stderr, "pointreel_soak: {}: cannot be made\n", name);
-    return 1;
-  }
-  options.scratch = name;
+  const pointreel::TemporaryFolder scratch;
+  options.scratch = scratch.path();
 
   const std::vector<std::pair<const char*, Outcome (*)(const Options&)>> scenarios = {
       {"play a reel", play_reel}, {"watch live", watch_live}};
@@ -47,7 +42,5 @@ int main(int argc, char** argv) {
     fmt::print("{}: {}\n", scenarios[i].first,
                outcomes[i] ? *outcomes[i] : "FAILED: " + outcomes[i].error().message);
   }
-  std::error_code ignored;
-  std::filesystem::remove_all(options.scratch, ignored);
   return good ? 0 : 1;
 }

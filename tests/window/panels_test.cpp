@@ -1,10 +1,7 @@
 // The panels, by mouse, at both scales.
 
-#include <algorithm>
 #include <chrono>
-#include <optional>
 #include <string>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +12,6 @@ namespace pointreel::window {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::steady_clock;
 
 /// Of pixels: the first corner is in it, the last one not.
 struct Rectangle {
@@ -55,31 +51,18 @@ class PanelsWindow : public WindowTest, public testing::WithParamInterface<int> 
 
   /// The picture once it has not changed for a while.
   e2e::Picture still() {
-    e2e::Picture seen;
-    auto since = steady_clock::now();
-    const bool same = wait_until([&] {
-      if (e2e::Picture now = player().picture(); now.pixels != seen.pixels) {
-        seen = std::move(now);
-        since = steady_clock::now();
-      }
-      return steady_clock::now() - since > milliseconds(1200);
-    });
-    return same ? seen : e2e::Picture{};
+    return wait_until_still([&] { return player().picture(); }, milliseconds(1200))
+        .value_or(e2e::Picture{});
   }
 
   /// Where the panel is that a key opens: where the picture is not as it was before.
   Rectangle open_panel(const std::string& key) {
     player().key(key);
-    Rectangle seen;
-    auto since = steady_clock::now();
-    EXPECT_TRUE(wait_until([&] {
-      if (const Rectangle now = difference(before_, player().picture()); now != seen) {
-        seen = now;
-        since = steady_clock::now();
-      }
-      return seen.size().x > 100 * scale() && steady_clock::now() - since > milliseconds(600);
-    })) << seen.size().x;
-    return seen;
+    const auto panel =
+        wait_until_still([&] { return difference(before_, player().picture()); }, milliseconds(600),
+                         [&](const Rectangle& seen) { return seen.size().x > 100 * scale(); });
+    EXPECT_TRUE(panel);
+    return panel.value_or(Rectangle{});
   }
 
   /// By the cross in its corner, which is all that is pressed.

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -75,5 +77,27 @@ class PlayerWindow {
 /// Looks every few milliseconds; false if that does not come to hold within a minute.
 bool wait_until(const std::function<bool()>& holds,
                 std::chrono::milliseconds limit = std::chrono::seconds(60));
+
+/// What there is to see once it has been the same for `time`, and `good`; nothing if it does not
+/// come to that within a minute.
+template <class Look, class Good>
+auto wait_until_still(const Look& look, std::chrono::milliseconds time, const Good& good)
+    -> std::optional<decltype(look())> {
+  auto seen = look();
+  auto since = std::chrono::steady_clock::now();
+  const bool still = wait_until([&] {
+    if (auto now = look(); now != seen) {
+      seen = std::move(now);
+      since = std::chrono::steady_clock::now();
+    }
+    return good(seen) && std::chrono::steady_clock::now() - since > time;
+  });
+  if (!still) return std::nullopt;
+  return seen;
+}
+template <class Look>
+auto wait_until_still(const Look& look, std::chrono::milliseconds time) {
+  return wait_until_still(look, time, [](const auto&) { return true; });
+}
 
 }  // namespace pointreel::window

@@ -1,14 +1,12 @@
 #include "tests/window/window_test.h"
 
 #include <cstdlib>
-#include <thread>
 
 #include "client/render/image.h"
 
 namespace pointreel::window {
 
 using std::chrono::milliseconds;
-using std::chrono::steady_clock;
 
 Stand& Stand::get() {
   static Stand stand;
@@ -50,16 +48,9 @@ bool WindowTest::wait_for_frame(int number) const {
 }
 
 int WindowTest::paused_frame() const {
-  int seen = -1;
-  auto since = steady_clock::now();
-  const bool same = wait_until([&] {
-    if (const int now = frame(); now != seen || now < 0) {
-      seen = now;
-      since = steady_clock::now();
-    }
-    return steady_clock::now() - since > milliseconds(600);  // three frames
-  });
-  return same ? seen : -1;
+  return wait_until_still([&] { return frame(); }, milliseconds(600),  // three frames
+                          [](int number) { return number >= 0; })
+      .value_or(-1);
 }
 
 bool WindowTest::wait_for_next_frame() const {

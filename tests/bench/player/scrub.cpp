@@ -8,8 +8,6 @@
 #include "tests/bench/player/player_chapters.h"
 #include "tests/bench/player/watched_window.h"
 #include "tests/bench/stream/reels.h"
-#include "tests/bench/stream/watching.h"
-#include "tests/link/link_emulator.h"
 
 namespace pointreel::bench {
 namespace {
@@ -31,20 +29,16 @@ std::uint32_t frame_at(int x, glm::ivec2 size, std::uint32_t frames) {
 }  // namespace
 
 Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto reels = streamed_reels(options);
-  if (!reels) return tl::unexpected(reels.error());
-  const auto server = ReelServer::start(*reels);
-  if (!server) return tl::unexpected(server.error());
+  const auto served = ServedReels::start(options);
+  if (!served) return tl::unexpected(served.error());
   std::mt19937_64 random(7);
   json rows = json::array();
-  for (const StreamedReel& reel : *reels) {
+  for (const StreamedReel& reel : (*served)->reels()) {
     for (const bool local : {true, false}) {
       const NamedLink named = local ? NamedLink{"folder", {}} : megabits(50);
-      const auto link =
-          LinkEmulator::start({.target = (*server)->address(), .conditions = named.conditions});
+      const auto link = (*served)->link(named);
       if (!link) return tl::unexpected(link.error());
-      const std::string where =
-          local ? reel.folder.string() : "http://" + (*link)->address() + "/" + reel.name;
+      const std::string where = local ? reel.folder.string() : ServedReels::url(**link, reel);
       auto watched = WatchedWindow::open(options, {where});
       if (!watched) return tl::unexpected(watched.error());
       if (!watched->wait_for_picture()) return fail(reel.name + ": no picture");

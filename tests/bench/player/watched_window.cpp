@@ -12,8 +12,6 @@
 
 namespace pointreel::bench {
 
-using std::chrono::steady_clock;
-
 namespace {
 
 constexpr int kBarHeight = 100, kTopHeight = 60;  ///< of the timeline, of messages; and some more
@@ -70,16 +68,8 @@ bool WatchedWindow::wait_for_picture() const {
 }
 
 void WatchedWindow::wait_until_settled() const {
-  e2e::Picture seen;
-  auto since = steady_clock::now();
-  window::wait_until([&] {
-    e2e::Picture now = without_texts(player->picture());
-    if (now.pixels != seen.pixels) {
-      seen = std::move(now);
-      since = steady_clock::now();
-    }
-    return steady_clock::now() - since > std::chrono::milliseconds(1500);
-  });
+  window::wait_until_still([&] { return without_texts(player->picture()); },
+                           std::chrono::milliseconds(1500));
 }
 
 Result<nlohmann::json> WatchedWindow::quit() {

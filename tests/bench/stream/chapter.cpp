@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "tests/bench/output.h"
+#include "tests/temporary_folder.h"
 
 namespace pointreel::bench {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct Options {
@@ -22,31 +20,9 @@ struct Options {
   bool quick = false;
 };
 
-/// A folder of its own that ends with its owner.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "pointreel-bench-XXXXXX").string();
-    if (::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 Result<json> run_chapters(const std::string& name, const std::vector<StreamChapter>& chapters,
                           const Options& options) {
-  const Scratch scratch;
-  if (scratch.path().empty()) {
-    return fail(fs::temp_directory_path().string() + ": no folder can be made there");
-  }
+  const TemporaryFolder scratch;
   const double begin = now_ms();
   json report = {{"benchmark", name}, {"quick", options.quick}, {"machine", machine()}};
   std::vector<Bar> bars;

@@ -18,6 +18,7 @@
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/link/link_emulator.h"
 #include "tests/load/load_generator.h"
 
@@ -59,10 +60,8 @@ struct Stage {
   Result<void> begin(const fs::path& frames) {
     server = std::make_unique<e2e::Background>(
         "pointreel-server", std::vector<std::string>{"serve", "--live", "--listen", "127.0.0.1:0"});
-    const std::string line = server->first_line();
-    const auto at = line.find("http://");
-    if (at == std::string::npos) return fail("pointreel-server did not start");
-    address = line.substr(at + 7);
+    address = e2e::server_address(*server);
+    if (address.empty()) return fail("pointreel-server did not start");
     publisher = std::make_unique<e2e::Background>(
         "pointreel-server",
         std::vector<std::string>{"publish", "-i", frames.string(), "--loop", "--fps", kFps, "--to",

@@ -18,6 +18,7 @@
 #include "common/stream/live.h"
 #include "common/stream/package.h"
 #include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
 #include "tests/load/load_generator.h"
 
 namespace pointreel::bench {
@@ -181,10 +182,8 @@ Result<json> run_load(const StreamOptions& options, std::vector<Bar>& bars) {
   if (const auto made = make_reel(reel); !made) return tl::unexpected(made.error());
   e2e::Background server("pointreel-server",
                          {"serve", reel.string(), "--live", "--listen", "127.0.0.1:0"});
-  const std::string line = server.first_line();
-  const auto at = line.find("http://");
-  if (at == std::string::npos) return fail("pointreel-server did not start");
-  const std::string address = line.substr(at + 7);
+  const std::string address = e2e::server_address(server);
+  if (address.empty()) return fail("pointreel-server did not start");
 
   auto package =
       measure_load("package", "http://" + address + "/noise", server.pid(), options, bars);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/bench/stream/reels.h"
 #include "tests/bench/stream/watching.h"
 
 namespace pointreel::bench {
@@ -112,16 +113,13 @@ json json_of(const Phase& phase) {
 }  // namespace
 
 Result<json> run_rate_change(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto reels = streamed_reels(options);
-  if (!reels) return tl::unexpected(reels.error());
-  const auto server = ReelServer::start(*reels);
-  if (!server) return tl::unexpected(server.error());
+  const auto served = ServedReels::start(options);
+  if (!served) return tl::unexpected(served.error());
   json rows = json::array();
-  for (const StreamedReel& reel : *reels) {
-    const auto link = LinkEmulator::start(
-        {.target = (*server)->address(), .conditions = megabits(100).conditions});
+  for (const StreamedReel& reel : (*served)->reels()) {
+    const auto link = (*served)->link(megabits(100));
     if (!link) return tl::unexpected(link.error());
-    auto watching = Watching::start("http://" + (*link)->address() + "/" + reel.name, {});
+    auto watching = Watching::start(ServedReels::url(**link, reel), {});
     if (!watching) return tl::unexpected(watching.error());
     (*watching)->until([](const auto& update) { return update.frame != nullptr; });
     json phases = json::array();

@@ -1,5 +1,6 @@
 #include "tests/bench/stream/reels.h"
 
+#include <chrono>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "client/playback/prepare.h"
 #include "client/source/open_source.h"
 #include "common/stream/package.h"
+#include "tests/e2e/server_address.h"
 
 namespace pointreel::bench {
 namespace {
@@ -128,17 +130,36 @@ Result<std::vector<StreamedReel>> streamed_reels(const StreamOptions& options) {
   return std::vector<StreamedReel>{std::move(*shoot), std::move(*dense)};
 }
 
-ReelServer::ReelServer(const std::vector<std::string>& arguments)
-    : process_("pointreel-server", arguments) {}
+NamedLink megabits(std::uint64_t rate) {
+  LinkConditions conditions;
+  conditions.bits_per_second = rate * 1'000'000;
+  conditions.delay = std::chrono::milliseconds(10);
+  return {fmt::format("{} Mbit/s, 20 ms", rate), conditions};
+}
 
-Result<std::unique_ptr<ReelServer>> ReelServer::start(const std::vector<StreamedReel>& reels) {
-  std::unique_ptr<ReelServer> server(new ReelServer(serve_arguments(reels)));
-  const std::string line = server->process_.first_line();
-  const std::size_t at = line.find("http://");
-  if (at == std::string::npos) return fail("pointreel-server did not say where it listens");
-  const std::size_t begin = at + 7;
-  server->address_ = line.substr(begin, line.find_first_of("/ \n", begin) - begin);
-  return server;
+ServedReels::ServedReels(std::vector<StreamedReel> reels)
+    : reels_(std::move(reels)),
+      process_("pointreel-server", serve_arguments(reels_)),
+      address_(e2e::server_address(process_)) {}
+
+Result<std::unique_ptr<ServedReels>> ServedReels::start(const StreamOptions& options) {
+  auto reels = streamed_reels(options);
+  if (!reels) return tl::unexpected(reels.error());
+  std::unique_ptr<ServedReels> served(new ServedReels(*std::move(reels)));
+  if (served->address_.empty()) return fail("pointreel-server did not start");
+  return served;
+}
+
+Result<std::unique_ptr<LinkEmulator>> ServedReels::link(const NamedLink& link) const {
+  return LinkEmulator::start({.target = address_, .conditions = link.conditions});
+}
+
+std::string ServedReels::url(const StreamedReel& reel) const {
+  return "http://" + address_ + "/" + reel.name;
+}
+
+std::string ServedReels::url(const LinkEmulator& link, const StreamedReel& reel) {
+  return "http://" + link.address() + "/" + reel.name;
 }
 
 }  // namespace pointreel::bench

@@ -10,6 +10,7 @@
 #include "common/base/error.h"
 #include "tests/bench/stream/chapter.h"
 #include "tests/e2e/process.h"
+#include "tests/link/link_emulator.h"
 
 namespace pointreel::bench {
 
@@ -28,20 +29,34 @@ struct StreamedReel {
 /// A checksum of a frame's voxels and their colours.
 std::uint64_t content_of(const SceneFrame& frame);
 
-/// soccer-shoot as the paper's scanner sees it, and kick dense on a grid of 10 bits in two
-/// slabs. Made in the
-/// scratch folder by whichever chapter asks first.
+/// soccer-shoot as the paper's scanner sees it, and kick dense on a grid of 10 bits in two slabs.
+/// Made in the scratch folder by whichever chapter asks first.
 Result<std::vector<StreamedReel>> streamed_reels(const StreamOptions& options);
 
-/// `pointreel-server serve` of them, in a process of its own.
-class ReelServer {
+/// A link with a name for people.
+struct NamedLink {
+  std::string name;
+  LinkConditions conditions;
+};
+inline NamedLink loopback() { return {"loopback", {}}; }
+/// So many Mbit/s, and 20 ms there and back.
+NamedLink megabits(std::uint64_t rate);
+
+/// streamed_reels, served by `pointreel-server serve` in a process of its own.
+class ServedReels {
  public:
-  static Result<std::unique_ptr<ReelServer>> start(const std::vector<StreamedReel>& reels);
-  /// "127.0.0.1:8090"; a reel is at /NAME.
-  const std::string& address() const { return address_; }
+  static Result<std::unique_ptr<ServedReels>> start(const StreamOptions& options);
+
+  const std::vector<StreamedReel>& reels() const { return reels_; }
+  /// A link to the server.
+  Result<std::unique_ptr<LinkEmulator>> link(const NamedLink& link) const;
+  /// Where a reel is, directly or over a link.
+  std::string url(const StreamedReel& reel) const;
+  static std::string url(const LinkEmulator& link, const StreamedReel& reel);
 
  private:
-  explicit ReelServer(const std::vector<std::string>& arguments);
+  explicit ServedReels(std::vector<StreamedReel> reels);
+  std::vector<StreamedReel> reels_;
   e2e::Background process_;
   std::string address_;
 };

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/playback/statistics.h"
+#include "tests/bench/stream/reels.h"
 #include "tests/bench/stream/watching.h"
 
 namespace pointreel::bench {
@@ -89,21 +90,18 @@ void drag(Watching& watching, const StreamedReel& reel, int count, Seeks& seeks,
 }  // namespace
 
 Result<json> run_seek(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto reels = streamed_reels(options);
-  if (!reels) return tl::unexpected(reels.error());
-  const auto server = ReelServer::start(*reels);
-  if (!server) return tl::unexpected(server.error());
+  const auto served = ServedReels::start(options);
+  if (!served) return tl::unexpected(served.error());
   json rows = json::array();
   std::uint64_t wrong = 0, checked = 0;
   std::mt19937_64 random(6);
-  for (const StreamedReel& reel : *reels) {
+  for (const StreamedReel& reel : (*served)->reels()) {
     for (const NamedLink& named : {loopback(), megabits(50)}) {
       const bool near = named.conditions.bits_per_second == 0;
-      const auto link =
-          LinkEmulator::start({.target = (*server)->address(), .conditions = named.conditions});
+      const auto link = (*served)->link(named);
       if (!link) return tl::unexpected(link.error());
-      const std::string host = near ? (*server)->address() : (*link)->address();
-      auto watching = Watching::start("http://" + host + "/" + reel.name, {.keep_nothing = true});
+      auto watching = Watching::start(near ? (*served)->url(reel) : ServedReels::url(**link, reel),
+                                      {.keep_nothing = true});
       if (!watching) return tl::unexpected(watching.error());
       if (!(*watching)->until([](const auto& update) { return update.frame != nullptr; }))
         return fail(reel.name + ": no picture");

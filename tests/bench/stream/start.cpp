@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/bench/stream/reels.h"
 #include "tests/bench/stream/time_json.h"
 #include "tests/bench/stream/watching.h"
 
@@ -10,21 +11,18 @@ namespace pointreel::bench {
 using nlohmann::json;
 
 Result<json> run_start(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto reels = streamed_reels(options);
-  if (!reels) return tl::unexpected(reels.error());
-  const auto server = ReelServer::start(*reels);
-  if (!server) return tl::unexpected(server.error());
+  const auto served = ServedReels::start(options);
+  if (!served) return tl::unexpected(served.error());
   json rows = json::array();
-  for (const StreamedReel& reel : *reels) {
+  for (const StreamedReel& reel : (*served)->reels()) {
     for (const auto& [named, limit] :
          {std::pair{megabits(50), 500.0}, std::pair{megabits(5), 1500.0}}) {
-      const auto link =
-          LinkEmulator::start({.target = (*server)->address(), .conditions = named.conditions});
+      const auto link = (*served)->link(named);
       if (!link) return tl::unexpected(link.error());
       TimeSamples first, whole;
       for (int run = 0; run < (options.quick ? 3 : 20); ++run) {
         const double begin = now_ms();
-        auto watching = Watching::start("http://" + (*link)->address() + "/" + reel.name, {});
+        auto watching = Watching::start(ServedReels::url(**link, reel), {});
         if (!watching) return tl::unexpected(watching.error());
         if (!(*watching)->until([](const auto& update) { return update.frame != nullptr; }))
           return fail(reel.name + ": no picture");

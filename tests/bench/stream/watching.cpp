@@ -2,18 +2,9 @@
 
 #include <thread>
 
-#include <fmt/format.h>
-
 #include "client/source/open_source.h"
 
 namespace pointreel::bench {
-
-NamedLink megabits(std::uint64_t rate) {
-  LinkConditions conditions;
-  conditions.bits_per_second = rate * 1'000'000;
-  conditions.delay = std::chrono::milliseconds(10);
-  return {fmt::format("{} Mbit/s, 20 ms", rate), conditions};
-}
 
 Watching::Watching(std::unique_ptr<Source> source, const Options& options) {
   ReelPlayback::Options playing;

@@ -6,19 +6,9 @@
 #include <string>
 
 #include "client/playback/reel_playback.h"
-#include "tests/bench/stream/reels.h"
-#include "tests/link/link_emulator.h"
+#include "common/base/error.h"
 
 namespace pointreel::bench {
-
-/// A link with a name for people.
-struct NamedLink {
-  std::string name;
-  LinkConditions conditions;
-};
-inline NamedLink loopback() { return {"loopback", {}}; }
-/// So many Mbit/s, and 20 ms there and back.
-NamedLink megabits(std::uint64_t rate);
 
 /// Somebody who plays a reel over a link, without a screen: a picture is there when its frame is
 /// ready to draw. Everything is wanted of it, as by a camera that is near.

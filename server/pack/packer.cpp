@@ -12,15 +12,12 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include "codec/cloud_file.h"
-#include "codec/max_error.h"
 #include "codec/octree/context_tables.h"
 #include "codec/training/sequence_tables.h"
-#include "common/base/spread.h"
 #include "common/base/tbb_executor.h"
 #include "common/cloud/geometry.h"
 #include "common/stream/package.h"
@@ -28,7 +25,9 @@
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
 #include "server/pack/output_folder.h"
+#include "server/pack/pack_frame.h"
 #include "server/pack/sample_trees.h"
+#include "server/pack/trials.h"
 #include "server/rate/frame_time_control.h"
 #include "server/rate/rate_control.h"
 
@@ -70,149 +69,6 @@ Result<void> may_replace_package(const fs::path& folder) {
   }
   if (error) return fail(error.message());
   return {};
-}
-
-struct PackedFrame {
-  EncodedFrame encoded;
-  PartSizes parts;
-  Box box;
-  double encode_ms = 0.0, max_error = 0.0;
-  bool colors = false, normals = false;  ///< coded
-  bool had_radii = false;
-  std::vector<std::string> warnings;
-};
-
-/// What of a segment is encoded to see what a bit rate allows: some frames, spread over it.
-class Trials {
- public:
-  static constexpr std::size_t kFrames = 4;
-
-  /// `shared` as below.
-  static Result<Trials> create(const SegmentInput& input, std::span<const fs::path> files,
-                               const Grid* shared, const PackOptions& options) {
-    Trials trials;
-    trials.frames_ = files.size();
-    const std::size_t n = std::min(kFrames, files.size());
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t frame = spread_index(i, n, files.size());
-      Result<SegmentInput::Cloud> cloud = input.look(frame);
-      if (!cloud) return tl::unexpected(cloud.error());
-      const Result<Grid> grid =
-          shared != nullptr ? *shared : grid_for(bounds((*cloud)->cloud), options);
-      if (!grid) return fail_at(files[frame].string(), grid.error());
-      trials.samples_.push_back({&files[frame], *cloud, *grid});
-    }
-    return trials;
-  }
-
-  /// Whether there is an attribute that quality changes.
-  bool have_attributes(const EncodeOptions& options) const {
-    return std::any_of(samples_.begin(), samples_.end(), [&](const Sample& sample) {
-      const PointCloud& cloud = sample.cloud->cloud;
-      return (options.normals && cloud.has_normals()) ||
-             (options.id() == Codec::octree && options.colors && cloud.has_colors());
-    });
-  }
-
-  /// Leads `control` to its choice.
-  Result<void> run(RateControl& control, const std::stop_token& stop) const {
-    while (const std::optional<Coarsening> by = control.next()) {
-      if (stop.stop_requested()) return fail(kInterrupted);
-      std::vector<Result<EncodedFrame>> encoded(samples_.size());
-      tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t i) {
-        const Sample& sample = samples_[i];
-        encoded[i] = encode_frame(sample.cloud->cloud, sample.grid.cube,
-                                  coarsened(sample.grid.encode, control.finest(), *by));
-      });
-      double bytes = 0.0;
-      int depth = 0;
-      for (std::size_t i = 0; i < samples_.size(); ++i) {
-        if (!encoded[i]) return fail_at(samples_[i].file->string(), encoded[i].error());
-        bytes += static_cast<double>(encoded[i]->size());
-        depth = std::max(depth, encoded[i]->depth);
-      }
-      control.told(bytes * static_cast<double>(frames_) / static_cast<double>(samples_.size()),
-                   depth);
-    }
-    return {};
-  }
-
- private:
-  struct Sample {
-    const fs::path* file;
-    SegmentInput::Cloud cloud;
-    Grid grid;
-  };
-  std::vector<Sample> samples_;
-  std::size_t frames_ = 0;
-};
-
-/// What frames are made coarser by: the same for a segment, and for each what time allows.
-class Limits {
- public:
-  explicit Limits(const PackOptions& options) {
-    if (options.frame_time_ms) frame_time_.emplace(*options.frame_time_ms);
-  }
-
-  void begin_segment(int finest, const Coarsening& by) {
-    finest_ = finest;
-    by_ = by;
-  }
-  EncodeOptions of_segment(const EncodeOptions& asked) const {
-    return coarsened(asked, finest_, by_);
-  }
-
-  EncodeOptions of_frame(const EncodeOptions& asked) {
-    const EncodeOptions options = of_segment(asked);
-    if (!frame_time_) return options;
-    const std::lock_guard lock(mutex_);
-    return no_deeper_than(options, frame_time_->depth());
-  }
-
-  void told(int depth, double ms) {
-    if (!frame_time_) return;
-    const std::lock_guard lock(mutex_);
-    frame_time_->told(depth, ms);
-  }
-
-  std::uint64_t late_frames() const { return frame_time_ ? frame_time_->late() : 0; }
-
- private:
-  int finest_ = 0;
-  Coarsening by_;
-  std::mutex mutex_;
-  std::optional<FrameTimeControl> frame_time_;
-};
-
-/// One frame from its file to its bytes. `shared` is the group's grid, null with a cube per frame.
-Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const fs::path& file,
-                               const Grid* shared, const PackOptions& options, Limits& limits) {
-  const Result<SegmentInput::Cloud> loaded = input.take(index);
-  if (!loaded) return tl::unexpected(loaded.error());
-  PackedFrame frame;
-  const PointCloud& cloud = (*loaded)->cloud;
-  frame.box = bounds(cloud);
-  frame.colors = options.encode.colors && cloud.has_colors();
-  frame.normals = options.encode.normals && cloud.has_normals();
-  frame.had_radii = cloud.has_radii();
-  for (const std::string& warning : (*loaded)->warnings) {
-    frame.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
-  }
-  const Result<Grid> grid = shared != nullptr ? *shared : grid_for(frame.box, options);
-  if (!grid) return fail_at(file.string(), grid.error());
-
-  const EncodeOptions encode = limits.of_frame(grid->encode);
-  const Clock::time_point start = Clock::now();
-  Result<EncodedFrame> encoded = encode_frame(cloud, grid->cube, encode);
-  frame.encode_ms = 1e3 * seconds_since(start);
-  if (!encoded) return fail_at(file.string(), encoded.error());
-  limits.told(encoded->depth, frame.encode_ms);
-  frame.encoded = std::move(*encoded);
-  if (!cloud.empty()) frame.max_error = max_geometry_error(grid->cube, frame.encoded.depth);
-  const Result<PartSizes> parts = measure_parts(frame.encoded, cloud, grid->cube, encode);
-  if (!parts) return fail_at(file.string(), parts.error());
-  frame.parts = *parts;
-  return frame;
 }
 
 /// Packs one segment after another into a folder.
@@ -310,7 +166,9 @@ class Packer {
     RateControl control(budget, trials->have_attributes(options_.encode));
     const Tally before = tally_;
     for (;;) {
-      if (const Result<void> led = trials->run(control, listener_.stop); !led) return led;
+      const Result<void> led = trials->run(control, listener_.stop);
+      if (listener_.stop.stop_requested()) return fail(kInterrupted);
+      if (!led) return led;
       limits_.begin_segment(control.finest(), control.choice());
       const Result<void> written = write_segment(input, first, files, grid, threads);
       if (!written) return written;
@@ -332,6 +190,7 @@ class Packer {
     }
     return {};
   }
+
   /// Encodes and writes all frames of a segment, as coarse as `limits_` says.
   Result<void> write_segment(SegmentInput& input, std::size_t first,
                              std::span<const fs::path> files, const Grid* shared, int threads) {
@@ -505,7 +364,7 @@ class Packer {
   const fs::path folder_;
   Manifest manifest_;
   Tally tally_;
-  Limits limits_;
+  FrameLimits limits_;
   bool again_ = false;  ///< a segment is being written anew: the listener has heard of its frames
   std::mutex error_mutex_;
 };

@@ -156,7 +156,12 @@ void check_files(Checks& checks) {
   Segment segment;
   segment.times_us = {0};
   segment.points = {3};
-  segment.layers = {{"0000-base.bin", 100, 1, {{100, 0, 0}}}};
+  LayerFile base;
+  base.path = "0000-base.bin";
+  base.bytes = 100;
+  base.checksum = 1;
+  base.frames = {{100, 0, 0}};
+  segment.layers.push_back(std::move(base));
   manifest.segments = {segment};
   std::string text = write_manifest(manifest);
   const auto whole = parse_manifest(text);

@@ -57,7 +57,7 @@ Result<std::unique_ptr<VirtualDisplay>> VirtualDisplay::start(glm::ivec2 size) {
   if (const std::string lacks = missing(); !lacks.empty())
     return fail(fmt::format("{} is not installed: apt-get install {}", lacks, lacks));
   auto server = std::make_unique<Server>(find_program("Xvfb"), size);
-  server->name = ":" + server->process.first_line();
+  server->name = fmt::format(":{}", server->process.first_line());
   if (server->name == ":") return fail("Xvfb did not say which display it has");
   server->display = XOpenDisplay(server->name.c_str());
   if (server->display == nullptr) return fail("Xvfb does not answer on " + server->name);

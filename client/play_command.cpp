@@ -180,7 +180,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
   play_command
       .add_option("--delta", options_.delta,
                   "Share of points that may merge in the voxels that are drawn: the paper's 0.05 "
-                  "gives nearly every point its own, with gaps; 0 keeps all that are distinct")
+                  "gives nearly every point its own, with wide gaps; 0 keeps all that are distinct")
       ->check(within(0.0, 1.0))
       ->capture_default_str();
   play_command
@@ -215,8 +215,8 @@ PlayCommand::PlayCommand(CLI::App& app) {
       ->check(within(0.01, 100.0))
       ->capture_default_str();
   play_command.add_flag("--fill-holes,!--no-fill-holes", options_.draw.fill_holes,
-                        "With --splatting normalized: fill holes of surfaces, where their inside "
-                        "would be seen, from what is around (default)");
+                        "Fill holes from what is around (default): with --splatting normalized, of "
+                        "surfaces whose inside would be seen; of voxels, gaps of up to three");
   play_command
       .add_option(
           "--edl", options_.draw.edl,

@@ -27,7 +27,7 @@ class LivePlayback : public Playback {
  public:
   struct Options {
     DrawMode mode = DrawMode::surfel;
-    double delta = 0.7;            ///< PrepareOptions::delta
+    double delta = 0.72;           ///< PrepareOptions::delta
     std::uint32_t layers = ~0u;    ///< no more are decoded, however near the camera
     float pixel_size = 1.0f;       ///< DrawOptions::pixel_size
     bool show_normals = false;     ///< PrepareOptions::show_normals

@@ -177,8 +177,11 @@ Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
                                                       : make_elements(scene, frame->cube, options);
     if (!made) return tl::unexpected(made.error());
   }
-  if (options.mode == DrawMode::voxel && worth_hiding(scene.svo))
-    scene.neighbors = leaf_neighbors(scene.svo);
+  if (options.mode == DrawMode::voxel) {
+    if (const int widest = gap_to_fill(scene.svo, scene.points); widest > 0)
+      scene.filled = fill_gaps(scene.svo, scene.attributes, widest);
+    if (worth_hiding(scene.svo)) scene.neighbors = leaf_neighbors(scene.svo);
+  }
   scene.svo_ms = watch.lap();
   return scene;
 }

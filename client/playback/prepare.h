@@ -7,7 +7,7 @@ namespace pointreel {
 
 struct PrepareOptions {
   DrawMode mode = DrawMode::surfel;
-  double delta = 0.7;         ///< >= 0, of the tree that voxels are drawn from (DepthRule::delta)
+  double delta = 0.72;        ///< >= 0, of the tree that voxels are drawn from (DepthRule::delta)
   int level = kWholeFrame;    ///< no finer level of detail will be seen
   bool show_normals = false;  ///< in every mode
 };
@@ -22,7 +22,7 @@ struct PrepareOptions {
 /// Of other frames surfels and points draw the cloud, unless so many of its points fall together at
 /// `level` that building a tree of that depth pays. Voxels draw a tree that is built to satisfy
 /// delta, or to `level`. Trees are built in the segment's cube, or, for files, in the frame's
-/// bounding cube.
+/// bounding cube. Gaps between voxels are filled (gap_filling.h).
 ///
 /// Normals are estimated from neighbours where absent and needed; radii are made in surfel mode,
 /// where absent, from the tree (tree_radii.h, node_radii.h).

@@ -71,16 +71,19 @@ void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& of
   }
 }
 
-std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                       ColorSource color, const glm::vec3& eye, const glm::vec3& offset,
+std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
+                       const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        std::span<Instance> out, InstanceBounds& bounds) {
   const NodeAttributes& attributes = frame.attributes;
-  const bool halves = mode == DrawMode::voxel || frame.radii.empty();
-  const bool hiding = mode == DrawMode::voxel && !frame.neighbors.empty();
+  const bool halves = style.mode == DrawMode::voxel || frame.radii.empty();
+  const bool unfilled = !style.fill_holes && !frame.filled.empty();
+  // What fills gaps hides nothing where it is not drawn.
+  const bool hiding = style.mode == DrawMode::voxel && !frame.neighbors.empty() && !unfilled;
   const std::uint32_t first_leaf =
       hiding ? frame.svo.level_begin[static_cast<std::size_t>(frame.svo.depth)] : 0;
   std::size_t count = 0;
   for (const CutNode& node : cut) {
+    if (unfilled && frame.filled[node.node]) continue;
     if (hiding && node.node >= first_leaf &&
         hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center)))
       continue;
@@ -90,7 +93,7 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, Dr
     const float radius = halves ? node.half : frame.radii[node.node];
     const glm::vec3 center = node.center + offset;
     out[count++] = {center, radius, normal,
-                    pack_color(color_of(color, attributes.colors, node.node, normal))};
+                    pack_color(color_of(style.color, attributes.colors, node.node, normal))};
     bounds.grow(center, radius);
   }
   return count;

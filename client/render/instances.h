@@ -19,6 +19,15 @@ namespace pointreel {
 /// normal is unknown too.
 glm::u16vec3 fake_color(const glm::i16vec4& normal);
 
+/// What is drawn of a scene, and in which colours.
+struct ElementStyle {
+  DrawMode mode = DrawMode::surfel;
+  ColorSource color = ColorSource::colors;
+  bool fill_holes = true;  ///< else without the voxels that fill gaps (gap_filling.h)
+
+  bool operator==(const ElementStyle&) const = default;
+};
+
 /// Surfels or points of a frame's cloud, relative to its cloud's origin and moved by `offset`;
 /// `out` has one for each point. Radii are those of the cloud; where it has none (a frame that was
 /// prepared for another mode), half the diagonal of the octree's leaves. `bounds` grows by them.
@@ -29,8 +38,8 @@ void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& of
 /// and moved by `offset`; `out` has room for all. The radii of voxels are half their edges, those
 /// of others the frame's. Voxels that their neighbours hide from `eye`, which is relative to the
 /// cube's origin too, are left out where the frame knows the neighbours: how many are there.
-std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut, DrawMode mode,
-                       ColorSource color, const glm::vec3& eye, const glm::vec3& offset,
+std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
+                       const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        std::span<Instance> out, InstanceBounds& bounds);
 
 }  // namespace pointreel

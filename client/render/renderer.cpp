@@ -97,7 +97,8 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
   if (Result<void> resized = resize(size); !resized) return fail(resized.error().message);
   if (auto updated =
-          instances_.update(scene, camera, size, options.mode, options.pixel_size, options.color);
+          instances_.update(scene, camera, size, {options.mode, options.color, options.fill_holes},
+                            options.pixel_size);
       !updated)
     return fail(updated.error().message);
   DrawStats stats;

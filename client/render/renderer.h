@@ -35,7 +35,9 @@ struct DrawOptions {
   /// By what Splatting::normalized multiplies the surfels' radii to decide what is visible, and to
   /// blend colours. Other modes have the paper's.
   SplatScales scales{1.4f, 1.4f};
-  bool fill_holes = true;  ///< with Splatting::normalized: see reconstruction.h
+  /// With Splatting::normalized: see reconstruction.h. Of voxels: with those that the frame has in
+  /// gaps between others (gap_filling.h).
+  bool fill_holes = true;
   ColorSource color = ColorSource::colors;
   VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut

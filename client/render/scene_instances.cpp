@@ -5,8 +5,6 @@
 #include <span>
 #include <string>
 
-#include "client/render/instances.h"
-
 namespace pointreel {
 namespace {
 
@@ -17,16 +15,15 @@ const glm::dvec3& origin_of(const SceneFrame& frame, bool is_tree) {
 }  // namespace
 
 Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                                    DrawMode mode, float pixel_size, ColorSource color) {
+                                    const ElementStyle& style, float pixel_size) {
   stats_.cut_ms = 0.0;
   const View view{camera, size, pixel_size};
-  const bool same = view_ && scene == scene_ && mode == mode_ && color == color_;
+  const bool same = view_ && scene == scene_ && style == style_;
   const bool trees =
       std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.is_tree; });
   if (same && (!trees || view_ == view)) return {};
   scene_ = scene;
-  mode_ = mode;
-  color_ = color;
+  style_ = style;
   view_ = view;
   stats_ = {};
   cut(scene);
@@ -63,7 +60,7 @@ void SceneInstances::cut(const Scene& scene) {
     const SceneFrame* frame = scene[i].frame.get();
     if (frame == nullptr) continue;
     normals_estimated_ = normals_estimated_ || frame->normals_estimated;
-    part.is_tree = mode_ == DrawMode::voxel || frame->cloud.empty();
+    part.is_tree = style_.mode == DrawMode::voxel || frame->cloud.empty();
     if (!part.is_tree) {
       part.most = frame->cloud.size();
       continue;
@@ -85,12 +82,11 @@ std::size_t SceneInstances::pack(const PlacedFrame& placed, const Part& part,
   const glm::dvec3 origin = placed.place + origin_of(frame, part.is_tree);
   const glm::vec3 offset(origin - origin_);
   if (!part.is_tree) {
-    pack_points(frame, color_, offset, out, bounds_);
+    pack_points(frame, style_.color, offset, out, bounds_);
     return out.size();
   }
   const glm::vec3 eye(view_->camera.eye() - origin);
-  const std::size_t count =
-      pack_nodes(frame, part.cut.nodes(), mode_, color_, eye, offset, out, bounds_);
+  const std::size_t count = pack_nodes(frame, part.cut.nodes(), style_, eye, offset, out, bounds_);
   stats_.visited += part.stats.visited;
   stats_.out_of_view += part.stats.out_of_view;
   if (part.stats.visited > 0) {

@@ -8,8 +8,8 @@
 
 #include <glm/glm.hpp>
 
-#include "client/render/color_source.h"
 #include "client/render/instance_buffer.h"
+#include "client/render/instances.h"
 #include "client/render/region.h"
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
@@ -29,8 +29,8 @@ class SceneInstances {
 
   /// `scene` as `camera` sees it in a picture of `size` pixels. Keeps hold of the frames. The error
   /// says that the driver has no memory for so many; there are no instances then.
-  Result<void> update(const Scene& scene, const Camera& camera, glm::ivec2 size, DrawMode mode,
-                      float pixel_size, ColorSource color = ColorSource::colors);
+  Result<void> update(const Scene& scene, const Camera& camera, glm::ivec2 size,
+                      const ElementStyle& style, float pixel_size);
 
   InstanceBuffer& buffer() { return instances_; }
   const InstanceBuffer& buffer() const { return instances_; }
@@ -62,8 +62,7 @@ class SceneInstances {
 
   std::optional<View> view_;  ///< none: nothing is up to date
   Scene scene_;
-  DrawMode mode_ = DrawMode::surfel;
-  ColorSource color_ = ColorSource::colors;
+  ElementStyle style_;
   std::vector<Part> parts_;
   InstanceBuffer instances_;
   InstanceBounds bounds_;

@@ -16,7 +16,7 @@ std::uint64_t memory_of(const SceneFrame& frame) {
          memory_of(cloud.colors) + memory_of(cloud.radii) + memory_of(frame.svo.level_begin) +
          memory_of(frame.svo.masks) + memory_of(frame.svo.first_child) +
          memory_of(frame.attributes.colors) + memory_of(frame.attributes.normals) +
-         memory_of(frame.radii) + memory_of(frame.neighbors);
+         memory_of(frame.radii) + frame.filled.capacity() / 8 + memory_of(frame.neighbors);
 }
 
 }  // namespace pointreel

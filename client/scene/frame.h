@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/scene/gap_filling.h"
 #include "client/scene/leaf_neighbors.h"
 #include "common/cloud/point_cloud.h"
 #include "common/octree/svo.h"
@@ -33,6 +34,8 @@ struct SceneFrame {
   // source has none; zero where unknown), radii in surfel mode.
   NodeAttributes attributes;
   std::vector<float> radii;  ///< of the nodes
+  /// Of the nodes, in voxel mode where there were gaps between voxels (gap_filling.h); else empty.
+  FilledNodes filled;
   /// Of the leaves, in voxel mode where enough voxels hide others (worth_hiding); else empty.
   std::vector<NeighborBits> neighbors;
   /// The normals were estimated from neighbours: their line is right, their sign may be wrong, so

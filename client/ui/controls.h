@@ -19,8 +19,8 @@ namespace pointreel {
 /// How things are drawn, as far as the user can choose it while they play.
 struct DrawSettings {
   DrawOptions draw;
-  double delta = 0.7;  ///< PlayOptions::delta
-  bool floor = false;  ///< a grid on the floor
+  double delta = 0.72;  ///< PlayOptions::delta
+  bool floor = false;   ///< a grid on the floor
 
   bool operator==(const DrawSettings&) const = default;
 };

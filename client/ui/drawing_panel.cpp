@@ -86,9 +86,11 @@ bool surfel_settings(DrawOptions& draw) {
 
 bool voxel_settings(DrawSettings& settings) {
   auto delta = static_cast<float>(settings.delta);
-  const bool changed = slide("Delta", delta, 0.0f, 1.0f, "%.2f");
+  bool changed = slide("Delta", delta, 0.0f, 1.0f, "%.2f");
   tip("Share of points that may merge in voxels: less is finer, with gaps");
   if (changed) settings.delta = static_cast<double>(delta);
+  changed |= ImGui::Checkbox("Fill holes", &settings.draw.fill_holes);
+  tip("Gaps of up to three voxels, with voxels like those around");
   return changed;
 }
 

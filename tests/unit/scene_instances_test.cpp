@@ -116,6 +116,35 @@ TEST_F(SceneInstancesTest, AFrameThatIsNotThereYetTakesNothing) {
   }
 }
 
+TEST_F(SceneInstancesTest, GapsBetweenVoxelsAreFilledOrLeftAsIsAsked) {
+  PointCloud net;
+  for (int i = 0; i < 18 * 18; ++i) {
+    const int x = i % 18, y = i / 18;
+    if (x % 3 != 0 && y % 3 != 0) continue;
+    net.positions.push_back(0.09375f * glm::vec3(x - 8, y - 8, 0.0f) + 0.02f);
+    net.colors.emplace_back(0xffff, 0, 0);
+  }
+  const auto open = frame_of(net, false);
+  auto filled = std::make_shared<SceneFrame>(*open);
+  filled->filled = fill_gaps(filled->svo, filled->attributes, 3);
+  filled->neighbors = leaf_neighbors(filled->svo);
+  for (const float pixel_size : {0.0f, 8.0f}) {  // leaves, and nodes above them
+    DrawOptions options = plain(DrawMode::voxel);
+    options.pixel_size = pixel_size;
+    const Image closed = draw(filled, camera_, kSize, options);
+    options.fill_holes = false;
+    const Image left = draw(filled, camera_, kSize, options);
+    const Image expected = draw(open, camera_, kSize, options);
+    EXPECT_EQ(different_pixels(left, expected), 0u) << pixel_size;
+    if (pixel_size > 0.0f) continue;
+    EXPECT_GT(different_pixels(left, closed), 1000u);
+    // In the middle of the net nothing is open.
+    for (int y = 70; y < 110; ++y) {
+      for (int x = 100; x < 140; ++x) ASSERT_GT(closed.at(x, y).x, 200) << x << ", " << y;
+    }
+  }
+}
+
 TEST_F(SceneInstancesTest, AFrameThatIsMovedIsDrawnAnew) {
   PointCloud tile;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});

@@ -1,0 +1,159 @@
+#include "client/scene/gap_filling.h"
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/tree_of_cells.h"
+
+namespace pointreel {
+namespace {
+
+using CellSet = std::set<std::tuple<int, int, int>>;
+
+CellSet set_of(const std::vector<glm::uvec3>& cells) {
+  CellSet set;
+  for (const glm::uvec3& cell : cells) set.insert({cell.x, cell.y, cell.z});
+  return set;
+}
+
+/// What is to be filled, cell by cell: those between two others, and in a node of 4^3 of them.
+CellSet slowly_filled(const std::vector<glm::uvec3>& cells, int depth, int widest) {
+  const CellSet there = set_of(cells);
+  CellSet filled, bricks;
+  for (const glm::uvec3& cell : cells) bricks.insert({cell.x / 4, cell.y / 4, cell.z / 4});
+  const int edge = 1 << depth;
+  const auto distance = [&there, widest](glm::ivec3 at, glm::ivec3 line) {
+    for (int i = 1; i <= widest; ++i) {
+      at += line;
+      if (there.contains({at.x, at.y, at.z})) return i;
+    }
+    return widest + 1;
+  };
+  for (int i = 0; i < edge * edge * edge; ++i) {
+    const glm::ivec3 at(i % edge, i / edge % edge, i / edge / edge);
+    if (there.contains({at.x, at.y, at.z}) || !bricks.contains({at.x / 4, at.y / 4, at.z / 4}))
+      continue;
+    for (int n = 14; n < 27; ++n) {
+      const glm::ivec3 line(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      if (distance(at, line) + distance(at, -line) > widest + 1) continue;
+      filled.insert({at.x, at.y, at.z});
+      break;
+    }
+  }
+  return filled;
+}
+
+std::vector<glm::uvec3> random_cells(unsigned seed, int depth, std::size_t count) {
+  std::mt19937 random(seed);
+  const unsigned edge = 1u << depth;
+  std::vector<glm::uvec3> cells;
+  for (std::size_t i = 0; i < count; ++i)
+    cells.emplace_back(random() % edge, random() % edge, random() % edge);
+  return cells;
+}
+
+/// The cells of the leaves that were there, and of those that are new.
+struct Leaves {
+  CellSet before, filled;
+};
+Leaves leaves_of(const Svo& svo, const FilledNodes& filled) {
+  Leaves leaves;
+  const std::vector<glm::uvec3> cells = leaf_cells(svo);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool is_new = !filled.empty() && filled[svo.internal_count() + i];
+    (is_new ? leaves.filled : leaves.before).insert({cells[i].x, cells[i].y, cells[i].z});
+  }
+  return leaves;
+}
+
+TEST(GapFilling, FillsWhatLiesBetweenTwoLeavesInAnyOfThirteenDirections) {
+  for (const int depth : {2, 3, 4}) {
+    for (const int widest : {1, 2, 3}) {
+      const auto cells = random_cells(static_cast<unsigned>(depth + widest), depth,
+                                      depth == 2   ? 6
+                                      : depth == 3 ? 25
+                                                   : 700);
+      Svo svo = tree_of_cells(cells, depth);
+      NodeAttributes nothing;
+      const FilledNodes filled = fill_gaps(svo, nothing, widest);
+      const Leaves leaves = leaves_of(svo, filled);
+      EXPECT_EQ(leaves.before, set_of(cells));
+      EXPECT_EQ(leaves.filled, slowly_filled(cells, depth, widest)) << depth << ", " << widest;
+      EXPECT_FALSE(leaves.filled.empty());
+    }
+  }
+}
+
+TEST(GapFilling, MakesTheSameTreeAsItsLeavesWould) {
+  const auto cells = random_cells(1, 5, 700);
+  Svo svo = tree_of_cells(cells, 5);
+  NodeAttributes nothing;
+  ASSERT_FALSE(fill_gaps(svo, nothing, 3).empty());
+  const Svo again = tree_of_cells(leaf_cells(svo), 5);
+  EXPECT_EQ(svo.masks, again.masks);
+  EXPECT_EQ(svo.level_begin, again.level_begin);
+  EXPECT_EQ(svo.first_child, again.first_child);
+}
+
+TEST(GapFilling, ColorsNewLeavesAsThoseThatTouchThem) {
+  // A gap of three cells along x, its middle touched by nothing that was there.
+  const std::vector<glm::uvec3> cells = {{0, 0, 0}, {4, 0, 0}};
+  Svo svo = tree_of_cells(cells, 3);
+  NodeAttributes attributes;
+  attributes.colors.resize(svo.node_count());
+  attributes.normals.assign(svo.node_count(), {32767, 0, 0});
+  attributes.colors[svo.internal_count()] = {100, 0, 65535};
+  attributes.colors[svo.internal_count() + 1] = {300, 0, 65535};
+  const FilledNodes filled = fill_gaps(svo, attributes, 3);
+  ASSERT_EQ(svo.leaf_count(), 5u);
+  ASSERT_EQ(attributes.colors.size(), svo.node_count());
+  ASSERT_EQ(attributes.normals.size(), svo.node_count());
+  const std::vector<glm::uvec3> leaves = leaf_cells(svo);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const unsigned red = std::array{100u, 100u, 200u, 300u, 300u}[leaves[i].x];
+    EXPECT_EQ(attributes.colors[svo.internal_count() + i], glm::u16vec3(red, 0, 65535));
+    EXPECT_EQ(attributes.normals[svo.internal_count() + i], glm::i16vec3(32767, 0, 0));
+    EXPECT_EQ(filled[svo.internal_count() + i], leaves[i].x % 4 != 0);
+  }
+  // The node above the cells 2 and 3 is new, too; the others keep what they had.
+  const std::uint32_t parent = svo.level_begin[2];
+  ASSERT_EQ(svo.node_count(2), 3u);
+  EXPECT_TRUE(filled[parent + 1]);
+  EXPECT_EQ(attributes.colors[parent + 1], glm::u16vec3(250, 0, 65535));
+  EXPECT_FALSE(filled[parent]);
+  EXPECT_EQ(attributes.colors[parent], glm::u16vec3(0));
+}
+
+TEST(GapFilling, LeavesAloneWhatIsClosedAndWhatIsSingle) {
+  NodeAttributes nothing;
+  Svo none;
+  EXPECT_TRUE(fill_gaps(none, nothing, 3).empty());
+  EXPECT_EQ(gap_to_fill(none, 0), 0);
+  Svo single = tree_of_cells({{5, 6, 7}}, 4);
+  EXPECT_TRUE(fill_gaps(single, nothing, 3).empty());
+  EXPECT_EQ(single.leaf_count(), 1u);
+  // A plane; a net of it; and points so far apart that each has all nodes above it alone.
+  std::vector<glm::uvec3> plane, net, apart;
+  for (unsigned x = 0; x < 32; ++x) {
+    for (unsigned y = 0; y < 32; ++y) {
+      plane.emplace_back(x, y, 3);
+      if (x % 3 == 0 || y % 3 == 0) net.emplace_back(x, y, 3);
+      if (x % 8 == 0 && y % 8 == 0) apart.emplace_back(x, y, 3);
+    }
+  }
+  const auto gap = [](const std::vector<glm::uvec3>& cells, std::size_t points_per_leaf) {
+    const auto points = static_cast<std::uint32_t>(cells.size() * points_per_leaf);
+    return gap_to_fill(tree_of_cells(cells, 5), points);
+  };
+  EXPECT_EQ(gap(plane, 3), 0);
+  EXPECT_EQ(gap(apart, 1), 0);
+  EXPECT_EQ(gap(net, 3), 3);
+  EXPECT_EQ(gap(net, 8), 1);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -168,4 +168,9 @@ bool LiveWatcher::hears_of_trouble(bool there) {
   return changed_.wait_for(lock, kPatience, [&] { return trouble().has_value() == there; });
 }
 
+bool LiveWatcher::connects_again() {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, kPatience, [&] { return counts().reconnections > 0; });
+}
+
 }  // namespace pointreel

@@ -80,6 +80,7 @@ class LiveWatcher {
   bool sees(std::size_t more);
   bool sees_what_is_as_new_as(std::uint64_t capture_us);
   bool hears_of_trouble(bool there = true);
+  bool connects_again();
 
  private:
   void watch();

@@ -99,7 +99,7 @@ TEST_F(PackageFault, GoesOnAfterTheLinkWasCut) {
 TEST_F(PackageFault, GoesOnWhereItsConnectionsWereForgotten) {
   play();
   link_->forget_connections();
-  ASSERT_TRUE(watcher_->hears_of_trouble());
+  ASSERT_TRUE(watcher_->heard_of_trouble());
   EXPECT_TRUE(watcher_->sees(10));
   EXPECT_TRUE(watcher_->hears_of_no_trouble());
   EXPECT_EQ(watcher_->errors(), 0u);

@@ -21,8 +21,8 @@ ByteView bytes_of(const std::vector<T>& values) {
 }
 
 /// Plays the package at `url` in a loop.
-Result<std::unique_ptr<Playback>> playing(const std::string& url) {
-  auto source = open_source(url);
+Result<std::unique_ptr<Playback>> playing(const std::string& url, const SourceOptions& reading) {
+  auto source = open_source(url, reading);
   if (!source) return tl::unexpected(source.error());
   ReelPlayback::Options options;
   options.mode = DrawMode::point;
@@ -68,7 +68,12 @@ Watcher::~Watcher() {
 }
 
 void Watcher::play(const std::string& url) {
-  auto opened = playing(url);
+  SourceOptions reading;
+  reading.on_trouble = [this](const std::optional<std::string>& line) {
+    const std::lock_guard lock(mutex_);
+    heard_of_trouble_ = heard_of_trouble_ || line.has_value();
+  };
+  auto opened = playing(url, reading);
   if (!opened) {
     const std::lock_guard lock(mutex_);
     trouble_ = opened.error().message;
@@ -128,6 +133,9 @@ bool Watcher::stands_still(std::chrono::milliseconds time) {
 }
 bool Watcher::hears_of_trouble() {
   return wait([&] { return trouble_.has_value(); });
+}
+bool Watcher::heard_of_trouble() {
+  return wait([&] { return heard_of_trouble_; });
 }
 bool Watcher::hears_of_no_trouble() {
   return wait([&] { return !trouble_.has_value(); });

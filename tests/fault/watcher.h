@@ -60,6 +60,8 @@ class Watcher {
   bool stands_still(std::chrono::milliseconds time);
   bool hears_of_trouble();
   bool hears_of_no_trouble();
+  /// There was trouble at any time, however soon it had passed.
+  bool heard_of_trouble();
 
  private:
   void play(const std::string& url);
@@ -72,6 +74,7 @@ class Watcher {
   std::vector<Shown> shown_;
   std::uint64_t blank_ = 0, errors_ = 0;
   std::optional<std::string> trouble_;
+  bool heard_of_trouble_ = false;
   std::thread thread_;
 };
 

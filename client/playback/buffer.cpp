@@ -9,6 +9,11 @@ namespace {
 
 /// What is nearer than this is made of whatever is there; what is further may wait for what comes.
 constexpr std::uint32_t kSoon = 2;
+constexpr LayerSet kBase{1, false, false};
+/// At once, while scrubbing: some wait for the link's delay while others come.
+constexpr std::size_t kBesideCursor = 4;
+
+std::uint32_t apart(std::uint32_t a, std::uint32_t b) { return a > b ? a - b : b - a; }
 
 }  // namespace
 
@@ -31,8 +36,7 @@ void FrameBuffer::wake_all() {
 
 std::uint32_t FrameBuffer::distance(std::uint32_t frame) const {
   if (const auto steps = order(direction_).steps(playhead_, frame)) return *steps;
-  const std::uint32_t apart = frame > playhead_ ? frame - playhead_ : playhead_ - frame;
-  return options_.frame_count + apart;
+  return options_.frame_count + apart(frame, playhead_);
 }
 
 std::uint32_t FrameBuffer::behind(std::uint32_t frame) const {
@@ -111,8 +115,15 @@ void FrameBuffer::scrub(std::uint32_t frame) {
       ++epoch_;
       passed_order_ = order_;
     }
-    if (frame != before) move(frame, direction_, true);
-    store_.stop([&](std::uint32_t f) { return f != playhead_ && f != before; });
+    if (frame != before) {
+      dragged_back_ = frame < before;
+      move(frame, direction_, true);
+    }
+    // What has to be fetched gets the whole link.
+    const bool waits = store_.usable(playhead_, kBase) == 0 && !store_.coming(playhead_, kBase);
+    store_.stop([&](std::uint32_t f) {
+      return f != playhead_ && f != before && (waits || apart(f, playhead_) > options_.near);
+    });
   }
   wake_all();
 }
@@ -235,10 +246,25 @@ std::optional<FetchJob> FrameBuffer::begin(std::uint32_t step, bool base_only) {
   return store_.begin(*frame, want);
 }
 
+/// The nearest base that is neither there nor coming, once the cursor's own is there: where the
+/// cursor is going first, then where it came from.
+std::optional<FetchJob> FrameBuffer::begin_beside_cursor() {
+  if (store_.coming(playhead_, kBase) || store_.jobs() >= kBesideCursor || !has_room())
+    return std::nullopt;
+  for (const bool back : {dragged_back_, !dragged_back_}) {
+    for (std::uint32_t away = 1; away <= options_.near; ++away) {
+      if (back ? away > playhead_ : away >= options_.frame_count - playhead_) continue;
+      const std::uint32_t frame = back ? playhead_ - away : playhead_ + away;
+      if (auto job = store_.begin(frame, wanted(frame))) return job;
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<FetchJob> FrameBuffer::find_fetch() {
   const bool split = options_.base_first || scrubbing_;
   if (auto job = begin(0, split)) return job;
-  if (scrubbing_) return std::nullopt;
+  if (scrubbing_) return begin_beside_cursor();
   if (lead_ == 0) {
     if (auto job = begin(0, false)) return job;
   }
@@ -255,7 +281,7 @@ std::optional<FetchJob> FrameBuffer::find_fetch() {
     const auto frame = at(step);
     if (!frame) break;
     // Those that have their base wait until there is nothing else.
-    if (store_.usable(*frame, {1, false, false}) > 0 || store_.coming(*frame, {})) continue;
+    if (store_.usable(*frame, kBase) > 0 || store_.coming(*frame, {})) continue;
     if (auto job = begin(step, false)) return job;
   }
   for (std::uint32_t step = std::max(near + 1, lead_); step <= fetch_ahead_; ++step)
@@ -441,8 +467,7 @@ FrameBuffer::State FrameBuffer::wait(std::chrono::milliseconds timeout, bool fin
 
 /// Fetched, or not to be had.
 bool FrameBuffer::done_with(std::uint32_t frame) const {
-  return finished_.contains(frame) || store_.limit(frame) == 0 ||
-         store_.usable(frame, {1, false, false}) > 0;
+  return finished_.contains(frame) || store_.limit(frame) == 0 || store_.usable(frame, kBase) > 0;
 }
 
 FrameBuffer::Fill FrameBuffer::fill() const {

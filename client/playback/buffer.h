@@ -47,9 +47,10 @@ struct BufferedRange {
 /// finer further ahead. Made: the frames of the window, which is the playhead's and `ahead` more in
 /// the direction of play, first those that are missing, then those that could be finer by now.
 ///
-/// While scrubbing, the base of the frame under the cursor is all that is wanted. What was asked
-/// for before is cancelled, but for the cursor's place before, so that a drag that is faster than
-/// the link still shows where it passed.
+/// While scrubbing, the base of the frame under the cursor is all that is made, and all that is
+/// fetched until it is there: then come the bases beside it, which a hand mostly asks for next.
+/// What was asked for before is cancelled, but for the cursor's place before, so that a drag that
+/// is faster than the link still shows where it passed.
 ///
 /// Holds at most `ahead` + 2 finished frames: the window, and one that came late. A machine too
 /// slow for the reel's rate is always late, and shows at least that. Safe to use from any thread.
@@ -65,8 +66,9 @@ class FrameBuffer {
     bool loop = true;               ///< the window goes on at the other end of the reel
     DrawMode mode = DrawMode::surfel;
     std::uint32_t fetch_ahead = 0;  ///< frames fetched; at least `ahead`
-    std::uint32_t near = 0;         ///< frames whose bases come before all rests
-    bool base_first = false;        ///< a base is fetched by itself
+    /// Frames whose bases come before all rests; on both sides of the cursor while scrubbing.
+    std::uint32_t near = 0;
+    bool base_first = false;  ///< a base is fetched by itself
     /// Of coded frames; those in the window of `ahead` are kept, and those fetched, anyway.
     std::uint64_t store_bytes = 0;
     /// The finest level that is there with one layer, with two, ...; >= 1 entries, the last
@@ -196,6 +198,7 @@ class FrameBuffer {
   bool focused() const { return focus_ && !satisfied(playhead_); }
   std::optional<FetchJob> find_fetch();
   std::optional<FetchJob> begin(std::uint32_t step, bool base_only);
+  std::optional<FetchJob> begin_beside_cursor();
   std::optional<FrameRequest> find_wanted();
   std::optional<FrameRequest> make(std::uint32_t step, bool again);
   void move(std::uint32_t frame, int direction, bool keep_newest_passed);
@@ -212,7 +215,8 @@ class FrameBuffer {
   int direction_ = 1;
   std::optional<FrameRange> loop_range_;
   std::uint32_t fetch_ahead_ = 0, lead_ = 0;
-  bool focus_ = false, coarse_first_ = false, scrubbing_ = false;
+  bool focus_ = false, coarse_first_ = false;
+  bool scrubbing_ = false, dragged_back_ = false;
   std::uint64_t epoch_ = 0, generation_ = 0, order_ = 0;
   bool closed_ = false;
   int level_ = kWholeFrame;

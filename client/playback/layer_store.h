@@ -68,6 +68,7 @@ class LayerStore {
   /// The job's layers cannot be had. True if layers before them can: the frame has to do with
   /// those.
   bool give_up(const FetchJob& job);
+  std::size_t jobs() const { return running_.size(); }  ///< that are not answered yet
   /// Stops the jobs of frames for which `stale` says so.
   void stop(const std::function<bool(std::uint32_t)>& stale);
 

@@ -276,7 +276,9 @@ TEST(FrameBuffer, TakesTheLayersThatAreChosen) {
 // Scrubbing.
 
 TEST(FrameBuffer, AsksForTheBaseUnderTheCursorAloneWhileScrubbing) {
-  FrameBuffer buffer(layered(100, 1));
+  FrameBuffer::Options options = layered(100, 1);
+  options.near = 0;  // as of what is read from a folder
+  FrameBuffer buffer(options);
   buffer.scrub(40);
   EXPECT_EQ(fetch(buffer), (Asked{40, 0, 1}));
   const auto request = buffer.next_wanted();
@@ -292,6 +294,45 @@ TEST(FrameBuffer, AsksForTheBaseUnderTheCursorAloneWhileScrubbing) {
   buffer.seek(40);
   fetcher.join();
   EXPECT_TRUE(asked_more) << "released, it is refined";
+}
+
+TEST(FrameBuffer, AsksForTheBasesBesideTheCursorOnceItsOwnIsThere) {
+  FrameBuffer buffer(layered(100, 1));
+  const auto next = [&](int count) {
+    std::vector<Asked> jobs;
+    for (int i = 0; i < count; ++i) jobs.push_back(fetch(buffer));
+    return jobs;
+  };
+  buffer.scrub(10);
+  EXPECT_EQ(next(4), (std::vector<Asked>{{10, 0, 1}, {11, 0, 1}, {12, 0, 1}, {9, 0, 1}}));
+  const auto request = buffer.next_wanted();
+  EXPECT_EQ(request->frame, 10u);
+  buffer.deliver(*request, picture_at(10, 7));
+  buffer.scrub(9);
+  EXPECT_EQ(buffer.next_wanted()->frame, 9u) << "it is there already";
+  EXPECT_EQ(next(2), (std::vector<Asked>{{8, 0, 1}, {7, 0, 1}})) << "where it goes";
+}
+
+TEST(FrameBuffer, LeavesTheLinkToTheBaseUnderTheCursor) {
+  FrameBuffer::Options options = layered(100, 1);
+  options.near = 8;
+  FrameBuffer buffer(options);
+  buffer.scrub(10);
+  fetch(buffer);
+  std::vector<FetchJob> beside;
+  for (int i = 0; i < 4; ++i) beside.push_back(*buffer.next_fetch());
+  EXPECT_EQ(asked(beside[0]), (Asked{11, 0, 1}));
+  EXPECT_EQ(asked(beside[3]), (Asked{14, 0, 1}));
+  buffer.scrub(12);
+  for (const FetchJob& job : beside)
+    EXPECT_FALSE(job.stop.stop_requested()) << "one is what is waited for: " << job.frame;
+  std::optional<FetchJob> more;
+  std::thread fetcher([&] { more = buffer.next_fetch(); });
+  buffer.scrub(30);
+  fetcher.join();
+  EXPECT_EQ(asked(*more), (Asked{30, 0, 1})) << "four were enough";
+  for (const FetchJob& job : beside)
+    EXPECT_EQ(job.stop.stop_requested(), job.frame != 12) << "where the cursor was: " << job.frame;
 }
 
 TEST(FrameBuffer, AsksForTheNewestCursorFirstAndCancelsAllButTheOneBefore) {

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,12 +29,76 @@ std::uint32_t frame_at(int x, glm::ivec2 size, std::uint32_t frames) {
   return static_cast<std::uint32_t>((x - 14.0) / (size.x - 28.0) * frames);
 }
 
+enum class Hand {
+  anywhere,  ///< each move goes to any place: hardly anything is known there yet
+  searching  ///< mostly on, a little or much, and now and then far away
+};
+
+const char* name(Hand hand) { return hand == Hand::anywhere ? "anywhere" : "searching"; }
+
+/// Shares of the timeline.
+std::vector<double> path_of(Hand hand, int moves) {
+  std::mt19937_64 random(7);
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() % 10'000) / 10'000.0;
+  };
+  std::vector<double> path;
+  double share = 0.5, direction = 1.0;
+  for (int move = 0; move < moves; ++move) {
+    const double which = between(0.0, 1.0);
+    if (hand == Hand::anywhere || which < 0.05) {
+      share = between(0.0, 1.0);
+    } else {
+      if (which < 0.2) direction = -direction;
+      share += direction * (which < 0.9 ? between(0.001, 0.01) : between(0.01, 0.1));
+    }
+    share = std::clamp(share, 0.0, 0.9999);
+    path.push_back(share);
+  }
+  return path;
+}
+
+/// What the player tells of a drag along the path, and what was there in the end.
+struct Drag {
+  json report;
+  double off_by = 0.0;  ///< frames
+  double unlike = 0.0;  ///< share of the pixels that are not as they are without a window
+};
+
+Result<Drag> drag(const StreamedReel& reel, const std::string& where,
+                  const std::vector<double>& path, const StreamOptions& options) {
+  auto watched = WatchedWindow::open(options, {where});
+  if (!watched) return tl::unexpected(watched.error());
+  if (!watched->wait_for_picture()) return fail(reel.name + ": no picture");
+  window::PlayerWindow& player = *watched->player;
+  const glm::ivec2 size = player.size();
+  player.key("space");
+  player.press(on_timeline(size, 0.5));
+  for (const double share : path) {
+    player.move_to(on_timeline(size, share));
+    std::this_thread::sleep_for(std::chrono::milliseconds(options.quick ? 60 : 120));
+  }
+  // What was asked for last is shown before the hand lets go.
+  watched->wait_until_settled();
+  player.release();
+  player.move_to(size / 3);  // or a small picture would stand over the timeline
+  const std::uint32_t frame = frame_at(on_timeline(size, path.back()).x, size, reel.frames);
+  // The frame's middle, so that nothing rounds to its neighbour.
+  const auto unlike =
+      watched->differing_share(reel.folder.string(), (frame + 0.5) * kFrameMs / 1000.0, options);
+  if (!unlike) return tl::unexpected(unlike.error());
+  auto report = watched->quit();
+  if (!report) return tl::unexpected(report.error());
+  const double shown = (*report)["window"]["frame"];
+  return Drag{std::move(*report), std::abs(shown - frame), *unlike};
+}
+
 }  // namespace
 
 Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& bars) {
   const auto served = ServedReels::start(options);
   if (!served) return tl::unexpected(served.error());
-  std::mt19937_64 random(7);
+  const int moves = options.quick ? 40 : 300;
   json rows = json::array();
   for (const StreamedReel& reel : (*served)->reels()) {
     for (const bool local : {true, false}) {
@@ -39,52 +106,30 @@ Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& ba
       const auto link = (*served)->link(named);
       if (!link) return tl::unexpected(link.error());
       const std::string where = local ? reel.folder.string() : ServedReels::url(**link, reel);
-      auto watched = WatchedWindow::open(options, {where});
-      if (!watched) return tl::unexpected(watched.error());
-      if (!watched->wait_for_picture()) return fail(reel.name + ": no picture");
-      window::PlayerWindow& player = *watched->player;
-      const glm::ivec2 size = player.size();
-      player.key("space");
-      player.press(on_timeline(size, 0.5));
-      const int moves = options.quick ? 40 : 300;
-      glm::ivec2 last{0};
-      for (int move = 0; move < moves; ++move) {
-        // As a hand does: mostly on, a little or much, and now and then far away.
-        const double share = static_cast<double>(random() % 10'000) / 10'000.0;
-        last = on_timeline(size, share);
-        player.move_to(last);
-        std::this_thread::sleep_for(std::chrono::milliseconds(options.quick ? 60 : 120));
+      std::optional<double> base_ms;  // to fetch a base: of the hand for which all are fetched
+      for (const Hand hand : {Hand::anywhere, Hand::searching}) {
+        const auto dragged = drag(reel, where, path_of(hand, moves), options);
+        if (!dragged) return tl::unexpected(dragged.error());
+        const json& report = dragged->report;
+        const json& times = report["window"]["scrub_to_picture_ms"];
+        if (!base_ms) base_ms = report["fetch_ms"]["median"];
+        const std::string what =
+            fmt::format("scrub, {}, {}, {}", reel.name, named.name, name(hand));
+        bars.push_back({what + ": move to picture, 95 %", times["p95"], "ms", kFrameMs + *base_ms});
+        bars.push_back({what + ": frame shown in the end, off by", dragged->off_by, "", 0.0});
+        bars.push_back(
+            {what + ": pixels unlike those without a window", 100.0 * dragged->unlike, "%", 0.0});
+        rows.push_back({{"reel", reel.name},
+                        {"from", named.name},
+                        {"hand", name(hand)},
+                        {"moves", moves},
+                        {"scrub_to_picture_ms", times},
+                        {"frame_ms", kFrameMs},
+                        {"fetch_ms", report["fetch_ms"]},
+                        {"decode_ms", report["decode_ms"]},
+                        {"render_ms", report["render_ms"]},
+                        {"pixels_unlike_offscreen", dragged->unlike}});
       }
-      // What was asked for last is shown before the hand lets go.
-      watched->wait_until_settled();
-      player.release();
-      player.move_to(size / 3);  // or a small picture would stand over the timeline
-      const std::uint32_t frame = frame_at(last.x, size, reel.frames);
-      // The frame's middle, so that nothing rounds to its neighbour.
-      const auto share = watched->differing_share(reel.folder.string(),
-                                                  (frame + 0.5) * kFrameMs / 1000.0, options);
-      if (!share) return tl::unexpected(share.error());
-      const auto report = watched->quit();
-      if (!report) return tl::unexpected(report.error());
-      const json& times = (*report)["window"]["scrub_to_picture_ms"];
-      const double fetch = (*report)["fetch_ms"]["median"];
-      bars.push_back({fmt::format("scrub, {}, {}: move to picture, 95 %", reel.name, named.name),
-                      times["p95"], "ms", kFrameMs + fetch});
-      bars.push_back(
-          {fmt::format("scrub, {}, {}: frame shown in the end, off by", reel.name, named.name),
-           std::abs((*report)["window"]["frame"].get<double>() - frame), "", 0.0});
-      bars.push_back({fmt::format("scrub, {}, {}: pixels unlike those without a window", reel.name,
-                                  named.name),
-                      100.0 * *share, "%", 0.0});
-      rows.push_back({{"reel", reel.name},
-                      {"from", named.name},
-                      {"moves", moves},
-                      {"scrub_to_picture_ms", times},
-                      {"frame_ms", kFrameMs},
-                      {"fetch_ms", (*report)["fetch_ms"]},
-                      {"decode_ms", (*report)["decode_ms"]},
-                      {"render_ms", (*report)["render_ms"]},
-                      {"pixels_unlike_offscreen", *share}});
     }
   }
   return json{{"rows", rows}};

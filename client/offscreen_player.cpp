@@ -73,7 +73,7 @@ class OffscreenPlayer {
   Result<void> show(const std::vector<Stage::Change>& changes) {
     DrawOptions draw = options_.draw;
     if (options_.floor) draw.floor = floor_under(*stage_, camera_);
-    return presenter_->show(*stage_, changes, camera_, options_.size, draw, false);
+    return presenter_->show(*stage_, changes, camera_, options_.size, draw, {});
   }
 
   Camera camera_at(std::uint64_t time_us) const {

@@ -136,6 +136,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
   instancing_ = name(options_.draw.instancing);
   splatting_ = name(options_.draw.splatting);
   color_ = name(options_.draw.color);
+  drafts_ = name(options_.drafts);
   CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
   command_ = &play_command;
   play_command
@@ -272,6 +273,14 @@ PlayCommand::PlayCommand(CLI::App& app) {
   play_command.add_option("--screenshot", options_.screenshot, "Write the last picture")
       ->type_name("FILE.png");
   play_command
+      .add_option(
+          "--drafts", drafts_,
+          "When the window may draw pictures with a half or a quarter of the pixels a side, "
+          "if there is no time for all: never; moving: while camera or time are moved by "
+          "hand; playing: and where frames would be dropped")
+      ->check(CLI::IsMember(named<Drafts>(kDrafts)))
+      ->capture_default_str();
+  play_command
       .add_option("--ui-scale", options_.ui_scale,
                   "Size of the window's interface (default: what the display says)")
       ->check(within(0.5, 4.0))
@@ -292,7 +301,8 @@ PlayCommand::PlayCommand(CLI::App& app) {
       .add_option(
           "--json", options_.json,
           "Write a summary: median, 95th percentile and maximum of the times of each stage "
-          "over the frames shown; frames shown, refined, dropped and broken; all bytes fetched; "
+          "over the frames shown; frames shown, refined, reduced (--drafts), dropped and broken; "
+          "all bytes fetched; "
           "layers, points, nodes, leaves, depth and elements drawn of the last one. "
           "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
           "leaves out of view and below a pixel, voxels that others hide. - is standard output")
@@ -313,6 +323,7 @@ Result<PlayOptions> PlayCommand::options() const {
   options.draw.mode = modes().at(mode_);
   options.draw.instancing = named<Instancing>(kInstancings).at(instancing_);
   options.draw.splatting = named<Splatting>(kSplattings).at(splatting_);
+  options.drafts = named<Drafts>(kDrafts).at(drafts_);
   options.draw.color = named<ColorSource>(kColorSources).at(color_);
   if (!background_.empty()) options.draw.background = *parse_color(background_);
   if (places_.size() > sources_.size())

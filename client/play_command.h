@@ -31,7 +31,7 @@ class PlayCommand {
   PlayOptions options_;
   // As they are written.
   std::vector<std::string> sources_, places_;
-  std::string mode_, instancing_, splatting_, color_, background_, up_, size_, view_;
+  std::string mode_, instancing_, splatting_, color_, drafts_, background_, up_, size_, view_;
   bool loop_ = true;
   CLI::Option* loop_flag_ = nullptr;
   const CLI::App* command_ = nullptr;

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "client/playback/stage.h"
+#include "client/render/draft.h"
 #include "client/render/renderer.h"
 #include "client/scene/camera_path.h"
 
@@ -36,6 +37,7 @@ struct PlayOptions {
   std::optional<char> up;    ///< default: what the package says; y for folders
   bool offscreen = false;
   glm::ivec2 size{1280, 720};
+  Drafts drafts = Drafts::playing;  ///< in a window; what is written is never one
   /// In a window: whether they are open at first.
   bool drawing_panel = false, statistics_panel = false;
   /// Where a window keeps what the user changes of all this (settings.h); empty: nowhere.

@@ -97,10 +97,10 @@ void Presenter::begin(const Stage& stage) {
 
 Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change>& changes,
                              const Camera& camera, glm::ivec2 size, const DrawOptions& draw,
-                             bool hurried) {
+                             const Haste& haste) {
   start_clock();
   shown_ = true;
-  const auto stats = paint(stage, camera, size, draw, hurried);
+  const auto stats = paint(stage, camera, size, draw, haste);
   if (!stats) return tl::unexpected(stats.error());
   drawn_ = *stats;
   for (const Stage::Change& change : changes) {
@@ -124,21 +124,22 @@ Result<void> Presenter::show(const Stage& stage, const std::vector<Stage::Change
 }
 
 Result<void> Presenter::show_again(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                                   const DrawOptions& draw, bool hurried) {
-  const auto drawn = paint(stage, camera, size, draw, hurried);
+                                   const DrawOptions& draw, const Haste& haste) {
+  const auto drawn = paint(stage, camera, size, draw, haste);
   if (!drawn) return tl::unexpected(drawn.error());
+  drawn_ = *drawn;
   return {};
 }
 
 Result<DrawStats> Presenter::paint(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                                   const DrawOptions& draw, bool hurried) {
+                                   const DrawOptions& draw, const Haste& haste) {
   report_.size = size;
   report_.mode = draw.mode;
   report_.instancing = draw.instancing;
   report_.splatting = draw.splatting;
   const std::uint64_t elements = element_count(stage.scene());
   DrawOptions options = draw;
-  options.reduction = draft_.reduction(hurried, elements);
+  options.reduction = draft_.reduction(haste, elements);
   auto drawn = painter_->draw(stage.scene(), camera, size, options);
   if (drawn) draft_.drew(elements, drawn->cut_ms + drawn->render_ms);
   return drawn;

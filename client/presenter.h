@@ -9,10 +9,10 @@
 
 #include <glm/glm.hpp>
 
-#include "client/draft.h"
 #include "client/painter.h"
 #include "client/play_options.h"
 #include "client/playback/stage.h"
+#include "client/render/draft.h"
 #include "client/report.h"
 #include "client/scene/camera.h"
 #include "common/base/error.h"
@@ -45,14 +45,15 @@ class Presenter {
   /// The report is of this stage from now on.
   void begin(const Stage& stage);
 
-  /// Draws the scene with what has changed in it. `hurried`: smaller than it is shown, if that is
-  /// what there is time for (Draft).
+  /// Draws the scene with what has changed in it; smaller than it is shown, if that is what there
+  /// is time for (Draft).
   Result<void> show(const Stage& stage, const std::vector<Stage::Change>& changes,
-                    const Camera& camera, glm::ivec2 size, const DrawOptions& draw, bool hurried);
+                    const Camera& camera, glm::ivec2 size, const DrawOptions& draw,
+                    const Haste& haste);
   /// Draws it once more, for another camera, size or way to draw.
   Result<void> show_again(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                          const DrawOptions& draw, bool hurried);
-  const DrawStats& drawn() const { return drawn_; }  ///< by the last show()
+                          const DrawOptions& draw, const Haste& haste);
+  const DrawStats& drawn() const { return drawn_; }  ///< by the last of these
   bool shown() const { return shown_; }              ///< anything at all, since begin()
 
   Painter& painter() { return *painter_; }
@@ -77,7 +78,7 @@ class Presenter {
 
   /// Notes how it is drawn, and draws it.
   Result<DrawStats> paint(const Stage& stage, const Camera& camera, glm::ivec2 size,
-                          const DrawOptions& draw, bool hurried);
+                          const DrawOptions& draw, const Haste& haste);
 
   const PlayOptions& options_;
   std::unique_ptr<Painter> painter_;

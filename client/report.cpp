@@ -122,6 +122,7 @@ NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
 
 void PlayReport::add(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn) {
   ++frames_shown_;
+  frames_reduced_ += drawn.reduction > 1;
   shown_rest_ += rest_.bytes;
   fetch_.add(frame.fetch_ms);
   decode_.add(frame.decode_ms);
@@ -168,6 +169,7 @@ std::string PlayReport::to_json() const {
   json["fps"] = seconds > 0.0 ? rounded(static_cast<double>(frames_shown_) / seconds) : 0.0;
   json["frames_shown"] = frames_shown_;
   json["frames_refined"] = frames_refined_;
+  json["frames_reduced"] = frames_reduced_;
   json["frames_dropped"] = frames_dropped;
   json["errors"] = errors;
   json["fetched_bytes"] = fetched_bytes();

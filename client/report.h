@@ -90,7 +90,7 @@ class PlayReport {
  private:
   void set_last(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn);
 
-  std::uint64_t frames_shown_ = 0, frames_refined_ = 0;
+  std::uint64_t frames_shown_ = 0, frames_refined_ = 0, frames_reduced_ = 0;
   std::uint64_t shown_rest_ = 0;  ///< bytes that were not fetched of frames before the last
   TimeSamples fetch_, decode_, normals_, svo_, cut_, render_;
   std::uint64_t points_ = 0, nodes_ = 0, leaves_ = 0;

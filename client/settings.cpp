@@ -142,6 +142,7 @@ std::span<const Setting> settings() {
       setting("lighting", "lighting", [](auto& o) -> auto& { return o.draw.lighting; }),
       setting("pixel_size", "pixel-size", [](auto& o) -> auto& { return o.draw.pixel_size; },
               {0, 1000}),
+      setting("drafts", "drafts", [](auto& o) -> auto& { return o.drafts; }, {0, kDrafts}),
       setting("background", "background", [](auto& o) -> auto& { return o.draw.background; }),
       setting("floor", "floor", [](auto& o) -> auto& { return o.floor; }),
       setting("drawing_panel", "", [](auto& o) -> auto& { return o.drawing_panel; }),

@@ -42,6 +42,8 @@ constexpr milliseconds kInterfacePeriod{33};
 constexpr int kPicturesAfterInput = 3;
 /// After which a camera that was moved by hand stands still.
 constexpr milliseconds kStandsStill{150};
+/// After which playback that shows no other frame is taken to stand still.
+constexpr milliseconds kClockStands{1000};
 /// While the time is dragged the interface is drawn with the picture that is asked for; this long.
 constexpr milliseconds kPictureAwaited{80};
 /// Faster nobody reads.
@@ -72,7 +74,7 @@ class WindowPlayer {
       : options_(options),
         stop_(stop),
         window_(window),
-        controls_({options.draw, options.delta, options.floor}),
+        controls_({options.draw, options.delta, options.floor, options.drafts}),
         input_(window.handle()),
         interface_(window.handle(),
                    static_cast<float>(options.ui_scale.value_or(window.content_scale()))) {
@@ -236,7 +238,7 @@ class WindowPlayer {
       if ((shown || redraw || !picture_awaited(now)) && interface_due(now))
         build_interface(now, redraw);
       if (stage_) {
-        redraw = redraw || (presenter_->painter().reduced() && !hurried(now));
+        redraw = redraw || (presenter_->painter().reduced() && haste(now).of == Haste::Of::nobody);
         if (auto drawn = draw(update, now, redraw); !drawn) return drawn;
         // What was waited for is there.
         if (shown && view_.waiting != waiting()) build_interface(now, redraw);
@@ -264,9 +266,15 @@ class WindowPlayer {
       glfwWaitEventsTimeout(stage_ && (stage_->playing() || controls_.scrubbing()) ? 0.002 : 0.01);
   }
 
-  /// Whether the next picture is waited for.
-  bool hurried(steady_clock::time_point now) const {
-    return !presenter_->shown() || controls_.scrubbing() || flown_ || now - moved_ < kStandsStill;
+  /// Of the next picture.
+  Haste haste(steady_clock::time_point now) const {
+    const Drafts drafts = controls_.settings().drafts;
+    if (drafts == Drafts::never) return {};
+    if (!presenter_->shown() || controls_.scrubbing() || flown_ || now - moved_ < kStandsStill)
+      return {Haste::Of::hand};
+    if (drafts == Drafts::playing && stage_->playing() && now - shown_ < kClockStands)
+      return {Haste::Of::clock, 1000.0 * stage_->frame_seconds()};
+    return {};
   }
 
   Result<void> draw(const Stage::Update& update, steady_clock::time_point now, bool redraw) {
@@ -277,13 +285,15 @@ class WindowPlayer {
       controls_.look_home_unless_moved();
     stage_->look(controls_.camera(), size_);
     if (!shown && !redraw) return {};
+    if (shown) shown_ = now;
     // Frames that were made for another mode are drawn as before until new ones are there.
     if (shown) drawn_mode_ = controls_.settings().draw.mode;
     const auto done = shown ? presenter_->show(*stage_, update.changes, controls_.camera(), size_,
-                                               draw_options(), hurried(now))
+                                               draw_options(), haste(now))
                             : presenter_->show_again(*stage_, controls_.camera(), size_,
-                                                     draw_options(), hurried(now));
-    if (!done || !shown) return done;
+                                                     draw_options(), haste(now));
+    if (!done) return done;
+    recent_.redrawn(presenter_->drawn());
     for (const Stage::Change& change : update.changes)
       if (!change.refined)
         recent_.add(*stage_->scene()[change.source].frame, presenter_->drawn(),
@@ -507,6 +517,7 @@ class WindowPlayer {
     ended.draw = settings.draw;
     ended.delta = settings.delta;
     ended.floor = settings.floor;
+    ended.drafts = settings.drafts;
     ended.drawing_panel = controls_.show_drawing;
     ended.statistics_panel = controls_.show_statistics;
     if (controls_.reel()) ended.loop = controls_.reel()->loop();
@@ -560,6 +571,7 @@ class WindowPlayer {
   ThumbnailPainter thumbnails_{interface_.scale()};
   std::optional<std::uint64_t> hovered_us_;  ///< the time that the cursor is at
   steady_clock::time_point moved_{};         ///< the camera, by hand
+  steady_clock::time_point shown_{};         ///< another frame
   std::vector<Action> pressed_;              ///< of buttons, for the next round
   int pictures_due_ = 0;
   bool redraw_due_ = false;

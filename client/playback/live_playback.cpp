@@ -68,6 +68,11 @@ char LivePlayback::up() const {
   return stream_.up;
 }
 
+double LivePlayback::frame_seconds() const {
+  const std::lock_guard lock(mutex_);
+  return 1.0 / std::max(stream_.fps, 1e-3);
+}
+
 Box LivePlayback::bounds() const {
   const std::lock_guard lock(mutex_);
   if (!stream_.bounds.empty() || !ready_.frame) return stream_.bounds;

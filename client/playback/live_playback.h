@@ -44,6 +44,7 @@ class LivePlayback : public Playback {
 
   const std::string& name() const override { return name_; }
   char up() const override;
+  double frame_seconds() const override;
   Box bounds() const override;
   void look(const Camera& camera, glm::ivec2 size) override;
   // Of frames to come.

@@ -29,6 +29,8 @@ class Playback {
 
   virtual const std::string& name() const = 0;
   virtual char up() const = 0;  ///< the axis that points up, 'y' or 'z'
+  /// Between two frames, at the speed of now; nominal, > 0.
+  virtual double frame_seconds() const = 0;
   /// Of all that will be shown, as far as is known; empty while nothing is.
   virtual Box bounds() const = 0;
 

@@ -53,6 +53,7 @@ class ReelPlayback : public Playback {
 
   const std::string& name() const override { return manifest().name; }
   char up() const override { return manifest().up; }
+  double frame_seconds() const override;
   Box bounds() const override { return manifest().bounds; }
   void look(const Camera& camera, glm::ivec2 size) override;
   void set_mode(DrawMode mode) override;
@@ -143,7 +144,6 @@ class ReelPlayback : public Playback {
  private:
   LayerDecision wanted(DrawMode mode, int level) const;
   LayerCaps caps() const;
-  double frame_seconds() const;
   int seen_level() const;
   void set_level();
   void set_pace();

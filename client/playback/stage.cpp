@@ -115,6 +115,12 @@ bool Stage::playing() const {
   });
 }
 
+double Stage::frame_seconds() const {
+  double seconds = parts_.front().playback->frame_seconds();
+  for (const Part& part : parts_) seconds = std::min(seconds, part.playback->frame_seconds());
+  return seconds;
+}
+
 void Stage::set_live_playing(bool playing) {
   for (Part& part : parts_) {
     if (part.live != nullptr) playing ? part.live->play() : part.live->pause();

@@ -60,6 +60,8 @@ class Stage {
   std::size_t bounded() const;
   char up() const { return parts_.front().playback->up(); }
   bool playing() const;
+  /// Between two frames of whatever has the most of them.
+  double frame_seconds() const;
 
   void look(const Camera& camera, glm::ivec2 size);
   void set_mode(DrawMode mode);

@@ -102,6 +102,7 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
       !updated)
     return fail(updated.error().message);
   DrawStats stats;
+  stats.reduction = options.reduction;
   stats.drawn = static_cast<std::uint32_t>(instances_.buffer().size());
   stats.visited = instances_.stats().visited;
   stats.out_of_view = instances_.stats().out_of_view;

@@ -60,6 +60,7 @@ struct DrawStats {
   /// one node that is drawn in their place because it is below a pixel, all but one.
   std::uint32_t out_of_view = 0, below_pixel = 0;
   std::uint32_t hidden = 0;  ///< voxels left out because their neighbours hide them
+  int reduction = 1;         ///< DrawOptions::reduction
   double cut_ms = 0.0;       ///< the cut of the octree; 0 where the last one was used again
   /// Packing, upload and drawing: wall time until glFinish returns, which on software OpenGL is all
   /// of the work (timer queries measure nothing there) and on a graphics card includes the wait.

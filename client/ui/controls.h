@@ -9,6 +9,7 @@
 
 #include "client/playback/clock.h"
 #include "client/playback/stage.h"
+#include "client/render/draft.h"
 #include "client/render/renderer.h"
 #include "client/scene/camera.h"
 #include "client/ui/bindings.h"
@@ -21,6 +22,7 @@ struct DrawSettings {
   DrawOptions draw;
   double delta = 0.72;  ///< PlayOptions::delta
   bool floor = false;   ///< a grid on the floor
+  Drafts drafts = Drafts::playing;
 
   bool operator==(const DrawSettings&) const = default;
 };

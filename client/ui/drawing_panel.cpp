@@ -106,6 +106,8 @@ bool element_settings(DrawSettings& settings) {
   }
   changed |= slide("Detail", draw.pixel_size, 0.0f, 16.0f, "%.1f px");
   tip("Below this size elements are drawn as one; 0: never");
+  changed |= choose("Drafts", settings.drafts, kDrafts);
+  tip("Fewer pixels where time is short: never, while a hand moves it, or while it plays, too");
   return changed;
 }
 

@@ -147,7 +147,10 @@ std::vector<StatisticsLine> statistics_lines(const Stage& stage, const RecentFra
   std::vector<StatisticsLine> lines;
   lines.push_back({"Shown", fmt::format("{:.1f} frames/s", recent.frames_per_second(now))});
   const DrawStats& drawn = recent.drawn();
-  lines.push_back({"Drawn", fmt::format("{} elements", short_count(drawn.drawn))});
+  lines.push_back(
+      {"Drawn",
+       fmt::format("{} elements{}", short_count(drawn.drawn),
+                   drawn.reduction > 1 ? fmt::format(", 1/{} resolution", drawn.reduction) : "")});
   std::string left_out;
   const auto leave_out = [&](std::uint32_t count, const char* why) {
     if (count > 0)

@@ -27,6 +27,8 @@ class RecentFrames {
 
   /// A frame was drawn for the first time.
   void add(const SceneFrame& frame, const DrawStats& drawn, Clock::TimePoint now);
+  /// The newest one was drawn again, for another camera or with more pixels.
+  void redrawn(const DrawStats& drawn) { drawn_ = drawn; }
   void clear() { *this = {}; }
 
   std::size_t size() const { return count_; }

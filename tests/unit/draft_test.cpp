@@ -1,4 +1,8 @@
-#include "client/draft.h"
+#include "client/render/draft.h"
+
+#include <cstddef>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -7,32 +11,33 @@ namespace {
 
 constexpr int kCoarsest = 1 << Draft::kCoarsest;
 constexpr std::uint64_t kMany = 1'000'000;
+constexpr Haste kNobody{}, kHand{Haste::Of::hand}, kClock{Haste::Of::clock, 1000.0 / 30};
 
 TEST(Draft, IsOnlyOfWhatIsWaitedFor) {
   Draft draft;
-  EXPECT_EQ(draft.reduction(false, kMany), 1);
+  EXPECT_EQ(draft.reduction(kNobody, kMany), 1);
   draft.drew(kMany, 1000.0);
-  EXPECT_EQ(draft.reduction(false, kMany), 1);
+  EXPECT_EQ(draft.reduction(kNobody, kMany), 1);
 }
 
 TEST(Draft, OfTheFirstPictureIsTheCoarsest) {
   Draft draft;
-  EXPECT_EQ(draft.reduction(true, 10), kCoarsest);
+  EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
   draft.drew(10, 0.1);
-  draft.reduction(false, 10);
+  draft.reduction(kNobody, 10);
   draft.drew(10, 1.0);
-  EXPECT_EQ(draft.reduction(true, 10), 1) << "it is quick enough as it is";
+  EXPECT_EQ(draft.reduction(kHand, 10), 1) << "it is quick enough as it is";
   draft = {};
-  EXPECT_EQ(draft.reduction(true, 10), kCoarsest);
+  EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
 }
 
 TEST(Draft, IsAsFineAsThereIsTimeFor) {
   int before = 1;
   for (const double ms : {1.0, 10.0, 40.0, 500.0}) {
     Draft draft;
-    draft.reduction(false, kMany);
+    draft.reduction(kNobody, kMany);
     draft.drew(kMany, ms);
-    const int reduction = draft.reduction(true, kMany);
+    const int reduction = draft.reduction(kHand, kMany);
     EXPECT_GE(reduction, before) << ms;
     before = reduction;
   }
@@ -41,23 +46,99 @@ TEST(Draft, IsAsFineAsThereIsTimeFor) {
 
 TEST(Draft, OfFewElementsIsFiner) {
   Draft draft;
-  draft.reduction(false, kMany);
+  draft.reduction(kNobody, kMany);
   draft.drew(kMany, 500.0);
-  EXPECT_EQ(draft.reduction(true, kMany / 100), 1);
+  EXPECT_EQ(draft.reduction(kHand, kMany / 100), 1);
 }
 
 TEST(Draft, BecomesCoarserAtMostUntilNobodyWaits) {
   Draft draft;
-  draft.reduction(false, kMany);
+  draft.reduction(kNobody, kMany);
   draft.drew(kMany, 20.0);
-  EXPECT_EQ(draft.reduction(true, kMany), 2);
+  EXPECT_EQ(draft.reduction(kHand, kMany), 2);
   draft.drew(kMany, 100.0);
-  EXPECT_EQ(draft.reduction(true, kMany), kCoarsest);
+  EXPECT_EQ(draft.reduction(kHand, kMany), kCoarsest);
   draft.drew(kMany, 0.01);
-  EXPECT_EQ(draft.reduction(true, kMany), kCoarsest);
+  EXPECT_EQ(draft.reduction(kHand, kMany), kCoarsest);
   draft.drew(kMany, 0.01);
-  EXPECT_EQ(draft.reduction(false, kMany), 1);
-  EXPECT_EQ(draft.reduction(true, kMany), 1);
+  EXPECT_EQ(draft.reduction(kNobody, kMany), 1);
+  EXPECT_EQ(draft.reduction(kHand, kMany), 1);
+}
+
+/// A machine that draws whole pictures in so many ms, and smaller ones in proportion.
+class PlayingDraft : public testing::Test {
+ protected:
+  /// The reductions of so many pictures that the clock waits for, in a row.
+  std::vector<int> play(int pictures, double whole_ms) {
+    std::vector<int> all;
+    for (int i = 0; i < pictures; ++i) all.push_back(draw(kClock, whole_ms));
+    return all;
+  }
+  int draw(const Haste& haste, double whole_ms) {
+    const int reduction = draft_.reduction(haste, kMany);
+    draft_.drew(kMany, whole_ms / (reduction * reduction));
+    return reduction;
+  }
+  static int changes(const std::vector<int>& reductions) {
+    int count = 0;
+    for (std::size_t i = 1; i < reductions.size(); ++i) count += reductions[i] != reductions[i - 1];
+    return count;
+  }
+
+  Draft draft_;
+};
+
+TEST_F(PlayingDraft, IsWholeWhereThereIsTime) {
+  draw(kHand, 20.0);
+  EXPECT_EQ(play(100, 20.0), std::vector<int>(100, 1));
+}
+
+TEST_F(PlayingDraft, IsWholeSoonWhereOnlyTheFirstPictureTookLong) {
+  draw(kHand, 16 * 40.0);
+  const std::vector<int> reductions = play(100, 10.0);
+  EXPECT_EQ(reductions.back(), 1);
+  EXPECT_LE(changes(reductions), 2);
+}
+
+TEST_F(PlayingDraft, IsCoarserFromTheFirstPictureOnWhereTheLastTookMuchTooLong) {
+  draw(kNobody, 60.0);
+  draw(kNobody, 60.0);
+  EXPECT_EQ(play(200, 60.0), std::vector<int>(200, 2));
+  draw(kNobody, 400.0);
+  EXPECT_EQ(play(200, 400.0), std::vector<int>(200, kCoarsest));
+}
+
+TEST_F(PlayingDraft, IsNotCoarserForASinglePictureThatTookLong) {
+  draw(kNobody, 15.0);
+  play(20, 15.0);
+  play(1, 45.0);
+  EXPECT_EQ(play(20, 15.0), std::vector<int>(20, 1));
+}
+
+TEST_F(PlayingDraft, IsFinerAgainAfterAWhile) {
+  draw(kNobody, 15.0);
+  play(20, 15.0);
+  EXPECT_EQ(play(20, 70.0).back(), 2) << "something else runs";
+  const std::vector<int> reductions = play(100, 15.0);
+  EXPECT_EQ(reductions[10], 2);
+  EXPECT_EQ(reductions.back(), 1);
+  EXPECT_EQ(changes(reductions), 1);
+}
+
+TEST_F(PlayingDraft, DoesNotFlickerWhereSmallerPicturesTakeLessThanIsThought) {
+  // At half of the pixels a side they take a tenth of the time.
+  int changed = 0, before = 1;
+  for (int i = 0; i < 2000; ++i) {
+    const int reduction = draft_.reduction(kClock, kMany);
+    changed += std::exchange(before, reduction) != reduction;
+    draft_.drew(kMany, reduction == 1 ? 40.0 : 4.0);
+  }
+  EXPECT_LE(changed, 16) << "in a minute";
+}
+
+TEST_F(PlayingDraft, IsWholeWhenItIsPaused) {
+  play(10, 400.0);
+  EXPECT_EQ(draw(kNobody, 400.0), 1);
 }
 
 }  // namespace

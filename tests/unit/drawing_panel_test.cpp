@@ -149,7 +149,8 @@ TEST_F(DrawingPanelTest, EverythingInItCanBeReachedByTheMouseAndStaysInRange) {
   EXPECT_GE(gray.size(), 4u);
 }
 
-TEST_F(DrawingPanelTest, EverySplattingAndInstancingCanBeChosen) {
+TEST_F(DrawingPanelTest, EverySplattingInstancingAndKindOfDraftsCanBeChosen) {
+  std::set<Drafts> drafts;
   std::set<Splatting> splattings;
   std::set<Instancing> instancings;
   const ImRect place = panel();
@@ -167,11 +168,13 @@ TEST_F(DrawingPanelTest, EverySplattingAndInstancingCanBeChosen) {
       expect_in_range();
       splattings.insert(settings_.draw.splatting);
       instancings.insert(settings_.draw.instancing);
+      drafts.insert(settings_.drafts);
       if (!GImGui->OpenPopupStack.empty()) leave();
     }
   }
   EXPECT_EQ(splattings.size(), static_cast<std::size_t>(kSplattings));
   EXPECT_EQ(instancings.size(), static_cast<std::size_t>(kInstancings));
+  EXPECT_EQ(drafts.size(), static_cast<std::size_t>(kDrafts));
 }
 
 TEST_F(DrawingPanelTest, DefaultsBringBackAllButTheMode) {
@@ -181,6 +184,7 @@ TEST_F(DrawingPanelTest, DefaultsBringBackAllButTheMode) {
   odd.draw.edl = 2.0f;
   odd.draw.color = ColorSource::plain;
   odd.floor = true;
+  odd.drafts = Drafts::never;
   settings_ = odd;
   for (int i = 0; i < 3; ++i) build();
   bool restored = false;

@@ -53,9 +53,11 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   const SceneFrame first = frame_of(0, 1), second = frame_of(1, 1);
   DrawStats drawn;
   report.add(first, not_fetched(manifest, first, {}), drawn);
+  drawn.reduction = 2;
   report.add(second, not_fetched(manifest, second, {}), drawn);
   auto json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["frames_shown"], 2);
+  EXPECT_EQ(json["frames_reduced"], 1);
   EXPECT_EQ(json["skipped"]["bytes"], 123 + 2460);
   EXPECT_EQ(json["skipped"]["layers"], 2);
   EXPECT_EQ(json["skipped"]["levels"], 1);

@@ -105,6 +105,16 @@ TEST_F(StatisticsLinesTest, TellWhatIsShownAndWhy) {
   EXPECT_EQ(text_of(lines, "Dropped"), "0");
   EXPECT_THAT(text_of(lines, "Holds"), HasSubstr("ready"));
   EXPECT_THAT(text_of(lines, "Memory"), HasSubstr("iB"));
+
+  DrawStats drawn;
+  drawn.drawn = 150;
+  drawn.reduction = 2;
+  recent.add(frame(0), drawn, kStart);
+  EXPECT_EQ(text_of(statistics_lines(**stage, recent, kStart), "Drawn"),
+            "150 elements, 1/2 resolution");
+  drawn.reduction = 1;
+  recent.redrawn(drawn);
+  EXPECT_EQ(text_of(statistics_lines(**stage, recent, kStart), "Drawn"), "150 elements");
 }
 
 TEST_F(StatisticsLinesTest, NameTheSourcesIfThereAreSeveral) {

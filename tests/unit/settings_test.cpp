@@ -60,6 +60,7 @@ PlayOptions changed_in_everything() {
   options.draw.color = ColorSource::plain;
   options.draw.point_size = 3.5f;
   options.floor = true;
+  options.drafts = Drafts::moving;
   options.drawing_panel = options.statistics_panel = true;
   return options;
 }
@@ -70,6 +71,7 @@ void expect_same(const PlayOptions& one, const PlayOptions& other) {
   EXPECT_EQ(one.draw, other.draw);
   EXPECT_EQ(one.delta, other.delta);
   EXPECT_EQ(one.floor, other.floor);
+  EXPECT_EQ(one.drafts, other.drafts);
   EXPECT_EQ(one.drawing_panel, other.drawing_panel);
   EXPECT_EQ(one.statistics_panel, other.statistics_panel);
 }

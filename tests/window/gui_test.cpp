@@ -1,6 +1,8 @@
 // The interface in a window of the test's own: what depends on when it is asked.
 
+#include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>

@@ -28,6 +28,23 @@ TEST_F(PlayingWindow, a_reel_plays_at_once_and_pauses_and_goes_on) {
   EXPECT_EQ(player().err(), "");
 }
 
+TEST_F(PlayingWindow, no_picture_is_a_draft_where_none_may_be) {
+  open({"--drafts", "never"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto report = quit();
+  EXPECT_GT(report["frames_shown"], 1);
+  EXPECT_EQ(report["frames_reduced"], 0);
+}
+
+TEST_F(PlayingWindow, drafts_are_drawn_where_time_is_short) {
+  // So many frames a second that no machine draws each of them.
+  open_sources({Stand::get().folder / "in", "--fps", "1000"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_GT(quit()["frames_reduced"], 1);
+}
+
 TEST_F(PlayingWindow, arrows_go_five_seconds_on_and_back_while_it_is_paused) {
   open({"--at", "1"});
   pause();

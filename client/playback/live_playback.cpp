@@ -16,9 +16,9 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPatience{500};
 
 /// A reel of one frame that has all that is known of the stream, for those who ask a manifest.
-/// As if the stream were a reel of one frame.
 Manifest reel_of(const LiveHello& hello) {
-  Manifest manifest = manifest_of(hello);
+  Manifest manifest;
+  static_cast<ReelHead&>(manifest) = hello;
   manifest.depth_max = kMaxDepth;  // it may change with every frame
   manifest.bounds = hello.bounds;
   Segment segment;

@@ -46,21 +46,6 @@ struct WaitingFrame {
   }
 };
 
-LiveHello hello_of(const Manifest& manifest) {
-  LiveHello hello;
-  hello.name = manifest.name;
-  hello.session = manifest.live->session;
-  hello.codec = manifest.codec;
-  hello.entropy = manifest.entropy;
-  hello.fps = manifest.fps;
-  hello.up = manifest.up;
-  hello.colors = manifest.colors;
-  hello.normals = manifest.normals;
-  hello.layer_names = manifest.layer_names;
-  hello.bounds = manifest.bounds;
-  return hello;
-}
-
 std::chrono::microseconds length_of(const Segment& segment, double fps) {
   return std::chrono::microseconds(segment.times_us.back() - segment.times_us.front() +
                                    static_cast<std::uint64_t>(1e6 / fps));
@@ -165,7 +150,7 @@ class HttpLiveSource : public LiveSource {
         waiting_.clear();
         waiting_bytes_ = 0;
       }
-      assembler_.add(hello_of(manifest));
+      assembler_.add(LiveHello{manifest, live.session, manifest.bounds});
     }
     if (live.ended)
       set_trouble(base_ + ": the publisher has gone; waiting for it");

@@ -179,6 +179,41 @@ Result<std::vector<std::string>> parse_layer_names(const json& entries) {
   return names;
 }
 
+void read_reel_head(Fields& fields, ReelHead& head) {
+  head.name = fields.text("name");
+  head.codec = fields.text("codec");
+  head.fps = fields.number("fps");
+  const std::string up = fields.text("up");
+  head.colors = fields.boolean("colors");
+  head.normals = fields.boolean("normals");
+  const json& layers = fields.array("layers");
+  if (head.codec == "octree") {
+    head.entropy = fields.text("entropy");
+    if (head.entropy != "none" && head.entropy != "zstd" && head.entropy != "context") {
+      fields.refuse("entropy", "is none of \"none\", \"zstd\" and \"context\"");
+    }
+  } else if (head.codec != "draco") {
+    fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
+  } else if (fields.has("entropy")) {
+    fields.refuse("entropy", "only the octree codec has one");
+  }
+  if (!is_title(head.name)) {
+    fields.refuse("name",
+                  fmt::format("has more than {} bytes or a control character in it", kMaxTitle));
+  }
+  if (!(head.fps > 0.0 && head.fps <= 1e6)) {
+    fields.refuse("fps", "is not above 0 and at most 1000000");
+  }
+  if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
+  if (fields.error()) return;
+  head.up = up.front();
+  Result<std::vector<std::string>> names = parse_layer_names(layers);
+  if (names)
+    head.layer_names = std::move(*names);
+  else
+    fields.refuse("layers", names.error().message);
+}
+
 Result<Box> parse_box(const json& value) {
   if (value.is_null()) return Box{};
   Fields fields(value);

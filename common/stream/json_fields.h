@@ -11,6 +11,7 @@
 
 #include "common/base/error.h"
 #include "common/cloud/geometry.h"
+#include "common/stream/package.h"
 
 /// What the JSON of packages and of live streams has in common. Included by their parsers alone.
 ///
@@ -65,6 +66,9 @@ std::optional<std::uint64_t> parse_hex(std::string_view text);
 
 /// 1 to kMaxLayers names, made like file names, no two alike.
 Result<std::vector<std::string>> parse_layer_names(const nlohmann::json& entries);
+
+/// What packages and live streams both begin with; what is wrong with it is the fields' error.
+void read_reel_head(Fields& fields, ReelHead& head);
 
 /// `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box.
 Result<Box> parse_box(const nlohmann::json& value);

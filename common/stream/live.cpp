@@ -28,39 +28,12 @@ Result<LiveHello> hello_of(const json& root) {
   if (!fields.error() && version != kPackageVersion) {
     return fail(fmt::format("version {}: this program understands {}", version, kPackageVersion));
   }
-  hello.name = fields.text("name");
-  const std::string session = fields.text("session");
-  hello.codec = fields.text("codec");
-  hello.fps = fields.number("fps");
-  const std::string up = fields.text("up");
-  hello.colors = fields.boolean("colors");
-  hello.normals = fields.boolean("normals");
-  const json& layers = fields.array("layers");
+  read_reel_head(fields, hello);
+  const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
+  if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
   const json* bounds = fields.value("bounds");
-  if (hello.codec == "octree") {
-    hello.entropy = fields.text("entropy");
-    if (hello.entropy != "none" && hello.entropy != "zstd" && hello.entropy != "context") {
-      fields.refuse("entropy", "is none of \"none\", \"zstd\" and \"context\"");
-    }
-  } else if (hello.codec != "draco") {
-    fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
-  }
-  if (!is_title(hello.name)) {
-    fields.refuse("name",
-                  fmt::format("has more than {} bytes or a control character in it", kMaxTitle));
-  }
-  const std::optional<std::uint64_t> id = parse_hex(session);
-  if (!id) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
-  if (!(hello.fps > 0.0 && hello.fps <= 1e6)) {
-    fields.refuse("fps", "is not above 0 and at most 1000000");
-  }
-  if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
   if (fields.error()) return tl::unexpected(*fields.error());
-  hello.session = *id;
-  hello.up = up.front();
-  Result<std::vector<std::string>> names = parse_layer_names(layers);
-  if (!names) return fail_at("layers", names.error());
-  hello.layer_names = std::move(*names);
+  hello.session = *session;
   const Result<Box> box = parse_box(*bounds);
   if (!box) return fail_at("bounds", box.error());
   hello.bounds = *box;
@@ -68,19 +41,6 @@ Result<LiveHello> hello_of(const json& root) {
 }
 
 }  // namespace
-
-Manifest manifest_of(const LiveHello& hello) {
-  Manifest manifest;
-  manifest.name = hello.name;
-  manifest.codec = hello.codec;
-  manifest.entropy = hello.entropy;
-  manifest.fps = hello.fps;
-  manifest.up = hello.up;
-  manifest.colors = hello.colors;
-  manifest.normals = hello.normals;
-  manifest.layer_names = hello.layer_names;
-  return manifest;
-}
 
 std::string write_hello(const LiveHello& hello) {
   ordered_json json = {{"type", "hello"},

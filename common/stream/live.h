@@ -27,24 +27,14 @@ inline constexpr std::size_t kLiveHeaderSize = 40;
 
 /// What a stream is. The first message; it comes again when something in it changes, and what it
 /// says then counts from the next frame on.
-struct LiveHello {
-  std::string name;  ///< for people
+struct LiveHello : ReelHead {
   /// Chosen at random by the publisher when it starts: while it stays, frame numbers and times go
   /// on, whoever has lost a connection meanwhile. With another one they begin anew.
   std::uint64_t session = 0;
-  std::string codec;    ///< "octree" or "draco"
-  std::string entropy;  ///< as in Manifest
-  double fps = 30.0;    ///< nominal
-  char up = 'y';        ///< 'y' or 'z'
-  bool colors = false, normals = false;
-  std::vector<std::string> layer_names;  ///< coarse to fine
-  Box bounds;                            ///< of all points so far; may be empty
+  Box bounds;  ///< of all points so far; may be empty
 
   bool operator==(const LiveHello&) const = default;
 };
-
-/// What it says of a reel of the stream's frames: all but segments, depths and bounds.
-Manifest manifest_of(const LiveHello& hello);
 
 /// One layer of one frame. Frames come in order, and so do the layers of each, base first; frames
 /// and layers may be missing, but no layer below one that comes.

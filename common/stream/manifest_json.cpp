@@ -240,46 +240,17 @@ Result<Manifest> parse_root(const json& root) {
   }
   Fields fields(root);
   Manifest manifest;
-  manifest.name = fields.text("name");
-  manifest.codec = fields.text("codec");
-  manifest.fps = fields.number("fps");
+  read_reel_head(fields, manifest);
   manifest.duration_us = fields.integer("duration_us", kMaxInteger);
-  const std::string up = fields.text("up");
-  manifest.colors = fields.boolean("colors");
-  manifest.normals = fields.boolean("normals");
   manifest.depth_min = static_cast<std::uint32_t>(fields.integer("depth_min", kMaxDepth));
   manifest.depth_max = static_cast<std::uint32_t>(fields.integer("depth_max", kMaxDepth));
   const json* bounds = fields.value("bounds");
-  const json& layers = fields.array("layers");
   const json& segments = fields.array("segments");
-  if (manifest.codec == "octree") {
-    manifest.entropy = fields.text("entropy");
-    if (manifest.entropy != "none" && manifest.entropy != "zstd" && manifest.entropy != "context") {
-      fields.refuse("entropy", "is none of \"none\", \"zstd\" and \"context\"");
-    }
-  } else if (manifest.codec != "draco") {
-    fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
-  } else if (fields.has("entropy")) {
-    fields.refuse("entropy", "only the octree codec has one");
-  }
-  if (!is_title(manifest.name)) {
-    fields.refuse("name",
-                  fmt::format("has more than {} bytes or a control character in it", kMaxTitle));
-  }
-  if (!(manifest.fps > 0.0 && manifest.fps <= 1e6)) {
-    fields.refuse("fps", "is not above 0 and at most 1000000");
-  }
-  if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
   if (manifest.depth_min > manifest.depth_max) fields.refuse("depth_min", "is above depth_max");
   if (fields.error()) return tl::unexpected(*fields.error());
-  manifest.up = up.front();
-
   const Result<Box> box = parse_box(*bounds);
   if (!box) return fail_at("bounds", box.error());
   manifest.bounds = *box;
-  Result<std::vector<std::string>> names = parse_layer_names(layers);
-  if (!names) return fail_at("layers", names.error());
-  manifest.layer_names = std::move(*names);
   if (fields.has("tables")) {
     if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\"");
     Result<PackageFile> tables = parse_file(*fields.value("tables"), kMaxTablesBytes);

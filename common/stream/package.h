@@ -63,22 +63,28 @@ struct LiveManifest {
   bool ended = false;             ///< the publisher has gone; it may come back
 };
 
-/// reel.json, parsed and checked.
-struct Manifest {
-  std::string name;
-  std::string codec;              ///< "octree" or "draco"
-  std::string entropy;            ///< "none", "zstd" or "context"; empty for Draco
-  double fps = 30.0;              ///< nominal rate; times_us rules
-  std::uint64_t duration_us = 0;  ///< of one pass, the last frame's own duration included
-  char up = 'y';                  ///< 'y' or 'z'
+/// What reels and live streams say of themselves before any frame.
+struct ReelHead {
+  std::string name;     ///< for people
+  std::string codec;    ///< "octree" or "draco"
+  std::string entropy;  ///< "none", "zstd" or "context"; empty for Draco
+  double fps = 30.0;    ///< nominal rate; frames' times rule
+  char up = 'y';        ///< 'y' or 'z'
   bool colors = false, normals = false;
+  std::vector<std::string> layer_names;  ///< coarse to fine
+
+  bool operator==(const ReelHead&) const = default;
+};
+
+/// reel.json, parsed and checked.
+struct Manifest : ReelHead {
+  std::uint64_t duration_us = 0;  ///< of one pass, the last frame's own duration included
   std::uint32_t depth_min = 0, depth_max = 0;
   Box bounds;                         ///< of all frames; empty if no frame has a point
   std::optional<PackageFile> tables;  ///< context tables that frames refer to, if there are any
   std::optional<LiveManifest> live;   ///< not of reels that are complete
   /// Some frames have fewer layers than their headers say: a live link did not bring them whole.
   bool partial = false;
-  std::vector<std::string> layer_names;  ///< of the layers, coarse to fine
   std::vector<Segment> segments;
 
   std::uint32_t frame_count() const;

@@ -118,7 +118,8 @@ void LiveTotals::add(const LiveSegment& segment) {
 }
 
 Manifest live_head(const LiveHello& hello, const LiveTotals& totals) {
-  Manifest manifest = manifest_of(hello);
+  Manifest manifest;
+  static_cast<ReelHead&>(manifest) = hello;
   manifest.depth_min = totals.depth_min;
   manifest.depth_max = totals.depth_max;
   manifest.partial = totals.partial;

@@ -10,8 +10,9 @@ namespace {
 /// What is nearer than this is made of whatever is there; what is further may wait for what comes.
 constexpr std::uint32_t kSoon = 2;
 constexpr LayerSet kBase{1, false, false};
-/// At once, while scrubbing: some wait for the link's delay while others come.
-constexpr std::size_t kBesideCursor = 4;
+/// At once, while scrubbing: one waits for the link's delay while another comes. With four, what is
+/// on its way when the cursor jumps held up what it jumped to.
+constexpr std::size_t kBesideCursor = 2;
 
 std::uint32_t apart(std::uint32_t a, std::uint32_t b) { return a > b ? a - b : b - a; }
 

@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/playback/prepare.h"
 #include "client/playback/stage.h"
 #include "client/render/draft.h"
 #include "client/render/renderer.h"
@@ -26,10 +27,7 @@ struct PlayOptions {
   std::vector<Stage::Placed> sources;  ///< at least one
   std::string token, ca_file;          ///< SourceOptions'
   DrawOptions draw;                    ///< its mode is the one to begin with
-  /// Of the tree that voxels are drawn from. Far above the paper's 0.05, which gives nearly every
-  /// point a voxel of its own, with gaps between them wherever points are not on a grid; below
-  /// 0.75, at which points that are on one would lose a level.
-  double delta = 0.72;
+  double delta = PrepareOptions{}.delta;
   std::uint32_t layers = ~0u;  ///< fetch and decode so many of a package's, from the base; >= 1
   double speed = 1.0;
   std::optional<bool> loop;  ///< default: yes in a window, no offscreen

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/playback/playback.h"
+#include "client/playback/prepare.h"
 #include "client/source/live_source.h"
 #include "common/base/error.h"
 #include "common/stream/package.h"
@@ -27,7 +28,7 @@ class LivePlayback : public Playback {
  public:
   struct Options {
     DrawMode mode = DrawMode::surfel;
-    double delta = 0.72;           ///< PrepareOptions::delta
+    double delta = PrepareOptions{}.delta;
     std::uint32_t layers = ~0u;    ///< no more are decoded, however near the camera
     float pixel_size = 1.0f;       ///< DrawOptions::pixel_size
     bool show_normals = false;     ///< PrepareOptions::show_normals

@@ -7,7 +7,10 @@ namespace pointreel {
 
 struct PrepareOptions {
   DrawMode mode = DrawMode::surfel;
-  double delta = 0.72;        ///< >= 0, of the tree that voxels are drawn from (DepthRule::delta)
+  /// >= 0, of the tree that voxels are drawn from (DepthRule::delta). Far above the paper's 0.05,
+  /// which gives nearly every point a voxel of its own, with gaps between them wherever points are
+  /// not on a grid; below 0.75, at which points that are on one would lose a level.
+  double delta = 0.72;
   int level = kWholeFrame;    ///< no finer level of detail will be seen
   bool show_normals = false;  ///< in every mode
 };

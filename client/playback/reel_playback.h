@@ -17,6 +17,7 @@
 #include "client/playback/layer_control.h"
 #include "client/playback/pipeline.h"
 #include "client/playback/playback.h"
+#include "client/playback/prepare.h"
 #include "client/playback/thumbnails.h"
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
@@ -30,7 +31,7 @@ class ReelPlayback : public Playback {
  public:
   struct Options {
     DrawMode mode = DrawMode::surfel;
-    double delta = 0.72;         ///< PrepareOptions::delta
+    double delta = PrepareOptions{}.delta;
     std::uint32_t layers = ~0u;  ///< no more are fetched, however near the camera
     float pixel_size = 1.0f;     ///< DrawOptions::pixel_size
     bool show_normals = false;   ///< PrepareOptions::show_normals

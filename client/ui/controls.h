@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "client/playback/clock.h"
+#include "client/playback/prepare.h"
 #include "client/playback/stage.h"
 #include "client/render/draft.h"
 #include "client/render/renderer.h"
@@ -20,8 +21,8 @@ namespace pointreel {
 /// How things are drawn, as far as the user can choose it while they play.
 struct DrawSettings {
   DrawOptions draw;
-  double delta = 0.72;  ///< PlayOptions::delta
-  bool floor = false;   ///< a grid on the floor
+  double delta = PrepareOptions{}.delta;
+  bool floor = false;  ///< a grid on the floor
   Drafts drafts = Drafts::playing;
 
   bool operator==(const DrawSettings&) const = default;

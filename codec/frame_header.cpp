@@ -3,6 +3,9 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/byte_io.h"
+#include "pointreel/octree.h"
+
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

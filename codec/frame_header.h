@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-#include "codec/codec.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
+#include "pointreel/bytes.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 
 /// The headers that every codec's frames share; FORMAT.md, "Frame" and "Chunk".
 ///

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/cloud/geometry.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

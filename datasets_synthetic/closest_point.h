@@ -4,8 +4,8 @@
 
 #include <glm/glm.hpp>
 
-#include "common/cloud/point_cloud.h"
 #include "datasets_synthetic/surface_grid.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel {
 

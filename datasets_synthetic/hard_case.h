@@ -9,8 +9,8 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "common/cloud/geometry.h"
 #include "datasets_synthetic/ply_table.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

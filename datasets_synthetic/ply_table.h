@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/base/bytes.h"
 #include "common/cloud/ply_header.h"
+#include "pointreel/bytes.h"
 
 namespace pointreel {
 

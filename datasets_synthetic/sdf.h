@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/cloud/geometry.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

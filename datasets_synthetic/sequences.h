@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/base/error.h"
-#include "common/cloud/point_cloud.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/ldc.h"
 #include "datasets_synthetic/samplers/scan.h"
 #include "datasets_synthetic/voxelize.h"
+#include "pointreel/cloud.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

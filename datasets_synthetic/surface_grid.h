@@ -8,10 +8,10 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
 #include "datasets_synthetic/ray_primitive.h"
 #include "datasets_synthetic/sdf.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

@@ -2,11 +2,11 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
-#include "common/cloud/point_cloud.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/surface_grid.h"
+#include "pointreel/cloud.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

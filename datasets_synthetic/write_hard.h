@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

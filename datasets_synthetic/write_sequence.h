@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <string>
 
-#include "common/base/error.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "common/base/memory.h"
-#include "server/live/publish_command.h"
 #include "server/pack/commands.h"
+#include "server/publish/publish_command.h"
 #include "server/serve/serve_command.h"
 
 int main(int argc, char** argv) {

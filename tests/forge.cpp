@@ -2,6 +2,8 @@
 
 #include <xxhash.h>
 
+#include "pointreel/chunks.h"
+
 namespace pointreel {
 namespace {
 
@@ -36,7 +38,7 @@ void mend(EncodedFrame& frame) {
   if (!frame.layers.empty()) mend_frame_header(frame.layers.front().geometry);
 }
 
-Bytes& part_of(EncodedLayer& layer, ChunkKind kind) {
+Bytes& part_of(Chunks<Bytes>& layer, ChunkKind kind) {
   return kind == ChunkKind::geometry ? layer.geometry
          : kind == ChunkKind::colors ? layer.colors
                                      : layer.normals;

@@ -3,8 +3,9 @@
 #include <cstddef>
 #include <cstring>
 
-#include "codec/codec.h"
 #include "codec/frame_header.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
 
 /// Frames that no encoder writes: bytes of good ones are changed, and then all checksums made right
 /// again, so that what comes behind them is tested and not only they.
@@ -20,7 +21,7 @@ void mend_chunk(Bytes& part, std::size_t begin);
 /// All checksums of a frame.
 void mend(EncodedFrame& frame);
 
-Bytes& part_of(EncodedLayer& layer, ChunkKind kind);
+Bytes& part_of(Chunks<Bytes>& layer, ChunkKind kind);
 
 /// Where the chunk of this part begins: behind the frame header in the first layer's geometry.
 std::size_t chunk_begin(std::size_t layer, ChunkKind kind);

@@ -4,9 +4,10 @@
 #include <chrono>
 #include <utility>
 
-#include "client/playback/layer_choice.h"
-#include "client/playback/prepare.h"
+#include "client/prepare/layer_choice.h"
+#include "client/prepare/prepare.h"
 #include "common/stream/live.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "client/playback/playback.h"
-#include "client/playback/prepare.h"
+#include "client/prepare/prepare.h"
 #include "client/source/live_source.h"
-#include "common/base/error.h"
-#include "common/stream/package.h"
+#include "pointreel/error.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 

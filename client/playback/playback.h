@@ -10,7 +10,7 @@
 #include "client/playback/clock.h"
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
-#include "common/cloud/geometry.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

@@ -5,8 +5,10 @@
 #include <thread>
 #include <utility>
 
-#include "client/playback/prepare.h"
+#include "client/prepare/prepare.h"
 #include "codec/octree/octree_codec.h"
+#include "pointreel/chunks.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
@@ -43,7 +45,7 @@ std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
   const auto mean = [&](const LayerSet& set) {
     std::uint64_t sum = 0;
     for (std::size_t layer = 0; layer < set.layers; ++layer)
-      for (const LayerSizes& sizes : segment.layers[layer].frames)
+      for (const Chunks<std::uint32_t>& sizes : segment.layers[layer].frames)
         sum += sizes.geometry + std::uint64_t{set.colors || set.normals ? sizes.colors : 0} +
                (set.normals ? sizes.normals : 0);
     return static_cast<double>(sum) / segment.frame_count();

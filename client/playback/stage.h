@@ -13,7 +13,7 @@
 #include "client/playback/playback.h"
 #include "client/playback/reel_playback.h"
 #include "client/source/source.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

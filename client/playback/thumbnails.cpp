@@ -7,8 +7,8 @@
 #include <tbb/task_arena.h>
 #include <unistd.h>
 
-#include "client/playback/layer_choice.h"
-#include "client/playback/prepare.h"
+#include "client/prepare/layer_choice.h"
+#include "client/prepare/prepare.h"
 
 namespace pointreel {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "client/capture.h"
+#include "client/record/numbered_path.h"
 #include "client/record/recorder.h"
 
 namespace pointreel {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "client/render/image.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

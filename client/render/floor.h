@@ -6,8 +6,8 @@
 
 #include "client/render/gl_objects.h"
 #include "client/scene/camera.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 struct GLFWwindow;
 

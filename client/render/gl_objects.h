@@ -8,7 +8,7 @@
 
 #include <epoxy/gl.h>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel::gl {
 

@@ -14,7 +14,7 @@
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
 #include "client/scene/frame.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

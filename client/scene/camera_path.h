@@ -9,7 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "client/scene/camera.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

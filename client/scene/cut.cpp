@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "pointreel/octree.h"
+
 namespace pointreel {
 namespace {
 

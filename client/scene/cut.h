@@ -9,7 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "client/scene/camera.h"
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 

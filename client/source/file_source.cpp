@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "client/source/package_source.h"
+#include "common/stream/manifest.h"
 
 namespace pointreel {
 namespace {
@@ -70,7 +71,7 @@ class FileSource : public PackageSource {
     std::vector<Bytes> all;
     for (const LayerRange& range : ranges) {
       if (request.stop.stop_requested()) return fail("cancelled");
-      auto bytes = read_range(folder_, *range.file, range.offset, range.sizes.total());
+      auto bytes = read_range(folder_, *range.file, range.offset, total(range.sizes));
       if (!bytes) return tl::unexpected(bytes.error());
       all.push_back(std::move(*bytes));
     }

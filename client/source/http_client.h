@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "client/source/source.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -12,7 +12,7 @@
 #include "client/source/live_assembler.h"
 #include "client/source/live_pacing.h"
 #include "common/stream/live.h"
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 namespace {

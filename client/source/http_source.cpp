@@ -26,7 +26,7 @@ class HttpSource : public PackageSource {
     std::vector<HttpClient::Range> wanted;
     for (const LayerRange& range : ranges)
       wanted.push_back(
-          {base_ + "/" + range.file->path, range.offset, range.sizes.total(), range.file->bytes});
+          {base_ + "/" + range.file->path, range.offset, total(range.sizes), range.file->bytes});
     return client_->get_ranges(wanted, request.stop, request.fresh);
   }
 

@@ -18,14 +18,14 @@ Result<FetchedFrame> PackageSource::fetch(std::uint32_t frame, const FetchReques
   if (!ranges) return tl::unexpected(ranges.error());
   std::vector<LayerRange> wanted;
   for (const LayerRange& range : *ranges)
-    if (range.sizes.total() > 0) wanted.push_back(range);
+    if (total(range.sizes) > 0) wanted.push_back(range);
   auto bytes = read(wanted, request);
   if (!bytes) return tl::unexpected(bytes.error());
   FetchedFrame fetched;
   fetched.tables = tables_;
   auto next = bytes->begin();
   for (const LayerRange& range : *ranges)
-    fetched.layers.push_back({range.sizes.total() > 0 ? std::move(*next++) : Bytes{}, range.sizes});
+    fetched.layers.push_back({total(range.sizes) > 0 ? std::move(*next++) : Bytes{}, range.sizes});
   return fetched;
 }
 

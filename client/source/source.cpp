@@ -5,10 +5,11 @@
 #include <fmt/format.h>
 
 #include "codec/octree/context_tables.h"
+#include "pointreel/chunks.h"
 
 namespace pointreel {
 
-LayerView FetchedLayer::view() const {
+Chunks<ByteView> FetchedLayer::view() const {
   const ByteView all(bytes);
   return {all.subspan(0, sizes.geometry), all.subspan(sizes.geometry, sizes.colors),
           all.subspan(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)};
@@ -34,21 +35,21 @@ Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_
   const std::size_t count =
       std::min<std::size_t>(segment.layers.size(), std::max(1u, request.layers));
   std::vector<LayerRange> ranges;
-  std::uint64_t total = 0;
+  std::uint64_t bytes = 0;
   for (std::size_t i = request.first_layer; i < count; ++i) {
     const LayerFile& file = segment.layers[i];
-    LayerSizes sizes = file.frames[place.index];
+    Chunks<std::uint32_t> sizes = file.frames[place.index];
     if (!request.normals) {
       sizes.normals = 0;
       if (!request.colors) sizes.colors = 0;
     }
-    total += sizes.total();
+    bytes += total(sizes);
     ranges.push_back({&file, byte_range(file, place.index).offset, sizes});
   }
-  if (total > kMaxFrameBytes)
+  if (bytes > kMaxFrameBytes)
     return fail(
         fmt::format("the manifest says that the frame takes {} bytes; more than {} are not fetched",
-                    total, kMaxFrameBytes));
+                    bytes, kMaxFrameBytes));
   return ranges;
 }
 

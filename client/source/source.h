@@ -9,10 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/stream/package.h"
+#include "pointreel/bytes.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
@@ -33,9 +34,10 @@ struct FetchRequest {
 /// One layer of a frame as it was fetched.
 struct FetchedLayer {
   Bytes bytes;
-  LayerSizes sizes;  ///< of the chunks within `bytes`, in stored order; 0 where not fetched
+  Chunks<std::uint32_t>
+      sizes;  ///< of the chunks within `bytes`, in stored order; 0 where not fetched
 
-  LayerView view() const;
+  Chunks<ByteView> view() const;
 };
 
 /// A frame as it came: either layers of a package, or a whole PLY or .drc file.
@@ -112,7 +114,7 @@ struct SourceOptions {
 struct LayerRange {
   const LayerFile* file = nullptr;  ///< in the manifest
   std::uint64_t offset = 0;
-  LayerSizes sizes;
+  Chunks<std::uint32_t> sizes;
 };
 
 /// No frame of any real reel comes near this; a manifest that says otherwise is not believed.

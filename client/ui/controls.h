@@ -8,8 +8,8 @@
 #include <glm/glm.hpp>
 
 #include "client/playback/clock.h"
-#include "client/playback/prepare.h"
 #include "client/playback/stage.h"
+#include "client/prepare/prepare.h"
 #include "client/render/draft.h"
 #include "client/render/renderer.h"
 #include "client/scene/camera.h"

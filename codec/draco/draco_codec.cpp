@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include <fmt/format.h>
-
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "codec/draco/draco_payload.h"
 #include "codec/frame_header.h"
+#include "common/base/concat.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {
@@ -48,7 +49,7 @@ Result<EncodedFrame> encode_draco(const PointCloud& cloud, const Cube& cube,
   return frame;
 }
 
-Result<DecodedFrame> decode_draco(const std::vector<LayerView>& layers,
+Result<DecodedFrame> decode_draco(const std::vector<Chunks<ByteView>>& layers,
                                   const DecodeLimits& limits) {
   if (layers.empty()) return fail("a frame has at least its base layer");
   const auto parsed = read_frame_header(layers.front().geometry);
@@ -60,8 +61,8 @@ Result<DecodedFrame> decode_draco(const std::vector<LayerView>& layers,
     return fail("frame header has a field out of range");
   }
   if (header.coded_points > limits.max_points) {
-    return fail(fmt::format("frame has {} points, more than the {} allowed", header.coded_points,
-                            limits.max_points));
+    return fail(concat("frame has ", header.coded_points, " points, more than the ",
+                       limits.max_points, " allowed"));
   }
   const auto chunk = read_chunk(parsed->rest, ChunkKind::geometry, 0, parsed->tag);
   if (!chunk) return tl::unexpected(chunk.error());
@@ -84,30 +85,6 @@ Result<DecodedFrame> decode_draco(const std::vector<LayerView>& layers,
   frame.cube = header.cube;
   frame.source_points = header.source_points;
   return frame;
-}
-
-Result<PartSizes> measure_draco_parts(const EncodedFrame& frame, const PointCloud& cloud,
-                                      const Cube& cube, const DracoOptions& options, bool normals,
-                                      bool colors) {
-  normals = normals && cloud.has_normals();
-  colors = colors && cloud.has_colors();
-  const std::size_t size = frame.size();
-  constexpr std::size_t kHeaders = kFrameHeaderSize + kChunkHeaderSize;
-  if (size < kHeaders) return fail("not a Draco frame");
-
-  std::size_t positions = size, colored = size;
-  if (normals || colors) {
-    const Result<Bytes> payload = encode_draco_payload(cloud, cube, options, false, false);
-    if (!payload) return tl::unexpected(payload.error());
-    positions = std::min(payload->size() + kHeaders, size);
-    if (!colors) colored = positions;
-  }
-  if (normals && colors) {
-    const Result<Bytes> payload = encode_draco_payload(cloud, cube, options, false, true);
-    if (!payload) return tl::unexpected(payload.error());
-    colored = std::clamp(payload->size() + kHeaders, positions, size);
-  }
-  return PartSizes{positions, colored - positions, size - colored};
 }
 
 }  // namespace pointreel

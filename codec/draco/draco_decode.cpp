@@ -5,7 +5,8 @@
 
 #include <draco/compression/decode.h>
 #include <draco/mesh/mesh.h>
-#include <fmt/format.h>
+
+#include "common/base/concat.h"
 
 namespace pointreel {
 namespace {
@@ -35,19 +36,19 @@ Result<std::unique_ptr<draco::PointCloud>> run_draco_decoder(ByteView bytes,
     draco::Decoder decoder;
     auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
     if (!decoded.ok()) {
-      return fail(fmt::format("Draco cannot decode the data ({}); the file is damaged",
-                              decoded.status().error_msg_string()));
+      return fail(concat("Draco cannot decode the data (", decoded.status().error_msg_string(),
+                         "); the file is damaged"));
     }
     std::unique_ptr<draco::PointCloud> cloud = std::move(decoded).value();
     if (cloud->num_points() > limits.max_points) {
-      return fail(fmt::format("the Draco data hold {} points; at most {} are accepted",
-                              cloud->num_points(), limits.max_points));
+      return fail(concat("the Draco data hold ", cloud->num_points(), " points; at most ",
+                         limits.max_points, " are accepted"));
     }
     return cloud;
   } catch (const std::bad_alloc&) {
     return fail("not enough memory to decode the Draco data");
   } catch (const std::exception& error) {
-    return fail(fmt::format("Draco cannot decode the data ({})", error.what()));
+    return fail(concat("Draco cannot decode the data (", error.what(), ")"));
   }
 }
 

@@ -5,8 +5,8 @@
 #include <draco/point_cloud/point_cloud.h>
 
 #include "codec/draco/drc_header.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 /// What the package codec and the reader of user files share: Draco's decoder behind our errors.
 namespace pointreel {

@@ -11,12 +11,15 @@
 
 #include <draco/compression/expert_encode.h>
 #include <draco/point_cloud/point_cloud.h>
-#include <fmt/format.h>
 
 #include "codec/draco/draco_decode.h"
 #include "codec/draco/drc_header.h"
 #include "codec/frame_header.h"
-#include "common/octree/svo.h"
+#include "common/base/concat.h"
+#include "common/octree/build.h"
+#include "common/octree/morton.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
@@ -28,21 +31,21 @@ constexpr std::size_t kMaxPoints = std::size_t{1} << 26;
 Result<void> check(const PointCloud& cloud, const Cube& cube, const DracoOptions& options) {
   const auto in_range = [](int value, int low, int high) { return value >= low && value <= high; };
   if (!in_range(options.position_bits, 1, kMaxDepth)) {
-    return fail(fmt::format("--qp {} is not between 1 and {}", options.position_bits, kMaxDepth));
+    return fail(concat("--qp ", options.position_bits, " is not between 1 and ", kMaxDepth));
   }
   if (!in_range(options.normal_bits, 2, 16)) {
-    return fail(fmt::format("--qn {} is not between 2 and 16", options.normal_bits));
+    return fail(concat("--qn ", options.normal_bits, " is not between 2 and 16"));
   }
   if (!in_range(options.compression_level, 0, 10)) {
-    return fail(fmt::format("--cl {} is not between 0 and 10", options.compression_level));
+    return fail(concat("--cl ", options.compression_level, " is not between 0 and 10"));
   }
   if (!is_codable(cube)) {
     return fail(
-        fmt::format("a cube with edge {} cannot be coded by Draco; scale the points", cube.edge));
+        concat("a cube with edge ", cube.edge, " cannot be coded by Draco; scale the points"));
   }
   if (cloud.size() > kMaxPoints) {
-    return fail(fmt::format("{} points are more than Draco frames hold ({}); thin them out",
-                            cloud.size(), kMaxPoints));
+    return fail(concat(cloud.size(), " points are more than Draco frames hold (", kMaxPoints,
+                       "); thin them out"));
   }
   return {};
 }
@@ -205,7 +208,7 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const DracoOptions& 
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
   if (!status.ok()) {
-    return fail(fmt::format("Draco cannot encode the frame ({})", status.error_msg_string()));
+    return fail(concat("Draco cannot encode the frame (", status.error_msg_string(), ")"));
   }
   Bytes bytes(buffer.size());
   std::memcpy(bytes.data(), buffer.data(), buffer.size());
@@ -319,7 +322,7 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
   } catch (const std::bad_alloc&) {
     return fail("not enough memory to encode the frame with Draco");
   } catch (const std::exception& error) {
-    return fail(fmt::format("Draco cannot encode the frame ({})", error.what()));
+    return fail(concat("Draco cannot encode the frame (", error.what(), ")"));
   }
 }
 

@@ -2,11 +2,12 @@
 
 #include <cstddef>
 
-#include "codec/codec.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
-#include "common/cloud/point_cloud.h"
+#include "pointreel/bytes.h"
+#include "pointreel/cloud.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 
 /// Point clouds as Draco codes them: what a Draco frame carries besides the common headers.
 ///

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include <fmt/format.h>
+#include "common/base/byte_io.h"
+#include "common/base/concat.h"
 
 namespace pointreel {
 namespace {
@@ -106,16 +107,14 @@ Result<DrcHeader> parse_fixed(DrcReader& in, ByteView bytes) {
   header.method = in.get<std::uint8_t>();
   const auto flags = in.get<std::uint16_t>();
   if (!in.ok()) return fail(kTruncated);
-  if (geometry > 1) return fail(fmt::format("unknown Draco geometry type {}", geometry));
+  if (geometry > 1) return fail(concat("unknown Draco geometry type ", geometry));
   header.mesh = geometry == 1;
   const std::uint16_t newest = header.mesh ? kNewestMesh : kNewestCloud;
   if (major < 1 || header.version > newest) {
-    return fail(
-        fmt::format("Draco bitstream version {}.{} is not supported; encode it again with "
-                    "Draco 1.5 or older",
-                    major, minor));
+    return fail(concat("Draco bitstream version ", major, ".", minor,
+                       " is not supported; encode it again with Draco 1.5 or older"));
   }
-  if (header.method > 1) return fail(fmt::format("unknown Draco method {}", header.method));
+  if (header.method > 1) return fail(concat("unknown Draco method ", header.method));
   header.metadata = header.version >= version(1, 3) && (flags & kMetadataFlag) != 0;
   return header;
 }
@@ -149,14 +148,13 @@ Result<void> parse_cloud(DrcReader& in, DrcHeader& header) {
       if (!in.ok()) return fail(kTruncated);
       if (attribute.data_type < 1 || attribute.data_type >= kDataTypes ||
           attribute.components == 0) {
-        return fail(fmt::format("Draco attribute {} has data type {} and {} components",
-                                header.attributes.size(), attribute.data_type,
-                                attribute.components));
+        return fail(concat("Draco attribute ", header.attributes.size(), " has data type ",
+                           attribute.data_type, " and ", attribute.components, " components"));
       }
       header.attributes.push_back(attribute);
       if (component_sum(header.attributes) > kMaxComponents) {
-        return fail(fmt::format("the Draco attributes have more than {} components together",
-                                kMaxComponents));
+        return fail(
+            concat("the Draco attributes have more than ", kMaxComponents, " components together"));
       }
     }
     // Sequential encoders: how each attribute is coded, before the next decoder's attributes.
@@ -171,7 +169,7 @@ Result<void> parse_cloud(DrcReader& in, DrcHeader& header) {
     const auto again = in.get<std::uint32_t>();
     if (!in.ok()) return fail(kTruncated);
     if (again != points) {
-      return fail(fmt::format("the Draco header says {} points, its kd-tree {}", points, again));
+      return fail(concat("the Draco header says ", points, " points, its kd-tree ", again));
     }
   }
   return {};
@@ -195,10 +193,9 @@ Result<void> parse_mesh(DrcReader& in, DrcHeader& header, std::uint64_t max_poin
   const std::uint64_t splits = in.count(header.version, version(2, 0));
   if (in.ok() && (symbols > header.faces || splits > symbols ||
                   header.points + splits > max_points || new_vertices > max_points)) {
-    return fail(
-        fmt::format("the Draco mesh has counts that do not fit together ({} vertices, {} "
-                    "faces, {} symbols, {} of them splits)",
-                    header.points, header.faces, symbols, splits));
+    return fail(concat("the Draco mesh has counts that do not fit together (", header.points,
+                       " vertices, ", header.faces, " faces, ", symbols, " symbols, ", splits,
+                       " of them splits)"));
   }
   return {};
 }
@@ -220,13 +217,11 @@ Result<DrcHeader> parse_drc_header(ByteView bytes, std::uint64_t points_per_byte
       header->mesh ? parse_mesh(in, *header, most) : parse_cloud(in, *header);
   const bool too_many = header->points > most || header->faces > kFacesPerPoint * most;
   if (too_many) {
-    return fail(header->mesh
-                    ? fmt::format("the Draco header declares {} vertices and {} faces in {} bytes; "
-                                  "at most {} vertices are accepted",
-                                  header->points, header->faces, bytes.size(), most)
-                    : fmt::format("the Draco header declares {} points in {} bytes; at most {} are "
-                                  "accepted",
-                                  header->points, bytes.size(), most));
+    return fail(header->mesh ? concat("the Draco header declares ", header->points,
+                                      " vertices and ", header->faces, " faces in ", bytes.size(),
+                                      " bytes; at most ", most, " vertices are accepted")
+                             : concat("the Draco header declares ", header->points, " points in ",
+                                      bytes.size(), " bytes; at most ", most, " are accepted"));
   }
   if (!parsed) return tl::unexpected(parsed.error());
   if (!in.ok()) return fail(kTruncated);

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "codec/codec.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
 
 /// What a .drc file says of itself, read by our own parser before Draco sees the bytes: Draco takes
 /// memory for counts as it finds them. Layout: Draco's bitstream specification, sections "Draco

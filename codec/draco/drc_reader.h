@@ -1,9 +1,9 @@
 #pragma once
 
-#include "codec/codec.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/cloud/point_cloud.h"
+#include "pointreel/bytes.h"
+#include "pointreel/cloud.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -7,6 +7,8 @@
 #include "codec/octree/coefficient_coder.h"
 #include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/raht.h"
+#include "common/base/byte_io.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

@@ -8,9 +8,9 @@
 #include "codec/octree/coefficient_coder.h"
 #include "codec/octree/int4.h"
 #include "codec/octree/neighbor_prediction.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/octree/svo.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
+#include "pointreel/octree.h"
 
 /// Colours or normals of a tree's nodes, lossy, layer by layer: transformed (raht.h), quantised,
 /// and coded with adaptive binary contexts. FORMAT.md, "Transformed attributes".

@@ -26,8 +26,6 @@ struct HardwareExtract {
     __asm__("pextq %2, %1, %0" : "=r"(bits) : "r"(word), "rm"(mask));
     return bits;
   }
-
-  static bool available() { return __builtin_cpu_supports("bmi2") != 0; }
 };
 #endif
 

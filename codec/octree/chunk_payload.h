@@ -1,8 +1,8 @@
 #pragma once
 
 #include "codec/frame_header.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 /// The payload of a chunk: raw bytes as they are, or zstd.
 namespace pointreel {

@@ -12,6 +12,8 @@
 #include "codec/octree/bit_extract.h"
 #include "codec/octree/range_coder.h"
 #include "codec/octree/slabs.h"
+#include "common/base/byte_io.h"
+#include "pointreel/cpu.h"
 
 namespace pointreel {
 namespace {
@@ -20,15 +22,6 @@ namespace {
 /// Compiles all that a function calls for processors with BMI2, whose shifts take fewer steps too.
 #define POINTREEL_BMI2 [[gnu::flatten, gnu::target("bmi2")]]
 #endif
-
-bool use_hardware(ExtractPath path) {
-#if defined(__x86_64__)
-  return path == ExtractPath::fastest && HardwareExtract::available();
-#else
-  (void)path;
-  return false;
-#endif
-}
 
 /// Rank of each node's first child, the masks being those of one level in Morton order. Returns the
 /// number of all children.
@@ -241,11 +234,11 @@ std::vector<std::uint32_t> weights_of_nodes(const Svo& svo, int level) {
 // --- State
 // ----------------------------------------------------------------------------------------
 
-ContextState::ContextState(std::shared_ptr<const ContextTables> from, ExtractPath path)
+ContextState::ContextState(std::shared_ptr<const ContextTables> from)
     : tables(std::move(from)),
       leaves(tables->leaves),
       slabs{root_level()},
-      hardware(use_hardware(path)) {}
+      hardware((cpu_features() & kCpuBmi2) != 0) {}
 
 void ContextState::descend(ByteView masks, const Executor& executor) {
   std::vector<std::uint32_t> first_child;
@@ -276,9 +269,8 @@ void ContextState::begin_level(int level_class, std::size_t nodes) {
 // --- Encoder
 // --------------------------------------------------------------------------------------
 
-ContextEncoder::ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs,
-                               ExtractPath path)
-    : state_(std::move(tables), path), wanted_slabs_(slabs) {}
+ContextEncoder::ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs)
+    : state_(std::move(tables)), wanted_slabs_(slabs) {}
 
 void ContextEncoder::write_slabs(const Svo& svo, int first_level, std::size_t mask_count,
                                  Bytes& payload) {
@@ -355,8 +347,8 @@ void ContextEncoder::encode_layer(const Svo& svo, int first_level, int last_leve
 // --- Decoder
 // --------------------------------------------------------------------------------------
 
-ContextDecoder::ContextDecoder(std::shared_ptr<const ContextTables> tables, ExtractPath path)
-    : state_(std::move(tables), path) {}
+ContextDecoder::ContextDecoder(std::shared_ptr<const ContextTables> tables)
+    : state_(std::move(tables)) {}
 
 Result<std::vector<RangeDecoder>> ContextDecoder::read_slabs(ByteReader& reader,
                                                              std::size_t mask_count) {

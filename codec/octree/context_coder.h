@@ -7,10 +7,11 @@
 #include "codec/octree/context_model.h"
 #include "codec/octree/range_coder.h"
 #include "codec/octree/raster_walk.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/base/executor.h"
-#include "common/octree/svo.h"
+#include "common/base/byte_io.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
+#include "pointreel/executor.h"
+#include "pointreel/octree.h"
 
 /// The masks of a tree, coded level by level with adaptive contexts. Layers follow each other: a
 /// later one goes on with the levels, and with what the leaves have learned, of those before it.
@@ -23,12 +24,9 @@
 /// each slab. Any bytes decode to a tree of those sizes or to an error.
 namespace pointreel {
 
-/// How the bits of a context are gathered; the result is the same.
-enum class ExtractPath { fastest, portable };
-
 /// What both directions go on with from one level to the next.
 struct ContextState {
-  ContextState(std::shared_ptr<const ContextTables> tables, ExtractPath path);
+  explicit ContextState(std::shared_ptr<const ContextTables> tables);
 
   /// From the level at hand, whose masks are given in Morton order, to that below it.
   void descend(ByteView masks, const Executor& executor);
@@ -41,14 +39,13 @@ struct ContextState {
   std::vector<Leaf> leaves;
   std::vector<RasterLevel> slabs;  ///< of the level at hand; one is all of it
   std::vector<std::vector<Leaf>> slab_leaves;
-  bool hardware;
+  bool hardware;  ///< whether the processor's own instruction gathers the bits of a context
 };
 
 class ContextEncoder {
  public:
   /// Parts large layers into `slabs`, 1 to kMostSlabs.
-  explicit ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs = 1,
-                          ExtractPath path = ExtractPath::fastest);
+  explicit ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs = 1);
 
   /// Appends to `payload` the tree's levels `first_level` (where the last call ended, 0 at first)
   /// to `last_level` - 1. The tree is not empty.
@@ -64,8 +61,7 @@ class ContextEncoder {
 
 class ContextDecoder {
  public:
-  explicit ContextDecoder(std::shared_ptr<const ContextTables> tables,
-                          ExtractPath path = ExtractPath::fastest);
+  explicit ContextDecoder(std::shared_ptr<const ContextTables> tables);
 
   /// Appends the layer's masks, level by level in Morton order, to `masks`. Refuses a payload that
   /// does not hold `mask_count` masks, and a level with more than `most_nodes` nodes.

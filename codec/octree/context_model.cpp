@@ -3,6 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/byte_io.h"
+
 namespace pointreel {
 namespace {
 

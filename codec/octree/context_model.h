@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "codec/octree/raster_walk.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 /// Which probability a decision about a node's children has: its slot and the node's neighbourhood
 /// word lead through two tables to a leaf, which adapts as decisions are coded. FORMAT.md,

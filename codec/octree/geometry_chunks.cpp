@@ -5,6 +5,7 @@
 
 #include "codec/octree/chunk_payload.h"
 #include "codec/octree/context_tables.h"
+#include "common/base/byte_io.h"
 
 namespace pointreel {
 

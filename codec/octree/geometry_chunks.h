@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include "codec/codec.h"
 #include "codec/frame_header.h"
 #include "codec/octree/context_coder.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/octree/svo.h"
+#include "pointreel/bytes.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
+#include "pointreel/octree.h"
 
 /// Geometry chunks of a frame's layers, base first, in any entropy coding. FORMAT.md, "Octree
 /// frames" and "Entropy coding context".

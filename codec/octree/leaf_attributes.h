@@ -5,8 +5,8 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "common/base/bytes.h"
-#include "common/octree/svo.h"
+#include "pointreel/bytes.h"
+#include "pointreel/octree.h"
 
 /// Colours and normals of the nodes at a layer's last level, as bytes. Each value is stored as its
 /// difference from the value of the node's ancestor at the last level of the layer before, so that

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "codec/octree/int4.h"
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 /// Predicts the values of children from those of their parent and of the parent's neighbours, as
 /// far as they touch the child. FORMAT.md, "Prediction".

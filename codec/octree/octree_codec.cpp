@@ -16,6 +16,9 @@
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/slabs.h"
+#include "common/octree/build.h"
+#include "pointreel/chunks.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
@@ -92,7 +95,7 @@ class AttributeDecoder {
 /// Encodes one transformed attribute of all layers into the chunks that `part` names.
 void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, ChunkKind kind,
                         const CoefficientSteps& frame_steps, FrameTag tag,
-                        Bytes EncodedLayer::* part, std::vector<EncodedLayer>& layers) {
+                        Bytes Chunks<Bytes>::* part, std::vector<Chunks<Bytes>>& layers) {
   std::vector<int> ends;
   for (int layer = 0; layer < static_cast<int>(layers.size()); ++layer) {
     ends.push_back(last_level_of_layer(layer, svo.depth));
@@ -110,8 +113,9 @@ void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, Chunk
 /// Decodes a transformed attribute of the layers that are there, from the base to the first that
 /// lacks it, and down to `depth` at most; null if the base does.
 Result<std::unique_ptr<TransformDecoder>> decode_transformed(
-    const Svo& svo, const std::vector<LayerView>& layers, const std::vector<int>& last_levels,
-    int depth, ChunkKind kind, ByteView LayerView::* part, FrameTag tag) {
+    const Svo& svo, const std::vector<Chunks<ByteView>>& layers,
+    const std::vector<int>& last_levels, int depth, ChunkKind kind,
+    ByteView Chunks<ByteView>::* part, FrameTag tag) {
   if ((layers.front().*part).empty()) return nullptr;
   auto decoder = std::make_unique<TransformDecoder>(svo);
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
@@ -171,13 +175,13 @@ void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, Oc
 }
 
 /// The colours of a frame that has transformed ones, into the frame.
-Result<void> decode_colors(const std::vector<LayerView>& layers,
+Result<void> decode_colors(const std::vector<Chunks<ByteView>>& layers,
                            const std::vector<int>& last_levels, int depth,
                            const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                            OctreeFrame& frame) {
   if (!parsed.header.colors_transformed) return {};
   const auto decoder = decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::colors,
-                                          &LayerView::colors, parsed.tag);
+                                          &Chunks<ByteView>::colors, parsed.tag);
   if (!decoder) return fail_at("colors", decoder.error());
   if (*decoder != nullptr && parsed.header.colors_16_bit) {
     set_colors(**decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
@@ -188,13 +192,13 @@ Result<void> decode_colors(const std::vector<LayerView>& layers,
 }
 
 /// The same of normals.
-Result<void> decode_normals(const std::vector<LayerView>& layers,
+Result<void> decode_normals(const std::vector<Chunks<ByteView>>& layers,
                             const std::vector<int>& last_levels, int depth,
                             const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                             OctreeFrame& frame) {
   if (!parsed.header.normals_transformed) return {};
   const auto decoder = decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::normals,
-                                          &LayerView::normals, parsed.tag);
+                                          &Chunks<ByteView>::normals, parsed.tag);
   if (!decoder) return fail_at("normals", decoder.error());
   if (*decoder != nullptr) set_normals(**decoder, limits, frame);
   return {};
@@ -227,7 +231,7 @@ void add_means(OctreeFrame& frame) {
 }
 
 /// Decodes the geometry of the layers that are there; the last level of each.
-Result<std::vector<int>> decode_geometry(const std::vector<LayerView>& layers,
+Result<std::vector<int>> decode_geometry(const std::vector<Chunks<ByteView>>& layers,
                                          const ParsedFrameHeader& frame, const DecodeLimits& limits,
                                          Svo& svo) {
   const FrameHeader& header = frame.header;
@@ -321,7 +325,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
   int first_level = 0;
   for (int layer = 0; layer < frame.layers; ++layer) {
-    EncodedLayer& out = encoded.layers[static_cast<std::size_t>(layer)];
+    Chunks<Bytes>& out = encoded.layers[static_cast<std::size_t>(layer)];
     const int last_level = last_level_of_layer(layer, svo.depth);
     const ChunkHeader header{ChunkKind::geometry, options.entropy, static_cast<std::uint8_t>(layer),
                              static_cast<std::uint8_t>(last_level), 0};
@@ -344,18 +348,18 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
     encode_transformed(svo,
                        values_of(mean_leaf_colors(svo, cloud, points->sorted), value_from_color),
                        ChunkKind::colors, color_steps(options.color_quality), tag,
-                       &EncodedLayer::colors, encoded.layers);
+                       &Chunks<Bytes>::colors, encoded.layers);
   }
   if (frame.normals_transformed) {
     encode_transformed(svo,
                        values_of(mean_leaf_normals(svo, cloud, points->sorted), value_from_normal),
                        ChunkKind::normals, normal_steps(options.normal_quality), tag,
-                       &EncodedLayer::normals, encoded.layers);
+                       &Chunks<Bytes>::normals, encoded.layers);
   }
   return encoded;
 }
 
-Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
+Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& layers,
                                        const DecodeLimits& limits) {
   if (layers.empty()) return fail("a frame has at least its base layer");
   const auto parsed = read_frame_header(layers.front().geometry);
@@ -411,7 +415,7 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
   return frame;
 }
 
-Result<DecodedFrame> decode_octree(const std::vector<LayerView>& layers,
+Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
                                    const DecodeLimits& limits) {
   auto tree = decode_octree_tree(layers, limits);
   if (!tree) return tl::unexpected(tree.error());

@@ -2,8 +2,9 @@
 
 #include <vector>
 
-#include "codec/codec.h"
 #include "codec/frame_header.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
 
 /// The octree codec: a frame is its sparse voxel octree, breadth-first, one byte for each internal
 /// node (paper 2, section VI-A), cut into layers of levels. FORMAT.md, "Octree frames".
@@ -20,10 +21,6 @@ int last_level_of_layer(int layer, int depth);
 /// How many layers a tree of this depth has: 1 to 3.
 int layer_count(int depth);
 
-Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
-                                   const OctreeOptions& options, bool normals, bool colors,
-                                   const Executor& executor = {});
-
 /// A decoded tree with the attributes of its leaves, in their order; empty where they were not sent
 /// or not fetched. Attributes of a layer that was fetched without them are those of the layer
 /// above.
@@ -34,11 +31,7 @@ struct OctreeFrame {
   std::vector<glm::vec3> normals;
   NodeAttributes nodes;  ///< as DecodedFrame::attributes
 };
-Result<OctreeFrame> decode_octree_tree(const std::vector<LayerView>& layers,
+Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& layers,
                                        const DecodeLimits& limits);
-
-/// The same as a cloud of the leaves' centres, with the tree.
-Result<DecodedFrame> decode_octree(const std::vector<LayerView>& layers,
-                                   const DecodeLimits& limits);
 
 }  // namespace pointreel

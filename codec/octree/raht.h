@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "codec/octree/int4.h"
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 /// The region-adaptive hierarchical transform (R. de Queiroz and P. Chou, "Compression of 3D point
 /// clouds using a region-adaptive hierarchical transform", IEEE Transactions on Image Processing

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "common/base/bytes.h"
+#include "pointreel/bytes.h"
 
 /// A binary range coder (Martin, "Range encoding", 1979): 64 bits of range, 16 bits of probability,
 /// four bytes at a time. FORMAT.md, "Range coder".

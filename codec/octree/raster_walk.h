@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "common/base/bytes.h"
+#include "pointreel/bytes.h"
 
 /// The nodes of one level of an octree in raster order (by z, then y, then x), and the walk over
 /// them in that order that shows each node what of its neighbourhood a decoder knows by then.

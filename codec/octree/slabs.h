@@ -8,9 +8,9 @@
 
 #include "codec/octree/context_model.h"
 #include "codec/octree/raster_walk.h"
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/octree/svo.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
+#include "pointreel/octree.h"
 
 /// Large frames are parted into slabs that are coded at the same time. FORMAT.md, "Slabs".
 ///

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "codec/octree/context_model.h"
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 /// Makes context tables (codec/octree/context_model.h) from octrees. Masks are chosen greedily, one
 /// bit after the other, each the one that makes the code of the samples shortest; a table stops

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/octree/svo.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
+#include "pointreel/octree.h"
 
 /// Context tables of a sequence's own, learnt from some of its frames: what a sensor, a scanner or
 /// a mesh does to its points is much the same in all of them. A slot of the tables

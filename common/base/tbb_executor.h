@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/base/executor.h"
+#include "pointreel/executor.h"
 
 namespace pointreel {
 

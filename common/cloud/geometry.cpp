@@ -1,4 +1,4 @@
-#include "common/cloud/geometry.h"
+#include "pointreel/geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/cloud/point_cloud.h"
+#include "pointreel/bytes.h"
+#include "pointreel/cloud.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

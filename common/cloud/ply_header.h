@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

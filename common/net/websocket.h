@@ -8,9 +8,9 @@
 #include <stop_token>
 #include <string>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
 #include "common/stream/live.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 /// A WebSocket client (RFC 6455), for publishers and viewers of live streams.
 namespace pointreel {

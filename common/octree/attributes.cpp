@@ -1,7 +1,8 @@
 #include <bit>
 #include <cmath>
 
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

@@ -7,9 +7,6 @@
 
 namespace pointreel {
 
-/// The finest level of an octree: 21 bits an axis, so that a key fits 63 bits.
-inline constexpr int kMaxDepth = 21;
-
 namespace morton {
 
 // Seven bits at a time: look-ups are faster than five rounds of shift and mask, and need no

@@ -1,9 +1,11 @@
-#include "common/octree/svo.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <string>
+
+#include "common/octree/build.h"
+#include "common/octree/morton.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

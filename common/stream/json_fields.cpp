@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
+#include "common/base/concat.h"
 
 namespace pointreel {
 namespace {
@@ -74,7 +74,7 @@ Fields::Fields(const json& object) : object_(object) {
 }
 
 void Fields::refuse(std::string_view key, std::string_view what) {
-  if (!error_) error_ = Error{fmt::format("{}: {}", key, what)};
+  if (!error_) error_ = Error{concat(key, ": ", what)};
 }
 
 const json* Fields::value(const char* key) {
@@ -89,7 +89,7 @@ std::uint64_t Fields::integer(const char* key, std::uint64_t max) {
   const json* v = value(key);
   if (v == nullptr) return 0;
   if (!v->is_number_unsigned() || v->get<std::uint64_t>() > max) {
-    refuse(key, fmt::format("is not a whole number from 0 to {}", max));
+    refuse(key, concat("is not a whole number from 0 to ", max));
     return 0;
   }
   return v->get<std::uint64_t>();
@@ -163,7 +163,7 @@ std::optional<std::uint64_t> parse_hex(std::string_view text) {
 
 Result<std::vector<std::string>> parse_layer_names(const json& entries) {
   if (entries.empty() || entries.size() > kMaxLayers) {
-    return fail(fmt::format("{}, not 1 to {}", entries.size(), kMaxLayers));
+    return fail(concat(entries.size(), ", not 1 to ", kMaxLayers));
   }
   std::vector<std::string> names;
   for (const json& entry : entries) {
@@ -172,7 +172,7 @@ Result<std::vector<std::string>> parse_layer_names(const json& entries) {
     }
     const std::string& layer = entry.get_ref<const std::string&>();
     if (std::find(names.begin(), names.end(), layer) != names.end()) {
-      return fail(fmt::format("\"{}\" comes twice", layer));
+      return fail(concat("\"", layer, "\" comes twice"));
     }
     names.push_back(layer);
   }
@@ -199,7 +199,7 @@ void read_reel_head(Fields& fields, ReelHead& head) {
   }
   if (!is_title(head.name)) {
     fields.refuse("name",
-                  fmt::format("has more than {} bytes or a control character in it", kMaxTitle));
+                  concat("has more than ", kMaxTitle, " bytes or a control character in it"));
   }
   if (!(head.fps > 0.0 && head.fps <= 1e6)) {
     fields.refuse("fps", "is not above 0 and at most 1000000");

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
-#include "common/stream/package.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
+#include "pointreel/package.h"
 
 /// What the JSON of packages and of live streams has in common. Included by their parsers alone.
 ///
@@ -24,6 +24,8 @@ inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 /// Bytes of a name, of a file as of a reel.
 inline constexpr std::size_t kMaxTitle = 255;
 inline constexpr std::size_t kMaxLayers = 8;
+/// The value of "format" in reel.json.
+inline constexpr const char* kPackageFormat = "pointreel";
 
 Result<nlohmann::json> parse_json(std::string_view text);
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
+#include "common/base/byte_io.h"
 #include "common/stream/json_fields.h"
 
 namespace pointreel {
@@ -142,9 +143,9 @@ Result<LiveLayer> parse_live_layer(ByteView message) {
   if (layer.capture_us > kMaxInteger) return fail("layer: its time is no time");
   layer.bytes = in.rest();
   if (layer.sizes.geometry == 0) return fail("layer: has no geometry");
-  if (layer.sizes.total() != layer.bytes.size()) {
-    return fail(fmt::format("layer: {} bytes, its chunks take {}", layer.bytes.size(),
-                            layer.sizes.total()));
+  if (total(layer.sizes) != layer.bytes.size()) {
+    return fail(
+        fmt::format("layer: {} bytes, its chunks take {}", layer.bytes.size(), total(layer.sizes)));
   }
   return layer;
 }

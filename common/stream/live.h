@@ -6,10 +6,11 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
-#include "common/stream/package.h"
+#include "pointreel/bytes.h"
+#include "pointreel/chunks.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
+#include "pointreel/package.h"
 
 /// The messages of live streams, as a publisher sends them and as a viewer gets them: PROTOCOL.md,
 /// "Live". Text messages are JSON objects with a "type"; a binary message is one layer of a frame.
@@ -44,7 +45,7 @@ struct LiveLayer {
   std::uint8_t layers = 1;       ///< that the frame has, 1 to 8
   std::uint64_t capture_us = 0;  ///< Unix time in microseconds, by the publisher's clock; rises
   std::uint32_t points = 0;      ///< of the source's frame
-  LayerSizes sizes;              ///< of the chunks in `bytes`: geometry, colours, normals
+  Chunks<std::uint32_t> sizes;   ///< of the chunks in `bytes`: geometry, colours, normals
   ByteView bytes;                ///< not owned
 };
 

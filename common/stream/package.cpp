@@ -1,11 +1,7 @@
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 
-#include <fmt/format.h>
 #include <xxhash.h>
 
 namespace pointreel {
@@ -35,8 +31,8 @@ FrameLocation locate(const Manifest& manifest, std::uint32_t frame) {
 
 ByteRange byte_range(const LayerFile& file, std::uint32_t index) {
   ByteRange range;
-  for (std::uint32_t i = 0; i < index; ++i) range.offset += file.frames[i].total();
-  range.size = file.frames[index].total();
+  for (std::uint32_t i = 0; i < index; ++i) range.offset += total(file.frames[i]);
+  range.size = total(file.frames[index]);
   return range;
 }
 
@@ -53,26 +49,6 @@ std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us) {
   const Segment& segment = *std::prev(after);
   const auto next = std::upper_bound(segment.times_us.begin(), segment.times_us.end(), time_us);
   return segment.first_frame + static_cast<std::uint32_t>(next - segment.times_us.begin()) - 1;
-}
-
-Result<Manifest> read_manifest(const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / kManifestName;
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) {
-    return fail(fmt::format("{}: is not a package, there is no {} in it that can be read",
-                            folder.string(), kManifestName));
-  }
-  if (size > kMaxManifestBytes) {
-    return fail(fmt::format("{}: is longer than {} bytes", path.string(), kMaxManifestBytes));
-  }
-  std::ifstream in(path, std::ios::binary);
-  std::string text(size, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!in) return fail(fmt::format("{}: cannot be read", path.string()));
-  Result<Manifest> manifest = parse_manifest(text);
-  if (!manifest) return fail_at(path.string(), manifest.error());
-  return manifest;
 }
 
 }  // namespace pointreel

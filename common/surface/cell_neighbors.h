@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 

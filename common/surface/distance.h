@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
-#include "common/cloud/point_cloud.h"
+#include "pointreel/cloud.h"
+#include "pointreel/error.h"
 
 /// How far two clouds lie apart, in geometry, colours and normals: the metrics of MPEG's pc_error
 /// (D. Tian et al., "Geometric distortion metrics for point cloud compression", ICIP 2017).

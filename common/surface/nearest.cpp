@@ -8,7 +8,8 @@
 #include <nanoflann.hpp>
 #include <tbb/parallel_for.h>
 
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

@@ -9,9 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "common/surface/cell_neighbors.h"
 #include "common/surface/openness.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

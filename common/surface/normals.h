@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/cloud/point_cloud.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel {
 

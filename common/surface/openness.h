@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 

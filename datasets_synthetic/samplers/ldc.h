@@ -4,9 +4,9 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
 #include "datasets_synthetic/samplers/uniform.h"
 #include "datasets_synthetic/surface_grid.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

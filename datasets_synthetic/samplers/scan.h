@@ -5,9 +5,9 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/samplers/scan_rig.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

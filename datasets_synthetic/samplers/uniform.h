@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
 #include "datasets_synthetic/sdf.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "codec/octree/slabs.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {

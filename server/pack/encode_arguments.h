@@ -6,8 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "codec/codec.h"
-#include "common/base/error.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/octree/morton.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 

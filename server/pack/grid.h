@@ -1,8 +1,9 @@
 #pragma once
 
-#include "codec/codec.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 #include "server/pack/pack_options.h"
 
 namespace pointreel {

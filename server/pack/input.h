@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "codec/cloud_file.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 

@@ -18,6 +18,9 @@
 #include "codec/octree/context_tables.h"
 #include "common/base/tbb_executor.h"
 #include "common/cloud/ply.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
 #include "server/pack/output_folder.h"
 
 namespace pointreel {
@@ -27,11 +30,11 @@ namespace {
 constexpr const char* kInterrupted = "interrupted";
 
 /// One layer of a frame; empty where the frame does not have it. The error does not name the file.
-Result<EncodedLayer> read_layer(const fs::path& folder, const Manifest& manifest,
-                                std::uint32_t frame, std::size_t layer) {
+Result<Chunks<Bytes>> read_layer(const fs::path& folder, const Manifest& manifest,
+                                 std::uint32_t frame, std::size_t layer) {
   const FrameLocation at = locate(manifest, frame);
   const LayerFile& file = manifest.segments[at.segment].layers[layer];
-  const LayerSizes& sizes = file.frames[at.index];
+  const Chunks<std::uint32_t>& sizes = file.frames[at.index];
   const ByteRange range = byte_range(file, at.index);
   std::error_code error;
   const std::uintmax_t size = fs::file_size(folder / file.path, error);
@@ -41,7 +44,7 @@ Result<EncodedLayer> read_layer(const fs::path& folder, const Manifest& manifest
   }
   std::ifstream in(folder / file.path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(range.offset));
-  EncodedLayer bytes;
+  Chunks<Bytes> bytes;
   bytes.geometry.resize(sizes.geometry);
   bytes.colors.resize(sizes.colors);
   bytes.normals.resize(sizes.normals);
@@ -96,7 +99,7 @@ Result<void> check_file(const fs::path& folder, const PackageFile& file) {
 struct Decoder {
   std::shared_ptr<const ContextTables> tables;
 
-  Result<DecodedFrame> operator()(const std::vector<LayerView>& layers) const {
+  Result<DecodedFrame> operator()(const std::vector<Chunks<ByteView>>& layers) const {
     DecodeLimits limits;
     limits.tables = tables.get();
     limits.executor = tbb_executor();
@@ -105,7 +108,7 @@ struct Decoder {
 };
 
 /// The layer that keeps a frame from being decoded: the last of its shortest prefix that fails.
-std::size_t layer_at_fault(const Decoder& decode, std::vector<LayerView> layers) {
+std::size_t layer_at_fault(const Decoder& decode, std::vector<Chunks<ByteView>> layers) {
   while (layers.size() > 1 && !decode({layers.begin(), layers.end() - 1})) layers.pop_back();
   return layers.size() - 1;
 }
@@ -148,7 +151,7 @@ std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
   };
   FrameBytes bytes;
   for (std::size_t layer = 0; layer < files.size(); ++layer) {
-    Result<EncodedLayer> read = read_layer(folder, manifest, frame, layer);
+    Result<Chunks<Bytes>> read = read_layer(folder, manifest, frame, layer);
     if (!read) return fault(layer, read.error());
     if (read->geometry.empty()) break;
     bytes.layers.push_back(std::move(*read));
@@ -312,7 +315,7 @@ Result<FrameBytes> read_frame(const fs::path& folder, const Manifest& manifest, 
   const std::vector<LayerFile>& files = manifest.segments[locate(manifest, frame).segment].layers;
   FrameBytes bytes;
   for (std::size_t i = 0; i < std::min(layers, files.size()); ++i) {
-    Result<EncodedLayer> layer = read_layer(folder, manifest, frame, i);
+    Result<Chunks<Bytes>> layer = read_layer(folder, manifest, frame, i);
     if (!layer) return fail_at((folder / files[i].path).string(), layer.error());
     if (layer->geometry.empty()) break;
     bytes.layers.push_back(std::move(*layer));
@@ -327,7 +330,7 @@ Result<double> max_error(const fs::path& folder, const Manifest& manifest) {
     std::ifstream in(folder / base.path, std::ios::binary);
     std::uint64_t offset = 0;
     Bytes bytes(kFrameHeaderSize);
-    for (const LayerSizes& sizes : base.frames) {
+    for (const Chunks<std::uint32_t>& sizes : base.frames) {
       in.seekg(static_cast<std::streamoff>(offset));
       in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
       if (!in) return fail_at((folder / base.path).string(), {"cannot be read"});
@@ -337,7 +340,7 @@ Result<double> max_error(const fs::path& folder, const Manifest& manifest) {
       if (header.coded_points > 0) {
         most = std::max(most, max_geometry_error(header.cube, header.depth));
       }
-      offset += sizes.total();
+      offset += total(sizes);
     }
   }
   return most;

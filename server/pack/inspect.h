@@ -8,15 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
-#include "common/base/error.h"
-#include "common/stream/package.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
 /// The chunks of one frame as they stand in a package.
 struct FrameBytes {
-  std::vector<EncodedLayer> layers;
+  std::vector<Chunks<Bytes>> layers;
 };
 
 /// Reads the first `layers` layers of a frame (at least 1; more than there are count as all).

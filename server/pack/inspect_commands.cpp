@@ -11,6 +11,7 @@
 
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
+#include "common/stream/manifest.h"
 #include "server/pack/commands.h"
 #include "server/pack/inspect.h"
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "pointreel/chunks.h"
+
 namespace pointreel {
 
 LayerWriter::LayerWriter(const std::filesystem::path& folder, const std::string& name)
@@ -14,7 +16,7 @@ LayerWriter::LayerWriter(const std::filesystem::path& folder, const std::string&
   XXH3_64bits_reset(hash_.get());
 }
 
-void LayerWriter::append(const EncodedLayer& layer) {
+void LayerWriter::append(const Chunks<Bytes>& layer) {
   write(layer.geometry);
   write(layer.colors);
   write(layer.normals);

@@ -7,9 +7,10 @@
 
 #include <xxhash.h>
 
-#include "codec/codec.h"
-#include "common/base/error.h"
-#include "common/stream/package.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
@@ -21,7 +22,7 @@ class LayerWriter {
   LayerWriter(const std::filesystem::path& folder, const std::string& name);
 
   /// `layer` is empty where the frame does not have this layer.
-  void append(const EncodedLayer& layer);
+  void append(const Chunks<Bytes>& layer);
 
   /// The finished entry; an error if anything could not be written.
   Result<LayerFile> finish();

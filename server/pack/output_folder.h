@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

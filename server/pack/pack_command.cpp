@@ -12,6 +12,7 @@
 
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
+#include "pointreel/draco.h"
 #include "server/pack/commands.h"
 #include "server/pack/encode_arguments.h"
 #include "server/pack/packer.h"

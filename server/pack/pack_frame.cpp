@@ -6,6 +6,9 @@
 #include <fmt/format.h>
 
 #include "codec/max_error.h"
+#include "codec/part_sizes.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 
@@ -35,7 +38,8 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index,
   limits.told(encoded->depth, frame.encode_ms);
   frame.encoded = std::move(*encoded);
   if (!cloud.empty()) frame.max_error = max_geometry_error(grid->cube, frame.encoded.depth);
-  const Result<PartSizes> parts = measure_parts(frame.encoded, cloud, grid->cube, encode);
+  const Result<Chunks<std::size_t>> parts =
+      measure_part_sizes(frame.encoded, cloud, grid->cube, encode);
   if (!parts) return fail_at(file.string(), parts.error());
   frame.parts = *parts;
   return frame;

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
-#include "common/base/error.h"
-#include "common/cloud/geometry.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
 #include "server/pack/grid.h"
 #include "server/pack/input.h"
 #include "server/pack/pack_options.h"
@@ -22,7 +24,7 @@ namespace pointreel {
 /// A frame's bytes, and what packing tells of it.
 struct PackedFrame {
   EncodedFrame encoded;
-  PartSizes parts;
+  Chunks<std::size_t> parts;
   Box box;
   double encode_ms = 0.0, max_error = 0.0;
   bool colors = false, normals = false;  ///< coded

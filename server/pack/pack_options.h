@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 

@@ -19,8 +19,11 @@
 #include "codec/octree/context_tables.h"
 #include "codec/training/sequence_tables.h"
 #include "common/base/tbb_executor.h"
-#include "common/cloud/geometry.h"
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+#include "pointreel/geometry.h"
+#include "pointreel/package.h"
 #include "server/pack/grid.h"
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
@@ -263,7 +266,7 @@ class Packer {
                            Segment& segment, SegmentSummary& summary) {
     const EncodedFrame& encoded = frame.encoded;
     if (encoded.layers.size() > writers.size()) return fail("the codec made too many layers");
-    static const EncodedLayer kNone;
+    static const Chunks<Bytes> kNone;
     for (std::size_t i = 0; i < writers.size(); ++i) {
       writers[i].append(i < encoded.layers.size() ? encoded.layers[i] : kNone);
     }

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
 #include "server/pack/pack_options.h"
 
 namespace pointreel {

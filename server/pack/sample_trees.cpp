@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "common/base/spread.h"
+#include "common/octree/build.h"
 #include "server/pack/grid.h"
 #include "server/pack/input.h"
 

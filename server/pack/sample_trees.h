@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "common/base/error.h"
-#include "common/octree/svo.h"
+#include "pointreel/error.h"
+#include "pointreel/octree.h"
 #include "server/pack/pack_options.h"
 
 namespace pointreel {

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "common/base/spread.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 

@@ -6,7 +6,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
 #include "server/pack/grid.h"
 #include "server/pack/input.h"
 #include "server/pack/pack_options.h"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pointreel/draco.h"
+
 namespace pointreel {
 namespace {
 

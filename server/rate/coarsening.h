@@ -1,6 +1,7 @@
 #pragma once
 
-#include "codec/codec.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 /// What is taken away from what was asked for, where rate or time do not suffice.
 namespace pointreel {

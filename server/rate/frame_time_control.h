@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "common/octree/morton.h"
+#include "pointreel/octree.h"
 #include "server/rate/coarsening.h"
 
 namespace pointreel {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pointreel/octree.h"
+
 namespace pointreel {
 namespace {
 

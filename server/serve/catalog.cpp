@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 #include "server/serve/entity_tag.h"
 #include "server/serve/request_target.h"
 

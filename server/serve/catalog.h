@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "server/serve/live_resources.h"
 #include "server/serve/resource.h"
 

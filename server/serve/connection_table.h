@@ -10,7 +10,7 @@
 #include <map>
 #include <mutex>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "server/serve/peer.h"
 
 namespace pointreel {

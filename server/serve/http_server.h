@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "server/serve/catalog.h"
 #include "server/serve/limits.h"
 #include "server/serve/listen_address.h"

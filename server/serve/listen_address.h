@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "common/stream/package.h"
-#include "server/live/http_window.h"
-#include "server/live/recorder.h"
-#include "server/live/sink_thread.h"
+#include "pointreel/package.h"
+#include "server/relay/http_window.h"
+#include "server/relay/recorder.h"
+#include "server/relay/sink_thread.h"
 
 namespace pointreel {
 namespace {

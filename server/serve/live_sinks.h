@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/live/relay.h"
+#include "server/relay/relay.h"
 #include "server/serve/live_resources.h"
 
 namespace pointreel {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <variant>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace spdlog {
 class logger;

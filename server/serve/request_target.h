@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 /// Request targets (RFC 9112, section 3.2) to and from the paths that a catalog knows.
 namespace pointreel {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 #include "server/serve/entity_tag.h"
 
 namespace pointreel {

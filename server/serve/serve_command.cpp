@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "server/live/relay.h"
+#include "server/relay/relay.h"
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
 #include "server/serve/live_sinks.h"

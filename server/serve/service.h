@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "server/live/relay.h"
+#include "server/relay/relay.h"
 #include "server/serve/access.h"
 #include "server/serve/catalog.h"
 #include "server/serve/connection_table.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 struct ssl_ctx_st;
 struct ssl_st;

@@ -22,7 +22,7 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
-#include "common/base/bytes.h"
+#include "pointreel/bytes.h"
 
 namespace pointreel {
 namespace {

@@ -7,6 +7,7 @@
 #include "codec/octree/color_space.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/octree_codec.h"
+#include "common/octree/build.h"
 #include "common/surface/distance.h"
 #include "common/surface/normals.h"
 #include "datasets_synthetic/motion.h"

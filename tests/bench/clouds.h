@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "common/cloud/point_cloud.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel::bench {
 

@@ -9,7 +9,9 @@
 #include <tbb/parallel_for.h>
 
 #include "codec/cloud_file.h"
+#include "codec/part_sizes.h"
 #include "common/surface/distance.h"
+#include "pointreel/draco.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/report/datasets.h"
@@ -102,7 +104,7 @@ Result<nlohmann::json> measure_setting(const RateSource& source, const Setting& 
   if (!decoded) return tl::unexpected(decoded.error());
   const auto error = cloud_distance(source.cloud, decoded->cloud);
   if (!error) return tl::unexpected(error.error());
-  const auto parts = measure_parts(*frame, source.cloud, source.cube, setting.options);
+  const auto parts = measure_part_sizes(*frame, source.cloud, source.cube, setting.options);
   if (!parts) return tl::unexpected(parts.error());
 
   const Timing encoding = measure(runs, [&] { (void)encode(); });

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "codec/codec.h"
-#include "common/base/error.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
 #include "tests/bench/suites.h"
 
 namespace pointreel::bench {

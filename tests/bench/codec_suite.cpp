@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
-#include "codec/codec.h"
 #include "codec/frame_header.h"
 #include "codec/octree/octree_codec.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 #include "tests/bench/clouds.h"
 #include "tests/bench/codec_rates.h"
 #include "tests/bench/grid_suite.h"
@@ -24,7 +26,7 @@ constexpr Wanted kWanted[] = {{Entropy::none, 2.0, 1.0}, {Entropy::zstd, 3.0, 1.
 /// Bytes of the masks, without headers, for each inner node.
 double bits_an_inner_node(const EncodedFrame& frame, const Svo& svo) {
   std::size_t bytes = 0;
-  for (const EncodedLayer& layer : frame.layers) bytes += layer.geometry.size();
+  for (const Chunks<Bytes>& layer : frame.layers) bytes += layer.geometry.size();
   bytes -= kFrameHeaderSize + frame.layers.size() * kChunkHeaderSize;
   return 8.0 * static_cast<double>(bytes) / svo.internal_count();
 }
@@ -45,7 +47,7 @@ nlohmann::json run_plain(const SuiteOptions& options, std::vector<Bar>& bars) {
     octree.depth = DepthRule::fixed(kDepth);
     const EncodeOptions encoding{octree, false, false};
     const auto frame = encode_frame(scan, cube, encoding);
-    const auto layers = frame ? layer_views(frame->layers) : std::vector<LayerView>{};
+    const auto layers = frame ? layer_views(frame->layers) : std::vector<Chunks<ByteView>>{};
     const auto tree = decode_octree_tree(layers, {});
     if (!tree) {
       fmt::print(stderr, "pointreel-bench: {}\n", tree.error().message);

@@ -11,12 +11,14 @@
 #include <time.h>
 
 #include "codec/cloud_file.h"
-#include "codec/codec.h"
 #include "codec/octree/octree_codec.h"
 #include "common/base/tbb_executor.h"
+#include "common/octree/morton.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/voxelize.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 namespace pointreel::bench {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 /// What every benchmark writes.
 namespace pointreel::bench {

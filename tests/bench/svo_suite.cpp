@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include "client/scene/cut.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "datasets_synthetic/sequences.h"
+#include "pointreel/octree.h"
 #include "tests/bench/clouds.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"

@@ -12,8 +12,9 @@
 
 #include "codec/cloud_file.h"
 #include "common/cloud/ply.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "common/surface/distance.h"
+#include "pointreel/octree.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

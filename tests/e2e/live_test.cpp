@@ -16,10 +16,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/codec.h"
 #include "common/cloud/ply.h"
 #include "common/net/websocket.h"
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
@@ -76,7 +79,7 @@ std::unique_ptr<WebSocket> join(const std::string& address) {
 struct View {
   LiveHello hello;
   std::uint32_t frame = 0;
-  std::vector<EncodedLayer> layers;  ///< of a whole frame
+  std::vector<Chunks<Bytes>> layers;  ///< of a whole frame
 };
 
 /// Waits for a whole frame.
@@ -103,7 +106,7 @@ bool see(WebSocket& socket, View& view) {
       const ByteView chunk = layer->bytes.subspan(at, size);
       return Bytes(chunk.begin(), chunk.end());
     };
-    const LayerSizes& sizes = layer->sizes;
+    const Chunks<std::uint32_t>& sizes = layer->sizes;
     view.layers.push_back({part(0, sizes.geometry), part(sizes.geometry, sizes.colors),
                            part(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)});
     if (view.layers.size() == layer->layers) return true;

@@ -6,7 +6,9 @@
 #include "common/base/unix_time.h"
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
-#include "common/stream/package.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
 #include "tests/fault/turning_ball.h"
 
 namespace pointreel {
@@ -17,7 +19,7 @@ using std::chrono::milliseconds;
 constexpr int kFrames = 64;
 constexpr auto kPatience = std::chrono::minutes(2);
 
-std::optional<std::uint64_t> content_of(const std::vector<LayerView>& layers) {
+std::optional<std::uint64_t> content_of(const std::vector<Chunks<ByteView>>& layers) {
   const auto decoded = decode_frame(layers);
   if (!decoded) return std::nullopt;
   const auto hash = [](const auto& values) {
@@ -41,7 +43,7 @@ LiveReel::LiveReel() {
   options.codec = octree;
   for (int i = 0; i < kFrames; ++i) {
     frames_.push_back(*encode_frame(turning_ball(i), Cube{glm::dvec3(-1.0), 2.0}, options));
-    const std::vector<LayerView> views = layer_views(frames_.back().layers);
+    const std::vector<Chunks<ByteView>> views = layer_views(frames_.back().layers);
     truth_.emplace_back();
     for (std::size_t n = 1; n <= views.size(); ++n)
       truth_.back().push_back(*content_of({views.begin(), views.begin() + n}));
@@ -49,7 +51,7 @@ LiveReel::LiveReel() {
 }
 
 std::optional<bool> LiveReel::is_right(const LiveFrame& frame) const {
-  std::vector<LayerView> views;
+  std::vector<Chunks<ByteView>> views;
   for (const FetchedLayer& layer : frame.frame.layers) views.push_back(layer.view());
   const auto content = content_of(views);
   if (!content) return std::nullopt;
@@ -92,11 +94,11 @@ void StagePublisher::run() {
       const EncodedFrame& frame = LiveReel::get().frame(++number);
       const std::uint64_t captured = LiveReel::get().capture_us(unix_time_us(), number);
       for (std::size_t i = 0; i < frame.layers.size() && open; ++i) {
-        const EncodedLayer& layer = frame.layers[i];
+        const Chunks<Bytes>& layer = frame.layers[i];
         Bytes bytes = layer.geometry;
         bytes.insert(bytes.end(), layer.colors.begin(), layer.colors.end());
-        const LayerSizes sizes{static_cast<std::uint32_t>(layer.geometry.size()),
-                               static_cast<std::uint32_t>(layer.colors.size()), 0};
+        const Chunks<std::uint32_t> sizes{static_cast<std::uint32_t>(layer.geometry.size()),
+                                          static_cast<std::uint32_t>(layer.colors.size()), 0};
         open = (*socket)
                    ->send(write_live_layer({number, static_cast<std::uint8_t>(i),
                                             static_cast<std::uint8_t>(frame.layers.size()),

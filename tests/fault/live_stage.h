@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "client/source/live_source.h"
-#include "codec/codec.h"
+#include "pointreel/codec.h"
 
 namespace pointreel {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/e2e/process.h"
 
 namespace pointreel {

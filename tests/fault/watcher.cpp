@@ -3,11 +3,11 @@
 #include <memory>
 #include <utility>
 
-#include "client/playback/prepare.h"
 #include "client/playback/reel_playback.h"
+#include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
-#include "common/base/bytes.h"
-#include "common/stream/package.h"
+#include "pointreel/bytes.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 namespace {

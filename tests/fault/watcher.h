@@ -14,7 +14,7 @@
 
 #include "client/playback/playback.h"
 #include "client/scene/frame.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

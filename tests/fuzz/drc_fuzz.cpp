@@ -10,6 +10,7 @@
 
 #include "codec/draco/draco_payload.h"
 #include "codec/draco/drc_reader.h"
+#include "pointreel/draco.h"
 
 namespace {
 

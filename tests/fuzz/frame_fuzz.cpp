@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "codec/codec.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 #include "tests/forge.h"
 
 using namespace pointreel;

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       return 0;
     }
     if (layer->layer >= layer->layers || layer->sizes.geometry == 0 ||
-        layer->sizes.total() != layer->bytes.size()) {
+        total(layer->sizes) != layer->bytes.size()) {
       std::abort();
     }
     const Bytes again = write_live_layer(*layer);

@@ -2,10 +2,13 @@
 #include <cstdlib>
 #include <memory>
 
-#include "codec/codec.h"
 #include "codec/frame_header.h"
 #include "codec/octree/context_tables.h"
 #include "codec/octree/octree_codec.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 
 using namespace pointreel;
 
@@ -29,7 +32,7 @@ std::size_t take_length(ByteView& bytes) {
 EncodedFrame raw_frame(ByteView bytes) {
   EncodedFrame frame;
   frame.layers.resize(3);
-  for (EncodedLayer& layer : frame.layers) {
+  for (Chunks<Bytes>& layer : frame.layers) {
     for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
       const ByteView chunk = take(bytes, take_length(bytes));
       part->assign(chunk.begin(), chunk.end());
@@ -55,7 +58,7 @@ EncodedFrame forged_frame(ByteView bytes) {
   EncodedFrame frame;
   frame.layers.resize(header.layers);
   for (std::uint8_t layer = 0; layer < header.layers; ++layer) {
-    EncodedLayer& out = frame.layers[layer];
+    Chunks<Bytes>& out = frame.layers[layer];
     if (layer == 0) write_frame_header(header, 1, out.geometry);
     std::uint8_t kind = 0;
     for (Bytes* part : {&out.geometry, &out.colors, &out.normals}) {

@@ -4,7 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/package.h"
 
 /// What the parser accepts, it must keep its promises about: every frame can be located, its bytes
 /// lie within their files, and writing and parsing again changes nothing.

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <variant>
 
-#include "server/live/relay.h"
+#include "server/relay/relay.h"
 #include "server/serve/head_reader.h"
 #include "server/serve/service.h"
 

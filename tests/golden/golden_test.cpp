@@ -1,7 +1,7 @@
 // The streams of tests/golden/streams, as README.md beside this tells.
 //
 //   pointreel_golden               tests them
-//   pointreel_golden --portable    the same as on a processor without BMI2 and AVX2
+//   pointreel_golden --portable    the same as on a processor without BMI2
 //   pointreel_golden --make DIR    writes what today's encoders make and decoders give
 
 #include <fstream>
@@ -12,17 +12,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "common/octree/svo.h"
+#include "pointreel/chunks.h"
+#include "pointreel/cpu.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 #include "tests/forge.h"
 #include "tests/golden/streams.h"
 #include "tests/reference/frame_decoder.h"
-
-#if defined(__x86_64__)
-/// What __builtin_cpu_supports looks at, in libgcc and in compiler-rt.
-extern "C" struct {
-  unsigned vendor, type, subtype, features[1];
-} __cpu_model;
-#endif
 
 namespace pointreel::golden {
 namespace {
@@ -83,7 +79,7 @@ TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_o
       auto views = layer_views(frame.layers);
       views.resize(layers);
       std::vector<reference::FrameLayer> parts;
-      for (const LayerView& view : views) {
+      for (const Chunks<ByteView>& view : views) {
         parts.push_back({view.geometry, view.colors, view.normals});
       }
       const auto expected = reference::decode_frame(parts, tables);
@@ -120,18 +116,10 @@ int main(int argc, char** argv) {
     if (!written) fmt::print(stderr, "pointreel_golden: {}\n", written.error().message);
     return written ? 0 : 1;
   }
-#if defined(__x86_64__)
   if (option == "--portable") {
-    // The reference has no such paths.
+    // The reference decoder has no such paths.
     testing::GTEST_FLAG(filter) = "Golden.every_*:Golden.the_encoders_*";
-    __builtin_cpu_init();
-    constexpr unsigned kAvx2 = 10, kBmi2 = 17;
-    __cpu_model.features[0] &= ~(1u << kAvx2 | 1u << kBmi2);
-    if (__builtin_cpu_supports("bmi2") || __builtin_cpu_supports("avx2")) {
-      fmt::print(stderr, "pointreel_golden: the processor's features cannot be hidden\n");
-      return 1;
-    }
+    pointreel::set_cpu_feature_mask(0);
   }
-#endif
   return RUN_ALL_TESTS();
 }

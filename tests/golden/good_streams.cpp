@@ -2,6 +2,7 @@
 
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/trigonometry.h"
+#include "pointreel/draco.h"
 #include "tests/golden/streams.h"
 
 namespace pointreel::golden {

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
+#include "pointreel/octree.h"
 
 namespace pointreel::golden {
 namespace {

@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include "common/octree/svo.h"
+#include "common/base/byte_io.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 
 namespace pointreel::golden {
 namespace {
@@ -64,7 +67,7 @@ Bytes file_of(const EncodedFrame& frame) {
   Bytes file;
   ByteWriter writer(file);
   writer.put(static_cast<std::uint32_t>(frame.layers.size()));
-  for (const EncodedLayer& layer : frame.layers) {
+  for (const Chunks<Bytes>& layer : frame.layers) {
     for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
       writer.put(static_cast<std::uint32_t>(part->size()));
       file.insert(file.end(), part->begin(), part->end());
@@ -78,7 +81,7 @@ Result<EncodedFrame> frame_of(ByteView file) {
   ByteReader reader(file);
   const auto layers = reader.get<std::uint32_t>();
   for (std::uint32_t i = 0; i < layers && reader.ok(); ++i) {
-    EncodedLayer& layer = frame.layers.emplace_back();
+    Chunks<Bytes>& layer = frame.layers.emplace_back();
     for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
       const auto size = reader.get<std::uint32_t>();
       const ByteView rest = reader.rest();

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "codec/codec.h"
-#include "common/base/error.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
 
 /// Frames whose bytes are kept in the repository, with what they decode to or the error that they
 /// must give: README.md.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/link/link_script.h"
 
 /// A bad network on loopback, for tests and benchmarks: a TCP proxy that needs no privileges.

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

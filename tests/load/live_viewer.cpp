@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "common/base/bytes.h"
+#include "common/base/byte_io.h"
 #include "common/stream/live.h"
+#include "pointreel/bytes.h"
 #include "tests/load/viewers.h"
 
 namespace pointreel {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/load/load_figures.h"
 
 /// Many viewers in one thread, to see what a server stands. They decode nothing and look only at

@@ -7,7 +7,7 @@
 
 #include "client/source/http_client.h"
 #include "client/source/source.h"
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 #include "tests/load/viewers.h"
 
 namespace pointreel {
@@ -116,12 +116,12 @@ Result<std::shared_ptr<const PackageRequests>> package_requests(const LoadOption
     PackageRequests::Frame frame;
     frame.due = std::chrono::microseconds(frame_time_us(*manifest, i));
     for (const LayerRange& range : *ranges) {
-      if (range.sizes.total() == 0) continue;
+      if (total(range.sizes) == 0) continue;
       ++frame.layers;
       frame.requests +=
           fmt::format("GET {}/{} HTTP/1.1\r\nHost: {}:{}\r\n{}Range: bytes={}-{}\r\n\r\n",
                       url.target, range.file->path, url.host, url.port, authorization, range.offset,
-                      range.offset + range.sizes.total() - 1);
+                      range.offset + total(range.sizes) - 1);
     }
     requests->frames.push_back(std::move(frame));
   }

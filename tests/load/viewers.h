@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/load/crowd.h"
 #include "tests/load/load_figures.h"
 

@@ -10,7 +10,7 @@
 
 #include <sys/types.h>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "common/base/byte_io.h"
 #include "common/octree/morton.h"
 
 namespace pointreel::reference {

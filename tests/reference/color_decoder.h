@@ -5,8 +5,8 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 namespace pointreel::reference {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
 
 namespace pointreel::reference {
 

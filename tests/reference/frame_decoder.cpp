@@ -11,6 +11,7 @@
 #include <zstd.h>
 
 #include "common/octree/morton.h"
+#include "pointreel/draco.h"
 #include "tests/reference/color_decoder.h"
 
 namespace pointreel::reference {

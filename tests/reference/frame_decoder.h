@@ -5,8 +5,9 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "common/base/bytes.h"
-#include "common/base/error.h"
+#include "pointreel/bytes.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
 #include "tests/reference/context_decoder.h"
 
 namespace pointreel::reference {

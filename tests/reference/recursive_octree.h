@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/cloud/point_cloud.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel::reference {
 

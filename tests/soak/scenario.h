@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/link/link_emulator.h"
 
 /// Everything that streams, at once and for long, under a sanitizer: what happens is random, what

@@ -10,8 +10,8 @@
 
 #include "client/playback/live_playback.h"
 #include "client/source/open_live_source.h"
-#include "server/live/publisher.h"
-#include "server/live/relay.h"
+#include "server/publish/publisher.h"
+#include "server/relay/relay.h"
 #include "server/serve/http_server.h"
 #include "tests/soak/scenario.h"
 

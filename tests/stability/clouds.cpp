@@ -5,9 +5,11 @@
 #include <limits>
 #include <numeric>
 
-#include "common/cloud/point_cloud.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "datasets_synthetic/random.h"
+#include "pointreel/cloud.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 
 namespace pointreel::stability {
 

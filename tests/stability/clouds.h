@@ -3,8 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
-#include "common/cloud/point_cloud.h"
+#include "pointreel/cloud.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 /// What several stages check with.
 namespace pointreel::stability {

@@ -7,12 +7,14 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "codec/codec.h"
-#include "common/stream/package.h"
 #include "common/surface/distance.h"
 #include "common/surface/normals.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 
@@ -29,7 +31,7 @@ auto on_threads(int threads, const Work& work) {
 std::uint64_t hash_of(const Result<EncodedFrame>& frame) {
   Bytes all;
   if (frame) {
-    for (const EncodedLayer& layer : frame->layers) {
+    for (const Chunks<Bytes>& layer : frame->layers) {
       for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
         all.insert(all.end(), part->begin(), part->end());
       }

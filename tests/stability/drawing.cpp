@@ -7,8 +7,9 @@
 #include "client/render/surfel_frame.h"
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "datasets_synthetic/random.h"
+#include "pointreel/octree.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

@@ -7,8 +7,9 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "datasets_synthetic/hard_cases.h"
+#include "pointreel/octree.h"
 #include "tests/stability/check.h"
 
 namespace pointreel::stability {

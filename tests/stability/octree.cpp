@@ -1,13 +1,16 @@
+#include "pointreel/octree.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "codec/codec.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/uniform.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

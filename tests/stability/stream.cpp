@@ -5,10 +5,13 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
-#include "codec/codec.h"
 #include "codec/frame_header.h"
 #include "common/cloud/ply.h"
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 
@@ -26,14 +29,14 @@ void check_damage(const Setting& setting, Checks& checks) {
                       setting.name + ": the whole frame fails", false});
     return;
   }
-  std::vector<EncodedLayer> layers = encoded->layers;
+  std::vector<Chunks<Bytes>> layers = encoded->layers;
   std::size_t cuts = 0, cut_refused = 0, flips = 0, flips_refused = 0;
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
     const auto cut = [&](auto part) {
       auto views = layer_views(layers);
       const ByteView whole = views[layer].*part;
       // A chunk of no bytes is one that was not fetched, which only the first geometry must be.
-      const bool first = layer == 0 && part == &LayerView::geometry;
+      const bool first = layer == 0 && part == &Chunks<ByteView>::geometry;
       for (std::size_t size = first ? 0 : 1; size < whole.size(); ++size) {
         views[layer].*part = whole.first(size);
         ++cuts;
@@ -50,9 +53,9 @@ void check_damage(const Setting& setting, Checks& checks) {
         }
       }
     };
-    cut(&LayerView::geometry);
-    cut(&LayerView::colors);
-    cut(&LayerView::normals);
+    cut(&Chunks<ByteView>::geometry);
+    cut(&Chunks<ByteView>::colors);
+    cut(&Chunks<ByteView>::normals);
     flip(layers[layer].geometry);
     flip(layers[layer].colors);
     flip(layers[layer].normals);
@@ -71,7 +74,7 @@ bool forged_decodes(const FrameHeader& header, const ChunkHeader& chunk, const B
   Bytes bytes;
   write_frame_header(header, 7, bytes);
   write_chunk(chunk, 7, payload, bytes);
-  return decode_frame({LayerView{bytes, {}, {}}}).has_value();
+  return decode_frame({Chunks<ByteView>{bytes, {}, {}}}).has_value();
 }
 
 void check_forged(Checks& checks) {
@@ -122,8 +125,9 @@ void check_mixed(Checks& checks) {
   std::size_t tried = 0, refused = 0;
   for (std::size_t layer = 0; a && b && layer < a->layers.size(); ++layer) {
     const auto own = layer_views(a->layers), other = layer_views(b->layers);
-    for (const auto part : {&LayerView::geometry, &LayerView::colors, &LayerView::normals}) {
-      if (layer == 0 && part == &LayerView::geometry) continue;  // that is the other frame
+    for (const auto part :
+         {&Chunks<ByteView>::geometry, &Chunks<ByteView>::colors, &Chunks<ByteView>::normals}) {
+      if (layer == 0 && part == &Chunks<ByteView>::geometry) continue;  // that is the other frame
       auto mixed = own;
       mixed[layer].*part = other[layer].*part;
       ++tried;

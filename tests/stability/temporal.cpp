@@ -5,7 +5,8 @@
 #include "client/playback/buffer.h"
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
-#include "codec/codec.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

@@ -8,6 +8,7 @@
 
 #include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/color_space.h"
+#include "common/octree/build.h"
 #include "tests/reference/color_decoder.h"
 
 namespace pointreel {

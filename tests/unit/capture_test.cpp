@@ -1,6 +1,6 @@
-#include "client/capture.h"
-
 #include <gtest/gtest.h>
+
+#include "client/record/numbered_path.h"
 
 namespace pointreel {
 namespace {

@@ -11,6 +11,9 @@
 
 #include <gtest/gtest.h>
 
+#include "common/octree/build.h"
+#include "pointreel/octree.h"
+
 namespace pointreel {
 namespace {
 

@@ -14,6 +14,9 @@
 #include "codec/draco/draco_payload.h"
 #include "codec/draco/drc_header.h"
 #include "codec/octree/octree_codec.h"
+#include "codec/part_sizes.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {
@@ -77,7 +80,7 @@ double normal_bound(const DracoOptions& options) {
 Cube cube_of(const PointCloud& cloud) { return bounding_cube(bounds(cloud)); }
 
 Result<DecodedFrame> decode(const EncodedFrame& frame, const DecodeLimits& limits = {}) {
-  return decode_draco({LayerView{frame.layers.at(0).geometry, {}, {}}}, limits);
+  return decode_draco({Chunks<ByteView>{frame.layers.at(0).geometry, {}, {}}}, limits);
 }
 
 PointCloud round_trip(const PointCloud& cloud, const Cube& cube, const DracoOptions& options = {},
@@ -378,7 +381,8 @@ TEST(DracoCodec, PartsAddUpToTheFrame) {
     for (bool colors : {false, true}) {
       const auto frame = encode_draco(cloud, cube, {}, normals, colors);
       ASSERT_TRUE(frame);
-      const auto parts = measure_draco_parts(*frame, cloud, cube, {}, normals, colors);
+      const auto parts =
+          measure_part_sizes(*frame, cloud, cube, {DracoOptions{}, normals, colors, {}});
       ASSERT_TRUE(parts);
       EXPECT_EQ(parts->geometry + parts->colors + parts->normals, frame->size());
       EXPECT_GT(parts->geometry, 0u);

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/octree/build.h"
 #include "tests/unit/drawing_test.h"
 
 namespace pointreel {

@@ -1,6 +1,6 @@
 // Where a publisher's frames come from.
 
-#include "server/live/frame_input.h"
+#include "server/publish/frame_input.h"
 
 #include <atomic>
 #include <cstring>
@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "server/live/publish_command.h"
-#include "server/live/publisher.h"
+#include "server/publish/publish_command.h"
+#include "server/publish/publisher.h"
 #include "tests/unit/packed_clouds.h"
 
 namespace pointreel {

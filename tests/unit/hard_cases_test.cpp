@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "codec/cloud_file.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
+#include "common/stream/manifest.h"
+#include "pointreel/octree.h"
 #include "server/pack/commands.h"
 #include "tests/unit/packed_reel.h"
 

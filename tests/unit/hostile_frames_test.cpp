@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "codec/codec.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 #include "tests/forge.h"
 
 namespace pointreel {
@@ -31,8 +33,8 @@ class ExactCopy {
 
 Result<DecodedFrame> decode_exactly(const EncodedFrame& frame) {
   std::vector<ExactCopy> copies;
-  std::vector<LayerView> views;
-  for (const EncodedLayer& layer : frame.layers) {
+  std::vector<Chunks<ByteView>> views;
+  for (const Chunks<Bytes>& layer : frame.layers) {
     for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
       copies.emplace_back(*part);
     }

@@ -12,7 +12,8 @@
 #include "client/source/live_pacing.h"
 #include "client/source/open_live_source.h"
 #include "common/stream/live.h"
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/package.h"
 #include "tests/unit/scripted_http_server.h"
 
 namespace pointreel {

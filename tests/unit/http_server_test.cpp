@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/stream/manifest.h"
+
 namespace pointreel {
 namespace {
 

@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
 #include "tests/unit/scripted_http_server.h"
 #include "tests/unit/small_package.h"
 
@@ -71,7 +73,7 @@ TEST(HttpSource, FetchesNoMoreThanWhatIsWanted) {
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->layers.size(), 1u);
   EXPECT_EQ(frame->layers[0].bytes, offsets(9, 10));
-  EXPECT_EQ(frame->layers[0].sizes, (LayerSizes{10, 0, 0}));
+  EXPECT_EQ(frame->layers[0].sizes, (Chunks<std::uint32_t>{10, 0, 0}));
 }
 
 TEST(HttpSource, ServesManyThreadsAtOnce) {

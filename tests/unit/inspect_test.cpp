@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/cloud_file.h"
+#include "common/stream/manifest.h"
 #include "common/surface/distance.h"
 #include "tests/unit/packed_clouds.h"
 
@@ -148,7 +149,7 @@ TEST_F(Verify, finds_two_frames_that_changed_places_under_a_manifest_that_agrees
   Manifest m = manifest();
   LayerFile& file = m.segments[1].layers[2];
   const std::string content = read_text(reel() / file.path);
-  const std::size_t first = file.frames[0].total();
+  const std::size_t first = total(file.frames[0]);
   const std::string swapped = content.substr(first) + content.substr(0, first);
   std::swap(file.frames[0], file.frames[1]);
   file.checksum = checksum_of_text(swapped);

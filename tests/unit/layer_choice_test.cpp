@@ -1,6 +1,8 @@
-#include "client/playback/layer_choice.h"
+#include "client/prepare/layer_choice.h"
 
 #include <gtest/gtest.h>
+
+#include "common/octree/build.h"
 
 namespace pointreel {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "common/stream/live.h"
-#include "server/live/viewer_queue.h"
+#include "server/relay/viewer_queue.h"
 
 /// Live messages whose layers hold no real chunks: for what looks at headers alone.
 namespace pointreel {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/stream/live.h"
+#include "pointreel/chunks.h"
 
 namespace pointreel {
 namespace {
@@ -90,7 +91,7 @@ TEST(LiveMessages, a_layer_comes_back_as_it_was) {
   EXPECT_EQ(layer.layers, 3);
   EXPECT_EQ(layer.capture_us, 1'700'000'000'123'456u);
   EXPECT_EQ(layer.points, 5u);
-  EXPECT_EQ(layer.sizes, (LayerSizes{4, 2, 1}));
+  EXPECT_EQ(layer.sizes, (Chunks<std::uint32_t>{4, 2, 1}));
   EXPECT_TRUE(std::equal(layer.bytes.begin(), layer.bytes.end(), bytes.begin(), bytes.end()));
 }
 

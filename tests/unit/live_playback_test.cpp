@@ -10,8 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "codec/codec.h"
 #include "common/stream/live.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 #include "tests/unit/live_frames.h"
 
 namespace pointreel {

@@ -10,12 +10,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/package.h"
-#include "server/live/http_window.h"
-#include "server/live/recorder.h"
-#include "server/live/segmenter.h"
-#include "server/live/sink_thread.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
 #include "server/pack/inspect.h"
+#include "server/relay/http_window.h"
+#include "server/relay/recorder.h"
+#include "server/relay/segmenter.h"
+#include "server/relay/sink_thread.h"
 #include "tests/unit/live_frames.h"
 #include "tests/unit/packed_clouds.h"
 
@@ -50,7 +53,7 @@ std::vector<LiveMessage> real_frame(std::uint32_t number, double along = 0.0) {
   const auto encoded =
       encode_frame(ellipsoid(100 + number), {glm::dvec3(-2.0 + along), 4.0}, options).value();
   std::vector<LiveMessage> messages;
-  for (const EncodedLayer& layer : encoded.layers) {
+  for (const Chunks<Bytes>& layer : encoded.layers) {
     Bytes bytes;
     for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals}) {
       bytes.insert(bytes.end(), chunk->begin(), chunk->end());
@@ -207,8 +210,8 @@ TEST_F(RecorderTest, a_frame_that_came_in_part_is_recorded_as_far_as_it_came) {
   recorder.end();
   const Manifest manifest = read_manifest(package()).value();
   EXPECT_EQ(manifest.frame_count(), 2u);
-  EXPECT_EQ(manifest.segments[0].layers[cut.size()].frames[0], LayerSizes{});
-  EXPECT_GT(manifest.segments[0].layers[cut.size()].frames[1].total(), 0u);
+  EXPECT_EQ(manifest.segments[0].layers[cut.size()].frames[0], Chunks<std::uint32_t>{});
+  EXPECT_GT(total(manifest.segments[0].layers[cut.size()].frames[1]), 0u);
   EXPECT_TRUE(manifest.partial);
   std::uint32_t frames = 0;
   EXPECT_THAT(faults(package(), frames), IsEmpty()) << "what is said is no fault";

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "common/net/websocket.h"
-#include "server/live/relay.h"
+#include "server/relay/relay.h"
 #include "server/serve/http_server.h"
 #include "tests/certificate.h"
 #include "tests/temporary_folder.h"

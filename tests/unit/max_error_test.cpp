@@ -9,8 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "codec/cloud_file.h"
-#include "codec/codec.h"
 #include "datasets_synthetic/hard_cases.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pointreel/octree.h"
+
 namespace pointreel {
 namespace {
 

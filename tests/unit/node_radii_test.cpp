@@ -1,11 +1,12 @@
-#include "client/playback/node_radii.h"
+#include "client/prepare/node_radii.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "client/playback/tree_radii.h"
+#include "client/prepare/tree_radii.h"
+#include "common/octree/build.h"
 
 namespace pointreel {
 namespace {

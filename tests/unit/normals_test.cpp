@@ -9,9 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "common/surface/cell_neighbors.h"
 #include "common/surface/openness.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {

@@ -9,6 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "codec/octree/context_model.h"
+#include "common/octree/build.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
@@ -54,7 +58,7 @@ EncodedFrame encode(const PointCloud& cloud, DepthRule depth, Entropy entropy = 
 
 Bytes concatenated(const EncodedFrame& frame) {
   Bytes all;
-  for (const EncodedLayer& layer : frame.layers) {
+  for (const Chunks<Bytes>& layer : frame.layers) {
     for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
       all.insert(all.end(), part->begin(), part->end());
     }
@@ -116,7 +120,7 @@ TEST(OctreeCodecNone, stores_exactly_one_byte_for_each_internal_node) {
   const EncodedFrame frame = encode(cloud, DepthRule::fixed(10), Entropy::none);
   const Svo svo = build_svo(sort_points(cloud, Cube{}), 10);
   std::size_t payload = 0;
-  for (const EncodedLayer& layer : frame.layers)
+  for (const Chunks<Bytes>& layer : frame.layers)
     payload += layer.geometry.size() - kChunkHeaderSize;
   EXPECT_EQ(payload - kFrameHeaderSize, svo.internal_count());
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/stream/manifest.h"
 #include "server/pack/commands.h"
 #include "tests/unit/packed_reel.h"
 

@@ -1,4 +1,4 @@
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 
 #include <filesystem>
 #include <string>
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/stream/manifest.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel {

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "common/cloud/ply.h"
-#include "common/cloud/point_cloud.h"
+#include "pointreel/cloud.h"
 #include "server/pack/packer.h"
 #include "tests/unit/packed_reel.h"
 

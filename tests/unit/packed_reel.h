@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "common/cloud/ply.h"
+#include "pointreel/draco.h"
 #include "server/pack/packer.h"
 #include "tests/unit/served_package.h"
 

@@ -10,7 +10,9 @@
 
 #include "codec/cloud_file.h"
 #include "codec/frame_header.h"
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
 #include "server/pack/inspect.h"
 #include "tests/unit/packed_clouds.h"
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/report.h"
+#include "client/session/report.h"
 
 namespace pointreel {
 namespace {

@@ -1,11 +1,10 @@
-#include "common/cloud/point_cloud.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "common/cloud/geometry.h"
+#include "pointreel/cloud.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/playback/prepare.h"
+#include "client/prepare/prepare.h"
 
 #include <cmath>
 #include <random>
@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {
@@ -44,7 +47,7 @@ FetchedFrame fetched(const PointCloud& cloud, const EncodeOptions& options) {
   const auto encoded = encode_frame(cloud, kCube, options);
   EXPECT_TRUE(encoded);
   FetchedFrame frame;
-  for (const EncodedLayer& layer : encoded->layers) {
+  for (const Chunks<Bytes>& layer : encoded->layers) {
     FetchedLayer out;
     for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals})
       out.bytes.insert(out.bytes.end(), chunk->begin(), chunk->end());

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
+
 namespace pointreel {
 namespace {
 

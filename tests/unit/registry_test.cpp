@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "codec/codec.h"
+#include "codec/part_sizes.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {
@@ -30,7 +33,7 @@ TEST(Registry, parts_add_up_to_the_frame) {
        {EncodeOptions{OctreeOptions{}}, EncodeOptions{DracoOptions{}}}) {
     const auto frame = encode_frame(two_points(), Cube{}, options);
     ASSERT_TRUE(frame);
-    const auto parts = measure_parts(*frame, two_points(), Cube{}, options);
+    const auto parts = measure_part_sizes(*frame, two_points(), Cube{}, options);
     ASSERT_TRUE(parts);
     EXPECT_EQ(parts->geometry + parts->colors + parts->normals, frame->size());
   }
@@ -38,9 +41,9 @@ TEST(Registry, parts_add_up_to_the_frame) {
 
 TEST(Registry, of_no_layers_or_no_frame_is_an_error) {
   EXPECT_FALSE(decode_frame({}));
-  EXPECT_FALSE(decode_frame({LayerView{}}));
+  EXPECT_FALSE(decode_frame({Chunks<ByteView>{}}));
   const Bytes noise(200, 0x5a);
-  EXPECT_FALSE(decode_frame({LayerView{noise, {}, {}}}));
+  EXPECT_FALSE(decode_frame({Chunks<ByteView>{noise, {}, {}}}));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Live streams from publishers to viewers, without sockets.
 
-#include "server/live/relay.h"
+#include "server/relay/relay.h"
 
 #include <atomic>
 #include <string>

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "common/octree/build.h"
 #include "tests/unit/drawing_test.h"
 
 namespace pointreel {

@@ -10,6 +10,8 @@
 
 #include "codec/octree/context_coder.h"
 #include "codec/octree/context_tables.h"
+#include "common/octree/build.h"
+#include "common/octree/morton.h"
 #include "tests/reference/context_decoder.h"
 
 namespace pointreel {

@@ -5,7 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/package.h"
 #include "tests/temporary_folder.h"
 
 inline void write_file(const std::filesystem::path& path, const std::string& content) {

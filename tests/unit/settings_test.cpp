@@ -1,4 +1,4 @@
-#include "client/settings.h"
+#include "client/options/settings.h"
 
 #include <cstdlib>
 #include <fstream>

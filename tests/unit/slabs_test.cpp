@@ -13,6 +13,7 @@
 #include "codec/octree/context_coder.h"
 #include "codec/octree/context_tables.h"
 #include "codec/octree/octree_codec.h"
+#include "tests/portable_code.h"
 #include "tests/reference/context_decoder.h"
 #include "tests/unit/tree_of_cells.h"
 

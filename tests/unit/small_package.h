@@ -5,8 +5,8 @@
 #include <string>
 
 #include "client/source/source.h"
-#include "common/base/bytes.h"
-#include "common/stream/package.h"
+#include "pointreel/bytes.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
+#include "common/stream/manifest.h"
+#include "pointreel/chunks.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/scripted_http_server.h"
 #include "tests/unit/small_package.h"
@@ -18,7 +20,7 @@ namespace fs = std::filesystem;
 
 TEST(FetchedLayer, SplitsIntoItsChunks) {
   const FetchedLayer layer{offsets(0, 9), {4, 3, 2}};
-  const LayerView view = layer.view();
+  const Chunks<ByteView> view = layer.view();
   EXPECT_EQ(Bytes(view.geometry.begin(), view.geometry.end()), offsets(0, 4));
   EXPECT_EQ(Bytes(view.colors.begin(), view.colors.end()), offsets(4, 3));
   EXPECT_EQ(Bytes(view.normals.begin(), view.normals.end()), offsets(7, 2));
@@ -29,11 +31,14 @@ TEST(Ranges, HoldAPrefixOfTheStoredOrder) {
   const auto all = ranges_of(manifest, 1, {});
   ASSERT_EQ(all->size(), 2u);
   EXPECT_EQ((*all)[0].offset, 9u);
-  EXPECT_EQ((*all)[0].sizes, (LayerSizes{10, 6, 5}));
+  EXPECT_EQ((*all)[0].sizes, (Chunks<std::uint32_t>{10, 6, 5}));
   EXPECT_EQ((*all)[1].offset, 5u);
-  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, true, false}))[0].sizes, (LayerSizes{10, 6, 0}));
-  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, false, false}))[0].sizes, (LayerSizes{10, 0, 0}));
-  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, false, true}))[0].sizes, (LayerSizes{10, 6, 5}))
+  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, true, false}))[0].sizes,
+            (Chunks<std::uint32_t>{10, 6, 0}));
+  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, false, false}))[0].sizes,
+            (Chunks<std::uint32_t>{10, 0, 0}));
+  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, false, true}))[0].sizes,
+            (Chunks<std::uint32_t>{10, 6, 5}))
       << "normals lie behind the colours";
   EXPECT_EQ(ranges_of(manifest, 1, {1, true, true})->size(), 1u);
 }

@@ -1,5 +1,3 @@
-#include "common/octree/svo.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "common/octree/build.h"
+#include "common/octree/morton.h"
+#include "pointreel/octree.h"
 #include "tests/reference/recursive_octree.h"
 
 namespace pointreel {

@@ -8,8 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/playback/prepare.h"
+#include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
+#include "common/stream/manifest.h"
 #include "server/pack/inspect.h"
 #include "server/pack/packer.h"
 #include "server/serve/catalog.h"

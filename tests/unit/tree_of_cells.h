@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/octree/build.h"
 #include "common/octree/morton.h"
 #include "common/octree/radix_sort.h"
-#include "common/octree/svo.h"
+#include "pointreel/octree.h"
 
 namespace pointreel {
 

@@ -1,4 +1,4 @@
-#include "client/playback/tree_radii.h"
+#include "client/prepare/tree_radii.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,8 @@
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "common/octree/build.h"
 
 namespace pointreel {
 namespace {

@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pointreel/chunks.h"
+
 namespace pointreel {
 namespace {
 
@@ -17,7 +19,7 @@ namespace fs = std::filesystem;
 
 bool reads_bytes(const std::string& header) {
   static const std::regex reader(
-      R"re(\b(decode|parse|read|unpack)\w*\([^;{)]*\b(ByteView|LayerView|ParsedChunk)\b)re");
+      R"re(\b(decode|parse|read|unpack)\w*\([^;{)]*\b(ByteView|Chunks<ByteView>|ParsedChunk)\b)re");
   return std::regex_search(header, reader);
 }
 

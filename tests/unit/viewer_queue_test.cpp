@@ -1,6 +1,6 @@
 // What waits for a viewer, and what goes when it is too slow.
 
-#include "server/live/viewer_queue.h"
+#include "server/relay/viewer_queue.h"
 
 #include <string>
 #include <vector>

@@ -12,7 +12,7 @@
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
 #include "tests/window/virtual_display.h"

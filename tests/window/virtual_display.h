@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/e2e/picture.h"
 
 namespace pointreel::window {

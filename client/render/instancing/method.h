@@ -1,7 +1,7 @@
 #pragma once
 
 #include "client/render/instance_buffer.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 

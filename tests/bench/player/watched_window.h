@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/bench/stream/chapter.h"
 #include "tests/window/player_window.h"
 #include "tests/window/virtual_display.h"

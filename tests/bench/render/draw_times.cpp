@@ -5,7 +5,8 @@
 #include <epoxy/gl.h>
 
 #include "client/scene/cut.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
+#include "pointreel/octree.h"
 
 namespace pointreel::bench {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "client/playback/prepare.h"
+#include "client/prepare/prepare.h"
 #include "common/base/spread.h"
 #include "common/cloud/ply.h"
 #include "datasets_synthetic/random.h"

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/bench/report/settings.h"
 
 namespace pointreel::bench {

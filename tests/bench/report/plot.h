@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel::bench {
 

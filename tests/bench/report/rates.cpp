@@ -9,10 +9,14 @@
 
 #include <fmt/format.h>
 
-#include "codec/codec.h"
 #include "codec/octree/octree_codec.h"
-#include "common/octree/svo.h"
+#include "codec/part_sizes.h"
+#include "common/octree/build.h"
 #include "common/surface/distance.h"
+#include "pointreel/chunks.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
 #include "tests/bench/measure.h"
 
 namespace pointreel::bench {
@@ -80,10 +84,10 @@ Result<void> measure(const Source& source, const Dataset& dataset, const Setting
   const auto encode = [&] { return encode_frame(source.cloud, source.cube, setting.options); };
   const auto frame = encode();
   if (!frame) return tl::unexpected(frame.error());
-  const std::vector<LayerView> layers = layer_views(frame->layers);
+  const std::vector<Chunks<ByteView>> layers = layer_views(frame->layers);
   const auto decoded = decode_frame(layers);
   if (!decoded) return tl::unexpected(decoded.error());
-  const auto parts = measure_parts(*frame, source.cloud, source.cube, setting.options);
+  const auto parts = measure_part_sizes(*frame, source.cloud, source.cube, setting.options);
   if (!parts) return tl::unexpected(parts.error());
   const auto error = cloud_distance(source.cloud, decoded->cloud);
   if (!error) return tl::unexpected(error.error());

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/bench/report/datasets.h"
 #include "tests/bench/report/settings.h"
 

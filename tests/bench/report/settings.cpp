@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "pointreel/draco.h"
+
 namespace pointreel::bench {
 namespace {
 

@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "codec/codec.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
 
 namespace pointreel::bench {
 

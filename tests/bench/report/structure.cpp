@@ -9,7 +9,8 @@
 
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
+#include "pointreel/octree.h"
 #include "tests/bench/measure.h"
 #include "tests/reference/recursive_octree.h"
 

@@ -11,6 +11,7 @@
 #include "client/render/renderer.h"
 #include "client/render/supersampling.h"
 #include "client/source/open_source.h"
+#include "common/stream/manifest.h"
 #include "datasets_synthetic/motion.h"
 #include "tests/bench/render/image_error.h"
 #include "tests/bench/render/truth.h"

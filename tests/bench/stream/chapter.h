@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/bench/measure.h"
 
 namespace pointreel::bench {

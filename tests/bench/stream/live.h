@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/stream/chapter.h"
 

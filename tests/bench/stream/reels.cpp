@@ -7,9 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "client/playback/prepare.h"
+#include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
-#include "common/stream/package.h"
+#include "common/stream/manifest.h"
+#include "pointreel/package.h"
 #include "tests/e2e/server_address.h"
 
 namespace pointreel::bench {

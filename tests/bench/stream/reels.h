@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/scene/frame.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 #include "tests/bench/stream/chapter.h"
 #include "tests/e2e/process.h"
 #include "tests/link/link_emulator.h"

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
-#include "common/stream/package.h"
+#include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
 #include "tests/nginx/nginx.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client/playback/reel_playback.h"
-#include "common/base/error.h"
+#include "pointreel/error.h"
 
 namespace pointreel::bench {
 

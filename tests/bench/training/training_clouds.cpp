@@ -8,13 +8,14 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "common/octree/svo.h"
+#include "common/octree/build.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
 #include "datasets_synthetic/sequences.h"
 #include "datasets_synthetic/trigonometry.h"
+#include "pointreel/octree.h"
 #include "tests/bench/training/relief.h"
 
 namespace pointreel::bench {

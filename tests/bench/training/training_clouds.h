@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/error.h"
-#include "common/octree/svo.h"
+#include "pointreel/error.h"
+#include "pointreel/octree.h"
 
 /// What context tables are trained on: synthetic surfaces (datasets_synthetic) with procedural
 /// relief, sampled as different sensors and tools do. No real data.

@@ -1,0 +1,54 @@
+#include "client/prepare/layer_choice.h"
+
+#include <algorithm>
+
+#include "client/scene/cut.h"
+#include "codec/octree/octree_codec.h"
+#include "pointreel/octree.h"
+
+namespace pointreel {
+
+bool draws_normals(DrawMode mode, bool colored, bool shown) {
+  return shown || mode == DrawMode::surfel || !colored;
+}
+
+int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size) {
+  int level = 0;
+  // Frames may have cubes of their own within the bounds' (--cube frame): the larger the cube, the
+  // more levels it takes.
+  for (const Segment& segment : manifest.segments) {
+    level = std::max(level, finest_level(segment.cube, manifest.bounds, camera, size, pixel_size));
+  }
+  return level;
+}
+
+FetchRequest layer_choice(const Manifest& manifest, DrawMode mode, int level, bool show_normals) {
+  FetchRequest choice;
+  choice.colors = manifest.colors;
+  choice.normals = draws_normals(mode, manifest.colors, show_normals);
+  if (manifest.codec != "octree") return choice;
+  const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
+  const int most = layer_count(depth);
+  choice.layers = 1;
+  while (static_cast<int>(choice.layers) < most &&
+         last_level_of_layer(static_cast<int>(choice.layers) - 1, depth) < level) {
+    ++choice.layers;
+  }
+  return choice;
+}
+
+void VoxelDepth::learn(const SceneFrame& frame) {
+  if (frame.svo.node_count() == 0) return;
+  // A frame that lacks levels has said only that it needs more than it has.
+  const int least = frame.level == kWholeFrame ? frame.svo.depth : frame.level + 1;
+  int depth = depth_;
+  while (depth < least && !depth_.compare_exchange_weak(depth, least)) {
+  }
+}
+
+int VoxelDepth::get() const {
+  const int depth = depth_;
+  return depth < 0 ? kWholeFrame : depth;
+}
+
+}  // namespace pointreel

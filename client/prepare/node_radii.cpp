@@ -1,0 +1,40 @@
+#include "client/prepare/node_radii.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace pointreel {
+namespace {
+
+constexpr float kDiscAroundCell = 0.75f;  // of the square of its edge: half its diagonal, squared
+/// Less keeps surfels as small as their largest child, and pictures get holes: with 1.4, 0.6 % more
+/// of a player 300 pixels high, and 0.25 % of one of 700.
+constexpr float kMostGrowth = 2.0f;
+
+}  // namespace
+
+std::vector<float> node_radii(const Svo& svo, const std::vector<float>& leaf_radii) {
+  std::vector<float> radii(svo.node_count());
+  std::copy(leaf_radii.begin(), leaf_radii.end(), radii.begin() + svo.internal_count());
+  for (int level = svo.depth - 1; level >= 0; --level) {
+    const auto edge = static_cast<float>(svo.cell_size(level));
+    const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(level) + 1];
+    for (std::uint32_t node = svo.level_begin[static_cast<std::size_t>(level)]; node < end;
+         ++node) {
+      const float* const child = radii.data() + svo.first_child[node];
+      const int children = std::popcount(svo.masks[node]);
+      float area = 0.0f, largest = 0.0f;
+      for (int c = 0; c < children; ++c) {
+        area += child[c] * child[c];
+        largest = std::max(largest, child[c]);
+      }
+      const float most = std::max(kDiscAroundCell * edge * edge, kMostGrowth * largest * largest);
+      radii[node] = std::sqrt(std::min(area, most));
+    }
+  }
+  return radii;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,192 @@
+#include "client/prepare/prepare.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "client/prepare/layer_choice.h"
+#include "client/prepare/node_radii.h"
+#include "client/prepare/tree_radii.h"
+#include "codec/cloud_file.h"
+#include "common/base/tbb_executor.h"
+#include "common/octree/build.h"
+#include "common/surface/normals.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+
+namespace pointreel {
+namespace {
+
+class Stopwatch {
+ public:
+  /// Milliseconds since it was made or last asked.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// A tree pays for surfels and points if it has at most this share of the points.
+constexpr double kWorthATree = 0.7;
+/// Of the square of a level's cells along an edge: no surface in a cube that is worth drawing fills
+/// fewer of its cells, if it has the points to do so.
+constexpr double kLeastFilled = 0.25;
+
+Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
+                            const FetchedFrame& fetched, int level) {
+  if (fetched.layers.empty()) {
+    auto loaded = read_cloud(fetched.file);
+    if (!loaded) return fail_at(fetched.file_name, loaded.error());
+    DecodedFrame frame;
+    frame.cloud = std::move(loaded->cloud);
+    frame.cube = bounding_cube(bounds(frame.cloud));
+    frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
+    return frame;
+  }
+  std::vector<Chunks<ByteView>> views;
+  for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
+  DecodeLimits limits;
+  limits.tables = fetched.tables.get();
+  limits.executor = tbb_executor();
+  limits.inner_nodes = true;
+  limits.leaves = false;
+  limits.depth = level;
+  auto frame = decode_frame(views, limits);
+  // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
+  // do not jump from frame to frame (ERRATA 12).
+  if (frame && !frame->svo) frame->cube = manifest.segments[locate(manifest, index).segment].cube;
+  return frame;
+}
+
+/// Adds the normals that the mode needs, and takes away those that it does not, so that a reel
+/// looks the same wherever it comes from.
+void derive_normals(SceneFrame& scene, const PrepareOptions& options) {
+  PointCloud& cloud = scene.cloud;
+  if (!draws_normals(options.mode, cloud.has_colors(), options.show_normals)) {
+    cloud.normals.clear();
+  } else if (!cloud.has_normals()) {
+    estimate_normals(cloud);
+    scene.normals_estimated = true;
+  }
+}
+
+/// The same of a tree.
+void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
+  NodeAttributes& attributes = scene.attributes;
+  if (!draws_normals(options.mode, !attributes.colors.empty(), options.show_normals)) {
+    attributes.normals.clear();
+  } else if (attributes.normals.empty()) {
+    PointCloud leaves = leaf_centers(scene.svo);
+    estimate_normals(leaves);
+    attributes.normals = mean_attributes(scene.svo, leaves).normals;
+    scene.normals_estimated = true;
+  }
+}
+
+/// Cuts the tree off at the coarsest level that satisfies `delta`.
+Result<void> coarsen(SceneFrame& scene, double delta) {
+  std::vector<std::uint32_t> occupied;
+  for (int level = 0; level <= scene.svo.depth; ++level) {
+    occupied.push_back(scene.svo.node_count(level));
+  }
+  const auto depth = choose_depth(occupied, scene.points, DepthRule::by_delta(delta));
+  if (!depth) return tl::unexpected(depth.error());
+  const double leaves = occupied[static_cast<std::size_t>(*depth)];
+  if (leaves >= (1.0 - delta) * scene.points) scene.level = kWholeFrame;
+  if (*depth < scene.svo.depth) scene.svo = truncate(scene.svo, *depth);
+  // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
+  const std::size_t nodes = scene.svo.node_count();
+  if (scene.attributes.colors.size() > nodes) scene.attributes.colors.resize(nodes);
+  if (scene.attributes.normals.size() > nodes) scene.attributes.normals.resize(nodes);
+  return {};
+}
+
+/// A frame that is drawn from a tree of its cloud.
+void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
+  scene.svo = build_svo(sorted, depth);
+  scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted);
+  scene.cloud = {};
+}
+
+/// What voxels draw of a cloud.
+Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
+  DepthRule rule = DepthRule::by_delta(options.delta);
+  rule.most = options.level;
+  const auto sorted = sort_to_depth(scene.cloud, cube, rule);
+  if (!sorted) return tl::unexpected(sorted.error());
+  if (sorted->depth == options.level) scene.level = options.level;
+  use_tree(scene, sorted->sorted, sorted->depth);
+  return {};
+}
+
+/// What surfels and points draw of a cloud: its points, or a tree as deep as the view shows it, if
+/// that is much less.
+Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
+  const auto points = static_cast<double>(scene.cloud.size());
+  const bool with_radii = options.mode == DrawMode::surfel;
+  if (points * kWorthATree > kLeastFilled * std::pow(4.0, options.level)) {
+    const SortedPoints sorted = sort_points(scene.cloud, cube, options.level);
+    if (sorted.occupied.back() <= kWorthATree * points) {
+      scene.level = options.level;
+      use_tree(scene, sorted, options.level);
+      if (with_radii) scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+      return {};
+    }
+  }
+  if (with_radii && !scene.cloud.has_radii()) {
+    const auto sorted = sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta));
+    if (!sorted) return tl::unexpected(sorted.error());
+    scene.cloud.radii = point_radii(build_svo(sorted->sorted, sorted->depth), sorted->sorted);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
+                                 const FetchedFrame& fetched, const PrepareOptions& options) {
+  Stopwatch watch;
+  auto frame = decode(manifest, index, fetched, options.level);
+  if (!frame) return tl::unexpected(frame.error());
+
+  SceneFrame scene;
+  scene.index = index;
+  scene.time_us = frame_time_us(manifest, index);
+  scene.points = frame->source_points;
+  scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
+  scene.decode_ms = watch.lap();
+  if (frame->svo) {
+    scene.svo = std::move(*frame->svo);
+    scene.attributes = std::move(frame->attributes);
+    if (scene.svo.depth < frame->depth) scene.level = scene.svo.depth;
+    derive_node_normals(scene, options);
+    scene.normals_ms = watch.lap();
+    if (options.mode == DrawMode::voxel) {
+      if (const auto made = coarsen(scene, options.delta); !made)
+        return tl::unexpected(made.error());
+    } else if (options.mode == DrawMode::surfel) {
+      scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+    }
+  } else {
+    scene.cloud = std::move(frame->cloud);
+    derive_normals(scene, options);
+    scene.normals_ms = watch.lap();
+    const auto made = options.mode == DrawMode::voxel ? make_voxels(scene, frame->cube, options)
+                                                      : make_elements(scene, frame->cube, options);
+    if (!made) return tl::unexpected(made.error());
+  }
+  if (options.mode == DrawMode::voxel) {
+    if (const int widest = gap_to_fill(scene.svo, scene.points); widest > 0)
+      scene.filled = fill_gaps(scene.svo, scene.attributes, widest);
+    if (worth_hiding(scene.svo)) scene.neighbors = leaf_neighbors(scene.svo);
+  }
+  scene.svo_ms = watch.lap();
+  return scene;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,36 @@
+#include "client/window/error_window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "client/render/gl_context.h"
+#include "client/ui/gui.h"
+#include "client/ui/overlay.h"
+#include "client/ui/window_input.h"
+
+namespace pointreel {
+
+void show_error_window(const std::string& title, const std::string& message,
+                       std::optional<double> seconds, const std::stop_token& stop) {
+  auto window = WindowContext::create_of_any_version(title, 800, 300);
+  if (!window) return;
+  WindowInput input(window->handle());
+  Gui gui(window->handle(), window->content_scale());
+  const double until = glfwGetTime() + seconds.value_or(1e9);
+  while (!stop.stop_requested() && !glfwWindowShouldClose(window->handle()) &&
+         glfwGetTime() < until) {
+    int width = 1, height = 1;
+    glfwGetWindowSize(window->handle(), &width, &height);
+    gui.begin();
+    draw_error(message, "Press q to quit", {width, height}, gui.scale());
+    gui.end();
+    window->clear({0.11f, 0.12f, 0.14f});
+    gui.draw();
+    window->swap();
+    glfwWaitEventsTimeout(0.1);
+    for (const Action action : input.take().actions)
+      if (action == Action::quit || action == Action::leave) return;
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,39 @@
+#include "client/window/thumbnail_painter.h"
+
+#include <utility>
+
+namespace pointreel {
+namespace {
+
+constexpr glm::ivec2 kSize{176, 99};
+
+}  // namespace
+
+std::optional<Thumbnail> ThumbnailPainter::draw(const PlacedFrame& frame, const Box& bounds,
+                                                const Camera& camera, const glm::vec3& background) {
+  if (!renderer_ && !failed_) {
+    auto renderer = Renderer::create();
+    failed_ = !renderer;
+    if (renderer) renderer_ = *std::move(renderer);
+  }
+  if (!renderer_) return std::nullopt;
+  if (frame.frame != frame_.frame || camera != camera_) {
+    // From the same side, all of the reel.
+    Camera near = camera;
+    near.frame_bounds(bounds, static_cast<double>(kSize.x) / kSize.y);
+    near.yaw = camera.yaw;
+    near.pitch = camera.pitch;
+    DrawOptions options;
+    options.mode = DrawMode::point;
+    // No more points than cover it.
+    options.point_size = options.pixel_size = 2.0f * scale_;
+    options.background = background;
+    if (!renderer_->draw(Scene{frame}, near, glm::ivec2(glm::vec2(kSize) * scale_), options))
+      return std::nullopt;
+    frame_ = frame;
+    camera_ = camera;
+  }
+  return Thumbnail{renderer_->texture(), kSize};
+}
+
+}  // namespace pointreel

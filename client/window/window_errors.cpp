@@ -1,0 +1,35 @@
+#include "client/window/window_errors.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+namespace {
+
+constexpr std::chrono::milliseconds kBrokenFrameShown{4000}, kFailureShown{8000};
+
+}  // namespace
+
+void WindowErrors::failed(const std::string& message, Now now) {
+  failure_ = message;
+  failed_at_ = now;
+  fmt::print(stderr, "pointreel: {}\n", message);
+}
+
+bool WindowErrors::look(const Stage& stage, Now now) {
+  const std::string before = shown();
+  // What was dropped on the window could not be played; what played before goes on.
+  if (now - failed_at_ > kFailureShown) failure_.clear();
+  troubled_sources_.look(stage);
+  trouble_ = troubled_sources_.now();
+  if (auto broken = broken_frames_.take_newest()) {
+    broken_ = *std::move(broken);
+    broken_at_ = now;
+  }
+  if (trouble_.empty() && now - broken_at_ < kBrokenFrameShown) trouble_ = broken_;
+  return shown() != before;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,25 @@
+#include "codec/draco/draco_codec.h"
+#include "codec/frame_header.h"
+#include "common/base/try.h"
+#include "pointreel/draco.h"
+
+namespace pointreel {
+
+Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
+                                  const EncodeOptions& options) {
+  if (const auto* octree = std::get_if<OctreeOptions>(&options.codec)) {
+    return encode_octree(cloud, cube, *octree, options.normals, options.colors, options.executor);
+  }
+  return encode_draco(cloud, cube, std::get<DracoOptions>(options.codec), options.normals,
+                      options.colors);
+}
+
+Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
+                                  const DecodeLimits& limits) {
+  if (layers.empty()) return fail("a frame has at least its base layer");
+  const auto parsed = TRY(read_frame_header(layers.front().geometry));
+  return parsed.header.codec == Codec::octree ? decode_octree(layers, limits)
+                                              : decode_draco(layers, limits);
+}
+
+}  // namespace pointreel

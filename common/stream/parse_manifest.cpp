@@ -1,0 +1,267 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/concat.h"
+#include "common/base/try.h"
+#include "common/stream/json_fields.h"
+#include "pointreel/octree.h"
+#include "pointreel/package.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint64_t kMaxUint32 = 0xffffffffu;
+
+bool is_uint32(const json& v) {
+  return v.is_number_unsigned() && v.get<std::uint64_t>() <= kMaxUint32;
+}
+
+/// What all files have.
+Result<PackageFile> parse_file(const json& object, std::uint64_t max_bytes) {
+  Fields fields(object);
+  PackageFile file;
+  file.path = fields.text("path");
+  file.bytes = fields.integer("bytes", max_bytes);
+  const std::string checksum = fields.text("xxh3");
+  if (fields.error()) return tl::unexpected(*fields.error());
+
+  if (!is_file_name(file.path)) return fail("path: is not a plain file name of the package");
+  const std::optional<std::uint64_t> value = parse_hex(checksum);
+  if (!value) return fail("xxh3: is not 16 lowercase hexadecimal digits");
+  file.checksum = *value;
+  return file;
+}
+
+Result<LayerFile> parse_layer(const json& object, std::uint32_t frame_count) {
+  LayerFile file{TRY(parse_file(object, kMaxInteger)), {}};
+  Fields fields(object);
+  const json& frames = fields.array("frames");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  if (frames.size() != frame_count) {
+    return fail(concat("frames: ", frames.size(), " entries for ", frame_count, " frames"));
+  }
+  file.frames.reserve(frames.size());
+  std::uint64_t sum = 0;
+  for (const json& sizes : frames) {
+    if (!sizes.is_array() || sizes.size() != 3 ||
+        !std::all_of(sizes.begin(), sizes.end(), is_uint32)) {
+      return fail(concat("frames[", file.frames.size(), "]: is not three whole numbers from 0 to ",
+                         kMaxUint32));
+    }
+    file.frames.push_back({sizes[0].get<std::uint32_t>(), sizes[1].get<std::uint32_t>(),
+                           sizes[2].get<std::uint32_t>()});
+    sum += total(file.frames.back());
+  }
+  if (sum != file.bytes) {
+    return fail(concat("bytes: ", file.bytes, ", but its frames take ", sum));
+  }
+  return file;
+}
+
+/// Which chunks a frame may have: geometry in the base and wherever there is anything; no finer
+/// layer above a missing one; no attribute that the reel does not have.
+Result<void> check_chunks(const Manifest& manifest, const Segment& segment) {
+  for (std::size_t layer = 0; layer < segment.layers.size(); ++layer) {
+    for (std::uint32_t i = 0; i < segment.frame_count(); ++i) {
+      const Chunks<std::uint32_t>& sizes = segment.layers[layer].frames[i];
+      const char* fault = nullptr;
+      if (sizes.geometry == 0 && (layer == 0 || total(sizes) > 0)) {
+        fault = "has no geometry";
+      } else if (layer > 0 && sizes.geometry > 0 &&
+                 segment.layers[layer - 1].frames[i].geometry == 0) {
+        fault = "refines a layer that the frame does not have";
+      } else if (sizes.colors > 0 && !manifest.colors) {
+        fault = "has colours in a reel without colours";
+      } else if (sizes.normals > 0 && !manifest.normals) {
+        fault = "has normals in a reel without normals";
+      }
+      if (fault != nullptr) return fail(concat("files[", layer, "].frames[", i, "]: ", fault));
+    }
+  }
+  return {};
+}
+
+/// `segment` has as many frames as `times`; `last_time` is that of the frame before.
+Result<void> parse_frames(const json& times, const json& points, std::uint64_t last_time,
+                          Segment& segment) {
+  if (times.empty()) return fail("times_us: is empty, a segment has at least one frame");
+  if (points.size() != times.size()) {
+    return fail(concat("points: ", points.size(), " entries for ", times.size(), " frames"));
+  }
+  segment.times_us.reserve(times.size());
+  for (const json& time : times) {
+    if (!time.is_number_unsigned() || time.get<std::uint64_t>() > kMaxInteger) {
+      return fail(concat("times_us[", segment.times_us.size(),
+                         "]: is not a whole number from 0 to ", kMaxInteger));
+    }
+    if (time.get<std::uint64_t>() < last_time) {
+      return fail(concat("times_us[", segment.times_us.size(), "]: ", time.get<std::uint64_t>(),
+                         " comes after ", last_time));
+    }
+    last_time = time.get<std::uint64_t>();
+    segment.times_us.push_back(last_time);
+  }
+  segment.points.reserve(points.size());
+  for (const json& count : points) {
+    if (!is_uint32(count)) {
+      return fail(concat("points[", segment.points.size(), "]: is not a whole number from 0 to ",
+                         kMaxUint32));
+    }
+    segment.points.push_back(count.get<std::uint32_t>());
+  }
+  return {};
+}
+
+Result<Cube> parse_cube(const json& object) {
+  Fields fields(object);
+  const Cube cube{fields.vector("origin"), fields.number("edge")};
+  if (fields.error()) return tl::unexpected(*fields.error());
+  const glm::dvec3 far = cube.origin + cube.edge;
+  if (!(cube.edge > 0.0) || !std::isfinite(far.x + far.y + far.z)) {
+    return fail("edge: is not a finite number above 0");
+  }
+  return cube;
+}
+
+/// `manifest` holds all that stands before the segments and the segments before this one.
+Result<Segment> parse_segment(const json& object, const Manifest& manifest, std::uint32_t first,
+                              std::uint64_t last_time) {
+  Fields fields(object);
+  Segment segment;
+  segment.first_frame = static_cast<std::uint32_t>(fields.integer("first_frame", kMaxUint32));
+  const json* cube_value = fields.value("cube");
+  const json& times = fields.array("times_us");
+  const json& points = fields.array("points");
+  const json& files = fields.array("files");
+  if (fields.error()) return tl::unexpected(*fields.error());
+
+  if (segment.first_frame != first) {
+    return fail(concat("first_frame: ", segment.first_frame, ", but frames are consecutive and ",
+                       first, " comes next"));
+  }
+  Result<Cube> cube = parse_cube(*cube_value);
+  if (!cube) return fail_at("cube", cube.error());
+  segment.cube = *cube;
+  TRY(parse_frames(times, points, last_time, segment));
+  if (files.size() != manifest.layer_names.size()) {
+    return fail(concat("files: ", files.size(), " for ", manifest.layer_names.size(), " layers"));
+  }
+  for (const json& entry : files) {
+    Result<LayerFile> file = parse_layer(entry, segment.frame_count());
+    if (!file) return fail_at(concat("files[", segment.layers.size(), "]"), file.error());
+    segment.layers.push_back(std::move(*file));
+  }
+  TRY(check_chunks(manifest, segment));
+  return segment;
+}
+
+Result<void> parse_segments(const json& entries, Manifest& manifest) {
+  std::uint64_t frames = 0, last_time = 0;
+  std::set<std::string> paths;
+  if (manifest.tables) paths.insert(manifest.tables->path);
+  bool any_point = false;
+  for (const json& entry : entries) {
+    const std::string place = concat("segments[", manifest.segments.size(), "]");
+    Result<Segment> segment =
+        parse_segment(entry, manifest, static_cast<std::uint32_t>(frames), last_time);
+    if (!segment) return fail_at(place, segment.error());
+    frames += segment->frame_count();
+    if (frames > kMaxUint32) return fail_at(place, {"a reel has fewer than 2^32 frames"});
+    for (const LayerFile& file : segment->layers) {
+      if (!paths.insert(file.path).second) {
+        return fail_at(place, {concat("\"", file.path, "\" is used twice")});
+      }
+    }
+    last_time = segment->times_us.back();
+    for (const std::uint32_t count : segment->points) any_point = any_point || count > 0;
+    manifest.segments.push_back(std::move(*segment));
+  }
+  if (manifest.duration_us < last_time) {
+    return fail(concat("duration_us: ", manifest.duration_us, ", but the last frame is shown at ",
+                       last_time));
+  }
+  if (any_point == manifest.bounds.empty()) {
+    return fail("bounds: a box if any frame has a point, otherwise null");
+  }
+  return {};
+}
+
+Result<LiveManifest> parse_live(const json& object) {
+  Fields fields(object);
+  LiveManifest live;
+  const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
+  if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
+  live.first_frame = static_cast<std::uint32_t>(fields.integer("first_frame", kMaxUint32));
+  live.start_us = fields.integer("start_us", kMaxInteger);
+  live.ended = fields.boolean("ended");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  live.session = *session;
+  return live;
+}
+
+/// What must hold before a single other member is looked at.
+Result<void> check_format(const json& root) {
+  Fields fields(root);
+  const std::string format = fields.text("format");
+  const std::uint64_t version = fields.integer("version", kMaxInteger);
+  if (fields.error()) return tl::unexpected(*fields.error());
+  if (format != kPackageFormat) return fail(concat("format: is not \"", kPackageFormat, "\""));
+  if (version > kPackageVersion) {
+    return fail(ErrorCode::unsupported,
+                concat("format version ", version, " is newer than ", kPackageVersion,
+                       ", the newest that this program reads: update it"));
+  }
+  if (version != kPackageVersion) {
+    return fail(concat("format version ", version, " does not exist"));
+  }
+  return {};
+}
+
+Result<Manifest> parse_root(const json& root) {
+  TRY(check_format(root));
+  Fields fields(root);
+  Manifest manifest;
+  read_reel_head(fields, manifest);
+  manifest.duration_us = fields.integer("duration_us", kMaxInteger);
+  manifest.depth_min = static_cast<std::uint32_t>(fields.integer("depth_min", kMaxDepth));
+  manifest.depth_max = static_cast<std::uint32_t>(fields.integer("depth_max", kMaxDepth));
+  const json* bounds = fields.value("bounds");
+  const json& segments = fields.array("segments");
+  if (manifest.depth_min > manifest.depth_max) fields.refuse("depth_min", "is above depth_max");
+  if (fields.error()) return tl::unexpected(*fields.error());
+  const Result<Box> box = parse_box(*bounds);
+  if (!box) return fail_at("bounds", box.error());
+  manifest.bounds = *box;
+  if (fields.has("tables")) {
+    if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\"");
+    Result<PackageFile> tables = parse_file(*fields.value("tables"), kMaxTablesBytes);
+    if (!tables) return fail_at("tables", tables.error());
+    manifest.tables = std::move(*tables);
+  }
+  if (fields.has("partial")) manifest.partial = fields.boolean("partial");
+  if (fields.has("live")) {
+    const Result<LiveManifest> live = parse_live(*fields.value("live"));
+    if (!live) return fail_at("live", live.error());
+    manifest.live = *live;
+  }
+  TRY(parse_segments(segments, manifest));
+  return manifest;
+}
+
+}  // namespace
+
+Result<Manifest> parse_manifest(std::string_view text) {
+  if (text.size() > kMaxManifestBytes) {
+    return fail(ErrorCode::limit, concat("is longer than ", kMaxManifestBytes, " bytes"));
+  }
+  return parse_root(TRY(parse_json(text)));
+}
+
+}  // namespace pointreel

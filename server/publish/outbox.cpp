@@ -1,0 +1,155 @@
+#include "server/publish/outbox.h"
+
+#include <chrono>
+#include <utility>
+
+namespace pointreel {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Between attempts to connect. A server that is back is found within this.
+constexpr auto kPause = 300ms;
+constexpr auto kConnectTimeout = 2000ms;
+/// A server whose machine is gone is given up after this, or a link would be taken for slow.
+constexpr auto kStallTimeout = 4000ms;
+constexpr auto kSilenceTimeout = 10'000ms;
+/// How often the connection is looked at while there is nothing to send.
+constexpr auto kLook = 100ms;
+
+/// What another attempt does not change: a wrong address or token.
+bool is_final(int status) {
+  return status >= 400 && status < 500 && status != 408 && status != 429;
+}
+
+}  // namespace
+
+Outbox::Outbox(OutboxOptions options)
+    : options_(std::move(options)), thread_([this](std::stop_token stop) { run(stop); }) {}
+
+Outbox::~Outbox() = default;
+
+void Outbox::hello(LiveMessage message) {
+  const std::lock_guard lock(mutex_);
+  hello_ = message;
+  queue_.hello(std::move(message), false);
+  changed_.notify_all();
+}
+
+void Outbox::push(std::uint32_t frame, std::vector<LiveMessage> layers) {
+  const std::lock_guard lock(mutex_);
+  const auto count = static_cast<std::uint8_t>(layers.size());
+  for (std::uint8_t i = 0; i < count; ++i) queue_.push(frame, i, count, layers[i]);
+  frame_ = frame;
+  newest_ = std::move(layers);
+  changed_.notify_all();
+}
+
+std::optional<Error> Outbox::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+void Outbox::flush(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, timeout, [&] { return failure_ || (queue_.empty() && !sending_); });
+}
+
+OutboxStatistics Outbox::statistics() const {
+  const std::lock_guard lock(mutex_);
+  OutboxStatistics statistics = statistics_;
+  statistics.drops.frames += queue_.drops().frames;
+  statistics.drops.layers += queue_.drops().layers;
+  return statistics;
+}
+
+void Outbox::run(const std::stop_token& stop) {
+  WebSocketOptions socket_options;
+  socket_options.token = options_.token;
+  socket_options.ca_file = options_.ca_file;
+  socket_options.connect_timeout = kConnectTimeout;
+  socket_options.silence_timeout = kSilenceTimeout;
+  socket_options.stall_timeout = kStallTimeout;
+  socket_options.max_message = kMaxLiveText;
+  socket_options.stop = stop;
+  while (!stop.stop_requested()) {
+    const auto socket = WebSocket::connect(options_.url, socket_options);
+    if (socket) {
+      restart();
+      serve(**socket, stop);
+    } else if (!stop.stop_requested()) {
+      if (is_final(socket.error().status)) {
+        const std::lock_guard lock(mutex_);
+        failure_ = socket.error();
+        changed_.notify_all();
+        return;
+      }
+      tell(socket.error().message + "; trying again");
+    }
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, stop, kPause, [] { return false; });
+  }
+}
+
+void Outbox::restart() {
+  const std::lock_guard lock(mutex_);
+  ++statistics_.connections;
+  statistics_.drops.frames += queue_.drops().frames;
+  statistics_.drops.layers += queue_.drops().layers;
+  queue_ = ViewerQueue();
+  if (hello_.bytes) queue_.hello(hello_, true);
+  const auto count = static_cast<std::uint8_t>(newest_.size());
+  for (std::uint8_t i = 0; i < count; ++i) queue_.push(frame_, i, count, newest_[i]);
+}
+
+void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
+  bool taken = false;
+  const std::stop_callback closing(stop, [&] { socket.close(); });
+  for (;;) {
+    std::optional<LiveMessage> message;
+    {
+      std::unique_lock lock(mutex_);
+      if (stop.stop_requested()) return;
+      if (queue_.empty()) changed_.wait_for(lock, stop, kLook, [&] { return !queue_.empty(); });
+      message = queue_.next();
+      sending_ = message.has_value();
+    }
+    Result<void> sent;
+    if (!message) {
+      // Whatever the server says; above all, that it has closed the connection.
+      const auto received = socket.receive(0ms);
+      if (!received) sent = tl::unexpected(received.error());
+    } else if (const auto& bytes = *message->bytes; message->kind == LiveMessage::Kind::binary) {
+      sent = socket.send(bytes, WebSocket::Kind::binary);
+    } else if (std::holds_alternative<LiveHello>(
+                   parse_live_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()})
+                       .value_or(LiveUnknown{}))) {
+      sent = socket.send(bytes, WebSocket::Kind::text);
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      sending_ = false;
+      if (sent && message && message->kind == LiveMessage::Kind::binary) {
+        ++statistics_.layers;
+        statistics_.bytes += message->bytes->size();
+        taken = true;
+      }
+      changed_.notify_all();
+    }
+    if (!sent) {
+      if (!stop.stop_requested()) tell(sent.error().message + "; trying again");
+      return;
+    }
+    if (taken && !told_.empty()) {
+      tell("connected again");
+      told_.clear();
+    }
+  }
+}
+
+void Outbox::tell(const std::string& line) {
+  if (options_.say && line != told_) options_.say(line);
+  told_ = line;
+}
+
+}  // namespace pointreel

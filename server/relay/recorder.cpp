@@ -1,0 +1,129 @@
+#include "server/relay/recorder.h"
+
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/stream/manifest.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+
+Recorder::Recorder(RecorderOptions options)
+    : options_(std::move(options)), segmenter_(options_.segment_us) {}
+
+Recorder::~Recorder() {
+  if (auto segment = segmenter_.flush()) append(std::move(*segment));
+  finish();
+}
+
+void Recorder::hello(const LiveHello& hello) {
+  if (greeted_ && !go_together(hello_, hello)) {
+    if (auto segment = segmenter_.flush()) append(std::move(*segment));
+    finish();
+    given_up_ = false;
+  }
+  segmenter_.begin(hello);
+  hello_ = hello;
+  greeted_ = true;
+}
+
+void Recorder::layer(const LiveLayer& layer, const LiveMessage&) {
+  if (auto segment = segmenter_.add(layer)) append(std::move(*segment));
+}
+
+void Recorder::end() {
+  if (auto segment = segmenter_.flush()) append(std::move(*segment));
+  // It is complete as it is, until the publisher comes back.
+  if (package_.empty()) return;
+  if (const auto written = write_manifest_file(false); !written) failed(written.error());
+}
+
+void Recorder::append(LiveSegment segment) {
+  if (given_up_) return;
+  if (lines_bytes_ > options_.manifest_bytes) finish();
+  if (package_.empty()) {
+    if (const auto opened = open(); !opened) {
+      failed(opened.error());
+      return;
+    }
+    first_frame_ = segment.entry.first_frame;
+    start_us_ = segment.entry.times_us.front();
+  }
+  if (const auto written = write(segment); !written) failed(written.error());
+}
+
+Result<void> Recorder::open() {
+  std::error_code error;
+  fs::create_directories(options_.folder, error);
+  for (int i = 1; !error && i < 100'000; ++i) {
+    const fs::path package =
+        options_.folder / (i == 1 ? options_.name : fmt::format("{}-{}", options_.name, i));
+    if (fs::create_directory(package, error)) {
+      package_ = package;
+      return {};
+    }
+  }
+  return fail(fmt::format("{}: cannot make a folder here: {}", options_.folder.string(),
+                          error ? error.message() : "there are too many recordings"));
+}
+
+Result<void> Recorder::write(LiveSegment& segment) {
+  segment.entry = rebased(std::move(segment.entry), first_frame_, start_us_);
+  name_files(segment, hello_.layer_names);
+  for (std::size_t i = 0; i < segment.files.size(); ++i) {
+    const auto written = write_file(segment.entry.layers[i].path, segment.files[i]);
+    if (!written) return written;
+  }
+  totals_.add(segment);
+  duration_us_ = end_of(segment.entry, hello_.fps);
+  lines_.push_back(write_segment(segment.entry));
+  lines_bytes_ += lines_.back().size();
+  return write_manifest_file(true);
+}
+
+Result<void> Recorder::write_file(const std::string& name, ByteView bytes) const {
+  // Of this name no reader takes any notice.
+  const fs::path unfinished = package_ / ".unfinished";
+  std::ofstream out(unfinished, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  std::error_code error;
+  if (out) fs::rename(unfinished, package_ / name, error);
+  if (!out || error) {
+    return fail(fmt::format("{}: cannot be written, is there room on the disk?",
+                            (package_ / name).string()));
+  }
+  return {};
+}
+
+Result<void> Recorder::write_manifest_file(bool growing) const {
+  Manifest manifest = live_head(hello_, totals_);
+  manifest.duration_us = duration_us_;
+  if (growing) manifest.live = LiveManifest{hello_.session, first_frame_, start_us_, false};
+  const std::string text = write_manifest(manifest, lines_);
+  return write_file(kManifestName,
+                    {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+void Recorder::finish() {
+  if (!package_.empty() && !lines_.empty()) {
+    if (const auto written = write_manifest_file(false); !written) failed(written.error());
+  }
+  package_.clear();
+  totals_ = {};
+  lines_.clear();
+  lines_bytes_ = 0;
+}
+
+void Recorder::failed(const Error& error) {
+  if (!given_up_ && options_.say) {
+    options_.say(error.message + "; recording " + options_.name + " has stopped");
+  }
+  given_up_ = true;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,146 @@
+#include "server/relay/segmenter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "codec/frame_header.h"
+
+namespace pointreel {
+
+void Segmenter::begin(const LiveHello& hello) {
+  if (hello.session != hello_.session) {
+    frames_ = 0;
+    last_us_ = 0;
+  }
+  hello_ = hello;
+  end_frame();
+}
+
+/// No more layers are taken for the frame.
+void Segmenter::end_frame() {
+  if (frame_ && next_layer_ < promised_layers_) segment_.partial = true;
+  frame_.reset();
+}
+
+std::optional<LiveSegment> Segmenter::add(const LiveLayer& layer) {
+  std::optional<LiveSegment> finished;
+  if (layer.layer == 0) {
+    const Segment& entry = segment_.entry;
+    if (!entry.times_us.empty() && (layer.capture_us >= entry.times_us.front() + segment_us_ ||
+                                    bytes_ + layer.bytes.size() > segment_bytes_)) {
+      finished = flush();
+    }
+    end_frame();
+    if (begin_frame(layer)) {
+      frame_ = layer.frame;
+      next_layer_ = 0;
+    }
+  }
+  const bool odd =
+      (layer.sizes.colors > 0 && !hello_.colors) || (layer.sizes.normals > 0 && !hello_.normals);
+  if (frame_ != layer.frame || layer.layer != next_layer_ || odd) return finished;
+  ++next_layer_;
+  segment_.entry.layers[layer.layer].frames.back() = layer.sizes;
+  Bytes& file = segment_.files[layer.layer];
+  file.insert(file.end(), layer.bytes.begin(), layer.bytes.end());
+  bytes_ += layer.bytes.size();
+  return finished;
+}
+
+/// Makes room for a frame of which no layer is there yet. False if it must be left out.
+bool Segmenter::begin_frame(const LiveLayer& layer) {
+  const auto parsed = read_frame_header(layer.bytes.first(layer.sizes.geometry));
+  if (!parsed || name(parsed->header.codec) != hello_.codec) return false;
+  if ((layer.sizes.colors > 0 && !hello_.colors) || (layer.sizes.normals > 0 && !hello_.normals)) {
+    return false;
+  }
+  if (layer.layers > hello_.layer_names.size()) return false;
+  const FrameHeader& header = parsed->header;
+  Segment& entry = segment_.entry;
+  if (entry.times_us.empty()) {
+    entry.first_frame = frames_;
+    entry.cube = header.cube;
+    entry.layers.resize(hello_.layer_names.size());
+    segment_.files.resize(hello_.layer_names.size());
+    segment_.depth_min = header.depth;
+  }
+  if (!(header.cube == entry.cube)) {
+    cubes_.grow(entry.cube.origin);
+    cubes_.grow(entry.cube.origin + entry.cube.edge);
+    cubes_.grow(header.cube.origin);
+    cubes_.grow(header.cube.origin + header.cube.edge);
+    entry.cube = bounding_cube(cubes_);
+  }
+  ++frames_;
+  promised_layers_ = header.layers;
+  last_us_ = std::max(last_us_, layer.capture_us);
+  entry.times_us.push_back(last_us_);
+  entry.points.push_back(header.source_points);
+  for (LayerFile& file : entry.layers) file.frames.emplace_back();
+  segment_.depth_min = std::min<std::uint32_t>(segment_.depth_min, header.depth);
+  segment_.depth_max = std::max<std::uint32_t>(segment_.depth_max, header.depth);
+  segment_.any_point = segment_.any_point || header.source_points > 0;
+  return true;
+}
+
+std::optional<LiveSegment> Segmenter::flush() {
+  end_frame();
+  if (segment_.entry.times_us.empty()) return std::nullopt;
+  LiveSegment finished = std::exchange(segment_, {});
+  bytes_ = 0;
+  cubes_ = {};
+  for (std::size_t i = 0; i < finished.files.size(); ++i) {
+    finished.entry.layers[i].bytes = finished.files[i].size();
+    finished.entry.layers[i].checksum = checksum_of(finished.files[i]);
+  }
+  return finished;
+}
+
+void name_files(LiveSegment& segment, const std::vector<std::string>& layers) {
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    LayerFile& file = segment.entry.layers[i];
+    file.path = fmt::format("{:08}.{}.{:08x}.prs", segment.entry.first_frame, layers[i],
+                            file.checksum >> 32);
+  }
+}
+
+void LiveTotals::add(const LiveSegment& segment) {
+  depth_min = any_frame ? std::min(depth_min, segment.depth_min) : segment.depth_min;
+  depth_max = std::max(depth_max, segment.depth_max);
+  any_frame = true;
+  any_point = any_point || segment.any_point;
+  partial = partial || segment.partial;
+  cubes.grow(segment.entry.cube.origin);
+  cubes.grow(segment.entry.cube.origin + segment.entry.cube.edge);
+}
+
+Manifest live_head(const LiveHello& hello, const LiveTotals& totals) {
+  Manifest manifest;
+  static_cast<ReelHead&>(manifest) = hello;
+  manifest.depth_min = totals.depth_min;
+  manifest.depth_max = totals.depth_max;
+  manifest.partial = totals.partial;
+  // A publisher that gives none has points all the same.
+  if (totals.any_point) manifest.bounds = hello.bounds.empty() ? totals.cubes : hello.bounds;
+  return manifest;
+}
+
+Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_us) {
+  segment.first_frame -= first_frame;
+  for (std::uint64_t& time : segment.times_us) time -= start_us;
+  return segment;
+}
+
+std::uint64_t end_of(const Segment& segment, double fps) {
+  return segment.times_us.back() + static_cast<std::uint64_t>(std::llround(1e6 / fps));
+}
+
+bool go_together(const LiveHello& a, const LiveHello& b) {
+  return a.session == b.session && a.codec == b.codec && a.entropy == b.entropy && a.up == b.up &&
+         a.layer_names == b.layer_names;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,80 @@
+#include "server/relay/sink_thread.h"
+
+#include <bit>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+
+SinkThread::SinkThread(std::unique_ptr<LiveSink> sink,
+                       std::function<void(const std::string& line)> say, std::size_t max_bytes)
+    : sink_(std::move(sink)),
+      say_(std::move(say)),
+      max_bytes_(max_bytes),
+      thread_([this] { run(); }) {}
+
+SinkThread::~SinkThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+    changed_.notify_all();
+  }
+  thread_.join();
+}
+
+void SinkThread::hello(const LiveHello& hello) {
+  left_out_.reset();
+  put(hello);
+}
+
+void SinkThread::end() { put(LiveEnd{}); }
+
+void SinkThread::layer(const LiveLayer& layer, const LiveMessage& message) {
+  if (left_out_ == layer.frame) return;
+  bool full = false;
+  {
+    const std::lock_guard lock(mutex_);
+    full = bytes_ + layer.bytes.size() > max_bytes_;
+    if (!full) bytes_ += layer.bytes.size();
+  }
+  if (!full) {
+    put(Layer{layer, message});
+    return;
+  }
+  left_out_ = layer.frame;
+  // The first, and then ever more seldom.
+  ++left_out_frames_;
+  if (say_ && std::has_single_bit(left_out_frames_)) {
+    say_(fmt::format("frame {} is not recorded whole, the disk is too slow ({} so far)",
+                     layer.frame, left_out_frames_));
+  }
+}
+
+void SinkThread::put(Event event) {
+  const std::lock_guard lock(mutex_);
+  events_.push_back(std::move(event));
+  changed_.notify_all();
+}
+
+void SinkThread::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return over_ || !events_.empty(); });
+    if (events_.empty()) return;
+    const Event event = std::move(events_.front());
+    events_.pop_front();
+    lock.unlock();
+    if (const auto* hello = std::get_if<LiveHello>(&event)) {
+      sink_->hello(*hello);
+    } else if (const auto* layer = std::get_if<Layer>(&event)) {
+      sink_->layer(layer->layer, layer->message);
+    } else {
+      sink_->end();
+    }
+    lock.lock();
+    if (const auto* layer = std::get_if<Layer>(&event)) bytes_ -= layer->layer.bytes.size();
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+
+#include "server/relay/relay.h"
+
+namespace pointreel {
+
+/// Gives what a stream says to another sink, in a thread of its own, so that the stream never waits
+/// for a disk. What waits is bounded: frames for which there is no room are left out and told.
+class SinkThread : public LiveSink {
+ public:
+  /// `say` may be empty.
+  SinkThread(std::unique_ptr<LiveSink> sink, std::function<void(const std::string& line)> say,
+             std::size_t max_bytes = 64u << 20);
+  /// Waits until the sink has had everything.
+  ~SinkThread() override;
+
+  void hello(const LiveHello& hello) override;
+  void layer(const LiveLayer& layer, const LiveMessage& message) override;
+  void end() override;
+
+ private:
+  struct Layer {
+    LiveLayer layer;
+    LiveMessage message;
+  };
+  using Event = std::variant<LiveHello, Layer, LiveEnd>;
+  void put(Event event);
+  void run();
+
+  const std::unique_ptr<LiveSink> sink_;
+  const std::function<void(const std::string& line)> say_;
+  const std::size_t max_bytes_;
+  std::optional<std::uint32_t> left_out_;  ///< the frame whose layers do not come
+  std::uint64_t left_out_frames_ = 0;
+  std::mutex mutex_;  // of what follows
+  std::condition_variable changed_;
+  std::deque<Event> events_;
+  std::size_t bytes_ = 0;
+  bool over_ = false;
+  std::thread thread_;
+};
+
+}  // namespace pointreel

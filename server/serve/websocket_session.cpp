@@ -292,8 +292,9 @@ Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string rec
     service.log().write(
         Log::Level::kWarning, "live.refused",
         {{"peer", peer.address}, {"stream", call.stream}, {"fault", std::string_view(fault)}});
-    websocket::close_reason reason(websocket::close_code::policy_error);
-    reason.reason.assign(fault.data(), std::min<std::size_t>(fault.size(), 123));
+    // A control frame has no room for more than 123 bytes of text.
+    const websocket::close_reason reason(websocket::close_code::policy_error,
+                                         beast::string_view(fault).substr(0, 123));
     co_await session->stream.async_close(reason, asio::redirect_error(kUseAwaitable, error));
     co_await transport->linger();
   }

@@ -3,10 +3,15 @@
 #include <chrono>
 #include <utility>  // Before Asio: the awaitable.hpp of Boost 1.74 uses std::exchange without it.
 
+// Boost 1.74 knows only the coroutines that clang had before C++20. These macros make it use those
+// of the standard, so every source takes awaitable, co_spawn and use_awaitable from here.
+#define BOOST_ASIO_HAS_CO_AWAIT 1
+#define BOOST_ASIO_HAS_STD_COROUTINE 1
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/basic_socket_acceptor.hpp>
 #include <boost/asio/basic_stream_socket.hpp>
 #include <boost/asio/basic_waitable_timer.hpp>
+#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/strand.hpp>

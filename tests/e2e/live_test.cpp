@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,6 +25,7 @@
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
+#include "tests/wait.h"
 
 namespace pointreel::e2e {
 namespace {
@@ -67,12 +67,13 @@ std::unique_ptr<Background> serve(const fs::path& record, const std::string& lis
 
 /// Connects again and again until there is a stream.
 std::unique_ptr<WebSocket> join(const std::string& address) {
-  for (const auto end = Clock::now() + kLong; Clock::now() < end;) {
+  std::unique_ptr<WebSocket> joined;
+  wait_until([&] {
     auto socket = WebSocket::connect("ws://" + address + "/live/stage");
-    if (socket) return *std::move(socket);
-    std::this_thread::sleep_for(50ms);
-  }
-  return nullptr;
+    if (socket) joined = *std::move(socket);
+    return joined != nullptr;
+  });
+  return joined;
 }
 
 /// What a viewer has got.
@@ -161,10 +162,7 @@ TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that
 
   // A recording of a second at least, and then nobody has time to end anything in order.
   const fs::path recording = record / "stage";
-  for (const auto end = Clock::now() + kLong;
-       !fs::exists(recording / kManifestName) && Clock::now() < end;) {
-    std::this_thread::sleep_for(50ms);
-  }
+  ASSERT_TRUE(wait_until([&] { return fs::exists(recording / kManifestName); }));
   server->end(SIGKILL);
   const Outcome verified = run("pointreel-server", {"verify", recording.string()});
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;

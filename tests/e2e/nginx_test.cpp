@@ -9,7 +9,6 @@
 #include <iterator>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -23,6 +22,7 @@
 #include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/raw_http_client.h"
+#include "tests/wait.h"
 
 namespace pointreel::e2e {
 namespace {
@@ -160,9 +160,7 @@ TEST_F(NginxTest, keeps_what_it_fetched_and_passes_live_streams_on) {
   options.silence_timeout = 20s;
   tl::expected<std::unique_ptr<WebSocket>, ConnectError> viewer = tl::unexpected(ConnectError{});
   const std::string url = fmt::format("ws://127.0.0.1:{}/live/stage", front);
-  for (int i = 0; i < 1200 && !viewer; ++i, std::this_thread::sleep_for(50ms)) {
-    viewer = WebSocket::connect(url, options);
-  }
+  wait_until([&] { return (viewer = WebSocket::connect(url, options)).has_value(); });
   ASSERT_TRUE(viewer) << viewer.error().message;
   int layers = 0;
   for (int i = 0; i < 20; ++i) {

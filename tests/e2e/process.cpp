@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <string_view>
-#include <thread>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -12,6 +11,8 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "tests/wait.h"
 
 extern char** environ;
 
@@ -141,9 +142,9 @@ int Background::end(int signal) {
   if (pid_ <= 0) return -1;
   if (signal != 0) kill(pid_, signal);
   int status = 0;
-  for (int looks = 0; waitpid(pid_, &status, WNOHANG) == 0; ++looks) {
-    if (looks == 6000) kill(pid_, SIGKILL);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (!wait_until([&] { return waitpid(pid_, &status, WNOHANG) != 0; })) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, &status, 0);
   }
   pid_ = -1;
   return code_of(status);

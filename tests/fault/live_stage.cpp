@@ -108,7 +108,7 @@ void StagePublisher::run() {
       }
       newest_us_ = captured;
       due += std::chrono::microseconds(33'333);
-      std::this_thread::sleep_until(due);
+      std::this_thread::sleep_until(due);  // a camera takes a picture when it is due
     } while (open && !ending_);
   }
 }

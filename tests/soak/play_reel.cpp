@@ -140,7 +140,7 @@ Outcome play_reel(const Options& options) {
   std::thread visitors([&, random = std::mt19937_64(options.seed + 1)]() mutable {
     while (!ending) {
       knock((*server)->port(), random);
-      std::this_thread::sleep_for(milliseconds(5));
+      std::this_thread::sleep_for(milliseconds(5));  // many visitors, and time left for the rest
     }
   });
   const auto end_visitors = [&] {
@@ -174,7 +174,7 @@ Outcome play_reel(const Options& options) {
       end_visitors();
       return tl::unexpected(good.error());
     }
-    std::this_thread::sleep_for(milliseconds(2));
+    std::this_thread::sleep_for(milliseconds(2));  // more often than any display draws
   }
 
   // A good link: every frame comes, whatever happened before.

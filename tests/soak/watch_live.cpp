@@ -14,6 +14,7 @@
 #include "server/relay/relay.h"
 #include "server/serve/http_server.h"
 #include "tests/soak/scenario.h"
+#include "tests/wait.h"
 
 namespace pointreel::soak {
 namespace {
@@ -188,22 +189,21 @@ Outcome watch_live(const Options& options) {
       next_publisher = now + milliseconds(1000 + random() % 4000);
     }
     if (auto good = look(); !good) return tl::unexpected(good.error());
-    std::this_thread::sleep_for(milliseconds(2));
+    std::this_thread::sleep_for(milliseconds(2));  // more often than any display draws
   }
 
   // Good links: new pictures come to everybody, whatever happened before.
   (*publisher_link)->set({});
   for (const auto& watcher : watchers) watcher->link().set({});
   const std::uint64_t healed_us = LiveClock::system().now_us();
-  const auto all_goes_on = [&] {
+  const auto all_go_on = [&] {
     return std::all_of(watchers.begin(), watchers.end(),
                        [&](const auto& watcher) { return watcher->newest_us() > healed_us; });
   };
-  for (int tries = 0; tries < 15'000 && !all_goes_on(); ++tries) {
-    if (auto good = look(); !good) return tl::unexpected(good.error());
-    std::this_thread::sleep_for(milliseconds(2));
-  }
-  if (!all_goes_on()) return fail("no new frame came over good links");
+  Result<void> good;
+  if (!wait_until([&] { return !(good = look()) || all_go_on(); }))
+    return fail("no new frame came over good links");
+  if (!good) return tl::unexpected(good.error());
   if (const auto error = publisher->end()) return tl::unexpected(*error);
   std::uint64_t shown = 0;
   for (const auto& watcher : watchers) shown += watcher->shown();

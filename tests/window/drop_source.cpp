@@ -3,12 +3,12 @@
 #include <chrono>
 #include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <fmt/format.h>
+#include <poll.h>
 
 namespace pointreel::window {
 namespace {
@@ -89,7 +89,8 @@ class Drag {
         if (event.type == ClientMessage && event.xclient.message_type == wanted)
           return event.xclient;
       }
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      pollfd waiting{ConnectionNumber(display_), POLLIN, 0};
+      ::poll(&waiting, 1, 100);
     }
     return std::nullopt;
   }

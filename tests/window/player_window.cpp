@@ -9,9 +9,6 @@
 namespace pointreel::window {
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::steady_clock;
-
 std::vector<std::string> arguments(const PlayerWindow::Options& options) {
   std::vector<std::string> all = {"play"};
   all.insert(all.end(), options.arguments.begin(), options.arguments.end());
@@ -35,15 +32,6 @@ std::string content(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-bool wait_until(const std::function<bool()>& holds, milliseconds limit) {
-  const auto deadline = steady_clock::now() + limit;
-  while (!holds()) {
-    if (steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  return true;
-}
 
 PlayerWindow::PlayerWindow(VirtualDisplay& display, const Options& options)
     : display_(display),
@@ -94,8 +82,9 @@ void PlayerWindow::press(glm::ivec2 pixel, int button) {
 void PlayerWindow::release(int button) { display_.xdotool({"mouseup", std::to_string(button)}); }
 
 void PlayerWindow::click(glm::ivec2 pixel, int button) {
-  // As slowly as a hand: a button that is left before the next picture was not pressed.
-  constexpr milliseconds kHand{80};
+  // A button counts as pressed only if the mouse is on it in one picture and pressed in another,
+  // and nothing outside the player tells when it has drawn those. So this is as slow as a hand.
+  constexpr std::chrono::milliseconds kHand{80};
   move_to(pixel);
   std::this_thread::sleep_for(kHand);
   press(pixel, button);

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 #include "pointreel/error.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
+#include "tests/wait.h"
 #include "tests/window/virtual_display.h"
 
 namespace pointreel::window {
@@ -74,9 +74,13 @@ class PlayerWindow {
   int exit_code_ = -1;
 };
 
-/// Looks every few milliseconds; false if that does not come to hold within a minute.
-bool wait_until(const std::function<bool()>& holds,
-                std::chrono::milliseconds limit = std::chrono::seconds(60));
+/// As pointreel::wait_until, but with longer pauses: looking at the display takes processor time
+/// that the player needs to draw.
+template <class Condition>
+bool wait_until(Condition&& condition,
+                std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
+  return pointreel::wait_until(condition, timeout, std::chrono::milliseconds(5));
+}
 
 /// What there is to see once it has been the same for `time`, and `good`; nothing if it does not
 /// come to that within a minute.

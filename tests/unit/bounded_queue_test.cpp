@@ -1,7 +1,7 @@
 #include "common/base/bounded_queue.h"
 
 #include <atomic>
-#include <chrono>
+#include <latch>
 #include <memory>
 #include <numeric>
 #include <thread>
@@ -51,17 +51,28 @@ TEST(BoundedQueue, NeverHoldsMoreThanItsCapacityAndLosesNothing) {
 }
 
 TEST(BoundedQueue, ClosingEndsTheWaitOfAReaderAndOfAWriter) {
-  BoundedQueue<int> empty(1), full(1);
-  full.push(1);
-  std::thread reader([&] { EXPECT_EQ(empty.pop(), std::nullopt); });
-  std::thread writer([&] { EXPECT_FALSE(full.push(2)); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  empty.close();
-  full.close();
-  reader.join();
-  writer.join();
-  EXPECT_EQ(full.pop(), 1) << "what was inside when it was closed can still be taken";
-  EXPECT_EQ(full.pop(), std::nullopt);
+  // Often enough that a queue is closed before, while and after its thread begins to wait.
+  for (int round = 0; round < 200; ++round) {
+    BoundedQueue<int> empty(1), full(1);
+    full.push(1);
+    std::latch here(3);
+    std::thread reader([&] {
+      here.arrive_and_wait();
+      EXPECT_EQ(empty.pop(), std::nullopt);
+    });
+    std::thread writer([&] {
+      here.arrive_and_wait();
+      EXPECT_FALSE(full.push(2));
+    });
+    here.arrive_and_wait();
+    for (int i = 0; i < round; ++i) std::this_thread::yield();
+    empty.close();
+    full.close();
+    reader.join();
+    writer.join();
+    ASSERT_EQ(full.pop(), 1) << "what was inside when it was closed can still be taken";
+    ASSERT_EQ(full.pop(), std::nullopt);
+  }
 }
 
 }  // namespace

@@ -1,17 +1,16 @@
 #include "client/ui/controls.h"
 
 #include <memory>
-#include <thread>
 
 #include <gmock/gmock.h>
 
 #include "client/ui/time_text.h"
 #include "tests/unit/packed_reel.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
 
-using std::chrono::milliseconds;
 using testing::HasSubstr;
 
 /// Controls of a reel of twenty frames, ten a second, whose time stands still between calls.
@@ -26,7 +25,7 @@ class ControlsTest : public PackTest {
     stage_ = *std::move(stage);
     controls_.begin(stage_.get(), [this] { return home_for(stage_->bounds(), 'y'); });
     // Time stands still until the first frame is there.
-    for (int i = 0; i < 30'000 && !started(); ++i) std::this_thread::sleep_for(milliseconds(1));
+    ASSERT_TRUE(wait_until([&] { return started(); }));
     act(Action::toggle_play);
     ASSERT_FALSE(reel().playing());
   }

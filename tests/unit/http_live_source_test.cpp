@@ -15,12 +15,12 @@
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "tests/unit/scripted_http_server.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::HasSubstr;
 
 constexpr auto kLong = std::chrono::milliseconds(60'000);
 
@@ -187,10 +187,7 @@ TEST(HttpLiveSource, AsksOnlyWhetherTheManifestHasChanged) {
   stage.publish_segment();
   const auto source = open(stage.url());
   ASSERT_TRUE(await(*source, 1));
-  const auto limit = std::chrono::steady_clock::now() + kLong;
-  while (stage.not_modified == 0 && std::chrono::steady_clock::now() < limit)
-    std::this_thread::sleep_for(1ms);
-  EXPECT_GT(stage.not_modified, 0);
+  EXPECT_TRUE(wait_until([&] { return stage.not_modified > 0; }));
 }
 
 TEST(HttpLiveSource, BeginsAnewWithAnotherPublisher) {
@@ -212,13 +209,11 @@ TEST(HttpLiveSource, SaysThatThePublisherHasGoneOrIsNotThere) {
   const auto source = open(stage.url());
   ASSERT_TRUE(await(*source, 1));
   const auto hears = [&](const char* what) {
-    const auto limit = std::chrono::steady_clock::now() + kLong;
     std::string said;
-    while (said.find(what) == std::string::npos && std::chrono::steady_clock::now() < limit) {
-      std::this_thread::sleep_for(1ms);
+    EXPECT_TRUE(wait_until([&] {
       said = source->trouble().value_or("");
-    }
-    EXPECT_THAT(said, HasSubstr(what));
+      return said.find(what) != std::string::npos;
+    })) << said;
   };
   stage.end();
   hears("has gone");

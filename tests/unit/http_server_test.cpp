@@ -245,6 +245,7 @@ TEST_F(HttpServerTest, understands_requests_that_come_byte_by_byte) {
   for (int round = 0; round < 3; ++round) {
     for (const char c : request) {
       ASSERT_TRUE(client.send(std::string_view(&c, 1)));
+      // Bytes that arrive together are read together, and nothing tells when one has been read.
       std::this_thread::sleep_for(100us);
     }
     const Answer answer = client.read_answer();

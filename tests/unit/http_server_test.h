@@ -1,13 +1,10 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -16,6 +13,7 @@
 #include "server/serve/http_server.h"
 #include "tests/unit/raw_http_client.h"
 #include "tests/unit/served_package.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 
@@ -42,15 +40,6 @@ class HttpServerTest : public testing::Test {
     return RawHttpClient(port()).get(target, fields);
   }
 
-  /// Waits, within bounds, for what other threads bring about.
-  static bool soon(const std::function<bool()>& holds) {
-    for (const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-         std::chrono::steady_clock::now() < end;) {
-      if (holds()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return holds();
-  }
   static std::size_t open_descriptors() {
     std::size_t count = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))

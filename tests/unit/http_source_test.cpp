@@ -16,6 +16,7 @@
 #include "pointreel/chunks.h"
 #include "tests/unit/scripted_http_server.h"
 #include "tests/unit/small_package.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
@@ -262,17 +263,11 @@ TEST(HttpSource, SaysWhatIsWrongUntilItHasPassed) {
   EXPECT_EQ((*source)->trouble(), std::nullopt);
   std::thread fetcher([&] { EXPECT_TRUE((*source)->fetch(0, {})); });
   std::optional<std::string> trouble;
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!trouble && std::chrono::steady_clock::now() < limit) {
-    std::this_thread::sleep_for(milliseconds(1));
-    trouble = (*source)->trouble();
-  }
+  wait_until([&] { return (trouble = (*source)->trouble()).has_value(); });
   EXPECT_EQ(trouble, server.url().substr(7) + ": the server answers 503; trying again");
   well = true;
   fetcher.join();
-  while ((*source)->trouble() && std::chrono::steady_clock::now() < limit)
-    std::this_thread::sleep_for(milliseconds(1));
-  EXPECT_EQ((*source)->trouble(), std::nullopt);
+  EXPECT_TRUE(wait_until([&] { return !(*source)->trouble(); }));
 }
 
 TEST(HttpSource, DoesNotWaitForeverForASilentServer) {
@@ -321,10 +316,11 @@ TEST(HttpSource, FetchesTheLayersOfAFrameAtTheSameTime) {
 }
 
 TEST(HttpSource, FailsAtOnceAfterCancel) {
-  ScriptedHttpServer server(serving([](int, const std::string&) { return true; }));
+  std::atomic<bool> asked{false};
+  ScriptedHttpServer server(serving([&](int, const std::string&) { return asked = true; }));
   auto source = open_source(server.url() + "/reel", patient());
   std::thread canceller([&] {
-    std::this_thread::sleep_for(milliseconds(50));
+    EXPECT_TRUE(wait_until([&] { return asked.load(); }));
     (*source)->cancel();
   });
   EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("cancelled"));
@@ -349,7 +345,7 @@ TEST(HttpSource, StopsOneFetchAndNotTheOthers) {
     request.stop = stop.get_token();
     EXPECT_THAT((*source)->fetch(0, request).error().message, HasSubstr("cancelled"));
   });
-  while (!asked) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_TRUE(wait_until([&] { return asked.load(); }));
   EXPECT_TRUE((*source)->fetch(1, {}));
   stop.request_stop();
   fetcher.join();
@@ -358,11 +354,12 @@ TEST(HttpSource, StopsOneFetchAndNotTheOthers) {
 
 TEST(HttpSource, KeepsTheConnectionOfAStoppedFetchIfLittleIsMissing) {
   std::atomic<int> asked{0};
+  std::atomic<bool> given_up{false};
   std::stop_source stop;
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
     if (++asked == 1) {
       stop.request_stop();
-      std::this_thread::sleep_for(milliseconds(20));
+      EXPECT_TRUE(wait_until([&] { return given_up.load(); }));
     }
     return serve_range(socket, head);
   }));
@@ -371,6 +368,7 @@ TEST(HttpSource, KeepsTheConnectionOfAStoppedFetchIfLittleIsMissing) {
   FetchRequest request{1, false, false};
   request.stop = stop.get_token();
   EXPECT_THAT((*source)->fetch(0, request).error().message, HasSubstr("cancelled"));
+  given_up = true;
   // While the answer is still coming a second connection may be made, but no more than that.
   for (int i = 0; i < 5; ++i) EXPECT_TRUE((*source)->fetch(1, {1, false, false}));
   EXPECT_LE(server.connections, 2);

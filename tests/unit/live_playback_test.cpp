@@ -14,6 +14,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "tests/unit/live_frames.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
@@ -58,7 +59,9 @@ class FakeLiveSource : public LiveSource {
   }
   std::optional<LiveFrame> next(milliseconds timeout) override {
     std::unique_lock lock(mutex_);
+    idle_ = frames_.empty();
     changed_.wait_for(lock, timeout, [this] { return cancelled_ || !frames_.empty(); });
+    idle_ = false;
     if (frames_.empty()) return std::nullopt;
     LiveFrame frame = std::move(frames_.front());
     frames_.pop_front();
@@ -85,13 +88,18 @@ class FakeLiveSource : public LiveSource {
     }
     changed_.notify_all();
   }
+  /// Whether the playback has dealt with every frame that was pushed and waits for another one.
+  bool idle() const {
+    const std::lock_guard lock(mutex_);
+    return idle_ && frames_.empty();
+  }
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<LiveHello> hello_;
   std::deque<LiveFrame> frames_;
-  bool cancelled_ = false;
+  bool cancelled_ = false, idle_ = false;
 };
 
 /// Of a stream whose z points up.
@@ -117,12 +125,7 @@ struct LiveTest : testing::Test {
   /// The first update for which this is so.
   Playback::Update update_until(const std::function<bool(const Playback::Update&)>& done) {
     Playback::Update update;
-    for (int i = 0; i < 60'000; ++i) {
-      update = playback->update({});
-      if (done(update)) return update;
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    ADD_FAILURE() << "it never came";
+    EXPECT_TRUE(wait_until([&] { return done(update = playback->update({})); }));
     return update;
   }
   Playback::Update wait_for(std::uint32_t number) {
@@ -142,10 +145,8 @@ TEST_F(LiveTest, StandsStillWhilePausedAndGoesOnWithTheNewest) {
   source->push(live_frame(1, 100));
   const auto first = wait_for(1).frame;  // there is nothing to stand still at before
   for (std::uint32_t number = 2; number < 6; ++number) source->push(live_frame(number, 100));
-  for (int i = 0; i < 50; ++i) {
-    EXPECT_EQ(playback->update({}).frame, first);
-    std::this_thread::sleep_for(milliseconds(1));
-  }
+  EXPECT_TRUE(wait_until([&] { return source->idle(); }));
+  EXPECT_EQ(playback->update({}).frame, first);
   playback->play();
   EXPECT_TRUE(playback->playing());
   source->push(live_frame(9, 100));

@@ -2,11 +2,9 @@
 
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -19,13 +17,13 @@
 #include "tests/temporary_folder.h"
 #include "tests/unit/live_frames.h"
 #include "tests/unit/raw_http_client.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
-using Clock = std::chrono::steady_clock;
 using Kind = WebSocket::Kind;
 
 constexpr const char* kUpgrade =
@@ -83,13 +81,6 @@ class LiveServerTest : public testing::TestWithParam<bool> {
         (*message)->kind == Kind::text ? LiveMessage::Kind::text : LiveMessage::Kind::binary;
     return brief({kind, std::make_shared<const Bytes>(std::move((*message)->bytes))});
   }
-  static bool soon(const std::function<bool()>& holds) {
-    for (const auto end = Clock::now() + 60s; Clock::now() < end;) {
-      if (holds()) return true;
-      std::this_thread::sleep_for(5ms);
-    }
-    return holds();
-  }
   StreamStatistics statistics() const {
     const auto all = relay_.statistics();
     return all.empty() ? StreamStatistics() : all.front();
@@ -109,7 +100,7 @@ TEST_P(LiveServerTest, carries_what_a_publisher_sends_to_all_viewers) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
   std::vector<std::unique_ptr<WebSocket>> viewers;
   for (int i = 0; i < 3; ++i) {
     viewers.push_back(connected("/live/stage"));
@@ -127,8 +118,8 @@ TEST_P(LiveServerTest, carries_what_a_publisher_sends_to_all_viewers) {
   publisher->close();
   for (const auto& viewer : viewers) EXPECT_EQ(next(*viewer), "end");
   viewers.clear();
-  EXPECT_TRUE(soon([&] { return statistics().viewers == 0; }));
-  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+  EXPECT_TRUE(wait_until([&] { return statistics().viewers == 0; }));
+  EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
 }
 
 TEST_P(LiveServerTest, says_404_where_there_is_no_stream) {
@@ -150,7 +141,7 @@ TEST_P(LiveServerTest, lets_view_and_publish_whom_the_tokens_say) {
   }
   const auto publisher = connected("/live/stage?publish", "show");
   ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
   EXPECT_EQ(connect("/live/stage", "show").error().status, 401) << "the rights are apart";
   EXPECT_EQ(connect("/live/stage").error().status, 401);
   const auto viewer = connected("/live/stage", "look");
@@ -162,14 +153,14 @@ TEST_P(LiveServerTest, tells_a_publisher_why_it_is_ended) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
   const auto second = connected("/live/stage?publish");
   ASSERT_TRUE(second && say_hello(*second, 2));
   EXPECT_THAT(next(*second), HasSubstr("stage"));
   const Bytes nonsense(100, 7);
   ASSERT_TRUE(publisher->send(nonsense, Kind::binary));
   EXPECT_THAT(next(*publisher), testing::Not(HasSubstr("nothing")));
-  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+  EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
   EXPECT_FALSE(statistics().publishing);
 }
 
@@ -192,7 +183,7 @@ TEST_P(LiveServerTest, lets_a_viewer_that_stalls_delay_nobody) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
   WebSocketOptions lazy;
   lazy.ca_file = certificate_.certificate;
   lazy.max_waiting = 1;
@@ -204,7 +195,7 @@ TEST_P(LiveServerTest, lets_a_viewer_that_stalls_delay_nobody) {
   const auto prompt = connected("/live/stage");
   ASSERT_TRUE(prompt);
   EXPECT_EQ(next(*prompt), "hello");
-  ASSERT_TRUE(soon([&] { return statistics().viewers == 2; }));
+  ASSERT_TRUE(wait_until([&] { return statistics().viewers == 2; }));
   for (std::uint32_t frame = 0; frame < 60; ++frame) {
     ASSERT_TRUE(send(*publisher, layer_message(frame, 0, 1, 500'000)));
     ASSERT_EQ(next(*prompt), std::to_string(frame) + ".0");
@@ -225,9 +216,10 @@ TEST_P(LiveServerTest, gives_up_peers_without_a_sign_of_life) {
   // By the time this one is given up, the other has been silent for longer.
   RawHttpClient silent(server_->port());
   EXPECT_EQ(silent.get("/live/stage?publish", kUpgrade).status, 101);
-  EXPECT_TRUE(soon([&] { return server_->connection_count() == 1; }));
+  EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 1; }));
   EXPECT_TRUE(send(*answering, layer_message(0, 0)));
-  EXPECT_TRUE(soon([&] { return statistics().frames == 1 || relay_.statistics().size() == 2; }));
+  EXPECT_TRUE(
+      wait_until([&] { return statistics().frames == 1 || relay_.statistics().size() == 2; }));
   EXPECT_EQ(server_->connection_count(), 1u) << "it answers pings, if it says nothing else";
 }
 
@@ -261,7 +253,7 @@ TEST_P(LiveServerTest, outlives_hostile_frames) {
     hostile.send(frame);
     hostile.end_sending();
   }
-  EXPECT_TRUE(soon([&] { return server_->connection_count() == 0; }));
+  EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
   EXPECT_EQ(RawHttpClient(server_->port())
                 .get("/live/stage?publish", "Connection: Upgrade\r\nUpgrade: websocket\r\n")
                 .status,
@@ -273,7 +265,7 @@ TEST_P(LiveServerTest, ends_at_once_with_sessions_open) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(soon([&] { return statistics().publishing; }));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
   const auto viewer = connected("/live/stage");
   ASSERT_TRUE(viewer);
   EXPECT_EQ(next(*viewer), "hello");

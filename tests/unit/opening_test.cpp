@@ -3,7 +3,6 @@
 #include <atomic>
 #include <chrono>
 #include <fstream>
-#include <functional>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -13,20 +12,13 @@
 #include "tests/temporary_folder.h"
 #include "tests/unit/packed_reel.h"
 #include "tests/unit/scripted_http_server.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
 
 using std::chrono::milliseconds;
 using testing::HasSubstr;
-
-void eventually(const std::function<bool()>& done) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!done()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-}
 
 Camera looking(const Box& bounds, char up) {
   Camera camera;
@@ -47,7 +39,7 @@ class OpeningTest : public testing::Test {
   /// The stage, or null with `error_`.
   std::unique_ptr<Stage> wait(Opening& opening) {
     std::optional<Opening::Opened> opened;
-    eventually([&] { return (opened = opening.poll()).has_value(); });
+    EXPECT_TRUE(wait_until([&] { return (opened = opening.poll()).has_value(); }));
     if (!opened) return nullptr;
     EXPECT_FALSE(opening.poll()) << "once";
     if (*opened) return std::move(**opened);
@@ -66,10 +58,10 @@ TEST_F(OpeningTest, GivesTheStageWhenItIsThere) {
   ASSERT_TRUE(stage) << error_;
   EXPECT_EQ(stage->size(), 1u);
   EXPECT_FALSE(stage->bounds().empty());
-  eventually([&] {
+  EXPECT_TRUE(wait_until([&] {
     stage->update(std::chrono::steady_clock::now());
     return stage->scene()[0].frame != nullptr;
-  });
+  }));
 }
 
 TEST_F(OpeningTest, GivesTheErrorWhereThereIsNothing) {
@@ -83,7 +75,7 @@ TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
   std::atomic<bool> over{false};
   ScriptedHttpServer server([&](int, const std::string&) {
     ++asked;
-    while (!over) std::this_thread::sleep_for(milliseconds(1));
+    wait_until([&] { return over.load(); });
     return false;
   });
   Stage::Options options;
@@ -97,7 +89,7 @@ TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
           return Camera{};
         },
         nobody);
-    eventually([&] { return asked == 1; });
+    EXPECT_TRUE(wait_until([&] { return asked == 1; }));
     EXPECT_FALSE(opening.poll());
   }
   gone = true;
@@ -107,7 +99,7 @@ TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
 TEST_F(OpeningTest, TellsWhatItWaitsForOnceThatTakesTooLong) {
   std::atomic<bool> over{false};
   ScriptedHttpServer server([&](int, const std::string&) {
-    while (!over) std::this_thread::sleep_for(milliseconds(1));
+    wait_until([&] { return over.load(); });
     return false;
   });
   Stage::Options options;
@@ -115,7 +107,7 @@ TEST_F(OpeningTest, TellsWhatItWaitsForOnceThatTakesTooLong) {
   options.source.open_attempts = 1'000'000;
   {
     Opening opening({{server.url() + "/reel"}}, options, looking, nobody);
-    eventually([&] { return opening.trouble().has_value(); });
+    ASSERT_TRUE(wait_until([&] { return opening.trouble().has_value(); }));
     EXPECT_THAT(*opening.trouble(), HasSubstr("no answer within 0.05 s; trying again"));
     EXPECT_THAT(*opening.trouble(), testing::StartsWith("127.0.0.1:"));
     EXPECT_FALSE(opening.poll());
@@ -124,7 +116,8 @@ TEST_F(OpeningTest, TellsWhatItWaitsForOnceThatTakesTooLong) {
 }
 
 TEST_F(OpeningTest, CallsNothingOnceItIsGone) {
-  // Each of a hundred is given up at another moment.
+  // A hundred openings, each given up a little later than the one before, so that some are caught
+  // in the middle of every call.
   for (int i = 0; i < 100; ++i) {
     auto alive = std::make_unique<std::atomic<bool>>(true);
     const auto* watched = alive.get();
@@ -155,7 +148,7 @@ TEST_F(OpeningTest, StagesAreRetiredWithTheirErrors) {
                   });
   auto stage = wait(opening);
   ASSERT_TRUE(stage) << error_;
-  eventually([&] { return errors > 0; });
+  EXPECT_TRUE(wait_until([&] { return errors > 0; }));
   retire(std::move(stage));
   retired = true;
   retire(nullptr);

@@ -1,12 +1,12 @@
 #include "client/ui/play_statistics.h"
 
 #include <algorithm>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/packed_reel.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
@@ -93,12 +93,11 @@ TEST_F(StatisticsLinesTest, TellWhatIsShownAndWhy) {
   ASSERT_TRUE(stage) << stage.error().message;
   RecentFrames recent;
   EXPECT_THAT(text_of(statistics_lines(**stage, recent, kStart), "Shown"), HasSubstr("0.0"));
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!(*stage)->scene()[0].frame || (*stage)->scene()[0].frame->layers < 2) {
-    ASSERT_LT(std::chrono::steady_clock::now(), end);
+  ASSERT_TRUE(wait_until([&] {
     (*stage)->update(kStart);
-    std::this_thread::sleep_for(milliseconds(1));
-  }
+    const auto& frame = (*stage)->scene()[0].frame;
+    return frame && frame->layers >= 2;
+  }));
   const auto lines = statistics_lines(**stage, recent, kStart);
   EXPECT_EQ(text_of(lines, "Layers"), "2 of 3: no more were asked for");
   EXPECT_THAT(text_of(lines, "Frame"), testing::StartsWith("201 points, "));

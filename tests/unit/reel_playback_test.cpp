@@ -11,6 +11,7 @@
 
 #include "client/source/open_source.h"
 #include "tests/unit/packed_reel.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
@@ -110,13 +111,11 @@ class ReelPlaybackTest : public PackTest {
   ReelPlayback::Update update() { return playback_->update(now_); }
   /// Time stands still until it is as `done` says.
   void until(const std::function<bool(const ReelPlayback::Update&)>& done) {
-    if (HasFatalFailure()) return;  // it was waited for long enough
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (!done(last_ = update())) {
-      ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
-      std::this_thread::sleep_for(milliseconds(1));
+    if (HasFatalFailure()) return;  // this test has waited for long enough
+    ASSERT_TRUE(wait_until([&] {
       now_ += std::chrono::microseconds(1);
-    }
+      return done(last_ = update());
+    }));
   }
   void until_shown(std::uint32_t frame) {
     until([&](const auto& update) { return update.frame && update.frame->index == frame; });

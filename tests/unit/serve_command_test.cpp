@@ -21,13 +21,14 @@
 
 #include "tests/unit/raw_http_client.h"
 #include "tests/unit/served_package.h"
+#include "tests/wait.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using pointreel::wait_until;
 using testing::HasSubstr;
-using Clock = std::chrono::steady_clock;
 
 /// A run of the server's executable; ended, if need be, with the test.
 class ServerProcess {
@@ -92,15 +93,11 @@ class ServerProcess {
   }
   void signal(int number) { ::kill(child_, number); }
   /// The exit code; 128 and the signal's number if one ended it; -1 if it goes on.
-  int exit_code(Clock::duration patience) {
-    for (const auto end = Clock::now() + patience;; std::this_thread::sleep_for(5ms)) {
-      int status = 0;
-      if (::waitpid(child_, &status, WNOHANG) == child_) {
-        child_ = -1;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-      }
-      if (Clock::now() >= end) return -1;
-    }
+  int exit_code() {
+    int status = 0;
+    if (!wait_until([&] { return ::waitpid(child_, &status, WNOHANG) == child_; })) return -1;
+    child_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
 
  private:
@@ -125,7 +122,7 @@ class ServeCommandTest : public testing::Test {
   /// The one line on standard error of a run that must fail with code 1.
   std::string failure_of(const std::vector<std::string>& arguments) {
     ServerProcess server(arguments);
-    EXPECT_EQ(server.exit_code(60s), 1);
+    EXPECT_EQ(server.exit_code(), 1);
     std::string text = server.errors();
     EXPECT_EQ(text.find('\n'), text.size() - 1) << text;
     return text;
@@ -143,9 +140,9 @@ TEST_F(ServeCommandTest, serves_until_it_is_told_to_end_and_ends_at_once) {
     RawHttpClient idle(port), stalled(port, 4096), silent(port);
     EXPECT_EQ(idle.get("/walk/0.base.prs").body, "base");
     stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
-    std::this_thread::sleep_for(50ms);
+    ASSERT_TRUE(stalled.has_something());
     server.signal(number);
-    EXPECT_EQ(server.exit_code(60s), 0) << number;
+    EXPECT_EQ(server.exit_code(), 0) << number;
     EXPECT_TRUE(idle.ends());
     EXPECT_EQ(server.errors(), "");
   }
@@ -158,7 +155,8 @@ TEST_F(ServeCommandTest, outlives_readers_that_leave_in_the_middle) {
   for (int i = 0; i < 50; ++i) {
     RawHttpClient leaving(port);
     leaving.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
-    if (i % 2 == 0) std::this_thread::sleep_for(1ms);
+    if (i % 2 == 1) continue;
+    EXPECT_TRUE(leaving.has_something()) << "every other one leaves after the answer has begun";
   }
   EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
 }
@@ -172,15 +170,13 @@ TEST_F(ServeCommandTest, recovers_from_having_no_descriptor_left) {
     for (int i = 0; i < 60; ++i) many.push_back(std::make_unique<RawHttpClient>(port));
     // The first was accepted while there were some; soon there is none left for its file.
     int status = 200;
-    for (int i = 0; i < 500 && status == 200; ++i, std::this_thread::sleep_for(10ms)) {
-      status = many.front()->get("/walk/0.base.prs").status;
-    }
+    wait_until([&] { return (status = many.front()->get("/walk/0.base.prs").status) != 200; });
     EXPECT_EQ(status, 503);
     EXPECT_EQ(many.front()->get("/walk/reel.json").status, 200);
     const auto is_quiet = [&] {
       const auto before = server.processor_time();
-      std::this_thread::sleep_for(500ms);
-      return server.processor_time() - before < 250ms;
+      std::this_thread::sleep_for(200ms);  // over which the processor time is counted
+      return server.processor_time() - before < 100ms;
     };
     bool quiet = false;
     for (int i = 0; i < 20 && !quiet; ++i) quiet = is_quiet();

@@ -1,9 +1,8 @@
 #include "common/base/stop_signal.h"
 
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <thread>
+#include <stop_token>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,12 +11,13 @@
 
 #include "server/pack/packer.h"
 #include "tests/unit/packed_reel.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
 
 void wait_for(const std::stop_token& stop) {
-  while (!stop.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  wait_until([&] { return stop.stop_requested(); });
 }
 
 /// Packs in a process of its own, which signals itself after the first frame.
@@ -38,7 +38,8 @@ void wait_for(const std::stop_token& stop) {
   kill(getpid(), SIGINT);
   wait_for(stop.token());
   kill(getpid(), SIGINT);
-  std::this_thread::sleep_for(std::chrono::seconds(10));
+  ::alarm(60);
+  ::pause();  // until one of the signals ends the process
   std::_Exit(8);
 }
 

@@ -35,7 +35,7 @@ TEST(TbbExecutor, who_waits_for_jobs_begins_no_other_work) {
       busy = true;
       const auto caller = std::this_thread::get_id();
       tbb_executor()(3, [&](int) {
-        // Whoever helps takes longer than the caller, who then has to wait.
+        // Stands for work. A helper takes longer than the caller, who then has to wait.
         const bool helps = std::this_thread::get_id() != caller;
         std::this_thread::sleep_for(std::chrono::microseconds(helps ? 2000 : 200));
       });

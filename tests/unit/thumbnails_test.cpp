@@ -1,20 +1,17 @@
 #include "client/playback/thumbnails.h"
 
 #include <atomic>
-#include <chrono>
-#include <functional>
 #include <mutex>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
 #include "tests/unit/packed_reel.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
 
-using std::chrono::milliseconds;
 using Frames = std::vector<std::uint32_t>;
 
 /// Tells what is asked for, and lets it through when the test says so.
@@ -30,7 +27,7 @@ class WatchedSource : public Source {
     ++at_once_;
     EXPECT_LE(at_once_, 1);
     EXPECT_EQ(request.layers, 1u);
-    while (!open && !request.stop.stop_requested()) std::this_thread::sleep_for(milliseconds(1));
+    wait_until([&] { return open || request.stop.stop_requested(); });
     --at_once_;
     if (request.stop.stop_requested() || frame == broken) return fail("cannot be had");
     return source_->fetch(frame, request);
@@ -58,16 +55,9 @@ class ThumbnailsTest : public PackTest {
     source_.emplace(*open_source(reel_.string()));
   }
   static std::optional<FetchedFrame> nothing(std::uint32_t) { return std::nullopt; }
-  void eventually(const std::function<bool()>& done) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!done()) {
-      ASSERT_LT(std::chrono::steady_clock::now(), end) << "it never is";
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-  }
   std::shared_ptr<const SceneFrame> wait(Thumbnails& thumbnails, std::uint32_t frame) {
     std::shared_ptr<const SceneFrame> made;
-    eventually([&] { return (made = thumbnails.get(frame)) != nullptr; });
+    EXPECT_TRUE(wait_until([&] { return (made = thumbnails.get(frame)) != nullptr; }));
     return made;
   }
 
@@ -90,10 +80,10 @@ TEST_F(ThumbnailsTest, AreMadeOneAtATimeTheNewestFirst) {
   Thumbnails thumbnails(*source_, nothing);
   source_->open = false;
   thumbnails.get(0);
-  eventually([&] { return source_->asked().size() == 1; });
+  ASSERT_TRUE(wait_until([&] { return source_->asked().size() == 1; }));
   for (const std::uint32_t frame : {3u, 1u, 2u, 3u}) thumbnails.get(frame);
   source_->open = true;
-  eventually([&] { return source_->asked().size() == 4; });
+  ASSERT_TRUE(wait_until([&] { return source_->asked().size() == 4; }));
   EXPECT_EQ(source_->asked(), (Frames{0, 3, 2, 1}));
 }
 
@@ -101,10 +91,10 @@ TEST_F(ThumbnailsTest, ForgetWhatWasPassedLongAgo) {
   Thumbnails thumbnails(*source_, nothing);
   source_->open = false;
   thumbnails.get(0);
-  eventually([&] { return source_->asked().size() == 1; });
+  ASSERT_TRUE(wait_until([&] { return source_->asked().size() == 1; }));
   for (std::uint32_t frame = 1; frame < 12; ++frame) thumbnails.get(frame);
   source_->open = true;
-  eventually([&] { return source_->asked().size() == 9; });
+  ASSERT_TRUE(wait_until([&] { return source_->asked().size() == 9; }));
   wait(thumbnails, 4);
   EXPECT_EQ(source_->asked(), (Frames{0, 11, 10, 9, 8, 7, 6, 5, 4}));
 }
@@ -148,8 +138,7 @@ TEST_F(ThumbnailsTest, AreNotBegunWhileItIsToBeQuiet) {
   Thumbnails thumbnails(*source_, nothing);
   thumbnails.set_quiet(true);
   thumbnails.get(1);
-  std::this_thread::sleep_for(milliseconds(20));
-  EXPECT_EQ(source_->asked(), Frames{});
+  EXPECT_FALSE(wait_until([&] { return !source_->asked().empty(); }, kMoment));
   thumbnails.set_quiet(false);
   wait(thumbnails, 1);
 }
@@ -158,7 +147,7 @@ TEST_F(ThumbnailsTest, AreNotAskedForAgainIfTheyCannotBeHad) {
   source_->broken = 6;
   Thumbnails thumbnails(*source_, nothing);
   thumbnails.get(6);
-  eventually([&] { return thumbnails.bytes() > 0; });
+  ASSERT_TRUE(wait_until([&] { return thumbnails.bytes() > 0; }));
   for (int i = 0; i < 20; ++i) EXPECT_EQ(thumbnails.get(6), nullptr);
   wait(thumbnails, 5);
   EXPECT_EQ(source_->asked(), (Frames{6, 5}));
@@ -169,7 +158,7 @@ TEST_F(ThumbnailsTest, EndWhileOneIsBeingFetched) {
   Thumbnails thumbnails(*source_, nothing);
   thumbnails.get(0);
   thumbnails.get(1);
-  eventually([&] { return source_->asked().size() == 1; });
+  ASSERT_TRUE(wait_until([&] { return source_->asked().size() == 1; }));
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // Frames of several layers, and the time dragged.
 
+#include <algorithm>
 #include <chrono>
+#include <compare>
+#include <map>
 #include <ostream>
-#include <thread>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -68,12 +71,10 @@ TEST(FrameBuffer, AsksForALevelThatCannotBeHadOnlyOnce) {
   EXPECT_EQ(request.level, 10);
   buffer.deliver(request, picture_at(0, 7));
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
-  std::thread closer([&] {
-    std::this_thread::sleep_for(milliseconds(5));
-    buffer.close();
-  });
-  EXPECT_FALSE(buffer.next_fetch());
-  closer.join();
+  Fetcher fetcher(buffer);
+  EXPECT_TRUE(fetcher.waits());
+  buffer.close();
+  EXPECT_FALSE(fetcher.job());
 }
 
 /// Three layers down to levels 7, 9 and 10, over a network.
@@ -104,21 +105,94 @@ Asked fetch(FrameBuffer& buffer) {
   return asked(*job);
 }
 
+struct FrameLayer {
+  std::uint32_t frame, layer;
+  auto operator<=>(const FrameLayer&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const FrameLayer& one) {
+  return out << one.frame << '.' << one.layer;
+}
+
+using FrameLayers = std::set<FrameLayer>;
+
+/// All three layers of these frames.
+FrameLayers whole(std::uint32_t first, std::uint32_t last) {
+  FrameLayers layers;
+  for (std::uint32_t frame = first; frame <= last; ++frame)
+    for (const std::uint32_t layer : {0u, 1u, 2u}) layers.insert({frame, layer});
+  return layers;
+}
+
+/// In which order layers were asked for, however they were joined into jobs.
+class Turns {
+ public:
+  void add(const FetchJob& job) {
+    for (std::uint32_t layer = job.first; layer < job.last; ++layer)
+      EXPECT_TRUE(turns_.try_emplace({job.frame, layer}, jobs_).second)
+          << FrameLayer{job.frame, layer} << " is asked for twice";
+    ++jobs_;
+  }
+  int jobs() const { return jobs_; }
+  bool include(const FrameLayers& layers) const {
+    return std::ranges::all_of(layers, [&](FrameLayer one) { return turns_.contains(one); });
+  }
+  FrameLayers layers() const {
+    FrameLayers layers;
+    for (const auto& [layer, turn] : turns_) layers.insert(layer);
+    return layers;
+  }
+  /// Which job, counted from 0, brings this layer of the frame; none: -1.
+  int of(std::uint32_t frame, std::uint32_t layer) const {
+    const auto found = turns_.find({frame, layer});
+    return found == turns_.end() ? -1 : found->second;
+  }
+
+ private:
+  int jobs_ = 0;
+  std::map<FrameLayer, int> turns_;
+};
+
+/// Asks for jobs, as many fetching threads would at the same time, until these layers are on their
+/// way.
+Turns ask_for(FrameBuffer& buffer, const FrameLayers& layers) {
+  Turns turns;
+  while (!turns.include(layers) && turns.jobs() < 100) turns.add(*buffer.next_fetch());
+  return turns;
+}
+
+/// The same as a single thread would, which gets each job's layers before it asks for the next one.
+Turns fetch(FrameBuffer& buffer, const FrameLayers& layers) {
+  Turns turns;
+  while (!turns.include(layers) && turns.jobs() < 100) {
+    const auto job = buffer.next_fetch();
+    buffer.fetched(*job, layers_of(*job), 1.0);
+    turns.add(*job);
+  }
+  return turns;
+}
+
 TEST(FrameBuffer, AsksForBasesOfWhatIsNearThenForTheirRestsThenForWhatIsFurtherAhead) {
-  FrameBuffer buffer(layered(100, 1));
-  std::vector<Asked> jobs;
-  for (int i = 0; i < 7; ++i) jobs.push_back(asked(*buffer.next_fetch()));
-  EXPECT_EQ(jobs,
-            (std::vector<Asked>{
-                {0, 0, 1}, {0, 1, 3}, {1, 0, 1}, {1, 1, 3}, {2, 0, 3}, {3, 0, 3}, {4, 0, 3}}));
+  FrameBuffer buffer(layered(100, 1));  // frames 0 and 1 are near; 2 to 4 are fetched, too
+  const Turns turns = ask_for(buffer, whole(0, 4));
+  EXPECT_EQ(turns.layers(), whole(0, 4));
+  EXPECT_EQ(turns.of(0, 0), 0) << "the base of the playhead's frame";
+  for (const std::uint32_t near : {0u, 1u}) {
+    EXPECT_LT(turns.of(near, 0), turns.of(near, 1)) << "a base comes by itself: " << near;
+    for (const std::uint32_t layer : {0u, 1u, 2u})
+      EXPECT_LT(turns.of(near, layer), turns.of(2, 0)) << near << ", layer " << layer;
+  }
+  for (const std::uint32_t ahead : {2u, 3u}) EXPECT_LT(turns.of(ahead, 2), turns.of(ahead + 1, 0));
 }
 
 TEST(FrameBuffer, DoesNotRefineWhatIsAboutToPass) {
   FrameBuffer buffer(layered(100, 1));
   buffer.set_pace({4, 1, true, false});
-  std::vector<Asked> jobs;
-  for (int i = 0; i < 3; ++i) jobs.push_back(asked(*buffer.next_fetch()));
-  EXPECT_EQ(jobs, (std::vector<Asked>{{0, 0, 1}, {1, 0, 1}, {1, 1, 3}}));
+  FrameLayers all_but_the_rest_of_0 = whole(1, 4);
+  all_but_the_rest_of_0.insert({0, 0});
+  const Turns turns = ask_for(buffer, all_but_the_rest_of_0);
+  EXPECT_EQ(turns.layers(), all_but_the_rest_of_0);
+  EXPECT_EQ(turns.of(0, 0), 0);
 }
 
 TEST(FrameBuffer, DoesNothingElseBeforeTheFrameThatIsWaitedForIsWhole) {
@@ -127,25 +201,19 @@ TEST(FrameBuffer, DoesNothingElseBeforeTheFrameThatIsWaitedForIsWhole) {
   const auto base = buffer.next_fetch(), rest = buffer.next_fetch();
   EXPECT_EQ(asked(*base), (Asked{0, 0, 1}));
   EXPECT_EQ(asked(*rest), (Asked{0, 1, 3}));
-  std::atomic<bool> asked_more{false};
-  std::thread fetcher([&] {
-    buffer.next_fetch();
-    asked_more = true;
-  });
-  std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_FALSE(asked_more);
+  Fetcher fetcher(buffer);
+  EXPECT_TRUE(fetcher.waits());
   buffer.fetched(*base, layers_of(*base), 1.0);
   buffer.fetched(*rest, layers_of(*rest), 1.0);
   buffer.deliver(*buffer.next_wanted(), picture_at(0, kWholeFrame));
-  fetcher.join();
-  EXPECT_TRUE(asked_more);
+  EXPECT_EQ(fetcher.job()->frame, 1u);
 }
 
 TEST(FrameBuffer, FetchesOnlyTheLayersThatAreSeenAndRefinesWithTheOthersAlone) {
   FrameBuffer buffer(layered(100, 0));
   buffer.set_level(8);
-  EXPECT_EQ(fetch(buffer), (Asked{0, 0, 1}));
-  EXPECT_EQ(fetch(buffer), (Asked{0, 1, 2}));
+  const FrameLayers seen = {{0, 0}, {0, 1}};
+  EXPECT_EQ(fetch(buffer, seen).layers(), seen);
   buffer.set_level(10);
   EXPECT_EQ(fetch(buffer), (Asked{0, 2, 3}));
   const auto request = buffer.next_wanted();
@@ -205,7 +273,7 @@ TEST(FrameBuffer, KeepsTheFinerPictureWhenTheCoarserOneIsReadyAfterIt) {
 
 TEST(FrameBuffer, FetchesNothingTwiceForWhoComesBack) {
   FrameBuffer buffer(layered(100, 1));
-  for (int i = 0; i < 7; ++i) fetch(buffer);  // frames 0 to 4, whole
+  fetch(buffer, whole(0, 4));
   buffer.seek(50);
   EXPECT_EQ(fetch(buffer), (Asked{50, 0, 1}));
   buffer.seek(1, -1);
@@ -268,8 +336,8 @@ TEST(FrameBuffer, TakesTheLayersThatAreChosen) {
   choice = {2, true, true};
   buffer.choice_changed();
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
-  EXPECT_EQ(fetch(buffer), (Asked{0, 0, 1})) << "for its normals";
-  EXPECT_EQ(fetch(buffer), (Asked{0, 1, 2}));
+  const FrameLayers missing = {{0, 0}, {0, 1}};
+  EXPECT_EQ(fetch(buffer, missing).layers(), missing) << "the base again, for its normals";
   EXPECT_EQ(buffer.next_wanted()->layers, 2u);
 }
 
@@ -285,32 +353,27 @@ TEST(FrameBuffer, AsksForTheBaseUnderTheCursorAloneWhileScrubbing) {
   EXPECT_EQ(request->layers, 1u);
   buffer.deliver(*request, picture_at(40, 7));
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
-  std::atomic<bool> asked_more{false};
-  std::thread fetcher([&] {
-    if (const auto job = buffer.next_fetch()) asked_more = job->frame == 40;
-  });
-  std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_FALSE(asked_more);
+  Fetcher fetcher(buffer);
+  EXPECT_TRUE(fetcher.waits());
   buffer.seek(40);
-  fetcher.join();
-  EXPECT_TRUE(asked_more) << "released, it is refined";
+  EXPECT_EQ(fetcher.job()->frame, 40u) << "once the button is released, the frame is refined";
 }
 
 TEST(FrameBuffer, AsksForTheBasesBesideTheCursorOnceItsOwnIsThere) {
   FrameBuffer buffer(layered(100, 1));
-  const auto next = [&](int count) {
-    std::vector<Asked> jobs;
-    for (int i = 0; i < count; ++i) jobs.push_back(fetch(buffer));
-    return jobs;
-  };
   buffer.scrub(10);
-  EXPECT_EQ(next(4), (std::vector<Asked>{{10, 0, 1}, {11, 0, 1}, {12, 0, 1}, {9, 0, 1}}));
+  const FrameLayers around = {{9, 0}, {10, 0}, {11, 0}, {12, 0}};
+  const Turns turns = fetch(buffer, around);
+  EXPECT_EQ(turns.layers(), around);
+  EXPECT_EQ(turns.of(10, 0), 0);
+  EXPECT_LT(turns.of(11, 0), turns.of(9, 0)) << "a drag goes forward at first";
   const auto request = buffer.next_wanted();
   EXPECT_EQ(request->frame, 10u);
   buffer.deliver(*request, picture_at(10, 7));
   buffer.scrub(9);
   EXPECT_EQ(buffer.next_wanted()->frame, 9u) << "it is there already";
-  EXPECT_EQ(next(2), (std::vector<Asked>{{8, 0, 1}, {7, 0, 1}})) << "where it goes";
+  const FrameLayers before = {{7, 0}, {8, 0}};
+  EXPECT_EQ(fetch(buffer, before).layers(), before) << "where the drag goes now";
 }
 
 TEST(FrameBuffer, LeavesTheLinkToTheBaseUnderTheCursor) {
@@ -326,11 +389,10 @@ TEST(FrameBuffer, LeavesTheLinkToTheBaseUnderTheCursor) {
   buffer.scrub(12);
   for (const FetchJob& job : beside)
     EXPECT_FALSE(job.stop.stop_requested()) << "one is what is waited for: " << job.frame;
-  std::optional<FetchJob> more;
-  std::thread fetcher([&] { more = buffer.next_fetch(); });
+  Fetcher fetcher(buffer);
+  EXPECT_TRUE(fetcher.waits()) << "two were enough";
   buffer.scrub(30);
-  fetcher.join();
-  EXPECT_EQ(asked(*more), (Asked{30, 0, 1})) << "two were enough";
+  EXPECT_EQ(asked(*fetcher.job()), (Asked{30, 0, 1}));
   for (const FetchJob& job : beside)
     EXPECT_EQ(job.stop.stop_requested(), job.frame != 12) << "where the cursor was: " << job.frame;
 }
@@ -386,17 +448,14 @@ TEST(FrameBuffer, ShowsNothingOfADragAfterItsEndButTheFrameItEndedAt) {
   EXPECT_EQ(buffer.best(), nullptr);
 }
 
-// Backward.
-
 TEST(FrameBuffer, SaysHowFullItIs) {
   FrameBuffer buffer(layered(100, 2));
   EXPECT_EQ(buffer.fill().fetched, 0u);
   EXPECT_EQ(buffer.fill().window, 5u);
   EXPECT_EQ(buffer.fill().ahead, 3u);
-  fetch(buffer);  // the base of 0
+  fetch(buffer, {{0, 0}});
   EXPECT_EQ(buffer.fill().fetched, 1u);
-  fetch(buffer);
-  fetch(buffer);  // the base of 1
+  fetch(buffer, {{1, 0}});
   EXPECT_EQ(buffer.fill().fetched, 2u);
   buffer.deliver(*buffer.next_wanted(), picture(0));
   EXPECT_EQ(buffer.fill().made, 1u);

@@ -1,17 +1,18 @@
 #include "tests/unit/frame_buffer_test.h"
 
-#include <atomic>
 #include <chrono>
 #include <random>
 #include <thread>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace pointreel {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::UnorderedElementsAre;
 
 TEST(FrameBuffer, AsksForThePlayheadFirstAndThenAhead) {
   FrameBuffer buffer(options(100, 3, false));
@@ -22,15 +23,10 @@ TEST(FrameBuffer, AsksForThePlayheadFirstAndThenAhead) {
 TEST(FrameBuffer, AsksForNothingMoreThanItsWindow) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 3);
-  std::atomic<bool> asked{false};
-  std::thread worker([&] {
-    if (buffer.next_fetch()) asked = true;
-  });
-  std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_FALSE(asked);
+  Fetcher fetcher(buffer);
+  EXPECT_TRUE(fetcher.waits());
   buffer.advance(1);
-  worker.join();
-  EXPECT_TRUE(asked);
+  EXPECT_EQ(fetcher.job()->frame, 3u);
 }
 
 TEST(FrameBuffer, GoesOnAtTheStartWhenLooping) {
@@ -56,7 +52,7 @@ TEST(FrameBuffer, LooksBackwardWhenSeekingBackward) {
 
 TEST(FrameBuffer, DoesNotMakeAFrameTwiceInAReelShorterThanTheWindow) {
   FrameBuffer buffer(options(3, 8, true));
-  EXPECT_EQ(serve(buffer, 3), (Frames{0, 1, 2}));
+  EXPECT_THAT(serve(buffer, 3), UnorderedElementsAre(0u, 1u, 2u));
   for (std::uint32_t pass = 0; pass < 5; ++pass)
     for (std::uint32_t f = 0; f < 3; ++f) {
       buffer.advance(f);
@@ -216,13 +212,16 @@ TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
   random_options.near = 3;
   random_options.store_bytes = 300;
   FrameBuffer buffer(random_options);
+  // Now and then a worker takes a while, so that answers overtake each other and come after jumps.
+  const auto work = [](std::mt19937& random) {
+    if (random() % 4 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+  };
   std::vector<std::thread> workers;
   for (int t = 0; t < 3; ++t) {
     workers.emplace_back([&, t] {
       std::mt19937 random(static_cast<unsigned>(t));
       while (const auto job = buffer.next_fetch()) {
-        if (random() % 4 == 0)
-          std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+        work(random);
         if (job->stop.stop_requested())
           buffer.fetch_stopped(*job);
         else if (random() % 10 == 0)
@@ -234,8 +233,7 @@ TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
     workers.emplace_back([&, t] {
       std::mt19937 random(static_cast<unsigned>(t + 100));
       while (const auto request = buffer.next_wanted()) {
-        if (random() % 4 == 0)
-          std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+        work(random);
         if (random() % 10 == 0)
           buffer.broken(*request, static_cast<std::uint32_t>(random()) % request->layers);
         else
@@ -307,7 +305,7 @@ TEST(FrameBuffer, KeepsAllOfARangeThatIsShorterThanTheWindow) {
   FrameBuffer buffer(options(100, 8, false));
   buffer.set_loop_range(FrameRange{20, 22});
   buffer.seek(21);
-  EXPECT_EQ(serve(buffer, 3), (Frames{21, 22, 20}));
+  EXPECT_THAT(serve(buffer, 3), UnorderedElementsAre(20u, 21u, 22u));
   for (std::uint32_t pass = 0; pass < 3; ++pass)
     for (const std::uint32_t frame : {22u, 20u, 21u}) {
       buffer.advance(frame);
@@ -354,7 +352,7 @@ TEST(FrameBuffer, ShowsTheNewestPassedFrameWhereTheWindowIsAllThatIsPlayed) {
   FrameBuffer buffer(options(100, 8, false));
   buffer.set_loop_range(FrameRange{20, 22});
   buffer.seek(19);
-  EXPECT_EQ(serve(buffer, 3), (Frames{19, 20, 21}));
+  EXPECT_THAT(serve(buffer, 3), UnorderedElementsAre(19u, 20u, 21u));
   for (const std::uint32_t frame : {20u, 21u, 22u}) buffer.advance(frame);
   EXPECT_EQ(buffer.best()->index, 21u) << "22 is not there yet";
 }

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <thread>
 #include <vector>
 
 #include "client/playback/buffer.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 
@@ -29,6 +33,31 @@ inline FetchedFrame layers_of(const FetchJob& job) {
     fetched.layers.push_back({Bytes(10, static_cast<std::uint8_t>(job.frame)), {10, 0, 0}});
   return fetched;
 }
+
+/// Asks for the next fetch in a thread of its own.
+class Fetcher {
+ public:
+  explicit Fetcher(FrameBuffer& buffer)
+      : thread_([this, &buffer] {
+          job_ = buffer.next_fetch();
+          answered_ = true;
+        }) {}
+
+  /// Whether the buffer keeps it waiting, as nothing is wanted.
+  bool waits() const {
+    return !wait_until([this] { return answered_.load(); }, kMoment);
+  }
+  /// Waits for the answer, which is none if the buffer was closed.
+  std::optional<FetchJob> job() {
+    thread_.join();
+    return job_;
+  }
+
+ private:
+  std::optional<FetchJob> job_;
+  std::atomic<bool> answered_{false};
+  std::thread thread_;  // last: it uses what is above
+};
 
 /// Fetches what is wanted first and says what is to be made first then.
 inline FrameRequest ask(FrameBuffer& buffer) {

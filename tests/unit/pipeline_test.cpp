@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/tbb_executor.h"
+#include "tests/wait.h"
 
 namespace pointreel {
 namespace {
@@ -16,7 +17,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLong{60'000};
 
-/// A source without bytes: delays and failures are the test's.
+/// A source that needs no link: the test says how long it takes and what fails.
 class FakeSource : public Source {
  public:
   explicit FakeSource(std::uint32_t frames) {
@@ -28,7 +29,7 @@ class FakeSource : public Source {
   Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
     const int now = ++fetching;
     most_fetching = std::max(most_fetching.load(), now);
-    std::this_thread::sleep_for(delay.load());
+    std::this_thread::sleep_for(delay.load());  // stands for the link
     --fetching;
     ++fetches;
     if (cancelled) return fail("cancelled");
@@ -38,9 +39,9 @@ class FakeSource : public Source {
       fetched.file = {static_cast<std::uint8_t>(frame)};
       return fetched;
     }
-    const std::lock_guard lock(mutex);
+    const std::lock_guard lock(mutex_);
     for (std::uint32_t layer = request.first_layer; layer < request.layers; ++layer) {
-      layers.insert(layer);
+      layers_.insert(layer);
       if (request.fresh) ++fresh;
       const bool damaged = layer == damaged_layer && (damaged_always || !request.fresh);
       fetched.layers.push_back({{static_cast<std::uint8_t>(damaged ? 255 : frame)}, {1, 0, 0}});
@@ -48,20 +49,24 @@ class FakeSource : public Source {
     return fetched;
   }
   void cancel() override { cancelled = true; }
+  std::multiset<std::uint32_t> fetched_layers() const {
+    const std::lock_guard lock(mutex_);
+    return layers_;
+  }
 
   std::set<std::uint32_t> broken;
   bool layered = false;               ///< else files
   std::uint32_t damaged_layer = ~0u;  ///< comes damaged once, or always
   bool damaged_always = false;
-  std::mutex mutex;
-  std::multiset<std::uint32_t> layers;  ///< that were fetched
-  int fresh = 0;
+  std::atomic<int> fresh{0};
   std::atomic<std::chrono::microseconds> delay{std::chrono::microseconds(0)};
   std::atomic<int> fetching{0}, most_fetching{0}, fetches{0};
   std::atomic<bool> cancelled{false};
 
  private:
   Manifest manifest_;
+  mutable std::mutex mutex_;
+  std::multiset<std::uint32_t> layers_;
 };
 
 struct Errors {
@@ -98,6 +103,7 @@ TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
   std::atomic<int> prepared{0};
   Pipeline pipeline(source, buffer,
                     [&](const FrameRequest& request, const FetchedFrame& fetched) {
+                      // Some frames take longer to decode than those after them.
                       if (request.frame % 7 == 0) std::this_thread::sleep_for(milliseconds(3));
                       ++prepared;
                       return prepare(request, fetched);
@@ -126,7 +132,7 @@ TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
                         for (int most = most_working;
                              now > most && !most_working.compare_exchange_weak(most, now);) {
                         }
-                        std::this_thread::sleep_for(std::chrono::microseconds(300));
+                        std::this_thread::sleep_for(std::chrono::microseconds(300));  // works
                         --working;
                         ++parts;
                       });
@@ -170,9 +176,8 @@ TEST(Pipeline, StopsFetchingWhenItsBufferIsFull) {
   FrameBuffer buffer(once(1000, 5));
   Errors errors;
   Pipeline pipeline(source, buffer, prepare, errors.sink(), {4, 4});
-  while (buffer.held() < 6) std::this_thread::sleep_for(milliseconds(1));
-  std::this_thread::sleep_for(milliseconds(20));
-  EXPECT_EQ(source.fetches, 6);
+  ASSERT_TRUE(wait_until([&] { return buffer.held() == 6; }));
+  EXPECT_FALSE(wait_until([&] { return source.fetches > 6; }, kMoment));
 }
 
 TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
@@ -197,24 +202,33 @@ TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
 }
 
 TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
+  constexpr std::uint32_t kAhead = 4;
   FakeSource source(4000);
-  FrameBuffer buffer(once(4000, 4));
+  FrameBuffer buffer(once(4000, kAhead));
   Errors errors;
+  std::atomic<std::uint32_t> playhead{0};
   Pipeline pipeline(source, buffer,
-                    [](const FrameRequest& request, const FetchedFrame& fetched) {
-                      std::this_thread::sleep_for(milliseconds(10));
+                    [&](const FrameRequest& request, const FetchedFrame& fetched) {
+                      // By the time that a frame is ready, the playhead has gone past it.
+                      wait_until([&] { return playhead > request.frame; });
                       return prepare(request, fetched);
                     },
                     errors.sink(), {1, 1});
-  std::vector<std::uint32_t> shown;
-  for (std::uint32_t frame = 0; frame < 4000 && shown.size() < 20; ++frame) {
-    buffer.advance(frame);
-    std::this_thread::sleep_for(milliseconds(1));
-    const auto best = buffer.best();
-    if (best && (shown.empty() || shown.back() != best->index)) shown.push_back(best->index);
+  std::uint32_t last = 0;
+  for (int shown = 0; shown < 20; ++shown) {
+    playhead += 2 * kAhead;
+    buffer.advance(playhead);
+    std::uint32_t now = 0;
+    ASSERT_TRUE(wait_until([&] {
+      const auto best = buffer.best();
+      now = best ? best->index : last;
+      return now != last || (best && shown == 0);
+    }));
+    EXPECT_GE(now, last);
+    EXPECT_LT(now, playhead);
+    last = now;
   }
-  EXPECT_EQ(shown.size(), 20u);
-  EXPECT_TRUE(std::is_sorted(shown.begin(), shown.end()));
+  playhead = 4000;  // lets go what is still being prepared
 }
 
 TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
@@ -265,17 +279,16 @@ TEST(Pipeline, FetchesTheLayersThatAFrameLacks) {
   Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
   ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->level, 7);
-  while (buffer.held() < 3) std::this_thread::sleep_for(milliseconds(1));
+  ASSERT_TRUE(wait_until([&] { return buffer.held() == 3; }));
   buffer.set_level(8);
   for (const std::uint32_t frame : {0, 1, 2}) {
     buffer.advance(frame);
     ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
     EXPECT_EQ(buffer.best()->layers, 2u);
   }
+  EXPECT_EQ(source.fetched_layers(), (std::multiset<std::uint32_t>{0, 0, 0, 1, 1, 1}));
   buffer.set_level(5);
-  std::this_thread::sleep_for(milliseconds(5));
-  const std::lock_guard lock(source.mutex);
-  EXPECT_EQ(source.layers, (std::multiset<std::uint32_t>{0, 0, 0, 1, 1, 1}));
+  EXPECT_FALSE(wait_until([&] { return source.fetched_layers().size() > 6; }, kMoment));
 }
 
 TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
@@ -287,11 +300,10 @@ TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
   Pipeline pipeline(source, buffer, prepare_layers, errors.sink(), {2, 2});
   ASSERT_EQ(buffer.wait(kLong, true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->layers, 3u);
-  while (pipeline.refetched() == 0) std::this_thread::sleep_for(milliseconds(1));
-  EXPECT_EQ(pipeline.refetched(), 1u);
+  ASSERT_TRUE(wait_until([&] { return pipeline.refetched() == 1; }));
   EXPECT_EQ(pipeline.fetched_bytes(), 4u);
   EXPECT_TRUE(errors.frames.empty());
-  EXPECT_EQ(source.layers, (std::multiset<std::uint32_t>{0, 1, 1, 2}));
+  EXPECT_EQ(source.fetched_layers(), (std::multiset<std::uint32_t>{0, 1, 1, 2}));
   EXPECT_EQ(source.fresh, 1);
 }
 
@@ -309,11 +321,11 @@ TEST(Pipeline, ShowsAFrameWithoutTheLayerThatStaysDamaged) {
     if (layer > 0) {
       EXPECT_EQ(buffer.best()->layers, layer);
     }
-    while (pipeline.errors() == 0) std::this_thread::sleep_for(milliseconds(1));
-    std::this_thread::sleep_for(milliseconds(2));
-    EXPECT_EQ(pipeline.errors(), 1u);
-    const std::lock_guard lock(source.mutex);
-    EXPECT_EQ(source.layers.count(layer), 2u) << "fetched twice, and not again";
+    ASSERT_TRUE(wait_until([&] { return pipeline.errors() == 1; }));
+    EXPECT_EQ(source.fetched_layers().count(layer), 2u);
+    EXPECT_FALSE(wait_until(
+        [&] { return source.fetched_layers().count(layer) > 2 || pipeline.errors() > 1; }, kMoment))
+        << "fetched twice, and not again";
   }
 }
 
@@ -350,6 +362,7 @@ TEST(Pipeline, EndsAtOnceInTheMiddleOfAllAndCallsNothingAnError) {
     source.delay = std::chrono::microseconds(200);
     FrameBuffer buffer(once(100, 10));
     Pipeline pipeline(source, buffer, prepare, errors.sink(), {3, 3});
+    // Each pipeline ends a little later, in the middle of something else.
     std::this_thread::sleep_for(std::chrono::microseconds(150 * i));
   }
   EXPECT_TRUE(errors.frames.empty());

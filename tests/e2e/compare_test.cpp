@@ -48,7 +48,7 @@ class Compare : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Compare, tells_known_errors_in_units_voxels_and_decibels) {
+TEST_F(Compare, reports_known_errors_in_units_voxels_and_decibels) {
   const Outcome outcome = compare(
       {path("a.ply"), path("b.ply"), "--peak", "31", "--bits", "5", "--json", path("report.json")});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -72,7 +72,7 @@ TEST_F(Compare, tells_known_errors_in_units_voxels_and_decibels) {
   }
 }
 
-TEST_F(Compare, of_a_cloud_with_itself_is_infinite_which_json_calls_null) {
+TEST_F(Compare, writes_an_infinite_psnr_as_null_in_json) {
   const Outcome outcome = compare({path("a.ply"), path("a.ply"), "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json report = json::parse(outcome.out);  // and no table
@@ -83,7 +83,7 @@ TEST_F(Compare, of_a_cloud_with_itself_is_infinite_which_json_calls_null) {
   EXPECT_TRUE(report.at("symmetric").at("color_psnr").at("cr").is_null());
 }
 
-TEST_F(Compare, takes_whole_coordinates_for_voxels_where_bits_are_given) {
+TEST_F(Compare, takes_integer_coordinates_for_voxels_if_the_bits_are_given) {
   const Outcome whole = compare({path("a.ply"), path("b.ply"), "--bits", "6", "--json", "-"});
   EXPECT_EQ(json::parse(whole.out).at("peak"), 63.0);
   EXPECT_EQ(json::parse(whole.out).at("voxel"), 1.0);
@@ -93,7 +93,7 @@ TEST_F(Compare, takes_whole_coordinates_for_voxels_where_bits_are_given) {
   EXPECT_NEAR(json::parse(parts.out).at("voxel").get<double>(), 31.0 / 63.0, 1e-12);
 }
 
-TEST_F(Compare, leaves_out_rows_without_attributes) {
+TEST_F(Compare, omits_rows_of_attributes_that_the_clouds_lack) {
   PointCloud bare = plane(0.0f, 0);
   bare.normals.clear();
   bare.colors.clear();
@@ -113,7 +113,7 @@ TEST_F(Compare, reads_drc_files) {
   EXPECT_EQ(json::parse(outcome.out).at("symmetric").at("max"), 0.0);
 }
 
-TEST_F(Compare, fails_in_one_line) {
+TEST_F(Compare, reports_an_error_in_one_line) {
   ASSERT_TRUE(write_ply(path("empty.ply"), PointCloud{}));
   folder_.write("noise.ply", "noise");
   for (const char* bad : {"empty.ply", "noise.ply", "missing.ply"}) {

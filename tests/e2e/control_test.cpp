@@ -104,7 +104,7 @@ std::map<Place, std::size_t> by_place(const PointCloud& cloud) {
   return places;
 }
 
-TEST_F(Control, layers_give_the_coarser_octree_with_the_means_of_what_is_in_its_voxels) {
+TEST_F(Control, fewer_layers_give_a_coarser_octree_with_mean_attributes) {
   pack({"--depth", "10", "--quality", "100"});
   const PointCloud base = unpacked({"--layers", "1"}), middle = unpacked({"--layers", "2"});
   const PointCloud full = unpacked({"--layers", "3"});
@@ -129,7 +129,7 @@ TEST_F(Control, layers_give_the_coarser_octree_with_the_means_of_what_is_in_its_
   }
 }
 
-TEST_F(Control, playing_fewer_layers_fetches_fewer_bytes_and_draws_the_coarser_octree) {
+TEST_F(Control, playing_fewer_layers_fetches_fewer_bytes_and_draws_a_coarser_octree) {
   pack({"--depth", "10"});
   json before;
   for (const int layers : {1, 2, 3}) {
@@ -150,7 +150,7 @@ TEST_F(Control, playing_fewer_layers_fetches_fewer_bytes_and_draws_the_coarser_o
   EXPECT_EQ(played({"--layers", "9", "--mode", "point", "--pixel-size", "0"})["layers"], 3);
 }
 
-TEST_F(Control, playing_fetches_what_the_mode_and_the_view_show_and_tells_the_rest) {
+TEST_F(Control, playing_fetches_only_what_the_mode_and_view_show_and_reports_the_rest) {
   pack({"--depth", "10"});
   for (const std::string mode : {"surfel", "voxel", "point"}) {
     const json fine = played({"--mode", mode, "--delta", "0", "--pixel-size", "0"});
@@ -171,7 +171,7 @@ TEST_F(Control, playing_fetches_what_the_mode_and_the_view_show_and_tells_the_re
   }
 }
 
-TEST_F(Control, a_bit_rate_is_kept_and_what_it_cost_is_told) {
+TEST_F(Control, a_bit_rate_is_kept_and_its_cost_is_reported) {
   const json free = pack({"--fps", "10"});
   const double free_rate = free["segments"][0]["bits_per_second"];
   const json bound = pack({"--fps", "10", "--bitrate", fmt::format("{:.0f}k", free_rate / 4e3)});
@@ -187,7 +187,7 @@ TEST_F(Control, a_bit_rate_is_kept_and_what_it_cost_is_told) {
   EXPECT_EQ(run("pointreel-server", {"verify", reel().string()}).exit_code, 0);
 }
 
-TEST_F(Control, no_point_is_farther_away_than_the_package_says) {
+TEST_F(Control, no_point_is_displaced_by_more_than_the_package_states) {
   for (const std::vector<std::string>& options :
        {std::vector<std::string>{"--delta", "0.2"},
         {"--codec", "draco", "--qp", "9"},
@@ -204,13 +204,13 @@ TEST_F(Control, no_point_is_farther_away_than_the_package_says) {
   }
 }
 
-TEST_F(Control, a_time_for_a_frame_lowers_the_depth) {
+TEST_F(Control, a_limit_on_the_time_for_a_frame_lowers_the_depth) {
   const json summary = pack({"--frame-time", "0.000001", "--threads", "1"});
   EXPECT_EQ(summary["late_frames"], kFrames);
   EXPECT_EQ(summary["depth"]["min"], 1);
 }
 
-TEST_F(Control, errors_are_one_line) {
+TEST_F(Control, every_error_is_printed_in_one_line) {
   const std::vector<std::vector<std::string>> wrong = {
       {"--bitrate", "fast"}, {"--frame-time", "-1"}, {"--codec", "draco", "--method", "octree"}};
   for (const std::vector<std::string>& options : wrong) {

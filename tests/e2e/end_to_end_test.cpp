@@ -92,7 +92,7 @@ std::set<Cell> cells_of(const PointCloud& cloud, const Cube& cube) {
   return cells;
 }
 
-TEST_P(EndToEnd, unpacking_gives_back_every_voxel_at_its_original_place) {
+TEST_P(EndToEnd, unpacking_restores_every_voxel_at_its_original_place) {
   const Outcome packed = pack();
   ASSERT_EQ(packed.exit_code, 0) << packed.err;
   const auto summary = nlohmann::json::parse(packed.out, nullptr, false);
@@ -136,7 +136,7 @@ TEST_P(EndToEnd, unpacking_gives_back_every_voxel_at_its_original_place) {
   }
 }
 
-TEST_P(EndToEnd, a_reel_played_over_http_shows_the_right_frame_the_right_way_round_in_colour) {
+TEST_P(EndToEnd, a_reel_over_http_shows_the_right_frame_upright_and_in_colour) {
   const Outcome packed = pack();
   ASSERT_EQ(packed.exit_code, 0) << packed.err;
   Background server("pointreel-server", {"serve", reel().string(), "--listen", "127.0.0.1:0"});
@@ -176,7 +176,7 @@ TEST_P(EndToEnd, a_reel_played_over_http_shows_the_right_frame_the_right_way_rou
   EXPECT_EQ(server.end(SIGTERM), 0);
 }
 
-TEST_P(EndToEnd, playing_all_shows_every_frame_once_and_reports_each_stage) {
+TEST_P(EndToEnd, playing_all_frames_shows_each_once_and_reports_every_stage) {
   ASSERT_EQ(pack().exit_code, 0);
   const fs::path json = folder_ / "play.json";
   const Outcome played = run("pointreel", {"play", reel().string(), "--offscreen", "160x120",
@@ -216,7 +216,7 @@ TEST_P(EndToEnd, a_damaged_segment_is_found_and_named) {
       << verified.out << verified.err;
 }
 
-TEST(EndToEndErrors, are_one_line_that_says_what_and_where) {
+TEST(EndToEndErrors, are_printed_in_one_line_that_names_the_problem_and_its_place) {
   const auto one_line = [](const Outcome& outcome) {
     return outcome.exit_code != 0 && std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1;
   };

@@ -130,7 +130,7 @@ int which(const View& view) {
   return -1;
 }
 
-TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that_is_killed) {
+TEST(Live, published_frames_are_viewed_and_recorded_exactly_across_a_killed_server) {
   const TemporaryFolder folder;
   const fs::path frames = folder.path() / "frames", record = folder.path() / "record";
   fs::create_directories(frames);
@@ -191,7 +191,7 @@ TEST(Live, what_is_published_is_seen_exactly_recorded_and_survives_a_server_that
   EXPECT_EQ(last.exit_code, 0) << last.out << last.err;
 }
 
-TEST(Live, a_publisher_without_the_token_is_refused_for_good) {
+TEST(Live, a_publisher_without_the_token_is_refused_and_gives_up) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_ply(folder.path() / "frame.ply", spiral(0)));
   Background server("pointreel-server",

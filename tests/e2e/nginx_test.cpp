@@ -82,7 +82,7 @@ class NginxTest : public testing::Test {
   std::string base_;
 };
 
-TEST_F(NginxTest, packages_play_from_plain_nginx_as_from_their_folder) {
+TEST_F(NginxTest, packages_play_from_plain_nginx_exactly_as_from_their_folder) {
   const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t port) {
     return nginx_configuration("packages.conf",
                                {{"listen 80;", fmt::format("listen 127.0.0.1:{};", port)},
@@ -116,7 +116,7 @@ TEST_F(NginxTest, packages_play_from_plain_nginx_as_from_their_folder) {
   }
 }
 
-TEST_F(NginxTest, keeps_what_it_fetched_and_passes_live_streams_on) {
+TEST_F(NginxTest, nginx_caches_packages_and_forwards_live_streams) {
   Background server("pointreel-server", {"serve", (folder_ / "reels" / "wall").string(), "--live",
                                          "--listen", "127.0.0.1:0"});
   const std::uint16_t port = port_of(server_address(server));

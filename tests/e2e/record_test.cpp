@@ -98,7 +98,7 @@ TEST_F(Record, a_video_has_every_frame_once_in_order) {
     EXPECT_GT(red_x(pictures[i]), red_x(pictures[i - 1]) + 8) << i;
 }
 
-TEST_F(Record, a_loop_lasts_as_long_as_it_is_told_to) {
+TEST_F(Record, a_looped_recording_lasts_for_the_given_duration) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   const Outcome played =
       play({"--camera", "front", "--record", path("out.webm"), "--loop", "--duration", "1"});
@@ -129,7 +129,7 @@ TEST_F(Record, the_camera_follows_its_path_frame_by_frame) {
   EXPECT_EQ(read_file(folder_ / "one.png"), read_file(folder_ / "out-3.png"));
 }
 
-TEST_F(Record, without_ffmpeg_it_is_one_line_before_anything_is_drawn) {
+TEST_F(Record, a_missing_ffmpeg_is_reported_in_one_line_before_anything_is_drawn) {
   setenv("PATH", path("none").c_str(), 1);
   const Outcome played = play({"--record", path("out.mp4"), "--screenshot", path("last.png")});
   EXPECT_EQ(played.exit_code, 1);
@@ -138,7 +138,7 @@ TEST_F(Record, without_ffmpeg_it_is_one_line_before_anything_is_drawn) {
   EXPECT_FALSE(fs::exists(folder_ / "last.png"));
 }
 
-TEST_F(Record, what_is_no_path_of_a_camera_is_wrong_usage) {
+TEST_F(Record, an_invalid_camera_path_is_a_usage_error) {
   const Outcome played = play({"--camera", path("in/frame0.ply")});
   EXPECT_EQ(played.exit_code, 2);
   EXPECT_THAT(played.err, HasSubstr("frame0.ply: is not valid JSON"));

@@ -38,7 +38,7 @@ class RenderReport : public testing::Test {
   static inline json report_;
 };
 
-TEST_F(RenderReport, has_every_figure_of_every_setting_and_its_picture) {
+TEST_F(RenderReport, has_every_figure_and_a_picture_for_every_setting) {
   ASSERT_EQ(report_["scenes"].size(), 2u);
   std::size_t pictures = 0;
   for (const json& scene : report_["scenes"]) {
@@ -64,7 +64,7 @@ TEST_F(RenderReport, has_every_figure_of_every_setting_and_its_picture) {
   EXPECT_EQ(pictures, 2 * (report_["scenes"][0]["views"][0]["rows"].size() + 1));
 }
 
-TEST_F(RenderReport, finds_the_default_near_the_truth_and_its_splats_the_same_in_any_order) {
+TEST_F(RenderReport, finds_the_default_close_to_the_truth_in_any_order_of_the_splats) {
   const json& dense = report_["scenes"][1];
   ASSERT_TRUE(dense["dense"]);
   for (const json& view : dense["views"]) {
@@ -82,7 +82,7 @@ TEST_F(RenderReport, finds_the_default_near_the_truth_and_its_splats_the_same_in
   }
 }
 
-TEST_F(RenderReport, finds_what_the_modes_of_figure_3_are_known_for) {
+TEST_F(RenderReport, reproduces_the_known_flaws_of_the_modes_in_figure_3) {
   std::map<std::string, json> rows;
   for (const json& row : report_["scenes"][1]["views"][0]["rows"]) rows[row["setting"]] = row;
   EXPECT_GT(rows["regular"]["order"]["rms"], 3.0);
@@ -92,7 +92,7 @@ TEST_F(RenderReport, finds_what_the_modes_of_figure_3_are_known_for) {
   EXPECT_GT(rows["points"]["holes"], rows["two-pass"]["holes"]);
 }
 
-TEST_F(RenderReport, times_every_method_and_finds_their_pictures_alike) {
+TEST_F(RenderReport, times_every_method_and_finds_that_their_pictures_agree) {
   const json& tables = report_["scenes"][0]["tables"];
   for (const char* what : {"surfels", "voxels"}) {
     const json& times = tables[what];
@@ -117,7 +117,7 @@ TEST_F(RenderReport, plays_every_mode) {
   }
 }
 
-TEST_F(RenderReport, names_the_machine_and_states_its_bars) {
+TEST_F(RenderReport, names_the_machine_and_states_whether_each_bar_holds) {
   EXPECT_NE(report_["machine"]["gl_renderer"].get<std::string>().find("OpenGL"), std::string::npos);
   ASSERT_FALSE(report_["bars"].empty());
   for (const json& bar : report_["bars"]) {
@@ -130,7 +130,7 @@ TEST_F(RenderReport, names_the_machine_and_states_its_bars) {
   }
 }
 
-TEST_F(RenderReport, is_refused_where_a_graphics_card_is_asked_for_and_there_is_none) {
+TEST_F(RenderReport, fails_if_a_graphics_card_is_required_and_missing) {
   if (report_["stopwatch"] == "gpu") GTEST_SKIP() << "there is one";
   const Outcome outcome =
       run("pointreel-bench", {"render", "--quick", "--gpu", "-o", folder_->path()});
@@ -138,7 +138,7 @@ TEST_F(RenderReport, is_refused_where_a_graphics_card_is_asked_for_and_there_is_
   EXPECT_NE(outcome.err.find("--gpu"), std::string::npos) << outcome.err;
 }
 
-TEST(RenderCommand, refuses_a_scene_that_there_is_not) {
+TEST(RenderCommand, refuses_an_unknown_scene) {
   const TemporaryFolder folder;
   const Outcome outcome =
       run("pointreel-bench", {"render", "--scene", "juggling", "-o", folder.path()});

@@ -33,7 +33,7 @@ class Report : public testing::Test {
   static inline json report_;
 };
 
-TEST_F(Report, is_written_with_every_dataset_and_codec) {
+TEST_F(Report, covers_every_dataset_and_codec) {
   ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
   ASSERT_TRUE(report_.is_object());
   EXPECT_EQ(report_["structure"].size(), 5u);
@@ -52,7 +52,7 @@ TEST_F(Report, is_written_with_every_dataset_and_codec) {
   }
 }
 
-TEST_F(Report, says_less_error_for_more_bits) {
+TEST_F(Report, shows_smaller_errors_for_more_bits) {
   ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
   for (const json& dataset : report_["codecs"]) {
     const json* coarser = nullptr;
@@ -66,7 +66,7 @@ TEST_F(Report, says_less_error_for_more_bits) {
   }
 }
 
-TEST_F(Report, holds_all_stability_checks) {
+TEST_F(Report, contains_all_stability_checks) {
   ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
   EXPECT_GT(report_["stability"].size(), 30u);
   for (const json& check : report_["stability"]) {
@@ -74,7 +74,7 @@ TEST_F(Report, holds_all_stability_checks) {
   }
 }
 
-TEST_F(Report, shows_its_plots_and_chapters) {
+TEST_F(Report, contains_its_plots_and_chapters) {
   ASSERT_EQ(outcome_.exit_code, 0) << outcome_.err;
   const std::string text = read_file(*folder_ / "report.md");
   for (const char* chapter : {"Table I", "Table III", "Codecs", "Numerical stability", "Bars"}) {

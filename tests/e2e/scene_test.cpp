@@ -67,7 +67,7 @@ class SceneOfSources : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(SceneOfSources, two_reels_stand_where_they_are_put) {
+TEST_F(SceneOfSources, two_reels_are_drawn_at_their_positions) {
   const auto report = play(path("red.reel"), path("blue.reel"));
   ASSERT_FALSE(report.is_discarded());
   ASSERT_EQ(report["sources"].size(), 2u);
@@ -75,7 +75,7 @@ TEST_F(SceneOfSources, two_reels_stand_where_they_are_put) {
   EXPECT_GT(report["sources"][1]["frames_shown"], 2);
 }
 
-TEST_F(SceneOfSources, a_live_stream_and_a_reel_are_one_scene) {
+TEST_F(SceneOfSources, a_live_stream_and_a_reel_share_one_scene) {
   Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
   const std::string address = server_address(server);
   ASSERT_FALSE(address.empty());
@@ -91,7 +91,7 @@ TEST_F(SceneOfSources, a_live_stream_and_a_reel_are_one_scene) {
   EXPECT_LT(live["capture_to_picture_ms"]["median"], 10'000.0);
 }
 
-TEST_F(SceneOfSources, more_places_than_sources_are_a_usage_error) {
+TEST_F(SceneOfSources, more_positions_than_sources_are_a_usage_error) {
   const Outcome played = run("pointreel", {"play", path("red.reel"), "--at-position", "1,0,0",
                                            "--at-position", "0,0,0", "--offscreen", "32x32"});
   EXPECT_EQ(played.exit_code, 2);

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Truth, is_seen_from_where_the_player_looks) {
+TEST(Truth, is_rendered_from_the_view_of_the_player) {
   const TemporaryFolder folder;
   const auto path = [&](const std::string& name) { return (folder / name).string(); };
   folder.write("path.json", R"({"pointreel_camera_path": 1, "keys": [
@@ -52,7 +52,7 @@ TEST(Truth, is_seen_from_where_the_player_looks) {
   }
 }
 
-TEST(Truth, an_unknown_sequence_is_one_line) {
+TEST(Truth, reports_an_unknown_sequence_in_one_line) {
   const TemporaryFolder folder;
   const Outcome cast =
       run("pointreel-bench", {"truth", "dance", "--camera", "x", "--record", "y.mp4"});

@@ -71,7 +71,7 @@ class LiveFault : public testing::Test {
   std::size_t began_again_ = 0;  ///< number of the first picture of another publisher
 };
 
-TEST_F(LiveFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
+TEST_F(LiveFault, playback_resumes_after_the_server_is_killed_and_restarted) {
   const int port = server_.port();
   server_.kill();
   ASSERT_TRUE(watcher_->hears_of_trouble());
@@ -80,7 +80,7 @@ TEST_F(LiveFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
   expect_to_be_live();
 }
 
-TEST_F(LiveFault, IsLiveAgainAfterTheLinkWasCut) {
+TEST_F(LiveFault, playback_resumes_after_the_link_is_cut) {
   link_->set({.cut = true});
   ASSERT_TRUE(watcher_->hears_of_trouble());
   EXPECT_THAT(*watcher_->trouble(), AnyOf(HasSubstr("again"), HasSubstr("waiting")));
@@ -88,31 +88,31 @@ TEST_F(LiveFault, IsLiveAgainAfterTheLinkWasCut) {
   expect_to_be_live();
 }
 
-TEST_F(LiveFault, IsLiveAgainWhereItsConnectionWasForgotten) {
+TEST_F(LiveFault, playback_resumes_after_its_connection_dies_without_notice) {
   link_->forget_connections();
   ASSERT_TRUE(watcher_->connects_again());
   expect_to_be_live();
 }
 
-TEST_F(LiveFault, HardlyNoticesConnectionsThatAreReset) {
+TEST_F(LiveFault, playback_resumes_after_each_of_several_connection_resets) {
   for (int i = 0; i < 5; ++i) {
     link_->reset_connections();
     expect_to_be_live();
   }
 }
 
-TEST_F(LiveFault, SeesWhatComesInSingleBytes) {
+TEST_F(LiveFault, playback_shows_a_stream_that_arrives_byte_by_byte) {
   link_->set({.split = 1});
   EXPECT_TRUE(watcher_->sees(10));
 }
 
-TEST_F(LiveFault, ShowsNothingWrongOfWhatComesDamaged) {
+TEST_F(LiveFault, damaged_data_never_shows_a_wrong_picture) {
   link_->set({.corrupt_every = 20'000});
   EXPECT_TRUE(watcher_->sees(60));
   EXPECT_GT(link_->statistics().flipped_bits, 0u);
 }
 
-TEST_F(LiveFault, SaysThatThePublisherHasGoneAndTakesAnother) {
+TEST_F(LiveFault, a_departed_publisher_is_reported_and_its_successor_is_shown) {
   publisher_.reset();
   ASSERT_TRUE(watcher_->hears_of_trouble());
   EXPECT_THAT(*watcher_->trouble(), HasSubstr("publisher has gone"));
@@ -121,7 +121,7 @@ TEST_F(LiveFault, SaysThatThePublisherHasGoneAndTakesAnother) {
   expect_to_be_live();
 }
 
-TEST_F(LiveFault, ServesManyViewersAsWell) {
+TEST_F(LiveFault, many_viewers_are_served_over_websocket_and_http) {
   LoadOptions options;
   options.viewers = 20;
   options.warm_up = 0.5;
@@ -145,7 +145,7 @@ class LiveOverHttpFault : public LiveFault {
   LiveOverHttpFault() : LiveFault("http", "/reel.json") { behind_ = 90; }
 };
 
-TEST_F(LiveOverHttpFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
+TEST_F(LiveOverHttpFault, playback_resumes_after_the_server_is_killed_and_restarted) {
   const int port = server_.port();
   server_.kill();
   ASSERT_TRUE(watcher_->hears_of_trouble());
@@ -153,14 +153,14 @@ TEST_F(LiveOverHttpFault, IsLiveAgainAfterTheServerWasKilledAndStartedAgain) {
   expect_to_be_live();
 }
 
-TEST_F(LiveOverHttpFault, IsLiveAgainAfterTheLinkWasCut) {
+TEST_F(LiveOverHttpFault, playback_resumes_after_the_link_is_cut) {
   link_->set({.cut = true});
   ASSERT_TRUE(watcher_->hears_of_trouble());
   link_->set({});
   expect_to_be_live();
 }
 
-TEST_F(LiveOverHttpFault, ShowsNothingWrongOverALinkThatIsBadInEveryWay) {
+TEST_F(LiveOverHttpFault, a_link_with_every_fault_never_shows_a_wrong_picture) {
   link_->set({.delay = 20ms, .split = 1000, .corrupt_every = 50'000, .reset_after = 200'000});
   EXPECT_TRUE(watcher_->sees(60));
 }

@@ -66,7 +66,7 @@ class PackageFault : public testing::Test {
   std::unique_ptr<Watcher> watcher_;
 };
 
-TEST_F(PackageFault, GoesOnAfterTheServerWasKilledAndStartedAgain) {
+TEST_F(PackageFault, playback_resumes_after_the_server_is_killed_and_restarted) {
   play();
   const int port = server_.port();
   server_.kill();
@@ -82,7 +82,7 @@ TEST_F(PackageFault, GoesOnAfterTheServerWasKilledAndStartedAgain) {
   expect_in_order(before);
 }
 
-TEST_F(PackageFault, GoesOnAfterTheLinkWasCut) {
+TEST_F(PackageFault, playback_resumes_after_the_link_is_cut) {
   play();
   LinkConditions cut = normal();
   cut.cut = true;
@@ -96,7 +96,7 @@ TEST_F(PackageFault, GoesOnAfterTheLinkWasCut) {
   expect_in_order(0);
 }
 
-TEST_F(PackageFault, GoesOnWhereItsConnectionsWereForgotten) {
+TEST_F(PackageFault, playback_resumes_after_its_connections_die_without_notice) {
   play();
   link_->forget_connections();
   ASSERT_TRUE(watcher_->heard_of_trouble());
@@ -106,7 +106,7 @@ TEST_F(PackageFault, GoesOnWhereItsConnectionsWereForgotten) {
   expect_in_order(0);
 }
 
-TEST_F(PackageFault, HardlyNoticesConnectionsThatAreReset) {
+TEST_F(PackageFault, playback_resumes_after_each_of_several_connection_resets) {
   play();
   for (int i = 0; i < 10; ++i) {
     link_->reset_connections();
@@ -117,7 +117,7 @@ TEST_F(PackageFault, HardlyNoticesConnectionsThatAreReset) {
   expect_in_order(0);
 }
 
-TEST_F(PackageFault, PlaysWhatComesInSingleBytes) {
+TEST_F(PackageFault, playback_shows_a_package_that_arrives_byte_by_byte) {
   LinkConditions split = normal();
   split.split = 1;
   link_->set(split);
@@ -126,7 +126,7 @@ TEST_F(PackageFault, PlaysWhatComesInSingleBytes) {
   EXPECT_EQ(watcher_->errors(), 0u);
 }
 
-TEST_F(PackageFault, PlaysOverALinkThatIsTooSlowAndFarAway) {
+TEST_F(PackageFault, playback_goes_on_over_a_slow_link_with_high_latency) {
   LinkConditions slow;
   slow.bits_per_second = static_cast<std::uint64_t>(0.5 * FaultReel::get().bits_per_second());
   slow.delay = 100ms;
@@ -138,7 +138,7 @@ TEST_F(PackageFault, PlaysOverALinkThatIsTooSlowAndFarAway) {
   expect_in_order(0);
 }
 
-TEST_F(PackageFault, ShowsNothingWrongOfWhatComesDamaged) {
+TEST_F(PackageFault, damaged_data_never_shows_a_wrong_picture) {
   play();
   LinkConditions damaged = normal();
   damaged.corrupt_every = 30'000;
@@ -149,7 +149,7 @@ TEST_F(PackageFault, ShowsNothingWrongOfWhatComesDamaged) {
   expect_in_order(0);
 }
 
-TEST_F(PackageFault, GoesOnWhereConnectionsEndEarly) {
+TEST_F(PackageFault, playback_goes_on_over_connections_that_end_early) {
   play();
   for (const bool reset : {false, true}) {
     LinkConditions ending = normal();

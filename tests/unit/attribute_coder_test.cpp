@@ -89,7 +89,7 @@ std::size_t total(const std::vector<Bytes>& layers) {
   return bytes;
 }
 
-TEST(ColorSpace, gives_back_every_8_bit_colour_within_one_step) {
+TEST(ColorSpace, restores_every_8_bit_colour_within_one_step) {
   for (int r = 0; r < 256; r += 5) {
     for (int g = 0; g < 256; g += 3) {
       for (int b = 0; b < 256; b += 15) {
@@ -100,7 +100,7 @@ TEST(ColorSpace, gives_back_every_8_bit_colour_within_one_step) {
   }
 }
 
-TEST(ColorSpace, of_a_grey_has_no_chroma_and_clamps_what_is_no_colour) {
+TEST(ColorSpace, gives_greys_no_chroma_and_clamps_values_outside_the_gamut) {
   for (int v = 0; v < 256; ++v) {
     const glm::u16vec3 grey(static_cast<std::uint16_t>(v * 257));
     const Int4 value = ycbcr_from_rgb(grey);
@@ -112,7 +112,7 @@ TEST(ColorSpace, of_a_grey_has_no_chroma_and_clamps_what_is_no_colour) {
   EXPECT_EQ(rgb_from_ycbcr(Int4{-16384, 0, 0, 1}), glm::u16vec3(0));
 }
 
-TEST(AdaptiveBit, learns_most_from_the_first_decisions_and_is_never_certain) {
+TEST(AdaptiveBit, adapts_fastest_to_its_first_decisions_and_never_becomes_certain) {
   AdaptiveBit bit;
   EXPECT_EQ(bit.probability(), 32768u);
   bit.update(0);
@@ -125,7 +125,7 @@ TEST(AdaptiveBit, learns_most_from_the_first_decisions_and_is_never_certain) {
   EXPECT_EQ(bit.probability(), 65468u);
 }
 
-TEST(AdaptiveBit, tells_the_bits_of_a_decision) {
+TEST(AdaptiveBit, estimates_the_bits_that_a_decision_costs) {
   AdaptiveBit bit;
   for (int i = 0; i < 400; ++i) {
     for (const unsigned value : {0u, 1u}) {
@@ -140,7 +140,7 @@ TEST(AdaptiveBit, tells_the_bits_of_a_decision) {
   }
 }
 
-TEST(CoefficientQuantizer, leaves_out_what_takes_more_bits_than_it_is_worth) {
+TEST(CoefficientQuantizer, zeroes_coefficients_that_cost_more_bits_than_they_are_worth) {
   // Two children a little more than half a step apart.
   const MergeOrder& order = kMergeOrders[0b11];
   const PairScales table(1024, 1024);
@@ -165,7 +165,7 @@ TEST(CoefficientQuantizer, leaves_out_what_takes_more_bits_than_it_is_worth) {
   EXPECT_EQ(quantized(frequent, step / 2), 0);
 }
 
-TEST(AttributeCoder, error_and_size_follow_the_step) {
+TEST(AttributeCoder, a_larger_step_gives_a_larger_error_and_a_smaller_size) {
   const Sample s = sample(30000, 8, {7, 8});
   double last_error = 0.0;
   std::size_t last_size = ~std::size_t{0};
@@ -197,7 +197,7 @@ TEST(AttributeCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colour
   }
 }
 
-TEST(AttributeCoder, agrees_with_the_slow_decoder_of_the_format) {
+TEST(AttributeCoder, agrees_with_the_slow_reference_decoder) {
   // Dense and sparse, few layers and many, noise and flat colours.
   for (const auto& [points, depth, ends] :
        {std::tuple(3000, 6, std::vector<int>{6}), std::tuple(4000, 7, std::vector<int>{3, 5, 7}),
@@ -220,7 +220,7 @@ TEST(AttributeCoder, agrees_with_the_slow_decoder_of_the_format) {
   }
 }
 
-TEST(AttributeCoder, nodes_that_inherit_have_their_ancestor_s_colour) {
+TEST(AttributeCoder, nodes_that_inherit_have_the_colour_of_their_ancestor) {
   const Sample s = sample(5000, 9, {7, 9});
   const std::vector<Bytes> layers = encode(s, {1024, 1024});
   TransformDecoder decoder(s.svo);
@@ -245,7 +245,7 @@ TEST(AttributeCoder, nodes_that_inherit_have_their_ancestor_s_colour) {
   EXPECT_EQ(at, fine.size());
 }
 
-TEST(AttributeCoder, of_one_color_takes_next_to_nothing) {
+TEST(AttributeCoder, a_cloud_of_one_colour_takes_almost_no_bytes) {
   Sample s = sample(20000, 9, {7, 9});
   for (glm::u16vec3& color : s.colors) color = glm::u16vec3(100, 7, 31) * std::uint16_t{257};
   const std::vector<Bytes> layers = encode(s, {1024, 1024});
@@ -253,14 +253,14 @@ TEST(AttributeCoder, of_one_color_takes_next_to_nothing) {
   for (const glm::u16vec3& color : decode(s, layers)) ASSERT_EQ(color, s.colors[0]);
 }
 
-TEST(AttributeCoder, of_a_single_cell_is_its_color) {
+TEST(AttributeCoder, a_tree_of_a_single_cell_keeps_its_colour) {
   PointCloud cloud;
   cloud.positions = {glm::vec3(0.3f)};
   const Sample s{build_svo(sort_points(cloud, Cube{}), 0), {{65535, 257, 0}}, {0}};
   EXPECT_EQ(decode(s, encode(s, {65535, 65535})), s.colors);
 }
 
-TEST(AttributeCoder, bytes_cut_short_or_added_to_are_an_error) {
+TEST(AttributeCoder, truncated_or_extended_bytes_are_an_error) {
   const Sample s = sample(300, 5, {5});
   const std::vector<Bytes> layers = encode(s, {2048, 2048});
   ASSERT_EQ(decode(s, layers).size(), s.colors.size());
@@ -273,7 +273,7 @@ TEST(AttributeCoder, bytes_cut_short_or_added_to_are_an_error) {
   EXPECT_FALSE(TransformDecoder(s.svo).decode_layer(longer, 5));
 }
 
-TEST(AttributeCoder, any_bytes_give_colours_or_an_error) {
+TEST(AttributeCoder, arbitrary_bytes_give_colours_or_an_error) {
   const Sample s = sample(200, 6, {6});
   std::mt19937 random(3);
   for (int trial = 0; trial < 300; ++trial) {
@@ -286,7 +286,7 @@ TEST(AttributeCoder, any_bytes_give_colours_or_an_error) {
   }
 }
 
-TEST(CoefficientSteps, halve_every_14_steps_of_quality) {
+TEST(CoefficientSteps, halve_with_every_14_steps_of_quality) {
   EXPECT_EQ(color_steps(99).luma, 256);
   EXPECT_EQ(color_steps(85).luma, 512);
   EXPECT_EQ(color_steps(1).luma, 32768);

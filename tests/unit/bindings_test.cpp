@@ -8,19 +8,19 @@
 namespace pointreel {
 namespace {
 
-TEST(Bindings, UseNoKeyTwice) {
+TEST(Bindings, use_no_key_twice) {
   std::set<std::string_view> keys;
   for (const Binding& binding : bindings())
     EXPECT_TRUE(keys.insert(binding.key).second) << binding.key;
 }
 
-TEST(Bindings, GiveEveryActionAKey) {
+TEST(Bindings, give_every_action_a_key) {
   std::set<Action> actions;
   for (const Binding& binding : bindings()) actions.insert(binding.action);
   EXPECT_EQ(actions.size(), static_cast<std::size_t>(Action::quit) + 1);
 }
 
-TEST(Bindings, AreThoseOfMpv) {
+TEST(Bindings, follow_those_of_mpv) {
   EXPECT_EQ(action_of("SPACE"), Action::toggle_play);
   EXPECT_EQ(action_of("LEFT"), Action::seek_back);
   EXPECT_EQ(action_of("."), Action::step_forward);
@@ -36,12 +36,12 @@ TEST(Bindings, AreThoseOfMpv) {
   EXPECT_EQ(action_of("ESC"), Action::leave);
 }
 
-TEST(Bindings, TellKeysThatDoNothing) {
+TEST(Bindings, map_unknown_keys_to_no_action) {
   EXPECT_EQ(action_of("x"), std::nullopt);
   EXPECT_EQ(action_of(""), std::nullopt);
 }
 
-TEST(Bindings, AreAllInTheHelp) {
+TEST(Bindings, are_all_listed_in_the_help) {
   const std::string help = bindings_help();
   for (const Binding& binding : bindings()) {
     EXPECT_THAT(help, testing::HasSubstr(std::string(binding.key)));
@@ -49,7 +49,7 @@ TEST(Bindings, AreAllInTheHelp) {
   }
 }
 
-TEST(Bindings, WithTheSameHelpAreOneLineOfIt) {
+TEST(Bindings, share_one_line_of_the_help_if_they_do_the_same) {
   const auto keys_of = [](Action action) -> std::vector<std::string_view> {
     for (const Binding& binding : bindings()) {
       if (binding.action != action) continue;

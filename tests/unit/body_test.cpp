@@ -25,7 +25,7 @@ Box sampled_bounds(const Body& body) {
   return box;
 }
 
-TEST(Body, in_rest_is_as_tall_as_a_person_and_stands_on_the_floor) {
+TEST(Body, is_as_tall_as_a_person_and_stands_on_the_floor_in_its_rest_pose) {
   const Box box = sampled_bounds(pose_body(Pose{}));
   EXPECT_GT(box.max.y, 1.70);
   EXPECT_LT(box.max.y, 1.80);
@@ -35,7 +35,7 @@ TEST(Body, in_rest_is_as_tall_as_a_person_and_stands_on_the_floor) {
   EXPECT_NEAR(box.extent().z, 0.29, 0.06);  // feet
 }
 
-TEST(Body, stands_on_the_floor_and_keeps_its_size_through_the_walk) {
+TEST(Body, stands_on_the_floor_and_keeps_its_size_throughout_the_walk) {
   for (double time = 0.0; time < 2.0; time += 0.2) {
     const Box box = sampled_bounds(pose_body(walk(time)));
     EXPECT_NEAR(box.min.y, 0.0, 0.004) << time;
@@ -47,7 +47,7 @@ TEST(Body, stands_on_the_floor_and_keeps_its_size_through_the_walk) {
   }
 }
 
-TEST(Body, faces_positive_z_with_its_left_at_positive_x) {
+TEST(Body, faces_positive_z_with_its_left_side_at_positive_x) {
   const Body body = pose_body(Pose{});
   const auto colour = [&](const glm::dvec3& from, const glm::dvec3& direction) {
     glm::dvec3 p = from;  // sphere tracing
@@ -78,7 +78,7 @@ TEST(Body, faces_positive_z_with_its_left_at_positive_x) {
   EXPECT_LT(right_shoe.r, 60);
 }
 
-TEST(Body, a_point_that_moves_with_its_bone_keeps_its_place_in_rest) {
+TEST(Body, a_point_that_moves_with_its_bone_keeps_its_place_in_the_rest_pose) {
   const Body rest = pose_body(Pose{});
   const Body moved = pose_body(walk(1.0));
   ASSERT_EQ(rest.surface.primitives.size(), moved.surface.primitives.size());
@@ -93,7 +93,7 @@ TEST(Body, a_point_that_moves_with_its_bone_keeps_its_place_in_rest) {
   }
 }
 
-TEST(Body, shows_a_ball_where_the_pose_puts_it_without_being_grounded_by_it) {
+TEST(Body, places_the_ball_by_the_pose_and_does_not_stand_on_it) {
   Pose pose;
   for (const auto kind : {Ball::Kind::soccer, Ball::Kind::basketball, Ball::Kind::baseball}) {
     pose.ball = Ball{kind, {0.5, -1.0, 0.3}, rotation({0.3, 0.2, 0.1})};
@@ -126,7 +126,7 @@ TEST(Body, shows_a_bat_along_its_axis) {
   EXPECT_NEAR(distance_to(body.surface, end).distance.value, 0.0, 1e-6);
 }
 
-TEST(Body, is_lifted_from_the_floor_by_its_offset_and_set_down_by_standing_on_it) {
+TEST(Body, is_lifted_by_its_offset_and_set_down_by_stand_on_floor) {
   Pose pose = walk(0.3);
   pose.offset += glm::dvec3(0.1, 0.3, -0.2);
   const Box jumping = sampled_bounds(pose_body(pose));
@@ -135,7 +135,7 @@ TEST(Body, is_lifted_from_the_floor_by_its_offset_and_set_down_by_standing_on_it
   EXPECT_NEAR(pose.offset.y, walk(0.3).offset.y, 1e-9);
 }
 
-TEST(Body, is_one_closed_piece) {
+TEST(Body, is_a_single_closed_surface) {
   const Body body = pose_body(walk(1.0));
   std::vector<std::size_t> piece(body.surface.primitives.size());
   for (std::size_t i = 0; i < piece.size(); ++i) piece[i] = i;
@@ -170,7 +170,7 @@ TEST(Body, is_one_closed_piece) {
   }
 }
 
-TEST(Motion, begins_again_without_a_jump_and_moves_in_between) {
+TEST(Motion, loops_without_a_jump_and_moves_in_between) {
   for (const Motion& motion : motions()) {
     if (!motion.loops) continue;
     const auto place = [&](double time, Bone bone) {
@@ -205,7 +205,7 @@ TEST(Trigonometry, agrees_with_the_standard_library) {
   }
 }
 
-TEST(Sequence, frames_have_what_was_asked_for) {
+TEST(Sequence, frames_have_the_requested_points_and_attributes) {
   SequenceOptions options;
   options.sampler = Sampler::uniform;
   options.points = 5000;
@@ -220,7 +220,7 @@ TEST(Sequence, frames_have_what_was_asked_for) {
   EXPECT_GE(colours.size(), 8u);
 }
 
-TEST(Sequence, noise_moves_the_points_by_its_deviation_and_nothing_else) {
+TEST(Sequence, noise_displaces_points_by_its_deviation_and_changes_nothing_else) {
   SequenceOptions options;
   options.sampler = Sampler::uniform;
   options.points = 20000;

@@ -12,19 +12,19 @@
 namespace pointreel {
 namespace {
 
-TEST(BoundedQueue, GivesValuesInTheOrderTheyCame) {
+TEST(BoundedQueue, returns_values_in_the_order_of_arrival) {
   BoundedQueue<int> queue(3);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(queue.push(i));
   for (int i = 0; i < 3; ++i) EXPECT_EQ(queue.pop(), i);
 }
 
-TEST(BoundedQueue, CarriesValuesThatCanOnlyBeMoved) {
+TEST(BoundedQueue, carries_move_only_values) {
   BoundedQueue<std::unique_ptr<int>> queue(1);
   EXPECT_TRUE(queue.push(std::make_unique<int>(7)));
   EXPECT_EQ(**queue.pop(), 7);
 }
 
-TEST(BoundedQueue, NeverHoldsMoreThanItsCapacityAndLosesNothing) {
+TEST(BoundedQueue, never_exceeds_its_capacity_and_loses_nothing) {
   constexpr int kValues = 2000;
   BoundedQueue<int> queue(2);
   std::atomic<int> in{0}, out{0};
@@ -50,7 +50,7 @@ TEST(BoundedQueue, NeverHoldsMoreThanItsCapacityAndLosesNothing) {
   EXPECT_EQ(sum, long{kValues} * (kValues - 1) / 2);
 }
 
-TEST(BoundedQueue, ClosingEndsTheWaitOfAReaderAndOfAWriter) {
+TEST(BoundedQueue, closing_wakes_a_waiting_reader_and_a_waiting_writer) {
   // Often enough that a queue is closed before, while and after its thread begins to wait.
   for (int round = 0; round < 200; ++round) {
     BoundedQueue<int> empty(1), full(1);

@@ -61,7 +61,7 @@ TEST(CameraPath, stands_still_before_its_first_key_and_after_its_last) {
   EXPECT_EQ(path.at(9'000'000, Camera()), path.at(1'700'001, Camera()));
 }
 
-TEST(CameraPath, turns_the_shorter_way_around) {
+TEST(CameraPath, turns_the_shorter_way_round) {
   CameraPath path;
   path.keys = {key(0.0, 170.0), key(1.0, -170.0)};
   EXPECT_NEAR(yaw_at(path, 0.25), 175.0, 1e-9);
@@ -80,7 +80,7 @@ TEST(CameraPath, a_turntable_of_even_keys_turns_at_a_constant_rate) {
   }
 }
 
-TEST(CameraPath, changes_its_speed_without_a_jump_at_keys) {
+TEST(CameraPath, changes_its_speed_smoothly_at_keys) {
   CameraPath path;
   path.keys = {key(0.0, 0.0, 5.0), key(0.4, 30.0, 6.0), key(1.5, 50.0, 40.0), key(1.7, 90.0, 41.0)};
   for (const double at : {0.4, 1.5}) {
@@ -90,7 +90,7 @@ TEST(CameraPath, changes_its_speed_without_a_jump_at_keys) {
   }
 }
 
-TEST(CameraPath, passes_no_keys_value_and_stands_still_between_keys_that_are_alike) {
+TEST(CameraPath, never_overshoots_a_key_and_stands_still_between_equal_keys) {
   CameraPath path;
   path.keys = {key(0.0, 0.0), key(1.0, 40.0), key(2.0, 40.0), key(2.1, 0.0), key(3.0, 5.0)};
   double last = 0.0;
@@ -107,7 +107,7 @@ TEST(CameraPath, passes_no_keys_value_and_stands_still_between_keys_that_are_ali
   }
 }
 
-TEST(CameraPath, zooms_by_the_same_factor_in_the_same_time) {
+TEST(CameraPath, zooms_by_equal_factors_in_equal_times) {
   CameraPath path;
   path.keys = {key(0.0, 0.0), key(2.0, 0.0)};
   path.keys[0].distance = 8.0;
@@ -116,7 +116,7 @@ TEST(CameraPath, zooms_by_the_same_factor_in_the_same_time) {
   EXPECT_NEAR(path.at(500'000, Camera()).distance, 4.0, 1e-12);
 }
 
-TEST(CameraPath, keeps_the_framed_view_where_keys_say_nothing) {
+TEST(CameraPath, keeps_the_framed_view_for_values_that_its_keys_omit) {
   const auto path = parse_camera_path(
       R"({"pointreel_camera_path": 1, "keys": [{"seconds": 0, "yaw": 90}, {"seconds": 2}]})");
   ASSERT_TRUE(path) << path.error().message;
@@ -136,7 +136,7 @@ TEST(CameraPath, keeps_the_framed_view_where_keys_say_nothing) {
   EXPECT_NEAR(camera.fov_y, framed.fov_y, 1e-15);
 }
 
-TEST(CameraPath, keys_are_kept_in_order_and_replaced_at_the_same_time) {
+TEST(CameraPath, keeps_its_keys_in_order_and_replaces_a_key_at_the_same_time) {
   CameraPath path;
   path.set(key(2.0, 20.0));
   path.set(key(1.0, 10.0));
@@ -148,7 +148,7 @@ TEST(CameraPath, keys_are_kept_in_order_and_replaced_at_the_same_time) {
   EXPECT_EQ(path.keys[2], key(3.0, 30.0));
 }
 
-TEST(CameraPathFile, comes_back_as_it_was_saved) {
+TEST(CameraPathFile, is_read_back_as_it_was_saved) {
   const TemporaryFolder folder;
   const std::string file = (folder / "path.json").string();
   const CameraPath path = recorded();
@@ -168,7 +168,7 @@ TEST(CameraPathFile, comes_back_as_it_was_saved) {
   EXPECT_FALSE(std::filesystem::exists(file + ".part"));
 }
 
-TEST(CameraPathFile, says_what_is_wrong_and_where) {
+TEST(CameraPathFile, names_the_problem_and_its_place_in_an_invalid_file) {
   const auto error = [](const std::string& text) {
     const auto path = parse_camera_path(text);
     return path ? "accepted" : path.error().message;
@@ -198,7 +198,7 @@ TEST(CameraPathFile, says_what_is_wrong_and_where) {
   EXPECT_EQ(keys(R"({"seconds": 0, "fov": "wide"})"), "keys[0]: fov: is not a number");
 }
 
-TEST(CameraPathFile, errors_name_the_file) {
+TEST(CameraPathFile, names_the_file_in_every_error) {
   const TemporaryFolder folder;
   const std::string missing = (folder / "none.json").string();
   EXPECT_EQ(load_camera_path(missing).error().message,

@@ -29,7 +29,7 @@ glm::vec3 device(const Camera& camera, const glm::vec3& local, const glm::dvec3&
   return glm::vec3(clip) / clip.w;
 }
 
-TEST(Camera, TheFrontViewOfAYUpWorldLooksAlongMinusZWithXToTheRight) {
+TEST(Camera, front_view_of_a_y_up_world_looks_along_minus_z_with_x_to_the_right) {
   Camera camera;
   const glm::dmat3 axes = camera.axes();
   EXPECT_NEAR(glm::length(axes[0] - glm::dvec3(1, 0, 0)), 0.0, 1e-15);
@@ -37,7 +37,7 @@ TEST(Camera, TheFrontViewOfAYUpWorldLooksAlongMinusZWithXToTheRight) {
   EXPECT_NEAR(glm::length(axes[2] - glm::dvec3(0, 0, 1)), 0.0, 1e-15);
 }
 
-TEST(Camera, TheFrontViewOfAZUpWorldLooksAlongPlusYWithXToTheRight) {
+TEST(Camera, front_view_of_a_z_up_world_looks_along_plus_y_with_x_to_the_right) {
   Camera camera;
   camera.up = 'z';
   const glm::dmat3 axes = camera.axes();
@@ -46,7 +46,7 @@ TEST(Camera, TheFrontViewOfAZUpWorldLooksAlongPlusYWithXToTheRight) {
   EXPECT_NEAR(glm::length(axes[2] - glm::dvec3(0, -1, 0)), 0.0, 1e-15);
 }
 
-TEST(Camera, PositiveYawMovesTheEyeToTheRightAndPositivePitchAbove) {
+TEST(Camera, positive_yaw_moves_the_eye_right_and_positive_pitch_moves_it_up) {
   for (const char up : {'y', 'z'}) {
     Camera camera;
     camera.up = up;
@@ -60,7 +60,7 @@ TEST(Camera, PositiveYawMovesTheEyeToTheRightAndPositivePitchAbove) {
   }
 }
 
-TEST(Camera, FramedBoundsAreWhollyVisibleAndFillMostOfThePicture) {
+TEST(Camera, framed_bounds_are_fully_visible_and_fill_most_of_the_picture) {
   for (const char up : {'y', 'z'}) {
     for (const double aspect : {0.4, 1.0, kAspect, 4.0}) {
       for (const Box& box : {Box{{-1, -2, -3}, {4, 5, 6}}, Box{{5, 5, 5}, {5, 9, 5}},
@@ -84,7 +84,7 @@ TEST(Camera, FramedBoundsAreWhollyVisibleAndFillMostOfThePicture) {
   }
 }
 
-TEST(Camera, BoundsWithoutExtentGiveAFiniteView) {
+TEST(Camera, bounds_without_extent_give_a_finite_view) {
   for (const Box& box : {Box{}, Box{{1, 2, 3}, {1, 2, 3}}}) {
     Camera camera;
     camera.frame_bounds(box, kAspect);
@@ -94,7 +94,7 @@ TEST(Camera, BoundsWithoutExtentGiveAFiniteView) {
   }
 }
 
-TEST(Camera, AnOffsetOfAMillionDoesNotMoveAPointInThePicture) {
+TEST(Camera, an_offset_of_a_million_does_not_move_a_point_in_the_picture) {
   Camera here;
   here.frame_bounds({{-1, -1, -1}, {1, 1, 1}}, kAspect);
   here.orbit(0.7, 0.2);
@@ -111,7 +111,7 @@ TEST(Camera, AnOffsetOfAMillionDoesNotMoveAPointInThePicture) {
   EXPECT_NEAR(b.z, exact.z, 1e-8);
 }
 
-TEST(Camera, DepthIsOneAtTheNearPlaneAndTellsApartAHundredThousandTimesFurther) {
+TEST(Camera, depth_is_one_at_the_near_plane_and_precise_a_hundred_thousand_times_farther) {
   Camera camera;
   const glm::mat4 p = camera.projection(1.0);
   const auto depth = [&](double z) {
@@ -124,7 +124,7 @@ TEST(Camera, DepthIsOneAtTheNearPlaneAndTellsApartAHundredThousandTimesFurther) 
   EXPECT_GT(depth(1e5 * near), depth(1.00001e5 * near));
 }
 
-TEST(Camera, ZoomStaysWithinTheSceneAndPitchShortOfThePoles) {
+TEST(Camera, zoom_is_bounded_by_the_scene_and_pitch_stops_short_of_the_poles) {
   Camera camera;
   for (int i = 0; i < 1000; ++i) camera.zoom(0.5);
   EXPECT_GT(camera.distance, 0.0);
@@ -134,7 +134,7 @@ TEST(Camera, ZoomStaysWithinTheSceneAndPitchShortOfThePoles) {
   EXPECT_LT(camera.pitch, 1.5707);
 }
 
-TEST(Camera, PanMovesThePictureByTheGivenShareOfItsHeight) {
+TEST(Camera, panning_moves_the_picture_by_the_given_share_of_its_height) {
   Camera camera;
   camera.orbit(0.4, 0.3);
   const glm::dvec3 point = camera.target;
@@ -165,7 +165,7 @@ glm::dvec3 point_under(const Camera& camera, const glm::dvec2& cursor, double de
   return camera.eye() + t * (kAspect * cursor.x * axes[0] + cursor.y * axes[1]) - depth * axes[2];
 }
 
-TEST(Camera, ZoomingAtTheCursorLeavesWhatIsThereInItsPlace) {
+TEST(Camera, zooming_at_the_cursor_keeps_the_point_under_it_in_place) {
   for (const Camera& before : askew_cameras()) {
     for (const glm::dvec2& cursor : {glm::dvec2(0.0), glm::dvec2(-0.7, 0.9), glm::dvec2(0.3, -1)}) {
       for (const double factor : {0.5, 0.9, 1.7}) {
@@ -184,7 +184,7 @@ TEST(Camera, ZoomingAtTheCursorLeavesWhatIsThereInItsPlace) {
   }
 }
 
-TEST(Camera, ZoomingAtTheCursorAndBackEndsWhereItBeganAndStopsWithTheDistance) {
+TEST(Camera, zooming_at_the_cursor_is_reversible_and_stops_at_the_limits_of_distance) {
   for (const Camera& before : askew_cameras()) {
     Camera camera = before;
     camera.zoom_at(0.25, {0.6, -0.4}, kAspect);
@@ -199,7 +199,7 @@ TEST(Camera, ZoomingAtTheCursorAndBackEndsWhereItBeganAndStopsWithTheDistance) {
   }
 }
 
-TEST(Camera, CenteringOnAPointBringsItToTheMiddleAsLargeAsItWas) {
+TEST(Camera, centring_on_a_point_moves_it_to_the_middle_at_the_same_size) {
   for (const Camera& before : askew_cameras()) {
     const double depth = 0.7 * before.distance;
     const glm::dvec3 point = point_under(before, {0.5, -0.8}, depth);
@@ -217,7 +217,7 @@ TEST(Camera, CenteringOnAPointBringsItToTheMiddleAsLargeAsItWas) {
   }
 }
 
-TEST(Camera, CenteringOnAPointBehindTheEyeOrAtItKeepsTheDistanceWithinItsBounds) {
+TEST(Camera, centring_on_a_point_at_or_behind_the_eye_keeps_the_distance_in_bounds) {
   for (const Camera& before : askew_cameras()) {
     Camera camera = before;
     camera.center_on(point_under(before, {0.0, 0.0}, -2.0));
@@ -228,7 +228,7 @@ TEST(Camera, CenteringOnAPointBehindTheEyeOrAtItKeepsTheDistanceWithinItsBounds)
   }
 }
 
-TEST(Camera, FlyingTurnsOnTheSpotToTheLeftAndDown) {
+TEST(Camera, flying_turns_on_the_spot_to_the_left_and_down) {
   for (const Camera& before : askew_cameras()) {
     Camera camera = before;
     camera.fly(glm::dvec3(0.0), 0.3, 0.2);
@@ -246,7 +246,7 @@ TEST(Camera, FlyingTurnsOnTheSpotToTheLeftAndDown) {
   }
 }
 
-TEST(Camera, FlyingMovesTheEyeToTheRightUpTheWorldAndTheWayItLooks) {
+TEST(Camera, flying_moves_the_eye_right_up_and_forward) {
   for (const Camera& before : askew_cameras()) {
     const glm::dmat3 axes = before.axes();
     const glm::dvec3 above = before.up == 'z' ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);

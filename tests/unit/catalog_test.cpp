@@ -34,7 +34,7 @@ class CatalogTest : public testing::Test {
   fs::path reel_ = temporary_.path() / "walk";
 };
 
-TEST_F(CatalogTest, holds_what_the_manifest_names_and_nothing_else) {
+TEST_F(CatalogTest, holds_only_the_files_that_the_manifest_names) {
   write_file(reel_ / "notes.txt", "private");
   fs::create_directory(reel_ / "sub");
   write_file(reel_ / "sub" / "0.base.prs", "base");
@@ -72,7 +72,7 @@ TEST_F(CatalogTest, lists_the_packages) {
   EXPECT_EQ(listing[1].at("url"), "/a%20b");
 }
 
-TEST_F(CatalogTest, takes_the_name_of_the_folder_however_it_is_written) {
+TEST_F(CatalogTest, names_a_package_after_its_folder_however_the_path_is_written) {
   const fs::path before = fs::current_path();
   fs::current_path(reel_);
   const auto here = Catalog::load({"."});
@@ -84,14 +84,14 @@ TEST_F(CatalogTest, takes_the_name_of_the_folder_however_it_is_written) {
   EXPECT_NE(slash->find("/walk/reel.json"), nullptr);
 }
 
-TEST_F(CatalogTest, refuses_what_is_no_package) {
+TEST_F(CatalogTest, refuses_a_folder_that_is_not_a_package) {
   EXPECT_THAT(error_of({temporary_.path() / "missing"}), HasSubstr("missing: No such file"));
   EXPECT_THAT(error_of({temporary_.path()}), HasSubstr("holds no reel.json"));
   write_file(reel_ / "reel.json", "{");
   EXPECT_THAT(error_of({reel_}), HasSubstr("walk/reel.json"));
 }
 
-TEST_F(CatalogTest, refuses_two_folders_of_one_name) {
+TEST_F(CatalogTest, refuses_two_folders_with_the_same_name) {
   write_package(temporary_.path() / "other" / "walk", "1", "2");
   EXPECT_THAT(error_of({reel_, temporary_.path() / "other" / "walk"}),
               AllOf(HasSubstr("other/walk"), HasSubstr("another package is named 'walk'")));
@@ -108,7 +108,7 @@ TEST_F(CatalogTest, refuses_an_incomplete_package) {
   EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: is no regular file"));
 }
 
-TEST_F(CatalogTest, refuses_symbolic_links_that_lead_out_and_follows_those_that_stay) {
+TEST_F(CatalogTest, refuses_symbolic_links_out_of_the_package_and_follows_those_within) {
   const fs::path outside = temporary_.path() / "outside";
   write_file(outside, "the rest");
   fs::remove(reel_ / "0.full.prs");
@@ -134,7 +134,7 @@ TEST_F(CatalogTest, refuses_symbolic_links_that_lead_out_and_follows_those_that_
   EXPECT_THAT(error_of({reel_}), HasSubstr("reel.json: is a symbolic link that leads out"));
 }
 
-TEST_F(CatalogTest, opens_a_file_only_while_it_is_the_one_it_was) {
+TEST_F(CatalogTest, does_not_open_a_file_that_was_changed_or_replaced) {
   const auto catalog = Catalog::load({reel_});
   ASSERT_TRUE(catalog) << catalog.error().message;
   const Resource& full = *catalog->find("/walk/0.full.prs");
@@ -160,7 +160,7 @@ TEST_F(CatalogTest, opens_a_file_only_while_it_is_the_one_it_was) {
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
 }
 
-TEST_F(CatalogTest, what_live_streams_have_comes_and_goes_behind_the_packages) {
+TEST_F(CatalogTest, live_resources_come_and_go_and_never_hide_a_package) {
   auto catalog = Catalog::load({reel_});
   ASSERT_TRUE(catalog) << catalog.error().message;
   const auto live = std::make_shared<LiveResources>();

@@ -20,7 +20,7 @@ Timeline ten_frames() {
   return timeline;
 }
 
-TEST(Timeline, GivesTheLastFrameThatHasBegun) {
+TEST(Timeline, gives_the_last_frame_that_has_begun) {
   const Timeline timeline = ten_frames();
   EXPECT_EQ(timeline.frame_at(0), 0u);
   EXPECT_EQ(timeline.frame_at(99'999), 0u);
@@ -28,21 +28,21 @@ TEST(Timeline, GivesTheLastFrameThatHasBegun) {
   EXPECT_EQ(timeline.frame_at(5'000'000), 9u);
 }
 
-TEST(Timeline, GivesTheFirstFrameBeforeIt) {
+TEST(Timeline, gives_the_first_frame_for_times_before_it) {
   EXPECT_EQ((Timeline{{50, 100}, 200}.frame_at(10)), 0u);
 }
 
-TEST(Timeline, GivesTheLastOfFramesAtTheSameTime) {
+TEST(Timeline, gives_the_last_of_several_frames_at_the_same_time) {
   EXPECT_EQ((Timeline{{0, 50, 50, 90}, 100}.frame_at(50)), 2u);
 }
 
-TEST(Clock, StandsAtTheStartUntilItPlays) {
+TEST(Clock, stays_at_the_start_until_it_plays) {
   const Clock clock(ten_frames(), true);
   EXPECT_FALSE(clock.playing());
   EXPECT_EQ(clock.read(kStart + milliseconds(350)).frame, 0u);
 }
 
-TEST(Clock, ShowsEachFrameForItsOwnTime) {
+TEST(Clock, shows_each_frame_for_its_own_duration) {
   Clock clock(ten_frames(), true);
   clock.play(kStart);
   for (int i = 0; i < 10; ++i) {
@@ -51,7 +51,7 @@ TEST(Clock, ShowsEachFrameForItsOwnTime) {
   }
 }
 
-TEST(Clock, WrapsAtTheEndOfALoopAndCountsOn) {
+TEST(Clock, wraps_at_the_end_of_a_loop_and_keeps_counting_frames) {
   Clock clock(ten_frames(), true);
   clock.play(kStart);
   const auto last = clock.read(kStart + milliseconds(999));
@@ -65,7 +65,7 @@ TEST(Clock, WrapsAtTheEndOfALoopAndCountsOn) {
   EXPECT_EQ(clock.read(kStart + milliseconds(7250)).ordinal, 72);
 }
 
-TEST(Clock, EndsAfterTheLastFramesOwnDurationWithoutLoop) {
+TEST(Clock, ends_after_the_duration_of_the_last_frame_without_a_loop) {
   Clock clock(ten_frames(), false);
   clock.play(kStart);
   EXPECT_FALSE(clock.read(kStart + milliseconds(999)).ended);
@@ -76,7 +76,7 @@ TEST(Clock, EndsAfterTheLastFramesOwnDurationWithoutLoop) {
   EXPECT_EQ(clock.read(kStart + milliseconds(90'000)).frame, 9u);
 }
 
-TEST(Clock, BeginsAnewWhenPlayedFromTheEnd) {
+TEST(Clock, starts_over_when_played_from_the_end) {
   Clock clock(ten_frames(), false);
   clock.play(kStart);
   clock.pause(kStart + milliseconds(1500));
@@ -84,7 +84,7 @@ TEST(Clock, BeginsAnewWhenPlayedFromTheEnd) {
   EXPECT_EQ(clock.read(kStart + milliseconds(2150)).frame, 1u);
 }
 
-TEST(Clock, StandsStillWhilePaused) {
+TEST(Clock, does_not_advance_while_paused) {
   Clock clock(ten_frames(), true);
   clock.play(kStart);
   clock.pause(kStart + milliseconds(250));
@@ -93,7 +93,7 @@ TEST(Clock, StandsStillWhilePaused) {
   EXPECT_EQ(clock.read(kStart + milliseconds(10'100)).position_us, 350'000u);
 }
 
-TEST(Clock, SeeksBackwardWhilePlaying) {
+TEST(Clock, seeks_backward_while_playing) {
   Clock clock(ten_frames(), false);
   clock.play(kStart);
   clock.seek(100'000, kStart + milliseconds(800));
@@ -101,7 +101,7 @@ TEST(Clock, SeeksBackwardWhilePlaying) {
   EXPECT_EQ(clock.read(kStart + milliseconds(1050)).frame, 3u);
 }
 
-TEST(Clock, SeekingByGoesNoFartherThanTheEndsAndALoopBeginsAnew) {
+TEST(Clock, a_relative_seek_stops_at_the_ends_or_wraps_in_a_loop) {
   Clock looping(ten_frames(), true), once(ten_frames(), false);
   for (Clock* clock : {&looping, &once}) {
     clock->seek_by(250'000, kStart);
@@ -118,7 +118,7 @@ TEST(Clock, SeekingByGoesNoFartherThanTheEndsAndALoopBeginsAnew) {
   EXPECT_FALSE(once.read(kStart).ended);
 }
 
-TEST(Clock, StepsToTheExactTimeOfTheNextFrameAndPauses) {
+TEST(Clock, a_step_goes_to_the_exact_time_of_the_next_frame_and_pauses) {
   Clock clock(ten_frames(), false);
   clock.play(kStart);
   clock.step(1, kStart + milliseconds(130));
@@ -130,7 +130,7 @@ TEST(Clock, StepsToTheExactTimeOfTheNextFrameAndPauses) {
   EXPECT_EQ(clock.read(kStart + milliseconds(900)).position_us, 0u);
 }
 
-TEST(Clock, StepsAcrossTheEndsOfALoop) {
+TEST(Clock, a_step_wraps_at_the_ends_of_a_loop) {
   Clock clock(ten_frames(), true);
   clock.step(-1, kStart);
   EXPECT_EQ(clock.read(kStart).frame, 9u);
@@ -138,7 +138,7 @@ TEST(Clock, StepsAcrossTheEndsOfALoop) {
   EXPECT_EQ(clock.read(kStart).frame, 0u);
 }
 
-TEST(Clock, DoesNotJumpWhenTheSpeedChanges) {
+TEST(Clock, does_not_jump_when_the_speed_changes) {
   Clock clock(ten_frames(), true);
   clock.play(kStart);
   clock.set_speed(2.0, kStart + milliseconds(300));
@@ -148,7 +148,7 @@ TEST(Clock, DoesNotJumpWhenTheSpeedChanges) {
   EXPECT_EQ(clock.read(kStart + milliseconds(500)).position_us, 550'000u);
 }
 
-TEST(Clock, BoundsTheSpeed) {
+TEST(Clock, clamps_the_speed) {
   Clock clock(ten_frames(), true);
   clock.set_speed(100.0, kStart);
   EXPECT_EQ(clock.speed(), kMaxSpeed);
@@ -160,7 +160,7 @@ TEST(Clock, BoundsTheSpeed) {
   EXPECT_EQ(clock.speed(), -kMaxSpeed);
 }
 
-TEST(Clock, PlaysBackwardAndShowsEachFrameForItsOwnTime) {
+TEST(Clock, shows_each_frame_for_its_own_duration_when_played_backward) {
   Clock clock(ten_frames(), false);
   clock.seek(999'999, kStart);
   clock.set_speed(-1.0, kStart);
@@ -171,7 +171,7 @@ TEST(Clock, PlaysBackwardAndShowsEachFrameForItsOwnTime) {
   }
 }
 
-TEST(Clock, WrapsAtTheStartOfALoopInBackwardPlayAndCountsDown) {
+TEST(Clock, wraps_at_the_start_of_a_loop_when_played_backward_and_counts_down) {
   Clock clock(ten_frames(), true);
   clock.set_speed(-1.0, kStart);
   clock.play(kStart);
@@ -186,7 +186,7 @@ TEST(Clock, WrapsAtTheStartOfALoopInBackwardPlayAndCountsDown) {
   EXPECT_EQ(clock.read(kStart + milliseconds(7250)).ordinal, -73);
 }
 
-TEST(Clock, EndsAtTheStartInBackwardPlayWithoutLoopAndBeginsAnewAtTheEnd) {
+TEST(Clock, ends_at_the_start_when_played_backward_and_restarts_from_the_end) {
   Clock clock(ten_frames(), false);
   clock.seek(200'000, kStart);
   clock.set_speed(-1.0, kStart);
@@ -202,7 +202,7 @@ TEST(Clock, EndsAtTheStartInBackwardPlayWithoutLoopAndBeginsAnewAtTheEnd) {
   EXPECT_FALSE(clock.read(kStart + milliseconds(450)).ended);
 }
 
-TEST(Clock, TurnsAroundWithoutAJumpAlsoPastAnEnd) {
+TEST(Clock, reverses_without_a_jump_even_after_the_end) {
   Clock clock(ten_frames(), false);
   clock.play(kStart);
   clock.set_speed(-2.0, kStart + milliseconds(500));
@@ -212,7 +212,7 @@ TEST(Clock, TurnsAroundWithoutAJumpAlsoPastAnEnd) {
   EXPECT_EQ(clock.read(kStart + milliseconds(9100)).position_us, 100'000u);
 }
 
-TEST(Clock, KeepsToEverySpeedAllowedInBothDirections) {
+TEST(Clock, keeps_to_every_allowed_speed_in_both_directions) {
   for (const double speed : {0.1, 0.5, 1.0, 2.5, 4.0, -0.1, -1.5, -4.0}) {
     Clock clock(ten_frames(), true);
     clock.seek(500'000, kStart);
@@ -223,7 +223,7 @@ TEST(Clock, KeepsToEverySpeedAllowedInBothDirections) {
   }
 }
 
-TEST(Clock, StandsStillWhileHeldAndGoesOnFromThere) {
+TEST(Clock, stands_still_while_held_and_resumes_from_there) {
   Clock clock(ten_frames(), true);
   clock.play(kStart);
   clock.hold(kStart + milliseconds(250));
@@ -236,7 +236,7 @@ TEST(Clock, StandsStillWhileHeldAndGoesOnFromThere) {
   EXPECT_EQ(clock.read(kStart + milliseconds(10'200)).position_us, 450'000u);
 }
 
-TEST(Clock, KeepsThePositionWhenTheLoopIsSwitchedOffInALaterPass) {
+TEST(Clock, keeps_its_position_when_the_loop_is_switched_off_in_a_later_pass) {
   Clock clock(ten_frames(), true);
   clock.play(kStart);
   clock.set_loop(false, kStart + milliseconds(2400));
@@ -244,7 +244,7 @@ TEST(Clock, KeepsThePositionWhenTheLoopIsSwitchedOffInALaterPass) {
   EXPECT_TRUE(clock.read(kStart + milliseconds(3100)).ended);
 }
 
-TEST(Clock, PlaysAReelOfOneFrame) {
+TEST(Clock, plays_a_reel_of_one_frame) {
   Clock clock(Timeline{{0}, 33'333}, true);
   clock.play(kStart);
   EXPECT_EQ(clock.read(kStart + milliseconds(500)).frame, 0u);
@@ -252,7 +252,7 @@ TEST(Clock, PlaysAReelOfOneFrame) {
   EXPECT_EQ(clock.read(kStart + milliseconds(500)).frame, 0u);
 }
 
-TEST(ClockRange, IsPlayedAgainAndAgainWhetherTheReelLoopsOrNot) {
+TEST(ClockRange, repeats_whether_or_not_the_reel_loops) {
   for (const bool loop : {false, true}) {
     Clock clock(ten_frames(), loop);
     clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
@@ -268,7 +268,7 @@ TEST(ClockRange, IsPlayedAgainAndAgainWhetherTheReelLoopsOrNot) {
   }
 }
 
-TEST(ClockRange, IsPlayedBackwardToo) {
+TEST(ClockRange, repeats_when_played_backward) {
   for (const bool loop : {false, true}) {
     Clock clock(ten_frames(), loop);
     clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
@@ -283,7 +283,7 @@ TEST(ClockRange, IsPlayedBackwardToo) {
   }
 }
 
-TEST(ClockRange, LetsWhoSeeksPastItPlayToTheEndAndTakesThemInWhenTheyComeAround) {
+TEST(ClockRange, does_not_capture_playback_that_seeks_past_it_until_the_reel_wraps) {
   Clock looping(ten_frames(), true), once(ten_frames(), false);
   for (Clock* clock : {&looping, &once}) {
     clock->set_loop_range(LoopRange{300'000, 500'000}, kStart);
@@ -299,14 +299,14 @@ TEST(ClockRange, LetsWhoSeeksPastItPlayToTheEndAndTakesThemInWhenTheyComeAround)
   EXPECT_EQ(looping.read(kStart + milliseconds(700)).ordinal, 15);
 }
 
-TEST(ClockRange, TurnsAroundAtOnceForWhoSetsItsFarEndToWhereTheyAre) {
+TEST(ClockRange, wraps_at_once_if_its_far_end_is_set_to_the_current_position) {
   Clock clock(ten_frames(), false);
   clock.play(kStart);
   clock.set_loop_range(LoopRange{200'000, 730'000}, kStart + milliseconds(730));
   EXPECT_EQ(clock.read(kStart + milliseconds(740)).position_us, 210'000u);
 }
 
-TEST(ClockRange, DoesNotMoveWhoIsPaused) {
+TEST(ClockRange, does_not_move_a_paused_clock) {
   Clock clock(ten_frames(), true);
   clock.seek(730'000, kStart);
   clock.set_loop_range(LoopRange{200'000, 730'000}, kStart);
@@ -318,7 +318,7 @@ TEST(ClockRange, DoesNotMoveWhoIsPaused) {
   EXPECT_EQ(clock.read(kStart).frame, 0u);
 }
 
-TEST(ClockRange, TakesItsEndsInAnyOrderAndKeepsThemInTheReel) {
+TEST(ClockRange, accepts_its_ends_in_any_order_and_clamps_them_to_the_reel) {
   Clock clock(ten_frames(), true);
   clock.set_loop_range(LoopRange{9'000'000, 200'000}, kStart);
   EXPECT_EQ(clock.loop_range(), (LoopRange{200'000, 1'000'000}));
@@ -329,7 +329,7 @@ TEST(ClockRange, TakesItsEndsInAnyOrderAndKeepsThemInTheReel) {
   EXPECT_EQ(clock.loop_frames(), (FrameRange{2, 2}));
 }
 
-TEST(ClockRange, IsTheFrameWhereBothEndsAreTheSame) {
+TEST(ClockRange, covers_one_frame_if_both_ends_are_equal) {
   Clock clock(ten_frames(), true);
   clock.set_loop_range(LoopRange{350'000, 350'000}, kStart);
   EXPECT_EQ(clock.loop_range(), (LoopRange{300'000, 400'000}));
@@ -340,7 +340,7 @@ TEST(ClockRange, IsTheFrameWhereBothEndsAreTheSame) {
   EXPECT_FALSE(clock.loop_frames());
 }
 
-TEST(ClockRange, ReachesToTheReelsEndsInEitherDirection) {
+TEST(ClockRange, may_extend_to_the_ends_of_the_reel_in_either_direction) {
   Clock clock(ten_frames(), false);
   clock.set_loop_range(LoopRange{0, 1'000'000}, kStart);
   clock.play(kStart);
@@ -353,7 +353,7 @@ TEST(ClockRange, ReachesToTheReelsEndsInEitherDirection) {
   EXPECT_EQ(clock.read(kStart + milliseconds(1)).position_us, 999'000u);
 }
 
-TEST(ClockRange, KeepsCountingAcrossPausesAndChangesOfSpeed) {
+TEST(ClockRange, keeps_counting_frames_across_pauses_and_changes_of_speed) {
   Clock clock(ten_frames(), true);
   clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
   clock.play(kStart);
@@ -418,7 +418,7 @@ class Walker {
   bool ended_ = false, again_ = false;
 };
 
-TEST(ClockRange, IsWhereOneComesToStepByStepFromEverywhereInEveryRange) {
+TEST(ClockRange, agrees_with_playing_step_by_step_from_every_start_in_every_range) {
   const Timeline timeline{{0, 3, 4, 8}, 10};
   for (std::uint64_t a = 0; a < 10; ++a)
     for (std::uint64_t b = a + 1; b <= 10; ++b)

@@ -39,7 +39,7 @@ const SurfaceGrid& figure_grid() {
   return grid;
 }
 
-TEST(TrueDistance, to_a_primitive_is_its_own_distance) {
+TEST(TrueDistance, equals_the_distance_to_a_single_primitive) {
   const Ellipsoid egg{{0.1, 0.2, 0.3}, glm::dmat3(1.0), {0.1, 0.2, 0.15}};
   const SurfaceGrid grid = grid_of({{egg}, {{0, 0, 0.0}}});
   Random random(1, 0);
@@ -49,7 +49,7 @@ TEST(TrueDistance, to_a_primitive_is_its_own_distance) {
   }
 }
 
-TEST(TrueDistance, from_inside_a_crease_is_that_to_the_crease) {
+TEST(TrueDistance, reaches_a_crease_from_inside_it) {
   const SurfaceGrid grid = grid_of(two_balls(0.0));
   for (const double depth : {1e-6, 0.001, 0.004, 0.02}) {
     // Either ball's own surface is nearer, but buried in the other.
@@ -62,7 +62,7 @@ TEST(TrueDistance, from_inside_a_crease_is_that_to_the_crease) {
   EXPECT_NEAR(true_distance(grid, p), glm::distance(p, {0.08, 0, 0}) - 0.1, 1e-7);
 }
 
-TEST(TrueDistance, from_inside_three_balls_is_that_to_their_corner) {
+TEST(TrueDistance, reaches_the_corner_of_three_balls_from_inside_them) {
   // Around the corners of a triangle with the centre 0; the corner is above it at height 0.06.
   Surface surface;
   for (int i = 0; i < 3; ++i) {
@@ -76,7 +76,7 @@ TEST(TrueDistance, from_inside_three_balls_is_that_to_their_corner) {
   }
 }
 
-TEST(TrueDistance, in_a_fillet_is_more_than_the_value) {
+TEST(TrueDistance, exceeds_the_value_of_the_field_in_a_fillet) {
   constexpr double kBlend = 0.06;
   const SurfaceGrid grid = grid_of(two_balls(kBlend));
   // Half way between the balls the fillet is at distance blend / 4 from both.
@@ -88,7 +88,7 @@ TEST(TrueDistance, in_a_fillet_is_more_than_the_value) {
   }
 }
 
-TEST(TrueDistance, from_a_figure_s_point_moved_along_its_normal_is_that_way) {
+TEST(TrueDistance, recovers_how_far_a_point_was_moved_along_its_normal) {
   const auto points = sample_uniform(figure().surface, 2000, 1).value();
   std::size_t nearer = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -122,7 +122,7 @@ TEST(TrueDistance, agrees_with_the_nearest_of_many_samples) {
   }
 }
 
-TEST(TrueDistance, of_a_cloud_is_that_of_its_points_on_any_number_of_threads) {
+TEST(TrueDistance, gives_the_same_for_a_cloud_on_any_number_of_threads) {
   PointCloud cloud;
   cloud.origin = {0.0, 1.0, 0.0};
   Random random(4, 0);

@@ -48,7 +48,7 @@ std::vector<std::string> names(const std::vector<fs::path>& paths) {
   return out;
 }
 
-TEST_F(CloudFile, FilesAreToldApartByTheirFirstBytesNotTheirNames) {
+TEST_F(CloudFile, formats_are_recognised_by_their_first_bytes_and_not_by_file_names) {
   const auto ply = read_cloud_file(write("cloud.drc", kPly));
   ASSERT_TRUE(ply) << ply.error().message;
   EXPECT_EQ(ply->cloud.world(1), glm::dvec3(4, 5, 6));
@@ -59,7 +59,7 @@ TEST_F(CloudFile, FilesAreToldApartByTheirFirstBytesNotTheirNames) {
   EXPECT_EQ(draco->cloud.world(0), glm::dvec3(1.5));
 }
 
-TEST_F(CloudFile, WhatWasMendedIsSaidInWords) {
+TEST_F(CloudFile, repairs_are_described_in_words) {
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
@@ -76,7 +76,7 @@ TEST_F(CloudFile, WhatWasMendedIsSaidInWords) {
                           "1 point has no usable normal", "replaced 1 unusable radius value"));
 }
 
-TEST_F(CloudFile, ErrorsBeginWithThePathAndAreOneLine) {
+TEST_F(CloudFile, errors_begin_with_the_path_and_take_one_line) {
   const fs::path missing = folder_ / "missing.ply";
   const auto expect_error = [](const fs::path& path, const std::string& part) {
     const auto loaded = read_cloud_file(path);
@@ -93,7 +93,7 @@ TEST_F(CloudFile, ErrorsBeginWithThePathAndAreOneLine) {
   expect_error(write("bad.ply", std::string("ply\nformat ascii 1.0\n")), "");
 }
 
-TEST_F(CloudFile, AFolderGivesItsFramesInNaturalOrder) {
+TEST_F(CloudFile, a_folder_gives_its_frames_in_natural_order) {
   for (const char* name : {"frame10.ply", "frame2.PLY", "frame1.drc", ".hidden.ply", "notes.txt",
                            "frame3.ply.bak", "ply"}) {
     write(name, kPly);
@@ -104,7 +104,7 @@ TEST_F(CloudFile, AFolderGivesItsFramesInNaturalOrder) {
   EXPECT_THAT(names(*files), ElementsAre("frame1.drc", "frame2.PLY", "frame10.ply"));
 }
 
-TEST_F(CloudFile, NamedFilesKeepTheirOrderAndMayHaveAnyName) {
+TEST_F(CloudFile, explicitly_named_files_keep_their_order_and_may_have_any_name) {
   const fs::path b = write("b.ply", kPly), a = write("a.data", kPly);
   write("more/f2.ply", kPly);
   write("more/f1.ply", kPly);
@@ -113,7 +113,7 @@ TEST_F(CloudFile, NamedFilesKeepTheirOrderAndMayHaveAnyName) {
   EXPECT_THAT(names(*files), ElementsAre("b.ply", "a.data", "f1.ply", "f2.ply"));
 }
 
-TEST_F(CloudFile, AMissingInputOrAFolderWithoutFramesIsAnError) {
+TEST_F(CloudFile, a_missing_input_or_a_folder_without_frames_is_an_error) {
   const auto missing = list_cloud_files({folder_ / "nowhere"});
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message, HasSubstr("nowhere: no such file or folder"));
@@ -130,7 +130,7 @@ fs::path real_data() {
   return named ? fs::path(named) : fs::path(POINTREEL_SOURCE_DIR) / "../shared/data";
 }
 
-TEST(CloudFileOnRealData, EveryMeshOfTheLiamSequenceIsAStandingPerson) {
+TEST(CloudFileOnRealData, every_mesh_of_the_liam_sequence_is_a_standing_person) {
   const fs::path folder = real_data() / "liam";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const auto files = list_cloud_files({folder});

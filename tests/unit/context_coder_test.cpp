@@ -117,7 +117,7 @@ std::vector<Svo> small_trees() {
           clustered_tree(kMaxDepth, 300, 3)};
 }
 
-TEST(RasterWalk, finds_the_same_neighbours_by_planes_and_by_searching) {
+TEST(RasterWalk, finds_the_same_neighbours_by_planes_as_by_searching) {
   for (const Svo& svo :
        {shell_tree(5, 4), clustered_tree(7, 3000, 1), clustered_tree(9, 2000, 2)}) {
     RasterLevel level = root_level();
@@ -161,7 +161,7 @@ TEST(RasterWalk, finds_the_same_neighbours_by_planes_and_by_searching) {
   }
 }
 
-TEST(ContextCoder, gives_back_every_tree_with_one_layer_or_many) {
+TEST(ContextCoder, restores_every_tree_from_one_layer_or_many) {
   for (const Svo& svo : small_trees()) {
     std::vector<int> each(static_cast<std::size_t>(svo.depth));
     for (int i = 0; i < svo.depth; ++i) each[static_cast<std::size_t>(i)] = i + 1;
@@ -173,7 +173,7 @@ TEST(ContextCoder, gives_back_every_tree_with_one_layer_or_many) {
   }
 }
 
-TEST(ContextCoder, makes_and_reads_the_same_bytes_with_and_without_bmi2) {
+TEST(ContextCoder, writes_and_reads_the_same_bytes_with_and_without_bmi2) {
   for (const Svo& svo : small_trees()) {
     const std::vector<int> ends = {svo.depth};
     const auto fast = encode(svo, ends);
@@ -185,7 +185,7 @@ TEST(ContextCoder, makes_and_reads_the_same_bytes_with_and_without_bmi2) {
   }
 }
 
-TEST(ContextCoder, agrees_with_the_decoder_written_from_the_format_s_description) {
+TEST(ContextCoder, agrees_with_the_reference_decoder) {
   std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
   const reference::Tables tables1 = reference::read_tables(tables_file);
@@ -213,7 +213,7 @@ TEST(ContextCoder, agrees_with_the_decoder_written_from_the_format_s_description
   }
 }
 
-TEST(ContextCoder, a_payload_cut_at_any_byte_is_an_error) {
+TEST(ContextCoder, reports_a_payload_truncated_at_any_byte) {
   const Svo svo = clustered_tree(6, 300, 4);
   const auto layers = encode(svo, {6});
   for (std::size_t cut = 0; cut < layers[0].size(); ++cut) {
@@ -222,7 +222,7 @@ TEST(ContextCoder, a_payload_cut_at_any_byte_is_an_error) {
   }
 }
 
-TEST(ContextCoder, refuses_other_sizes_than_the_bytes_hold) {
+TEST(ContextCoder, refuses_sizes_that_differ_from_those_in_the_bytes) {
   const Svo svo = clustered_tree(6, 300, 4);
   const Bytes payload = encode(svo, {6}).front();
   const auto decodes = [&](std::size_t mask_count, std::size_t most_nodes) {
@@ -248,7 +248,7 @@ std::array<SlotTables, kLevelClasses * kSlots> all_slots(const SlotTables& slot)
   return slots;
 }
 
-TEST(ContextTables, that_are_damaged_are_refused) {
+TEST(ContextTables, are_refused_if_they_are_damaged) {
   Bytes bytes = write_tables(all_slots({0, {0}, {0x80}}));
   ASSERT_TRUE(parse_tables(bytes));
   for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
@@ -264,7 +264,7 @@ TEST(ContextTables, that_are_damaged_are_refused) {
   EXPECT_FALSE(parse_tables(bytes));
 }
 
-TEST(ContextTables, of_a_package_take_slots_that_they_do_not_hold_from_the_built_in_ones) {
+TEST(ContextTables, package_tables_fall_back_to_built_in_slots_that_they_lack) {
   auto slots = all_slots({kBaseSlot, {}, {}});
   slots[kSlots + 3] = {0b101, {0, 0b10, 0, 0}, {4, 8, 12, 16, 20}};
   const auto file = write_table_file(write_tables(slots));
@@ -294,7 +294,7 @@ TEST(ContextTables, of_a_package_take_slots_that_they_do_not_hold_from_the_built
   }
 }
 
-TEST(ContextTables, of_a_package_that_are_damaged_are_refused) {
+TEST(ContextTables, package_tables_are_refused_if_they_are_damaged) {
   const auto file = write_table_file(write_tables(all_slots({0b1, {0, 0}, {0x80, 0x81}})));
   ASSERT_TRUE(file && read_table_file(*file));
   for (std::size_t cut = 0; cut < file->size(); ++cut) {
@@ -311,7 +311,7 @@ TEST(ContextTables, of_a_package_that_are_damaged_are_refused) {
   EXPECT_FALSE(parse_tables(write_tables(all_slots({kBaseSlot, {}, {}})))) << "without a base";
 }
 
-TEST(ContextTables, of_an_unknown_number_are_refused) {
+TEST(ContextTables, are_refused_if_their_number_is_unknown) {
   EXPECT_FALSE(tables_of_number(0));
   EXPECT_FALSE(tables_of_number(kNewestTables + 1));
 }

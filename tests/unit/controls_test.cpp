@@ -51,7 +51,7 @@ class ControlsTest : public PackTest {
   Controls controls_{DrawSettings{}};
 };
 
-TEST_F(ControlsTest, PlayPauseAndStepTellTheTime) {
+TEST_F(ControlsTest, play_pause_and_step_announce_the_time) {
   act(Action::step_forward);
   EXPECT_EQ(frame(), 1u);
   EXPECT_EQ(said(), "00:00.100 / 00:02.000   frame 2 of 20");
@@ -63,7 +63,7 @@ TEST_F(ControlsTest, PlayPauseAndStepTellTheTime) {
   EXPECT_TRUE(reel().playing());
 }
 
-TEST_F(ControlsTest, SeekByAsMuchAsTheirKeysSay) {
+TEST_F(ControlsTest, seeks_move_by_the_amounts_of_their_keys) {
   act(Action::toggle_loop);  // else it begins anew at the end
   EXPECT_EQ(said(), "no loop");
   act(Action::seek_forward_tenth);
@@ -79,7 +79,7 @@ TEST_F(ControlsTest, SeekByAsMuchAsTheirKeysSay) {
   EXPECT_EQ(reel().position_us(now_), 0u);
 }
 
-TEST_F(ControlsTest, GoToTheFirstFrameAndToTheLastOneAndPauseThere) {
+TEST_F(ControlsTest, home_goes_to_the_first_frame_and_end_pauses_at_the_last_one) {
   act(Action::toggle_play);
   act(Action::seek_last);
   EXPECT_EQ(frame(), 19u);
@@ -91,7 +91,7 @@ TEST_F(ControlsTest, GoToTheFirstFrameAndToTheLastOneAndPauseThere) {
   EXPECT_TRUE(reel().playing());
 }
 
-TEST_F(ControlsTest, TellTheTimeWhenAsked) {
+TEST_F(ControlsTest, tell_time_announces_the_time_without_moving) {
   act(Action::step_forward);
   said();
   act(Action::tell_time);
@@ -99,7 +99,7 @@ TEST_F(ControlsTest, TellTheTimeWhenAsked) {
   EXPECT_EQ(frame(), 1u);
 }
 
-TEST_F(ControlsTest, SpeedGoesUpAndDownAndBack) {
+TEST_F(ControlsTest, speed_goes_up_down_and_back_to_normal) {
   act(Action::double_speed);
   EXPECT_EQ(said(), "speed 2.00x");
   act(Action::half_speed);
@@ -111,7 +111,7 @@ TEST_F(ControlsTest, SpeedGoesUpAndDownAndBack) {
   EXPECT_EQ(reel().speed(), 1.0);
 }
 
-TEST_F(ControlsTest, MarkALoopFromAToBInEitherOrder) {
+TEST_F(ControlsTest, two_marks_set_an_a_b_loop_in_either_order) {
   act(Action::seek_forward_little);
   act(Action::mark_loop);
   EXPECT_EQ(controls_.loop_begin(), 1'000'000u);
@@ -127,14 +127,14 @@ TEST_F(ControlsTest, MarkALoopFromAToBInEitherOrder) {
   EXPECT_EQ(said(), "no A-B loop");
 }
 
-TEST_F(ControlsTest, MarkNoLoopFromATimeToItself) {
+TEST_F(ControlsTest, two_marks_at_the_same_time_set_no_loop) {
   act(Action::mark_loop);
   act(Action::mark_loop);
   EXPECT_FALSE(reel().loop_range());
   EXPECT_FALSE(controls_.loop_begin());
 }
 
-TEST_F(ControlsTest, ScrubToTheFrameUnderTheCursor) {
+TEST_F(ControlsTest, scrubbing_goes_to_the_frame_under_the_cursor) {
   controls_.scrub_to(1'550'000, now_);
   EXPECT_TRUE(controls_.scrubbing());
   EXPECT_EQ(frame(), 15u);
@@ -143,7 +143,7 @@ TEST_F(ControlsTest, ScrubToTheFrameUnderTheCursor) {
   EXPECT_FALSE(reel().playing()) << "as it was before";
 }
 
-TEST_F(ControlsTest, ChangeHowItIsDrawn) {
+TEST_F(ControlsTest, drawing_actions_change_and_announce_the_settings) {
   act(Action::next_mode);
   EXPECT_EQ(controls_.settings().draw.mode, DrawMode::voxel);
   EXPECT_EQ(said(), "voxels");
@@ -155,7 +155,7 @@ TEST_F(ControlsTest, ChangeHowItIsDrawn) {
   EXPECT_THAT(said(), HasSubstr(name(controls_.settings().draw.splatting)));
 }
 
-TEST_F(ControlsTest, TurnMoveAndZoomAndComeHome) {
+TEST_F(ControlsTest, input_turns_and_zooms_the_camera_and_reset_view_returns_home) {
   const Camera home = controls_.camera();
   EXPECT_FALSE(controls_.move({}, {600, 400}, 0.1)) << "nothing was done";
   Input input;
@@ -173,7 +173,7 @@ TEST_F(ControlsTest, TurnMoveAndZoomAndComeHome) {
   EXPECT_EQ(controls_.camera(), home);
 }
 
-TEST_F(ControlsTest, FollowAPathUntilTheUserMoves) {
+TEST_F(ControlsTest, camera_follows_a_path_until_the_user_moves_it) {
   Camera path = controls_.camera();
   controls_.begin(stage_.get(), [&path] { return path; });
   path.yaw = 1.0;
@@ -188,7 +188,7 @@ TEST_F(ControlsTest, FollowAPathUntilTheUserMoves) {
   EXPECT_EQ(controls_.camera().yaw, 2.0);
 }
 
-TEST_F(ControlsTest, FlyOnlyAfterItsKey) {
+TEST_F(ControlsTest, flying_works_only_after_its_key) {
   Input input;
   input.fly = {0.0, 0.0, 1.0};
   EXPECT_FALSE(controls_.move(input, {600, 400}, 0.5));
@@ -208,7 +208,7 @@ TEST_F(ControlsTest, FlyOnlyAfterItsKey) {
   EXPECT_FALSE(controls_.flying());
 }
 
-TEST_F(ControlsTest, LeaveOneThingAtATime) {
+TEST_F(ControlsTest, leave_closes_one_thing_at_a_time) {
   act(Action::toggle_fly);
   act(Action::help);
   EXPECT_TRUE(act(Action::leave));
@@ -218,12 +218,12 @@ TEST_F(ControlsTest, LeaveOneThingAtATime) {
   EXPECT_FALSE(act(Action::leave)) << "nothing is left but full screen";
 }
 
-TEST_F(ControlsTest, LeaveToTheWindowWhatIsItsOwn) {
+TEST_F(ControlsTest, actions_of_the_window_are_left_to_the_window) {
   for (const Action action : {Action::quit, Action::screenshot, Action::toggle_fullscreen})
     EXPECT_FALSE(act(action));
 }
 
-TEST_F(ControlsTest, DoEveryActionOfTheBindingsWithoutAStage) {
+TEST_F(ControlsTest, every_bound_action_is_harmless_without_a_stage) {
   Controls idle{DrawSettings{}};
   for (const Binding& binding : bindings()) idle.act(binding.action, now_);
   EXPECT_EQ(idle.reel(), nullptr);
@@ -231,7 +231,7 @@ TEST_F(ControlsTest, DoEveryActionOfTheBindingsWithoutAStage) {
   EXPECT_FALSE(idle.move({}, {600, 400}, 0.1));
 }
 
-TEST(LiveControls, PauseAndGoOnAndHaveNoOtherTime) {
+TEST(LiveControls, pause_and_resume_but_cannot_seek) {
   // Nobody is there: it is connected to in the background.
   auto stage = Stage::open(
       {{"ws://127.0.0.1:9/live/me", {}}}, {}, [](auto&&...) { return Camera{}; }, [](auto&&...) {});
@@ -251,7 +251,7 @@ TEST(LiveControls, PauseAndGoOnAndHaveNoOtherTime) {
   EXPECT_EQ(controls.take_said(), "live: there is no other time to go to");
 }
 
-TEST(TimeText, HasHoursWhereThereAreAny) {
+TEST(TimeText, has_hours_only_if_there_are_any) {
   EXPECT_EQ(format_time(0), "00:00.000");
   EXPECT_EQ(format_time(61'234'999), "01:01.234");
   EXPECT_EQ(format_time(3'600'000'000), "1:00:00.000");

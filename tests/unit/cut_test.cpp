@@ -74,7 +74,7 @@ bool leaf_visible(const Camera& camera, const Svo& svo, const glm::uvec3& cell) 
   return false;
 }
 
-TEST(Cut, NeverCullsALeafThatBruteForceFindsVisible) {
+TEST(Cut, never_culls_a_leaf_that_brute_force_finds_visible) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const glm::dvec3& origin : {glm::dvec3(0.0), glm::dvec3(1e6, -2e6, 5e5)}) {
@@ -108,7 +108,7 @@ TEST(Cut, NeverCullsALeafThatBruteForceFindsVisible) {
   }
 }
 
-TEST(Cut, GivesEveryEmittedNodeItsPlaceAndSize) {
+TEST(Cut, gives_every_emitted_node_its_position_and_size) {
   const PointCloud cloud = shell(3000);
   const Svo svo = tree(cloud, 6);
   const std::vector<glm::uvec3> cells = leaf_cells(svo);
@@ -126,7 +126,7 @@ TEST(Cut, GivesEveryEmittedNodeItsPlaceAndSize) {
   }
 }
 
-TEST(Cut, PlacesEveryNodeOfTreesWhoseNodesHaveOneToEightChildren) {
+TEST(Cut, places_every_node_of_trees_with_one_to_eight_children_a_node) {
   std::mt19937 random(5);
   for (const double share : {0.02, 0.3, 0.6, 1.0}) {
     PointCloud cloud;
@@ -151,7 +151,7 @@ TEST(Cut, PlacesEveryNodeOfTreesWhoseNodesHaveOneToEightChildren) {
   }
 }
 
-TEST(Cut, CullsWhatIsBehindTheEyeAndBesideThePicture) {
+TEST(Cut, culls_nodes_behind_the_eye_and_outside_the_picture) {
   const PointCloud cloud = shell(3000);
   const Svo svo = tree(cloud, 6);
   Camera camera;
@@ -168,7 +168,7 @@ TEST(Cut, CullsWhatIsBehindTheEyeAndBesideThePicture) {
   EXPECT_EQ(cut.run(svo, camera, kSize, 1.0f).emitted, 0u);
 }
 
-TEST(Cut, StopsAtNodesWhoseAreaIsBelowAPixelAndAtNoneThatIsLarger) {
+TEST(Cut, emits_only_nodes_that_cover_less_than_a_pixel) {
   const PointCloud cloud = shell(20000);
   const Svo svo = tree(cloud, 9);
   VoxelCut cut;
@@ -192,7 +192,7 @@ TEST(Cut, StopsAtNodesWhoseAreaIsBelowAPixelAndAtNoneThatIsLarger) {
   }
 }
 
-TEST(Cut, DescendsWhereTheEyeIsInsideANodeOrANodeReachesTheNearPlane) {
+TEST(Cut, descends_into_nodes_around_the_eye_or_across_the_near_plane) {
   const PointCloud cloud = shell(20000);
   const Svo svo = tree(cloud, 9);
   VoxelCut cut;
@@ -211,7 +211,7 @@ TEST(Cut, DescendsWhereTheEyeIsInsideANodeOrANodeReachesTheNearPlane) {
   }
 }
 
-TEST(Cut, HandlesEmptySingleAndDeepestTrees) {
+TEST(Cut, handles_empty_trees_single_leaves_and_the_deepest_trees) {
   VoxelCut cut;
   Camera camera;
   EXPECT_EQ(cut.run(Svo{}, camera, kSize, 1.0f).emitted, 0u);
@@ -236,7 +236,7 @@ TEST(Cut, HandlesEmptySingleAndDeepestTrees) {
   }
 }
 
-TEST(Cut, CountsTheLeavesOfWhatItLeavesOut) {
+TEST(Cut, counts_the_leaves_that_it_culls) {
   const PointCloud cloud = shell(3000);
   const Svo svo = tree(cloud, 7);
   const Ancestry ancestry(svo);
@@ -258,7 +258,7 @@ TEST(Cut, CountsTheLeavesOfWhatItLeavesOut) {
   }
 }
 
-TEST(FinestLevel, IsNeverTooCoarseForWhatACutEmits) {
+TEST(FinestLevel, is_never_coarser_than_a_node_that_a_cut_emits) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const glm::dvec3& origin : {glm::dvec3(0.0), glm::dvec3(1e6, -2e6, 5e5)}) {
@@ -288,7 +288,7 @@ TEST(FinestLevel, IsNeverTooCoarseForWhatACutEmits) {
   }
 }
 
-TEST(FinestLevel, FollowsThePersonsHeightInPixelsAndEndsAtTheEye) {
+TEST(FinestLevel, rises_with_the_height_of_a_person_in_pixels) {
   const Box person{{-0.3, 0.0, -0.3}, {0.3, 1.8, 0.3}};
   const Cube cube{{-0.9, 0.0, -0.9}, 1.8};
   Camera camera;

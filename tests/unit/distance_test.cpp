@@ -39,7 +39,7 @@ OneWayDistance brute_force(const PointCloud& from, const PointCloud& to) {
   return result;
 }
 
-TEST(Distance, agrees_with_brute_force_whatever_the_origins) {
+TEST(Distance, agrees_with_brute_force_for_any_origins) {
   for (const double offset : {0.0, 1e6}) {
     const PointCloud a = random_cloud(700, 1, glm::dvec3(offset, -offset, 0.25));
     const PointCloud b = random_cloud(450, 2, glm::dvec3(offset + 0.5, -offset, 0.0));
@@ -57,7 +57,7 @@ TEST(Distance, agrees_with_brute_force_whatever_the_origins) {
   }
 }
 
-TEST(Distance, of_a_cloud_to_itself_is_zero) {
+TEST(Distance, is_zero_from_a_cloud_to_itself) {
   PointCloud cloud = random_cloud(100, 3, glm::dvec3(5.0));
   cloud.positions.push_back(cloud.positions.front());
   const Result<CloudDistance> distance = cloud_distance(cloud, cloud);
@@ -67,7 +67,7 @@ TEST(Distance, of_a_cloud_to_itself_is_zero) {
   EXPECT_EQ(geometry_psnr(distance->d1(), 1023.0), std::numeric_limits<double>::infinity());
 }
 
-TEST(Distance, sees_a_point_that_only_one_cloud_has) {
+TEST(Distance, detects_a_point_that_only_one_cloud_has) {
   PointCloud a, b;
   a.positions = {{0, 0, 0}, {0, 1, 0}};
   b.positions = {{0, 0, 0}, {0, 1, 0}, {3, 0, 4}, {0, 1, 0}};
@@ -78,12 +78,12 @@ TEST(Distance, sees_a_point_that_only_one_cloud_has) {
   EXPECT_EQ(distance->max(), 5.0);
 }
 
-TEST(Distance, gives_a_peak_ratio_as_mpeg_defines_it) {
+TEST(Distance, gives_the_peak_ratio_that_mpeg_defines) {
   EXPECT_NEAR(geometry_psnr(1.0, 1023.0), 64.97, 0.01);
   EXPECT_NEAR(geometry_psnr(3.0, 1.0), 0.0, 1e-12);
 }
 
-TEST(Distance, to_a_cloud_without_points_is_an_error) {
+TEST(Distance, is_an_error_for_a_cloud_without_points) {
   const PointCloud cloud = random_cloud(3, 4, glm::dvec3(0.0));
   EXPECT_FALSE(cloud_distance(cloud, {}).has_value());
   EXPECT_FALSE(cloud_distance({}, cloud).has_value());
@@ -91,7 +91,7 @@ TEST(Distance, to_a_cloud_without_points_is_an_error) {
 
 // --- nearest neighbours ---
 
-TEST(NearestPoints, are_all_those_and_only_those_that_brute_force_finds) {
+TEST(NearestPoints, are_exactly_those_that_brute_force_finds) {
   // On a small lattice almost every point between has several neighbours, up to eight.
   std::mt19937 random(5);
   std::vector<glm::dvec3> points, queries;
@@ -120,7 +120,7 @@ TEST(NearestPoints, are_all_those_and_only_those_that_brute_force_finds) {
   }
 }
 
-TEST(NearestPoints, that_are_equally_near_without_end_are_bounded) {
+TEST(NearestPoints, are_bounded_in_number_if_very_many_are_equally_near) {
   std::vector<glm::dvec3> points(100'000, glm::dvec3(1.0));
   points.push_back(glm::dvec3(0.5));
   const NearestPoints nearest = nearest_points(std::vector(3, glm::dvec3(2.0)), points, 0.0);
@@ -166,21 +166,21 @@ CloudDistance measure(const PointCloud& a, const PointCloud& b) {
   return distance.value_or(CloudDistance{});
 }
 
-TEST(PlaneDistance, of_a_plane_moved_along_its_normal_is_that_of_its_points) {
+TEST(PlaneDistance, equals_the_point_distance_for_a_plane_moved_along_its_normal) {
   const CloudDistance distance = measure(plane(0.0f), plane(0.25f));
   EXPECT_EQ(distance.d1(), 0.0625);
   EXPECT_EQ(distance.d2().value(), 0.0625);
   EXPECT_EQ(distance.max(), 0.25);
 }
 
-TEST(PlaneDistance, of_a_plane_moved_sideways_is_zero) {
+TEST(PlaneDistance, is_zero_for_a_plane_moved_sideways) {
   const float shift = kStep / 4.0f;
   const CloudDistance distance = measure(plane(0.0f), plane(0.0f, shift));
   EXPECT_EQ(distance.d1(), static_cast<double>(shift * shift));
   EXPECT_EQ(distance.d2().value(), 0.0);
 }
 
-TEST(PlaneDistance, takes_the_reference_s_normals_and_not_those_of_the_other) {
+TEST(PlaneDistance, uses_the_normals_of_the_reference_cloud) {
   PointCloud a = plane(0.0f), b = plane(0.25f);
   b.normals.assign(b.size(), glm::vec3(1, 0, 0));
   EXPECT_EQ(measure(a, b).d2().value(), 0.0625);
@@ -191,7 +191,7 @@ TEST(PlaneDistance, takes_the_reference_s_normals_and_not_those_of_the_other) {
   EXPECT_FALSE(measure(a, b).d2());
 }
 
-TEST(PlaneDistance, leaves_out_and_counts_points_without_a_normal) {
+TEST(PlaneDistance, skips_and_counts_points_without_a_normal) {
   PointCloud a = plane(0.0f), b = plane(0.25f);
   for (std::size_t i = 0; i < 64; ++i) a.normals[i] = glm::vec3(0);
   CloudDistance distance = measure(a, b);
@@ -204,7 +204,7 @@ TEST(PlaneDistance, leaves_out_and_counts_points_without_a_normal) {
   EXPECT_FALSE(distance.d2());
 }
 
-TEST(PlaneDistance, hands_the_mean_normal_of_its_points_to_a_neighbour) {
+TEST(PlaneDistance, uses_the_mean_normal_of_equally_near_points) {
   PointCloud a, b;
   a.positions = {{-1, 0, 0}, {1, 0, 0}};
   a.normals = {{0.6f, 0.8f, 0}, {-0.6f, 0.8f, 0}};
@@ -214,7 +214,7 @@ TEST(PlaneDistance, hands_the_mean_normal_of_its_points_to_a_neighbour) {
   EXPECT_NEAR(distance.b_to_a.plane_mean_squared.value(), 2.2 * 2.2, 1e-6);  // both equally near
 }
 
-TEST(ColorDistance, is_that_of_the_luma_and_chroma_of_bt_709) {
+TEST(ColorDistance, is_measured_in_the_luma_and_chroma_of_bt_709) {
   PointCloud a = plane(0.0f), b = a;
   for (glm::u16vec3& c : b.colors) c += glm::u16vec3(10, 10, 10) * std::uint16_t{257};
   ColorError error = measure(a, b).colors().value();
@@ -234,7 +234,7 @@ TEST(ColorDistance, is_that_of_the_luma_and_chroma_of_bt_709) {
   EXPECT_FALSE(measure(a, b).colors());
 }
 
-TEST(ColorDistance, takes_the_mean_of_neighbours_that_are_equally_near) {
+TEST(ColorDistance, uses_the_mean_colour_of_equally_near_points) {
   PointCloud a, b;
   a.positions = {{0, 0, 0}};
   a.colors = {glm::u16vec3(50 * 257)};
@@ -248,7 +248,7 @@ TEST(ColorDistance, takes_the_mean_of_neighbours_that_are_equally_near) {
   EXPECT_NEAR(measure(a, b).a_to_b.colors->x, 0.0, 1e-20);
 }
 
-TEST(ColorDistance, in_the_symmetric_sense_is_the_worse_of_both_directions) {
+TEST(ColorDistance, is_the_worse_of_both_directions_if_symmetric) {
   PointCloud a = plane(0.0f), b = a;
   b.positions.push_back({0, 0, 1});
   b.colors.push_back(glm::u16vec3(0));
@@ -261,7 +261,7 @@ TEST(ColorDistance, in_the_symmetric_sense_is_the_worse_of_both_directions) {
   EXPECT_EQ(distance.normals()->percentile_95, 0.0);
 }
 
-TEST(NormalDistance, is_the_angle_that_normals_were_tilted_by) {
+TEST(NormalDistance, equals_the_angle_by_which_normals_are_tilted) {
   for (const double angle : {1e-4, 0.1, 1.0, 3.0}) {
     const PointCloud a = plane(0.0f);
     PointCloud b = a;
@@ -382,7 +382,7 @@ TEST(Distance, agrees_with_brute_force_in_all_metrics_with_ties_and_duplicates) 
   for (int i = 0; i < 3; ++i) EXPECT_NEAR((*distance.colors)[i], color[i] / n, 1e-9);
 }
 
-TEST(Distance, is_the_same_for_any_number_of_threads_and_order_of_points) {
+TEST(Distance, does_not_depend_on_the_number_of_threads_or_the_order_of_points) {
   PointCloud a = random_cloud(6000, 7, glm::dvec3(0.0)), b = random_cloud(5000, 8, glm::dvec3(0.0));
   for (PointCloud* cloud : {&a, &b}) {
     for (glm::vec3& p : cloud->positions) {
@@ -415,7 +415,7 @@ TEST(Distance, is_the_same_for_any_number_of_threads_and_order_of_points) {
   EXPECT_NEAR(one.colors()->x, turned.colors()->x, 1e-9);
 }
 
-TEST(DistanceSummary, gives_mean_and_nearest_ranks) {
+TEST(DistanceSummary, has_the_mean_and_percentiles_by_nearest_rank) {
   std::vector<double> distances;
   for (int i = 1; i <= 1000; ++i) distances.push_back((i * 7 % 1000 + 1) * 0.001);
   const DistanceSummary summary = summarize(distances);

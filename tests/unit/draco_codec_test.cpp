@@ -127,7 +127,7 @@ std::map<ColorKey, std::size_t> by_color(const PointCloud& cloud) {
   return index;
 }
 
-TEST(DracoCodec, EveryPointComesBackWithinHalfACellWithItsOwnColorAndNormal) {
+TEST(DracoCodec, every_point_is_restored_within_half_a_cell_with_its_colour_and_normal) {
   const PointCloud cloud = sphere(5000);
   const Cube cube = cube_of(cloud);
   for (const DracoOptions& options : ways()) {
@@ -148,7 +148,7 @@ TEST(DracoCodec, EveryPointComesBackWithinHalfACellWithItsOwnColorAndNormal) {
   }
 }
 
-TEST(DracoCodec, PositionsAreTheCentresOfTheCellsOfTheOctree) {
+TEST(DracoCodec, decoded_positions_are_the_centres_of_octree_cells) {
   const PointCloud cloud = sphere(3000);
   const Cube cube = cube_of(cloud);
   for (const auto& [bits, method] : {std::pair{1, DracoMethod::kd_tree},
@@ -176,7 +176,7 @@ TEST(DracoCodec, PositionsAreTheCentresOfTheCellsOfTheOctree) {
   }
 }
 
-TEST(DracoCodec, CellsAreExactHoweverFineTheyAreAndHoweverSmallOrLargeTheCube) {
+TEST(DracoCodec, cells_are_exact_at_every_depth_and_size_of_the_cube) {
   for (const double scale : {1e-27, 1e-6, 1.0, 1e6, 1e27}) {
     PointCloud cloud = sphere(1000);
     cloud.origin = glm::dvec3(0.0);
@@ -195,14 +195,14 @@ TEST(DracoCodec, CellsAreExactHoweverFineTheyAreAndHoweverSmallOrLargeTheCube) {
   }
 }
 
-TEST(DracoCodec, CoordinatesFarFromZeroKeepTheirPrecision) {
+TEST(DracoCodec, coordinates_far_from_zero_keep_their_precision) {
   PointCloud cloud = sphere(2000);
   cloud.origin = {4.0e6, -7.0e6, 1.0e6};
   const Cube cube = cube_of(cloud);
   EXPECT_EQ(sorted_cells(round_trip(cloud, cube), cube, 11), sorted_cells(cloud, cube, 11));
 }
 
-TEST(DracoCodec, PointsOnTheMaximumFaceAndOutsideClampToTheLastCells) {
+TEST(DracoCodec, points_on_the_maximum_face_and_outside_are_clamped_to_the_last_cells) {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 1, 1}, {2, 0.5f, -3}};
   const Cube cube{glm::dvec3(0.0), 1.0};
@@ -211,7 +211,7 @@ TEST(DracoCodec, PointsOnTheMaximumFaceAndOutsideClampToTheLastCells) {
   EXPECT_EQ(sorted_cells(decoded, cube, 11), expected);
 }
 
-TEST(DracoCodec, SixteenBitColorsComeBackExactly) {
+TEST(DracoCodec, sixteen_bit_colours_are_restored_exactly) {
   PointCloud cloud = sphere(2000);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud.colors[i] = glm::u16vec3(i * 31 + 1, 65535 - i, i);
@@ -228,7 +228,7 @@ TEST(DracoCodec, SixteenBitColorsComeBackExactly) {
   }
 }
 
-TEST(DracoCodec, UnknownNormalsStayUnknown) {
+TEST(DracoCodec, unknown_normals_stay_unknown) {
   PointCloud cloud = sphere(1000);
   for (std::size_t i = 0; i < cloud.size(); i += 3) cloud.normals[i] = glm::vec3(0.0f);
   const auto index = by_color(cloud);
@@ -250,7 +250,7 @@ TEST(DracoCodec, UnknownNormalsStayUnknown) {
   }
 }
 
-TEST(DracoCodec, TheSequentialCoderSaysWhichNormalsAreKnownOnlyWhereSomeAreNot) {
+TEST(DracoCodec, the_sequential_coder_marks_known_normals_only_if_some_are_unknown) {
   PointCloud cloud = sphere(1000);
   DracoOptions options;
   options.method = DracoMethod::sequential;
@@ -265,7 +265,7 @@ TEST(DracoCodec, TheSequentialCoderSaysWhichNormalsAreKnownOnlyWhereSomeAreNot) 
   EXPECT_EQ(attributes(unknown), 4u);
 }
 
-TEST(DracoCodec, LevelZeroIsSequentialUnlessAMethodIsAskedFor) {
+TEST(DracoCodec, level_zero_is_coded_sequentially_unless_a_method_is_requested) {
   const PointCloud cloud = sphere(100);
   for (const DracoOptions& options : ways()) {
     const Bytes payload = *encode_draco_payload(cloud, cube_of(cloud), options, true, true);
@@ -275,7 +275,7 @@ TEST(DracoCodec, LevelZeroIsSequentialUnlessAMethodIsAskedFor) {
   }
 }
 
-TEST(DracoCodec, BytesDoNotDependOnTheOrderOfThePoints) {
+TEST(DracoCodec, bytes_do_not_depend_on_the_order_of_the_points) {
   PointCloud cloud = sphere(3000);
   for (std::size_t i = 0; i < 1000; ++i) {  // many in the same place with other attributes
     cloud.positions[i] = cloud.positions[i % 7];
@@ -292,7 +292,7 @@ TEST(DracoCodec, BytesDoNotDependOnTheOrderOfThePoints) {
   }
 }
 
-TEST(DracoCodec, BytesDoNotDependOnTheOriginThatTheCloudWasStoredWith) {
+TEST(DracoCodec, bytes_do_not_depend_on_the_origin_of_the_stored_cloud) {
   PointCloud cloud;
   cloud.positions = {{1, 2, 3}, {4, 5, 6}, {7, 8, 8.5f}};
   const Cube cube = cube_of(cloud);
@@ -303,7 +303,7 @@ TEST(DracoCodec, BytesDoNotDependOnTheOriginThatTheCloudWasStoredWith) {
             *encode_draco_payload(cloud, cube, {}, true, true));
 }
 
-TEST(DracoCodec, AnEmptyCloudIsAnEmptyFrame) {
+TEST(DracoCodec, an_empty_cloud_becomes_an_empty_frame) {
   const Cube cube{{1, 2, 3}, 4.0};
   EXPECT_TRUE(encode_draco_payload({}, cube, {}, true, true)->empty());
   const PointCloud decoded = round_trip({}, cube);
@@ -311,7 +311,7 @@ TEST(DracoCodec, AnEmptyCloudIsAnEmptyFrame) {
   EXPECT_EQ(decoded.origin, cube.origin);
 }
 
-TEST(DracoCodec, OnePointAndFlatCloudsWork) {
+TEST(DracoCodec, single_points_and_flat_clouds_are_coded) {
   for (int axes = 0; axes < 3; ++axes) {  // extent 0 on three, two and one axes
     PointCloud cloud;
     for (int i = 0; i < (axes == 0 ? 1 : 100); ++i) {
@@ -324,7 +324,7 @@ TEST(DracoCodec, OnePointAndFlatCloudsWork) {
   }
 }
 
-TEST(DracoCodec, DuplicatesAreKeptHoweverMany) {
+TEST(DracoCodec, duplicates_are_kept_in_any_number) {
   PointCloud cloud;
   cloud.positions.assign(100000, glm::vec3(1, 2, 3));
   const Cube cube{glm::dvec3(0.0), 4.0};
@@ -340,7 +340,7 @@ TEST(DracoCodec, DuplicatesAreKeptHoweverMany) {
   }
 }
 
-TEST(DracoCodec, AttributesThatAreSwitchedOffOrAbsentStayAbsent) {
+TEST(DracoCodec, attributes_that_are_disabled_or_absent_stay_absent) {
   const PointCloud cloud = sphere(100);
   const Cube cube = cube_of(cloud);
   for (bool normals : {false, true}) {
@@ -357,7 +357,7 @@ TEST(DracoCodec, AttributesThatAreSwitchedOffOrAbsentStayAbsent) {
   EXPECT_FALSE(decoded.has_colors());
 }
 
-TEST(DracoCodec, OptionsAndCubesOutOfRangeAreRefused) {
+TEST(DracoCodec, options_and_cubes_out_of_range_are_refused) {
   const PointCloud cloud = sphere(10);
   const Cube cube = cube_of(cloud);
   for (int bits : {0, 22}) {
@@ -374,7 +374,7 @@ TEST(DracoCodec, OptionsAndCubesOutOfRangeAreRefused) {
   }
 }
 
-TEST(DracoCodec, PartsAddUpToTheFrame) {
+TEST(DracoCodec, sizes_of_the_chunks_add_up_to_the_frame) {
   const PointCloud cloud = sphere(2000);
   const Cube cube = cube_of(cloud);
   for (bool normals : {false, true}) {
@@ -394,7 +394,7 @@ TEST(DracoCodec, PartsAddUpToTheFrame) {
 
 // Hostile bytes.
 
-TEST(DracoCodec, FramesCutShortOrWithAnyBitFlippedAreErrors) {
+TEST(DracoCodec, truncated_frames_and_flipped_bits_are_errors) {
   const PointCloud cloud = sphere(40);
   for (const int level : {0, 7}) {
     DracoOptions options;
@@ -434,7 +434,7 @@ void expect_harmless(const Bytes& bytes, const Cube& cube, std::size_t most_poin
   }
 }
 
-TEST(DracoCodec, PayloadsCutShortOrWithAnyBitFlippedNeverCrash) {
+TEST(DracoCodec, truncated_payloads_and_flipped_bits_never_crash) {
   PointCloud cloud = sphere(20);
   cloud.normals[3] = glm::vec3(0.0f);
   const Cube cube = cube_of(cloud);
@@ -458,7 +458,7 @@ TEST(DracoCodec, PayloadsCutShortOrWithAnyBitFlippedNeverCrash) {
   }
 }
 
-TEST(DracoCodec, ImpossibleCountsAreRefusedBeforeMemoryIsTaken) {
+TEST(DracoCodec, impossible_counts_are_refused_before_memory_is_allocated) {
   const PointCloud cloud = sphere(40);
   const Cube cube = cube_of(cloud);
   const Bytes payload = *encode_draco_payload(cloud, cube, {}, true, true);
@@ -472,7 +472,7 @@ TEST(DracoCodec, ImpossibleCountsAreRefusedBeforeMemoryIsTaken) {
   }
 }
 
-TEST(DracoCodec, PointsBeyondTheLimitAreRefused) {
+TEST(DracoCodec, frames_with_more_points_than_the_limit_are_refused) {
   const PointCloud cloud = sphere(40);
   const auto frame = encode_draco(cloud, cube_of(cloud), {}, true, true);
   ASSERT_TRUE(frame);
@@ -480,7 +480,7 @@ TEST(DracoCodec, PointsBeyondTheLimitAreRefused) {
   EXPECT_FALSE(decode(*frame, DecodeLimits{39}));
 }
 
-TEST(DracoCodec, AMeshIsNoFrame) {
+TEST(DracoCodec, a_mesh_is_refused_as_a_frame) {
   draco::Mesh mesh;
   mesh.set_num_points(3);
   draco::GeometryAttribute description;

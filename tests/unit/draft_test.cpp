@@ -13,14 +13,14 @@ constexpr int kCoarsest = 1 << Draft::kCoarsest;
 constexpr std::uint64_t kMany = 1'000'000;
 constexpr Haste kNobody{}, kHand{Haste::Of::hand}, kClock{Haste::Of::clock, 1000.0 / 30};
 
-TEST(Draft, IsOnlyOfWhatIsWaitedFor) {
+TEST(Draft, is_used_only_while_somebody_waits_for_the_picture) {
   Draft draft;
   EXPECT_EQ(draft.reduction(kNobody, kMany), 1);
   draft.drew(kMany, 1000.0);
   EXPECT_EQ(draft.reduction(kNobody, kMany), 1);
 }
 
-TEST(Draft, OfTheFirstPictureIsTheCoarsest) {
+TEST(Draft, is_the_coarsest_for_the_first_picture) {
   Draft draft;
   EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
   draft.drew(10, 0.1);
@@ -31,7 +31,7 @@ TEST(Draft, OfTheFirstPictureIsTheCoarsest) {
   EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
 }
 
-TEST(Draft, IsAsFineAsThereIsTimeFor) {
+TEST(Draft, is_as_fine_as_the_available_time_permits) {
   int before = 1;
   for (const double ms : {1.0, 10.0, 40.0, 500.0}) {
     Draft draft;
@@ -44,14 +44,14 @@ TEST(Draft, IsAsFineAsThereIsTimeFor) {
   EXPECT_EQ(before, kCoarsest);
 }
 
-TEST(Draft, OfFewElementsIsFiner) {
+TEST(Draft, is_finer_if_there_are_few_elements) {
   Draft draft;
   draft.reduction(kNobody, kMany);
   draft.drew(kMany, 500.0);
   EXPECT_EQ(draft.reduction(kHand, kMany / 100), 1);
 }
 
-TEST(Draft, BecomesCoarserAtMostUntilNobodyWaits) {
+TEST(Draft, never_becomes_finer_while_the_hand_still_moves) {
   Draft draft;
   draft.reduction(kNobody, kMany);
   draft.drew(kMany, 20.0);
@@ -88,19 +88,19 @@ class PlayingDraft : public testing::Test {
   Draft draft_;
 };
 
-TEST_F(PlayingDraft, IsWholeWhereThereIsTime) {
+TEST_F(PlayingDraft, is_whole_if_there_is_time) {
   draw(kHand, 20.0);
   EXPECT_EQ(play(100, 20.0), std::vector<int>(100, 1));
 }
 
-TEST_F(PlayingDraft, IsWholeSoonWhereOnlyTheFirstPictureTookLong) {
+TEST_F(PlayingDraft, soon_becomes_whole_if_only_the_first_picture_took_long) {
   draw(kHand, 16 * 40.0);
   const std::vector<int> reductions = play(100, 10.0);
   EXPECT_EQ(reductions.back(), 1);
   EXPECT_LE(changes(reductions), 2);
 }
 
-TEST_F(PlayingDraft, IsCoarserFromTheFirstPictureOnWhereTheLastTookMuchTooLong) {
+TEST_F(PlayingDraft, is_coarser_at_once_if_the_last_picture_took_much_too_long) {
   draw(kNobody, 60.0);
   draw(kNobody, 60.0);
   EXPECT_EQ(play(200, 60.0), std::vector<int>(200, 2));
@@ -108,14 +108,14 @@ TEST_F(PlayingDraft, IsCoarserFromTheFirstPictureOnWhereTheLastTookMuchTooLong) 
   EXPECT_EQ(play(200, 400.0), std::vector<int>(200, kCoarsest));
 }
 
-TEST_F(PlayingDraft, IsNotCoarserForASinglePictureThatTookLong) {
+TEST_F(PlayingDraft, does_not_become_coarser_for_a_single_slow_picture) {
   draw(kNobody, 15.0);
   play(20, 15.0);
   play(1, 45.0);
   EXPECT_EQ(play(20, 15.0), std::vector<int>(20, 1));
 }
 
-TEST_F(PlayingDraft, IsFinerAgainAfterAWhile) {
+TEST_F(PlayingDraft, becomes_finer_again_after_a_while) {
   draw(kNobody, 15.0);
   play(20, 15.0);
   EXPECT_EQ(play(20, 70.0).back(), 2) << "something else runs";
@@ -125,7 +125,7 @@ TEST_F(PlayingDraft, IsFinerAgainAfterAWhile) {
   EXPECT_EQ(changes(reductions), 1);
 }
 
-TEST_F(PlayingDraft, DoesNotFlickerWhereSmallerPicturesTakeLessThanIsThought) {
+TEST_F(PlayingDraft, does_not_flicker_if_smaller_pictures_are_faster_than_estimated) {
   // At half of the pixels a side they take a tenth of the time.
   int changed = 0, before = 1;
   for (int i = 0; i < 2000; ++i) {
@@ -136,7 +136,7 @@ TEST_F(PlayingDraft, DoesNotFlickerWhereSmallerPicturesTakeLessThanIsThought) {
   EXPECT_LE(changed, 16) << "in a minute";
 }
 
-TEST_F(PlayingDraft, IsWholeWhenItIsPaused) {
+TEST_F(PlayingDraft, is_whole_when_playback_is_paused) {
   play(10, 400.0);
   EXPECT_EQ(draw(kNobody, 400.0), 1);
 }

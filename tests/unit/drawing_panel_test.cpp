@@ -88,7 +88,7 @@ class DrawingPanelTest : public testing::Test {
   bool open_ = true;
 };
 
-TEST_F(DrawingPanelTest, ChangesNothingUntilItIsUsed) {
+TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
   DrawSettings odd;
   odd.delta = 0.123456789012;
   odd.draw.scales = {0.01f, 100.0f};  // outside of what the sliders show
@@ -107,7 +107,7 @@ TEST_F(DrawingPanelTest, ChangesNothingUntilItIsUsed) {
   EXPECT_TRUE(open_);
 }
 
-TEST_F(DrawingPanelTest, EverythingInItCanBeReachedByTheMouseAndStaysInRange) {
+TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_range) {
   std::set<DrawMode> modes;
   std::set<ColorSource> colors;
   std::set<bool> holes, lights, floors;
@@ -149,7 +149,7 @@ TEST_F(DrawingPanelTest, EverythingInItCanBeReachedByTheMouseAndStaysInRange) {
   EXPECT_GE(gray.size(), 4u);
 }
 
-TEST_F(DrawingPanelTest, EverySplattingInstancingAndKindOfDraftsCanBeChosen) {
+TEST_F(DrawingPanelTest, every_splatting_instancing_and_kind_of_drafts_can_be_chosen) {
   std::set<Drafts> drafts;
   std::set<Splatting> splattings;
   std::set<Instancing> instancings;
@@ -177,7 +177,7 @@ TEST_F(DrawingPanelTest, EverySplattingInstancingAndKindOfDraftsCanBeChosen) {
   EXPECT_EQ(drafts.size(), static_cast<std::size_t>(kDrafts));
 }
 
-TEST_F(DrawingPanelTest, DefaultsBringBackAllButTheMode) {
+TEST_F(DrawingPanelTest, defaults_restore_everything_but_the_mode) {
   DrawSettings odd;
   odd.draw.mode = DrawMode::voxel;
   odd.delta = 0.2;
@@ -199,7 +199,7 @@ TEST_F(DrawingPanelTest, DefaultsBringBackAllButTheMode) {
   EXPECT_TRUE(restored);
 }
 
-TEST_F(DrawingPanelTest, ItsButtonClosesItAndItTakesNoKeys) {
+TEST_F(DrawingPanelTest, closes_by_its_button_and_takes_no_keys) {
   EXPECT_FALSE(ImGui::GetIO().WantCaptureKeyboard && ImGui::GetIO().WantTextInput);
   const ImRect place = panel();
   press(place.Max.x - 12.0f, place.Min.y + 10.0f);

@@ -110,7 +110,7 @@ std::unique_ptr<draco::Mesh> sheet(int n, bool seams) {
   return builder.Finalize();
 }
 
-TEST(DrcReader, ReadsPointCloudsOfBothMethodsQuantisedOrNot) {
+TEST(DrcReader, reads_point_clouds_of_both_methods_quantised_or_not) {
   const auto cloud = corners();
   std::vector<glm::vec3> expected;
   for (const auto& p : kCorners) expected.push_back({p[0], p[1], p[2]});
@@ -129,7 +129,7 @@ TEST(DrcReader, ReadsPointCloudsOfBothMethodsQuantisedOrNot) {
   }
 }
 
-TEST(DrcReader, AMeshGivesItsVerticesByBothMethods) {
+TEST(DrcReader, reads_the_vertices_of_meshes_of_both_methods) {
   const auto mesh = sheet(9, false);
   for (int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
     for (int speed : {0, 5, 9}) {
@@ -144,7 +144,7 @@ TEST(DrcReader, AMeshGivesItsVerticesByBothMethods) {
   }
 }
 
-TEST(DrcReader, VerticesThatTextureSeamsSplitAreJoinedAgain) {
+TEST(DrcReader, joins_vertices_that_texture_seams_split) {
   const auto mesh = sheet(9, true);
   ASSERT_GT(mesh->num_points(), 300u) << "the test's mesh has no seams";
   for (int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
@@ -153,7 +153,7 @@ TEST(DrcReader, VerticesThatTextureSeamsSplitAreJoinedAgain) {
   }
 }
 
-TEST(DrcReader, VerticesWithOtherNormalsOrColorsAreNotJoined) {
+TEST(DrcReader, does_not_join_vertices_with_different_normals_or_colours) {
   draco::Mesh mesh;
   mesh.set_num_points(4);
   add<float, 3>(mesh, GeometryAttribute::POSITION, draco::DT_FLOAT32, false,
@@ -167,7 +167,7 @@ TEST(DrcReader, VerticesWithOtherNormalsOrColorsAreNotJoined) {
   EXPECT_EQ(cloud.colors, expected) << "the first of equal points, in their order";
 }
 
-TEST(DrcReader, PointCloudsKeepTheirDuplicates) {
+TEST(DrcReader, keeps_the_duplicates_of_point_clouds) {
   draco::PointCloud cloud;
   cloud.set_num_points(3);
   add<float, 3>(cloud, GeometryAttribute::POSITION, draco::DT_FLOAT32, false,
@@ -176,7 +176,7 @@ TEST(DrcReader, PointCloudsKeepTheirDuplicates) {
   EXPECT_EQ(read_ok(encoded(cloud, draco::POINT_CLOUD_KD_TREE_ENCODING, 10)).size(), 3u);
 }
 
-TEST(DrcReader, ReadsPositionsOfEveryDataType) {
+TEST(DrcReader, reads_positions_of_every_data_type) {
   const auto check = [](auto sample, draco::DataType type) {
     using T = decltype(sample);
     draco::PointCloud cloud;
@@ -200,7 +200,7 @@ TEST(DrcReader, ReadsPositionsOfEveryDataType) {
   check(double{}, draco::DT_FLOAT64);
 }
 
-TEST(DrcReader, CoordinatesFarFromZeroAreTakenRelativeToTheirCornerInDouble) {
+TEST(DrcReader, makes_coordinates_far_from_zero_relative_to_their_corner_in_double) {
   draco::PointCloud cloud;
   cloud.set_num_points(2);
   add<double, 3>(cloud, GeometryAttribute::POSITION, draco::DT_FLOAT64, false,
@@ -210,7 +210,7 @@ TEST(DrcReader, CoordinatesFarFromZeroAreTakenRelativeToTheirCornerInDouble) {
   EXPECT_EQ(read.world(1), glm::dvec3(4000000.25, 1.5, 2));
 }
 
-TEST(DrcReader, ReadsColorsOfEveryKind) {
+TEST(DrcReader, reads_colours_of_every_kind) {
   const auto colors = [](auto row, draco::DataType type, bool normalized) {
     using Row = decltype(row);
     draco::PointCloud cloud;
@@ -240,7 +240,7 @@ TEST(DrcReader, ReadsColorsOfEveryKind) {
             glm::u16vec3(25700));
 }
 
-TEST(DrcReader, ReadsNormalsAndIgnoresGenericAttributes) {
+TEST(DrcReader, reads_normals_and_ignores_generic_attributes) {
   auto cloud = corners();
   Rows normals(kCorners.size(), {0, 0.6f, 0.8f});
   add<float, 3>(*cloud, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, normals);
@@ -255,7 +255,7 @@ TEST(DrcReader, ReadsNormalsAndIgnoresGenericAttributes) {
   EXPECT_LT(glm::length(quantised.normals[2] - glm::vec3(0, 0.6f, 0.8f)), 0.01f);
 }
 
-TEST(DrcReader, PositionsThatAreNotFiniteAreLeftToSanitize) {
+TEST(DrcReader, leaves_positions_that_are_not_finite_to_sanitize) {
   draco::PointCloud cloud;
   cloud.set_num_points(3);
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -268,7 +268,7 @@ TEST(DrcReader, PositionsThatAreNotFiniteAreLeftToSanitize) {
   EXPECT_EQ(read.world(0), glm::dvec3(1, 2, 3));
 }
 
-TEST(DrcReader, MetadataAreSteppedOver) {
+TEST(DrcReader, skips_metadata) {
   auto cloud = corners();
   auto metadata = std::make_unique<draco::GeometryMetadata>();
   metadata->AddEntryString("author", "nobody");
@@ -290,7 +290,7 @@ TEST(DrcReader, MetadataAreSteppedOver) {
 
 // Hostile bytes.
 
-TEST(DrcReader, OtherBytesAreRefusedInOneLine) {
+TEST(DrcReader, refuses_bytes_of_another_format_in_one_line) {
   for (const std::string& text : {std::string(), std::string("DRAC"), std::string("ply\n"),
                                   std::string("DRACO"), std::string(400, '\xff')}) {
     const auto cloud =
@@ -300,7 +300,7 @@ TEST(DrcReader, OtherBytesAreRefusedInOneLine) {
   }
 }
 
-TEST(DrcReader, NewerVersionsAreRefusedByNumber) {
+TEST(DrcReader, refuses_newer_versions_and_names_their_number) {
   Bytes bytes = encoded(*corners(), draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
   bytes[5] = 9;
   const auto cloud = read_drc(bytes);
@@ -308,7 +308,7 @@ TEST(DrcReader, NewerVersionsAreRefusedByNumber) {
   EXPECT_NE(cloud.error().message.find("9.3"), std::string::npos) << cloud.error().message;
 }
 
-TEST(DrcReader, ImpossibleCountsAreRefusedBeforeMemoryIsTaken) {
+TEST(DrcReader, refuses_impossible_counts_before_it_allocates_memory) {
   const Bytes cloud = encoded(*corners(), draco::POINT_CLOUD_KD_TREE_ENCODING, 10);
   for (std::uint32_t count : {1u << 31, 0xffffffffu, 0x7fffffffu, 1u << 26}) {
     Bytes damaged = cloud;
@@ -329,7 +329,7 @@ TEST(DrcReader, ImpossibleCountsAreRefusedBeforeMemoryIsTaken) {
   }
 }
 
-TEST(DrcReader, MetadataThatNestOrClaimTooMuchAreAnError) {
+TEST(DrcReader, refuses_metadata_that_nest_too_deeply_or_claim_too_much) {
   Bytes bytes = encoded(*corners(), draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
   bytes[10] |= 0x80;  // announces metadata that are not there
   EXPECT_FALSE(read_drc(bytes));
@@ -359,7 +359,7 @@ void expect_harmless(const Bytes& bytes) {
   }
 }
 
-TEST(DrcReader, FilesCutShortOrWithAnyBitFlippedNeverCrash) {
+TEST(DrcReader, never_crashes_on_truncated_files_or_flipped_bits) {
   auto cloud = corners();
   add<std::uint8_t, 3>(*cloud, GeometryAttribute::COLOR, draco::DT_UINT8, true,
                        {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}, {2, 2, 2}});

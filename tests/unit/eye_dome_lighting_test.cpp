@@ -46,7 +46,7 @@ class EyeDomeLightingTest : public DrawingTest {
   std::shared_ptr<const SceneFrame> frame_;
 };
 
-TEST_F(EyeDomeLightingTest, DarkensWhatLiesBehindItsNeighboursAndNothingElse) {
+TEST_F(EyeDomeLightingTest, darkens_only_pixels_that_lie_behind_their_neighbours) {
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
     const Image without = picture(mode, 0.0f), with = picture(mode, 1.0f);
     // In the middle row, from left to right: background, sheet behind, its rim, sheet in front.
@@ -65,7 +65,7 @@ TEST_F(EyeDomeLightingTest, DarkensWhatLiesBehindItsNeighboursAndNothingElse) {
   }
 }
 
-TEST_F(EyeDomeLightingTest, DarkensMoreTheStrongerItIs) {
+TEST_F(EyeDomeLightingTest, darkens_more_as_its_strength_rises) {
   const auto sum = [](const Image& image) {
     long total = 0;
     for (const glm::u8vec3& pixel : image.pixels) total += pixel.r;
@@ -78,7 +78,7 @@ TEST_F(EyeDomeLightingTest, DarkensMoreTheStrongerItIs) {
   EXPECT_GT(some, more);
 }
 
-TEST_F(EyeDomeLightingTest, LeavesTheNextPictureAsItWas) {
+TEST_F(EyeDomeLightingTest, does_not_affect_the_next_picture) {
   const Image before = picture(DrawMode::surfel, 0.0f);
   picture(DrawMode::surfel, 2.0f);
   EXPECT_EQ(picture(DrawMode::surfel, 0.0f).pixels, before.pixels);

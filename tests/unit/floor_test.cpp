@@ -29,7 +29,7 @@ Camera camera_of(const FloorGrid& grid, double pitch_by = 0.2) {
   return camera;
 }
 
-TEST(FloorGrid, StepsAreRoundAndAsFineForScenesOfAnySize) {
+TEST(FloorGrid, steps_are_round_numbers_in_proportion_to_the_scene) {
   for (const double edge : {1e-6, 0.37, 1.0, 1.9, 2.0, 4.4, 80.0, 12345.0, 3e9}) {
     const double step = floor_step(box_of(edge));
     const double digits = step / std::pow(10.0, std::floor(std::log10(step) + 1e-9));
@@ -44,7 +44,7 @@ TEST(FloorGrid, StepsAreRoundAndAsFineForScenesOfAnySize) {
   EXPECT_EQ(floor_step({{1, 2, 3}, {1, 2, 3}}), floor_step(box_of(1.0)));
 }
 
-TEST(FloorGrid, LinesLieOnTheLowerSideAtMultiplesOfTheStepWithinTheDisc) {
+TEST(FloorGrid, lines_lie_below_the_scene_at_multiples_of_the_step_within_a_disc) {
   for (const char up : {'y', 'z'}) {
     for (const glm::dvec3& middle : {glm::dvec3(0.3, 1.2, -0.7), glm::dvec3(4e6, -7e6, 2e5)}) {
       const FloorGrid grid{box_of(2.0, middle), up};
@@ -76,7 +76,7 @@ TEST(FloorGrid, LinesLieOnTheLowerSideAtMultiplesOfTheStepWithinTheDisc) {
   }
 }
 
-TEST(FloorGrid, LinesEndBeforeAnEyeThatStandsAmongThem) {
+TEST(FloorGrid, lines_end_in_front_of_an_eye_among_them) {
   const FloorGrid grid{box_of(2.0), 'y'};
   Camera camera = camera_of(grid);
   camera.fly({0.0, 0.0, camera.distance}, 0.0, 0.0);
@@ -128,7 +128,7 @@ class FloorTest : public DrawingTest {
   }
 };
 
-TEST_F(FloorTest, LiesUnderWhatIsDrawnInAnyWayAndBeforeItFromBelow) {
+TEST_F(FloorTest, is_hidden_by_the_scene_from_above_and_hides_it_from_below) {
   std::vector<DrawOptions> ways;
   for (int i = 0; i < kSplattings; ++i) ways.emplace_back().splatting = static_cast<Splatting>(i);
   ways.emplace_back().mode = DrawMode::voxel;
@@ -159,7 +159,7 @@ TEST_F(FloorTest, LiesUnderWhatIsDrawnInAnyWayAndBeforeItFromBelow) {
   }
 }
 
-TEST_F(FloorTest, IsLighterThanADarkBackgroundAndDarkerThanALightOne) {
+TEST_F(FloorTest, contrasts_with_dark_and_with_light_backgrounds) {
   const FloorGrid grid{box_of(2.0), 'y'};
   for (const float background : {0.0f, 0.12f, 0.9f, 1.0f}) {
     DrawOptions options;
@@ -177,7 +177,7 @@ TEST_F(FloorTest, IsLighterThanADarkBackgroundAndDarkerThanALightOne) {
   }
 }
 
-TEST_F(FloorTest, LooksTheSameFarFromTheWorldsZero) {
+TEST_F(FloorTest, looks_the_same_far_from_the_origin_of_the_world) {
   const FloorGrid here{box_of(2.0), 'z'};
   const glm::dvec3 offset = 1e7 * floor_step(here.bounds) * glm::dvec3(1.0, -2.0, 1.0);
   const FloorGrid there{box_of(2.0, offset), 'z'};
@@ -195,7 +195,7 @@ TEST_F(FloorTest, LooksTheSameFarFromTheWorldsZero) {
   EXPECT_LE(largest, 3);
 }
 
-TEST_F(FloorTest, LeavesNothingBehindWhenItIsTurnedOff) {
+TEST_F(FloorTest, leaves_nothing_behind_when_it_is_switched_off) {
   const FloorGrid grid{box_of(2.0), 'y'};
   const Camera camera = camera_of(grid);
   DrawOptions options;

@@ -24,7 +24,7 @@ std::shared_ptr<const SceneFrame> picture_at(std::uint32_t index, int level) {
   return frame;
 }
 
-TEST(FrameBuffer, AsksAgainForFramesThatLackALevelOnlyWhenNoneIsMissing) {
+TEST(FrameBuffer, finer_levels_are_made_only_after_every_frame_has_one) {
   FrameBuffer buffer(options(100, 2, false));
   buffer.set_level(7);
   const auto answer = [&] {
@@ -45,7 +45,7 @@ TEST(FrameBuffer, AsksAgainForFramesThatLackALevelOnlyWhenNoneIsMissing) {
   EXPECT_EQ(buffer.held(), 3u);
 }
 
-TEST(FrameBuffer, KeepsWhatIsFinerWhenTheCameraMovesAway) {
+TEST(FrameBuffer, finer_frames_are_kept_when_the_camera_moves_away) {
   FrameBuffer buffer(options(100, 1, false));
   for (int i = 0; i < 2; ++i) {
     const auto request = ask(buffer);
@@ -61,7 +61,7 @@ TEST(FrameBuffer, KeepsWhatIsFinerWhenTheCameraMovesAway) {
   EXPECT_EQ(buffer.best()->level, 9);
 }
 
-TEST(FrameBuffer, AsksForALevelThatCannotBeHadOnlyOnce) {
+TEST(FrameBuffer, an_unavailable_level_is_requested_only_once) {
   FrameBuffer buffer(options(1, 0, false));
   buffer.set_level(7);
   auto request = ask(buffer);
@@ -172,7 +172,7 @@ Turns fetch(FrameBuffer& buffer, const FrameLayers& layers) {
   return turns;
 }
 
-TEST(FrameBuffer, AsksForBasesOfWhatIsNearThenForTheirRestsThenForWhatIsFurtherAhead) {
+TEST(FrameBuffer, the_base_of_the_playhead_comes_first_and_near_frames_before_far_ones) {
   FrameBuffer buffer(layered(100, 1));  // frames 0 and 1 are near; 2 to 4 are fetched, too
   const Turns turns = ask_for(buffer, whole(0, 4));
   EXPECT_EQ(turns.layers(), whole(0, 4));
@@ -185,7 +185,7 @@ TEST(FrameBuffer, AsksForBasesOfWhatIsNearThenForTheirRestsThenForWhatIsFurtherA
   for (const std::uint32_t ahead : {2u, 3u}) EXPECT_LT(turns.of(ahead, 2), turns.of(ahead + 1, 0));
 }
 
-TEST(FrameBuffer, DoesNotRefineWhatIsAboutToPass) {
+TEST(FrameBuffer, a_frame_that_is_about_to_pass_is_not_refined) {
   FrameBuffer buffer(layered(100, 1));
   buffer.set_pace({4, 1, true, false});
   FrameLayers all_but_the_rest_of_0 = whole(1, 4);
@@ -195,7 +195,7 @@ TEST(FrameBuffer, DoesNotRefineWhatIsAboutToPass) {
   EXPECT_EQ(turns.of(0, 0), 0);
 }
 
-TEST(FrameBuffer, DoesNothingElseBeforeTheFrameThatIsWaitedForIsWhole) {
+TEST(FrameBuffer, nothing_else_is_fetched_before_an_awaited_frame_is_whole) {
   FrameBuffer buffer(layered(100, 2));
   buffer.set_pace({4, 0, true, true});
   const auto base = buffer.next_fetch(), rest = buffer.next_fetch();
@@ -209,7 +209,7 @@ TEST(FrameBuffer, DoesNothingElseBeforeTheFrameThatIsWaitedForIsWhole) {
   EXPECT_EQ(fetcher.job()->frame, 1u);
 }
 
-TEST(FrameBuffer, FetchesOnlyTheLayersThatAreSeenAndRefinesWithTheOthersAlone) {
+TEST(FrameBuffer, only_visible_layers_are_fetched_and_a_closer_view_fetches_only_the_rest) {
   FrameBuffer buffer(layered(100, 0));
   buffer.set_level(8);
   const FrameLayers seen = {{0, 0}, {0, 1}};
@@ -222,7 +222,7 @@ TEST(FrameBuffer, FetchesOnlyTheLayersThatAreSeenAndRefinesWithTheOthersAlone) {
   EXPECT_EQ(request->fetch_ms, 1.0);
 }
 
-TEST(FrameBuffer, ShowsTheBaseUntilTheRestIsThere) {
+TEST(FrameBuffer, the_base_is_shown_until_the_rest_arrives) {
   FrameBuffer buffer(layered(100, 0));
   fetch(buffer);
   const auto base = buffer.next_wanted();
@@ -238,7 +238,7 @@ TEST(FrameBuffer, ShowsTheBaseUntilTheRestIsThere) {
   EXPECT_EQ(buffer.best()->level, kWholeFrame);
 }
 
-TEST(FrameBuffer, MakesTheFirstFrameOfItsBaseFirstAndOfAllBesideIt) {
+TEST(FrameBuffer, an_awaited_frame_is_prepared_from_its_base_and_from_all_at_once) {
   FrameBuffer::Options options = layered(10, 2);
   options.base_first = false;
   FrameBuffer buffer(options);
@@ -261,7 +261,7 @@ TEST(FrameBuffer, MakesTheFirstFrameOfItsBaseFirstAndOfAllBesideIt) {
   EXPECT_EQ(buffer.next_wanted()->layers, 3u);
 }
 
-TEST(FrameBuffer, KeepsTheFinerPictureWhenTheCoarserOneIsReadyAfterIt) {
+TEST(FrameBuffer, a_coarser_version_does_not_replace_a_finer_one_that_was_ready_first) {
   FrameBuffer buffer(layered(100, 0));
   fetch(buffer);
   const auto base = buffer.next_wanted();
@@ -271,7 +271,7 @@ TEST(FrameBuffer, KeepsTheFinerPictureWhenTheCoarserOneIsReadyAfterIt) {
   EXPECT_EQ(buffer.best()->level, kWholeFrame);
 }
 
-TEST(FrameBuffer, FetchesNothingTwiceForWhoComesBack) {
+TEST(FrameBuffer, a_return_to_fetched_frames_fetches_nothing_again) {
   FrameBuffer buffer(layered(100, 1));
   fetch(buffer, whole(0, 4));
   buffer.seek(50);
@@ -281,7 +281,7 @@ TEST(FrameBuffer, FetchesNothingTwiceForWhoComesBack) {
   EXPECT_EQ(buffer.next_wanted()->frame, 0u);
 }
 
-TEST(FrameBuffer, KeepsNoMoreCodedFramesThanItIsTold) {
+TEST(FrameBuffer, coded_frames_stay_within_their_budget_of_bytes) {
   FrameBuffer::Options small = layered(1000, 1);
   small.store_bytes = 400;
   FrameBuffer buffer(small);
@@ -292,7 +292,7 @@ TEST(FrameBuffer, KeepsNoMoreCodedFramesThanItIsTold) {
   }
 }
 
-TEST(FrameBuffer, DoesWithCoarserLayersWhereFinerOnesCannotBeHad) {
+TEST(FrameBuffer, a_frame_does_without_layers_that_cannot_be_fetched) {
   FrameBuffer buffer(layered(100, 0));
   fetch(buffer);
   buffer.deliver(*buffer.next_wanted(), picture_at(0, 7));
@@ -307,7 +307,7 @@ TEST(FrameBuffer, DoesWithCoarserLayersWhereFinerOnesCannotBeHad) {
   EXPECT_EQ(buffer.next_fetch()->frame, 1u);
 }
 
-TEST(FrameBuffer, DoesWithCoarserLayersWhereFinerOnesAreBrokenTwice) {
+TEST(FrameBuffer, a_frame_does_without_a_layer_that_is_damaged_twice) {
   FrameBuffer buffer(layered(100, 0));
   fetch(buffer);
   buffer.deliver(*buffer.next_wanted(), picture_at(0, 7));
@@ -322,7 +322,7 @@ TEST(FrameBuffer, DoesWithCoarserLayersWhereFinerOnesAreBrokenTwice) {
   EXPECT_EQ(buffer.best()->level, 7);
 }
 
-TEST(FrameBuffer, TakesTheLayersThatAreChosen) {
+TEST(FrameBuffer, only_the_chosen_layers_and_attributes_are_fetched) {
   FrameBuffer::Options chosen = layered(100, 0);
   LayerSet choice{1, true, false};
   chosen.choice = [&choice](std::uint32_t, DrawMode, int) { return choice; };
@@ -343,7 +343,7 @@ TEST(FrameBuffer, TakesTheLayersThatAreChosen) {
 
 // Scrubbing.
 
-TEST(FrameBuffer, AsksForTheBaseUnderTheCursorAloneWhileScrubbing) {
+TEST(FrameBuffer, scrubbing_fetches_only_the_base_under_the_cursor) {
   FrameBuffer::Options options = layered(100, 1);
   options.near = 0;  // as of what is read from a folder
   FrameBuffer buffer(options);
@@ -359,7 +359,7 @@ TEST(FrameBuffer, AsksForTheBaseUnderTheCursorAloneWhileScrubbing) {
   EXPECT_EQ(fetcher.job()->frame, 40u) << "once the button is released, the frame is refined";
 }
 
-TEST(FrameBuffer, AsksForTheBasesBesideTheCursorOnceItsOwnIsThere) {
+TEST(FrameBuffer, scrubbing_fetches_bases_around_the_cursor_once_its_own_has_arrived) {
   FrameBuffer buffer(layered(100, 1));
   buffer.scrub(10);
   const FrameLayers around = {{9, 0}, {10, 0}, {11, 0}, {12, 0}};
@@ -376,7 +376,7 @@ TEST(FrameBuffer, AsksForTheBasesBesideTheCursorOnceItsOwnIsThere) {
   EXPECT_EQ(fetch(buffer, before).layers(), before) << "where the drag goes now";
 }
 
-TEST(FrameBuffer, LeavesTheLinkToTheBaseUnderTheCursor) {
+TEST(FrameBuffer, scrubbing_reserves_the_link_for_the_base_under_the_cursor) {
   FrameBuffer::Options options = layered(100, 1);
   options.near = 8;
   FrameBuffer buffer(options);
@@ -397,7 +397,7 @@ TEST(FrameBuffer, LeavesTheLinkToTheBaseUnderTheCursor) {
     EXPECT_EQ(job.stop.stop_requested(), job.frame != 12) << "where the cursor was: " << job.frame;
 }
 
-TEST(FrameBuffer, AsksForTheNewestCursorFirstAndCancelsAllButTheOneBefore) {
+TEST(FrameBuffer, scrubbing_fetches_the_newest_cursor_and_cancels_all_but_the_one_before) {
   FrameBuffer buffer(layered(100, 1));
   const auto playing = buffer.next_fetch();
   buffer.scrub(10);
@@ -415,7 +415,7 @@ TEST(FrameBuffer, AsksForTheNewestCursorFirstAndCancelsAllButTheOneBefore) {
   EXPECT_EQ(fetch(buffer), (Asked{30, 0, 1}));
 }
 
-TEST(FrameBuffer, ShowsWhereAFastDragPassedButNeverGoesBack) {
+TEST(FrameBuffer, a_fast_drag_shows_frames_that_it_passed_but_never_goes_back) {
   FrameBuffer buffer(layered(100, 1));
   for (int i = 0; i < 2; ++i) fetch(buffer);
   buffer.deliver(*buffer.next_wanted(), picture(0));
@@ -437,7 +437,7 @@ TEST(FrameBuffer, ShowsWhereAFastDragPassedButNeverGoesBack) {
   EXPECT_EQ(buffer.best()->index, 30u);
 }
 
-TEST(FrameBuffer, ShowsNothingOfADragAfterItsEndButTheFrameItEndedAt) {
+TEST(FrameBuffer, after_a_drag_no_frame_that_it_passed_is_shown) {
   FrameBuffer buffer(layered(100, 1));
   buffer.scrub(10);
   fetch(buffer);
@@ -448,7 +448,7 @@ TEST(FrameBuffer, ShowsNothingOfADragAfterItsEndButTheFrameItEndedAt) {
   EXPECT_EQ(buffer.best(), nullptr);
 }
 
-TEST(FrameBuffer, SaysHowFullItIs) {
+TEST(FrameBuffer, fill_reports_how_many_frames_are_fetched_and_prepared) {
   FrameBuffer buffer(layered(100, 2));
   EXPECT_EQ(buffer.fill().fetched, 0u);
   EXPECT_EQ(buffer.fill().window, 5u);

@@ -14,13 +14,13 @@ namespace {
 using std::chrono::milliseconds;
 using testing::UnorderedElementsAre;
 
-TEST(FrameBuffer, AsksForThePlayheadFirstAndThenAhead) {
+TEST(FrameBuffer, the_playhead_is_requested_first_and_then_the_frames_ahead) {
   FrameBuffer buffer(options(100, 3, false));
   EXPECT_EQ(serve(buffer, 4), (Frames{0, 1, 2, 3}));
   EXPECT_EQ(buffer.best()->index, 0u);
 }
 
-TEST(FrameBuffer, AsksForNothingMoreThanItsWindow) {
+TEST(FrameBuffer, nothing_beyond_the_window_is_requested) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 3);
   Fetcher fetcher(buffer);
@@ -29,20 +29,20 @@ TEST(FrameBuffer, AsksForNothingMoreThanItsWindow) {
   EXPECT_EQ(fetcher.job()->frame, 3u);
 }
 
-TEST(FrameBuffer, GoesOnAtTheStartWhenLooping) {
+TEST(FrameBuffer, the_window_wraps_to_the_start_of_a_loop) {
   FrameBuffer buffer(options(10, 3, true));
   buffer.seek(8);
   EXPECT_EQ(serve(buffer, 4), (Frames{8, 9, 0, 1}));
 }
 
-TEST(FrameBuffer, StopsAtTheEndOtherwise) {
+TEST(FrameBuffer, the_window_stops_at_the_end_without_a_loop) {
   FrameBuffer buffer(options(10, 3, false));
   buffer.seek(8);
   EXPECT_EQ(serve(buffer, 2), (Frames{8, 9}));
   EXPECT_EQ(buffer.held(), 2u);
 }
 
-TEST(FrameBuffer, LooksBackwardWhenSeekingBackward) {
+TEST(FrameBuffer, the_window_extends_backward_for_backward_play) {
   FrameBuffer buffer(options(10, 3, false));
   buffer.seek(5, -1);
   EXPECT_EQ(serve(buffer, 4), (Frames{5, 4, 3, 2}));
@@ -50,7 +50,7 @@ TEST(FrameBuffer, LooksBackwardWhenSeekingBackward) {
   EXPECT_EQ(serve(buffer, 2), (Frames{1, 0}));
 }
 
-TEST(FrameBuffer, DoesNotMakeAFrameTwiceInAReelShorterThanTheWindow) {
+TEST(FrameBuffer, a_reel_shorter_than_the_window_is_prepared_only_once) {
   FrameBuffer buffer(options(3, 8, true));
   EXPECT_THAT(serve(buffer, 3), UnorderedElementsAre(0u, 1u, 2u));
   for (std::uint32_t pass = 0; pass < 5; ++pass)
@@ -60,7 +60,7 @@ TEST(FrameBuffer, DoesNotMakeAFrameTwiceInAReelShorterThanTheWindow) {
     }
 }
 
-TEST(FrameBuffer, AsksForTheNewPlaceFirstAfterASeekAndCancelsWhatWasAskedForBefore) {
+TEST(FrameBuffer, a_seek_requests_the_new_place_first_and_cancels_old_requests) {
   FrameBuffer buffer(options(1000, 4, false));
   const auto old_job = buffer.next_fetch();
   const auto kept_job = buffer.next_fetch();
@@ -72,7 +72,7 @@ TEST(FrameBuffer, AsksForTheNewPlaceFirstAfterASeekAndCancelsWhatWasAskedForBefo
   EXPECT_TRUE(kept_job->stop.stop_requested());
 }
 
-TEST(FrameBuffer, DropsWhatComesFromBeforeASeek) {
+TEST(FrameBuffer, a_seek_drops_frames_outside_the_new_window) {
   FrameBuffer buffer(options(1000, 4, false));
   serve(buffer, 2);
   const auto old_request = ask(buffer);
@@ -83,7 +83,7 @@ TEST(FrameBuffer, DropsWhatComesFromBeforeASeek) {
   EXPECT_EQ(buffer.held(), 0u);
 }
 
-TEST(FrameBuffer, UsesWhatComesFromBeforeASeekIfItIsInTheNewWindow) {
+TEST(FrameBuffer, a_seek_keeps_frames_inside_the_new_window) {
   FrameBuffer buffer(options(1000, 4, false));
   serve(buffer, 2);
   const auto request = ask(buffer);  // frame 2
@@ -92,7 +92,7 @@ TEST(FrameBuffer, UsesWhatComesFromBeforeASeekIfItIsInTheNewWindow) {
   EXPECT_EQ(buffer.best()->index, 2u);
 }
 
-TEST(FrameBuffer, ShowsALateFrameOnAMachineThatIsTooSlowButNeverGoesBack) {
+TEST(FrameBuffer, late_frames_are_shown_but_never_older_ones_after_newer_ones) {
   FrameBuffer buffer(options(1000, 4, false));
   const auto first = ask(buffer);
   const auto second = ask(buffer);
@@ -103,14 +103,14 @@ TEST(FrameBuffer, ShowsALateFrameOnAMachineThatIsTooSlowButNeverGoesBack) {
   EXPECT_EQ(buffer.best()->index, 1u);
 }
 
-TEST(FrameBuffer, HoldsTheLastFrameWhileTheNextOneIsMissing) {
+TEST(FrameBuffer, the_last_frame_is_held_while_the_next_one_is_missing) {
   FrameBuffer buffer(options(1000, 4, false));
   serve(buffer, 3);
   buffer.advance(10);
   EXPECT_EQ(buffer.best()->index, 2u);
 }
 
-TEST(FrameBuffer, HoldsTheLastFrameAcrossTheEndOfALoop) {
+TEST(FrameBuffer, the_last_frame_is_held_across_the_end_of_a_loop) {
   FrameBuffer buffer(options(10, 2, true));
   buffer.seek(7);
   serve(buffer, 3);
@@ -123,7 +123,7 @@ TEST(FrameBuffer, HoldsTheLastFrameAcrossTheEndOfALoop) {
   EXPECT_EQ(buffer.best()->index, 1u);
 }
 
-TEST(FrameBuffer, GoesOnAfterAFrameThatCannotBeHad) {
+TEST(FrameBuffer, playback_goes_on_past_a_frame_that_cannot_be_fetched) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 1);
   buffer.fetch_failed(*buffer.next_fetch());
@@ -133,7 +133,7 @@ TEST(FrameBuffer, GoesOnAfterAFrameThatCannotBeHad) {
   EXPECT_EQ(buffer.best()->index, 0u) << "the last picture is held";
 }
 
-TEST(FrameBuffer, AsksAgainForAFrameThatCouldNotBeHadWhenThePlayheadComesBack) {
+TEST(FrameBuffer, a_failed_frame_is_requested_again_when_the_playhead_returns) {
   FrameBuffer buffer(options(100, 1, false));
   buffer.fetch_failed(*buffer.next_fetch());
   EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::failed);
@@ -142,14 +142,14 @@ TEST(FrameBuffer, AsksAgainForAFrameThatCouldNotBeHadWhenThePlayheadComesBack) {
   EXPECT_EQ(buffer.next_fetch()->frame, 0u);
 }
 
-TEST(FrameBuffer, AsksAgainForAFetchThatWasStopped) {
+TEST(FrameBuffer, a_stopped_fetch_is_requested_again) {
   FrameBuffer buffer(options(100, 2, false));
   const auto job = buffer.next_fetch();
   buffer.fetch_stopped(*job);
   EXPECT_EQ(buffer.next_fetch()->frame, 0u);
 }
 
-TEST(FrameBuffer, FetchesWhatIsBrokenOnceMoreAndThenGoesOn) {
+TEST(FrameBuffer, a_damaged_frame_is_fetched_once_more_and_then_given_up) {
   FrameBuffer buffer(options(100, 2, false));
   const auto first = ask(buffer);
   EXPECT_TRUE(buffer.broken(first, 0));
@@ -163,7 +163,7 @@ TEST(FrameBuffer, FetchesWhatIsBrokenOnceMoreAndThenGoesOn) {
   EXPECT_EQ(buffer.next_fetch()->frame, 1u);
 }
 
-TEST(FrameBuffer, DropsEverythingMadeForAnotherMode) {
+TEST(FrameBuffer, a_change_of_mode_drops_prepared_frames_and_keeps_fetched_ones) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 1);
   const auto old_request = ask(buffer);
@@ -176,7 +176,7 @@ TEST(FrameBuffer, DropsEverythingMadeForAnotherMode) {
   EXPECT_EQ(buffer.held(), 0u);
 }
 
-TEST(FrameBuffer, DoesNotShowTheStartBehindTheEndWhenTheLoopIsSwitchedOff) {
+TEST(FrameBuffer, switching_the_loop_off_drops_frames_prepared_beyond_the_end) {
   FrameBuffer buffer(options(10, 3, true));
   buffer.seek(8);
   const auto eight = ask(buffer);
@@ -188,7 +188,7 @@ TEST(FrameBuffer, DoesNotShowTheStartBehindTheEndWhenTheLoopIsSwitchedOff) {
   EXPECT_EQ(buffer.best()->index, 8u);
 }
 
-TEST(FrameBuffer, ClosingEndsTheWaitOfAWorkerAndOfThePlayer) {
+TEST(FrameBuffer, closing_ends_the_waits_of_workers_and_of_the_player) {
   FrameBuffer buffer(options(1, 0, true));
   serve(buffer, 1);
   std::thread fetcher([&] { EXPECT_FALSE(buffer.next_fetch()); });
@@ -203,7 +203,7 @@ TEST(FrameBuffer, ClosingEndsTheWaitOfAWorkerAndOfThePlayer) {
   player.join();
 }
 
-TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
+TEST(FrameBuffer, random_seeks_never_show_a_wrong_frame_or_exceed_the_bounds) {
   constexpr std::uint32_t kFrames = 50, kAhead = 5;
   FrameBuffer::Options random_options = options(kFrames, kAhead, true);
   random_options.levels = {7, 9, kWholeFrame};
@@ -267,7 +267,7 @@ TEST(FrameBuffer, StaysBoundedAndNeverShowsTheWrongFrameUnderRandomSeeks) {
   for (std::thread& worker : workers) worker.join();
 }
 
-TEST(FrameBuffer, FetchesAndHoldsBackwardToo) {
+TEST(FrameBuffer, backward_play_requests_and_holds_frames_in_its_own_direction) {
   FrameBuffer buffer(options(10, 3, true));
   buffer.seek(1, -1);
   EXPECT_EQ(serve(buffer, 4), (Frames{1, 0, 9, 8}));
@@ -279,7 +279,7 @@ TEST(FrameBuffer, FetchesAndHoldsBackwardToo) {
   EXPECT_EQ(serve(buffer, 1), (Frames{7}));
 }
 
-TEST(FrameBuffer, DoesNotShowWhatLayAheadWhenItTurnsAround) {
+TEST(FrameBuffer, reversing_does_not_show_frames_that_were_still_ahead) {
   FrameBuffer buffer(options(100, 3, false));
   buffer.seek(50);
   serve(buffer, 4);  // 50 to 53
@@ -289,7 +289,7 @@ TEST(FrameBuffer, DoesNotShowWhatLayAheadWhenItTurnsAround) {
   EXPECT_LE(buffer.best()->index, 51u);
 }
 
-TEST(FrameBuffer, AsksForTheRangesBeginningWhereItsEndIsNear) {
+TEST(FrameBuffer, near_the_end_of_a_loop_range_its_beginning_is_requested) {
   FrameBuffer buffer(options(100, 3, false));
   buffer.set_loop_range(FrameRange{20, 29});
   buffer.seek(28);
@@ -301,7 +301,7 @@ TEST(FrameBuffer, AsksForTheRangesBeginningWhereItsEndIsNear) {
   EXPECT_EQ(serve(buffer, 4), (Frames{30, 31, 32, 33}));
 }
 
-TEST(FrameBuffer, KeepsAllOfARangeThatIsShorterThanTheWindow) {
+TEST(FrameBuffer, a_loop_range_shorter_than_the_window_is_kept_whole) {
   FrameBuffer buffer(options(100, 8, false));
   buffer.set_loop_range(FrameRange{20, 22});
   buffer.seek(21);
@@ -313,7 +313,7 @@ TEST(FrameBuffer, KeepsAllOfARangeThatIsShorterThanTheWindow) {
     }
 }
 
-TEST(FrameBuffer, TellsWhatIsFetchedAndWhatIsMade) {
+TEST(FrameBuffer, buffered_reports_fetched_and_prepared_frames) {
   FrameBuffer::Options kept = options(100, 2, false);
   kept.store_bytes = 1000;
   kept.fetch_ahead = 4;
@@ -329,14 +329,14 @@ TEST(FrameBuffer, TellsWhatIsFetchedAndWhatIsMade) {
   EXPECT_EQ(buffer.buffered(), (std::vector<BufferedRange>{{0, 4, 1}, {50, 50, 1}}));
 }
 
-TEST(FrameBuffer, TellsOfMadeFramesWhoseBytesAreGone) {
+TEST(FrameBuffer, buffered_reports_prepared_frames_whose_bytes_are_gone) {
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 3);
   EXPECT_EQ(buffer.stored_bytes(), 0u);
   EXPECT_EQ(buffer.buffered(), (std::vector<BufferedRange>{{0, 2, 1}}));
 }
 
-TEST(FrameBuffer, ShowsWhatWasMadeByOldRulesUntilThereIsBetter) {
+TEST(FrameBuffer, frames_prepared_with_old_settings_are_shown_until_new_ones_are_ready) {
   FrameBuffer buffer(options(100, 0, false));
   const auto old = ask(buffer);
   buffer.make_again();
@@ -348,7 +348,7 @@ TEST(FrameBuffer, ShowsWhatWasMadeByOldRulesUntilThereIsBetter) {
   EXPECT_NE(buffer.best(), before);
 }
 
-TEST(FrameBuffer, ShowsTheNewestPassedFrameWhereTheWindowIsAllThatIsPlayed) {
+TEST(FrameBuffer, the_newest_passed_frame_is_held_even_if_the_window_covers_the_loop_range) {
   FrameBuffer buffer(options(100, 8, false));
   buffer.set_loop_range(FrameRange{20, 22});
   buffer.seek(19);

@@ -63,7 +63,7 @@ TEST_F(FrameInputTest, files_are_played_at_their_rate) {
   EXPECT_EQ(input->skipped(), 0u);
 }
 
-TEST_F(FrameInputTest, a_loop_goes_on_where_the_files_end) {
+TEST_F(FrameInputTest, a_loop_starts_over_after_the_last_file) {
   FakeTime time;
   const auto input = play_files(write(2), 10.0, true, time.clock());
   std::vector<std::size_t> points;
@@ -71,7 +71,7 @@ TEST_F(FrameInputTest, a_loop_goes_on_where_the_files_end) {
   EXPECT_THAT(points, testing::ElementsAre(101, 102, 101, 102, 101));
 }
 
-TEST_F(FrameInputTest, who_is_too_slow_gets_the_newest_frame_and_the_last_is_never_skipped) {
+TEST_F(FrameInputTest, a_slow_reader_gets_the_newest_frame_and_never_misses_the_last) {
   FakeTime time;
   const auto input = play_files(write(12), 10.0, false, time.clock());
   std::size_t taken = 0, last = 0;
@@ -88,7 +88,7 @@ TEST_F(FrameInputTest, who_is_too_slow_gets_the_newest_frame_and_the_last_is_nev
   EXPECT_EQ(taken + input->skipped(), 12u);
 }
 
-TEST_F(FrameInputTest, a_file_that_cannot_be_read_is_an_error_of_its_frame_alone) {
+TEST_F(FrameInputTest, a_file_that_cannot_be_read_fails_only_its_own_frame) {
   FakeTime time;
   write(2);
   std::ofstream(frames_ / "frame_0.ply") << "no cloud";
@@ -127,7 +127,7 @@ TEST_F(FrameInputTest, a_folder_is_followed_from_its_newest_file_on) {
   EXPECT_EQ(next_points(*input, stop.get_token()), 0u);
 }
 
-TEST_F(FrameInputTest, a_folder_that_is_none_cannot_be_followed) {
+TEST_F(FrameInputTest, a_folder_that_does_not_exist_cannot_be_followed) {
   const auto input = follow_folder(frames_ / "nowhere");
   ASSERT_FALSE(input);
   EXPECT_THAT(input.error().message, HasSubstr("nowhere"));
@@ -160,7 +160,7 @@ struct Pipe {
   int ends[2] = {-1, -1};
 };
 
-TEST(PipeInput, gives_frames_as_they_come_and_ends_with_the_pipe) {
+TEST(PipeInput, gives_frames_as_they_arrive_and_ends_with_the_pipe) {
   Pipe pipe;
   FakeTime time;
   const auto input = read_pipe(pipe.ends[0], time.clock());
@@ -177,7 +177,7 @@ TEST(PipeInput, gives_frames_as_they_come_and_ends_with_the_pipe) {
   EXPECT_FALSE(*end);
 }
 
-TEST(PipeInput, what_is_no_cloud_is_an_error_of_its_frame_alone) {
+TEST(PipeInput, bytes_that_are_not_a_cloud_fail_only_their_own_frame) {
   Pipe pipe;
   const auto input = read_pipe(pipe.ends[0]);
   pipe.put_size(3);
@@ -198,7 +198,7 @@ std::string pipe_error(const std::function<void(Pipe&)>& write) {
   return frame ? "none" : frame.error().message;
 }
 
-TEST(PipeInput, ends_with_an_error_where_a_size_is_no_size_or_a_frame_is_cut) {
+TEST(PipeInput, ends_with_an_error_at_an_invalid_size_or_a_truncated_frame) {
   EXPECT_THAT(pipe_error([](Pipe& pipe) { pipe.put_size(0x0a796c70); }), HasSubstr("is PLY"));
   EXPECT_THAT(pipe_error([](Pipe& pipe) { pipe.put_size(0xffffffff); }), HasSubstr("the most"));
   EXPECT_THAT(pipe_error([](Pipe& pipe) { pipe.put(Bytes{1, 0}); }), HasSubstr("within the size"));
@@ -209,7 +209,7 @@ TEST(PipeInput, ends_with_an_error_where_a_size_is_no_size_or_a_frame_is_cut) {
               HasSubstr("within frame 0"));
 }
 
-TEST(PipeInput, stopping_ends_a_wait) {
+TEST(PipeInput, stopping_ends_a_wait_for_the_next_frame) {
   Pipe pipe;
   const auto input = read_pipe(pipe.ends[0]);
   std::stop_source stop;
@@ -219,7 +219,7 @@ TEST(PipeInput, stopping_ends_a_wait) {
   EXPECT_FALSE(*frame);
 }
 
-TEST(SteadyGrid, stays_until_a_frame_does_not_fit) {
+TEST(SteadyGrid, stays_the_same_until_a_frame_does_not_fit) {
   SteadyGrid steady{PublishOptions{}};
   const Box box{{0, 0, 0}, {1, 2, 1}};
   const Cube first = steady.of(box).value().cube;
@@ -232,7 +232,7 @@ TEST(SteadyGrid, stays_until_a_frame_does_not_fit) {
   EXPECT_LE(far.edge, 2.5) << "not all the way from there";
 }
 
-TEST(SteadyGrid, keeps_voxels_of_a_given_size) {
+TEST(SteadyGrid, keeps_the_requested_voxel_size) {
   PublishOptions options;
   options.voxel = 0.01;
   SteadyGrid steady(options);
@@ -261,7 +261,7 @@ std::string usage_error(std::vector<std::string> arguments) {
   return code == 2 ? refusal : "accepted with " + std::to_string(code);
 }
 
-TEST(PublishCommand, refuses_what_makes_no_sense_before_it_connects) {
+TEST(PublishCommand, refuses_contradictory_options_before_it_connects) {
   const std::string to = "ws://127.0.0.1:1/live/me";
   EXPECT_THAT(usage_error({"-i", "-", "--to", "http://host/live/me"}), HasSubstr("ws://"));
   EXPECT_THAT(usage_error({"-i", "-", "--to", "ws://host/live/"}), HasSubstr("stream's name"));

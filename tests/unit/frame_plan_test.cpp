@@ -23,7 +23,7 @@ TEST(FramePlan, has_every_frame_once_in_order) {
   EXPECT_FALSE(plan.rate());
 }
 
-TEST(FramePlan, begins_at_the_frame_that_is_seen_at_a_time) {
+TEST(FramePlan, begins_at_the_frame_that_is_visible_at_the_start_time) {
   const FramePlan plan(kUneven, 699'999, std::nullopt, false);
   EXPECT_EQ(frames(plan), (std::vector<std::uint32_t>{1, 2}));
   EXPECT_EQ(plan.picture(0).time_us, 0u);
@@ -31,7 +31,7 @@ TEST(FramePlan, begins_at_the_frame_that_is_seen_at_a_time) {
   EXPECT_EQ(plan.picture(1).time_us, 600'000u);
 }
 
-TEST(FramePlan, ends_after_its_duration_through_all_passes) {
+TEST(FramePlan, ends_after_its_duration_even_across_several_passes) {
   EXPECT_EQ(frames(FramePlan(kUneven, 0, 700'000, false)), (std::vector<std::uint32_t>{0, 1}));
   EXPECT_EQ(frames(FramePlan(kUneven, 0, 700'001, false)), (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(frames(FramePlan(kUneven, 0, 5'000'000, false)), (std::vector<std::uint32_t>{0, 1, 2}));
@@ -40,7 +40,7 @@ TEST(FramePlan, ends_after_its_duration_through_all_passes) {
   EXPECT_TRUE(frames(FramePlan(kUneven, 0, 0, true)).empty());
 }
 
-TEST(FramePlan, passes_follow_each_other_without_a_gap) {
+TEST(FramePlan, leaves_no_gap_between_passes) {
   const FramePlan plan(kUneven, 100'000, std::nullopt, true);
   EXPECT_FALSE(plan.count());
   EXPECT_EQ(plan.picture(2).frame, 0u);
@@ -49,7 +49,7 @@ TEST(FramePlan, passes_follow_each_other_without_a_gap) {
   EXPECT_EQ(plan.picture(3 * 1'000'000).time_us, std::uint64_t{900'000} * 1'000'000);
 }
 
-TEST(FramePlan, keeps_a_rate_through_all_passes_only_if_the_last_frame_does) {
+TEST(FramePlan, has_a_constant_rate_across_passes_only_if_the_last_frame_keeps_it) {
   EXPECT_EQ(FramePlan(kThirds, 0, std::nullopt, false).rate(), (FrameRate{3, 1}));
   EXPECT_EQ(FramePlan(kThirds, 0, std::nullopt, true).rate(), (FrameRate{3, 1}));
   const Timeline longer{kThirds.times_us, 1'500'000};

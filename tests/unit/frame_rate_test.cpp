@@ -15,7 +15,7 @@ std::vector<std::uint64_t> times(double fps, int count, double start_us = 0.0) {
   return all;
 }
 
-TEST(FrameRate, is_found_exactly_from_times_that_were_rounded) {
+TEST(FrameRate, is_recovered_exactly_from_rounded_times) {
   for (const std::uint64_t fps : {1u, 5u, 10u, 15u, 24u, 25u, 30u, 50u, 60u, 90u, 120u, 240u})
     for (const int count : {2, 3, 10, 1000})
       EXPECT_EQ(exact_rate(times(static_cast<double>(fps), count)), (FrameRate{fps, 1}))
@@ -25,18 +25,18 @@ TEST(FrameRate, is_found_exactly_from_times_that_were_rounded) {
   EXPECT_EQ(exact_rate(times(29.97, 100'000)), (FrameRate{2997, 100}));
 }
 
-TEST(FrameRate, is_televisions_where_that_fits) {
+TEST(FrameRate, prefers_rates_of_television_if_they_fit) {
   for (const std::uint64_t frames : {24'000u, 30'000u, 60'000u, 120'000u})
     for (const int count : {2, 10, 100'000})
       EXPECT_EQ(exact_rate(times(static_cast<double>(frames) / 1001.0, count)),
                 (FrameRate{frames, 1001}));
 }
 
-TEST(FrameRate, does_not_depend_on_where_times_begin) {
+TEST(FrameRate, does_not_depend_on_the_first_time) {
   EXPECT_EQ(exact_rate(times(30.0, 1000, 123'456.7)), (FrameRate{30, 1}));
 }
 
-TEST(FrameRate, is_none_where_one_frame_lasts_longer_than_the_others) {
+TEST(FrameRate, is_absent_if_one_frame_lasts_longer_than_the_others) {
   std::vector<std::uint64_t> uneven = times(30.0, 100);
   EXPECT_TRUE(exact_rate(uneven));
   uneven[50] += 3;
@@ -44,7 +44,7 @@ TEST(FrameRate, is_none_where_one_frame_lasts_longer_than_the_others) {
   EXPECT_FALSE(exact_rate(std::vector<std::uint64_t>{0, 100, 150}));
 }
 
-TEST(FrameRate, is_none_of_fewer_than_two_times_and_of_times_that_are_alike) {
+TEST(FrameRate, is_absent_for_fewer_than_two_times_or_equal_times) {
   EXPECT_FALSE(exact_rate({}));
   EXPECT_FALSE(exact_rate(std::vector<std::uint64_t>{5}));
   EXPECT_FALSE(exact_rate(std::vector<std::uint64_t>{5, 5}));

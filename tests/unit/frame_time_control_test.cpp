@@ -35,14 +35,14 @@ int changes(const std::vector<int>& depths) {
   return count;
 }
 
-TEST(FrameTimeControl, leaves_alone_what_is_in_time) {
+TEST(FrameTimeControl, keeps_the_depth_of_frames_that_are_on_time) {
   FrameTimeControl control(kBudget, 10);
   const auto depths = run(control, {30.0}, 1000);
   EXPECT_EQ(depths, std::vector<int>(1000, 10));
   EXPECT_EQ(control.late(), 0u);
 }
 
-TEST(FrameTimeControl, lowers_the_depth_before_it_is_two_frames_behind) {
+TEST(FrameTimeControl, lowers_the_depth_before_two_frames_are_late) {
   for (const double slow : {34.0, 40.0, 60.0, 90.0, 250.0}) {
     FrameTimeControl control(kBudget, 10);
     const Machine machine{slow};
@@ -57,7 +57,7 @@ TEST(FrameTimeControl, lowers_the_depth_before_it_is_two_frames_behind) {
   }
 }
 
-TEST(FrameTimeControl, forgives_a_frame_that_was_late_once) {
+TEST(FrameTimeControl, forgives_a_single_late_frame) {
   FrameTimeControl control(kBudget, 10);
   run(control, {20.0}, 20);
   control.told(10, 1.4 * kBudget);
@@ -67,7 +67,7 @@ TEST(FrameTimeControl, forgives_a_frame_that_was_late_once) {
   EXPECT_EQ(control.late(), 1u);
 }
 
-TEST(FrameTimeControl, goes_back_to_the_finest_once_the_machine_is_fast_again) {
+TEST(FrameTimeControl, returns_to_the_finest_depth_once_the_machine_is_fast_again) {
   FrameTimeControl control(kBudget, 10);
   run(control, {200.0}, 100);
   EXPECT_LT(control.depth(), 9);
@@ -75,7 +75,7 @@ TEST(FrameTimeControl, goes_back_to_the_finest_once_the_machine_is_fast_again) {
   EXPECT_EQ(control.depth(), 10);
 }
 
-TEST(FrameTimeControl, does_not_swing_between_two_depths) {
+TEST(FrameTimeControl, does_not_oscillate_between_two_depths) {
   // Depth 9 takes so little that 10 seems in reach, but is not.
   for (const double growth : {3.0, 4.0, 8.0}) {
     FrameTimeControl control(kBudget, 10);
@@ -86,19 +86,19 @@ TEST(FrameTimeControl, does_not_swing_between_two_depths) {
   }
 }
 
-TEST(FrameTimeControl, takes_a_machine_that_is_too_slow_for_anything) {
+TEST(FrameTimeControl, copes_with_a_machine_that_is_too_slow_for_any_depth) {
   FrameTimeControl control(kBudget, 10);
   run(control, {1e9, 2.0}, 50);
   EXPECT_EQ(control.depth(), 1);
 }
 
-TEST(FrameTimeControl, counts_from_the_depth_that_a_frame_had_not_from_what_it_might_have_had) {
+TEST(FrameTimeControl, lowers_the_actual_depth_of_a_frame_instead_of_the_permitted_one) {
   FrameTimeControl control(kBudget);
   run(control, {100.0}, 2, 10);
   EXPECT_LT(control.depth(), 10);
 }
 
-TEST(FrameTimeControl, does_not_blame_the_new_depth_for_frames_that_were_under_way) {
+TEST(FrameTimeControl, ignores_late_frames_that_began_before_the_last_change) {
   FrameTimeControl control(kBudget, 10);
   control.told(10, 3.0 * kBudget);
   const int depth = control.depth();
@@ -108,14 +108,14 @@ TEST(FrameTimeControl, does_not_blame_the_new_depth_for_frames_that_were_under_w
   EXPECT_EQ(control.late(), 5u);
 }
 
-TEST(FrameTimeControl, is_a_value) {
+TEST(FrameTimeControl, copies_behave_like_the_original) {
   FrameTimeControl control(kBudget, 10);
   run(control, {100.0}, 3);
   FrameTimeControl copy = control;
   EXPECT_EQ(run(copy, {12.0}, 300), run(control, {12.0}, 300));
 }
 
-TEST(FrameTimeControl, never_goes_below_the_least_depth_and_comes_back_from_it) {
+TEST(FrameTimeControl, never_goes_below_the_least_depth_and_recovers_from_it) {
   FrameTimeControl control(10.0, 10, 6);
   for (int i = 0; i < 50; ++i) control.told(control.depth(), 400.0);
   EXPECT_EQ(control.depth(), 6);

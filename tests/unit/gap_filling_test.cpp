@@ -70,7 +70,7 @@ Leaves leaves_of(const Svo& svo, const FilledNodes& filled) {
   return leaves;
 }
 
-TEST(GapFilling, FillsWhatLiesBetweenTwoLeavesInAnyOfThirteenDirections) {
+TEST(GapFilling, fills_gaps_between_two_leaves_in_any_of_13_directions) {
   for (const int depth : {2, 3, 4}) {
     for (const int widest : {1, 2, 3}) {
       const auto cells = random_cells(static_cast<unsigned>(depth + widest), depth,
@@ -88,7 +88,7 @@ TEST(GapFilling, FillsWhatLiesBetweenTwoLeavesInAnyOfThirteenDirections) {
   }
 }
 
-TEST(GapFilling, MakesTheSameTreeAsItsLeavesWould) {
+TEST(GapFilling, gives_the_same_tree_as_one_built_from_its_leaves) {
   const auto cells = random_cells(1, 5, 700);
   Svo svo = tree_of_cells(cells, 5);
   NodeAttributes nothing;
@@ -99,7 +99,7 @@ TEST(GapFilling, MakesTheSameTreeAsItsLeavesWould) {
   EXPECT_EQ(svo.first_child, again.first_child);
 }
 
-TEST(GapFilling, ColorsNewLeavesAsThoseThatTouchThem) {
+TEST(GapFilling, colours_new_leaves_like_the_leaves_that_touch_them) {
   // A gap of three cells along x, its middle touched by nothing that was there.
   const std::vector<glm::uvec3> cells = {{0, 0, 0}, {4, 0, 0}};
   Svo svo = tree_of_cells(cells, 3);
@@ -128,7 +128,7 @@ TEST(GapFilling, ColorsNewLeavesAsThoseThatTouchThem) {
   EXPECT_EQ(attributes.colors[parent], glm::u16vec3(0));
 }
 
-TEST(GapFilling, LeavesAloneWhatIsClosedAndWhatIsSingle) {
+TEST(GapFilling, leaves_closed_surfaces_and_isolated_leaves_unchanged) {
   NodeAttributes nothing;
   Svo none;
   EXPECT_TRUE(fill_gaps(none, nothing, 3).empty());

@@ -91,7 +91,7 @@ void expect_cloud(const std::filesystem::path& path, const HardExpectation& expe
   }
 }
 
-TEST(HardCases, read_as_their_manifest_says) {
+TEST(HardCases, are_read_as_their_manifest_states) {
   const TemporaryFolder folder;
   for (const HardCase& hard : hard_cases()) {
     SCOPED_TRACE(hard.file);
@@ -101,7 +101,7 @@ TEST(HardCases, read_as_their_manifest_says) {
   }
 }
 
-TEST(HardCases, give_octrees_of_the_depth_that_their_manifest_says) {
+TEST(HardCases, give_octrees_of_the_depth_that_their_manifest_states) {
   const TemporaryFolder folder;
   for (const HardCase& hard : hard_cases()) {
     SCOPED_TRACE(hard.file);
@@ -139,7 +139,7 @@ Packed pack_command(const std::filesystem::path& from, const std::filesystem::pa
   return packed;
 }
 
-TEST(HardCases, are_packed_where_the_manifest_says_so) {
+TEST(HardCases, are_packed_if_their_manifest_says_so) {
   // All in one reel: one after the other they would wait for the disk a hundred times.
   const TemporaryFolder folder, output;
   const std::filesystem::path reel = output.path() / "hard.reel";
@@ -156,7 +156,7 @@ TEST(HardCases, are_packed_where_the_manifest_says_so) {
   EXPECT_EQ(manifest->frame_count(), count);
 }
 
-TEST(HardCases, are_refused_in_one_line_that_names_the_file_by_the_packer_else) {
+TEST(HardCases, are_otherwise_refused_in_one_line_that_names_the_file) {
   const TemporaryFolder folder;
   const std::filesystem::path reel = folder.path() / "out.reel";
   for (const HardCase& hard : hard_cases()) {
@@ -171,7 +171,7 @@ TEST(HardCases, are_refused_in_one_line_that_names_the_file_by_the_packer_else) 
   }
 }
 
-TEST(HardCaseList, has_a_file_for_every_row_that_a_file_can_express) {
+TEST(HardCaseList, has_a_file_for_every_case_that_a_file_can_express) {
   std::set<std::string> rows;
   for (const HardCase& c : hard_cases()) rows.insert(c.stage + ": " + c.row);
   for (const char* row : {"ingest: NaN or infinite position",
@@ -202,7 +202,7 @@ TEST(HardCaseList, has_a_file_for_every_row_that_a_file_can_express) {
   }
 }
 
-TEST(HardCaseList, names_every_file_once_and_makes_the_same_bytes_again) {
+TEST(HardCaseList, names_every_file_once_and_writes_the_same_bytes_again) {
   std::set<std::string> files;
   const std::vector<HardCase> cases = hard_cases(), again = hard_cases();
   for (std::size_t i = 0; i < cases.size(); ++i) {

@@ -20,7 +20,7 @@ State feed(HeadReader& reader, std::string_view bytes) {
   return reader.next();
 }
 
-TEST(HeadReader, TakesAHeadInAnyThreePieces) {
+TEST(HeadReader, reads_a_head_split_into_any_three_pieces) {
   for (std::size_t first = 1; first + 1 < kHead.size(); ++first) {
     for (std::size_t second = first + 1; second < kHead.size(); ++second) {
       HeadReader reader;
@@ -33,7 +33,7 @@ TEST(HeadReader, TakesAHeadInAnyThreePieces) {
   }
 }
 
-TEST(HeadReader, TakesHeadsInSingleBytesOneAfterAnother) {
+TEST(HeadReader, reads_successive_heads_byte_by_byte) {
   HeadReader reader;
   for (int i = 0; i < 3; ++i) {
     for (std::size_t at = 0; at < kHead.size(); ++at)

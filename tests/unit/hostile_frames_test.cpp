@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Coding{"sequential", {draco(DracoMethod::sequential)}, 3}),
     [](const auto& coding) { return coding.param.name; });
 
-TEST_P(HostileFrames, decode_from_memory_that_ends_where_they_end) {
+TEST_P(HostileFrames, are_decoded_from_memory_that_ends_exactly_where_they_end) {
   const EncodedFrame frame = encode();
   const auto decoded = decode_exactly(frame);
   ASSERT_TRUE(decoded) << decoded.error().message;
@@ -128,7 +128,7 @@ TEST_P(HostileFrames, decode_from_memory_that_ends_where_they_end) {
   expect_sound(decoded);
 }
 
-TEST_P(HostileFrames, cut_at_any_byte_are_refused) {
+TEST_P(HostileFrames, are_refused_if_truncated_at_any_byte) {
   EncodedFrame frame = encode();
   for_each_part(frame, [&](Bytes& part, std::size_t) {
     while (part.size() > 1) {
@@ -138,7 +138,7 @@ TEST_P(HostileFrames, cut_at_any_byte_are_refused) {
   });
 }
 
-TEST_P(HostileFrames, cut_at_any_byte_behind_right_checksums_are_refused_or_sound) {
+TEST_P(HostileFrames, are_refused_or_sound_if_truncated_behind_valid_checksums) {
   EncodedFrame frame = encode();
   for_each_part(frame, [&](Bytes& part, std::size_t begin) {
     while (part.size() > begin + kChunkHeaderSize) {
@@ -149,7 +149,7 @@ TEST_P(HostileFrames, cut_at_any_byte_behind_right_checksums_are_refused_or_soun
   });
 }
 
-TEST_P(HostileFrames, with_any_bit_flipped_are_refused) {
+TEST_P(HostileFrames, are_refused_if_any_bit_is_flipped) {
   EncodedFrame frame = encode();
   for_each_part(frame, [&](Bytes& part, std::size_t) {
     for (std::uint8_t& byte : part) {
@@ -162,7 +162,7 @@ TEST_P(HostileFrames, with_any_bit_flipped_are_refused) {
   });
 }
 
-TEST_P(HostileFrames, with_any_bit_flipped_behind_right_checksums_are_refused_or_sound) {
+TEST_P(HostileFrames, are_refused_or_sound_if_any_bit_is_flipped_behind_valid_checksums) {
   EncodedFrame frame = encode();
   for_each_part(frame, [&](Bytes& part, std::size_t begin) {
     for (std::uint8_t& byte : part) {

@@ -144,7 +144,7 @@ std::optional<LiveFrame> await(LiveSource& source, std::uint32_t number) {
   return std::nullopt;
 }
 
-TEST(HttpLiveSource, GivesFramesOfSegmentsAsTheyAreListed) {
+TEST(HttpLiveSource, gives_the_frames_of_segments_as_they_are_listed) {
   Stage stage;
   stage.publish_segment();
   const auto source = open(stage.url());
@@ -168,7 +168,7 @@ TEST(HttpLiveSource, GivesFramesOfSegmentsAsTheyAreListed) {
   EXPECT_EQ(later->frame.layers[0].bytes, Bytes(4, 7));
 }
 
-TEST(HttpLiveSource, GoesOnWhereAServerHasBegunToCountAnew) {
+TEST(HttpLiveSource, continues_the_frame_numbers_when_the_server_restarts_its_own) {
   Stage stage;
   for (int i = 0; i < 5; ++i) stage.publish_segment();
   const auto source = open(stage.url());
@@ -182,7 +182,7 @@ TEST(HttpLiveSource, GoesOnWhereAServerHasBegunToCountAnew) {
   EXPECT_GE(frame->capture_us, 5'100'000u);
 }
 
-TEST(HttpLiveSource, AsksOnlyWhetherTheManifestHasChanged) {
+TEST(HttpLiveSource, polls_the_manifest_with_conditional_requests) {
   Stage stage;
   stage.publish_segment();
   const auto source = open(stage.url());
@@ -190,7 +190,7 @@ TEST(HttpLiveSource, AsksOnlyWhetherTheManifestHasChanged) {
   EXPECT_TRUE(wait_until([&] { return stage.not_modified > 0; }));
 }
 
-TEST(HttpLiveSource, BeginsAnewWithAnotherPublisher) {
+TEST(HttpLiveSource, starts_over_with_another_publisher) {
   Stage stage;
   for (int i = 0; i < 5; ++i) stage.publish_segment();
   const auto source = open(stage.url());
@@ -203,7 +203,7 @@ TEST(HttpLiveSource, BeginsAnewWithAnotherPublisher) {
   EXPECT_EQ(source->hello(kLong)->session, 2u);
 }
 
-TEST(HttpLiveSource, SaysThatThePublisherHasGoneOrIsNotThere) {
+TEST(HttpLiveSource, reports_that_the_publisher_has_left_or_is_absent) {
   Stage stage;
   stage.publish_segment();
   const auto source = open(stage.url());
@@ -221,7 +221,7 @@ TEST(HttpLiveSource, SaysThatThePublisherHasGoneOrIsNotThere) {
   hears("404");
 }
 
-TEST(HttpLiveSource, EndsItsWaitsWhenItIsCancelled) {
+TEST(HttpLiveSource, cancelling_ends_its_waits) {
   Stage stage;
   const auto source = open(stage.url());
   std::thread waiting([&] { EXPECT_FALSE(source->next(kLong)); });
@@ -229,7 +229,7 @@ TEST(HttpLiveSource, EndsItsWaitsWhenItIsCancelled) {
   waiting.join();
 }
 
-TEST(LivePacing, ShowsFramesAsTheyWereCapturedAndAsLateAsTheSlowestSegment) {
+TEST(LivePacing, keeps_the_capture_intervals_delayed_by_the_slowest_recent_segment) {
   LivePacing pacing;
   const LivePacing::Time begin{1'000s};
   pacing.arrived(0, begin + 100ms);

@@ -17,7 +17,7 @@ namespace {
 
 using Kind = RangeAnswer::Kind;
 
-TEST(RangeHeader, is_answered_as_rfc_9110_says) {
+TEST(RangeHeader, is_answered_according_to_rfc_9110) {
   struct Case {
     const char* field;
     std::uint64_t size;
@@ -86,7 +86,7 @@ TEST(EntityTag, is_the_checksum_in_sixteen_digits) {
   EXPECT_EQ(make_etag(0xfedcba9876543210), "\"fedcba9876543210\"");
 }
 
-TEST(EntityTag, is_found_in_lists_of_tags) {
+TEST(EntityTag, matches_lists_of_tags_weakly_and_strongly) {
   struct Case {
     const char* list;
     bool weakly, strongly;
@@ -122,7 +122,7 @@ TEST(EntityTag, is_found_in_lists_of_tags) {
   }
 }
 
-TEST(RequestTarget, is_decoded_once) {
+TEST(RequestTarget, is_percent_decoded_exactly_once) {
   const std::vector<std::pair<const char*, const char*>> cases = {
       {"/", "/"},
       {"/a", "/a"},
@@ -150,7 +150,7 @@ TEST(RequestTarget, is_decoded_once) {
   }
 }
 
-TEST(RequestTarget, is_refused_where_it_climbs_or_hides) {
+TEST(RequestTarget, is_refused_if_it_leaves_the_root_or_names_hidden_files) {
   const std::vector<std::string> cases = {
       "",
       "*",
@@ -208,7 +208,7 @@ TEST(RequestTarget, is_refused_where_it_climbs_or_hides) {
   }
 }
 
-TEST(RequestTarget, comes_back_from_an_encoded_segment) {
+TEST(RequestTarget, is_restored_from_an_encoded_segment) {
   for (const std::string name : {"liam", "a b", "50%", "a?b#c", "\xC3\xA4", "x+y&z", "-._~"}) {
     const auto decoded = decode_target("/" + encode_segment(name));
     ASSERT_TRUE(decoded) << name;
@@ -217,7 +217,7 @@ TEST(RequestTarget, comes_back_from_an_encoded_segment) {
   EXPECT_EQ(encode_segment("a b/\xC3"), "a%20b%2F%C3");
 }
 
-TEST(ListenAddress, is_an_address_in_digits_and_a_port) {
+TEST(ListenAddress, consists_of_a_numeric_address_and_a_port) {
   EXPECT_EQ(parse_listen_address("127.0.0.1:8090"), (ListenAddress{"127.0.0.1", 8090}));
   EXPECT_EQ(parse_listen_address("0.0.0.0:0"), (ListenAddress{"0.0.0.0", 0}));
   EXPECT_EQ(parse_listen_address("[::1]:65535"), (ListenAddress{"::1", 65535}));
@@ -232,18 +232,18 @@ TEST(ListenAddress, is_an_address_in_digits_and_a_port) {
   }
 }
 
-TEST(ListenAddress, is_written_as_in_a_url) {
+TEST(ListenAddress, is_formatted_as_in_a_url) {
   EXPECT_EQ(to_string(ListenAddress{"127.0.0.1", 80}), "127.0.0.1:80");
   EXPECT_EQ(to_string(ListenAddress{"::1", 8090}), "[::1]:8090");
 }
 
-TEST(ResponseHead, holds_the_date_in_the_form_of_http) {
+TEST(ResponseHead, has_the_date_in_http_format) {
   EXPECT_EQ(http_date(784111777), "Sun, 06 Nov 1994 08:49:37 GMT");
   EXPECT_EQ(http_date(0), "Thu, 01 Jan 1970 00:00:00 GMT");
   EXPECT_EQ(http_date(1709208000), "Thu, 29 Feb 2024 12:00:00 GMT");
 }
 
-TEST(ResponseHead, ends_with_one_empty_line_and_says_whether_the_connection_stays) {
+TEST(ResponseHead, ends_with_one_empty_line_and_states_whether_the_connection_persists) {
   const std::string kept = write_head(error_response(404, "no"), true, 0);
   EXPECT_TRUE(kept.starts_with("HTTP/1.1 404 Not Found\r\n")) << kept;
   EXPECT_THAT(kept, testing::HasSubstr("\r\nConnection: keep-alive\r\n"));

@@ -21,7 +21,7 @@ using testing::StartsWith;
 using Answer = RawHttpClient::Answer;
 using Clock = std::chrono::steady_clock;
 
-TEST_F(HttpServerTest, tells_one_connection_too_many_and_recovers) {
+TEST_F(HttpServerTest, refuses_connections_beyond_its_limit_and_recovers) {
   HttpServerOptions options;
   options.max_connections = 8;
   start(options);
@@ -48,7 +48,7 @@ TEST_F(HttpServerTest, tells_one_connection_too_many_and_recovers) {
   EXPECT_TRUE(wait_until([&] { return get("/healthz").status == 200; }));
 }
 
-TEST_F(HttpServerTest, lets_the_connection_go_that_has_been_idle_for_longest_when_it_is_full) {
+TEST_F(HttpServerTest, evicts_the_longest_idle_connection_when_it_is_full) {
   HttpServerOptions options;
   options.max_connections = 3;
   options.threads = 1;  // it takes what comes in the order in which it comes
@@ -67,7 +67,7 @@ TEST_F(HttpServerTest, lets_the_connection_go_that_has_been_idle_for_longest_whe
   EXPECT_THAT(newest.get("/metrics").body, HasSubstr("pointreel_connections_evicted_total 1\n"));
 }
 
-TEST_F(HttpServerTest, bounds_what_one_address_may_have) {
+TEST_F(HttpServerTest, limits_the_connections_and_requests_of_one_address) {
   HttpServerOptions options;
   options.max_connections_per_address = 2;
   options.requests_per_second = 1;
@@ -94,7 +94,7 @@ TEST_F(HttpServerTest, bounds_what_one_address_may_have) {
   EXPECT_TRUE(wait_until([&] { return first.get("/healthz").status == 200; })) << "after a while";
 }
 
-TEST_F(HttpServerTest, keeps_answering_when_far_too_many_connect_at_once) {
+TEST_F(HttpServerTest, keeps_answering_while_far_too_many_peers_connect) {
   HttpServerOptions options;
   options.max_connections = 4;
   start(options);
@@ -111,7 +111,7 @@ TEST_F(HttpServerTest, keeps_answering_when_far_too_many_connect_at_once) {
   EXPECT_TRUE(wait_until([&] { return get("/healthz").status == 200; }));
 }
 
-TEST_F(HttpServerTest, lets_a_reader_that_stalls_block_nobody) {
+TEST_F(HttpServerTest, never_lets_a_stalled_reader_delay_others) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   HttpServerOptions options;
@@ -132,7 +132,7 @@ TEST_F(HttpServerTest, lets_a_reader_that_stalls_block_nobody) {
   EXPECT_EQ(server_->connection_count(), 5u);
 }
 
-TEST_F(HttpServerTest, gives_up_readers_that_take_nothing) {
+TEST_F(HttpServerTest, drops_readers_that_take_nothing) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   HttpServerOptions options;
@@ -147,7 +147,7 @@ TEST_F(HttpServerTest, gives_up_readers_that_take_nothing) {
   EXPECT_LT(cut.body.size(), kBig);
 }
 
-TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_moves) {
+TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_still_reads) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   HttpServerOptions options;
@@ -165,7 +165,7 @@ TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_moves) {
   EXPECT_TRUE(slow.read_answer().body == full_);
 }
 
-TEST_F(HttpServerTest, gives_up_those_that_do_not_ask) {
+TEST_F(HttpServerTest, drops_peers_that_never_complete_a_request) {
   HttpServerOptions options;
   options.header_timeout = 300ms;
   options.idle_timeout = 10min;
@@ -184,7 +184,7 @@ TEST_F(HttpServerTest, gives_up_those_that_do_not_ask) {
   EXPECT_EQ(idle->get("/healthz").status, 200) << "idle for less than its timeout";
 }
 
-TEST_F(HttpServerTest, gives_up_those_that_ask_for_nothing_more) {
+TEST_F(HttpServerTest, drops_connections_that_stay_idle) {
   HttpServerOptions options;
   options.idle_timeout = 300ms;
   start(options);
@@ -194,7 +194,7 @@ TEST_F(HttpServerTest, gives_up_those_that_ask_for_nothing_more) {
   EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
 }
 
-TEST_F(HttpServerTest, says_so_when_a_file_changed_and_ends_early_when_it_shrinks) {
+TEST_F(HttpServerTest, reports_files_that_changed_and_cuts_off_files_that_shrink) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   start();
@@ -218,7 +218,7 @@ TEST_F(HttpServerTest, says_so_when_a_file_changed_and_ends_early_when_it_shrink
   EXPECT_EQ(second.get("/walk/reel.json").status, 200);
 }
 
-TEST_F(HttpServerTest, leaves_no_descriptor_behind_after_a_thousand_connections) {
+TEST_F(HttpServerTest, leaks_no_descriptor_over_a_thousand_connections) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   start();
@@ -247,7 +247,7 @@ TEST_F(HttpServerTest, leaves_no_descriptor_behind_after_a_thousand_connections)
       << before << " before, " << open_descriptors() << " after";
 }
 
-TEST_F(HttpServerTest, serves_many_at_once) {
+TEST_F(HttpServerTest, serves_many_clients_at_once) {
   start();
   std::atomic<int> right{0};
   std::vector<std::thread> clients;
@@ -266,7 +266,7 @@ TEST_F(HttpServerTest, serves_many_at_once) {
   EXPECT_EQ(right, 8 * 50);
 }
 
-TEST_F(HttpServerTest, stops_with_connections_open_and_closes_them) {
+TEST_F(HttpServerTest, stops_at_once_and_closes_open_connections) {
   full_ = patterned(kBig);
   write_package(reel_, base_, full_);
   const std::size_t before = open_descriptors();
@@ -292,7 +292,7 @@ TEST_F(HttpServerTest, stops_with_connections_open_and_closes_them) {
   EXPECT_EQ(open_descriptors(), before + 4) << "the four clients' own";
 }
 
-TEST_F(HttpServerTest, says_in_one_line_why_it_cannot_listen) {
+TEST_F(HttpServerTest, reports_in_one_line_why_it_cannot_listen) {
   start();
   HttpServerOptions options;
   options.listen.port = port();

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using Answer = RawHttpClient::Answer;
 
-TEST_F(HttpServerTest, gives_files_whole_with_all_that_caches_and_browsers_need) {
+TEST_F(HttpServerTest, serves_whole_files_with_all_fields_that_caches_and_browsers_need) {
   start();
   const Answer answer = get("/walk/0.full.prs");
   EXPECT_EQ(answer.status, 200);
@@ -36,7 +36,7 @@ TEST_F(HttpServerTest, gives_files_whole_with_all_that_caches_and_browsers_need)
   EXPECT_THAT(answer.field("date"), testing::EndsWith(" GMT"));
 }
 
-TEST_F(HttpServerTest, gives_the_manifest_the_listing_and_its_health) {
+TEST_F(HttpServerTest, serves_the_manifest_the_listing_and_its_health) {
   start();
   const Answer manifest = get("/walk/reel.json");
   EXPECT_EQ(manifest.status, 200);
@@ -58,7 +58,7 @@ TEST_F(HttpServerTest, gives_the_manifest_the_listing_and_its_health) {
   }
 }
 
-TEST_F(HttpServerTest, gives_ranges_of_files_and_of_texts) {
+TEST_F(HttpServerTest, serves_ranges_of_files_and_of_texts) {
   start();
   RawHttpClient client(port());
   const Answer part = client.get("/walk/0.full.prs", "Range: bytes=600000-699999\r\n");
@@ -85,7 +85,7 @@ TEST_F(HttpServerTest, gives_ranges_of_files_and_of_texts) {
   }
 }
 
-TEST_F(HttpServerTest, answers_conditions) {
+TEST_F(HttpServerTest, answers_conditional_requests) {
   start();
   RawHttpClient client(port());
   const std::string target = "/walk/0.base.prs", part = "Range: bytes=0-9\r\n";
@@ -143,7 +143,7 @@ TEST_F(HttpServerTest, answers_preflights_and_refuses_other_methods) {
   }
 }
 
-TEST_F(HttpServerTest, refuses_bodies_and_then_ends_for_what_follows_is_not_a_request) {
+TEST_F(HttpServerTest, refuses_request_bodies_and_closes_the_connection) {
   start();
   const std::string smuggled = "GET /healthz HTTP/1.1\r\nHost: test\r\n\r\n";
   for (const std::string& fields :
@@ -163,7 +163,7 @@ TEST_F(HttpServerTest, refuses_bodies_and_then_ends_for_what_follows_is_not_a_re
   EXPECT_EQ(get("/healthz", "Content-Length: 0\r\n").status, 200);
 }
 
-TEST_F(HttpServerTest, reaches_nothing_outside_its_packages) {
+TEST_F(HttpServerTest, serves_nothing_outside_its_packages) {
   start();
   write_file(temporary_.path() / "secret", "secret");
   write_file(reel_ / "notes", "secret");
@@ -203,7 +203,7 @@ TEST_F(HttpServerTest, reaches_nothing_outside_its_packages) {
   EXPECT_EQ(client.get("/%77alk/0%2ebase.prs").body, base_);
 }
 
-TEST_F(HttpServerTest, keeps_connections_and_answers_pipelined_requests_in_order) {
+TEST_F(HttpServerTest, keeps_connections_alive_and_answers_pipelined_requests_in_order) {
   start();
   RawHttpClient client(port());
   std::string requests;
@@ -225,7 +225,7 @@ TEST_F(HttpServerTest, keeps_connections_and_answers_pipelined_requests_in_order
   EXPECT_TRUE(client.ends());
 }
 
-TEST_F(HttpServerTest, speaks_with_old_clients) {
+TEST_F(HttpServerTest, serves_http_1_0_clients) {
   start();
   RawHttpClient old(port());
   old.send("GET /healthz HTTP/1.0\r\n\r\n");
@@ -237,7 +237,7 @@ TEST_F(HttpServerTest, speaks_with_old_clients) {
   EXPECT_EQ(kept.get("/healthz").status, 200);
 }
 
-TEST_F(HttpServerTest, understands_requests_that_come_byte_by_byte) {
+TEST_F(HttpServerTest, accepts_requests_that_arrive_byte_by_byte) {
   start();
   RawHttpClient client(port());
   const std::string request =
@@ -254,7 +254,7 @@ TEST_F(HttpServerTest, understands_requests_that_come_byte_by_byte) {
   }
 }
 
-TEST_F(HttpServerTest, refuses_malformed_requests_with_a_line_and_ends_the_connection) {
+TEST_F(HttpServerTest, refuses_malformed_requests_in_one_line_and_closes_the_connection) {
   start();
   std::string noise(5000, '\0');
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<char>(i * 2654435761u >> 9);
@@ -306,7 +306,7 @@ TEST_F(HttpServerTest, accepts_heads_up_to_8_kib) {
   EXPECT_EQ(client.read_answer().status, 431);
 }
 
-TEST_F(HttpServerTest, keeps_what_tokens_guard_from_others_and_from_shared_caches) {
+TEST_F(HttpServerTest, protects_resources_by_token_and_keeps_them_out_of_shared_caches) {
   HttpServerOptions options;
   options.service.view_token = "geheim";
   start(options);
@@ -327,7 +327,7 @@ TEST_F(HttpServerTest, keeps_what_tokens_guard_from_others_and_from_shared_cache
   EXPECT_EQ(given.field("cache-control"), "private, max-age=31536000, immutable");
 }
 
-TEST_F(HttpServerTest, tells_prometheus_what_it_did) {
+TEST_F(HttpServerTest, exports_its_counters_to_prometheus) {
   start();
   RawHttpClient client(port());
   client.get("/walk/0.base.prs");

@@ -53,7 +53,7 @@ std::string fetch_error(ScriptedHttpServer::Handler layer, int* requests = nullp
   return fetched ? "no error" : fetched.error().message;
 }
 
-TEST(HttpSource, FetchesTheWantedRangesOverAsManyConnectionsAsThereAreLayers) {
+TEST(HttpSource, fetches_ranges_over_at_most_one_connection_a_layer) {
   ScriptedHttpServer server(serving(serve_range));
   for (const std::string end : {"/reel", "/reel/", "/reel/reel.json"}) {
     server.connections = 0;
@@ -67,7 +67,7 @@ TEST(HttpSource, FetchesTheWantedRangesOverAsManyConnectionsAsThereAreLayers) {
   }
 }
 
-TEST(HttpSource, FetchesNoMoreThanWhatIsWanted) {
+TEST(HttpSource, fetches_only_the_requested_layers_and_attributes) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());
   const auto frame = (*source)->fetch(1, {1, false, false});
@@ -77,7 +77,7 @@ TEST(HttpSource, FetchesNoMoreThanWhatIsWanted) {
   EXPECT_EQ(frame->layers[0].sizes, (Chunks<std::uint32_t>{10, 0, 0}));
 }
 
-TEST(HttpSource, ServesManyThreadsAtOnce) {
+TEST(HttpSource, serves_many_threads_at_once) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());
   std::vector<std::thread> threads;
@@ -92,7 +92,7 @@ TEST(HttpSource, ServesManyThreadsAtOnce) {
   for (std::thread& thread : threads) thread.join();
 }
 
-TEST(HttpSource, TakesAWholeFileAsTheRangeThatCoversIt) {
+TEST(HttpSource, accepts_a_whole_file_as_the_range_that_covers_it) {
   Manifest manifest = small_manifest();
   manifest.segments[0].times_us = {0};
   manifest.segments[0].points = {5};
@@ -109,7 +109,7 @@ TEST(HttpSource, TakesAWholeFileAsTheRangeThatCoversIt) {
   EXPECT_EQ((*source)->fetch(0, {})->layers[0].bytes, offsets(0, 9));
 }
 
-TEST(HttpSource, SaysThatThereIsNoPackage) {
+TEST(HttpSource, reports_that_there_is_no_package) {
   ScriptedHttpServer server([](int socket, const std::string&) {
     answer(socket, "404 Not Found", "", "nothing");
     return true;
@@ -121,7 +121,7 @@ TEST(HttpSource, SaysThatThereIsNoPackage) {
   EXPECT_EQ(server.requests, 1) << "asking again would not help";
 }
 
-TEST(HttpSource, SaysThatAPageIsNoManifest) {
+TEST(HttpSource, reports_that_a_web_page_is_not_a_manifest) {
   ScriptedHttpServer server([](int socket, const std::string&) {
     answer(socket, "200 OK", "Content-Type: text/html\r\n", "<html>Welcome</html>");
     return true;
@@ -132,7 +132,7 @@ TEST(HttpSource, SaysThatAPageIsNoManifest) {
   EXPECT_EQ(source.error().message.find('\n'), std::string::npos);
 }
 
-TEST(HttpSource, SaysThatNobodyAnswers) {
+TEST(HttpSource, reports_that_nothing_answers) {
   std::string url;
   {
     url = ScriptedHttpServer([](int, const std::string&) { return false; }).url();
@@ -140,7 +140,7 @@ TEST(HttpSource, SaysThatNobodyAnswers) {
   EXPECT_THAT(open_source(url, patient()).error().message, HasSubstr("nothing answers there"));
 }
 
-TEST(HttpSource, RefusesWholeFilesWhereARangeWasAskedFor) {
+TEST(HttpSource, refuses_a_whole_file_in_answer_to_a_range) {
   EXPECT_THAT(fetch_error([](int socket, const std::string&) {
                 answer(socket, "200 OK", "", text_of(offsets(0, 30)));
                 return true;
@@ -148,7 +148,7 @@ TEST(HttpSource, RefusesWholeFilesWhereARangeWasAskedFor) {
               HasSubstr("Range"));
 }
 
-TEST(HttpSource, RefusesARangeThatWasNotAskedFor) {
+TEST(HttpSource, refuses_a_range_that_was_not_requested) {
   EXPECT_THAT(
       fetch_error([](int socket, const std::string& head) {
         const Range range = range_of(head);
@@ -160,7 +160,7 @@ TEST(HttpSource, RefusesARangeThatWasNotAskedFor) {
       HasSubstr("bytes 1-9/30"));
 }
 
-TEST(HttpSource, RefusesAnAnswerWithoutContentRange) {
+TEST(HttpSource, refuses_an_answer_without_content_range) {
   EXPECT_THAT(fetch_error([](int socket, const std::string&) {
                 answer(socket, "206 Partial Content", "", text_of(offsets(0, 9)));
                 return true;
@@ -168,7 +168,7 @@ TEST(HttpSource, RefusesAnAnswerWithoutContentRange) {
               HasSubstr("the server sends \"\""));
 }
 
-TEST(HttpSource, RefusesAFileThatHasChangedItsSize) {
+TEST(HttpSource, refuses_a_file_whose_size_has_changed) {
   EXPECT_THAT(fetch_error([](int socket, const std::string&) {
                 answer(socket, "206 Partial Content", "Content-Range: bytes 0-8/31\r\n",
                        text_of(offsets(0, 9)));
@@ -177,7 +177,7 @@ TEST(HttpSource, RefusesAFileThatHasChangedItsSize) {
               HasSubstr("has changed"));
 }
 
-TEST(HttpSource, StopsReadingABodyThatIsTooLong) {
+TEST(HttpSource, stops_reading_a_body_that_is_too_long) {
   EXPECT_THAT(fetch_error([](int socket, const std::string&) {
                 answer(socket, "206 Partial Content", "Content-Range: bytes 0-8/30\r\n",
                        std::string(1 << 20, 'x'));
@@ -186,7 +186,7 @@ TEST(HttpSource, StopsReadingABodyThatIsTooLong) {
               HasSubstr("more than the 9 bytes"));
 }
 
-TEST(HttpSource, AsksOnceMoreWhereAnAnswerMakesNoSense) {
+TEST(HttpSource, retries_once_after_an_invalid_answer) {
   int requests = 0;
   EXPECT_THAT(fetch_error(
                   [](int socket, const std::string&) {
@@ -199,7 +199,7 @@ TEST(HttpSource, AsksOnceMoreWhereAnAnswerMakesNoSense) {
   EXPECT_EQ(requests, 2);
 }
 
-TEST(HttpSource, TriesAgainWhileAPackageIsOpenedAndGivesUpInTheEnd) {
+TEST(HttpSource, retries_while_it_opens_a_package_and_finally_gives_up) {
   ScriptedHttpServer server([](int socket, const std::string&) {
     send_text(socket, "HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\nabc");
     return false;
@@ -211,7 +211,7 @@ TEST(HttpSource, TriesAgainWhileAPackageIsOpenedAndGivesUpInTheEnd) {
   EXPECT_EQ(server.requests, 3);
 }
 
-TEST(HttpSource, RecoversWhenAnAttemptSucceeds) {
+TEST(HttpSource, keeps_retrying_a_fetch_until_it_succeeds) {
   std::atomic<int> asked{0};
   EXPECT_EQ(fetch_error([&](int socket, const std::string& head) {
               const int number = ++asked;
@@ -226,7 +226,7 @@ TEST(HttpSource, RecoversWhenAnAttemptSucceeds) {
   EXPECT_EQ(asked, 7) << "more failures than a source is opened with";
 }
 
-TEST(HttpSource, GoesOnWhereAConnectionBroke) {
+TEST(HttpSource, resumes_a_download_at_the_byte_where_the_connection_broke) {
   std::mutex mutex;
   std::vector<std::size_t> begun;
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
@@ -251,7 +251,7 @@ TEST(HttpSource, GoesOnWhereAConnectionBroke) {
   EXPECT_THAT(begun, testing::ElementsAre(9, 13, 17));
 }
 
-TEST(HttpSource, SaysWhatIsWrongUntilItHasPassed) {
+TEST(HttpSource, reports_trouble_until_it_has_passed) {
   std::atomic<bool> well{false};
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
     if (well) return serve_range(socket, head);
@@ -270,7 +270,7 @@ TEST(HttpSource, SaysWhatIsWrongUntilItHasPassed) {
   EXPECT_TRUE(wait_until([&] { return !(*source)->trouble(); }));
 }
 
-TEST(HttpSource, DoesNotWaitForeverForASilentServer) {
+TEST(HttpSource, gives_up_on_a_silent_server) {
   ScriptedHttpServer server([](int, const std::string&) { return true; });
   SourceOptions options = patient();
   options.stall_timeout = milliseconds(50);
@@ -278,7 +278,7 @@ TEST(HttpSource, DoesNotWaitForeverForASilentServer) {
               testing::AllOf(HasSubstr("no answer within"), HasSubstr("3 attempts")));
 }
 
-TEST(HttpSource, AsksAnewOverAnotherConnectionWhereNothingComes) {
+TEST(HttpSource, retries_over_a_new_connection_if_an_answer_stalls) {
   std::atomic<int> asked{0};
   SourceOptions options = patient();
   options.stall_timeout = milliseconds(300);
@@ -297,7 +297,7 @@ TEST(HttpSource, AsksAnewOverAnotherConnectionWhereNothingComes) {
   EXPECT_GE(asked, 2);
 }
 
-TEST(HttpSource, FetchesTheLayersOfAFrameAtTheSameTime) {
+TEST(HttpSource, fetches_the_layers_of_a_frame_concurrently) {
   std::mutex mutex;
   std::condition_variable both;
   int here = 0;
@@ -315,7 +315,7 @@ TEST(HttpSource, FetchesTheLayersOfAFrameAtTheSameTime) {
   EXPECT_TRUE((*source)->fetch(0, {}));
 }
 
-TEST(HttpSource, FailsAtOnceAfterCancel) {
+TEST(HttpSource, fails_at_once_after_cancel) {
   std::atomic<bool> asked{false};
   ScriptedHttpServer server(serving([&](int, const std::string&) { return asked = true; }));
   auto source = open_source(server.url() + "/reel", patient());
@@ -328,7 +328,7 @@ TEST(HttpSource, FailsAtOnceAfterCancel) {
   EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("cancelled"));
 }
 
-TEST(HttpSource, StopsOneFetchAndNotTheOthers) {
+TEST(HttpSource, stops_one_fetch_and_not_the_others) {
   std::atomic<bool> asked{false};
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
     if (range_of(head).first == 0 && head.find("base") != std::string::npos) {
@@ -352,7 +352,7 @@ TEST(HttpSource, StopsOneFetchAndNotTheOthers) {
   EXPECT_TRUE((*source)->fetch(1, {}));
 }
 
-TEST(HttpSource, KeepsTheConnectionOfAStoppedFetchIfLittleIsMissing) {
+TEST(HttpSource, reuses_the_connection_of_a_stopped_fetch_if_little_is_missing) {
   std::atomic<int> asked{0};
   std::atomic<bool> given_up{false};
   std::stop_source stop;
@@ -374,7 +374,7 @@ TEST(HttpSource, KeepsTheConnectionOfAStoppedFetchIfLittleIsMissing) {
   EXPECT_LE(server.connections, 2);
 }
 
-TEST(HttpSource, SendsItsTokenAndAsksPastCachesForWhatCameDamaged) {
+TEST(HttpSource, sends_its_token_and_bypasses_caches_after_damage) {
   std::mutex mutex;
   std::string heads;
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
@@ -395,7 +395,7 @@ TEST(HttpSource, SendsItsTokenAndAsksPastCachesForWhatCameDamaged) {
   EXPECT_THAT(heads, HasSubstr("Cache-Control: no-cache"));
 }
 
-TEST(HttpSource, FetchesOnlyTheLayersThatAreMissing) {
+TEST(HttpSource, fetches_only_the_missing_layers) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
@@ -408,7 +408,7 @@ TEST(HttpSource, FetchesOnlyTheLayersThatAreMissing) {
   EXPECT_EQ(server.requests, 2);
 }
 
-TEST(HttpSource, CountsWhatTheLinkCarried) {
+TEST(HttpSource, counts_the_bytes_and_time_of_the_link) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);

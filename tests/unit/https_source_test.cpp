@@ -43,7 +43,7 @@ class HttpsSource : public testing::Test {
   std::unique_ptr<HttpServer> server_;
 };
 
-TEST_F(HttpsSource, FetchesFromAServerWhoseCertificateItWasGiven) {
+TEST_F(HttpsSource, fetches_from_a_server_with_a_given_certificate) {
   SourceOptions options;
   options.ca_file = certificate_.certificate;
   options.token = "open-sesame";
@@ -55,19 +55,19 @@ TEST_F(HttpsSource, FetchesFromAServerWhoseCertificateItWasGiven) {
   EXPECT_EQ(frame->layers[1].bytes.size(), 5000u);
 }
 
-TEST_F(HttpsSource, RefusesACertificateThatNobodyVouchesFor) {
+TEST_F(HttpsSource, refuses_an_untrusted_certificate) {
   SourceOptions options;
   options.token = "open-sesame";
   EXPECT_THAT(error(options), HasSubstr("--ca-file"));
 }
 
-TEST_F(HttpsSource, SaysThatAFileHoldsNoCertificates) {
+TEST_F(HttpsSource, reports_that_a_file_contains_no_certificates) {
   SourceOptions options;
   options.ca_file = folder_.write("empty.pem", "nothing");
   EXPECT_THAT(error(options), HasSubstr("holds no certificates"));
 }
 
-TEST_F(HttpsSource, SaysThatTheTokenIsWrong) {
+TEST_F(HttpsSource, reports_that_the_token_is_wrong) {
   SourceOptions options;
   options.ca_file = certificate_.certificate;
   EXPECT_THAT(error(options), HasSubstr("--token"));

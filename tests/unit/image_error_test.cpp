@@ -22,13 +22,13 @@ Image noise(int width, int height, unsigned seed) {
   return image;
 }
 
-TEST(Psnr, is_that_of_the_mean_squared_error) {
+TEST(Psnr, follows_from_the_mean_squared_error) {
   const Image a = plain(8, 4, {100, 100, 100}), b = plain(8, 4, {110, 90, 100});
   EXPECT_NEAR(*psnr(a, b), 10.0 * std::log10(255.0 * 255.0 * 3.0 / 200.0), 1e-9);
   EXPECT_FALSE(psnr(a, a).has_value());
 }
 
-TEST(Psnr, looks_only_where_the_mask_is) {
+TEST(Psnr, counts_only_pixels_of_the_mask) {
   const Image a = plain(4, 1, {50, 50, 50});
   Image b = a;
   b.pixels[3] = {70, 70, 70};
@@ -66,7 +66,7 @@ double slow_similarity(const Image& a, const Image& b, int x, int y) {
          ((mean_a * mean_a + mean_b * mean_b + c1) * (var_a + var_b + c2));
 }
 
-TEST(Similarity, is_what_the_definition_gives_at_every_pixel) {
+TEST(Similarity, agrees_with_the_definition_at_every_pixel) {
   const Image a = noise(23, 17, 1);
   Image b = a;
   for (int y = 6; y < 12; ++y) {
@@ -89,12 +89,12 @@ TEST(Similarity, is_what_the_definition_gives_at_every_pixel) {
   EXPECT_LT(fast.mean(), 0.9);
 }
 
-TEST(Similarity, of_equal_pictures_is_one) {
+TEST(Similarity, is_one_for_equal_pictures) {
   const Image a = noise(20, 20, 2);
   EXPECT_EQ(Similarity(a, a).mean(), 1.0);
 }
 
-TEST(Coverage, counts_holes_and_what_lies_beyond) {
+TEST(Coverage, counts_holes_and_excess_pixels) {
   const Coverage c = compare_coverage(Mask{1, 1, 1, 1, 0, 0, 0, 0}, Mask{1, 1, 1, 0, 1, 1, 0, 0});
   EXPECT_DOUBLE_EQ(c.truth, 0.5);
   EXPECT_DOUBLE_EQ(c.holes, 0.25);
@@ -102,14 +102,14 @@ TEST(Coverage, counts_holes_and_what_lies_beyond) {
   EXPECT_DOUBLE_EQ(c.iou, 0.5);
 }
 
-TEST(Coverage, of_nothing_has_no_error) {
+TEST(Coverage, has_no_error_for_empty_masks) {
   const Coverage c = compare_coverage(Mask{0, 0}, Mask{0, 0});
   EXPECT_EQ(c.holes, 0.0);
   EXPECT_EQ(c.dilation, 0.0);
   EXPECT_EQ(c.iou, 1.0);
 }
 
-TEST(Difference, is_the_largest_channel_and_the_root_of_the_mean_square) {
+TEST(Difference, reports_the_largest_channel_and_the_root_mean_square) {
   const Image a = plain(2, 2, {10, 20, 30});
   Image b = a;
   b.pixels[2] = {10, 14, 30};

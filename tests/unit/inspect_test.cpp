@@ -69,7 +69,7 @@ class Inspect : public testing::Test {
 class Verify : public Inspect {};
 class Unpack : public Inspect {};
 
-TEST_F(Verify, finds_nothing_wrong_with_what_pack_made) {
+TEST_F(Verify, finds_no_fault_in_a_packed_reel) {
   const Result<VerifyReport> report = verify(reel());
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_THAT(report->faults, IsEmpty());
@@ -82,7 +82,7 @@ TEST_F(Verify, finds_nothing_wrong_with_what_pack_made) {
   EXPECT_EQ(report->bytes, bytes);
 }
 
-TEST_F(Verify, names_the_file_and_frame_of_a_flipped_byte_wherever_it_is) {
+TEST_F(Verify, names_the_file_and_frame_of_a_flipped_byte_anywhere) {
   const Manifest m = manifest();
   for (const Segment& segment : m.segments) {
     for (const LayerFile& file : segment.layers) {
@@ -104,7 +104,7 @@ TEST_F(Verify, names_the_file_and_frame_of_a_flipped_byte_wherever_it_is) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
-TEST_F(Verify, names_a_truncated_file_and_the_frame_that_is_cut) {
+TEST_F(Verify, names_a_truncated_file_and_its_truncated_frame) {
   const std::string file = layer_file("00003.middle");
   fs::resize_file(reel() / file, fs::file_size(reel() / file) - 1);
   const std::vector<Fault> found = faults();
@@ -144,7 +144,7 @@ TEST_F(Verify, names_both_of_two_swapped_files) {
   EXPECT_TRUE(named.contains(second));
 }
 
-TEST_F(Verify, finds_two_frames_that_changed_places_under_a_manifest_that_agrees) {
+TEST_F(Verify, finds_two_swapped_frames_even_if_the_manifest_agrees) {
   // Sizes, sums and checksums all fit: only the frames' own tags tell.
   Manifest m = manifest();
   LayerFile& file = m.segments[1].layers[2];
@@ -162,7 +162,7 @@ TEST_F(Verify, finds_two_frames_that_changed_places_under_a_manifest_that_agrees
   EXPECT_EQ(found[1].frame, 4u);
 }
 
-TEST_F(Verify, finds_a_manifest_that_promises_other_frames) {
+TEST_F(Verify, finds_frames_that_differ_from_the_manifest) {
   Manifest m = manifest();
   m.segments[0].points[1] += 1;
   m.depth_max = m.depth_min = 9;
@@ -174,7 +174,7 @@ TEST_F(Verify, finds_a_manifest_that_promises_other_frames) {
   EXPECT_THAT(found[1].what, HasSubstr("made of 101 points, the manifest says 102"));
 }
 
-TEST_F(Verify, refuses_what_is_no_package) {
+TEST_F(Verify, refuses_a_folder_that_is_not_a_package) {
   const Result<VerifyReport> report = verify(folder() / "in");
   ASSERT_FALSE(report);
   EXPECT_THAT(report.error().message, StartsWith((folder() / "in").string()));
@@ -213,7 +213,7 @@ TEST_F(Unpack, writes_every_frame_near_its_source) {
   }
 }
 
-TEST_F(Unpack, of_the_first_layer_gives_fewer_points_within_half_a_coarse_voxel) {
+TEST_F(Unpack, writes_fewer_points_within_half_a_coarse_voxel_from_the_first_layer) {
   fs::remove_all(folder() / "in");
   write_frames(folder() / "in", 1, 20'000);
   PackOptions options = pack_options(folder() / "in", reel());
@@ -245,7 +245,7 @@ TEST_F(Unpack, of_the_first_layer_gives_fewer_points_within_half_a_coarse_voxel)
   EXPECT_EQ(points[2], summary->coded_points);
 }
 
-TEST_F(Unpack, takes_a_range_of_frames_and_clamps_its_end) {
+TEST_F(Unpack, accepts_a_range_of_frames_and_clamps_its_end) {
   UnpackOptions options = unpacking();
   options.first_frame = 2;
   options.last_frame = 3;
@@ -258,7 +258,7 @@ TEST_F(Unpack, takes_a_range_of_frames_and_clamps_its_end) {
   EXPECT_THAT(names_in(options.output), ElementsAre("frame_00004.ply"));
 }
 
-TEST_F(Unpack, refuses_frames_that_are_not_there) {
+TEST_F(Unpack, refuses_frames_that_do_not_exist) {
   UnpackOptions options = unpacking();
   options.first_frame = 5;
   const Result<std::uint32_t> count = unpack(options);

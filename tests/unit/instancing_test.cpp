@@ -29,7 +29,7 @@ double share_different(const Image& a, const Image& b, int but_for = 2) {
   return static_cast<double>(different) / static_cast<double>(a.pixels.size());
 }
 
-TEST_F(RendererTest, EveryMethodOfInstancingDrawsTheSamePicture) {
+TEST_F(RendererTest, every_method_of_instancing_draws_the_same_surfels) {
   const auto frame = frame_of(prickly_sphere(5000, 3));
   auto estimated = frame_of(prickly_sphere(3000, 4));
   estimated->normals_estimated = true;
@@ -70,7 +70,7 @@ PointCloud smooth_sphere(int points) {
   return cloud;
 }
 
-TEST_F(RendererTest, PulledPointsLookLikeQuads) {
+TEST_F(RendererTest, pulled_points_look_like_quads) {
   const auto frame = frame_of(smooth_sphere(20000));
   auto estimated = frame_of(smooth_sphere(20000));
   estimated->normals_estimated = true;
@@ -90,7 +90,7 @@ TEST_F(RendererTest, PulledPointsLookLikeQuads) {
   }
 }
 
-TEST_F(RendererTest, EveryMethodOfInstancingDrawsTheSameVoxels) {
+TEST_F(RendererTest, every_method_of_instancing_draws_the_same_voxels) {
   const auto frame = frame_of(prickly_sphere(5000, 5), 6);
   for (const VoxelShape shape : {VoxelShape::faces, VoxelShape::cube}) {
     DrawOptions options = plain(DrawMode::voxel);
@@ -108,7 +108,7 @@ TEST_F(RendererTest, EveryMethodOfInstancingDrawsTheSameVoxels) {
   }
 }
 
-TEST_F(RendererTest, LeavesOutVoxelsThatOthersHideAndDrawsTheSamePicture) {
+TEST_F(RendererTest, skips_voxels_that_others_hide_without_changing_the_picture) {
   PointCloud cloud;
   std::mt19937 random(6);
   for (int i = 0; i < 20 * 20 * 20; ++i) {

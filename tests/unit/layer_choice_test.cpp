@@ -21,7 +21,7 @@ Manifest reel(int depth, bool colors = true) {
   return manifest;
 }
 
-TEST(LayerChoice, TakesTheLayersDownToTheLevel) {
+TEST(LayerChoice, includes_the_layers_down_to_the_level) {
   const Manifest manifest = reel(10);
   for (const auto& [level, layers] :
        {std::pair{0, 1u}, {5, 1u}, {7, 1u}, {8, 2u}, {9, 2u}, {10, 3u}, {kWholeFrame, 3u}}) {
@@ -31,7 +31,7 @@ TEST(LayerChoice, TakesTheLayersDownToTheLevel) {
   EXPECT_EQ(layer_choice(reel(9), DrawMode::voxel, kWholeFrame).layers, 2u);
 }
 
-TEST(LayerChoice, TakesNormalsOnlyWhereTheyAreSeen) {
+TEST(LayerChoice, includes_normals_only_if_they_are_visible) {
   EXPECT_TRUE(layer_choice(reel(10), DrawMode::surfel, 10).normals);
   EXPECT_FALSE(layer_choice(reel(10), DrawMode::voxel, 10).normals);
   EXPECT_FALSE(layer_choice(reel(10), DrawMode::point, 10).normals);
@@ -42,7 +42,7 @@ TEST(LayerChoice, TakesNormalsOnlyWhereTheyAreSeen) {
   EXPECT_TRUE(layer_choice(reel(10), DrawMode::point, 10, true).normals);
 }
 
-TEST(LayerChoice, LeavesWhatHasNoLayersWhole) {
+TEST(LayerChoice, leaves_codecs_without_layers_whole) {
   Manifest manifest = reel(11);
   manifest.codec = "draco";
   EXPECT_EQ(layer_choice(manifest, DrawMode::point, 3).layers, ~0u);
@@ -50,7 +50,7 @@ TEST(LayerChoice, LeavesWhatHasNoLayersWhole) {
   EXPECT_EQ(layer_choice(manifest, DrawMode::point, 3).layers, ~0u);
 }
 
-TEST(LayerChoice, APersonAHundredPixelsHighNeedsNoLevelBelowThem) {
+TEST(LayerChoice, follows_the_height_of_a_person_in_pixels) {
   const Manifest manifest = reel(12);
   Camera camera;
   camera.frame_bounds(manifest.bounds, 1.0);
@@ -65,7 +65,7 @@ TEST(LayerChoice, APersonAHundredPixelsHighNeedsNoLevelBelowThem) {
   EXPECT_EQ(layers(100), 3u) << "close-ups need all";
 }
 
-TEST(LevelFor, GoesByTheLargestCubeOfTheReel) {
+TEST(LevelFor, depends_on_the_largest_cube_of_the_reel) {
   Manifest manifest = reel(12);
   Camera camera;
   camera.frame_bounds(manifest.bounds, 1.0);
@@ -85,7 +85,7 @@ SceneFrame frame_of(int depth, int level) {
   return frame;
 }
 
-TEST(VoxelDepth, IsThatOfTheDeepestFrameSoFarAndMoreWhereAFrameLacksLevels) {
+TEST(VoxelDepth, is_that_of_the_deepest_frame_so_far_or_more_if_frames_lack_levels) {
   VoxelDepth depth;
   EXPECT_EQ(depth.get(), kWholeFrame) << "nothing is known";
   depth.learn(SceneFrame{});

@@ -56,7 +56,7 @@ struct Playing {
   }
 };
 
-TEST(RungSet, GoesFromABareBaseToAllLayers) {
+TEST(RungSet, ranges_from_a_base_without_normals_to_all_layers) {
   EXPECT_EQ(rung_set(0, kAll), (LayerSet{1, true, false}));
   EXPECT_EQ(rung_set(1, kAll), (LayerSet{1, true, true}));
   EXPECT_EQ(rung_set(2, kAll), (LayerSet{2, true, true}));
@@ -64,12 +64,12 @@ TEST(RungSet, GoesFromABareBaseToAllLayers) {
   EXPECT_EQ(rung_set(9, kAll), kAll);
 }
 
-TEST(RungSet, NeverHoldsWhatTheModeDoesNotDraw) {
+TEST(RungSet, never_includes_attributes_or_layers_that_are_not_drawn) {
   EXPECT_EQ(rung_set(3, {2, true, false}), (LayerSet{2, true, false}));
   EXPECT_EQ(rung_set(0, {3, false, true}), (LayerSet{1, false, true})) << "all that there is of it";
 }
 
-TEST(LayerControl, BeginsWithTheBaseAndTakesAllOnceTheLinkIsKnownToCarryIt) {
+TEST(LayerControl, begins_with_the_base_and_adds_layers_once_the_link_is_known_to_suffice) {
   Playing playing;
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none),
             (LayerDecision{{1, true, true}, Limit::link}));
@@ -78,7 +78,7 @@ TEST(LayerControl, BeginsWithTheBaseAndTakesAllOnceTheLinkIsKnownToCarryIt) {
   EXPECT_NEAR(playing.control.bytes_per_second(), 12.5e6, 1e5);
 }
 
-TEST(LayerControl, ChoosesTheMostThatEachLinkCarries) {
+TEST(LayerControl, chooses_the_most_layers_that_a_link_can_carry) {
   // 30 frames a second of 10, 40 and 90 kB need 2.4, 9.6 and 21.6 Mbit/s.
   for (const auto& [bits, layers] :
        {std::pair{3e6, 1u}, {5e6, 1u}, {12e6, 2u}, {20e6, 2u}, {30e6, 3u}, {1e9, 3u}}) {
@@ -93,14 +93,14 @@ TEST(LayerControl, ChoosesTheMostThatEachLinkCarries) {
   }
 }
 
-TEST(LayerControl, LeavesOutNormalsWhereNotEvenTheBaseIsCarried) {
+TEST(LayerControl, omits_normals_if_the_link_is_too_slow_even_for_the_base) {
   Playing playing;
   playing.run(1.7e6, 4.0);
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none),
             (LayerDecision{{1, true, false}, Limit::link}));
 }
 
-TEST(LayerControl, FollowsALinkThatGetsWorseAndBetterWithinTwoSecondsAndWithoutAStall) {
+TEST(LayerControl, follows_a_changing_link_within_two_seconds_and_without_a_stall) {
   Playing playing;
   playing.run(100e6, 10.0);
   playing.stalled = 0.0;
@@ -117,7 +117,7 @@ TEST(LayerControl, FollowsALinkThatGetsWorseAndBetterWithinTwoSecondsAndWithoutA
   EXPECT_EQ(playing.stalled, 0.0);
 }
 
-TEST(LayerControl, KeepsWhatAFullBufferShowsToBeCarriedWhateverWasMeasured) {
+TEST(LayerControl, trusts_a_full_buffer_more_than_a_low_measured_rate) {
   LayerControl control({3, 2, true});
   control.carried(1'000'000, 0.1);
   control.update(situation(0.0, 0.5));
@@ -129,7 +129,7 @@ TEST(LayerControl, KeepsWhatAFullBufferShowsToBeCarriedWhateverWasMeasured) {
   EXPECT_LT(control.rung(), 3);
 }
 
-TEST(LayerControl, TriesMoreThanWasMeasuredWhileTheBufferStaysFull) {
+TEST(LayerControl, tries_more_than_the_measured_rate_while_the_buffer_stays_full) {
   LayerControl control({3, 2, true});
   control.carried(20'000, 0.04);  // 4 Mbit/s
   for (double now = 0.0; now < 0.9; now += 0.1) control.update(situation(now, 1.0));
@@ -138,7 +138,7 @@ TEST(LayerControl, TriesMoreThanWasMeasuredWhileTheBufferStaysFull) {
   EXPECT_EQ(control.rung(), 3);
 }
 
-TEST(LayerControl, HasTimeForEverythingWhilePaused) {
+TEST(LayerControl, requests_everything_while_paused) {
   LayerControl control({3, 2, true});
   control.carried(10'000, 0.1);
   LayerControl::Situation paused = situation(0.0, 0.0);
@@ -149,7 +149,7 @@ TEST(LayerControl, HasTimeForEverythingWhilePaused) {
             (LayerDecision{{2, true, false}, Limit::view}));
 }
 
-TEST(LayerControl, AsksForLessAtHigherSpeeds) {
+TEST(LayerControl, requests_less_at_higher_speeds) {
   Playing playing;
   playing.run(30e6, 4.0);
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 3u);
@@ -158,7 +158,7 @@ TEST(LayerControl, AsksForLessAtHigherSpeeds) {
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 2u);
 }
 
-TEST(LayerControl, SaysThatTheViewLimitsWhereTheLinkWouldCarryMore) {
+TEST(LayerControl, names_the_view_as_the_limit_if_the_link_could_carry_more) {
   Playing playing;
   playing.run(100e6, 1.0);
   EXPECT_EQ(chosen(playing.control, {2, true, true}, Limit::view),
@@ -181,7 +181,7 @@ struct Machine {
   }
 };
 
-TEST(LayerControl, GivesUpALayerThatTheMachineDoesNotMakeInTimeAndTakesItBack) {
+TEST(LayerControl, drops_a_layer_that_the_machine_prepares_too_slowly_and_restores_it_later) {
   Machine machine;
   machine.run(3, 130.0, 0.1, 1.5);
   EXPECT_EQ(chosen(machine.control, kAll, Limit::none),
@@ -192,7 +192,7 @@ TEST(LayerControl, GivesUpALayerThatTheMachineDoesNotMakeInTimeAndTakesItBack) {
   EXPECT_EQ(chosen(machine.control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
 }
 
-TEST(LayerControl, TakesALayerBackEverMoreRarelyWhereThatFails) {
+TEST(LayerControl, restores_a_dropped_layer_ever_more_rarely_if_that_fails) {
   Machine machine;
   machine.run(3, 130.0, 0.1, 1.5);
   int taken_back = 0;
@@ -205,13 +205,13 @@ TEST(LayerControl, TakesALayerBackEverMoreRarelyWhereThatFails) {
   EXPECT_LE(taken_back, 6);
 }
 
-TEST(LayerControl, DoesNotBlameTheMachineForWhatTakesNoTime) {
+TEST(LayerControl, keeps_its_layers_if_frames_are_prepared_quickly) {
   Machine machine;
   machine.run(3, 10.0, 0.1, 3.0);
   EXPECT_EQ(machine.control.machine_layers(), 3u);
 }
 
-TEST(LayerControl, KeepsAtLeastTheBase) {
+TEST(LayerControl, never_drops_the_base) {
   Machine machine;
   for (const std::uint32_t layers : {3u, 2u, 1u}) machine.run(layers, 500.0, 0.0, 2.0);
   EXPECT_EQ(chosen(machine.control, kAll, Limit::none).set.layers, 1u);
@@ -220,7 +220,7 @@ TEST(LayerControl, KeepsAtLeastTheBase) {
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 1u);
 }
 
-TEST(LayerControl, SaysNothingOfReelsOfFiles) {
+TEST(LayerControl, does_not_limit_reels_of_plain_files) {
   LayerControl control({1, 2, true});
   LayerControl::Situation files = situation(0.0, 1.0);
   files.bytes.clear();

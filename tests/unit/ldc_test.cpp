@@ -75,7 +75,7 @@ Cover cover_of(const Surface& surface, const std::vector<SurfacePoint>& samples,
   return cover;
 }
 
-TEST(LdcSampler, points_lie_on_rays_and_on_the_surface) {
+TEST(LdcSampler, samples_lie_on_rays_and_on_the_surface) {
   const Body body = pose_body(walk(0.4));
   const double spacing = 0.02;
   const auto samples = ldc(body.surface, spacing);
@@ -90,7 +90,7 @@ TEST(LdcSampler, points_lie_on_rays_and_on_the_surface) {
   }
 }
 
-TEST(LdcSampler, each_image_sees_an_even_share_of_a_ball) {
+TEST(LdcSampler, each_axis_samples_an_equal_share_of_a_ball) {
   // Rays along an axis see every patch by its projected area: pi r^2 for the ball, in and out.
   const double radius = 0.3, spacing = 0.005;
   const auto hits =
@@ -101,7 +101,7 @@ TEST(LdcSampler, each_image_sees_an_even_share_of_a_ball) {
   for (const double count : counts) EXPECT_NEAR(count, expected, 0.005 * expected);
 }
 
-TEST(LdcSampler, keeps_every_layer) {
+TEST(LdcSampler, keeps_every_hit_along_a_ray) {
   // Three balls in a row, 1 m in front of each other: the rays through them have six hits.
   Surface surface;
   for (int i = 0; i < 3; ++i) {
@@ -120,7 +120,7 @@ TEST(LdcSampler, keeps_every_layer) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(along_middle[i], expected[i], 1);
 }
 
-TEST(LdcSampler, covers_a_ball_within_half_the_root_of_three) {
+TEST(LdcSampler, covers_a_ball_within_half_the_diagonal_of_a_cell) {
   // ERRATA 27. All orientations; curvature adds 1 / (8 * 30) of a spacing at most.
   const double spacing = 0.01;
   const Cover cover = cover_of(ball(0.3), ldc(ball(0.3), spacing), spacing);
@@ -128,7 +128,7 @@ TEST(LdcSampler, covers_a_ball_within_half_the_root_of_three) {
   EXPECT_GT(cover.radius, 0.6);  // or the measure is wrong: 0.71 where the surface is level
 }
 
-TEST(LdcSampler, covers_the_figure_but_for_tips_between_creases) {
+TEST(LdcSampler, covers_the_figure_except_for_tips_between_creases) {
   const double spacing = 0.008;
   const Body body = pose_body(walk(0.4));
   const Cover cover = cover_of(body.surface, ldc(body.surface, spacing), spacing);
@@ -136,7 +136,7 @@ TEST(LdcSampler, covers_the_figure_but_for_tips_between_creases) {
   EXPECT_LE(cover.radius, 1.0);
 }
 
-TEST(LdcSampler, reduced_points_are_a_spacing_apart_and_half_of_it_from_the_surface) {
+TEST(LdcSampler, reduced_points_are_a_spacing_apart_and_within_half_of_it_of_the_surface) {
   const double spacing = 0.01;
   const auto samples = ldc(ball(0.3), spacing, true);
   std::set<std::array<double, 3>> places;
@@ -154,7 +154,7 @@ TEST(LdcSampler, reduced_points_are_a_spacing_apart_and_half_of_it_from_the_surf
   EXPECT_LT(cover.beyond, 1e-3);
 }
 
-TEST(LdcSampler, blocks_with_structures_thinner_than_the_spacing_are_not_reduced) {
+TEST(LdcSampler, does_not_reduce_structures_thinner_than_the_spacing) {
   // A plate 4 mm thick between rays 10 mm apart: both of its sides would move to the same place.
   const Surface plate = alone(Ellipsoid{{0.013, 1.0, -0.021}, glm::dmat3(1.0), {0.3, 0.002, 0.3}});
   EXPECT_EQ(ldc(plate, 0.01, true).size(), ldc(plate, 0.01).size());
@@ -162,7 +162,7 @@ TEST(LdcSampler, blocks_with_structures_thinner_than_the_spacing_are_not_reduced
             0.7 * static_cast<double>(ldc(ball(0.3), 0.01).size()));
 }
 
-TEST(LdcSampler, gives_the_same_points_with_any_number_of_threads) {
+TEST(LdcSampler, gives_the_same_points_on_any_number_of_threads) {
   const Body body = pose_body(walk(0.9));
   std::vector<std::vector<SurfacePoint>> results;
   for (const int threads : {1, 3}) {
@@ -176,7 +176,7 @@ TEST(LdcSampler, gives_the_same_points_with_any_number_of_threads) {
   }
 }
 
-TEST(LdcSampler, refuses_spacings_that_give_too_many_rays) {
+TEST(LdcSampler, refuses_spacings_that_need_too_many_rays) {
   const SurfaceGrid grid = SurfaceGrid::build(ball(0.3)).value();
   for (const double spacing : {0.0, -1.0, std::nan(""), 1e-6}) {
     EXPECT_FALSE(sample_ldc(grid, {spacing, false})) << spacing;

@@ -22,7 +22,7 @@ NeighborBits slow_neighbors(const std::set<std::tuple<int, int, int>>& cells, gl
   return bits;
 }
 
-TEST(LeafNeighbors, AreThoseThatASetOfCellsFinds) {
+TEST(LeafNeighbors, are_those_that_a_search_in_a_set_finds) {
   std::mt19937 random(3);
   for (const int depth : {1, 2, 4, 6}) {
     const unsigned edge = 1u << depth;
@@ -41,13 +41,13 @@ TEST(LeafNeighbors, AreThoseThatASetOfCellsFinds) {
   }
 }
 
-TEST(LeafNeighbors, OfNothingAndOfASingleCellAreNone) {
+TEST(LeafNeighbors, are_none_for_an_empty_tree_and_for_a_single_cell) {
   EXPECT_TRUE(leaf_neighbors(Svo{}).empty());
   const Svo one = tree_of_cells({{0, 0, 0}}, 0);
   EXPECT_EQ(leaf_neighbors(one), std::vector<NeighborBits>{0});
 }
 
-TEST(LeafNeighbors, HideAVoxelFromTheOctantWhoseThreeFacesTheyCover) {
+TEST(LeafNeighbors, hide_a_voxel_from_an_octant_if_they_cover_its_three_faces) {
   const NeighborBits all = 0x3f;
   for (unsigned octant = 0; octant < 8; ++octant) {
     EXPECT_TRUE(hidden(all, octant));

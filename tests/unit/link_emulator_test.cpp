@@ -138,7 +138,7 @@ std::string some_text(std::size_t size) {
   return text;
 }
 
-TEST_F(Link, HandsEverythingOnInBothDirections) {
+TEST_F(Link, forwards_everything_in_both_directions) {
   Client client(link_->port());
   const std::string text = some_text(3'000'000);
   EXPECT_TRUE(echoed(client, text) == text);
@@ -147,7 +147,7 @@ TEST_F(Link, HandsEverythingOnInBothDirections) {
   EXPECT_EQ(link_->statistics().connections, 1u);
 }
 
-TEST_F(Link, IsNeverFasterThanItsRateNorItsDelay) {
+TEST_F(Link, is_never_faster_than_its_rate_and_delay) {
   link_->set({.bits_per_second = 8'000'000, .delay = 5ms});
   const std::string text = some_text(100'000);  // 0.1 s
   const auto start = steady_clock::now();
@@ -157,7 +157,7 @@ TEST_F(Link, IsNeverFasterThanItsRateNorItsDelay) {
   EXPECT_GE(steady_clock::now() - start, 100ms + 20ms);
 }
 
-TEST_F(Link, IsSharedByItsConnectionsOrNot) {
+TEST_F(Link, limits_the_rate_of_all_connections_together_or_of_each) {
   const std::string text = some_text(50'000);
   for (const bool each : {false, true}) {
     link_->set({.bits_per_second = 8'000'000, .rate_each = each});
@@ -173,7 +173,7 @@ TEST_F(Link, IsSharedByItsConnectionsOrNot) {
   }
 }
 
-TEST_F(Link, HoldsWhatComesDuringACut) {
+TEST_F(Link, holds_bytes_during_a_cut_and_delivers_them_afterwards) {
   Client client(link_->port());
   EXPECT_EQ(echoed(client, "before"), "before");
   link_->set({.cut = true});
@@ -187,7 +187,7 @@ TEST_F(Link, HoldsWhatComesDuringACut) {
   EXPECT_EQ(later.receive(5), "later");
 }
 
-TEST_F(Link, ResetsConnectionsAndTakesNewOnes) {
+TEST_F(Link, resets_connections_and_accepts_new_ones) {
   Client client(link_->port());
   EXPECT_EQ(echoed(client, "before"), "before");
   link_->reset_connections();
@@ -197,7 +197,7 @@ TEST_F(Link, ResetsConnectionsAndTakesNewOnes) {
   EXPECT_EQ(echoed(next, "after"), "after");
 }
 
-TEST_F(Link, ForgetsConnectionsWithoutAWord) {
+TEST_F(Link, drops_connections_silently) {
   Client client(link_->port());
   EXPECT_EQ(echoed(client, "before"), "before");
   link_->forget_connections();
@@ -207,14 +207,14 @@ TEST_F(Link, ForgetsConnectionsWithoutAWord) {
   EXPECT_EQ(echoed(next, "after"), "after");
 }
 
-TEST_F(Link, SplitsIntoSingleBytes) {
+TEST_F(Link, delivers_single_bytes) {
   link_->set({.split = 1});
   Client client(link_->port());
   const std::string text = some_text(2000);
   EXPECT_TRUE(echoed(client, text) == text);
 }
 
-TEST_F(Link, FlipsBitsOfWhatComesFromTheTarget) {
+TEST_F(Link, flips_bits_on_the_way_from_the_target) {
   link_->set({.corrupt_every = 1000});
   Client client(link_->port());
   const std::string text = some_text(100'000);
@@ -227,7 +227,7 @@ TEST_F(Link, FlipsBitsOfWhatComesFromTheTarget) {
   EXPECT_LT(differ, 500u);
 }
 
-TEST_F(Link, EndsConnectionsAfterSoManyBytes) {
+TEST_F(Link, ends_or_resets_connections_after_a_number_of_bytes) {
   link_->set({.truncate_after = 1234});
   Client cut(link_->port());
   EXPECT_EQ(echoed(cut, some_text(5000)), some_text(5000).substr(0, 1234));
@@ -238,7 +238,7 @@ TEST_F(Link, EndsConnectionsAfterSoManyBytes) {
   EXPECT_TRUE(reset.broken);
 }
 
-TEST_F(Link, RefusesWhereItsTargetDoes) {
+TEST_F(Link, refuses_connections_if_its_target_does) {
   std::string nobody;
   {
     nobody = EchoServer().address();
@@ -252,7 +252,7 @@ TEST_F(Link, RefusesWhereItsTargetDoes) {
   EXPECT_EQ(echoed(next, "hello"), "hello");
 }
 
-TEST_F(Link, FollowsAScript) {
+TEST_F(Link, follows_a_script) {
   ASSERT_TRUE(link_->run({{0ms, "rate 5M"}, {0ms, "delay 2.5"}, {1ms, "split 7"}, {2ms, "cut"}}));
   EXPECT_TRUE(wait_until([&] { return link_->conditions().cut; }));
   const LinkConditions conditions = link_->conditions();
@@ -262,7 +262,7 @@ TEST_F(Link, FollowsAScript) {
   EXPECT_FALSE(link_->run({{0ms, "explode"}}));
 }
 
-TEST(LinkScript, IsReadFromLines) {
+TEST(LinkScript, is_parsed_line_by_line) {
   const auto script = parse_link_script("# comment\n\n0 rate 100M\n 5.5  rate 5M # slower\n7 cut");
   ASSERT_TRUE(script) << script.error().message;
   ASSERT_EQ(script->size(), 3u);
@@ -271,7 +271,7 @@ TEST(LinkScript, IsReadFromLines) {
   EXPECT_EQ((*script)[2].what, "cut");
 }
 
-TEST(LinkScript, SaysWhichLineIsWrong) {
+TEST(LinkScript, names_the_line_of_an_error) {
   EXPECT_THAT(parse_link_script("0 cut\nsoon cut").error().message, HasSubstr("line 2"));
   EXPECT_THAT(parse_link_script("0 explode").error().message, HasSubstr("\"explode\""));
   EXPECT_THAT(parse_link_script("0 rate").error().message, HasSubstr("needs a number"));

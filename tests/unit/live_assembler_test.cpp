@@ -43,7 +43,7 @@ class Assembler : public testing::Test {
   LiveAssembler assembler_{std::chrono::hours(1)};
 };
 
-TEST_F(Assembler, GivesAFrameWhenAllOfItHasCome) {
+TEST_F(Assembler, gives_a_frame_once_all_of_its_layers_have_arrived) {
   layer(7, 0);
   layer(7, 1);
   EXPECT_FALSE(assembler_.next(kAtOnce));
@@ -59,7 +59,7 @@ TEST_F(Assembler, GivesAFrameWhenAllOfItHasCome) {
   EXPECT_FALSE(assembler_.next(kAtOnce)) << "once is enough";
 }
 
-TEST_F(Assembler, GivesWhatCameOfAFrameWhenTheNextBegins) {
+TEST_F(Assembler, gives_an_incomplete_frame_when_the_next_one_begins) {
   layer(1, 0);
   layer(2, 0);
   const auto frame = assembler_.next(kLong);
@@ -68,7 +68,7 @@ TEST_F(Assembler, GivesWhatCameOfAFrameWhenTheNextBegins) {
   EXPECT_EQ(frame->frame.layers.size(), 1u);
 }
 
-TEST_F(Assembler, SkipsToTheNewestAndCountsWhatItSkipped) {
+TEST_F(Assembler, skips_to_the_newest_frame_and_counts_the_skipped_ones) {
   for (std::uint32_t i = 0; i < 10; ++i) whole(i);
   EXPECT_EQ(assembler_.next(kLong)->number, 9u);
   const LiveCounts counts = assembler_.counts();
@@ -77,7 +77,7 @@ TEST_F(Assembler, SkipsToTheNewestAndCountsWhatItSkipped) {
   EXPECT_EQ(counts.bytes, 10u * 33u);
 }
 
-TEST(AssemblerInAHurry, GivesTheBaseWhereTheRestDoesNotComeAndTheRestLater) {
+TEST(AssemblerInAHurry, gives_the_base_if_the_rest_is_late_and_the_rest_when_it_arrives) {
   LiveAssembler assembler(0ms);
   assembler.add(hello_of(1));
   const Bytes bytes(4);
@@ -94,7 +94,7 @@ TEST(AssemblerInAHurry, GivesTheBaseWhereTheRestDoesNotComeAndTheRestLater) {
   EXPECT_EQ(assembler.counts().frames, 1u);
 }
 
-TEST_F(Assembler, LeavesOutWhatDoesNotFit) {
+TEST_F(Assembler, ignores_and_counts_layers_out_of_order) {
   layer(5, 1);     // no base
   layer(5, 0);     // good
   layer(5, 2);     // a layer is missing
@@ -108,7 +108,7 @@ TEST_F(Assembler, LeavesOutWhatDoesNotFit) {
   EXPECT_EQ(assembler_.next(kLong)->number, 5u);
 }
 
-TEST(AssemblerAtFirst, TakesNothingBeforeAHello) {
+TEST(AssemblerAtFirst, accepts_nothing_before_a_hello) {
   LiveAssembler assembler;
   const Bytes bytes(4);
   assembler.add(LiveLayer{3, 0, 1, 0, 1, {4, 0, 0}, bytes});
@@ -117,7 +117,7 @@ TEST(AssemblerAtFirst, TakesNothingBeforeAHello) {
   EXPECT_FALSE(assembler.next(kAtOnce));
 }
 
-TEST_F(Assembler, GoesOnWhereItWasAfterAReconnection) {
+TEST_F(Assembler, continues_after_a_reconnection) {
   whole(5);
   EXPECT_EQ(assembler_.next(kLong)->number, 5u);
   assembler_.reconnected();
@@ -129,7 +129,7 @@ TEST_F(Assembler, GoesOnWhereItWasAfterAReconnection) {
   EXPECT_EQ(assembler_.counts().reconnections, 1u);
 }
 
-TEST_F(Assembler, GivesTheRestOfAFrameThatAReconnectionBroke) {
+TEST_F(Assembler, completes_a_frame_that_a_reconnection_interrupted) {
   layer(5, 0);
   assembler_.reconnected();
   EXPECT_EQ(assembler_.next(kLong)->frame.layers.size(), 1u);
@@ -137,7 +137,7 @@ TEST_F(Assembler, GivesTheRestOfAFrameThatAReconnectionBroke) {
   EXPECT_EQ(assembler_.next(kLong)->frame.layers.size(), 3u);
 }
 
-TEST_F(Assembler, BeginsAnewWithAPublisherThatWasStartedAgain) {
+TEST_F(Assembler, starts_over_with_a_restarted_publisher) {
   whole(500);
   assembler_.reconnected();
   assembler_.add(hello_of(2));
@@ -146,7 +146,7 @@ TEST_F(Assembler, BeginsAnewWithAPublisherThatWasStartedAgain) {
   EXPECT_EQ(assembler_.next(kLong)->number, 0u);
 }
 
-TEST_F(Assembler, SumsUpDropsOverConnections) {
+TEST_F(Assembler, sums_the_drops_of_all_connections) {
   assembler_.set_dropped(3);
   assembler_.set_dropped(5);
   assembler_.reconnected();
@@ -154,7 +154,7 @@ TEST_F(Assembler, SumsUpDropsOverConnections) {
   EXPECT_EQ(assembler_.counts().dropped, 7u);
 }
 
-TEST_F(Assembler, WakesWhoeverWaits) {
+TEST_F(Assembler, wakes_its_waiting_reader) {
   std::thread waiting([&] { EXPECT_EQ(assembler_.next(kLong)->number, 1u); });
   whole(1);
   waiting.join();

@@ -40,7 +40,7 @@ LiveLayer a_layer(const Bytes& bytes) {
   return layer;
 }
 
-TEST(LiveMessages, a_hello_comes_back_as_it_was) {
+TEST(LiveMessages, a_hello_is_parsed_as_it_was_written) {
   EXPECT_EQ(parse_hello(write_hello(a_hello())).value(), a_hello());
   LiveHello nothing_yet = a_hello();
   nothing_yet.codec = "draco";
@@ -49,7 +49,7 @@ TEST(LiveMessages, a_hello_comes_back_as_it_was) {
   EXPECT_EQ(parse_hello(write_hello(nothing_yet)).value(), nothing_yet);
 }
 
-TEST(LiveMessages, a_hello_with_anything_wrong_is_refused_by_its_member) {
+TEST(LiveMessages, an_error_in_a_hello_names_the_member) {
   const auto error_with = [](const std::string& from, const std::string& to) {
     std::string text = write_hello(a_hello());
     text.replace(text.find(from), from.size(), to);
@@ -70,7 +70,7 @@ TEST(LiveMessages, a_hello_with_anything_wrong_is_refused_by_its_member) {
   EXPECT_THAT(error_with("{", "["), HasSubstr("JSON"));
 }
 
-TEST(LiveMessages, drops_and_the_end_come_back_and_what_is_not_known_is_told_apart) {
+TEST(LiveMessages, drops_and_the_end_are_parsed_and_unknown_types_are_distinguished) {
   const LiveDrops drops{3, 12};
   EXPECT_EQ(std::get<LiveDrops>(parse_live_text(write_drops(drops)).value()), drops);
   EXPECT_TRUE(std::holds_alternative<LiveEnd>(parse_live_text(write_end()).value()));
@@ -81,7 +81,7 @@ TEST(LiveMessages, drops_and_the_end_come_back_and_what_is_not_known_is_told_apa
   EXPECT_FALSE(parse_live_text(std::string(kMaxLiveText + 1, ' ')));
 }
 
-TEST(LiveMessages, a_layer_comes_back_as_it_was) {
+TEST(LiveMessages, a_layer_is_parsed_as_it_was_written) {
   const Bytes bytes = {1, 2, 3, 4, 5, 6, 7};
   const Bytes message = write_live_layer(a_layer(bytes));
   EXPECT_EQ(message.size(), kLiveHeaderSize + bytes.size());
@@ -105,7 +105,7 @@ TEST(LiveMessages, a_layer_with_any_byte_of_its_header_changed_is_refused) {
   }
 }
 
-TEST(LiveMessages, a_layer_that_is_cut_or_longer_than_it_says_is_refused) {
+TEST(LiveMessages, a_layer_that_is_truncated_or_too_long_is_refused) {
   const Bytes bytes = {1, 2, 3, 4, 5, 6, 7};
   Bytes message = write_live_layer(a_layer(bytes));
   for (std::size_t size = 0; size < message.size(); ++size) {
@@ -131,7 +131,7 @@ TEST(LiveMessages, a_layer_that_no_frame_can_have_is_refused) {
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes = {~0u, ~0u, ~0u}; }));
 }
 
-TEST(LiveMessages, streams_are_called_what_stands_in_a_url_as_it_is) {
+TEST(LiveMessages, a_stream_name_needs_no_escaping_in_a_url) {
   EXPECT_TRUE(is_stream_name("stage-1.left_A"));
   for (const char* name : {"", ".", "..", ".hidden", "a/b", "a b", "a?b", "é", "a%20b"}) {
     EXPECT_FALSE(is_stream_name(name)) << name;

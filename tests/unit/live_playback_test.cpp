@@ -139,7 +139,7 @@ struct LiveTest : testing::Test {
   std::unique_ptr<LivePlayback> playback;  // last: its threads use what is above
 };
 
-TEST_F(LiveTest, StandsStillWhilePausedAndGoesOnWithTheNewest) {
+TEST_F(LiveTest, shows_nothing_new_while_paused_and_resumes_with_the_newest_frame) {
   playback->pause();
   source->say(plain_hello(1));
   source->push(live_frame(1, 100));
@@ -154,7 +154,7 @@ TEST_F(LiveTest, StandsStillWhilePausedAndGoesOnWithTheNewest) {
   EXPECT_EQ(playback->dropped(), 0u);
 }
 
-TEST_F(LiveTest, ShowsEachFrameWithItsTimeOfCapture) {
+TEST_F(LiveTest, shows_each_frame_with_its_capture_time) {
   source->say(hello_of(1));
   EXPECT_EQ(playback->update({}).frame, nullptr);
   for (std::uint32_t number : {3u, 4u, 9u}) {
@@ -171,7 +171,7 @@ TEST_F(LiveTest, ShowsEachFrameWithItsTimeOfCapture) {
   EXPECT_EQ(playback->errors(), 0u);
 }
 
-TEST_F(LiveTest, KnowsItsBoundsFromTheFirstFrameIfThePublisherDoesNotSay) {
+TEST_F(LiveTest, takes_its_bounds_from_the_first_frame_if_the_publisher_states_none) {
   source->say(hello_of(1));
   EXPECT_TRUE(playback->bounds().empty());
   source->push(live_frame(0, 400));
@@ -182,7 +182,7 @@ TEST_F(LiveTest, KnowsItsBoundsFromTheFirstFrameIfThePublisherDoesNotSay) {
   EXPECT_NEAR(bounds.min.x, 0.01, 0.01);
 }
 
-TEST_F(LiveTest, GoesOnFromABrokenFrameAndTellsIt) {
+TEST_F(LiveTest, reports_a_damaged_frame_and_goes_on) {
   source->say(hello_of(1));
   source->push(live_frame(0, 100));
   const auto first = wait_for(0).frame;
@@ -196,7 +196,7 @@ TEST_F(LiveTest, GoesOnFromABrokenFrameAndTellsIt) {
   EXPECT_EQ(broken, std::set<std::uint32_t>{1});
 }
 
-TEST_F(LiveTest, RefinesAFrameWhoseFinerLayersComeLater) {
+TEST_F(LiveTest, refines_a_frame_whose_finer_layers_arrive_later) {
   source->say(hello_of(1));
   source->push(live_frame(5, 400, 1));
   const Playback::Update coarse = wait_for(5);
@@ -210,7 +210,7 @@ TEST_F(LiveTest, RefinesAFrameWhoseFinerLayersComeLater) {
   EXPECT_EQ(playback->dropped(), 0u);
 }
 
-TEST_F(LiveTest, ShowsThePublisherThatWasStartedAgainThoughItsNumbersBeginAnew) {
+TEST_F(LiveTest, shows_a_restarted_publisher_although_its_numbers_start_over) {
   source->say(hello_of(1));
   source->push(live_frame(100, 100));
   wait_for(100);
@@ -219,7 +219,7 @@ TEST_F(LiveTest, ShowsThePublisherThatWasStartedAgainThoughItsNumbersBeginAnew) 
   EXPECT_EQ(wait_for(0).frame->svo.leaf_count(), 50u);
 }
 
-TEST_F(LiveTest, NeverGoesBackAndCountsWhatWasNotShown) {
+TEST_F(LiveTest, never_goes_back_and_counts_the_frames_that_it_dropped) {
   source->say(hello_of(1));
   constexpr std::uint32_t kFrames = 60;
   std::atomic<bool> all_pushed{false};
@@ -242,7 +242,7 @@ TEST_F(LiveTest, NeverGoesBackAndCountsWhatWasNotShown) {
   EXPECT_EQ(playback->errors(), 0u);
 }
 
-TEST_F(LiveTest, EndsWhileFramesArePrepared) {
+TEST_F(LiveTest, ends_while_frames_are_being_prepared) {
   source->say(hello_of(1));
   for (std::uint32_t i = 1; i <= 5; ++i) source->push(live_frame(i, 4000));
   playback.reset();

@@ -137,7 +137,7 @@ TEST_F(RecorderTest, a_recording_is_a_package_at_every_moment) {
   EXPECT_THAT(said_, IsEmpty());
 }
 
-TEST_F(RecorderTest, a_recorder_that_goes_away_leaves_nothing_behind_that_is_not_in_the_package) {
+TEST_F(RecorderTest, a_destroyed_recorder_leaves_only_files_of_the_package) {
   {
     Recorder recorder(options());
     recorder.hello(real_hello());
@@ -149,7 +149,7 @@ TEST_F(RecorderTest, a_recorder_that_goes_away_leaves_nothing_behind_that_is_not
   EXPECT_FALSE(fs::exists(package() / ".unfinished"));
 }
 
-TEST_F(RecorderTest, a_publisher_that_comes_back_goes_on_and_another_one_begins_anew) {
+TEST_F(RecorderTest, a_returning_publisher_continues_its_package_and_another_starts_a_new_one) {
   Recorder recorder(options());
   recorder.hello(real_hello(1));
   give_frames(recorder, 0, 4);
@@ -167,7 +167,7 @@ TEST_F(RecorderTest, a_publisher_that_comes_back_goes_on_and_another_one_begins_
   EXPECT_EQ(frames, 3u);
 }
 
-TEST_F(RecorderTest, what_is_there_already_is_not_touched) {
+TEST_F(RecorderTest, existing_packages_are_not_touched) {
   fs::create_directories(package());
   std::ofstream(package() / "mine") << "mine";
   Recorder recorder(options());
@@ -178,7 +178,7 @@ TEST_F(RecorderTest, what_is_there_already_is_not_touched) {
   EXPECT_TRUE(read_manifest(package("stage-2")));
 }
 
-TEST_F(RecorderTest, a_manifest_that_becomes_too_long_goes_on_in_another_package) {
+TEST_F(RecorderTest, a_manifest_that_grows_too_long_continues_in_another_package) {
   RecorderOptions small = options();
   small.manifest_bytes = 2'000;
   {
@@ -199,7 +199,7 @@ TEST_F(RecorderTest, a_manifest_that_becomes_too_long_goes_on_in_another_package
   EXPECT_EQ(all, 60u);
 }
 
-TEST_F(RecorderTest, a_frame_that_came_in_part_is_recorded_as_far_as_it_came) {
+TEST_F(RecorderTest, an_incomplete_frame_is_recorded_as_far_as_it_arrived) {
   Recorder recorder(options());
   recorder.hello(real_hello());
   auto cut = real_frame(0);
@@ -217,7 +217,7 @@ TEST_F(RecorderTest, a_frame_that_came_in_part_is_recorded_as_far_as_it_came) {
   EXPECT_THAT(faults(package(), frames), IsEmpty()) << "what is said is no fault";
 }
 
-TEST_F(RecorderTest, frames_that_came_whole_are_not_said_to_be_in_part) {
+TEST_F(RecorderTest, complete_frames_are_not_reported_as_incomplete) {
   Recorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 8);
@@ -225,7 +225,7 @@ TEST_F(RecorderTest, frames_that_came_whole_are_not_said_to_be_in_part) {
   EXPECT_FALSE(read_manifest(package()).value().partial);
 }
 
-TEST_F(RecorderTest, a_last_frame_that_came_in_part_is_said_to_be_so) {
+TEST_F(RecorderTest, an_incomplete_last_frame_is_reported) {
   Recorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 2);
@@ -239,7 +239,7 @@ TEST_F(RecorderTest, a_last_frame_that_came_in_part_is_said_to_be_so) {
   EXPECT_EQ(frames, 3u);
 }
 
-TEST_F(RecorderTest, frames_in_other_cubes_share_a_segment_whose_cube_holds_them_all) {
+TEST_F(RecorderTest, frames_in_different_cubes_share_a_segment_with_a_common_cube) {
   Recorder recorder(options());
   recorder.hello(real_hello());
   give(recorder, real_frame(0));
@@ -252,7 +252,7 @@ TEST_F(RecorderTest, frames_in_other_cubes_share_a_segment_whose_cube_holds_them
   EXPECT_GE(cube.edge, 4.5);
 }
 
-TEST_F(RecorderTest, frames_that_no_package_may_hold_are_left_out) {
+TEST_F(RecorderTest, frames_that_no_package_can_hold_are_skipped) {
   Recorder recorder(options());
   LiveHello hello = real_hello();
   hello.normals = false;
@@ -268,7 +268,7 @@ TEST_F(RecorderTest, frames_that_no_package_may_hold_are_left_out) {
   EXPECT_EQ(frames, 2u);
 }
 
-TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_told_once_and_disturbs_nothing) {
+TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_reported_once_and_disturbs_nothing) {
   std::ofstream(temporary_.path() / "recordings") << "a file";
   Recorder recorder(options());
   recorder.hello(real_hello());
@@ -313,7 +313,7 @@ WindowOptions small_window() {
   return options;
 }
 
-TEST(HttpWindow, is_a_package_of_the_newest_segments_that_tells_where_it_stands) {
+TEST(HttpWindow, is_a_package_of_the_newest_segments_with_its_position_in_the_stream) {
   Files out;
   HttpWindow window(out.output(), small_window());
   window.hello(real_hello(77));
@@ -330,7 +330,7 @@ TEST(HttpWindow, is_a_package_of_the_newest_segments_that_tells_where_it_stands)
   EXPECT_EQ(frame_time_us(manifest, 14), 14 * kPeriod);
 }
 
-TEST(HttpWindow, whoever_has_an_older_manifest_still_finds_its_files_and_memory_is_bounded) {
+TEST(HttpWindow, keeps_files_of_recent_manifests_within_bounded_memory) {
   Files out;
   HttpWindow window(out.output(), small_window());
   window.hello(real_hello());
@@ -343,7 +343,7 @@ TEST(HttpWindow, whoever_has_an_older_manifest_still_finds_its_files_and_memory_
   EXPECT_THAT(out.changed, IsEmpty()) << "a file never changes under its name";
 }
 
-TEST(HttpWindow, says_that_the_publisher_has_gone_and_goes_on_when_it_is_back) {
+TEST(HttpWindow, reports_that_the_publisher_has_left_and_resumes_when_it_returns) {
   Files out;
   HttpWindow window(out.output(), small_window());
   window.hello(real_hello());
@@ -357,7 +357,7 @@ TEST(HttpWindow, says_that_the_publisher_has_gone_and_goes_on_when_it_is_back) {
   EXPECT_EQ(out.manifest().frame_count(), 12u);
 }
 
-TEST(HttpWindow, another_session_leaves_nothing_of_the_one_before_and_the_end_nothing_at_all) {
+TEST(HttpWindow, removes_old_sessions_and_everything_at_the_end) {
   Files out;
   {
     HttpWindow window(out.output(), small_window());
@@ -372,7 +372,7 @@ TEST(HttpWindow, another_session_leaves_nothing_of_the_one_before_and_the_end_no
   EXPECT_THAT(out.files, IsEmpty());
 }
 
-TEST(HttpWindow, has_fewer_segments_where_they_are_large) {
+TEST(HttpWindow, has_fewer_segments_if_they_are_large) {
   Files out;
   WindowOptions options = small_window();
   options.bytes = 1;
@@ -399,7 +399,7 @@ class HeldSink : public LiveSink {
   std::vector<std::string>& notes_;
 };
 
-TEST(SinkThread, hands_everything_on_in_order_and_holds_nobody_up) {
+TEST(SinkThread, forwards_everything_in_order_without_blocking_its_caller) {
   std::mutex gate;
   std::vector<std::string> notes, said;
   {
@@ -413,7 +413,7 @@ TEST(SinkThread, hands_everything_on_in_order_and_holds_nobody_up) {
   EXPECT_THAT(notes, ElementsAre("hello", "0.0", "0.1", "end"));
 }
 
-TEST(SinkThread, leaves_out_whole_rests_of_frames_where_the_sink_is_too_slow_and_says_so) {
+TEST(SinkThread, skips_the_rest_of_a_frame_if_the_sink_is_too_slow_and_reports_it) {
   std::mutex gate;
   std::vector<std::string> notes, said;
   {

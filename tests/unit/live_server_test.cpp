@@ -96,7 +96,7 @@ class LiveServerTest : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(Transports, LiveServerTest, testing::Values(false, true),
                          [](const auto& tls) { return tls.param ? "tls" : "plain"; });
 
-TEST_P(LiveServerTest, carries_what_a_publisher_sends_to_all_viewers) {
+TEST_P(LiveServerTest, forwards_a_stream_from_its_publisher_to_all_viewers) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
@@ -122,7 +122,7 @@ TEST_P(LiveServerTest, carries_what_a_publisher_sends_to_all_viewers) {
   EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
 }
 
-TEST_P(LiveServerTest, says_404_where_there_is_no_stream) {
+TEST_P(LiveServerTest, answers_404_for_unknown_streams) {
   start();
   const auto viewer = connect("/live/nobody");
   ASSERT_FALSE(viewer);
@@ -130,7 +130,7 @@ TEST_P(LiveServerTest, says_404_where_there_is_no_stream) {
   EXPECT_EQ(connect("/elsewhere").error().status, 404);
 }
 
-TEST_P(LiveServerTest, lets_view_and_publish_whom_the_tokens_say) {
+TEST_P(LiveServerTest, grants_viewing_and_publishing_by_token) {
   options_.service.view_token = "look";
   options_.service.publish_token = "show";
   start();
@@ -149,7 +149,7 @@ TEST_P(LiveServerTest, lets_view_and_publish_whom_the_tokens_say) {
   EXPECT_EQ(next(*viewer), "hello");
 }
 
-TEST_P(LiveServerTest, tells_a_publisher_why_it_is_ended) {
+TEST_P(LiveServerTest, tells_a_publisher_why_its_connection_is_closed) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
@@ -164,7 +164,7 @@ TEST_P(LiveServerTest, tells_a_publisher_why_it_is_ended) {
   EXPECT_FALSE(statistics().publishing);
 }
 
-TEST_P(LiveServerTest, bounds_what_publishers_send) {
+TEST_P(LiveServerTest, limits_the_message_size_and_rate_of_publishers) {
   options_.max_message = 100'000;
   options_.publish_rate = 10'000;
   start();
@@ -178,7 +178,7 @@ TEST_P(LiveServerTest, bounds_what_publishers_send) {
   EXPECT_THAT(next(*fast), HasSubstr("more than 10000 bytes a second"));
 }
 
-TEST_P(LiveServerTest, lets_a_viewer_that_stalls_delay_nobody) {
+TEST_P(LiveServerTest, never_lets_a_stalled_viewer_delay_others) {
   options_.stall_timeout = 60s;
   start();
   const auto publisher = connected("/live/stage?publish");
@@ -207,7 +207,7 @@ TEST_P(LiveServerTest, lets_a_viewer_that_stalls_delay_nobody) {
   EXPECT_EQ(last, "59.0");
 }
 
-TEST_P(LiveServerTest, gives_up_peers_without_a_sign_of_life) {
+TEST_P(LiveServerTest, drops_peers_that_show_no_sign_of_life) {
   if (GetParam()) GTEST_SKIP() << "the same on any transport";
   options_.idle_timeout = 2s;
   start();
@@ -223,7 +223,7 @@ TEST_P(LiveServerTest, gives_up_peers_without_a_sign_of_life) {
   EXPECT_EQ(server_->connection_count(), 1u) << "it answers pings, if it says nothing else";
 }
 
-TEST_P(LiveServerTest, takes_for_near_only_who_speaks_for_itself) {
+TEST_P(LiveServerTest, accepts_local_publishers_only_without_origin_and_proxy) {
   if (GetParam()) GTEST_SKIP() << "the same on any transport";
   start();
   const auto status = [&](const std::string& fields) {
@@ -236,7 +236,7 @@ TEST_P(LiveServerTest, takes_for_near_only_who_speaks_for_itself) {
   EXPECT_EQ(status("Via: 1.1 proxy\r\n"), 403);
 }
 
-TEST_P(LiveServerTest, outlives_hostile_frames) {
+TEST_P(LiveServerTest, survives_hostile_websocket_frames) {
   if (GetParam()) GTEST_SKIP() << "the same on any transport";
   start();
   // Not masked; reserved bits; a length beyond all limits; fragments of a control frame; noise.
@@ -261,7 +261,7 @@ TEST_P(LiveServerTest, outlives_hostile_frames) {
       << "no key, no version";
 }
 
-TEST_P(LiveServerTest, ends_at_once_with_sessions_open) {
+TEST_P(LiveServerTest, stops_at_once_with_open_sessions) {
   start();
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));

@@ -117,7 +117,7 @@ TEST(MaxGeometryError, holds_far_from_zero_and_for_huge_and_tiny_extents) {
   }
 }
 
-TEST(MaxGeometryError, is_no_larger_than_it_must_be) {
+TEST(MaxGeometryError, is_no_larger_than_necessary) {
   // Points right at the corners of cells are half a diagonal away from the centre.
   PointCloud corners = scattered(glm::dvec3(0.0), 4096.0, 3);
   for (const int depth : {2, 7, 12}) {

@@ -19,7 +19,7 @@ std::uint64_t encode_bit_by_bit(const glm::uvec3& cell) {
   return key;
 }
 
-TEST(Morton, interleaves_as_bit_by_bit_and_decodes_back) {
+TEST(Morton, interleaves_like_a_bitwise_loop_and_decodes_back) {
   std::mt19937 random(7);
   for (int i = 0; i < 10000; ++i) {
     const glm::uvec3 cell(random() >> 11, random() >> 11, random() >> 11);

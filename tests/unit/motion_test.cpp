@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Motion, EveryMotion, testing::ValuesIn(names()), [](con
   return name;
 });
 
-TEST(Motions, are_the_five_of_the_paper_and_a_walk) {
+TEST(Motions, include_the_five_of_the_paper_and_a_walk) {
   std::vector<std::pair<std::string_view, int>> all;
   for (const Motion& motion : motions()) all.emplace_back(motion.name, motion.poses);
   EXPECT_EQ(all, (std::vector<std::pair<std::string_view, int>>{{"baseball", 115},
@@ -77,7 +77,7 @@ TEST_P(EveryMotion, has_a_pose_at_any_time) {
   }
 }
 
-TEST_P(EveryMotion, is_the_same_every_time_it_is_asked_for) {
+TEST_P(EveryMotion, is_the_same_on_every_call) {
   for (const int number : {0, 17, 42}) {
     const Body a = pose_body(pose(number)), b = pose_body(pose(number));
     for (std::size_t i = 0; i < kFrameCount; ++i) {
@@ -112,7 +112,7 @@ TEST_P(EveryMotion, turns_bones_without_bending_or_mirroring_them) {
   }
 }
 
-TEST_P(EveryMotion, bends_joints_as_people_can) {
+TEST_P(EveryMotion, bends_joints_only_as_people_can) {
   const glm::dvec3 down(0, -1, 0);
   for (int number = 0; number < motion().poses; ++number) {
     const Pose now = pose(number);
@@ -202,7 +202,7 @@ TEST_P(EveryMotion, does_not_slide_on_its_feet) {
   }
 }
 
-TEST_P(EveryMotion, flies_its_ball_by_gravity_wherever_nothing_touches_it) {
+TEST_P(EveryMotion, lets_its_ball_fly_by_gravity_while_nothing_touches_it) {
   constexpr double kStep = 1.0 / 90.0;
   const int steps = static_cast<int>(motion().seconds() / kStep) - 1;
   int flying = 0, touched = 0;
@@ -249,7 +249,7 @@ TEST_P(EveryMotion, stays_within_the_scanned_volume) {
   }
 }
 
-TEST_P(EveryMotion, has_few_enough_parts_to_be_sampled_fast) {
+TEST_P(EveryMotion, has_few_enough_parts_to_be_sampled_quickly) {
   for (const int number : {0, motion().poses / 3, motion().poses / 2}) {
     const Body body = pose_body(pose(number));
     EXPECT_LE(body.surface.primitives.size(), 90u);
@@ -258,7 +258,7 @@ TEST_P(EveryMotion, has_few_enough_parts_to_be_sampled_fast) {
   }
 }
 
-TEST(Tracks, go_through_their_keys_and_nowhere_beyond_them) {
+TEST(Tracks, pass_through_their_keys_and_never_beyond_them) {
   constexpr Track<1, 5> keys = {
       {{0.0, {1.0}}, {1.0, {1.0}}, {1.5, {3.0}}, {3.0, {4.0}}, {4.0, {0.0}}}};
   for (const auto& key : keys) EXPECT_DOUBLE_EQ(at(keys, key.time)[0], key.value[0]);
@@ -281,7 +281,7 @@ TEST(Tracks, go_through_their_keys_and_nowhere_beyond_them) {
   EXPECT_EQ(at(keys, 9.0)[0], 0.0);
 }
 
-TEST(Flight, falls_by_gravity_and_passes_both_places) {
+TEST(Flight, falls_by_gravity_and_passes_through_both_places) {
   const glm::dvec3 from(0, 1, 0), to(2, 0.5, -1);
   EXPECT_EQ(fly(from, 1.0, to, 1.5, 1.0), from);
   EXPECT_EQ(fly(from, 1.0, to, 1.5, 1.5), to);
@@ -290,7 +290,7 @@ TEST(Flight, falls_by_gravity_and_passes_both_places) {
   EXPECT_NEAR(throw_from(from, {0, 0, 0}, 1.0).y, 1.0 - 4.905, 1e-12);
 }
 
-TEST(Flight, a_ball_is_touched_where_its_surface_meets_the_body) {
+TEST(Flight, touches_the_ball_with_its_surface_against_the_body) {
   const glm::dvec3 center = touch(Pose{}, {0.0, 1.3, 2.0}, {0, 0, -1}, 0.11);
   EXPECT_NEAR(distance_to(pose_body(Pose{}).surface, center).distance.value, 0.11, 2e-5);
   EXPECT_NEAR(center.z, 0.22, 0.02);  // the chest

@@ -28,7 +28,7 @@ std::vector<glm::vec3> plane(int points_along, float height) {
   return positions;
 }
 
-TEST(NodeRadii, KeepTheLeavesAndGiveTheirParentsTheSameArea) {
+TEST(NodeRadii, keep_those_of_leaves_and_give_parents_the_area_of_their_children) {
   const Svo svo = tree(plane(64, 0.3f), 6);
   ASSERT_EQ(svo.leaf_count(), 64u * 64u);
   const float radius = 0.8f / 64.0f;
@@ -43,12 +43,12 @@ TEST(NodeRadii, KeepTheLeavesAndGiveTheirParentsTheSameArea) {
   }
 }
 
-TEST(NodeRadii, AnOnlyChildHandsItsOwnUp) {
+TEST(NodeRadii, equal_that_of_an_only_child) {
   const Svo svo = tree({{0.1f, 0.2f, 0.3f}}, 8);
   for (const float radius : node_radii(svo, {0.25f})) EXPECT_EQ(radius, 0.25f);
 }
 
-TEST(NodeRadii, NoiseThatThickensASurfaceDoesNotBlowItUp) {
+TEST(NodeRadii, do_not_grow_with_noise_that_thickens_a_surface) {
   std::vector<glm::vec3> positions;
   for (int sheet = 0; sheet < 16; ++sheet) {
     const auto more = plane(64, 0.25f + static_cast<float>(sheet) / 64.0f);
@@ -64,9 +64,9 @@ TEST(NodeRadii, NoiseThatThickensASurfaceDoesNotBlowItUp) {
   }
 }
 
-TEST(NodeRadii, OfAnEmptyTreeAreNone) { EXPECT_TRUE(node_radii(Svo{}, {}).empty()); }
+TEST(NodeRadii, are_none_for_an_empty_tree) { EXPECT_TRUE(node_radii(Svo{}, {}).empty()); }
 
-TEST(NodeRadii, CoverAClosedSurfaceOnEveryLevel) {
+TEST(NodeRadii, cover_a_closed_surface_on_every_level) {
   std::mt19937 random(7);
   std::normal_distribution<float> gauss;
   std::vector<glm::vec3> positions;

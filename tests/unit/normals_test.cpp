@@ -74,7 +74,7 @@ Quality compare(const Surface& surface) {
           outward / static_cast<double>(angles.size())};
 }
 
-TEST(Normals, of_a_sphere_are_within_a_degree_and_point_outward) {
+TEST(Normals, are_within_a_degree_and_point_outward_on_a_sphere) {
   Surface surface = sphere(20000);
   estimate_normals(surface.cloud);
   const Quality quality = compare(surface);
@@ -83,7 +83,7 @@ TEST(Normals, of_a_sphere_are_within_a_degree_and_point_outward) {
   EXPECT_EQ(quality.outward, 1.0);
 }
 
-TEST(Normals, of_a_torus_are_within_a_degree_and_point_outward_in_the_hole_too) {
+TEST(Normals, are_within_a_degree_and_point_outward_on_a_torus) {
   Surface surface = torus(30000);
   estimate_normals(surface.cloud);
   const Quality quality = compare(surface);
@@ -101,7 +101,7 @@ TEST(Normals, point_outward_on_a_body_with_a_hole) {
   EXPECT_GT(compare(open).outward, 0.999);
 }
 
-TEST(Normals, of_noisy_points_stay_close) {
+TEST(Normals, stay_close_on_noisy_points) {
   Surface surface = sphere(20000);
   std::mt19937 random(5);
   // Half the spacing of the points.
@@ -113,7 +113,7 @@ TEST(Normals, of_noisy_points_stay_close) {
   EXPECT_GT(quality.outward, 0.999);
 }
 
-TEST(Normals, of_points_on_a_voxel_grid_stay_close) {
+TEST(Normals, stay_close_on_a_voxel_grid) {
   Surface surface = sphere(20000);
   for (glm::vec3& p : surface.cloud.positions) p = glm::round(p * 64.0f) / 64.0f;
   estimate_normals(surface.cloud);
@@ -122,7 +122,7 @@ TEST(Normals, of_points_on_a_voxel_grid_stay_close) {
   EXPECT_EQ(quality.outward, 1.0);
 }
 
-TEST(Normals, of_a_plane_are_exact) {
+TEST(Normals, are_exact_on_a_plane) {
   Surface surface;
   for (int x = 0; x < 100; ++x) {
     for (int y = 0; y < 60; ++y) {
@@ -153,7 +153,7 @@ TEST(Normals, do_not_depend_on_the_order_of_the_points_or_their_origin) {
   }
 }
 
-TEST(Radii, are_the_edge_of_a_square_with_one_point) {
+TEST(Radii, equal_the_edge_of_a_square_that_holds_one_point) {
   Surface surface = sphere(20000);
   estimate_radii(surface.cloud);
   std::vector<float> radii = surface.cloud.radii;
@@ -164,7 +164,7 @@ TEST(Radii, are_the_edge_of_a_square_with_one_point) {
   EXPECT_LT(radii.back(), 3.0 * expected);
 }
 
-TEST(Radii, are_estimated_where_they_are_unknown_and_kept_elsewhere) {
+TEST(Radii, are_estimated_if_unknown_and_kept_otherwise) {
   PointCloud cloud = sphere(20000).cloud;
   PointCloud estimated = cloud;
   estimate_radii(estimated);
@@ -203,7 +203,7 @@ TEST(Radii, follow_the_local_spacing) {
   }
 }
 
-TEST(Radii, do_not_shrink_where_points_are_given_twice) {
+TEST(Radii, do_not_shrink_at_duplicate_points) {
   Surface once = sphere(5000);
   PointCloud twice = once.cloud;
   twice.positions.insert(twice.positions.end(), once.cloud.positions.begin(),
@@ -234,7 +234,7 @@ PointCloud estimated(std::vector<glm::vec3> positions) {
   return cloud;
 }
 
-TEST(Normals, are_unknown_where_there_is_no_plane) {
+TEST(Normals, are_unknown_if_no_plane_fits) {
   EXPECT_TRUE(estimated({}).empty());
   const glm::vec3 unknown(0.0f);
   EXPECT_EQ(estimated({{1, 2, 3}}).normals[0], unknown);
@@ -247,12 +247,12 @@ TEST(Normals, are_unknown_where_there_is_no_plane) {
   for (const glm::vec3& n : estimated(line).normals) EXPECT_EQ(n, unknown);
 }
 
-TEST(Normals, of_three_points_are_those_of_their_triangle) {
+TEST(Normals, are_those_of_the_triangle_for_three_points) {
   const PointCloud cloud = estimated({{0, 0, 5}, {1, 0, 5}, {0, 1, 5}});
   for (const glm::vec3& n : cloud.normals) EXPECT_NEAR(std::abs(n.z), 1.0f, 1e-5f);
 }
 
-TEST(Normals, are_sound_for_extreme_coordinates) {
+TEST(Normals, are_finite_units_for_extreme_coordinates) {
   std::mt19937 random(3);
   std::normal_distribution<float> normal;
   for (const float scale : {1e-44f, 1e-38f, 1e-20f, 1e20f, 1e37f}) {
@@ -270,7 +270,7 @@ TEST(Normals, are_sound_for_extreme_coordinates) {
   estimated(stray.cloud.positions);
 }
 
-TEST(NodeBlocks, are_the_nodes_in_the_cells_around) {
+TEST(NodeBlocks, hold_the_nodes_in_the_cells_around_each_node) {
   Surface surface = sphere(500);
   for (const int depth : {0, 1, 2, 5}) {
     const SortedPoints sorted = sort_points(surface.cloud, bounding_cube(bounds(surface.cloud)));

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Entropies, OctreeCodec,
                          testing::Values(Entropy::none, Entropy::zstd, Entropy::context),
                          [](const auto& entropy) { return name(entropy.param); });
 
-TEST_P(OctreeCodec, gives_back_the_encoder_s_voxels_at_every_depth) {
+TEST_P(OctreeCodec, restores_the_voxels_of_the_encoder_at_every_depth) {
   const PointCloud cloud = bumpy_sphere(3000);
   for (const int depth : {0, 1, 7, 8, 9, 10, 15, kMaxDepth}) {
     const EncodedFrame frame = encode(cloud, DepthRule::fixed(depth), GetParam());
@@ -96,7 +96,7 @@ TEST_P(OctreeCodec, bytes_do_not_depend_on_the_order_of_the_points) {
   EXPECT_EQ(concatenated(a), concatenated(b));
 }
 
-TEST_P(OctreeCodec, returns_centres_within_half_a_cell_and_colours_exactly) {
+TEST_P(OctreeCodec, restores_centres_within_half_a_cell_and_exact_colours) {
   PointCloud cloud = bumpy_sphere(4000);
   cloud.origin = {1e6, -3e6, 12.5};
   const Cube cube{cloud.origin, 1.0};
@@ -115,7 +115,7 @@ TEST_P(OctreeCodec, returns_centres_within_half_a_cell_and_colours_exactly) {
   }
 }
 
-TEST(OctreeCodecNone, stores_exactly_one_byte_for_each_internal_node) {
+TEST(OctreeCodecNone, stores_exactly_one_byte_an_internal_node) {
   PointCloud cloud = bumpy_sphere(3000);
   const EncodedFrame frame = encode(cloud, DepthRule::fixed(10), Entropy::none);
   const Svo svo = build_svo(sort_points(cloud, Cube{}), 10);
@@ -150,7 +150,7 @@ TEST(OctreeCodecLayers, each_prefix_is_the_tree_truncated_with_its_mean_colours)
   }
 }
 
-TEST(OctreeCodecLayers, a_layer_without_its_attributes_inherits_those_above) {
+TEST(OctreeCodecLayers, a_layer_without_attributes_inherits_those_above_it) {
   const PointCloud cloud = bumpy_sphere(2000);
   const EncodedFrame frame = encode(cloud, DepthRule::fixed(9));
   auto layers = layer_views(frame.layers);
@@ -178,7 +178,7 @@ TEST(OctreeCodecLayers, a_layer_without_its_attributes_inherits_those_above) {
   EXPECT_TRUE(bare->normals.empty());
 }
 
-TEST(OctreeCodecAttributes, colours_come_closer_with_their_quality) {
+TEST(OctreeCodecAttributes, colours_become_more_accurate_with_quality) {
   const PointCloud cloud = bumpy_sphere(20000);
   const auto lossless =
       decode_octree(layer_views(encode(cloud, DepthRule::fixed(9)).layers), kLimits);
@@ -200,7 +200,7 @@ TEST(OctreeCodecAttributes, colours_come_closer_with_their_quality) {
   EXPECT_EQ(last, 0.0);
 }
 
-TEST(OctreeCodecAttributes, normals_come_closer_with_their_quality_and_are_unit_or_unknown) {
+TEST(OctreeCodecAttributes, normals_become_more_accurate_with_quality_and_are_unit_or_unknown) {
   PointCloud cloud = bumpy_sphere(20000);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.positions[i].x > 0.7f) cloud.normals[i] = glm::vec3(0);  // none known around there
@@ -229,7 +229,7 @@ TEST(OctreeCodecAttributes, normals_come_closer_with_their_quality_and_are_unit_
   }
 }
 
-TEST(OctreeCodecAttributes, refuses_a_quality_that_is_none) {
+TEST(OctreeCodecAttributes, refuses_a_quality_out_of_range) {
   for (const int quality : {-1, 0, 101}) {
     EXPECT_FALSE(encode_octree(bumpy_sphere(10), Cube{},
                                {Entropy::none, DepthRule::fixed(3), quality}, true, true));
@@ -280,7 +280,7 @@ TEST(OctreeCodecAttributes, lossy_16_bit_colours_are_not_rounded_to_8) {
   EXPECT_LT(sum / static_cast<double>(frame->cloud.size()), 32.0);  // rounded to 8 bits: 125
 }
 
-TEST(OctreeCodecAttributes, a_tree_without_leaves_is_the_same_down_to_any_level) {
+TEST(OctreeCodecAttributes, a_tree_limited_to_a_level_equals_the_full_tree_down_to_it) {
   const PointCloud cloud = bumpy_sphere(20000);
   for (const int quality : {60, 100}) {
     const EncodedFrame encoded = encode(cloud, DepthRule::fixed(10), Entropy::zstd, {}, quality);
@@ -312,7 +312,7 @@ TEST(OctreeCodecAttributes, a_tree_without_leaves_is_the_same_down_to_any_level)
   }
 }
 
-TEST(OctreeCodecAttributes, nodes_have_the_normals_of_the_leaves_unknown_ones_included) {
+TEST(OctreeCodecAttributes, nodes_have_the_normals_of_their_leaves_including_unknown_ones) {
   PointCloud cloud = bumpy_sphere(5000);
   const double middle = bounds(cloud).center().x;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -340,7 +340,7 @@ TEST(OctreeCodecAttributes, nodes_have_the_normals_of_the_leaves_unknown_ones_in
   }
 }
 
-TEST(OctreeCodecAttributes, inner_nodes_come_with_nearly_the_means_of_their_leaves) {
+TEST(OctreeCodecAttributes, inner_nodes_have_nearly_the_means_of_their_leaves) {
   const PointCloud cloud = bumpy_sphere(20000);
   const EncodedFrame encoded = encode(cloud, DepthRule::fixed(10), Entropy::zstd, {}, 90);
   DecodeLimits limits;
@@ -369,7 +369,7 @@ TEST(OctreeCodecAttributes, inner_nodes_come_with_nearly_the_means_of_their_leav
   }
 }
 
-TEST(OctreeCodecAttributes, normals_of_the_whole_sphere_err_by_less_than_a_degree) {
+TEST(OctreeCodecAttributes, normals_in_all_directions_err_by_less_than_a_degree) {
   double worst = 0.0;
   std::mt19937 random(5);
   std::normal_distribution<float> gauss;
@@ -390,7 +390,7 @@ TEST(OctreeCodecAttributes, normals_of_the_whole_sphere_err_by_less_than_a_degre
   EXPECT_LT(worst, 1.0);
 }
 
-TEST(OctreeCodecHardCases, of_no_points_is_a_frame_that_plays_as_nothing) {
+TEST(OctreeCodecHardCases, an_empty_cloud_is_a_frame_that_plays_as_nothing) {
   const EncodedFrame encoded = encode(PointCloud{}, DepthRule::by_delta(0.05));
   EXPECT_EQ(encoded.layers.size(), 1u);
   const auto frame = decode_octree(layer_views(encoded.layers), kLimits);
@@ -399,7 +399,7 @@ TEST(OctreeCodecHardCases, of_no_points_is_a_frame_that_plays_as_nothing) {
   EXPECT_EQ(frame->svo->node_count(), 0u);
 }
 
-TEST(OctreeCodecHardCases, of_identical_points_is_one_cell) {
+TEST(OctreeCodecHardCases, identical_points_are_one_cell) {
   PointCloud cloud;
   cloud.positions.assign(1000, glm::vec3(0.25f));
   const EncodedFrame encoded = encode(cloud, DepthRule::by_delta(0.0));
@@ -411,7 +411,7 @@ TEST(OctreeCodecHardCases, of_identical_points_is_one_cell) {
   EXPECT_EQ(frame->source_points, 1000u);
 }
 
-TEST(OctreeCodecHardCases, refuses_a_delta_that_is_none) {
+TEST(OctreeCodecHardCases, an_invalid_delta_is_refused) {
   const OctreeOptions options{Entropy::none, DepthRule::by_delta(std::nan(""))};
   EXPECT_FALSE(encode_octree(bumpy_sphere(10), Cube{}, options, true, true));
 }
@@ -454,7 +454,7 @@ FrameHeader small_header(std::uint8_t depth, std::uint32_t points) {
   return header;
 }
 
-TEST(OctreeCodecForged, forged_counts_are_refused_before_memory_is_taken) {
+TEST(OctreeCodecForged, forged_counts_are_refused_before_memory_is_allocated) {
   const auto decodes = [](const Bytes& bytes) {
     return decode_octree_tree({{bytes, {}, {}}}, kLimits).has_value();
   };
@@ -482,7 +482,7 @@ TEST(OctreeCodecForged, forged_counts_are_refused_before_memory_is_taken) {
   EXPECT_FALSE(decodes(forged(small_header(22, 2), chunk(7, 1), {0b11})));
 }
 
-TEST(OctreeCodecForged, contexts_that_are_damaged_are_refused) {
+TEST(OctreeCodecForged, damaged_contexts_are_refused) {
   const auto decodes = [](std::uint32_t points, std::uint32_t masks, const Bytes& payload) {
     const ChunkHeader chunk{ChunkKind::geometry, Entropy::context, 0, 7, masks};
     return decode_octree_tree({{forged(small_header(7, points), chunk, payload), {}, {}}}, kLimits)
@@ -500,7 +500,7 @@ TEST(OctreeCodecForged, contexts_that_are_damaged_are_refused) {
   EXPECT_FALSE(decodes(1u << 21, 64 * 1024, classes));
 }
 
-TEST(OctreeCodecContext, is_smaller_than_zstd_and_has_no_other_coding_beside_it) {
+TEST(OctreeCodecContext, is_smaller_than_zstd_and_contains_no_second_coding) {
   const PointCloud cloud = bumpy_sphere(20000);
   const EncodedFrame context = encode(cloud, DepthRule::fixed(8), Entropy::context);
   const EncodedFrame zstd = encode(cloud, DepthRule::fixed(8), Entropy::zstd);
@@ -528,7 +528,7 @@ std::shared_ptr<const ContextTables> plain_tables(std::uint64_t checksum) {
   return std::make_shared<const ContextTables>(std::move(tables));
 }
 
-TEST(OctreeCodecContext, frames_of_given_tables_decode_with_these_and_with_no_others) {
+TEST(OctreeCodecContext, decodes_frames_only_with_the_tables_that_they_were_coded_with) {
   const PointCloud cloud = bumpy_sphere(2000);
   const auto tables = plain_tables(7), others = plain_tables(8);
   OctreeOptions options{Entropy::context, DepthRule::fixed(9)};
@@ -548,7 +548,7 @@ TEST(OctreeCodecContext, frames_of_given_tables_decode_with_these_and_with_no_ot
   EXPECT_THAT(decode(*given, others.get()).error().message, testing::HasSubstr("other"));
 }
 
-TEST(OctreeCodecContext, pads_what_would_stand_for_more_than_a_reader_takes) {
+TEST(OctreeCodecContext, pads_chunks_that_would_exceed_the_expansion_limit_of_readers) {
   PointCloud solid;
   for (int i = 0; i < 1 << 18; ++i) {
     solid.positions.push_back((glm::vec3(i & 63, i >> 6 & 63, i >> 12) + 0.5f) / 64.0f);
@@ -559,7 +559,7 @@ TEST(OctreeCodecContext, pads_what_would_stand_for_more_than_a_reader_takes) {
   EXPECT_EQ(tree->svo.leaf_count(), solid.size());
 }
 
-TEST(OctreeCodecForged, a_cube_that_is_none_is_refused) {
+TEST(OctreeCodecForged, an_invalid_cube_is_refused) {
   const ChunkHeader chunk{ChunkKind::geometry, Entropy::none, 0, 1, 1};
   for (const double edge : {0.0, -1.0, std::nan(""), HUGE_VAL, 5e-324, 1e31}) {
     EXPECT_FALSE(encode_octree(bumpy_sphere(10), {glm::dvec3(0), edge}, {}, true, true)) << edge;
@@ -569,7 +569,7 @@ TEST(OctreeCodecForged, a_cube_that_is_none_is_refused) {
   }
 }
 
-TEST(OctreeCodecForged, more_points_than_the_caller_allows_are_refused) {
+TEST(OctreeCodecForged, more_points_than_the_limit_are_refused) {
   const EncodedFrame frame = encode(bumpy_sphere(500), DepthRule::fixed(9));
   EXPECT_FALSE(decode_octree(layer_views(frame.layers), {frame.coded_points - 1}));
   EXPECT_TRUE(decode_octree(layer_views(frame.layers), {frame.coded_points}));

@@ -51,7 +51,7 @@ class OpeningTest : public testing::Test {
   std::string error_;
 };
 
-TEST_F(OpeningTest, GivesTheStageWhenItIsThere) {
+TEST_F(OpeningTest, gives_the_stage_once_it_is_ready) {
   const std::string file = ply("one.ply");
   Opening opening({{file}}, {}, looking, nobody);
   const auto stage = wait(opening);
@@ -64,13 +64,13 @@ TEST_F(OpeningTest, GivesTheStageWhenItIsThere) {
   }));
 }
 
-TEST_F(OpeningTest, GivesTheErrorWhereThereIsNothing) {
+TEST_F(OpeningTest, gives_the_error_if_there_is_nothing_to_open) {
   Opening opening({{(folder_.path() / "nothing").string()}}, {}, looking, nobody);
   EXPECT_FALSE(wait(opening));
   EXPECT_THAT(error_, HasSubstr("nothing: no such file or folder"));
 }
 
-TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
+TEST_F(OpeningTest, can_be_abandoned_while_a_host_does_not_answer) {
   std::atomic<int> asked{0};
   std::atomic<bool> over{false};
   ScriptedHttpServer server([&](int, const std::string&) {
@@ -96,7 +96,7 @@ TEST_F(OpeningTest, IsGivenUpWhileAHostDoesNotAnswer) {
   over = true;
 }
 
-TEST_F(OpeningTest, TellsWhatItWaitsForOnceThatTakesTooLong) {
+TEST_F(OpeningTest, reports_what_it_waits_for_once_that_takes_too_long) {
   std::atomic<bool> over{false};
   ScriptedHttpServer server([&](int, const std::string&) {
     wait_until([&] { return over.load(); });
@@ -115,7 +115,7 @@ TEST_F(OpeningTest, TellsWhatItWaitsForOnceThatTakesTooLong) {
   over = true;
 }
 
-TEST_F(OpeningTest, CallsNothingOnceItIsGone) {
+TEST_F(OpeningTest, calls_nothing_after_its_destruction) {
   // A hundred openings, each given up a little later than the one before, so that some are caught
   // in the middle of every call.
   for (int i = 0; i < 100; ++i) {
@@ -135,7 +135,7 @@ TEST_F(OpeningTest, CallsNothingOnceItIsGone) {
   }
 }
 
-TEST_F(OpeningTest, StagesAreRetiredWithTheirErrors) {
+TEST_F(OpeningTest, retires_stages_together_with_their_error_handlers) {
   const std::string file = ply("frame2.ply");
   std::ofstream(folder_.path() / "frame10.ply") << "ply\nbroken\n";
   std::atomic<int> errors{0};
@@ -154,7 +154,7 @@ TEST_F(OpeningTest, StagesAreRetiredWithTheirErrors) {
   retire(nullptr);
 }
 
-TEST_F(OpeningTest, PlaysFilesThatAreDroppedTogetherAsOneReel) {
+TEST_F(OpeningTest, plays_files_dropped_together_as_one_reel) {
   const std::string second = ply("b2.ply"), tenth = ply("b10.ply"), first = ply("b1.PLY");
   const auto sources = sources_of({tenth, "http://host/reel", first, second});
   ASSERT_EQ(sources.size(), 2u);
@@ -167,7 +167,7 @@ TEST_F(OpeningTest, PlaysFilesThatAreDroppedTogetherAsOneReel) {
   EXPECT_EQ(stage->reel(0)->name(), "b1.PLY to b10.ply");
 }
 
-TEST_F(OpeningTest, TakesASingleFileOrFolderAsItIs) {
+TEST_F(OpeningTest, opens_a_single_file_or_folder_as_it_is) {
   const std::string file = ply("one.ply");
   const auto sources = sources_of({file});
   ASSERT_EQ(sources.size(), 1u);

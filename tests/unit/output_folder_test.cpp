@@ -25,7 +25,7 @@ std::string error_of(const Result<OutputFolder>& folder) {
   return folder ? "made" : folder.error().message;
 }
 
-TEST(OutputFolder, is_not_in_its_place_until_it_is_published) {
+TEST(OutputFolder, does_not_appear_before_it_is_published) {
   const TemporaryFolder parent;
   const fs::path final = parent.path() / "out";
   Result<OutputFolder> folder = OutputFolder::create(final);
@@ -40,7 +40,7 @@ TEST(OutputFolder, is_not_in_its_place_until_it_is_published) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, vanishes_if_it_is_never_published) {
+TEST(OutputFolder, disappears_if_it_is_never_published) {
   const TemporaryFolder parent;
   {
     Result<OutputFolder> folder = OutputFolder::create(parent.path() / "out");
@@ -51,7 +51,7 @@ TEST(OutputFolder, vanishes_if_it_is_never_published) {
   EXPECT_THAT(names_in(parent.path()), IsEmpty());
 }
 
-TEST(OutputFolder, stays_published_after_its_end) {
+TEST(OutputFolder, stays_published_after_its_destruction) {
   const TemporaryFolder parent;
   {
     Result<OutputFolder> folder = OutputFolder::create(parent.path() / "out");
@@ -60,7 +60,7 @@ TEST(OutputFolder, stays_published_after_its_end) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, belongs_to_the_last_that_it_was_moved_to) {
+TEST(OutputFolder, belongs_to_the_object_that_it_was_last_moved_to) {
   const TemporaryFolder parent;
   std::optional<Result<OutputFolder>> first(OutputFolder::create(parent.path() / "out"));
   ASSERT_TRUE(*first);
@@ -71,7 +71,7 @@ TEST(OutputFolder, belongs_to_the_last_that_it_was_moved_to) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, can_be_filled_twice_at_once_and_the_first_published_stays) {
+TEST(OutputFolder, keeps_the_first_of_two_folders_published_to_one_place) {
   const TemporaryFolder parent;
   const fs::path final = parent.path() / "out";
   {
@@ -90,7 +90,7 @@ TEST(OutputFolder, can_be_filled_twice_at_once_and_the_first_published_stays) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, takes_the_place_of_an_empty_folder) {
+TEST(OutputFolder, replaces_an_empty_folder) {
   const TemporaryFolder parent;
   fs::create_directory(parent.path() / "out");
   Result<OutputFolder> folder = OutputFolder::create(parent.path() / "out/");
@@ -100,7 +100,7 @@ TEST(OutputFolder, takes_the_place_of_an_empty_folder) {
   EXPECT_EQ(read_text(parent.path() / "out/a"), "1");
 }
 
-TEST(OutputFolder, refuses_a_place_that_is_taken) {
+TEST(OutputFolder, refuses_an_existing_folder_that_is_not_empty) {
   const TemporaryFolder parent;
   fs::create_directory(parent.path() / "folder");
   write_file(parent.path() / "folder/a", "1");
@@ -118,7 +118,7 @@ TEST(OutputFolder, refuses_a_place_that_is_taken) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("file", "folder", "link"));
 }
 
-TEST(OutputFolder, replaces_what_it_may_and_only_when_it_is_published) {
+TEST(OutputFolder, replaces_a_folder_only_if_allowed_and_only_when_published) {
   const TemporaryFolder parent;
   const fs::path final = parent.path() / "out";
   fs::create_directory(final);
@@ -139,7 +139,7 @@ TEST(OutputFolder, replaces_what_it_may_and_only_when_it_is_published) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, asks_before_it_replaces) {
+TEST(OutputFolder, asks_before_it_replaces_a_folder) {
   const TemporaryFolder parent;
   const fs::path final = parent.path() / "out";
   fs::create_directory(final);
@@ -154,7 +154,7 @@ TEST(OutputFolder, asks_before_it_replaces) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, refuses_a_place_in_a_folder_that_is_not_there) {
+TEST(OutputFolder, refuses_a_place_in_a_missing_folder) {
   const TemporaryFolder parent;
   EXPECT_THAT(error_of(OutputFolder::create(parent.path() / "no/out")),
               StartsWith((parent.path() / "no").string() + ": "));

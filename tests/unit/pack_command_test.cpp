@@ -48,7 +48,7 @@ class PackCommand : public PackTest {
   }
 };
 
-TEST_F(PackCommand, writes_its_summary_as_json_and_nothing_else) {
+TEST_F(PackCommand, prints_its_summary_as_json_and_nothing_else) {
   write_frames(3);
   const Outcome outcome = run_pack({"--depth", "9", "--json"});
   EXPECT_EQ(outcome.code, kExitOk);
@@ -65,7 +65,7 @@ TEST_F(PackCommand, writes_its_summary_as_json_and_nothing_else) {
   EXPECT_LE(summary.at("encode_ms").at("min"), summary.at("encode_ms").at("max"));
 }
 
-TEST_F(PackCommand, says_what_a_bit_rate_made_of_each_segment) {
+TEST_F(PackCommand, reports_how_a_bit_rate_changed_each_segment) {
   write_frames(4);
   const Outcome asked = run_pack({"--segment", "2", "--depth", "9", "--json"});
   const json before = json::parse(asked.out).at("segments");
@@ -91,7 +91,7 @@ TEST_F(PackCommand, says_what_a_bit_rate_made_of_each_segment) {
   EXPECT_THAT(people.out, HasSubstr("error "));
 }
 
-TEST_F(PackCommand, writes_json_to_a_file_and_says_the_rest_to_people) {
+TEST_F(PackCommand, writes_json_to_a_file_and_prints_a_summary_for_people) {
   write_frames(1);
   const auto path = folder_.path() / "pack.json";
   const Outcome outcome = run_pack({"--json", path.string()});
@@ -153,7 +153,7 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
   EXPECT_TRUE(outputs().empty());
 }
 
-TEST_F(PackCommand, colours_of_a_lower_quality_take_fewer_bytes) {
+TEST_F(PackCommand, writes_fewer_bytes_for_colours_of_lower_quality) {
   write_frames(1);
   double last = 0.0;
   for (const char* quality : {"20", "60", "100"}) {
@@ -165,7 +165,7 @@ TEST_F(PackCommand, colours_of_a_lower_quality_take_fewer_bytes) {
   }
 }
 
-TEST_F(PackCommand, normals_that_are_derived_are_not_sent) {
+TEST_F(PackCommand, does_not_send_normals_that_clients_can_derive) {
   write_frames(1);
   const auto bits_of_normals = [&](const std::vector<std::string>& how) {
     std::vector<std::string> all = {"--depth", "8", "--force", "--json"};
@@ -181,14 +181,14 @@ TEST_F(PackCommand, normals_that_are_derived_are_not_sent) {
   EXPECT_EQ(bits_of_normals({"--no-normals"}), 0.0);
 }
 
-TEST_F(PackCommand, ends_with_1_and_one_line_when_it_fails) {
+TEST_F(PackCommand, exits_with_1_and_prints_one_line_when_it_fails) {
   const Outcome outcome = run_pack({});
   EXPECT_EQ(outcome.code, kExitFailed);
   EXPECT_THAT(outcome.errors, testing::StartsWith("pointreel-server: "));
   EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1);
 }
 
-TEST_F(PackCommand, verify_tells_good_faulty_and_no_package_apart) {
+TEST_F(PackCommand, verify_distinguishes_good_packages_faulty_ones_and_other_folders) {
   write_frames(2);
   ASSERT_EQ(run_pack({}).code, kExitOk);
   EXPECT_EQ(run({"verify", reel_.string()}).code, kExitOk);
@@ -206,7 +206,7 @@ TEST_F(PackCommand, verify_tells_good_faulty_and_no_package_apart) {
   EXPECT_THAT(run({"verify", reel_.string()}).out, HasSubstr(name + ": frame 1: "));
 }
 
-TEST_F(PackCommand, verify_misses_a_layer_even_if_it_adds_no_points) {
+TEST_F(PackCommand, verify_detects_a_missing_layer_even_if_it_adds_no_points) {
   write_frames(1);
   ASSERT_EQ(run_pack({"--depth", "11"}).code, kExitOk);
   Manifest manifest = *read_manifest(reel_);
@@ -219,7 +219,7 @@ TEST_F(PackCommand, verify_misses_a_layer_even_if_it_adds_no_points) {
   EXPECT_THAT(outcome.out, HasSubstr("frame 0: has 2 layers, its header says 3"));
 }
 
-TEST_F(PackCommand, info_says_what_the_manifest_holds) {
+TEST_F(PackCommand, info_prints_the_contents_of_the_manifest) {
   write_frames(2);
   ASSERT_EQ(run_pack({"--fps", "25", "--up", "z", "--name", "ball game"}).code, kExitOk);
   const json info = json::parse(run({"info", reel_.string(), "--json"}).out);
@@ -232,7 +232,7 @@ TEST_F(PackCommand, info_says_what_the_manifest_holds) {
   EXPECT_EQ(run({"info", frames_.string()}).code, kExitUsage);
 }
 
-TEST_F(PackCommand, unpack_takes_frames_from_a_to_b_only) {
+TEST_F(PackCommand, unpack_writes_only_the_requested_range_of_frames) {
   write_frames(3);
   ASSERT_EQ(run_pack({}).code, kExitOk);
   const auto back = (folder_.path() / "back").string();

@@ -44,7 +44,7 @@ class PackControl : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(PackControl, keeps_every_segment_within_the_bit_rate_and_uses_it) {
+TEST_F(PackControl, keeps_every_segment_within_the_bit_rate_and_close_to_it) {
   PackOptions options = this->options(7, 4000);
   options.segment_frames = 3;
   const double free_rate = packed(options).segments.front().bits_per_second;
@@ -71,7 +71,7 @@ TEST_F(PackControl, keeps_every_segment_within_the_bit_rate_and_uses_it) {
   }
 }
 
-TEST_F(PackControl, at_a_bit_rate_makes_the_same_bytes_with_any_number_of_threads) {
+TEST_F(PackControl, writes_the_same_bytes_on_any_number_of_threads_at_a_bit_rate) {
   PackOptions options = this->options(6, 2000);
   options.segment_frames = 4;
   options.bitrate = 0.3 * packed(options).segments.front().bits_per_second;
@@ -83,7 +83,7 @@ TEST_F(PackControl, at_a_bit_rate_makes_the_same_bytes_with_any_number_of_thread
   EXPECT_EQ(contents(options.output), alone);
 }
 
-TEST_F(PackControl, changes_nothing_where_the_bit_rate_is_enough) {
+TEST_F(PackControl, changes_nothing_if_the_bit_rate_is_sufficient) {
   PackOptions options = this->options(2, 1000);
   packed(options);
   const auto free = contents(options.output);
@@ -92,7 +92,7 @@ TEST_F(PackControl, changes_nothing_where_the_bit_rate_is_enough) {
   EXPECT_EQ(contents(options.output), free);
 }
 
-TEST_F(PackControl, writes_a_segment_anew_where_the_frames_tried_were_smaller_than_the_others) {
+TEST_F(PackControl, rewrites_a_segment_if_its_sampled_frames_were_unusually_small) {
   PackOptions options = this->options(0, 0);
   for (std::size_t i = 0; i < 9; ++i) {
     // Of nine frames 1, 3, 5 and 7 are tried.
@@ -116,7 +116,7 @@ TEST_F(PackControl, writes_a_segment_anew_where_the_frames_tried_were_smaller_th
   EXPECT_EQ(bytes, summary->bytes);
 }
 
-TEST_F(PackControl, says_where_even_the_coarsest_is_too_much) {
+TEST_F(PackControl, reports_segments_that_exceed_the_bit_rate_even_at_their_coarsest) {
   PackOptions options = this->options(4, 300);
   options.segment_frames = 2;
   options.bitrate = 1000.0;
@@ -129,7 +129,7 @@ TEST_F(PackControl, says_where_even_the_coarsest_is_too_much) {
   EXPECT_THAT(summary.warnings[1], HasSubstr("frames 2 to 3"));
 }
 
-TEST_F(PackControl, takes_draco_and_voxels_and_a_cube_a_frame_too) {
+TEST_F(PackControl, also_controls_draco_voxels_and_a_cube_for_each_frame) {
   PackOptions options = this->options(3, 3000);
   options.cube_per_frame = true;
   options.bitrate = 0.5 * packed(options).segments.front().bits_per_second;
@@ -147,7 +147,7 @@ TEST_F(PackControl, takes_draco_and_voxels_and_a_cube_a_frame_too) {
 }
 
 // No time decides: any machine takes longer than the one, and less than the other.
-TEST_F(PackControl, lowers_the_depth_where_frames_take_longer_than_they_may) {
+TEST_F(PackControl, lowers_the_depth_if_frames_take_too_long) {
   PackOptions options = this->options(20, 400);
   options.threads = 1;
   options.frame_time_ms = 1e9;
@@ -162,7 +162,7 @@ TEST_F(PackControl, lowers_the_depth_where_frames_take_longer_than_they_may) {
   EXPECT_THAT(verify(options.output)->faults, IsEmpty());
 }
 
-TEST_F(PackControl, says_the_largest_error_and_the_package_tells_the_same) {
+TEST_F(PackControl, reports_the_largest_error_and_stores_it_in_the_package) {
   PackOptions options = this->options(4, 2000);
   options.segment_frames = 2;
   for (const bool cube_per_frame : {false, true}) {

@@ -65,7 +65,7 @@ std::string error_at(const std::string& pointer, const json& value) {
   return error_of(root.dump());
 }
 
-TEST(Manifest, names_tables_only_where_frames_may_use_them) {
+TEST(Manifest, names_tables_only_if_frames_can_use_them) {
   Manifest m = example();
   m.entropy = "context";
   m.tables = PackageFile{"tables.01234567.prs", 1000, 0x0123456789abcdefu};
@@ -89,7 +89,7 @@ TEST(Manifest, names_tables_only_where_frames_may_use_them) {
               HasSubstr("belong to entropy"));
 }
 
-TEST(Manifest, comes_back_as_it_was_written) {
+TEST(Manifest, is_parsed_as_it_was_written) {
   const Manifest m = example();
   const Result<Manifest> back = parse_manifest(write_manifest(m));
   ASSERT_TRUE(back) << back.error().message;
@@ -122,7 +122,7 @@ TEST(Manifest, comes_back_as_it_was_written) {
   EXPECT_EQ(write_manifest(*back), write_manifest(m));
 }
 
-TEST(Manifest, of_a_draco_reel_without_frames_comes_back) {
+TEST(Manifest, is_parsed_for_a_draco_reel_without_frames) {
   Manifest m;
   m.codec = "draco";
   m.layer_names = {"full"};
@@ -133,7 +133,7 @@ TEST(Manifest, of_a_draco_reel_without_frames_comes_back) {
   EXPECT_EQ(back->entropy, "");
 }
 
-TEST(Manifest, with_a_name_that_is_no_utf8_is_still_written_as_json) {
+TEST(Manifest, is_valid_json_even_if_the_name_is_not_utf_8) {
   Manifest m = example();
   m.name =
       "a\xff"
@@ -152,7 +152,7 @@ TEST(Manifest, locates_frames_and_their_bytes) {
   EXPECT_EQ(byte_range(m.segments[0].layers[1], 1).size, 300u);
 }
 
-TEST(Manifest, shows_the_last_frame_that_has_begun) {
+TEST(Manifest, finds_the_last_frame_that_has_begun) {
   const Manifest m = example();
   EXPECT_EQ(frame_time_us(m, 2), 66733u);
   EXPECT_EQ(frame_at(m, 0), 0u);
@@ -166,18 +166,18 @@ TEST(Manifest, shows_the_last_frame_that_has_begun) {
   EXPECT_EQ(frame_at(late, 5), 0u) << "clamped to the reel";
 }
 
-TEST(Manifest, ignores_keys_that_it_does_not_know) {
+TEST(Manifest, ignores_unknown_keys) {
   EXPECT_EQ(error_with({{"comment", {{"by", "somebody"}}}}), "accepted");
 }
 
-TEST(Manifest, refuses_a_newer_version_by_number) {
+TEST(Manifest, refuses_a_newer_version_and_names_its_number) {
   EXPECT_THAT(error_with({{"version", 2}, {"segments", "in another form"}}),
               HasSubstr("version 2 is newer than 1"));
   EXPECT_THAT(error_with({{"version", 0}}), HasSubstr("version 0 does not exist"));
   EXPECT_THAT(error_with({{"format", "other"}}), HasSubstr("format"));
 }
 
-TEST(Manifest, misses_every_key_by_its_name) {
+TEST(Manifest, names_every_missing_key) {
   const json whole = json::parse(write_manifest(example()));
   for (const auto& [key, value] : whole.items()) {
     json root = whole;
@@ -240,7 +240,7 @@ TEST(Manifest, refuses_numbers_that_are_not_finite) {
   EXPECT_THAT(error_at("/fps", -30), HasSubstr("fps"));
 }
 
-TEST(Manifest, refuses_an_edge_that_reaches_beyond_the_finite) {
+TEST(Manifest, refuses_a_cube_whose_far_corner_is_not_finite) {
   Manifest m = example();
   m.segments[0].cube = {glm::dvec3(1.7e308), 1e308};
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("cube"));
@@ -256,7 +256,7 @@ TEST(Manifest, refuses_every_path_that_could_leave_the_folder) {
   EXPECT_THAT(error_at("/segments/1/files/0/path", "00000.full.prs"), HasSubstr("used twice"));
 }
 
-TEST(Manifest, refuses_sizes_that_do_not_sum) {
+TEST(Manifest, refuses_sizes_that_do_not_add_up) {
   EXPECT_THAT(error_at("/segments/0/files/0/bytes", 151), HasSubstr("take 150"));
   EXPECT_THAT(error_at("/segments/0/files/1/frames/0/1", 1), HasSubstr("take 501"));
 }
@@ -276,7 +276,7 @@ TEST(Manifest, refuses_chunks_that_no_frame_can_have) {
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("without normals"));
 }
 
-TEST(Manifest, refuses_frames_that_are_not_consecutive_or_run_backwards) {
+TEST(Manifest, refuses_frames_that_are_not_consecutive_or_go_backward_in_time) {
   EXPECT_THAT(error_at("/segments/1/first_frame", 3), HasSubstr("2 comes next"));
   EXPECT_THAT(error_at("/segments/1/first_frame", 1000000000), HasSubstr("2 comes next"));
   EXPECT_THAT(error_at("/segments/1/times_us/0", 33365), HasSubstr("after 33366"));
@@ -285,7 +285,7 @@ TEST(Manifest, refuses_frames_that_are_not_consecutive_or_run_backwards) {
   EXPECT_THAT(error_at("/duration_us", 66732), HasSubstr("duration_us"));
 }
 
-TEST(Manifest, refuses_layers_and_bounds_that_do_not_fit_the_frames) {
+TEST(Manifest, refuses_layers_and_bounds_that_contradict_the_frames) {
   EXPECT_THAT(error_with({{"layers", {"base"}}}), HasSubstr("2 for 1 layers"));
   EXPECT_THAT(error_with({{"layers", {"base", "base"}}}), HasSubstr("comes twice"));
   EXPECT_THAT(error_with({{"layers", json::array()}}), HasSubstr("layers"));
@@ -298,7 +298,7 @@ TEST(Manifest, refuses_control_characters_in_a_name) {
   EXPECT_THAT(error_with({{"name", std::string(256, 'a')}}), HasSubstr("name"));
 }
 
-TEST(Manifest, tells_where_it_stands_in_a_live_stream) {
+TEST(Manifest, states_its_position_in_a_live_stream) {
   Manifest m = example();
   EXPECT_FALSE(parse_manifest(write_manifest(m)).value().live);
   m.live = LiveManifest{0xfedcba9876543210, 4'000'000'000, 1'700'000'000'000'000, true};
@@ -319,7 +319,7 @@ TEST(Manifest, tells_where_it_stands_in_a_live_stream) {
   }
 }
 
-TEST(Manifest, that_is_written_segment_by_segment_is_the_same) {
+TEST(Manifest, is_the_same_if_written_segment_by_segment) {
   const Manifest m = example();
   std::vector<std::string> lines;
   for (const Segment& segment : m.segments) lines.push_back(write_segment(segment));
@@ -328,7 +328,7 @@ TEST(Manifest, that_is_written_segment_by_segment_is_the_same) {
   EXPECT_EQ(write_manifest(head, lines), write_manifest(m));
 }
 
-TEST(Manifest, refuses_a_key_that_comes_twice) {
+TEST(Manifest, refuses_duplicate_keys) {
   std::string text = write_manifest(example());
   text.replace(text.find("\"fps\""), 5, "\"up\"");
   EXPECT_THAT(error_of(text), HasSubstr("key twice"));
@@ -337,7 +337,7 @@ TEST(Manifest, refuses_a_key_that_comes_twice) {
   EXPECT_THAT(error_of(text), HasSubstr("key twice"));
 }
 
-TEST(Manifest, survives_nesting_bombs) {
+TEST(Manifest, survives_deeply_nested_json) {
   EXPECT_EQ(error_of(std::string(10'000'000, '[')), "nests too deep");
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
@@ -346,14 +346,14 @@ TEST(Manifest, survives_nesting_bombs) {
   EXPECT_THAT(error_of(std::string(kMaxManifestBytes + 1, ' ')), HasSubstr("longer"));
 }
 
-TEST(Manifest, cut_at_any_byte_is_refused) {
+TEST(Manifest, is_refused_if_truncated_at_any_byte) {
   const std::string text = write_manifest(example());
   for (std::size_t size = 0; size + 2 < text.size(); ++size) {
     ASSERT_NE(error_of(text.substr(0, size)), "accepted") << size;
   }
 }
 
-TEST(Manifest, is_read_from_a_folder_and_errors_begin_with_the_path) {
+TEST(Manifest, is_read_from_a_folder_with_the_path_in_every_error) {
   const TemporaryFolder temporary;
   const std::filesystem::path& folder = temporary.path();
   EXPECT_THAT(read_manifest(folder).error().message, HasSubstr("is not a package"));
@@ -364,7 +364,7 @@ TEST(Manifest, is_read_from_a_folder_and_errors_begin_with_the_path) {
   EXPECT_THAT(read_manifest(folder).error().message, HasSubstr("reel.json: format: is missing"));
 }
 
-TEST(Checksum, is_xxh3_with_64_bits) {
+TEST(Checksum, is_the_64_bit_xxh3) {
   EXPECT_EQ(checksum_of({}), 0x2d06800538d394c2u) << "the published value for no bytes";
 }
 

@@ -67,7 +67,7 @@ std::set<std::string> layers_in(const fs::path& package) {
   return names;
 }
 
-TEST(Packer, makes_the_same_bytes_with_any_number_of_threads) {
+TEST(Packer, writes_the_same_bytes_on_any_number_of_threads) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 10);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -88,7 +88,7 @@ TEST(Packer, makes_the_same_bytes_with_any_number_of_threads) {
   }
 }
 
-TEST(Packer, makes_the_same_bytes_of_slabs_with_any_number_of_threads) {
+TEST(Packer, writes_the_same_slabs_on_any_number_of_threads) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 3, 12'000);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -106,7 +106,7 @@ TEST(Packer, makes_the_same_bytes_of_slabs_with_any_number_of_threads) {
   EXPECT_NE(contents_with(1, 4), alone) << "no slabs were made";
 }
 
-TEST(Packer, takes_frames_in_natural_order) {
+TEST(Packer, reads_frames_in_natural_order) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "in");
   for (const std::size_t i : {10u, 9u, 100u, 1u, 2u}) {
@@ -119,7 +119,7 @@ TEST(Packer, takes_frames_in_natural_order) {
   EXPECT_THAT(manifest.segments[0].points, ElementsAre(1u, 2u, 9u, 10u, 100u));
 }
 
-TEST(Packer, cuts_frames_into_segments_that_share_a_cube) {
+TEST(Packer, divides_frames_into_segments_that_share_a_cube) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 7);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "take.reel");
@@ -149,7 +149,7 @@ TEST(Packer, cuts_frames_into_segments_that_share_a_cube) {
                              "00006.base.prs", "00006.middle.prs", "00006.full.prs"}));
 }
 
-TEST(Packer, gives_each_frame_its_own_cube_if_asked) {
+TEST(Packer, gives_each_frame_its_own_cube_on_request) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 3);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -168,7 +168,7 @@ TEST(Packer, gives_each_frame_its_own_cube_if_asked) {
   EXPECT_EQ(manifest.segments[0].cube, bounding_cube(all));
 }
 
-TEST(Packer, gives_back_points_on_multiples_of_the_voxel_exactly) {
+TEST(Packer, restores_points_on_multiples_of_the_voxel_exactly) {
   for (const double voxel : {1.0, 0.125}) {
     for (const bool cube_per_frame : {false, true}) {
       const TemporaryFolder folder;
@@ -204,7 +204,7 @@ TEST(Packer, refuses_voxels_that_need_too_deep_an_octree) {
   }
 }
 
-TEST(Packer, gives_other_bytes_another_name_so_that_caches_never_mix_them) {
+TEST(Packer, names_files_by_content_so_that_caches_never_mix_them) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -220,7 +220,7 @@ TEST(Packer, gives_other_bytes_another_name_so_that_caches_never_mix_them) {
   }
 }
 
-TEST(Packer, leaves_what_is_there_untouched_without_force) {
+TEST(Packer, leaves_an_existing_folder_untouched_without_force) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -232,7 +232,7 @@ TEST(Packer, leaves_what_is_there_untouched_without_force) {
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
 }
 
-TEST(Packer, replaces_a_package_by_force) {
+TEST(Packer, replaces_a_package_with_force) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -245,7 +245,7 @@ TEST(Packer, replaces_a_package_by_force) {
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
 }
 
-TEST(Packer, never_replaces_another_folder_even_by_force) {
+TEST(Packer, never_replaces_a_folder_that_is_not_a_package_even_with_force) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 1);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "in");
@@ -299,7 +299,7 @@ TEST(Packer, leaves_nothing_behind_when_it_is_stopped) {
   }
 }
 
-TEST(Packer, leaves_out_the_attributes_that_are_not_wanted) {
+TEST(Packer, omits_attributes_on_request) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -324,7 +324,7 @@ TEST(Packer, leaves_out_the_attributes_that_are_not_wanted) {
   }
 }
 
-TEST(Packer, says_that_a_reel_lacks_what_its_sources_lack) {
+TEST(Packer, states_that_a_reel_lacks_attributes_that_its_sources_lack) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "in");
   PointCloud plain = ellipsoid(50);
@@ -342,7 +342,7 @@ TEST(Packer, says_that_a_reel_lacks_what_its_sources_lack) {
   }
 }
 
-TEST(Packer, packs_frames_without_a_point) {
+TEST(Packer, packs_frames_without_points) {
   for (const EncodeOptions& encode : {EncodeOptions{}, draco()}) {
     for (const bool cube_per_frame : {false, true}) {
       const TemporaryFolder folder;
@@ -366,7 +366,7 @@ TEST(Packer, packs_frames_without_a_point) {
   }
 }
 
-TEST(Packer, packs_a_reel_without_a_single_point) {
+TEST(Packer, packs_a_reel_without_any_points) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "in");
   ASSERT_TRUE(write_ply(folder.path() / "in/0.ply", PointCloud{}));
@@ -378,7 +378,7 @@ TEST(Packer, packs_a_reel_without_a_single_point) {
   EXPECT_THAT(report->faults, IsEmpty());
 }
 
-TEST(Packer, leaves_out_layers_that_no_frame_has) {
+TEST(Packer, omits_layers_that_no_frame_has) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -388,7 +388,7 @@ TEST(Packer, leaves_out_layers_that_no_frame_has) {
   EXPECT_THAT(layers_in(options.output), ElementsAre("00000.base.prs", "reel.json"));
 }
 
-TEST(Packer, sums_up_what_it_wrote) {
+TEST(Packer, summarises_its_output) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 4);
   const PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -410,7 +410,7 @@ TEST(Packer, sums_up_what_it_wrote) {
   EXPECT_LE(summary.encode_ms.median, summary.encode_ms.max);
 }
 
-TEST(Packer, warns_of_what_it_mends_and_leaves_out) {
+TEST(Packer, warns_of_repairs_and_omissions) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "in");
   PointCloud cloud = ellipsoid(20);
@@ -429,7 +429,7 @@ TEST(Packer, warns_of_what_it_mends_and_leaves_out) {
                                  StartsWith((folder.path() / "in/1.ply").string() + ": ")));
 }
 
-TEST(Packer, refuses_before_the_work_what_no_client_would_accept) {
+TEST(Packer, refuses_values_that_no_client_accepts_before_it_begins) {
   const TemporaryFolder folder;
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
@@ -445,7 +445,7 @@ TEST(Packer, refuses_before_the_work_what_no_client_would_accept) {
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in"));
 }
 
-TEST(Spread, is_the_median_and_the_ends) {
+TEST(Spread, consists_of_the_median_and_both_extremes) {
   EXPECT_EQ(spread_of({3.0, 1.0, 2.0}).median, 2.0);
   const Spread even = spread_of({4.0, 1.0, 2.0, 9.0});
   EXPECT_EQ(even.median, 3.0);

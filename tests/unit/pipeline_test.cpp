@@ -95,7 +95,7 @@ FrameBuffer::Options once(std::uint32_t frames, std::uint32_t ahead) {
   return options;
 }
 
-TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
+TEST(Pipeline, every_frame_is_prepared_once_and_shown_in_order_at_uneven_speeds) {
   FakeSource source(60);
   source.delay = std::chrono::microseconds(300);
   FrameBuffer buffer(once(60, 6));
@@ -120,7 +120,7 @@ TEST(Pipeline, GivesEveryFrameOnceInOrderWhoeverIsSlow) {
   EXPECT_TRUE(errors.frames.empty());
 }
 
-TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
+TEST(Pipeline, parallel_parts_of_frames_use_no_more_threads_than_frames_may) {
   FakeSource source(20);
   FrameBuffer buffer(once(20, 6));
   Errors errors;
@@ -147,7 +147,7 @@ TEST(Pipeline, PartsOfFramesTakeNoMoreThreadsThanFramesMay) {
   EXPECT_LE(most_working, 2);
 }
 
-TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {
+TEST(Pipeline, damaged_frames_are_reported_and_playback_goes_on) {
   FakeSource source(20);
   source.broken = {0, 7};
   FrameBuffer buffer(once(20, 4));
@@ -171,7 +171,7 @@ TEST(Pipeline, ReportsBrokenFramesAndGoesOnAtTheNext) {
   EXPECT_EQ(pipeline.errors(), 3u);
 }
 
-TEST(Pipeline, StopsFetchingWhenItsBufferIsFull) {
+TEST(Pipeline, fetching_stops_when_the_buffer_is_full) {
   FakeSource source(1000);
   FrameBuffer buffer(once(1000, 5));
   Errors errors;
@@ -180,7 +180,7 @@ TEST(Pipeline, StopsFetchingWhenItsBufferIsFull) {
   EXPECT_FALSE(wait_until([&] { return source.fetches > 6; }, kMoment));
 }
 
-TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
+TEST(Pipeline, only_frames_of_the_new_place_are_shown_after_a_seek) {
   FakeSource source(200);
   source.delay = std::chrono::microseconds(500);
   FrameBuffer buffer(once(200, 4));
@@ -201,7 +201,7 @@ TEST(Pipeline, ShowsOnlyFramesOfTheNewPlaceAfterASeek) {
   EXPECT_TRUE(errors.frames.empty());
 }
 
-TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
+TEST(Pipeline, late_frames_are_shown_in_order_on_a_slow_machine) {
   constexpr std::uint32_t kAhead = 4;
   FakeSource source(4000);
   FrameBuffer buffer(once(4000, kAhead));
@@ -231,7 +231,7 @@ TEST(Pipeline, ShowsLateFramesInOrderOnAMachineThatIsTooSlow) {
   playhead = 4000;  // lets go what is still being prepared
 }
 
-TEST(Pipeline, PreparesForTheModeThatIsAskedFor) {
+TEST(Pipeline, frames_are_prepared_for_the_current_mode) {
   FakeSource source(3);
   FrameBuffer buffer(once(3, 2));
   Errors errors;
@@ -270,7 +270,7 @@ Result<SceneFrame> prepare_layers(const FrameRequest& request, const FetchedFram
   return scene;
 }
 
-TEST(Pipeline, FetchesTheLayersThatAFrameLacks) {
+TEST(Pipeline, layers_that_a_frame_lacks_are_fetched_once) {
   FakeSource source(3);
   source.layered = true;
   FrameBuffer buffer(layered(3, 2));
@@ -291,7 +291,7 @@ TEST(Pipeline, FetchesTheLayersThatAFrameLacks) {
   EXPECT_FALSE(wait_until([&] { return source.fetched_layers().size() > 6; }, kMoment));
 }
 
-TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
+TEST(Pipeline, a_damaged_layer_is_fetched_once_more) {
   FakeSource source(1);
   source.layered = true;
   source.damaged_layer = 1;
@@ -307,7 +307,7 @@ TEST(Pipeline, FetchesALayerThatCameDamagedOnceMore) {
   EXPECT_EQ(source.fresh, 1);
 }
 
-TEST(Pipeline, ShowsAFrameWithoutTheLayerThatStaysDamaged) {
+TEST(Pipeline, a_frame_is_shown_without_a_layer_that_stays_damaged) {
   for (const std::uint32_t layer : {0u, 1u, 2u}) {
     FakeSource source(2);
     source.layered = true;
@@ -329,7 +329,7 @@ TEST(Pipeline, ShowsAFrameWithoutTheLayerThatStaysDamaged) {
   }
 }
 
-TEST(Pipeline, ShowsTheFrameUnderTheCursorOfADrag) {
+TEST(Pipeline, scrubbing_shows_the_base_of_the_frame_under_the_cursor) {
   FakeSource source(200);
   source.layered = true;
   source.delay = std::chrono::microseconds(300);
@@ -355,7 +355,7 @@ TEST(Pipeline, ShowsTheFrameUnderTheCursorOfADrag) {
   EXPECT_TRUE(errors.frames.empty());
 }
 
-TEST(Pipeline, EndsAtOnceInTheMiddleOfAllAndCallsNothingAnError) {
+TEST(Pipeline, destruction_in_the_middle_of_work_reports_no_error) {
   Errors errors;
   for (int i = 0; i < 20; ++i) {
     FakeSource source(100);

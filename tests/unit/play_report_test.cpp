@@ -28,7 +28,7 @@ SceneFrame frame_of(std::uint32_t index, std::uint32_t layers) {
   return frame;
 }
 
-TEST(NotFetched, CountsLayersAttributesAndBytesThatAFrameDidNotNeed) {
+TEST(NotFetched, counts_layers_attributes_and_bytes_that_a_frame_did_not_need) {
   const Manifest manifest = reel();
   NotFetched rest = not_fetched(manifest, frame_of(1, 2), {2, true, false});
   EXPECT_EQ(rest.layers, 1u);
@@ -46,7 +46,7 @@ TEST(NotFetched, CountsLayersAttributesAndBytesThatAFrameDidNotNeed) {
   EXPECT_EQ(rest.bytes, 0u) << "a file is read whole";
 }
 
-TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
+TEST(PlayReport, states_what_was_skipped_in_all_frames_and_not_drawn_of_the_last) {
   const Manifest manifest = reel();
   PlayReport report;
   report.finest_level = 10;
@@ -79,7 +79,7 @@ TEST(PlayReport, SaysWhatWasSkippedOfAllFramesAndWhatWasNotDrawnOfTheLast) {
   EXPECT_EQ(json["skipped"]["hidden"], 3);
 }
 
-TEST(PlayReport, CountsTheBytesOfReelsAndOfLiveStreams) {
+TEST(PlayReport, counts_the_bytes_of_reels_and_of_live_streams) {
   PlayReport report;
   report.sources.resize(2);
   report.sources[0].reel.emplace().fetched_bytes = 1353;
@@ -89,7 +89,7 @@ TEST(PlayReport, CountsTheBytesOfReelsAndOfLiveStreams) {
   EXPECT_EQ(json["fetched_bytes"], 1353 + 2400);
 }
 
-TEST(PlayReport, SaysWhatWasChosenForWhichFramesAndWhy) {
+TEST(PlayReport, lists_the_chosen_layers_of_frames_and_the_reasons) {
   PlayReport report;
   SourceReport source;
   source.reel.emplace();

@@ -25,7 +25,7 @@ SceneFrame frame(double fetch_ms) {
   return frame;
 }
 
-TEST(RecentFrames, KeepTheTimesOfTheLastOnesInOrder) {
+TEST(RecentFrames, keep_the_sorted_times_of_the_latest_frames) {
   RecentFrames recent;
   EXPECT_TRUE(recent.times(Step::fetch).empty());
   DrawStats drawn;
@@ -45,7 +45,7 @@ TEST(RecentFrames, KeepTheTimesOfTheLastOnesInOrder) {
   EXPECT_EQ(recent.size(), 0u);
 }
 
-TEST(RecentFrames, TellTheRateOfTheLastTwoSeconds) {
+TEST(RecentFrames, give_the_rate_over_the_last_two_seconds) {
   RecentFrames recent;
   EXPECT_EQ(recent.frames_per_second(kStart), 0.0);
   for (int i = 0; i < 10; ++i) recent.add(frame(0), {}, kStart + milliseconds(1000 * i));
@@ -55,7 +55,7 @@ TEST(RecentFrames, TellTheRateOfTheLastTwoSeconds) {
   EXPECT_NEAR(recent.frames_per_second(now), 25.0, 1e-9);
 }
 
-TEST(StatisticsText, IsShort) {
+TEST(StatisticsText, abbreviates_counts_and_bytes) {
   EXPECT_EQ(short_count(0), "0");
   EXPECT_EQ(short_count(847), "847");
   EXPECT_EQ(short_count(999.9), "1.00 k");
@@ -75,7 +75,7 @@ class StatisticsLinesTest : public PackTest {
   }
 };
 
-TEST_F(StatisticsLinesTest, TellWhatIsShownAndWhy) {
+TEST_F(StatisticsLinesTest, describe_what_is_shown_and_why) {
   write_frames(3);
   ASSERT_TRUE(pack(layered_options()));
   Stage::Options stage_options;
@@ -116,7 +116,7 @@ TEST_F(StatisticsLinesTest, TellWhatIsShownAndWhy) {
   EXPECT_EQ(text_of(statistics_lines(**stage, recent, kStart), "Drawn"), "150 elements");
 }
 
-TEST_F(StatisticsLinesTest, NameTheSourcesIfThereAreSeveral) {
+TEST_F(StatisticsLinesTest, name_the_sources_if_there_are_several) {
   write_frames(2);
   auto stage = Stage::open(
       {{frames_.string()}, {frames_.string(), {1.0, 0.0, 0.0}}}, {},

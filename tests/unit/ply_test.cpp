@@ -102,7 +102,7 @@ TEST(Ply, reads_every_scalar_type_by_both_names_in_both_byte_orders) {
   }
 }
 
-TEST(Ply, reads_negative_and_large_integers_whole) {
+TEST(Ply, reads_negative_and_large_integers_exactly) {
   std::string text =
       "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty char x\n"
       "property short y\nproperty uint z\nend_header\n";
@@ -144,7 +144,7 @@ TEST(Ply, reads_colours_of_every_type_as_16_bits) {
   }
 }
 
-TEST(Ply, reads_a_colour_that_is_no_number_as_black) {
+TEST(Ply, reads_a_nan_colour_as_black) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
       "property float z\nproperty float r\nproperty float g\nproperty float b\nend_header\n"
@@ -152,7 +152,7 @@ TEST(Ply, reads_a_colour_that_is_no_number_as_black) {
   EXPECT_EQ(cloud.colors.at(0), glm::u16vec3(0, 0, 65535));
 }
 
-TEST(Ply, knows_the_other_spellings_of_colours_and_normals) {
+TEST(Ply, accepts_alternative_names_of_colours_and_normals) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty uchar diffuse_blue\nproperty float x\n"
       "property float normal_z\nproperty float y\nproperty uchar diffuse_red\nproperty float z\n"
@@ -165,7 +165,7 @@ TEST(Ply, knows_the_other_spellings_of_colours_and_normals) {
   EXPECT_EQ(cloud.radii.at(0), 0.5f);
 }
 
-TEST(Ply, leaves_an_incomplete_attribute_absent) {
+TEST(Ply, treats_an_incomplete_attribute_as_absent) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
       "property float z\nproperty float nx\nproperty float ny\nproperty uchar red\n"
@@ -175,7 +175,7 @@ TEST(Ply, leaves_an_incomplete_attribute_absent) {
   EXPECT_FALSE(cloud.has_colors());
 }
 
-TEST(Ply, reads_past_lists_and_other_elements_wherever_they_stand) {
+TEST(Ply, skips_lists_and_other_elements_anywhere) {
   const std::string header =
       "element face 2\nproperty list uchar int vertex_indices\nproperty uchar flags\n"
       "element nothing 4000000000000\n"
@@ -231,7 +231,7 @@ TEST(Ply, reads_an_empty_cloud) {
                   .empty());
 }
 
-TEST(Ply, reports_a_header_larger_than_the_data_with_place_and_property) {
+TEST(Ply, names_the_place_and_property_if_the_header_promises_too_much) {
   std::string binary =
       "ply\nformat binary_little_endian 1.0\nelement vertex 2000000000\nproperty float x\n"
       "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
@@ -249,7 +249,7 @@ TEST(Ply, reports_a_header_larger_than_the_data_with_place_and_property) {
               HasSubstr("property w of vertex 0 of 4000000000"));
 }
 
-TEST(Ply, takes_memory_for_the_data_and_not_for_the_header) {
+TEST(Ply, allocates_memory_for_the_data_and_not_for_the_header) {
   // 2^64 - 1 vertices of 12 bytes: neither the product nor the sum may wrap around.
   std::string text =
       "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\n"
@@ -261,7 +261,7 @@ TEST(Ply, takes_memory_for_the_data_and_not_for_the_header) {
               HasSubstr("property x of vertex 1 of 18446744073709551615"));
 }
 
-TEST(Ply, errors_of_the_header_name_the_line) {
+TEST(Ply, names_the_line_of_errors_in_the_header) {
   const auto header = [](std::string_view lines) {
     return "ply\nformat ascii 1.0\n" + std::string(lines) + "end_header\n";
   };
@@ -300,7 +300,7 @@ TEST(Ply, errors_of_the_header_name_the_line) {
             "line 3: unknown keyword 'elephant?[31m' in the header");
 }
 
-TEST(Ply, errors_of_the_data_name_the_line_or_the_byte) {
+TEST(Ply, names_the_line_or_byte_of_errors_in_the_data) {
   EXPECT_EQ(error_of(ascii_xyz("1 2 3\n4 five 6\n")),
             "line 9: property y of vertex 1 of 2 is 'five', which is no number");
   EXPECT_EQ(error_of(ascii_xyz("1 2 3x\n4 5 6\n")),
@@ -332,7 +332,7 @@ TEST(Ply, subtracts_a_far_origin_in_double) {
   EXPECT_NEAR(cloud.world(1).z, 812.5001, 1e-7);
 }
 
-TEST(Ply, keeps_points_that_are_not_finite_but_out_of_the_choice_of_origin) {
+TEST(Ply, keeps_points_that_are_not_finite_and_ignores_them_for_the_origin) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property float z\nend_header\n100 7 7\nnan 0 0\n0 inf -9e999\n101 8 7\n");
@@ -343,7 +343,7 @@ TEST(Ply, keeps_points_that_are_not_finite_but_out_of_the_choice_of_origin) {
   EXPECT_EQ(cloud.positions[3], glm::vec3(1, 1, 0));
 }
 
-TEST(Ply, keeps_what_no_float_can_hold_out_of_the_choice_of_origin) {
+TEST(Ply, ignores_values_beyond_float_for_the_origin) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
       "property double z\nend_header\n1000000.0001 7 7\n0 1e300 0\n1000001 8 7\n");
@@ -383,7 +383,7 @@ TEST(Ply, writes_and_reads_back_every_attribute_bit_by_bit) {
   EXPECT_EQ(back.radii, cloud.radii);
 }
 
-TEST(Ply, writes_8_bits_a_colour_where_they_suffice) {
+TEST(Ply, writes_8_bit_colours_if_they_suffice) {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}};
   cloud.colors = {{0, 257, 65535}, {514, 771, 25700}};
@@ -392,7 +392,7 @@ TEST(Ply, writes_8_bits_a_colour_where_they_suffice) {
   EXPECT_EQ(read(text_of(bytes)).colors, cloud.colors);
 }
 
-TEST(Ply, writes_doubles_where_floats_would_lose_world_coordinates) {
+TEST(Ply, writes_doubles_if_floats_would_lose_world_coordinates) {
   const PointCloud cloud = random_cloud(1500, glm::dvec3(4.5e6, -1e6, 1e3));
   const Bytes bytes = ply_bytes(cloud);
   EXPECT_THAT(text_of(bytes), HasSubstr("property double x\n"));
@@ -408,7 +408,7 @@ TEST(Ply, writes_doubles_where_floats_would_lose_world_coordinates) {
   EXPECT_EQ(read(text_of(ply_bytes(exact))).world(1), exact.world(1));
 }
 
-TEST(Ply, writes_files_and_reports_where_it_cannot) {
+TEST(Ply, writes_files_and_reports_failures) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "cloud.ply";
   const PointCloud cloud = random_cloud(10, glm::dvec3(0));

@@ -28,7 +28,7 @@ TEST(Sanitize, drops_points_without_a_finite_position_with_all_their_attributes)
   EXPECT_EQ(bounds(cloud).max, glm::dvec3(4, 5, 6));
 }
 
-TEST(Sanitize, flags_zero_and_nan_normals_and_normalises_the_rest) {
+TEST(Sanitize, marks_zero_and_nan_normals_as_unknown_and_normalises_the_rest) {
   PointCloud cloud;
   cloud.positions.resize(5);
   cloud.normals = {{0, 0, 0}, {kNan, 0, 1}, {0, 3e30f, 0}, {0, 0, 1e-30f}, {kInfinity, 0, 0}};
@@ -55,7 +55,7 @@ TEST(Sanitize, zeroes_unusable_and_huge_radii) {
   EXPECT_EQ(cloud.radii[5], 0.5f);
 }
 
-TEST(Sanitize, removes_radii_of_which_none_is_usable) {
+TEST(Sanitize, removes_radii_if_none_is_usable) {
   PointCloud cloud;
   cloud.positions.resize(2);
   cloud.radii = {kNan, -1.0f};
@@ -63,7 +63,7 @@ TEST(Sanitize, removes_radii_of_which_none_is_usable) {
   EXPECT_FALSE(cloud.has_radii());
 }
 
-TEST(Cube, has_edge_one_where_the_box_has_no_extent) {
+TEST(Cube, has_an_edge_of_one_if_the_box_has_no_extent) {
   Box box;
   box.grow(glm::dvec3(7, 8, 9));
   EXPECT_EQ(bounding_cube(box), (Cube{{7, 8, 9}, 1.0}));

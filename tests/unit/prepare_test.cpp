@@ -97,7 +97,7 @@ PointCloud leaves_of(const SceneFrame& scene) {
   return leaves;
 }
 
-TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItWithSurfels) {
+TEST(PrepareFrame, keeps_the_tree_of_an_octree_frame_and_covers_it_with_surfels) {
   const PointCloud cloud = sphere(20'000, true, true);
   const Manifest manifest = manifest_of(cloud);
   const auto scene =
@@ -121,7 +121,7 @@ TEST(PrepareFrame, KeepsTheTreeOfAnOctreeFrameAndCoversItWithSurfels) {
   EXPECT_GT(worst_normal_error(leaves_of(*scene)), 0.95);
 }
 
-TEST(PrepareFrame, GivesTheSameOfAFrameInSlabs) {
+TEST(PrepareFrame, gives_the_same_for_a_frame_in_slabs) {
   const PointCloud cloud = sphere(20'000, false, true);
   OctreeOptions options{Entropy::context, DepthRule::fixed(10)};
   const FetchedFrame whole = fetched(cloud, {options});
@@ -135,7 +135,7 @@ TEST(PrepareFrame, GivesTheSameOfAFrameInSlabs) {
   EXPECT_EQ(scene->attributes.colors, expected->attributes.colors);
 }
 
-TEST(PrepareFrame, HasNormalsInEveryModeWhereTheyAreToBeSeen) {
+TEST(PrepareFrame, has_normals_in_every_mode_that_shows_them) {
   for (const bool with_normals : {true, false}) {
     const PointCloud cloud = sphere(5'000, with_normals, true);
     const Manifest manifest = manifest_of(cloud);
@@ -157,7 +157,7 @@ TEST(PrepareFrame, HasNormalsInEveryModeWhereTheyAreToBeSeen) {
   }
 }
 
-TEST(PrepareFrame, CutsTheTreeOfVoxelsOffWhereACoarserLevelSatisfiesDelta) {
+TEST(PrepareFrame, truncates_the_tree_of_voxels_at_the_coarsest_level_within_delta) {
   const PointCloud cloud = sphere(20'000, false, true);
   const Manifest manifest = manifest_of(cloud);
   const FetchedFrame fine = fetched(cloud, octree(0.001));
@@ -177,7 +177,7 @@ TEST(PrepareFrame, CutsTheTreeOfVoxelsOffWhereACoarserLevelSatisfiesDelta) {
   EXPECT_EQ(points->svo.depth, full->svo.depth) << "delta is of voxels";
 }
 
-TEST(PrepareFrame, FillsGapsBetweenVoxelsWhereTheyDoNotMeet) {
+TEST(PrepareFrame, fills_gaps_between_voxels_that_do_not_touch) {
   const PointCloud cloud = sphere(5'000, true, true);
   const Manifest manifest = manifest_of(cloud);
   for (const FetchedFrame& frame : {fetched(cloud, octree(0.05)), ply(cloud)}) {
@@ -197,7 +197,7 @@ TEST(PrepareFrame, FillsGapsBetweenVoxelsWhereTheyDoNotMeet) {
   }
 }
 
-TEST(PrepareFrame, KnowsWhichLevelsItLacks) {
+TEST(PrepareFrame, reports_the_finest_level_that_it_has) {
   const PointCloud cloud = sphere(20'000, false, true);
   EncodeOptions options{OctreeOptions{Entropy::context, DepthRule::fixed(10)}};
   FetchedFrame frame;
@@ -227,7 +227,7 @@ TEST(PrepareFrame, KnowsWhichLevelsItLacks) {
   EXPECT_LE(scene->svo.depth, 7);
 }
 
-TEST(PrepareFrame, ColoursWithoutLossComeWithTheirMeans) {
+TEST(PrepareFrame, computes_the_means_of_lossless_colours) {
   const PointCloud cloud = sphere(5'000, true, true);
   OctreeOptions options{Entropy::context, DepthRule::fixed(8), kLosslessColorQuality,
                         kBestNormalQuality};
@@ -239,7 +239,7 @@ TEST(PrepareFrame, ColoursWithoutLossComeWithTheirMeans) {
   EXPECT_NEAR(scene->attributes.colors[0].x, 32768, 3000) << "half the sphere is red";
 }
 
-TEST(PrepareFrame, BuildsTheTreeOfADracoFrameInTheSegmentsCube) {
+TEST(PrepareFrame, builds_the_tree_of_a_draco_frame_in_the_cube_of_its_segment) {
   const PointCloud cloud = sphere(5'000, false, true);
   const auto scene = prepare_frame(manifest_of(cloud), 0, fetched(cloud, {DracoOptions{}}),
                                    {DrawMode::voxel, 0.05});
@@ -251,7 +251,7 @@ TEST(PrepareFrame, BuildsTheTreeOfADracoFrameInTheSegmentsCube) {
   EXPECT_TRUE(scene->cloud.empty());
 }
 
-TEST(PrepareFrame, BuildsNoTreeForPointsUnlessTheViewIsCoarserThanTheyAre) {
+TEST(PrepareFrame, builds_a_tree_for_points_only_if_the_view_is_coarser_than_they_are) {
   const PointCloud cloud = sphere(20'000, true, true);
   const Manifest manifest = manifest_of(cloud);
   for (const EncodeOptions& options : {EncodeOptions{DracoOptions{}}}) {
@@ -283,7 +283,7 @@ TEST(PrepareFrame, BuildsNoTreeForPointsUnlessTheViewIsCoarserThanTheyAre) {
   }
 }
 
-TEST(PrepareFrame, EstimatesWhatAFileLacksAndTheModeNeeds) {
+TEST(PrepareFrame, estimates_attributes_that_a_file_lacks_and_the_mode_needs) {
   const PointCloud cloud = sphere(5'000, false, false);
   const Manifest manifest = manifest_of(cloud);
   const FetchedFrame file = ply(cloud);
@@ -300,7 +300,7 @@ TEST(PrepareFrame, EstimatesWhatAFileLacksAndTheModeNeeds) {
   EXPECT_FALSE(points->cloud.has_radii());
 }
 
-TEST(PrepareFrame, EstimatesTheNormalsThatAnOctreeFrameLacks) {
+TEST(PrepareFrame, estimates_the_normals_that_an_octree_frame_lacks) {
   const PointCloud cloud = sphere(5'000, false, true);
   const auto scene = prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {});
   ASSERT_TRUE(scene) << scene.error().message;
@@ -309,7 +309,7 @@ TEST(PrepareFrame, EstimatesTheNormalsThatAnOctreeFrameLacks) {
   EXPECT_GT(worst_normal_error(leaves_of(*scene)), 0.9);
 }
 
-TEST(PrepareFrame, NeitherEstimatesNorKeepsNormalsWhereColoursAreDrawn) {
+TEST(PrepareFrame, neither_estimates_nor_keeps_normals_if_colours_are_drawn) {
   for (const bool normals : {false, true}) {
     const PointCloud cloud = sphere(1'000, normals, true);
     const auto scene =
@@ -325,7 +325,7 @@ TEST(PrepareFrame, NeitherEstimatesNorKeepsNormalsWhereColoursAreDrawn) {
   }
 }
 
-TEST(PrepareFrame, PlaysAFrameWithoutPointsAsNothing) {
+TEST(PrepareFrame, turns_a_frame_without_points_into_an_empty_scene) {
   const PointCloud empty;
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
     for (const FetchedFrame& frame :
@@ -338,7 +338,7 @@ TEST(PrepareFrame, PlaysAFrameWithoutPointsAsNothing) {
   }
 }
 
-TEST(PrepareFrame, TellsWhatIsWrongWithDamagedBytes) {
+TEST(PrepareFrame, reports_the_problem_with_damaged_bytes) {
   const PointCloud cloud = sphere(1'000, false, true);
   FetchedFrame frame = fetched(cloud, octree(0.05));
   frame.layers[0].bytes[frame.layers[0].sizes.geometry / 2] ^= 1;

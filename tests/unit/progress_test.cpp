@@ -44,7 +44,7 @@ TEST(ProgressLine, shows_label_bar_count_and_time_left) {
   EXPECT_THAT(progress_line("pack", 1, 1000, 10.0, 80), EndsWith(" 1/1000, 2:46:30 left"));
 }
 
-TEST(ProgressLine, says_nothing_of_time_before_the_first_and_after_the_last) {
+TEST(ProgressLine, shows_no_time_left_before_the_first_and_after_the_last_item) {
   EXPECT_EQ(progress_line("pack", 0, 4, 1.0, 21), "pack [..........] 0/4");
   EXPECT_EQ(progress_line("pack", 4, 4, 1.0, 21), "pack [##########] 4/4");
   EXPECT_EQ(progress_line("pack", 0, 0, 1.0, 21), "pack [##########] 0/0");
@@ -59,7 +59,7 @@ TEST(ProgressLine, never_exceeds_the_width) {
   EXPECT_EQ(progress_line("pack", 0, 4, 1.0, 14), "pack  0/4");  // no room for a bar
 }
 
-TEST(Progress, is_silent_where_standard_error_is_no_terminal) {
+TEST(Progress, is_silent_if_standard_error_is_not_a_terminal) {
   testing::internal::CaptureStderr();
   {
     Progress progress("pack", 2);
@@ -70,7 +70,7 @@ TEST(Progress, is_silent_where_standard_error_is_no_terminal) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "a line\n");
 }
 
-TEST(Progress, draws_a_bar_on_a_terminal_and_wipes_it_at_the_end) {
+TEST(Progress, draws_a_bar_on_a_terminal_and_clears_it_at_the_end) {
   const std::string text = on_a_terminal([] {
     Progress progress("pack", 2);
     progress.tick();
@@ -90,7 +90,7 @@ TEST(Progress, prints_lines_on_lines_of_their_own) {
   EXPECT_THAT(text, EndsWith("1/2, 0:00 left\r\x1b[Ka line\r\n"));
 }
 
-TEST(Progress, is_ticked_from_any_thread) {
+TEST(Progress, counts_ticks_from_any_thread) {
   const std::string text = on_a_terminal([] {
     Progress progress("pack", 400);
     std::vector<std::thread> threads;

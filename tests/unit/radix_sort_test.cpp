@@ -55,7 +55,7 @@ TEST(RadixSort, agrees_with_a_stable_sort_of_packed_items) {
   }
 }
 
-TEST(RadixSort, sorts_what_is_sorted_already_or_but_for_its_last_item) {
+TEST(RadixSort, sorts_input_that_is_sorted_or_nearly_sorted) {
   std::vector<KeyIndex> items;
   for (std::uint32_t i = 0; i < 5000; ++i) items.push_back({i / 2, i});
   expect_sorted_like_the_library(items);

@@ -52,7 +52,7 @@ bool decodes(const Bytes& bytes, const std::vector<Decision>& decisions, bool& c
   return equal;
 }
 
-TEST(RangeCoder, gives_back_every_decision_and_ends_where_the_encoder_ended) {
+TEST(RangeCoder, restores_every_decision_and_ends_where_the_encoder_ended) {
   for (unsigned seed = 0; seed < 400; ++seed) {
     const auto decisions = random_decisions(seed, seed);
     const Bytes bytes = coded(decisions);
@@ -69,7 +69,7 @@ TEST(RangeCoder, gives_back_every_decision_and_ends_where_the_encoder_ended) {
   }
 }
 
-TEST(RangeCoder, carries_run_through_bytes_that_are_all_ones) {
+TEST(RangeCoder, propagates_carries_through_bytes_of_all_ones) {
   // Zeros of tiny probability for a one push `low` up to just below a power of two; what follows
   // carries. Any such run must come back.
   for (unsigned seed = 0; seed < 200; ++seed) {
@@ -84,7 +84,7 @@ TEST(RangeCoder, carries_run_through_bytes_that_are_all_ones) {
   }
 }
 
-TEST(RangeCoder, costs_what_the_probabilities_say) {
+TEST(RangeCoder, needs_as_many_bits_as_the_probabilities_imply) {
   std::mt19937 random(3);
   std::vector<Decision> decisions;
   for (int i = 0; i < 100'000; ++i) decisions.push_back({random() % 16 == 0 ? 1u : 0u, 4096});
@@ -92,7 +92,7 @@ TEST(RangeCoder, costs_what_the_probabilities_say) {
   EXPECT_NEAR(static_cast<double>(coded(decisions).size()) * 8 / 100'000, 0.337, 0.01);
 }
 
-TEST(RangeCoder, notices_that_bytes_are_missing) {
+TEST(RangeCoder, detects_missing_bytes) {
   const auto decisions = random_decisions(2000, 1);
   const Bytes bytes = coded(decisions);
   for (std::size_t size = 0; size < bytes.size(); ++size) {

@@ -41,7 +41,7 @@ Coarsening best(const Scene& scene, double budget) {
   return {scene.depth - 1, most_quality_lost(scene.depth - 1)};
 }
 
-TEST(RateControl, leaves_what_was_asked_for_where_the_rate_is_enough) {
+TEST(RateControl, changes_nothing_if_the_rate_is_sufficient) {
   RateControl control(3e6, true);
   run(control, {});
   EXPECT_TRUE(control.within_budget());
@@ -49,7 +49,7 @@ TEST(RateControl, leaves_what_was_asked_for_where_the_rate_is_enough) {
   EXPECT_EQ(control.trials(), 1);
 }
 
-TEST(RateControl, finds_the_finest_that_is_within_the_budget_in_few_trials) {
+TEST(RateControl, finds_the_finest_choice_within_the_budget_in_few_trials) {
   for (const double per_level : {2.5, 4.0, 5.0}) {
     Scene scene;
     scene.per_level = per_level;
@@ -69,7 +69,7 @@ TEST(RateControl, finds_the_finest_that_is_within_the_budget_in_few_trials) {
   }
 }
 
-TEST(RateControl, keeps_attributes_within_twice_of_what_the_voxels_lose) {
+TEST(RateControl, lowers_attributes_by_no_more_than_the_depth_justifies) {
   Scene scene;
   scene.attributes = 5e7;
   for (double budget = 2e7; budget > 1e3; budget /= 3.0) {
@@ -79,7 +79,7 @@ TEST(RateControl, keeps_attributes_within_twice_of_what_the_voxels_lose) {
   }
 }
 
-TEST(RateControl, does_not_touch_the_quality_of_what_is_not_there) {
+TEST(RateControl, does_not_change_the_quality_of_absent_attributes) {
   Scene scene;
   scene.attributes = 0.0;
   for (double budget = 9e5; budget > 1e3; budget /= 3.0) {
@@ -90,7 +90,7 @@ TEST(RateControl, does_not_touch_the_quality_of_what_is_not_there) {
   }
 }
 
-TEST(RateControl, says_that_even_the_coarsest_is_too_much) {
+TEST(RateControl, reports_that_even_the_coarsest_choice_exceeds_the_budget) {
   for (const bool attributes : {false, true}) {
     RateControl control(50.0, attributes);
     run(control, {});
@@ -100,7 +100,7 @@ TEST(RateControl, says_that_even_the_coarsest_is_too_much) {
   }
 }
 
-TEST(RateControl, has_nothing_to_give_where_there_is_one_cell) {
+TEST(RateControl, cannot_coarsen_a_single_cell) {
   Scene scene;
   scene.depth = 0;
   RateControl control(150.0, false);
@@ -109,7 +109,7 @@ TEST(RateControl, has_nothing_to_give_where_there_is_one_cell) {
   EXPECT_EQ(control.choice(), Coarsening{});
 }
 
-TEST(RateControl, goes_on_coarser_where_the_trials_were_too_hopeful) {
+TEST(RateControl, coarsens_further_if_the_trials_were_too_optimistic) {
   // All frames together are a quarter more than the trials' frames told.
   const Scene scene;
   for (double budget = 2.2e6; budget > 1e3; budget *= 0.77) {

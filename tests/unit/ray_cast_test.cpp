@@ -64,7 +64,7 @@ void expect_true(const Surface& surface, const Ray& ray, const std::vector<RayHi
   }
 }
 
-TEST(RayCast, rays_through_a_ball_hit_where_the_formula_says) {
+TEST(RayCast, rays_through_a_ball_agree_with_the_formula) {
   const glm::dvec3 center(0.2, 1.1, -0.3);
   const double radius = 0.11;
   const SurfaceGrid grid = grid_of(ball(center, radius));
@@ -96,7 +96,7 @@ TEST(RayCast, rays_through_a_ball_hit_where_the_formula_says) {
   }
 }
 
-TEST(RayCast, rays_through_an_ellipsoid_hit_where_the_formula_says) {
+TEST(RayCast, rays_through_an_ellipsoid_agree_with_the_formula) {
   const glm::dvec3 a = unit({1, 2, -0.5}), b = unit(glm::cross(a, glm::dvec3(0.3, -1, 0.8)));
   const Ellipsoid ellipsoid{{0.1, 0.9, 0.2}, {a, b, glm::cross(a, b)}, {0.3, 0.12, 0.06}};
   const SurfaceGrid grid = grid_of({{ellipsoid}, {{0, 0, 0.0}}});
@@ -121,7 +121,7 @@ TEST(RayCast, rays_through_an_ellipsoid_hit_where_the_formula_says) {
   EXPECT_GT(hitting, 500);
 }
 
-TEST(RayCast, all_hits_agree_with_the_whole_distance_along_rays_through_a_posed_body) {
+TEST(RayCast, all_hits_on_a_posed_body_agree_with_the_full_distance_field) {
   const Body body = pose_body(walk(0.9));
   const SurfaceGrid grid = grid_of(body.surface);
   Random random(3, 0);
@@ -144,7 +144,7 @@ TEST(RayCast, all_hits_agree_with_the_whole_distance_along_rays_through_a_posed_
   EXPECT_GE(most, 4u);
 }
 
-TEST(RayCast, rays_along_the_axes_and_between_cells_find_what_others_find) {
+TEST(RayCast, rays_along_axes_and_cell_faces_find_the_same_as_others) {
   const Body body = pose_body(walk(0.2));
   const SurfaceGrid grid = grid_of(body.surface);
   Random random(4, 0);
@@ -215,7 +215,7 @@ TEST(RayCast, passes_fillets_creases_and_narrow_gaps_exactly) {
   }
 }
 
-TEST(RayCast, a_ray_that_begins_inside_leaves_first) {
+TEST(RayCast, a_ray_that_begins_inside_leaves_before_it_enters) {
   const Body body = pose_body(walk(0.0));
   const SurfaceGrid grid = grid_of(body.surface);
   Random random(7, 0);
@@ -235,7 +235,7 @@ TEST(RayCast, a_ray_that_begins_inside_leaves_first) {
   EXPECT_GT(inside, 50);
 }
 
-TEST(RayCast, only_what_is_between_the_ends_counts) {
+TEST(RayCast, only_hits_between_the_ends_of_a_ray_count) {
   const SurfaceGrid grid = grid_of(ball({0, 0, 0}, 0.5));
   const Ray ray{{-2, 0.1, 0.05}, {1, 0, 0}};
   const double half = std::sqrt(0.25 - 0.0125);

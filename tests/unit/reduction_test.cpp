@@ -33,7 +33,7 @@ class ReductionTest : public DrawingTest {
   DrawOptions options_;
 };
 
-TEST_F(ReductionTest, IsThePictureOfThatManyPixels) {
+TEST_F(ReductionTest, draws_the_same_as_a_smaller_picture) {
   const Image reduced = draw(frame_, camera_, kSize, options_);
   options_.reduction = 1;
   options_.point_size /= kReduction;
@@ -42,7 +42,7 @@ TEST_F(ReductionTest, IsThePictureOfThatManyPixels) {
   EXPECT_EQ(reduced.pixels, smaller.pixels);
 }
 
-TEST_F(ReductionTest, IsShownAsLargeAsItIsToBe) {
+TEST_F(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
   const auto shown = [&] {
     draw(frame_, camera_, kSize, options_);
     gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
@@ -72,7 +72,7 @@ TEST_F(ReductionTest, IsShownAsLargeAsItIsToBe) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(reduced[i], whole[i], kReduction) << i;
 }
 
-TEST_F(ReductionTest, AsksWhatIsShownAtAPixelOfWhatIsShown) {
+TEST_F(ReductionTest, looks_up_points_at_pixels_of_the_full_size) {
   options_.reduction = 1;
   draw(frame_, camera_, kSize, options_);
   int asked = 0;

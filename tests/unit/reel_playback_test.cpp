@@ -134,7 +134,7 @@ class ReelPlaybackTest : public PackTest {
   ReelPlayback::Update last_;
 };
 
-TEST_F(ReelPlaybackTest, ShowsEveryFrameForwardAndAcrossTheEndOfTheLoop) {
+TEST_F(ReelPlaybackTest, shows_every_frame_forward_and_across_the_end_of_the_loop) {
   start();
   until_shown(0);
   for (std::uint32_t frame = 1; frame < 2 * kFrames; ++frame) {
@@ -145,7 +145,7 @@ TEST_F(ReelPlaybackTest, ShowsEveryFrameForwardAndAcrossTheEndOfTheLoop) {
   EXPECT_EQ(playback_->errors(), 0u);
 }
 
-TEST_F(ReelPlaybackTest, ShowsEveryFrameBackwardAndAcrossTheStartOfTheLoop) {
+TEST_F(ReelPlaybackTest, shows_every_frame_backward_and_across_the_start_of_the_loop) {
   start(true, -1.0, 550'000);
   until_shown(5);
   for (std::uint32_t i = 1; i < 2 * kFrames; ++i) {
@@ -155,7 +155,7 @@ TEST_F(ReelPlaybackTest, ShowsEveryFrameBackwardAndAcrossTheStartOfTheLoop) {
   EXPECT_EQ(playback_->dropped(), 0u);
 }
 
-TEST_F(ReelPlaybackTest, EndsWithoutLoopInBothDirections) {
+TEST_F(ReelPlaybackTest, ends_without_a_loop_in_both_directions) {
   for (const double speed : {4.0, -4.0}) {
     start(false, speed, speed > 0.0 ? 2'700'000 : 250'000);
     until_shown(speed > 0.0 ? 27 : 2);
@@ -164,7 +164,7 @@ TEST_F(ReelPlaybackTest, EndsWithoutLoopInBothDirections) {
   }
 }
 
-TEST_F(ReelPlaybackTest, TurnsAroundWhereItIs) {
+TEST_F(ReelPlaybackTest, reverses_where_it_is) {
   start();
   until_shown(0);
   pass(milliseconds(1050));
@@ -174,7 +174,7 @@ TEST_F(ReelPlaybackTest, TurnsAroundWhereItIs) {
   until_shown(9);
 }
 
-TEST_F(ReelPlaybackTest, IsPausedSteppedAndDraggedBeforeTheFirstFrameIsThere) {
+TEST_F(ReelPlaybackTest, can_be_paused_stepped_and_dragged_before_its_first_frame_arrives) {
   held_back_ = true;
   begin();
   EXPECT_TRUE(playback_->playing()) << "as soon as it can";
@@ -194,7 +194,7 @@ TEST_F(ReelPlaybackTest, IsPausedSteppedAndDraggedBeforeTheFirstFrameIsThere) {
   EXPECT_FALSE(playback_->playing());
 }
 
-TEST_F(ReelPlaybackTest, GoesToExactFramesWhilePausedAndSteps) {
+TEST_F(ReelPlaybackTest, seeks_and_steps_to_exact_frames_while_paused) {
   start();
   until_shown(0);
   playback_->pause(now_);
@@ -211,7 +211,7 @@ TEST_F(ReelPlaybackTest, GoesToExactFramesWhilePausedAndSteps) {
   until_whole(1);
 }
 
-TEST_F(ReelPlaybackTest, StandsStillWhileTheLinkBringsNothingAndDropsNothing) {
+TEST_F(ReelPlaybackTest, stalls_while_the_link_is_down_and_drops_no_frame) {
   start();
   until_shown(0);
   source_->open(false);
@@ -237,7 +237,7 @@ TEST_F(ReelPlaybackTest, StandsStillWhileTheLinkBringsNothingAndDropsNothing) {
   EXPECT_EQ(playback_->dropped(), before);
 }
 
-TEST_F(ReelPlaybackTest, ShowsTheBaseUnderTheCursorOfADragAndRefinesItAtTheEnd) {
+TEST_F(ReelPlaybackTest, shows_the_base_under_a_drag_and_refines_it_on_release) {
   start();
   until_shown(0);
   playback_->scrub_begin(now_);
@@ -257,7 +257,7 @@ TEST_F(ReelPlaybackTest, ShowsTheBaseUnderTheCursorOfADragAndRefinesItAtTheEnd) 
   until_whole(6);
 }
 
-TEST_F(ReelPlaybackTest, AsksForNoMoreThanBasesWhileDragged) {
+TEST_F(ReelPlaybackTest, requests_only_bases_during_a_drag) {
   start();
   until_shown(0);
   playback_->pause(now_);
@@ -278,7 +278,7 @@ TEST_F(ReelPlaybackTest, AsksForNoMoreThanBasesWhileDragged) {
   EXPECT_FALSE(playback_->playing());
 }
 
-TEST_F(ReelPlaybackTest, SaysWhatWasChosenForWhichFramesAndWhy) {
+TEST_F(ReelPlaybackTest, reports_the_chosen_layers_and_the_reasons) {
   start();
   until_shown(0);
   playback_->pause(now_);
@@ -295,7 +295,7 @@ TEST_F(ReelPlaybackTest, SaysWhatWasChosenForWhichFramesAndWhy) {
   EXPECT_EQ(playback_->decision(), (LayerDecision{{1, true, true}, Limit::view}));
 }
 
-TEST_F(ReelPlaybackTest, FetchesAFrameOnceHoweverOftenItIsShown) {
+TEST_F(ReelPlaybackTest, fetches_a_frame_only_once_however_often_it_is_shown) {
   start();
   until_shown(0);
   playback_->pause(now_);
@@ -313,7 +313,7 @@ TEST_F(ReelPlaybackTest, FetchesAFrameOnceHoweverOftenItIsShown) {
   EXPECT_EQ(playback_->statistics().fetched_bytes, bytes);
 }
 
-TEST_F(ReelPlaybackTest, PlaysARangeAgainAndAgainWithoutLosingAFrameInEitherDirection) {
+TEST_F(ReelPlaybackTest, repeats_a_loop_range_in_either_direction_without_dropping_a_frame) {
   start(false);
   until_shown(0);
   playback_->set_loop_range(LoopRange{400'000, 900'000}, now_);
@@ -332,7 +332,7 @@ TEST_F(ReelPlaybackTest, PlaysARangeAgainAndAgainWithoutLosingAFrameInEitherDire
   EXPECT_EQ(playback_->errors(), 0u);
 }
 
-TEST_F(ReelPlaybackTest, HasTheRangesBeginningReadyBeforeItsEndIsReached) {
+TEST_F(ReelPlaybackTest, has_the_start_of_a_loop_range_ready_before_its_end) {
   start(false, 1.0, 1'350'000);
   until_shown(13);
   playback_->set_loop_range(LoopRange{200'000, 1'500'000}, now_);
@@ -353,7 +353,7 @@ TEST_F(ReelPlaybackTest, HasTheRangesBeginningReadyBeforeItsEndIsReached) {
   EXPECT_EQ(playback_->dropped(), 0u);
 }
 
-TEST_F(ReelPlaybackTest, PlaysOnFromPastTheRange) {
+TEST_F(ReelPlaybackTest, plays_on_from_beyond_a_loop_range) {
   start();
   playback_->set_loop_range(LoopRange{200'000, 600'000}, now_);
   playback_->seek(2'750'000, now_);
@@ -367,7 +367,7 @@ TEST_F(ReelPlaybackTest, PlaysOnFromPastTheRange) {
   until_shown(7);
 }
 
-TEST_F(ReelPlaybackTest, TellsWhatIsThere) {
+TEST_F(ReelPlaybackTest, reports_the_buffered_frames) {
   start();
   until_shown(0);
   playback_->pause(now_);
@@ -379,7 +379,7 @@ TEST_F(ReelPlaybackTest, TellsWhatIsThere) {
   EXPECT_EQ(playback_->buffered(), (std::vector<BufferedRange>{{0, 20, 3}}));
 }
 
-TEST_F(ReelPlaybackTest, MakesFramesAgainForAnotherDelta) {
+TEST_F(ReelPlaybackTest, prepares_frames_again_for_another_delta) {
   start();
   playback_->pause(now_);
   playback_->set_mode(DrawMode::voxel);
@@ -393,7 +393,7 @@ TEST_F(ReelPlaybackTest, MakesFramesAgainForAnotherDelta) {
   until([&](const auto& update) { return update.frame && update.frame->svo.depth == fine; });
 }
 
-TEST_F(ReelPlaybackTest, GivesThumbnailsOfAnyFrame) {
+TEST_F(ReelPlaybackTest, gives_thumbnails_of_any_frame) {
   start();
   playback_->pause(now_);
   until([&](const auto&) { return playback_->statistics().buffered_seconds > 1.9; });
@@ -409,7 +409,7 @@ TEST_F(ReelPlaybackTest, GivesThumbnailsOfAnyFrame) {
   EXPECT_GT(playback_->statistics().stored_bytes, 0u);
 }
 
-TEST_F(ReelPlaybackTest, FetchesNormalsWhenTheyAreToBeSeen) {
+TEST_F(ReelPlaybackTest, fetches_normals_only_while_they_are_shown) {
   start();
   playback_->pause(now_);
   playback_->set_mode(DrawMode::voxel);
@@ -428,7 +428,7 @@ TEST_F(ReelPlaybackTest, FetchesNormalsWhenTheyAreToBeSeen) {
   until(has_normals(false));
 }
 
-TEST_F(ReelPlaybackTest, TakesLessOrMoreForAnotherPixelSize) {
+TEST_F(ReelPlaybackTest, fetches_fewer_or_more_layers_for_another_pixel_size) {
   start();
   playback_->pause(now_);
   until_whole(0);

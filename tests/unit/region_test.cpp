@@ -21,7 +21,7 @@ Camera front_camera() {
   return camera;
 }
 
-TEST(Region, HoldsEverySphereAndLittleMore) {
+TEST(Region, contains_every_sphere_and_little_more) {
   InstanceBounds bounds;
   bounds.grow({0.5f, 0.1f, 0.0f}, 0.05f);
   bounds.grow({0.8f, -0.3f, 0.1f}, 0.02f);
@@ -40,7 +40,7 @@ TEST(Region, HoldsEverySphereAndLittleMore) {
   EXPECT_LT(region.max.x, kSize.x * 3 / 4);
 }
 
-TEST(Region, IsNothingWhereNothingIsOrAllOfItIsOutOfView) {
+TEST(Region, is_empty_if_nothing_is_in_view) {
   EXPECT_EQ(region_of({}, 2.0f, to_clip(front_camera()), kSize), PixelRect{});
   InstanceBounds left;
   left.grow({-9.0f, 0.0f, 0.0f}, 0.1f);
@@ -48,7 +48,7 @@ TEST(Region, IsNothingWhereNothingIsOrAllOfItIsOutOfView) {
   EXPECT_LE(region.max.x - region.min.x, 1);
 }
 
-TEST(Region, IsTheWholePictureAroundTheEye) {
+TEST(Region, is_the_whole_picture_around_the_eye) {
   InstanceBounds around;
   around.grow({0.0f, 0.0f, 3.9f}, 0.2f);
   const PixelRect whole{glm::ivec2(0), kSize};
@@ -57,7 +57,7 @@ TEST(Region, IsTheWholePictureAroundTheEye) {
   EXPECT_EQ(region_of(around, 1.0f, to_clip(front_camera()), kSize), whole);
 }
 
-TEST(Region, ReachesSoManyPixelsFartherWithinThePicture) {
+TEST(Region, grows_by_a_margin_of_pixels_within_the_picture) {
   InstanceBounds bounds;
   bounds.grow({-0.9f, 0.1f, 0.0f}, 0.05f);
   const glm::mat4 clip = to_clip(front_camera());
@@ -69,7 +69,7 @@ TEST(Region, ReachesSoManyPixelsFartherWithinThePicture) {
   EXPECT_EQ(widest, (PixelRect{glm::ivec2(0), kSize}));
 }
 
-TEST(Region, AroundTwoPartsHoldsBothAndNothingForNothing) {
+TEST(Region, around_two_parts_contains_both) {
   const PixelRect left{{3, 40}, {20, 60}}, right{{15, 2}, {70, 50}};
   EXPECT_EQ(around(left, right), (PixelRect{{3, 2}, {70, 60}}));
   EXPECT_EQ(around(left, {}), left);
@@ -77,7 +77,7 @@ TEST(Region, AroundTwoPartsHoldsBothAndNothingForNothing) {
   EXPECT_TRUE(around({}, {}).empty());
 }
 
-TEST(Region, KnowsHowLargeAnInstanceLooksInTheMiddle) {
+TEST(Region, gives_the_size_of_an_instance_in_pixels_at_the_middle) {
   InstanceBounds bounds;
   EXPECT_EQ(radius_in_pixels(bounds, to_clip(front_camera()), kSize), 0.0f);
   bounds.grow({-0.5f, 0.0f, 0.0f}, 0.05f);

@@ -28,7 +28,7 @@ TEST(Registry, decodes_by_the_codec_that_the_frame_names) {
   }
 }
 
-TEST(Registry, parts_add_up_to_the_frame) {
+TEST(Registry, sizes_of_the_chunks_add_up_to_the_frame) {
   for (const EncodeOptions& options :
        {EncodeOptions{OctreeOptions{}}, EncodeOptions{DracoOptions{}}}) {
     const auto frame = encode_frame(two_points(), Cube{}, options);
@@ -39,7 +39,7 @@ TEST(Registry, parts_add_up_to_the_frame) {
   }
 }
 
-TEST(Registry, of_no_layers_or_no_frame_is_an_error) {
+TEST(Registry, reports_an_error_without_layers_or_without_a_frame) {
   EXPECT_FALSE(decode_frame({}));
   EXPECT_FALSE(decode_frame({Chunks<ByteView>{}}));
   const Bytes noise(200, 0x5a);

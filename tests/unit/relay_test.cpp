@@ -41,7 +41,7 @@ std::string refusal(Publication& publication, LiveMessage message) {
   return taken ? std::string() : taken.error().message;
 }
 
-TEST(Relay, a_viewer_gets_the_newest_frame_when_it_joins_and_then_what_follows) {
+TEST(Relay, a_viewer_receives_the_newest_frame_on_joining_and_then_every_later_one) {
   Relay relay;
   const auto publication = relay.publish("stage").value();
   ASSERT_TRUE(publication->message(hello_message()));
@@ -54,7 +54,7 @@ TEST(Relay, a_viewer_gets_the_newest_frame_when_it_joins_and_then_what_follows) 
   EXPECT_THAT(take_all(*viewer), ElementsAre("4.1", "5.0", "5.1", "5.2"));
 }
 
-TEST(Relay, a_viewer_is_woken_once_when_something_waits_again) {
+TEST(Relay, a_viewer_is_woken_once_when_new_messages_wait) {
   Relay relay;
   const auto publication = relay.publish("stage").value();
   ASSERT_TRUE(publication->message(hello_message()));
@@ -70,7 +70,7 @@ TEST(Relay, a_viewer_is_woken_once_when_something_waits_again) {
   EXPECT_EQ(woken, 2);
 }
 
-TEST(Relay, there_is_nothing_to_join_before_somebody_publishes) {
+TEST(Relay, a_stream_cannot_be_joined_before_it_is_published) {
   Relay relay;
   EXPECT_FALSE(relay.join("stage", [] {}));
   EXPECT_FALSE(relay.publish("../stage"));
@@ -79,7 +79,7 @@ TEST(Relay, there_is_nothing_to_join_before_somebody_publishes) {
   ASSERT_TRUE(viewer);
 }
 
-TEST(Relay, messages_that_do_not_follow_each_other_end_the_publisher) {
+TEST(Relay, messages_out_of_order_end_the_publication) {
   Relay relay;
   const auto publication = relay.publish("stage").value();
   EXPECT_THAT(refusal(*publication, layer_message(0, 0)), HasSubstr("hello"));
@@ -100,13 +100,13 @@ TEST(Relay, messages_that_do_not_follow_each_other_end_the_publisher) {
   EXPECT_THAT(refusal(*publication, damaged), HasSubstr("damaged"));
 }
 
-TEST(Relay, text_of_a_type_that_it_does_not_know_is_let_pass) {
+TEST(Relay, text_messages_of_unknown_types_are_accepted) {
   Relay relay;
   const auto publication = relay.publish("stage").value();
   EXPECT_TRUE(publication->message(text_message(R"({"type": "weather"})")));
 }
 
-TEST(Relay, two_publishers_do_not_share_a_stream) {
+TEST(Relay, a_second_publisher_of_a_stream_is_refused) {
   Relay relay;
   const auto one = relay.publish("stage").value();
   ASSERT_TRUE(one->message(hello_message(1)));
@@ -117,7 +117,7 @@ TEST(Relay, two_publishers_do_not_share_a_stream) {
   EXPECT_TRUE(elsewhere->message(hello_message(2)));
 }
 
-TEST(Relay, a_publisher_that_connects_anew_takes_the_place_of_its_old_connection) {
+TEST(Relay, a_publisher_that_reconnects_replaces_its_old_connection) {
   Relay relay;
   auto old = relay.publish("stage").value();
   ASSERT_TRUE(old->message(hello_message(1)));
@@ -134,7 +134,7 @@ TEST(Relay, a_publisher_that_connects_anew_takes_the_place_of_its_old_connection
   EXPECT_THAT(take_all(*viewer), ElementsAre("hello", "1.0", "1.1", "1.2"));
 }
 
-TEST(Relay, viewers_stay_when_the_publisher_goes_and_see_the_next_one) {
+TEST(Relay, viewers_stay_when_the_publisher_leaves_and_see_the_next_one) {
   Relay relay;
   auto publication = relay.publish("stage").value();
   ASSERT_TRUE(publication->message(hello_message(1)));
@@ -153,7 +153,7 @@ TEST(Relay, viewers_stay_when_the_publisher_goes_and_see_the_next_one) {
   EXPECT_THAT(take_all(*viewer), ElementsAre("hello", "0.0", "0.1", "0.2"));
 }
 
-TEST(Relay, a_slow_viewer_costs_the_others_nothing) {
+TEST(Relay, slow_viewers_never_delay_others) {
   Relay relay;
   const auto publication = relay.publish("stage").value();
   ASSERT_TRUE(publication->message(hello_message()));
@@ -177,7 +177,7 @@ TEST(Relay, a_slow_viewer_costs_the_others_nothing) {
   EXPECT_EQ(statistics[0].newest_capture_us, 1'000'000u + 33'333u * 99);
 }
 
-TEST(Relay, statistics_keep_the_drops_of_viewers_that_have_gone) {
+TEST(Relay, statistics_include_the_drops_of_viewers_that_have_left) {
   Relay relay;
   const auto publication = relay.publish("stage").value();
   ASSERT_TRUE(publication->message(hello_message()));
@@ -190,7 +190,7 @@ TEST(Relay, statistics_keep_the_drops_of_viewers_that_have_gone) {
   EXPECT_EQ(relay.statistics()[0].viewers, 0u);
 }
 
-TEST(Relay, beyond_the_most_streams_the_one_that_ended_first_makes_room) {
+TEST(Relay, a_new_stream_beyond_the_limit_replaces_the_one_that_ended_first) {
   Relay relay({.max_streams = 2, .viewer = {}, .sinks = {}});
   auto a = relay.publish("a").value();
   auto b = relay.publish("b").value();
@@ -218,7 +218,7 @@ class Notes : public LiveSink {
   std::vector<std::string>& notes_;
 };
 
-TEST(Relay, sinks_get_all_of_a_stream_whatever_viewers_do) {
+TEST(Relay, sinks_receive_a_whole_stream_regardless_of_viewers) {
   std::vector<std::string> notes;
   RelayOptions options;
   options.sinks = [&](const std::string& name) {
@@ -233,7 +233,7 @@ TEST(Relay, sinks_get_all_of_a_stream_whatever_viewers_do) {
   EXPECT_THAT(notes, ElementsAre("plain", "0.0", "0.1", "0.2", "end"));
 }
 
-TEST(Relay, publishers_viewers_and_statistics_may_come_from_any_thread) {
+TEST(Relay, publishers_viewers_and_statistics_may_use_any_thread) {
   Relay relay;
   const auto first = relay.publish("stage").value();
   ASSERT_TRUE(first->message(hello_message()));

@@ -13,7 +13,7 @@
 namespace pointreel {
 namespace {
 
-TEST_F(RendererTest, DrawsEachColourAtItsPlaceInEveryMode) {
+TEST_F(RendererTest, draws_each_colour_at_its_place_in_every_mode) {
   const PointCloud cloud = asymmetric_cloud();
   const auto frame = frame_of(cloud);
   for (const char up : {'y', 'z'}) {
@@ -35,7 +35,7 @@ TEST_F(RendererTest, DrawsEachColourAtItsPlaceInEveryMode) {
   }
 }
 
-TEST_F(RendererTest, TurnsTheSceneTheOtherWayWhenTheEyeMovesRight) {
+TEST_F(RendererTest, shows_the_scene_from_the_right_when_the_eye_moves_right) {
   PointCloud cloud;
   add(cloud, {0.04f, 0.04f, 0.8f}, kFront, kRed, 0.1f);  // nearer than the target
   const auto frame = frame_of(cloud);
@@ -49,7 +49,7 @@ TEST_F(RendererTest, TurnsTheSceneTheOtherWayWhenTheEyeMovesRight) {
   }
 }
 
-TEST_F(RendererTest, DrawsASceneFarFromTheWorldsZeroTheSameWay) {
+TEST_F(RendererTest, draws_the_same_far_from_the_origin_of_the_world) {
   PointCloud cloud = asymmetric_cloud();
   Camera camera = front_camera();
   for (const DrawMode mode : kModes) {
@@ -62,7 +62,7 @@ TEST_F(RendererTest, DrawsASceneFarFromTheWorldsZeroTheSameWay) {
   }
 }
 
-TEST_F(RendererTest, AnEmptyFrameOrNoneIsTheBackground) {
+TEST_F(RendererTest, draws_only_the_background_for_an_empty_frame_or_none) {
   for (const DrawMode mode : kModes) {
     picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
     for (const auto& frame : {std::shared_ptr<SceneFrame>(), std::make_shared<SceneFrame>()}) {
@@ -73,7 +73,7 @@ TEST_F(RendererTest, AnEmptyFrameOrNoneIsTheBackground) {
   }
 }
 
-TEST_F(RendererTest, ASurfelThatFacesAwayIsCulledAndOneOfUnknownOrientationIsNot) {
+TEST_F(RendererTest, culls_surfels_that_face_away_but_not_those_of_unknown_orientation) {
   const auto pixels_of = [&](const glm::vec3& n) {
     PointCloud cloud;
     add(cloud, glm::vec3(0.0f), n, kOrange, 0.2f);
@@ -92,7 +92,7 @@ TEST_F(RendererTest, ASurfelThatFacesAwayIsCulledAndOneOfUnknownOrientationIsNot
   EXPECT_EQ(pixels_of(glm::vec3(nan)), facing);
 }
 
-TEST_F(RendererTest, TheSignOfAnEstimatedNormalNeitherCullsNorDarkens) {
+TEST_F(RendererTest, ignores_the_sign_of_estimated_normals) {
   for (const DrawMode mode : kModes) {
     DrawOptions options = plain(mode);
     options.lighting = true;
@@ -110,7 +110,7 @@ TEST_F(RendererTest, TheSignOfAnEstimatedNormalNeitherCullsNorDarkens) {
   }
 }
 
-TEST_F(RendererTest, ACloudWithoutAnyNormalsOrColoursIsDrawnInGrey) {
+TEST_F(RendererTest, draws_a_cloud_without_normals_or_colours_in_grey) {
   PointCloud cloud;
   cloud.positions = {{0.3f, 0.2f, 0.0f}};
   cloud.radii = {0.1f};
@@ -122,7 +122,7 @@ TEST_F(RendererTest, ACloudWithoutAnyNormalsOrColoursIsDrawnInGrey) {
   }
 }
 
-TEST_F(RendererTest, AbsentColoursAreMadeFromTheNormals) {
+TEST_F(RendererTest, derives_absent_colours_from_the_normals) {
   PointCloud cloud;
   const glm::vec3 n = glm::normalize(glm::vec3(0.6f, -0.3f, 0.74f));
   cloud.positions = {{0.3f, 0.2f, 0.0f}};
@@ -137,7 +137,7 @@ TEST_F(RendererTest, AbsentColoursAreMadeFromTheNormals) {
   }
 }
 
-TEST_F(RendererTest, LightMakesWhatFacesItBrighterThanWhatDoesNot) {
+TEST_F(RendererTest, lights_surfaces_that_face_the_light_more_brightly) {
   for (const DrawMode mode : kModes) {
     const auto brightness = [&](const glm::vec3& n) {
       PointCloud cloud;
@@ -151,7 +151,7 @@ TEST_F(RendererTest, LightMakesWhatFacesItBrighterThanWhatDoesNot) {
   }
 }
 
-TEST_F(RendererTest, AnIsolatedSurfelIsADiscOfItsRadiusSeenAtItsAngle) {
+TEST_F(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orientation) {
   DrawOptions options = plain(DrawMode::surfel);
   options.scales = {1.0f, 1.0f};
   Camera camera = front_camera();
@@ -168,7 +168,7 @@ TEST_F(RendererTest, AnIsolatedSurfelIsADiscOfItsRadiusSeenAtItsAngle) {
   }
 }
 
-TEST_F(RendererTest, SplatsBlendByWeightInLinearLight) {
+TEST_F(RendererTest, blends_splats_by_weight_in_linear_light) {
   PointCloud cloud;
   add(cloud, {-0.1f, 0.0f, 0.0f}, kFront, kRed, 0.2f);
   add(cloud, {0.1f, 0.0f, 0.0f}, kFront, kGreen, 0.2f);
@@ -177,14 +177,14 @@ TEST_F(RendererTest, SplatsBlendByWeightInLinearLight) {
   EXPECT_LE(difference(image.at(120, 90), glm::u8vec3(188, 188, 0)), 1);
 }
 
-TEST_F(RendererTest, ThousandsOfSplatsOnOnePixelDoNotSaturate) {
+TEST_F(RendererTest, does_not_saturate_under_thousands_of_splats_on_one_pixel) {
   PointCloud cloud;
   for (int i = 0; i < 20000; ++i) add(cloud, glm::vec3(0.0f), kFront, kOrange, 0.05f);
   const Image image = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel));
   EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y / 2), eight_bits(kOrange)), 1);
 }
 
-TEST_F(RendererTest, WhatIsInFrontHidesWhatIsBehindInAnyOrder) {
+TEST_F(RendererTest, hides_far_surfaces_behind_near_ones_in_any_order) {
   for (const bool front_first : {true, false}) {
     PointCloud cloud;
     const auto add_red = [&] { add(cloud, {0.04f, 0.04f, 0.9f}, kFront, kRed, 0.1f); };
@@ -200,7 +200,7 @@ TEST_F(RendererTest, WhatIsInFrontHidesWhatIsBehindInAnyOrder) {
   }
 }
 
-TEST_F(RendererTest, OrdersDepthsAHundredThousandTimesTheNearPlaneAway) {
+TEST_F(RendererTest, orders_depths_a_hundred_thousand_near_plane_distances_away) {
   Camera camera = front_camera();
   camera.distance = 1.0;
   const float far = static_cast<float>(1e5 * camera.near_plane());
@@ -221,7 +221,7 @@ TEST_F(RendererTest, OrdersDepthsAHundredThousandTimesTheNearPlaneAway) {
   }
 }
 
-TEST_F(RendererTest, AFloorThatCrossesTheNearPlaneFillsTheLowerHalf) {
+TEST_F(RendererTest, fills_the_lower_half_with_a_floor_that_crosses_the_near_plane) {
   PointCloud cloud;
   add(cloud, {0.0f, -0.5f, 0.0f}, {0.0f, 1.0f, 0.0f}, kGreen, 100.0f);
   Camera camera = front_camera();  // the eye is above the middle of the floor
@@ -235,7 +235,7 @@ TEST_F(RendererTest, AFloorThatCrossesTheNearPlaneFillsTheLowerHalf) {
   EXPECT_EQ(difference(image.at(kSize.x / 2, 0), kBackground), 0);
 }
 
-TEST_F(RendererTest, SurfelsAroundTheEyeAndAtTheEyeLeaveNothingUndefined) {
+TEST_F(RendererTest, handles_surfels_around_and_at_the_eye) {
   PointCloud cloud;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-0.02f, 0.02f);
@@ -250,7 +250,7 @@ TEST_F(RendererTest, SurfelsAroundTheEyeAndAtTheEyeLeaveNothingUndefined) {
             image.pixels.size());
 }
 
-TEST_F(RendererTest, VoxelsHaveTheSizeOfTheirLevelAndShowNoGaps) {
+TEST_F(RendererTest, draws_voxels_in_the_size_of_their_level_without_gaps) {
   // A full plate of 8 x 8 voxels of the 3-unit cube at depth 5, normals unknown.
   PointCloud cloud;
   const float cell = 3.0f / 32.0f;
@@ -274,7 +274,7 @@ TEST_F(RendererTest, VoxelsHaveTheSizeOfTheirLevelAndShowNoGaps) {
   }
 }
 
-TEST_F(RendererTest, ACubeShowsItsFacesTowardsTheEyeFromEverySide) {
+TEST_F(RendererTest, shows_the_faces_of_a_cube_towards_the_eye_from_every_side) {
   PointCloud cloud;
   add(cloud, glm::vec3(0.0f), glm::vec3(0.0f), glm::u16vec3(0xffff), 0.1f);
   const auto frame = frame_of(cloud, 1);  // the voxel from 0 to 1.5
@@ -300,7 +300,7 @@ TEST_F(RendererTest, ACubeShowsItsFacesTowardsTheEyeFromEverySide) {
   }
 }
 
-TEST_F(RendererTest, AStaticSceneIsTheSameByteByByteAndItsCutIsUsedAgain) {
+TEST_F(RendererTest, redraws_a_static_scene_identically_and_reuses_its_cut) {
   const auto frame = frame_of(asymmetric_cloud());
   for (const DrawMode mode : kModes) {
     const Image first = picture(frame, front_camera(), plain(mode));
@@ -320,7 +320,7 @@ TEST_F(RendererTest, AStaticSceneIsTheSameByteByByteAndItsCutIsUsedAgain) {
   }
 }
 
-TEST_F(RendererTest, SurfelsAndPointsOfATreeAreThoseOfItsLeavesAndItsCutIsUsedAgain) {
+TEST_F(RendererTest, draws_the_leaves_of_a_tree_as_surfels_and_points_and_reuses_its_cut) {
   const auto leaves = std::make_shared<SceneFrame>(*frame_of(asymmetric_cloud()));
   leaves->cloud = leaf_centers(leaves->svo);
   const auto tree = std::make_shared<SceneFrame>(*leaves);
@@ -358,7 +358,7 @@ TEST_F(RendererTest, SurfelsAndPointsOfATreeAreThoseOfItsLeavesAndItsCutIsUsedAg
   }
 }
 
-TEST_F(RendererTest, TheOrderOfTheSurfelsChangesAtMostOneStepOfAColour) {
+TEST_F(RendererTest, changes_colours_by_at_most_one_step_with_the_order_of_surfels) {
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
   PointCloud cloud, shuffled;
@@ -379,7 +379,7 @@ TEST_F(RendererTest, TheOrderOfTheSurfelsChangesAtMostOneStepOfAColour) {
   EXPECT_LE(largest_difference(a, b), 1);
 }
 
-TEST_F(RendererTest, CoversWhatItDrawsAndNothingElse) {
+TEST_F(RendererTest, sets_alpha_exactly_where_it_draws) {
   for (const DrawMode mode : kModes) {
     const Image image = picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
     const auto alpha = renderer_->read_alpha();
@@ -390,7 +390,7 @@ TEST_F(RendererTest, CoversWhatItDrawsAndNothingElse) {
   }
 }
 
-TEST_F(RendererTest, NothingIsLeftOfALargerFrameAnotherModeOrAnotherSize) {
+TEST_F(RendererTest, leaves_no_trace_of_a_larger_frame_another_mode_or_another_size) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   PointCloud large;

@@ -37,7 +37,7 @@ TEST(UniformSampler, points_lie_on_the_surface_of_the_walking_figure) {
   }
 }
 
-TEST(UniformSampler, normals_are_those_of_finite_differences_but_in_creases) {
+TEST(UniformSampler, normals_agree_with_finite_differences_except_in_creases) {
   const Body body = pose_body(walk(0.4));
   const auto points = sample_uniform(body.surface, 5000, 2);
   int apart = 0;
@@ -69,7 +69,7 @@ TEST(UniformSampler, slices_of_a_ball_of_equal_height_hold_equally_many_points) 
   }
 }
 
-TEST(UniformSampler, the_ends_and_the_side_of_a_thin_capsule_share_by_area) {
+TEST(UniformSampler, points_on_a_thin_capsule_are_shared_by_area) {
   // As thin as a finger, where the shell's curvature tells most.
   const double radius = 0.012, length = 0.08;
   const auto points =
@@ -82,7 +82,7 @@ TEST(UniformSampler, the_ends_and_the_side_of_a_thin_capsule_share_by_area) {
   EXPECT_NEAR(side / 100000, side_area / (side_area + end_area), 0.008);
 }
 
-TEST(UniformSampler, fillets_are_as_dense_as_the_rest) {
+TEST(UniformSampler, points_are_as_dense_on_fillets_as_elsewhere) {
   // Two capsules that cross and grow together: the density in small balls around points of the
   // surface, per area, must not depend on where they lie. The area in each ball comes from
   // counting cells of a regular grid near the surface (the coarea formula).
@@ -126,14 +126,14 @@ TEST(UniformSampler, fillets_are_as_dense_as_the_rest) {
   }
 }
 
-TEST(UniformSampler, a_smaller_count_is_the_beginning_of_a_larger_one) {
+TEST(UniformSampler, a_smaller_sample_is_a_prefix_of_a_larger_one) {
   const Body body = pose_body(Pose{});
   const auto few = sample_uniform(body.surface, 100, 9);
   const auto many = sample_uniform(body.surface, 7000, 9);
   for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ((*few)[i].position, (*many)[i].position);
 }
 
-TEST(UniformSampler, the_same_seed_gives_the_same_bytes_with_one_and_with_two_threads) {
+TEST(UniformSampler, a_seed_gives_the_same_bytes_on_one_thread_and_on_two) {
   SequenceOptions options;
   options.sampler = Sampler::uniform;
   options.points = 20000;
@@ -150,7 +150,7 @@ TEST(UniformSampler, the_same_seed_gives_the_same_bytes_with_one_and_with_two_th
   EXPECT_NE(one, bytes(2));
 }
 
-TEST(UniformSampler, refuses_what_has_no_surface) {
+TEST(UniformSampler, refuses_a_shape_without_a_surface) {
   EXPECT_FALSE(sample_uniform(Surface{}, 10, 1));
   EXPECT_FALSE(sample_uniform(alone(RoundCone{{0, 0, 0}, {100, 0, 0}, 1, 1}), 10, 1));
   EXPECT_FALSE(sample_uniform(alone(RoundCone{{NAN, 0, 0}, {1, 0, 0}, 1, 1}), 10, 1));

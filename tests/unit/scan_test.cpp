@@ -47,7 +47,7 @@ bool clear(const Surface& surface, const glm::dvec3& from, const glm::dvec3& to)
   return true;
 }
 
-TEST(ScanRig, devices_stand_around_the_scene_in_turn_and_look_at_it) {
+TEST(ScanRig, places_its_devices_around_the_scene_and_points_them_at_it) {
   const Rig rig = make_rig({});
   ASSERT_EQ(rig.projectors.size(), rig.cameras.size());
   ASSERT_EQ(rig.pairs.size(), 2 * rig.projectors.size());
@@ -75,7 +75,7 @@ TEST(ScanRig, devices_stand_around_the_scene_in_turn_and_look_at_it) {
   }
 }
 
-TEST(DepthRange, holds_the_distance_of_every_point_of_the_surface) {
+TEST(DepthRange, contains_the_distance_of_every_point_of_the_surface) {
   const Surface surface = pose_body(walk(0.4)).surface;
   const SurfaceGrid grid = SurfaceGrid::build(surface).value();
   const Pinhole view = look_at({1.0, 1.7, 2.0}, {0, 0.9, 0});
@@ -95,7 +95,7 @@ TEST(DepthRange, holds_the_distance_of_every_point_of_the_surface) {
   EXPECT_GT(empty, static_cast<std::size_t>(ranges.tiles() * ranges.tiles() / 2));
 }
 
-TEST(Scan, without_errors_points_lie_on_the_surface_lit_and_seen) {
+TEST(Scan, points_without_errors_lie_on_lit_and_visible_parts_of_the_surface) {
   ScanOptions options = coarse();
   options.noise = options.outliers = options.calibration_shift = options.calibration_turn = 0.0;
   const Surface surface = pose_body(walk(0.4)).surface;
@@ -145,7 +145,7 @@ TEST(Scan, points_lie_on_curves_of_the_pattern_at_whole_pixels) {
   EXPECT_LT(off, count / 10);
 }
 
-TEST(Scan, errors_are_those_of_the_options) {
+TEST(Scan, errors_follow_the_options) {
   ScanOptions options = coarse();
   options.outliers = 0.01;
   options.calibration_shift = options.calibration_turn = 0.0;
@@ -183,7 +183,7 @@ TEST(Scan, errors_are_those_of_the_options) {
   EXPECT_LT(along / total, 0.65);
 }
 
-TEST(Scan, calibration_moves_each_pair_as_a_whole_and_stays_over_time) {
+TEST(Scan, calibration_errors_shift_each_device_as_a_whole_and_stay_constant) {
   ScanOptions options = coarse();
   options.noise = options.outliers = 0.0;
   std::map<int, glm::dvec3> sums[2];
@@ -276,7 +276,7 @@ TEST(Scan, the_pattern_and_its_gaps_differ_between_frames_and_seeds) {
   }
 }
 
-TEST(Scan, the_same_seed_gives_the_same_bytes_with_one_and_with_two_threads) {
+TEST(Scan, a_seed_gives_the_same_bytes_on_one_thread_and_on_two) {
   SequenceOptions options;
   options.points = 8000;
   const auto bytes = [&](int threads) {
@@ -291,7 +291,7 @@ TEST(Scan, the_same_seed_gives_the_same_bytes_with_one_and_with_two_threads) {
   EXPECT_NE(one, bytes(2));
 }
 
-TEST(Scan, frames_have_about_as_many_points_as_asked_for_and_normals_outwards) {
+TEST(Scan, frames_have_about_the_requested_number_of_points_and_outward_normals) {
   const Motion& motion = *find_motion("walk");
   SequenceOptions options;
   for (const std::size_t points : {std::size_t{6000}, std::size_t{30000}}) {

@@ -65,7 +65,7 @@ class SceneInstancesTest : public DrawingTest {
   }();
 };
 
-TEST_F(SceneInstancesTest, TwoFramesAtTheirPlacesDrawWhatOneWithBothWouldDraw) {
+TEST_F(SceneInstancesTest, two_frames_at_their_places_look_like_one_frame_with_both) {
   const glm::u16vec3 red(0xffff, 0, 0), blue(0, 0, 0xffff);
   PointCloud left, right, both;
   add_tile(left, glm::vec3(0.0f), red);
@@ -87,7 +87,7 @@ TEST_F(SceneInstancesTest, TwoFramesAtTheirPlacesDrawWhatOneWithBothWouldDraw) {
   }
 }
 
-TEST_F(SceneInstancesTest, WhatIsNearerHidesWhatIsBehindWhateverTheOrder) {
+TEST_F(SceneInstancesTest, near_frames_hide_far_ones_in_any_order) {
   PointCloud tile, other;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   add_tile(other, glm::vec3(0.0f), {0, 0xffff, 0});
@@ -103,7 +103,7 @@ TEST_F(SceneInstancesTest, WhatIsNearerHidesWhatIsBehindWhateverTheOrder) {
   }
 }
 
-TEST_F(SceneInstancesTest, AFrameThatIsNotThereYetTakesNothing) {
+TEST_F(SceneInstancesTest, a_missing_frame_draws_nothing) {
   PointCloud tile;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   const auto frame = frame_of(tile, false);
@@ -117,7 +117,7 @@ TEST_F(SceneInstancesTest, AFrameThatIsNotThereYetTakesNothing) {
   }
 }
 
-TEST_F(SceneInstancesTest, GapsBetweenVoxelsAreFilledOrLeftAsIsAsked) {
+TEST_F(SceneInstancesTest, gaps_between_voxels_are_filled_or_left_by_the_options) {
   PointCloud net;
   for (int i = 0; i < 18 * 18; ++i) {
     const int x = i % 18, y = i / 18;
@@ -146,7 +146,7 @@ TEST_F(SceneInstancesTest, GapsBetweenVoxelsAreFilledOrLeftAsIsAsked) {
   }
 }
 
-TEST_F(SceneInstancesTest, AFrameThatIsMovedIsDrawnAnew) {
+TEST_F(SceneInstancesTest, a_moved_frame_is_redrawn) {
   PointCloud tile;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   const auto frame = frame_of(tile, true);

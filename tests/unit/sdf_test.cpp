@@ -83,7 +83,7 @@ glm::dvec3 finite_difference(const Function& value, const glm::dvec3& p) {
 
 Disc some_disc() { return {{0.05, 0.1, -0.02}, some_rotation()[1], 0.3, 0.06}; }
 
-TEST(Sdf, distance_to_a_disc_is_that_to_the_nearest_of_many_balls_on_it) {
+TEST(Sdf, the_distance_to_a_disc_is_that_to_the_nearest_of_many_balls_on_it) {
   Random random(6, 0);
   const Disc disc = some_disc();
   const glm::dvec3 x = unit(glm::cross(disc.axis, {0.2, 0.3, 1.0}));
@@ -109,7 +109,7 @@ TEST(Sdf, distance_to_a_disc_is_that_to_the_nearest_of_many_balls_on_it) {
   EXPECT_NEAR(distance_to(disc, disc.center + 0.5 * x).value, 0.2 - disc.thickness, 1e-12);
 }
 
-TEST(Sdf, blends_with_ellipsoids_that_are_far_are_what_they_are_in_full) {
+TEST(Sdf, blends_skip_far_ellipsoids_without_changing_the_distance) {
   Random random(7, 0);
   Surface surface;
   surface.primitives = {some_cone(), some_ellipsoid()};
@@ -127,7 +127,7 @@ TEST(Sdf, blends_with_ellipsoids_that_are_far_are_what_they_are_in_full) {
   EXPECT_GT(far, 50);
 }
 
-TEST(Sdf, distance_to_a_round_cone_is_that_of_all_its_balls) {
+TEST(Sdf, the_distance_to_a_round_cone_is_that_to_the_nearest_of_its_balls) {
   Random random(1, 0);
   const RoundCone cone = some_cone();
   for (int i = 0; i < 100; ++i) {
@@ -136,14 +136,14 @@ TEST(Sdf, distance_to_a_round_cone_is_that_of_all_its_balls) {
   }
 }
 
-TEST(Sdf, a_ball_that_holds_the_other_is_all_of_a_round_cone) {
+TEST(Sdf, a_round_cone_is_a_ball_if_one_end_contains_the_other) {
   const RoundCone first{{0, 0, 0}, {0.1, 0, 0}, 0.5, 0.2};
   const RoundCone second{{0.1, 0, 0}, {0, 0, 0}, 0.2, 0.5};
   EXPECT_DOUBLE_EQ(distance_to(first, {2, 0, 0}).value, 1.5);
   EXPECT_DOUBLE_EQ(distance_to(second, {2, 0, 0}).value, 1.5);
 }
 
-TEST(Sdf, distance_to_an_ellipsoid_is_that_of_the_nearest_of_many_points_on_it) {
+TEST(Sdf, the_distance_to_an_ellipsoid_is_that_to_its_nearest_point) {
   Random random(2, 0);
   const Ellipsoid ellipsoid = some_ellipsoid();
   for (int i = 0; i < 40; ++i) {
@@ -156,7 +156,7 @@ TEST(Sdf, distance_to_an_ellipsoid_is_that_of_the_nearest_of_many_points_on_it) 
   }
 }
 
-TEST(Sdf, stepping_back_by_the_distance_to_an_ellipsoid_ends_on_it) {
+TEST(Sdf, a_step_by_the_distance_to_an_ellipsoid_ends_on_it) {
   Random random(3, 0);
   const Ellipsoid ellipsoid = some_ellipsoid();
   for (int i = 0; i < 2000; ++i) {
@@ -169,7 +169,7 @@ TEST(Sdf, stepping_back_by_the_distance_to_an_ellipsoid_ends_on_it) {
   }
 }
 
-TEST(Sdf, points_where_the_nearest_point_is_not_unique_have_a_distance_all_the_same) {
+TEST(Sdf, the_distance_is_defined_even_if_the_nearest_point_is_not_unique) {
   const Ellipsoid ellipsoid{{0, 0, 0}, glm::dmat3(1.0), {0.3, 0.2, 0.1}};
   EXPECT_NEAR(distance_to(ellipsoid, {0, 0, 0}).value, -0.1, 1e-6);
   EXPECT_NEAR(glm::length(distance_to(ellipsoid, {0, 0, 0}).gradient), 1.0, 1e-9);
@@ -181,7 +181,7 @@ TEST(Sdf, points_where_the_nearest_point_is_not_unique_have_a_distance_all_the_s
   EXPECT_NEAR(glm::length(axis.gradient), 1.0, 1e-12);
 }
 
-TEST(Sdf, gradients_are_those_of_finite_differences) {
+TEST(Sdf, gradients_agree_with_finite_differences) {
   Random random(4, 0);
   const RoundCone cone = some_cone();
   const Ellipsoid ellipsoid = some_ellipsoid();
@@ -197,7 +197,7 @@ TEST(Sdf, gradients_are_those_of_finite_differences) {
   }
 }
 
-TEST(Sdf, a_smooth_union_is_symmetric_and_no_further_than_the_sharp_one) {
+TEST(Sdf, a_smooth_union_is_symmetric_and_never_farther_than_the_sharp_one) {
   Random random(5, 0);
   const RoundCone cone = some_cone();
   const Ellipsoid ellipsoid = some_ellipsoid();
@@ -213,7 +213,7 @@ TEST(Sdf, a_smooth_union_is_symmetric_and_no_further_than_the_sharp_one) {
   }
 }
 
-TEST(Sdf, bounds_are_those_of_many_points_on_the_primitive) {
+TEST(Sdf, bounds_agree_with_many_points_on_the_primitive) {
   const Ellipsoid ellipsoid = some_ellipsoid();
   Box of_points;
   for_points_on(ellipsoid, [&](const glm::dvec3& p) { of_points.grow(p); });
@@ -240,7 +240,7 @@ TEST(Sdf, bounds_are_those_of_many_points_on_the_primitive) {
   EXPECT_EQ(cone.max, glm::dvec3(1.25, 1.75, 0.5));
 }
 
-TEST(Sdf, parts_that_are_in_no_blend_with_each_other_do_not_grow_together) {
+TEST(Sdf, parts_without_a_common_blend_do_not_merge) {
   Surface surface;
   surface.primitives = {RoundCone{{0, 0, 0}, {0, 1, 0}, 0.1, 0.1},
                         RoundCone{{0.22, 0, 0}, {0.22, 1, 0}, 0.1, 0.1}};
@@ -251,7 +251,7 @@ TEST(Sdf, parts_that_are_in_no_blend_with_each_other_do_not_grow_together) {
   EXPECT_EQ(distance_to(surface, {0.21, 0.5, 0}).primitive, 1);
 }
 
-TEST(Sdf, distances_to_some_blends_are_those_of_surfaces_with_each_alone) {
+TEST(Sdf, distances_to_several_blends_equal_those_to_each_alone) {
   Surface surface;
   surface.primitives = {some_cone(), some_ellipsoid(), RoundCone{{0, 0, 0}, {0, 1, 0}, 0.1, 0.2}};
   surface.blends = {{0, 1, 0.05}, {1, 2, 0.02}, {2, 2, 0.0}};

@@ -54,7 +54,7 @@ double coded_bytes(const std::vector<Svo>& trees,
   return bytes;
 }
 
-TEST(SequenceTables, save_what_they_say_if_all_frames_were_seen) {
+TEST(SequenceTables, save_as_much_as_predicted_if_they_learn_from_all_frames) {
   const std::vector<Svo> trees = patterned_trees(12);
   const auto learnt = learn_tables(trees, trees.size());
   ASSERT_TRUE(learnt) << learnt.error().message;
@@ -66,14 +66,14 @@ TEST(SequenceTables, save_what_they_say_if_all_frames_were_seen) {
   EXPECT_NEAR(before - after, learnt->saved_bytes, 0.005 * before);
 }
 
-TEST(SequenceTables, are_worth_more_to_a_longer_sequence) {
+TEST(SequenceTables, save_more_in_a_longer_sequence) {
   const std::vector<Svo> trees = patterned_trees(6);
   const auto few = learn_tables(trees, 6), many = learn_tables(trees, 100);
   ASSERT_TRUE(few && many);
   EXPECT_GT(many->saved_bytes / 100, few->saved_bytes / 6);
 }
 
-TEST(SequenceTables, are_not_made_where_they_would_not_pay) {
+TEST(SequenceTables, are_not_written_if_they_would_not_pay_off) {
   const std::vector<Svo> tiny = {patterned_tree(3, 2, 1)};
   EXPECT_TRUE(learn_tables(tiny, 1)->file.empty());
   EXPECT_TRUE(learn_tables(tiny, 100)->file.empty()) << "one frame cannot judge itself";
@@ -82,7 +82,7 @@ TEST(SequenceTables, are_not_made_where_they_would_not_pay) {
   EXPECT_TRUE(learn_tables(empty, 2)->file.empty());
 }
 
-TEST(SequenceTables, are_the_same_with_any_number_of_threads) {
+TEST(SequenceTables, are_the_same_on_any_number_of_threads) {
   const std::vector<Svo> trees = patterned_trees(3);
   const auto one = [&] {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
@@ -93,7 +93,7 @@ TEST(SequenceTables, are_the_same_with_any_number_of_threads) {
   EXPECT_EQ(learn_tables(trees, 9)->file, one);
 }
 
-TEST(SequenceTables, are_read_alike_by_the_decoder_written_from_the_format_s_description) {
+TEST(SequenceTables, are_read_alike_by_the_reference_decoder) {
   std::ifstream in(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(in)), {});
   const std::vector<Svo> trees = patterned_trees(8);

@@ -132,7 +132,7 @@ class ServeCommandTest : public testing::Test {
   fs::path reel_ = temporary_.path() / "walk";
 };
 
-TEST_F(ServeCommandTest, serves_until_it_is_told_to_end_and_ends_at_once) {
+TEST_F(ServeCommandTest, serves_until_a_signal_and_then_exits_at_once) {
   for (const int number : {SIGINT, SIGTERM}) {
     ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0"});
     const std::uint16_t port = server.port();
@@ -148,7 +148,7 @@ TEST_F(ServeCommandTest, serves_until_it_is_told_to_end_and_ends_at_once) {
   }
 }
 
-TEST_F(ServeCommandTest, outlives_readers_that_leave_in_the_middle) {
+TEST_F(ServeCommandTest, survives_readers_that_disconnect_in_the_middle) {
   ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0"});
   const std::uint16_t port = server.port();
   ASSERT_NE(port, 0);
@@ -161,7 +161,7 @@ TEST_F(ServeCommandTest, outlives_readers_that_leave_in_the_middle) {
   EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
 }
 
-TEST_F(ServeCommandTest, recovers_from_having_no_descriptor_left) {
+TEST_F(ServeCommandTest, recovers_from_running_out_of_file_descriptors) {
   ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0"}, 24);
   const std::uint16_t port = server.port();
   ASSERT_NE(port, 0);
@@ -185,7 +185,7 @@ TEST_F(ServeCommandTest, recovers_from_having_no_descriptor_left) {
   EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
 }
 
-TEST_F(ServeCommandTest, fails_with_one_line_that_says_why) {
+TEST_F(ServeCommandTest, reports_every_failure_in_one_line) {
   EXPECT_THAT(failure_of({temporary_.path().string()}), HasSubstr("holds no reel.json"));
   EXPECT_THAT(failure_of({reel_.string(), reel_.string()}), HasSubstr("another package is named"));
   EXPECT_THAT(failure_of({reel_.string(), "--listen", "nowhere"}), HasSubstr("--listen nowhere"));

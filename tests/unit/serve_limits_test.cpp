@@ -43,7 +43,7 @@ struct Connections {
 };
 const ConnectionTable::Clock::time_point kTime(1h);
 
-TEST(PeerOf, tells_loopback_and_groups_what_one_peer_can_choose_from) {
+TEST(PeerOf, recognises_loopback_and_groups_the_ipv6_addresses_of_one_network) {
   EXPECT_EQ(v4(127, 1).address, "127.0.0.1");
   EXPECT_TRUE(v4(127, 9).loopback);
   EXPECT_FALSE(v4(10, 1).loopback);
@@ -62,7 +62,7 @@ TEST(PeerOf, tells_loopback_and_groups_what_one_peer_can_choose_from) {
   EXPECT_TRUE(peer_of(own).loopback);
 }
 
-TEST(ConnectionTable, gives_back_a_place_when_it_ends) {
+TEST(ConnectionTable, frees_a_place_when_a_connection_ends) {
   Connections all{{2, 2}, {}};
   auto first = all.admit(1, 1);
   auto second = std::make_unique<decltype(first)>(all.admit(2, 1));
@@ -75,7 +75,7 @@ TEST(ConnectionTable, gives_back_a_place_when_it_ends) {
   EXPECT_THAT(all.closed, testing::IsEmpty());
 }
 
-TEST(ConnectionTable, lets_go_who_has_been_idle_for_longest_and_nobody_who_is_busy) {
+TEST(ConnectionTable, evicts_the_longest_idle_connection_and_never_a_busy_one) {
   Connections all{{3, 9}, {}};
   auto one = all.admit(1, 1), two = all.admit(2, 2), three = all.admit(3, 3);
   one->idle(kTime + 3s);
@@ -93,7 +93,7 @@ TEST(ConnectionTable, lets_go_who_has_been_idle_for_longest_and_nobody_who_is_bu
   EXPECT_EQ(all.table.evicted(), 2u);
 }
 
-TEST(ConnectionTable, makes_an_address_that_has_enough_pay_for_itself) {
+TEST(ConnectionTable, evicts_within_an_address_that_is_at_its_limit) {
   Connections all{{9, 2}, {}};
   auto other = all.admit(1, 1), one = all.admit(2, 7), two = all.admit(3, 7);
   other->idle(kTime);
@@ -104,7 +104,7 @@ TEST(ConnectionTable, makes_an_address_that_has_enough_pay_for_itself) {
   EXPECT_THAT(all.closed, testing::ElementsAre(3));
 }
 
-TEST(RateLimiter, lets_a_second_s_worth_through_at_once_and_then_so_many_a_second) {
+TEST(RateLimiter, permits_a_burst_of_one_second_and_then_the_given_rate) {
   RateLimiter limiter(10);
   const auto network = v4(10, 1).network, other = v4(10, 2).network;
   const auto let_through = [&](auto at) {
@@ -124,7 +124,7 @@ TEST(RateLimiter, lets_a_second_s_worth_through_at_once_and_then_so_many_a_secon
   EXPECT_TRUE(rare.allow(network, kTime + 11s));
 }
 
-TEST(RateLimiter, remembers_no_more_addresses_than_it_says) {
+TEST(RateLimiter, remembers_a_bounded_number_of_addresses) {
   RateLimiter limiter(10);
   RateLimiter::Network network{};
   for (std::uint32_t i = 0; i < 2 * RateLimiter::kMost; ++i) {
@@ -139,7 +139,7 @@ TEST(RateLimiter, remembers_no_more_addresses_than_it_says) {
   EXPECT_EQ(limiter.size(), 1u) << "those that have not asked lately are forgotten";
 }
 
-TEST(Access, keeps_the_rights_apart) {
+TEST(Access, separates_the_rights_to_view_and_to_publish) {
   const Access open("", "");
   EXPECT_EQ(open.check(Right::kView, "", false), Verdict::kGranted);
   EXPECT_EQ(open.check(Right::kPublish, "", true), Verdict::kGranted);
@@ -156,7 +156,7 @@ TEST(Access, keeps_the_rights_apart) {
       << "with a token, this machine needs it too";
 }
 
-TEST(Log, writes_one_json_object_a_line_whatever_is_in_it) {
+TEST(Log, writes_one_json_object_a_line_for_any_content) {
   const std::string line = write_log_line(Log::Level::kWarning, "request",
                                           {{"target", std::string_view("/a\"\n\x01\xff{}")},
                                            {"status", std::int64_t{404}},
@@ -173,7 +173,7 @@ TEST(Log, writes_one_json_object_a_line_whatever_is_in_it) {
   EXPECT_THAT(parsed["target"].get<std::string>(), testing::StartsWith("/a\"\n\x01"));
 }
 
-TEST(Log, writes_what_is_grave_enough) {
+TEST(Log, writes_only_messages_at_or_above_its_level) {
   testing::internal::CaptureStderr();
   {
     Log log(Log::Level::kWarning);
@@ -188,7 +188,7 @@ TEST(Log, writes_what_is_grave_enough) {
   EXPECT_THAT(parse_log_level("loud").error().message, HasSubstr("--log loud"));
 }
 
-TEST(Metrics, have_every_name_typed_once_and_a_number_in_every_line) {
+TEST(Metrics, declare_every_name_once_and_have_a_number_in_every_line) {
   Metrics metrics;
   for (const int status : {100, 206, 206, 599, 99, 600}) metrics.count_response(status);
   StreamStatistics stream;

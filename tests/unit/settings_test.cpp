@@ -76,7 +76,7 @@ void expect_same(const PlayOptions& one, const PlayOptions& other) {
   EXPECT_EQ(one.statistics_panel, other.statistics_panel);
 }
 
-TEST(Settings, what_was_changed_is_there_the_next_time) {
+TEST(Settings, changes_are_restored_the_next_time) {
   const TemporaryFolder folder;
   const fs::path file = folder / "in/a/folder/player.json";
   ASSERT_TRUE(write_settings(file, PlayOptions(), changed_in_everything()));
@@ -86,7 +86,7 @@ TEST(Settings, what_was_changed_is_there_the_next_time) {
   expect_same(next, changed_in_everything());
 }
 
-TEST(Settings, only_what_was_changed_is_written_and_what_others_wrote_is_kept) {
+TEST(Settings, only_changes_are_written_and_unknown_keys_are_kept) {
   const TemporaryFolder folder;
   const fs::path file =
       folder.write("player.json", R"({"edl": 0.5, "of_a_newer_version": [1, 2]})");
@@ -99,7 +99,7 @@ TEST(Settings, only_what_was_changed_is_written_and_what_others_wrote_is_kept) {
             json({{"edl", 0.5}, {"of_a_newer_version", {1, 2}}, {"pixel_size", 0.1}}));
 }
 
-TEST(Settings, nothing_changed_writes_nothing) {
+TEST(Settings, no_file_is_written_without_changes) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), PlayOptions()));
   EXPECT_FALSE(fs::exists(folder / "player.json"));
@@ -109,7 +109,7 @@ TEST(Settings, nothing_changed_writes_nothing) {
   EXPECT_FALSE(fs::exists(folder / "player.json"));
 }
 
-TEST(Settings, the_command_line_wins) {
+TEST(Settings, the_command_line_overrides_the_file) {
   PlayOptions options;
   options.draw.edl = 2.0f;
   const auto given = [](std::string_view name) { return name == "edl" || name == "pixel-size"; };
@@ -119,7 +119,7 @@ TEST(Settings, the_command_line_wins) {
   EXPECT_EQ(options.draw.mode, DrawMode::point);
 }
 
-TEST(Settings, no_file_or_an_empty_one_changes_nothing) {
+TEST(Settings, a_missing_or_empty_file_changes_nothing) {
   const TemporaryFolder folder;
   PlayOptions options;
   EXPECT_TRUE(read_settings(folder / "none/player.json", nothing_given, options));
@@ -127,7 +127,7 @@ TEST(Settings, no_file_or_an_empty_one_changes_nothing) {
   expect_same(options, PlayOptions());
 }
 
-TEST(Settings, a_broken_file_is_one_line_and_is_left_as_it_is) {
+TEST(Settings, a_broken_file_is_reported_in_one_line_and_left_unchanged) {
   const TemporaryFolder folder;
   for (const std::string text :
        {"mode = voxel", "[1]", "{\"edl\": 0.5", "{\"mode\": \"disc\"}", "{\"mode\": 3}",
@@ -149,12 +149,12 @@ TEST(Settings, a_broken_file_is_one_line_and_is_left_as_it_is) {
   }
 }
 
-TEST(Settings, a_wrong_value_is_an_error_even_where_the_command_line_wins) {
+TEST(Settings, a_wrong_value_is_an_error_even_if_the_command_line_overrides_it) {
   PlayOptions options;
   EXPECT_FALSE(parse_settings("{\"edl\": -1}", [](std::string_view) { return true; }, options));
 }
 
-TEST(Settings, what_is_no_file_or_is_too_large_is_not_read) {
+TEST(Settings, folders_and_oversized_files_are_not_read) {
   const TemporaryFolder folder;
   PlayOptions options;
   EXPECT_FALSE(read_settings(folder.path(), nothing_given, options));
@@ -172,7 +172,7 @@ TEST(Settings, a_file_that_cannot_be_written_is_an_error) {
   EXPECT_THAT(written.error().message, HasSubstr("player.json: "));
 }
 
-TEST(Settings, a_link_to_the_file_stays_a_link) {
+TEST(Settings, a_symbolic_link_to_the_file_stays_a_link) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("elsewhere/player.json", "{}");
   fs::create_symlink(file, folder / "player.json");
@@ -181,7 +181,7 @@ TEST(Settings, a_link_to_the_file_stays_a_link) {
   EXPECT_THAT(content(file), HasSubstr("\"point\""));
 }
 
-TEST(Settings, hostile_text_is_refused_or_gives_values_that_are_allowed) {
+TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), changed_in_everything()));
   const std::string good = content(folder / "player.json");
@@ -205,7 +205,7 @@ TEST(Settings, hostile_text_is_refused_or_gives_values_that_are_allowed) {
   EXPECT_TRUE(parse_settings(deep, nothing_given, options)) << "nobody reads \"a\"";
 }
 
-TEST(Settings, they_are_where_xdg_says) {
+TEST(Settings, the_default_path_follows_xdg) {
   const Variable home("HOME", "/home/somebody");
   {
     const Variable config("XDG_CONFIG_HOME", "/elsewhere");

@@ -89,7 +89,7 @@ Result<Bytes> decode(const Svo& svo, const std::vector<Bytes>& layers, const std
   return masks;
 }
 
-TEST(Slabs, give_back_every_tree_and_the_same_bytes_on_any_number_of_threads) {
+TEST(Slabs, restore_every_tree_and_give_the_same_bytes_on_any_number_of_threads) {
   for (const Svo& svo : {sheets(7, 1), sheets(7, 2), sparse_tree(14, 3000)}) {
     for (const std::vector<int>& ends : {std::vector<int>{3, svo.depth}, {3, 6, svo.depth}}) {
       std::size_t size_of_one = 0;
@@ -113,12 +113,12 @@ TEST(Slabs, give_back_every_tree_and_the_same_bytes_on_any_number_of_threads) {
   }
 }
 
-TEST(Slabs, make_the_same_bytes_with_and_without_bmi2) {
+TEST(Slabs, give_the_same_bytes_with_and_without_bmi2) {
   const Svo svo = sheets(7, 1);
   EXPECT_EQ(encode(svo, {3, 7}, 3), encode(svo, {3, 7}, 3, {}, ExtractPath::portable));
 }
 
-TEST(Slabs, agree_with_the_decoder_written_from_the_format_s_description) {
+TEST(Slabs, agree_with_the_reference_decoder) {
   std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
   const std::vector<int> ends = {3, 6, 7};
@@ -138,7 +138,7 @@ TEST(Slabs, agree_with_the_decoder_written_from_the_format_s_description) {
   }
 }
 
-TEST(Slabs, follow_each_other_along_the_longer_axis_and_are_about_equal) {
+TEST(Slabs, divide_the_longer_axis_into_about_equal_shares) {
   for (const int axis : {1, 2}) {
     RasterLevel level = root_level();
     const Svo svo = sheets(6, axis);
@@ -166,7 +166,7 @@ TEST(Slabs, follow_each_other_along_the_longer_axis_and_are_about_equal) {
   }
 }
 
-TEST(Slabs, learn_together_what_one_would_have_learnt) {
+TEST(Slabs, merge_to_the_statistics_that_a_single_slab_would_have) {
   // A leaf that has seen a mean of 1/2, then three slabs with ones alone.
   const Leaf before{32768, 20};
   std::vector<std::vector<Leaf>> slabs(3, std::vector<Leaf>{before});
@@ -190,7 +190,7 @@ TEST(Slabs, learn_together_what_one_would_have_learnt) {
   EXPECT_EQ(leaves[0].count, 255);
 }
 
-TEST(Slabs, have_a_number_by_default_that_goes_by_the_leaves_alone) {
+TEST(Slabs, have_a_default_number_that_depends_only_on_the_leaves) {
   EXPECT_EQ(default_slabs(0), 1);
   EXPECT_EQ(default_slabs((1u << 20) - 1), 1);
   EXPECT_EQ(default_slabs(1u << 20), 2);
@@ -212,7 +212,7 @@ struct Forged {
   }
 };
 
-TEST(Slabs, that_cannot_be_are_refused) {
+TEST(Slabs, are_refused_if_their_number_or_axis_is_invalid) {
   const Forged good;
   ASSERT_TRUE(good.decodes());
   for (const int number : {0, 1, 2, 4, 5, 17, 255}) {
@@ -230,7 +230,7 @@ TEST(Slabs, that_cannot_be_are_refused) {
   EXPECT_FALSE(good.decodes_with(13, 0x80)) << "a slab longer than the payload";
 }
 
-TEST(Slabs, stay_the_same_from_the_layer_that_begins_them_on) {
+TEST(Slabs, stay_the_same_in_all_layers_after_the_first) {
   const Svo svo = sheets(7, 2);
   const std::vector<int> ends = {3, 6, 7};
   auto layers = encode(svo, ends, 1);
@@ -251,7 +251,7 @@ TEST(Slabs, stay_the_same_from_the_layer_that_begins_them_on) {
   }
 }
 
-TEST(Slabs, cut_or_with_any_byte_of_their_header_changed_do_no_harm) {
+TEST(Slabs, do_no_harm_if_truncated_or_changed_in_any_byte_of_the_header) {
   const Forged good;
   const Bytes whole = good.layers[1];
   for (std::size_t cut = 0; cut < whole.size(); cut += cut < 40 ? 1 : 97) {
@@ -273,7 +273,7 @@ std::size_t heap_in_use() {
   return info.uordblks + info.hblkhd;
 }
 
-TEST(Slabs, take_no_more_memory_than_their_header_says) {
+TEST(Slabs, use_no_more_memory_than_their_header_states) {
   const Svo svo = sheets(8, 1);
   const std::vector<int> ends = {3, 7, 8};
   const std::size_t finest = svo.node_count(7) + svo.node_count(6);

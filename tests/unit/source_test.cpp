@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-TEST(FetchedLayer, SplitsIntoItsChunks) {
+TEST(FetchedLayer, splits_into_its_chunks) {
   const FetchedLayer layer{offsets(0, 9), {4, 3, 2}};
   const Chunks<ByteView> view = layer.view();
   EXPECT_EQ(Bytes(view.geometry.begin(), view.geometry.end()), offsets(0, 4));
@@ -26,7 +26,7 @@ TEST(FetchedLayer, SplitsIntoItsChunks) {
   EXPECT_EQ(Bytes(view.normals.begin(), view.normals.end()), offsets(7, 2));
 }
 
-TEST(Ranges, HoldAPrefixOfTheStoredOrder) {
+TEST(Ranges, cover_a_prefix_of_the_stored_order) {
   const Manifest manifest = small_manifest();
   const auto all = ranges_of(manifest, 1, {});
   ASSERT_EQ(all->size(), 2u);
@@ -43,19 +43,19 @@ TEST(Ranges, HoldAPrefixOfTheStoredOrder) {
   EXPECT_EQ(ranges_of(manifest, 1, {1, true, true})->size(), 1u);
 }
 
-TEST(Ranges, RefuseAFrameThatNoReelHas) {
+TEST(Ranges, refuse_a_frame_that_the_reel_does_not_have) {
   Manifest manifest = small_manifest();
   manifest.segments[0].layers[0].frames[0].geometry = 0x7fffffff;
   EXPECT_FALSE(ranges_of(manifest, 0, {}));
 }
 
-TEST(OpenSource, SaysWhatIsWrongInOneLine) {
+TEST(OpenSource, reports_every_problem_in_one_line) {
   EXPECT_THAT(open_source("/no/such/folder").error().message, HasSubstr("no such file or folder"));
   EXPECT_THAT(open_source("ftp://host/x").error().message, HasSubstr("ftp:// is not supported"));
   EXPECT_THAT(open_source("http://").error().message, HasSubstr("names no host"));
 }
 
-TEST(OpenSource, SaysThatAFolderIsNoPackageAndHasNoFiles) {
+TEST(OpenSource, reports_a_folder_that_is_neither_a_package_nor_holds_clouds) {
   const TemporaryFolder folder;
   folder.write("readme.txt", "hello");
   EXPECT_EQ(open_source(folder.path().string()).error().message,
@@ -63,7 +63,7 @@ TEST(OpenSource, SaysThatAFolderIsNoPackageAndHasNoFiles) {
                 ": is not a package (it has no reel.json), and has no .ply or .drc files");
 }
 
-TEST(OpenSource, SaysThatAFileIsNoCloud) {
+TEST(OpenSource, reports_a_file_that_is_not_a_cloud) {
   const TemporaryFolder folder;
   const std::string photo = folder.write("photo.jpg", "\xff\xd8").string();
   EXPECT_THAT(open_source(photo).error().message,
@@ -72,14 +72,14 @@ TEST(OpenSource, SaysThatAFileIsNoCloud) {
   EXPECT_THAT(open_source(cut).error().message, HasSubstr(cut + ": "));
 }
 
-TEST(OpenSource, SaysThatALinkLeadsNowhere) {
+TEST(OpenSource, reports_a_dangling_symbolic_link) {
   const TemporaryFolder folder;
   fs::create_symlink("/no/such/file", folder / "gone.ply");
   EXPECT_THAT(open_source((folder / "gone.ply").string()).error().message,
               HasSubstr("gone.ply: links to a file or folder that is not there"));
 }
 
-TEST(OpenSource, SaysThatAManifestIsNone) {
+TEST(OpenSource, reports_an_invalid_manifest) {
   const TemporaryFolder folder;
   const std::string path = folder.write("reel.json", "<html>").string();
   for (const std::string& where : {path, folder.path().string()})
@@ -87,7 +87,7 @@ TEST(OpenSource, SaysThatAManifestIsNone) {
               path + ": is not valid JSON; give the folder or address of a package");
 }
 
-TEST(OpenSource, SaysWhichNewerVersionAPackageHas) {
+TEST(OpenSource, names_the_newer_version_of_a_package) {
   const TemporaryFolder folder;
   std::string text = write_manifest(small_manifest());
   const std::size_t version = text.find("\"version\": 1");
@@ -106,7 +106,7 @@ TEST(OpenSource, SaysWhichNewerVersionAPackageHas) {
               HasSubstr("/reel/reel.json: " + said));
 }
 
-TEST(OpenSource, SaysThatAHostDoesNotAnswer) {
+TEST(OpenSource, reports_a_host_that_does_not_answer) {
   std::string url;
   {
     const ScriptedHttpServer server([](int, const std::string&) { return false; });
@@ -116,7 +116,7 @@ TEST(OpenSource, SaysThatAHostDoesNotAnswer) {
               testing::AllOf(HasSubstr(url), HasSubstr("nothing answers there")));
 }
 
-TEST(OpenSource, IsStopped) {
+TEST(OpenSource, can_be_stopped) {
   std::stop_source stop;
   ScriptedHttpServer server([&](int, const std::string&) {
     stop.request_stop();
@@ -127,7 +127,7 @@ TEST(OpenSource, IsStopped) {
   EXPECT_FALSE(open_source(server.url() + "/reel", options));
 }
 
-TEST(FileSource, ReadsTheWantedRanges) {
+TEST(FileSource, reads_the_requested_ranges) {
   const TemporaryFolder folder;
   folder.write("reel.json", write_manifest(small_manifest()));
   folder.write("0.base.bin", text_of(offsets(0, 30)));
@@ -145,7 +145,7 @@ TEST(FileSource, ReadsTheWantedRanges) {
   }
 }
 
-TEST(FileSource, NamesAFileThatIsMissingOrTooShort) {
+TEST(FileSource, names_a_file_that_is_missing_or_too_short) {
   const TemporaryFolder folder;
   folder.write("reel.json", write_manifest(small_manifest()));
   folder.write("0.base.bin", text_of(offsets(0, 29)));
@@ -156,7 +156,7 @@ TEST(FileSource, NamesAFileThatIsMissingOrTooShort) {
   EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("0.full.bin"));
 }
 
-TEST(FolderSource, TakesItsFilesInNaturalOrderAndItsTimesFromTheRate) {
+TEST(FolderSource, takes_its_files_in_natural_order_and_its_times_from_the_rate) {
   const TemporaryFolder folder;
   for (const int i : {1, 2, 10})
     folder.write(fmt::format("f{}.ply", i),
@@ -179,7 +179,7 @@ TEST(FolderSource, TakesItsFilesInNaturalOrderAndItsTimesFromTheRate) {
   EXPECT_THAT(text_of((*source)->fetch(2, {})->file), HasSubstr("\n10 2 3\n"));
 }
 
-TEST(FolderSource, RefusesAFolderWithoutFrames) {
+TEST(FolderSource, refuses_a_folder_without_frames) {
   const TemporaryFolder folder;
   EXPECT_FALSE(open_source(folder.path().string()));
 }

@@ -25,7 +25,7 @@ struct Stage {
 
 class Stability : public testing::TestWithParam<Stage> {};
 
-TEST_P(Stability, every_hard_case_comes_out_as_required) { expect_passed(GetParam().run()); }
+TEST_P(Stability, every_hard_case_has_the_required_outcome) { expect_passed(GetParam().run()); }
 
 INSTANTIATE_TEST_SUITE_P(
     Stages, Stability,
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Stage{"depth", depth_checks}, Stage{"determinism", determinism_checks}),
     [](const auto& stage) { return stage.param.name; });
 
-TEST(StabilityRows, are_each_checked_or_say_where_they_are) {
+TEST(StabilityRows, are_each_checked_here_or_refer_to_another_test) {
   std::set<std::pair<std::string, std::string>> checked;
   for (const Check& check : run_stability_checks()) checked.emplace(check.stage, check.subject);
   for (const HardRow& row : hard_rows()) {
@@ -45,7 +45,7 @@ TEST(StabilityRows, are_each_checked_or_say_where_they_are) {
   }
 }
 
-TEST(StabilityCheck, as_json_has_all_its_parts) {
+TEST(StabilityCheck, is_complete_when_written_as_json) {
   const nlohmann::json json = to_json({"stage", "subject", "required", "outcome", true});
   EXPECT_EQ(json.dump(), R"({"outcome":"outcome","passed":true,"required":"required",)"
                          R"("stage":"stage","subject":"subject"})");

@@ -49,22 +49,22 @@ class StopSignals : public PackTest {
   StopSignals() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
 };
 
-TEST_F(StopSignals, end_a_pack_that_leaves_nothing_behind) {
+TEST_F(StopSignals, end_a_pack_without_leaving_files_behind) {
   write_frames(4);
   EXPECT_EXIT(pack_and_signal(options(), SIGINT), testing::ExitedWithCode(7), "");
   EXPECT_EXIT(pack_and_signal(options(), SIGTERM), testing::ExitedWithCode(7), "");
   EXPECT_THAT(outputs(), testing::IsEmpty());
 }
 
-TEST_F(StopSignals, kill_the_second_time) {
+TEST_F(StopSignals, kill_the_process_the_second_time) {
   EXPECT_EXIT(signal_twice(), testing::KilledBySignal(SIGINT), "");
 }
 
-TEST_F(StopSignals, kill_the_second_time_what_a_shell_has_started_in_the_background) {
+TEST_F(StopSignals, kill_a_shell_background_process_the_second_time) {
   EXPECT_EXIT((std::signal(SIGINT, SIG_IGN), signal_twice()), testing::KilledBySignal(SIGINT), "");
 }
 
-TEST_F(StopSignals, are_as_they_were_afterwards) {
+TEST_F(StopSignals, are_handled_as_before_afterwards) {
   EXPECT_EXIT(
       {
         std::signal(SIGTERM, SIG_IGN);

@@ -5,7 +5,7 @@
 namespace pointreel {
 namespace {
 
-TEST(Supersampling, AveragesSquaresInLinearLight) {
+TEST(Supersampling, averages_squares_in_linear_light) {
   // Four squares of two by two: black; half white, half black; one quarter red; one colour.
   const glm::u8vec3 black(0), white(255), red(255, 0, 0), some(10, 120, 250);
   const Image image{4,
@@ -21,7 +21,7 @@ TEST(Supersampling, AveragesSquaresInLinearLight) {
   EXPECT_EQ(small.at(1, 1), some);
 }
 
-TEST(Supersampling, EveryColourIsItsOwnMean) {
+TEST(Supersampling, preserves_every_uniform_colour) {
   Image image{3 * 256, 3, {}};
   for (int i = 0; i < image.width * image.height; ++i)
     image.pixels.emplace_back(static_cast<std::uint8_t>(i % image.width / 3));

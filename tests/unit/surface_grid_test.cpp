@@ -18,7 +18,7 @@ bool within(const glm::ivec3& cell, const glm::ivec3& size) {
          glm::all(glm::lessThan(cell, size));
 }
 
-TEST(SurfaceGrid, lists_every_cell_near_the_surface_with_the_blends_that_decide_there) {
+TEST(SurfaceGrid, lists_every_cell_near_the_surface_with_its_relevant_blends) {
   const Body body = pose_body(walk(0.7));
   const SurfaceGrid grid = SurfaceGrid::build(body.surface).value();
   std::uint64_t number = 0;
@@ -39,7 +39,7 @@ TEST(SurfaceGrid, lists_every_cell_near_the_surface_with_the_blends_that_decide_
   }
 }
 
-TEST(SurfaceGrid, finds_each_of_its_cells_at_its_place) {
+TEST(SurfaceGrid, finds_each_of_its_cells_by_position) {
   const SurfaceGrid grid = SurfaceGrid::build(pose_body(walk(0.0)).surface).value();
   std::set<std::uint32_t> found;
   std::size_t blends = 0;
@@ -59,7 +59,7 @@ TEST(SurfaceGrid, finds_each_of_its_cells_at_its_place) {
   EXPECT_LT(blends, 6 * grid.cells().size());  // few of all 50
 }
 
-TEST(SurfaceGrid, says_that_space_far_from_the_surface_is_empty) {
+TEST(SurfaceGrid, reports_space_far_from_the_surface_as_empty) {
   const Surface ball{{RoundCone{{1, 2, 3}, {1, 2, 3}, 0.3, 0.3}}, {{0, 0, 0.0}}};
   const SurfaceGrid grid = SurfaceGrid::build(ball).value();
   const glm::ivec3 center = grid.cell_at({1, 2, 3});
@@ -70,7 +70,7 @@ TEST(SurfaceGrid, says_that_space_far_from_the_surface_is_empty) {
   EXPECT_FALSE(within(grid.cell_at({0, 2, 3}), grid.size()));
 }
 
-TEST(SurfaceGrid, refuses_what_is_empty_not_finite_or_too_large) {
+TEST(SurfaceGrid, refuses_surfaces_that_are_empty_not_finite_or_too_large) {
   const auto ball = [](double x, double radius) {
     return Surface{{RoundCone{{x, 0, 0}, {0, 0, 0}, radius, radius}}, {{0, 0, 0.0}}};
   };

@@ -36,7 +36,7 @@ std::vector<glm::vec3> normals() {
   return all;
 }
 
-TEST(SurfelFrame, IsOrthonormalAndRightHandedForEveryNormal) {
+TEST(SurfelFrame, is_orthonormal_and_right_handed_for_every_normal) {
   for (const glm::vec3& n : normals()) {
     const SurfelFrame frame = surfel_frame(n);
     const glm::dvec3 u(frame.u), v(frame.v), w(n);

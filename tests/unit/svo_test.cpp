@@ -41,7 +41,7 @@ int depth_for(const PointCloud& cloud, double delta) {
   return points ? points->depth : -1;
 }
 
-TEST(Svo, equals_the_paper_s_recursive_build_for_every_delta) {
+TEST(Svo, equals_the_recursive_build_of_the_paper_for_every_delta) {
   const PointCloud cloud = random_shell(20000, 1);
   // An edge that is a power of two, so that the reference's halved centres are exact.
   const Cube cube{glm::dvec3(-1.0), 2.0};
@@ -100,7 +100,7 @@ TEST(Svo, round_trips_within_half_a_cell_at_level_21_and_an_offset_of_a_million)
   }
 }
 
-TEST(Svo, of_no_points_is_empty) {
+TEST(Svo, is_empty_without_points) {
   const SortedPoints sorted = sort_points(PointCloud{}, Cube{});
   EXPECT_EQ(*choose_depth(sorted.occupied, 0, DepthRule::by_delta(0.05)), 0);
   for (const int depth : {0, 7}) {
@@ -111,24 +111,24 @@ TEST(Svo, of_no_points_is_empty) {
   }
 }
 
-TEST(Svo, of_identical_points_ends_at_one_cell) {
+TEST(Svo, ends_at_one_cell_for_identical_points) {
   EXPECT_EQ(depth_for(cloud_of(std::vector<glm::vec3>(100, glm::vec3(3, 4, 5))), 0.0), 0);
   EXPECT_EQ(depth_for(cloud_of({{3, 4, 5}}), 0.0), 0);
 }
 
-TEST(Svo, of_duplicates_stops_where_all_distinct_points_are_apart) {
+TEST(Svo, stops_at_the_level_that_separates_all_distinct_points) {
   // Half the points coincide, so oct(h)/n never reaches 1 - delta.
   PointCloud cloud = cloud_of({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}});
   EXPECT_EQ(depth_for(cloud, 0.05), 1);
 }
 
-TEST(Svo, goes_on_through_a_chain_of_single_children) {
+TEST(Svo, continues_through_chains_of_single_children) {
   // A far outlier makes the cube large: the pair shares a cell for many levels.
   const PointCloud cloud = cloud_of({{0, 0, 0}, {1e-4f, 0, 0}, {1, 1, 1}});
   EXPECT_EQ(depth_for(cloud, 0.0), 14);
 }
 
-TEST(Svo, sorted_to_fewer_levels_is_the_same_tree) {
+TEST(Svo, is_the_same_from_points_sorted_to_fewer_levels) {
   const PointCloud cloud = random_shell(5000, 8);
   const SortedPoints all = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
   for (const int levels : {0, 1, 9, 14}) {
@@ -141,7 +141,7 @@ TEST(Svo, sorted_to_fewer_levels_is_the_same_tree) {
   }
 }
 
-TEST(Svo, divides_as_deep_as_it_takes_to_tell_points_apart) {
+TEST(Svo, divides_as_deep_as_necessary_to_separate_points) {
   // Apart at level 20 only, deeper than what is sorted at first.
   const PointCloud cloud = cloud_of({{0, 0, 0}, {1.5f / (1 << 20), 0, 0}, {1, 1, 1}});
   EXPECT_EQ(depth_for(cloud, 0.0), 20);
@@ -149,7 +149,7 @@ TEST(Svo, divides_as_deep_as_it_takes_to_tell_points_apart) {
   EXPECT_EQ(depth_for(cloud, 0.4), 1);
 }
 
-TEST(Svo, with_extent_on_one_axis_only_is_a_line_of_cells) {
+TEST(Svo, is_a_line_of_cells_if_only_one_axis_has_extent) {
   PointCloud cloud;
   for (int i = 0; i < 64; ++i) cloud.positions.push_back({2, static_cast<float>(i) / 63, 7});
   const SortedPoints sorted = sort_points(cloud, bounding_cube(bounds(cloud)));
@@ -160,7 +160,7 @@ TEST(Svo, with_extent_on_one_axis_only_is_a_line_of_cells) {
   }
 }
 
-TEST(DepthRule, refuses_what_is_no_delta_and_takes_what_is) {
+TEST(DepthRule, accepts_valid_deltas_and_refuses_others) {
   std::array<std::uint32_t, kMaxDepth + 1> occupied{};
   occupied.fill(8);
   occupied[0] = 1;
@@ -177,7 +177,7 @@ TEST(DepthRule, refuses_what_is_no_delta_and_takes_what_is) {
   EXPECT_EQ(choose_depth(occupied, 8, DepthRule::fixed(21)).value(), 21);
 }
 
-TEST(DepthRule, goes_no_deeper_than_it_may) {
+TEST(DepthRule, never_exceeds_its_greatest_depth) {
   const PointCloud cloud = random_shell(5000, 8);
   const Cube cube = bounding_cube(bounds(cloud));
   for (DepthRule rule :
@@ -196,7 +196,7 @@ TEST(DepthRule, goes_no_deeper_than_it_may) {
   }
 }
 
-TEST(Svo, truncated_equals_one_built_shallower) {
+TEST(Svo, equals_a_shallower_build_when_truncated) {
   const SortedPoints sorted = sort_points(random_shell(5000, 4), Cube{glm::dvec3(-1.0), 2.0});
   const Svo deep = build_svo(sorted, 9);
   for (int depth = 0; depth <= 9; ++depth) {
@@ -207,7 +207,7 @@ TEST(Svo, truncated_equals_one_built_shallower) {
   }
 }
 
-TEST(Svo, index_refuses_masks_that_are_no_tree) {
+TEST(Svo, cannot_be_indexed_from_masks_that_form_no_tree) {
   const auto indexes = [](int depth, std::vector<std::uint8_t> masks) {
     Svo svo;
     svo.depth = depth;
@@ -223,7 +223,7 @@ TEST(Svo, index_refuses_masks_that_are_no_tree) {
   EXPECT_FALSE(indexes(0, {1}));              // a single cell with children
 }
 
-TEST(NodeAttributes, are_means_of_points_and_then_of_leaves) {
+TEST(NodeAttributes, are_means_of_points_in_leaves_and_of_leaves_above) {
   PointCloud cloud = cloud_of({{0.1f, 0.1f, 0.1f}, {0.2f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}});
   cloud.colors = {{0, 10, 100}, {10, 20, 100}, {65535, 0, 0}};
   cloud.normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 0}};
@@ -251,7 +251,7 @@ TEST(NodeAttributes, do_not_depend_on_the_order_of_the_points) {
   EXPECT_EQ(x.normals, y.normals);
 }
 
-TEST(NodeAttributes, of_one_point_a_leaf_agree_with_those_of_sorted_points) {
+TEST(NodeAttributes, agree_with_those_of_sorted_points_if_each_leaf_has_one) {
   PointCloud cloud = random_shell(500, 6);
   const SortedPoints sorted = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
   const Svo svo = build_svo(sorted, kMaxDepth);

@@ -23,7 +23,7 @@ TEST(TbbExecutor, does_every_job_once_and_waits_for_all) {
   }
 }
 
-TEST(TbbExecutor, who_waits_for_jobs_begins_no_other_work) {
+TEST(TbbExecutor, begins_no_unrelated_work_while_it_waits_for_its_jobs) {
   // Threads sleep, so that there may be more of them than processors.
   const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
   tbb::task_arena arena(4);

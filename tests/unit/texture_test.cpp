@@ -15,7 +15,7 @@
 namespace pointreel {
 namespace {
 
-TEST(Texture, noise_fills_its_range_without_jumps_and_has_no_direction) {
+TEST(Texture, noise_fills_its_range_smoothly_and_has_no_direction) {
   Random random(1, 0);
   double lowest = 1.0, highest = -1.0, sum = 0.0;
   for (int i = 0; i < 4000; ++i) {
@@ -38,7 +38,7 @@ TEST(Texture, noise_fills_its_range_without_jumps_and_has_no_direction) {
   EXPECT_NEAR(sum / 4000.0, 0.0, 0.03);
 }
 
-TEST(Texture, noise_is_known_at_the_corners_of_the_grid_and_differs_by_seed) {
+TEST(Texture, noise_is_continuous_at_grid_corners_and_differs_by_seed) {
   for (const glm::dvec3& corner :
        {glm::dvec3(0, 0, 0), glm::dvec3(-3, 5, 2), glm::dvec3(4, -1, -9)}) {
     const double value = value_noise(corner, 3);
@@ -49,7 +49,7 @@ TEST(Texture, noise_is_known_at_the_corners_of_the_grid_and_differs_by_seed) {
   }
 }
 
-TEST(Texture, threads_go_over_and_under) {
+TEST(Texture, threads_of_a_weave_alternate_over_and_under) {
   EXPECT_GT(weave({0.003, 0.003, 0.0}, 0.006), 0.9);
   EXPECT_LT(weave({0.009, 0.003, 0.0}, 0.006), -0.9);
   EXPECT_GT(weave({0.009, 0.009, 0.0}, 0.006), 0.9);
@@ -63,7 +63,7 @@ TEST(Texture, shading_keeps_the_hue_and_stays_in_range) {
   EXPECT_EQ(shaded({100, 50, 250}, -2.0), glm::u8vec3(0, 0, 0));
 }
 
-TEST(Texture, a_person_has_colours_as_many_as_a_photograph_that_move_with_the_body) {
+TEST(Texture, a_person_has_as_many_colours_as_a_photograph_and_they_move_with_the_body) {
   const Body body = pose_body(walk(0.4)), moved = pose_body(walk(1.1));
   std::set<std::tuple<int, int, int>> colours;
   const auto points = sample_uniform(body.surface, 4000, 3);

@@ -64,7 +64,7 @@ class ThumbnailsTest : public PackTest {
   std::optional<WatchedSource> source_;
 };
 
-TEST_F(ThumbnailsTest, AreCoarseFramesThatComeWhenTheyAreReady) {
+TEST_F(ThumbnailsTest, are_coarse_frames_that_appear_when_they_are_ready) {
   Thumbnails thumbnails(*source_, nothing);
   EXPECT_EQ(thumbnails.get(7), nullptr);
   const auto frame = wait(thumbnails, 7);
@@ -76,7 +76,7 @@ TEST_F(ThumbnailsTest, AreCoarseFramesThatComeWhenTheyAreReady) {
   EXPECT_EQ(source_->asked(), Frames{7}) << "once";
 }
 
-TEST_F(ThumbnailsTest, AreMadeOneAtATimeTheNewestFirst) {
+TEST_F(ThumbnailsTest, are_prepared_one_at_a_time_newest_request_first) {
   Thumbnails thumbnails(*source_, nothing);
   source_->open = false;
   thumbnails.get(0);
@@ -87,7 +87,7 @@ TEST_F(ThumbnailsTest, AreMadeOneAtATimeTheNewestFirst) {
   EXPECT_EQ(source_->asked(), (Frames{0, 3, 2, 1}));
 }
 
-TEST_F(ThumbnailsTest, ForgetWhatWasPassedLongAgo) {
+TEST_F(ThumbnailsTest, forget_requests_that_were_passed_long_ago) {
   Thumbnails thumbnails(*source_, nothing);
   source_->open = false;
   thumbnails.get(0);
@@ -99,7 +99,7 @@ TEST_F(ThumbnailsTest, ForgetWhatWasPassedLongAgo) {
   EXPECT_EQ(source_->asked(), (Frames{0, 11, 10, 9, 8, 7, 6, 5, 4}));
 }
 
-TEST_F(ThumbnailsTest, KeepTheLastOnesWithinTheirBytes) {
+TEST_F(ThumbnailsTest, keep_the_most_recently_used_within_their_budget_of_bytes) {
   std::uint64_t one = 0;
   {
     Thumbnails thumbnails(*source_, nothing);
@@ -117,14 +117,14 @@ TEST_F(ThumbnailsTest, KeepTheLastOnesWithinTheirBytes) {
   EXPECT_EQ(thumbnails.get(1), nullptr) << "used longest ago";
 }
 
-TEST_F(ThumbnailsTest, KeepOneHoweverLargeItIs) {
+TEST_F(ThumbnailsTest, keep_one_however_large_it_is) {
   Thumbnails thumbnails(*source_, nothing, 1);
   wait(thumbnails, 3);
   wait(thumbnails, 4);
   EXPECT_EQ(thumbnails.get(4)->index, 4u);
 }
 
-TEST_F(ThumbnailsTest, AreMadeOfWhatIsThereAlready) {
+TEST_F(ThumbnailsTest, reuse_bases_that_are_already_stored) {
   const auto stored = [&](std::uint32_t frame) -> std::optional<FetchedFrame> {
     if (frame != 2) return std::nullopt;
     return *open_source(reel_.string()).value()->fetch(5, {1, true, false});
@@ -134,7 +134,7 @@ TEST_F(ThumbnailsTest, AreMadeOfWhatIsThereAlready) {
   EXPECT_EQ(source_->asked(), Frames{});
 }
 
-TEST_F(ThumbnailsTest, AreNotBegunWhileItIsToBeQuiet) {
+TEST_F(ThumbnailsTest, are_not_begun_while_quiet) {
   Thumbnails thumbnails(*source_, nothing);
   thumbnails.set_quiet(true);
   thumbnails.get(1);
@@ -143,7 +143,7 @@ TEST_F(ThumbnailsTest, AreNotBegunWhileItIsToBeQuiet) {
   wait(thumbnails, 1);
 }
 
-TEST_F(ThumbnailsTest, AreNotAskedForAgainIfTheyCannotBeHad) {
+TEST_F(ThumbnailsTest, are_not_requested_again_if_they_are_unavailable) {
   source_->broken = 6;
   Thumbnails thumbnails(*source_, nothing);
   thumbnails.get(6);
@@ -153,7 +153,7 @@ TEST_F(ThumbnailsTest, AreNotAskedForAgainIfTheyCannotBeHad) {
   EXPECT_EQ(source_->asked(), (Frames{6, 5}));
 }
 
-TEST_F(ThumbnailsTest, EndWhileOneIsBeingFetched) {
+TEST_F(ThumbnailsTest, can_be_destroyed_while_one_is_being_fetched) {
   source_->open = false;
   Thumbnails thumbnails(*source_, nothing);
   thumbnails.get(0);

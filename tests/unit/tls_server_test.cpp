@@ -57,7 +57,7 @@ class TlsServerTest : public testing::Test {
   std::unique_ptr<HttpServer> server_;
 };
 
-TEST_F(TlsServerTest, gives_texts_files_and_ranges_on_one_connection) {
+TEST_F(TlsServerTest, serves_texts_files_and_ranges_on_one_connection) {
   start();
   const auto peer = client();
   ASSERT_TRUE(peer->met());
@@ -89,7 +89,7 @@ TEST_F(TlsServerTest, answers_pipelined_requests_and_waits_for_slow_readers) {
   EXPECT_EQ(peer->read_answer().body, base_);
 }
 
-TEST_F(TlsServerTest, gives_up_those_that_do_not_speak_tls_or_not_on) {
+TEST_F(TlsServerTest, drops_peers_that_do_not_speak_tls_or_stop_in_the_handshake) {
   options_.header_timeout = 2s;
   start();
   RawHttpClient plain(server_->port());
@@ -104,7 +104,7 @@ TEST_F(TlsServerTest, gives_up_those_that_do_not_speak_tls_or_not_on) {
   EXPECT_TRUE(becomes_empty());
 }
 
-TEST_F(TlsServerTest, outlives_readers_that_leave_in_the_middle) {
+TEST_F(TlsServerTest, survives_readers_that_disconnect_in_the_middle) {
   full_ = patterned(8 << 20);
   write_package(reel_, base_, full_);
   start();
@@ -115,7 +115,7 @@ TEST_F(TlsServerTest, outlives_readers_that_leave_in_the_middle) {
   EXPECT_TRUE(becomes_empty());
 }
 
-TEST_F(TlsServerTest, tells_one_connection_too_many_under_tls_too) {
+TEST_F(TlsServerTest, refuses_connections_beyond_its_limit) {
   options_.max_connections = 1;
   start();
   const auto busy = client();
@@ -123,7 +123,7 @@ TEST_F(TlsServerTest, tells_one_connection_too_many_under_tls_too) {
   EXPECT_EQ(client()->get("/healthz").status, 503);
 }
 
-TEST_F(TlsServerTest, says_in_one_line_what_is_wrong_with_the_certificate) {
+TEST_F(TlsServerTest, reports_certificate_problems_in_one_line) {
   const auto failure = [&] {
     const auto server = HttpServer::start({}, options_);
     return server ? "it started" : server.error().message;

@@ -63,7 +63,7 @@ class TrainedPackage : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(TrainedPackage, is_smaller_and_decodes_to_the_same) {
+TEST_F(TrainedPackage, is_smaller_and_decodes_to_the_same_frames) {
   write_pairs(10);
   const PackSummary trained = packed(options("reel"));
   PackOptions built_in = options("built_in");
@@ -89,7 +89,7 @@ TEST_F(TrainedPackage, is_smaller_and_decodes_to_the_same) {
   EXPECT_EQ(contents(folder_.path() / "reel_out"), contents(folder_.path() / "built_in_out"));
 }
 
-TEST_F(TrainedPackage, is_the_same_with_any_number_of_threads) {
+TEST_F(TrainedPackage, is_the_same_on_any_number_of_threads) {
   write_pairs(9, 800);
   PackOptions how = options("reel");
   how.segment_frames = 2;  // five segments, of which four are sampled
@@ -104,7 +104,7 @@ TEST_F(TrainedPackage, is_the_same_with_any_number_of_threads) {
   EXPECT_EQ(contents(reel()), alone);
 }
 
-TEST_F(TrainedPackage, keeps_the_built_in_tables_where_its_own_would_not_pay) {
+TEST_F(TrainedPackage, keeps_the_built_in_tables_if_its_own_would_not_pay_off) {
   write_pairs(2, 20);
   for (const bool cube_per_frame : {false, true}) {
     PackOptions how = options("reel");
@@ -141,7 +141,7 @@ TEST_F(TrainedPackage, is_played_and_served_with_its_tables) {
   }
 }
 
-TEST_F(TrainedPackage, that_has_lost_or_changed_its_tables_is_found_out) {
+TEST_F(TrainedPackage, is_refused_if_its_tables_are_lost_or_changed) {
   write_pairs(8);
   packed(options("reel"));
   const fs::path tables = reel() / read_manifest(reel())->tables->path;

@@ -34,7 +34,7 @@ float median(std::vector<float> values) {
   return values[values.size() / 2];
 }
 
-TEST(LeafRadii, CoverTheLeavesOfAClosedSurface) {
+TEST(LeafRadii, cover_the_leaves_of_a_closed_surface) {
   const Svo svo = sphere(400'000, 6);
   const auto radii = leaf_radii(svo);
   ASSERT_EQ(radii.size(), svo.leaf_count());
@@ -44,7 +44,7 @@ TEST(LeafRadii, CoverTheLeavesOfAClosedSurface) {
   EXPECT_LE(*std::max_element(radii.begin(), radii.end()), 2.0 * half_diagonal);
 }
 
-TEST(LeafRadii, BridgeTheGapsBetweenSparseLeaves) {
+TEST(LeafRadii, bridge_the_gaps_between_sparse_leaves) {
   for (const int depth : {9, 12, 16}) {
     const Svo svo = sphere(20'000, depth);
     const auto radii = leaf_radii(svo);
@@ -55,7 +55,7 @@ TEST(LeafRadii, BridgeTheGapsBetweenSparseLeaves) {
   }
 }
 
-TEST(LeafRadii, ReachAcrossTheGapsBetweenCurves) {
+TEST(LeafRadii, reach_across_the_gaps_between_curves) {
   // A grid of curves on a plane, as a scanner's pattern draws it: 24 gaps of 1/24, and 40 points on
   // the way from one crossing to the next.
   constexpr int kGaps = 24, kPoints = 40 * kGaps;
@@ -75,7 +75,7 @@ TEST(LeafRadii, ReachAcrossTheGapsBetweenCurves) {
   EXPECT_LT(*std::max_element(radii.begin(), radii.end()), 1.0f / kGaps);
 }
 
-TEST(LeafRadii, FollowTheDensity) {
+TEST(LeafRadii, follow_the_local_density) {
   // The half with x > 0 has a sixteenth of the points.
   std::mt19937 random(4);
   std::uniform_real_distribution<float> uniform;
@@ -96,7 +96,7 @@ TEST(LeafRadii, FollowTheDensity) {
   EXPECT_GT(median(sparse), 2.0f * median(dense));
 }
 
-TEST(PointRadii, AreTheSpacingOfThePointsWhateverTheDepthOfTheTree) {
+TEST(PointRadii, equal_the_spacing_of_the_points_at_any_depth_of_the_tree) {
   const PointCloud cloud = sphere_cloud(20'000);
   const double spacing = std::sqrt(4.0 * std::numbers::pi / 20'000);
   const SortedPoints sorted = sort_points(cloud, kCube, 14);
@@ -109,7 +109,7 @@ TEST(PointRadii, AreTheSpacingOfThePointsWhateverTheDepthOfTheTree) {
   }
 }
 
-TEST(PointRadii, OfStrayPointsAreBounded) {
+TEST(PointRadii, are_bounded_for_stray_points) {
   PointCloud cloud = sphere_cloud(20'000);
   for (int i = 0; i < 20; ++i)
     cloud.positions.push_back(glm::vec3(0.9f - 0.09f * static_cast<float>(i), 0.05f, 0.0f));
@@ -119,7 +119,7 @@ TEST(PointRadii, OfStrayPointsAreBounded) {
   EXPECT_LT(*std::max_element(radii.begin(), radii.end()), 4.0 * spacing);
 }
 
-TEST(PointRadii, AreInTheOrderOfTheCloud) {
+TEST(PointRadii, have_the_order_of_the_cloud) {
   // Dense where x < 0, a sixteenth of that elsewhere, in random order.
   std::mt19937 random(6);
   std::uniform_real_distribution<float> uniform;
@@ -137,7 +137,7 @@ TEST(PointRadii, AreInTheOrderOfTheCloud) {
   EXPECT_NEAR(median(dense), std::sqrt(1.0 / static_cast<double>(dense.size())), 0.003);
 }
 
-TEST(PointRadii, CountDuplicatesOnce) {
+TEST(PointRadii, count_duplicates_once) {
   PointCloud cloud = sphere_cloud(5'000);
   const SortedPoints once = sort_points(cloud, kCube, 14);
   const auto radii = point_radii(build_svo(once, 8), once);
@@ -149,7 +149,7 @@ TEST(PointRadii, CountDuplicatesOnce) {
   for (std::size_t i = 0; i < same.size(); ++i) ASSERT_EQ(same[i], radii[i % 5'000]);
 }
 
-TEST(PointRadii, ArePositiveForASinglePointAndNoneForNone) {
+TEST(PointRadii, are_positive_for_a_single_point_and_absent_without_points) {
   PointCloud one;
   one.positions = {glm::vec3(0.5f)};
   const Cube cube{glm::dvec3(0.0), 1.0};
@@ -159,7 +159,7 @@ TEST(PointRadii, ArePositiveForASinglePointAndNoneForNone) {
   EXPECT_TRUE(point_radii(build_svo(none, 3), none).empty());
 }
 
-TEST(LeafRadii, AreOneForASinglePointAndNoneForNone) {
+TEST(LeafRadii, are_half_the_diagonal_of_the_cell_for_a_single_point) {
   PointCloud one;
   one.positions = {glm::vec3(0.5f)};
   const Cube cube{glm::dvec3(0.0), 1.0};

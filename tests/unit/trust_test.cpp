@@ -28,7 +28,7 @@ bool tells_its_trust(const std::string& header) {
          header.find("Trusts nothing: ") != std::string::npos;
 }
 
-TEST(Trust, every_header_that_reads_bytes_tells_what_hostile_ones_can_do) {
+TEST(Trust, every_header_that_reads_bytes_documents_hostile_input) {
   std::vector<std::string> readers, silent;
   for (const char* part : {"common", "codec", "client", "server"}) {
     const fs::path folder = fs::path(POINTREEL_SOURCE_DIR) / part;
@@ -45,7 +45,7 @@ TEST(Trust, every_header_that_reads_bytes_tells_what_hostile_ones_can_do) {
   EXPECT_THAT(silent, testing::IsEmpty());
 }
 
-TEST(Trust, a_reader_without_it_is_noticed) {
+TEST(Trust, a_reader_without_such_documentation_is_noticed) {
   EXPECT_TRUE(reads_bytes("Result<Cloud> read_cloud(\n    ByteView bytes, int limit);"));
   EXPECT_TRUE(reads_bytes("Result<void> decode_layer(const ParsedChunk& chunk);"));
   EXPECT_FALSE(reads_bytes("Bytes encode(ByteView raw); int read_count();"));

@@ -72,7 +72,7 @@ Image moved(const Image& image, const glm::ivec2& by) {
 
 /// Lit and unlit, textured and not: what the renderer draws of points of the surface is the same
 /// picture, at the same place.
-TEST(Truth, is_what_the_renderer_draws_of_many_points) {
+TEST(Truth, agrees_with_the_picture_of_very_many_points) {
   const auto context = OffscreenContext::create();
   ASSERT_TRUE(context) << context.error().message;
   auto renderer = Renderer::create();
@@ -120,7 +120,7 @@ TEST(Truth, is_what_the_renderer_draws_of_many_points) {
   }
 }
 
-TEST(Truth, knows_which_points_are_hidden) {
+TEST(Truth, distinguishes_hidden_points) {
   const TruthScene scene = balls();
   const glm::dvec3 eye(0.1, 0.9, 3.0);
   const std::vector<bool> hidden =
@@ -134,7 +134,7 @@ TEST(Truth, knows_which_points_are_hidden) {
   EXPECT_EQ(hidden, (std::vector<bool>{false, false, true, false, true}));
 }
 
-TEST(EvenCloud, keeps_its_distance_and_leaves_no_gap) {
+TEST(EvenCloud, keeps_points_apart_and_leaves_no_gap) {
   const TruthScene scene = balls();
   const double area = surface_area(scene.grid).value();
   const PointCloud cloud = even_cloud(scene.body, area, 2000).value();
@@ -161,7 +161,7 @@ TEST(EvenCloud, keeps_its_distance_and_leaves_no_gap) {
   }
 }
 
-TEST(Viewpoints, cover_as_much_of_the_picture_as_they_say) {
+TEST(Viewpoints, cover_as_much_of_the_picture_as_they_state) {
   const TruthScene scene = make_truth_scene(pose_body(find_motion("kick")->pose(1.0))).value();
   const auto views = viewpoints(scene, {1920, 1280}, 2);
   ASSERT_EQ(views.size(), 2u);

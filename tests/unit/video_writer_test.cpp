@@ -104,7 +104,7 @@ class VideoWriterTest : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(VideoWriterTest, has_each_picture_once_at_exactly_its_rate) {
+TEST_F(VideoWriterTest, writes_each_picture_once_at_exactly_the_given_rate) {
   std::vector<std::uint64_t> times;
   for (std::uint64_t i = 0; i < 24; ++i) times.push_back((i * 1'001'000'000 + 15'000) / 30'000);
   for (const char* name : {"a.mp4", "a.mkv", "a.webm"}) {
@@ -123,7 +123,7 @@ TEST_F(VideoWriterTest, has_each_picture_once_at_exactly_its_rate) {
   }
 }
 
-TEST_F(VideoWriterTest, has_uneven_pictures_at_exactly_their_times) {
+TEST_F(VideoWriterTest, writes_unevenly_spaced_pictures_at_exactly_their_times) {
   const std::vector<std::uint64_t> times = {0, 10'007, 50'000, 52'001, 1'234'567, 2'000'003};
   for (const char* name : {"b.mp4", "b.mkv", "b.webm"}) {
     SCOPED_TRACE(name);
@@ -140,7 +140,7 @@ TEST_F(VideoWriterTest, has_uneven_pictures_at_exactly_their_times) {
   }
 }
 
-TEST_F(VideoWriterTest, colours_come_back_as_they_were) {
+TEST_F(VideoWriterTest, preserves_colours) {
   const fs::path file = folder_ / "c.mp4";
   auto writer = VideoWriter::create(file.string(), {32, 32}, FrameRate{10, 1});
   ASSERT_TRUE(writer);
@@ -158,7 +158,7 @@ TEST_F(VideoWriterTest, colours_come_back_as_they_were) {
       EXPECT_NEAR(video.colors[i][channel], colors[i][channel], 4) << i << " " << channel;
 }
 
-TEST_F(VideoWriterTest, an_odd_size_loses_its_last_row_and_column) {
+TEST_F(VideoWriterTest, drops_the_last_row_and_column_of_odd_sizes) {
   const Video video(write("d.mp4", {65, 49}, {0, 100'000}, FrameRate{10, 1}));
   EXPECT_EQ(video.stream["width"], 64);
   EXPECT_EQ(video.stream["height"], 48);
@@ -166,17 +166,17 @@ TEST_F(VideoWriterTest, an_odd_size_loses_its_last_row_and_column) {
   EXPECT_FALSE(VideoWriter::create((folder_ / "e.mp4").string(), {1, 10}, std::nullopt));
 }
 
-TEST_F(VideoWriterTest, one_picture_is_a_video_too) {
+TEST_F(VideoWriterTest, writes_a_video_of_a_single_picture) {
   const Video video(write("f.mp4", {64, 48}, {0}, FrameRate{30, 1}));
   expect_each_once(video, 1);
 }
 
-TEST_F(VideoWriterTest, pictures_at_the_same_time_follow_each_other) {
+TEST_F(VideoWriterTest, writes_pictures_with_equal_times_one_after_the_other) {
   const Video video(write("g.mp4", {64, 48}, {0, 40'000, 40'000, 80'000}, std::nullopt));
   expect_each_once(video, 4);
 }
 
-TEST_F(VideoWriterTest, what_is_not_finished_is_not_there) {
+TEST_F(VideoWriterTest, leaves_no_file_if_it_is_not_finished) {
   const fs::path file = folder_ / "h.mp4";
   {
     auto writer = VideoWriter::create(file.string(), {64, 48}, std::nullopt);
@@ -186,7 +186,7 @@ TEST_F(VideoWriterTest, what_is_not_finished_is_not_there) {
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
-TEST_F(VideoWriterTest, a_place_that_cannot_be_written_is_an_error_that_says_why) {
+TEST_F(VideoWriterTest, reports_why_a_place_cannot_be_written) {
   const std::string file = (folder_ / "no/such/i.mp4").string();
   auto writer = VideoWriter::create(file, {64, 48}, FrameRate{30, 1});
   Result<void> ended = writer ? Result<void>() : tl::unexpected(writer.error());
@@ -204,7 +204,7 @@ std::string script(const TemporaryFolder& folder, const std::string& commands) {
   return file.string();
 }
 
-TEST(VideoWriter, a_program_that_ends_on_its_way_is_an_error_that_repeats_what_it_said) {
+TEST(VideoWriter, quotes_the_output_of_an_encoder_that_exits_early) {
   const TemporaryFolder folder;
   const std::string program =
       script(folder, "head -c 100000 > /dev/null; echo '[x @ 0x5] no space left' >&2; exit 1");
@@ -217,7 +217,7 @@ TEST(VideoWriter, a_program_that_ends_on_its_way_is_an_error_that_repeats_what_i
             (folder / "a.mp4").string() + ": is not recorded: ffmpeg ended: no space left");
 }
 
-TEST(VideoWriter, a_program_that_is_killed_is_an_error_that_says_so) {
+TEST(VideoWriter, reports_that_the_encoder_was_killed) {
   const TemporaryFolder folder;
   auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt,
                                     script(folder, "kill -KILL $$"));
@@ -227,7 +227,7 @@ TEST(VideoWriter, a_program_that_is_killed_is_an_error_that_says_so) {
   EXPECT_THAT(ended.error().message, HasSubstr("ffmpeg ended: Killed"));
 }
 
-TEST(VideoWriter, a_program_that_fails_at_the_end_is_an_error) {
+TEST(VideoWriter, reports_an_encoder_that_fails_at_the_end) {
   const TemporaryFolder folder;
   const std::string program = script(folder, "cat > /dev/null; echo 'no' >&2; exit 3");
   auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, program);
@@ -238,7 +238,7 @@ TEST(VideoWriter, a_program_that_fails_at_the_end_is_an_error) {
   EXPECT_THAT(finished.error().message, HasSubstr("ffmpeg ended: no"));
 }
 
-TEST(VideoWriter, its_absence_is_one_line_that_says_what_to_do) {
+TEST(VideoWriter, explains_in_one_line_how_to_install_a_missing_encoder) {
   const TemporaryFolder folder;
   for (const std::string& program : {(folder / "none").string(), std::string("no-such-ffmpeg")}) {
     const auto found = find_ffmpeg(program);
@@ -268,7 +268,7 @@ TEST(OpenRecorder, numbers_pictures_from_zero) {
   EXPECT_THAT(read_file(folder / "out-01.png"), HasSubstr("PNG"));
 }
 
-TEST(OpenRecorder, refuses_names_that_are_neither_video_nor_numbered) {
+TEST(OpenRecorder, refuses_names_that_are_neither_videos_nor_numbered_pictures) {
   for (const char* path : {"", "out", "out.png", "out.avi", "out-%d-%d.png", "mp4"}) {
     const auto checked = check_recording(path);
     ASSERT_FALSE(checked) << path;

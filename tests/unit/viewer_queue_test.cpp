@@ -43,7 +43,7 @@ TEST(ViewerQueue, a_viewer_that_keeps_up_gets_everything_in_order) {
   EXPECT_EQ(queue.drops(), LiveDrops{});
 }
 
-TEST(ViewerQueue, layers_that_come_while_the_viewer_waits_for_them_follow) {
+TEST(ViewerQueue, layers_are_delivered_as_they_arrive_to_a_waiting_viewer) {
   ViewerQueue queue;
   queue.push(5, 0, 3, layer_message(5, 0));
   EXPECT_THAT(take_all(queue), ElementsAre("5.0"));
@@ -53,7 +53,7 @@ TEST(ViewerQueue, layers_that_come_while_the_viewer_waits_for_them_follow) {
   EXPECT_THAT(take_all(queue), ElementsAre("5.2"));
 }
 
-TEST(ViewerQueue, a_viewer_that_falls_behind_goes_on_with_the_newest_frame_and_is_told) {
+TEST(ViewerQueue, a_viewer_that_falls_behind_skips_to_the_newest_frame_and_is_told) {
   ViewerQueue queue({.frames = 3});
   for (std::uint32_t frame = 0; frame < 3; ++frame) push_frame(queue, frame);
   EXPECT_EQ(queue.drops(), LiveDrops{});
@@ -63,7 +63,7 @@ TEST(ViewerQueue, a_viewer_that_falls_behind_goes_on_with_the_newest_frame_and_i
   EXPECT_THAT(take_all(queue), ElementsAre("drops 3 10", "3.0", "3.1"));
 }
 
-TEST(ViewerQueue, a_frame_whose_base_was_taken_does_not_count_as_dropped) {
+TEST(ViewerQueue, a_frame_whose_base_was_delivered_does_not_count_as_dropped) {
   ViewerQueue queue({.frames = 1});
   push_frame(queue, 0);
   EXPECT_EQ(brief(*queue.next()), "0.0");
@@ -71,7 +71,7 @@ TEST(ViewerQueue, a_frame_whose_base_was_taken_does_not_count_as_dropped) {
   EXPECT_EQ(queue.drops(), (LiveDrops{0, 3}));
 }
 
-TEST(ViewerQueue, the_newest_base_is_never_dropped_whatever_the_limits) {
+TEST(ViewerQueue, the_newest_base_is_never_dropped_under_any_limits) {
   ViewerQueue queue({.frames = 1, .bytes = 0});
   for (std::uint32_t frame = 0; frame < 50; ++frame) {
     push_frame(queue, frame, 3, 1000);
@@ -80,7 +80,7 @@ TEST(ViewerQueue, the_newest_base_is_never_dropped_whatever_the_limits) {
   EXPECT_THAT(take_all(queue), Contains("49.0"));
 }
 
-TEST(ViewerQueue, memory_is_bounded_by_bytes_too_and_the_finest_layer_goes_first) {
+TEST(ViewerQueue, the_finest_layers_are_dropped_first_to_stay_within_the_bytes) {
   ViewerQueue queue({.frames = 4, .bytes = 2500});
   push_frame(queue, 0, 3, 1000);
   EXPECT_THAT(take_all(queue), ElementsAre("drops 0 1", "0.0", "0.1"));
@@ -97,7 +97,7 @@ TEST(ViewerQueue, a_stall_of_any_length_leaves_one_frame_and_a_bounded_queue) {
   EXPECT_LE(taken.size(), 5u);
 }
 
-TEST(ViewerQueue, who_cannot_take_all_layers_gets_fewer_of_every_frame_and_more_after_a_while) {
+TEST(ViewerQueue, slow_viewers_get_fewer_layers_of_every_frame_and_later_more_again) {
   ViewerQueue queue({.frames = 2});
   // The link carries four messages while two frames of three come.
   std::vector<std::string> taken;
@@ -122,7 +122,7 @@ TEST(ViewerQueue, who_cannot_take_all_layers_gets_fewer_of_every_frame_and_more_
   EXPECT_THAT(taken, ElementsAre("1999.0", "1999.1", "1999.2"));
 }
 
-TEST(ViewerQueue, after_a_long_stall_all_layers_are_back_within_a_second) {
+TEST(ViewerQueue, all_layers_return_within_a_second_after_a_long_stall) {
   ViewerQueue queue;
   for (std::uint32_t frame = 0; frame < 300; ++frame) push_frame(queue, frame);
   std::vector<std::string> taken;
@@ -133,14 +133,14 @@ TEST(ViewerQueue, after_a_long_stall_all_layers_are_back_within_a_second) {
   EXPECT_THAT(take_all(queue), ElementsAre("329.0", "329.1", "329.2"));
 }
 
-TEST(ViewerQueue, a_layer_of_a_frame_that_began_before_is_no_use_and_does_not_come) {
+TEST(ViewerQueue, layers_of_a_frame_that_began_before_joining_are_skipped) {
   ViewerQueue queue;
   queue.push(4, 1, 3, layer_message(4, 1));
   EXPECT_TRUE(queue.empty());
   EXPECT_EQ(queue.drops(), LiveDrops{});
 }
 
-TEST(ViewerQueue, a_new_session_leaves_nothing_of_the_one_before) {
+TEST(ViewerQueue, a_new_session_discards_the_previous_one) {
   ViewerQueue queue;
   push_frame(queue, 8);
   queue.hello(text_message(write_hello(plain_hello(2))), true);
@@ -149,7 +149,7 @@ TEST(ViewerQueue, a_new_session_leaves_nothing_of_the_one_before) {
   EXPECT_THAT(take_all(queue), ElementsAre("0.0", "0.1", "0.2"));
 }
 
-TEST(ViewerQueue, the_end_comes_last_and_not_at_all_if_the_publisher_is_back) {
+TEST(ViewerQueue, the_end_is_delivered_last_and_never_after_the_publisher_returns) {
   ViewerQueue queue;
   push_frame(queue, 8, 1);
   queue.end(text_message(write_end()));

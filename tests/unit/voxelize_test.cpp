@@ -70,7 +70,7 @@ bool edge_meets(const Surface& surface, const glm::dvec3& a, const glm::dvec3& b
   return false;
 }
 
-TEST(Voxelize, gives_exactly_the_voxels_of_which_an_edge_meets_the_surface) {
+TEST(Voxelize, gives_exactly_the_voxels_with_an_edge_through_the_surface) {
   const Body body = group();
   const Voxelized result = voxelized(body, 5);
   Cells expected;
@@ -95,7 +95,7 @@ TEST(Voxelize, gives_exactly_the_voxels_of_which_an_edge_meets_the_surface) {
   EXPECT_EQ(result.cells, expected);
 }
 
-TEST(Voxelize, has_every_voxel_that_dense_samples_hit_but_for_tips) {
+TEST(Voxelize, contains_every_voxel_that_dense_samples_hit_except_at_tips) {
   const Body body = pose_body(walk(0.4));
   const Voxelized result = voxelized(body, 6);
   const auto samples = sample_uniform(body.surface, 60000, 3).value();
@@ -111,7 +111,7 @@ TEST(Voxelize, has_every_voxel_that_dense_samples_hit_but_for_tips) {
   EXPECT_LE(unseen, hit.size() / 10);  // voxels of which the surface cuts off a corner
 }
 
-TEST(Voxelize, has_one_point_a_voxel_at_integer_coordinates_that_fill_the_cube) {
+TEST(Voxelize, gives_one_point_a_voxel_at_integer_coordinates_that_fill_the_cube) {
   const Voxelized result = voxelized(ball(), 6);
   EXPECT_EQ(result.cells.size(), result.cloud.size());
   glm::vec3 low(1e9f), high(-1e9f);
@@ -151,13 +151,13 @@ std::vector<std::size_t> components(Cells cells) {
   return sizes;
 }
 
-TEST(Voxelize, voxels_hang_together_as_the_surface_does) {
+TEST(Voxelize, gives_voxels_as_connected_as_the_surface) {
   EXPECT_EQ(components(voxelized(ball(), 6).cells).size(), 1u);
   EXPECT_EQ(components(voxelized(group(), 6).cells).size(), 2u);
   EXPECT_EQ(components(voxelized(pose_body(walk(0.4)), 7).cells).size(), 1u);
 }
 
-TEST(Voxelize, leaves_no_hole_through_which_the_inside_is_reached) {
+TEST(Voxelize, leaves_no_hole_into_the_inside) {
   const Body body = pose_body(walk(0.4));
   const Voxelized result = voxelized(body, 6);
   // From outside through the faces of empty voxels, one layer around the grid included.
@@ -190,7 +190,7 @@ TEST(Voxelize, leaves_no_hole_through_which_the_inside_is_reached) {
   EXPECT_GT(inside, 500);
 }
 
-TEST(Voxelize, normals_and_colours_are_those_of_the_surface_nearby) {
+TEST(Voxelize, takes_normals_and_colours_from_the_nearby_surface) {
   const Voxelized result = voxelized(ball(), 7);
   for (std::size_t i = 0; i < result.cloud.size(); ++i) {
     const glm::dvec3 p =
@@ -201,7 +201,7 @@ TEST(Voxelize, normals_and_colours_are_those_of_the_surface_nearby) {
   }
 }
 
-TEST(Voxelize, gives_the_same_cloud_with_any_number_of_threads) {
+TEST(Voxelize, gives_the_same_cloud_on_any_number_of_threads) {
   const Body body = group();
   std::vector<PointCloud> clouds;
   for (const int threads : {1, 3}) {

@@ -106,7 +106,7 @@ std::string how_it_ended(WebSocket& socket) {
   }
 }
 
-TEST(WebSocket, messages_go_both_ways_and_keep_their_kind_and_their_bounds) {
+TEST(WebSocket, messages_travel_both_ways_and_keep_their_kind_and_boundaries) {
   const Peer peer(upgraded([](PeerStream& stream) {
     for (;;) {
       beast::flat_buffer buffer;
@@ -131,7 +131,7 @@ TEST(WebSocket, messages_go_both_ways_and_keep_their_kind_and_their_bounds) {
   EXPECT_TRUE(must_receive(**socket).bytes.empty());
 }
 
-TEST(WebSocket, the_token_and_the_path_are_what_the_server_is_told) {
+TEST(WebSocket, the_server_receives_the_token_and_the_path) {
   std::promise<std::string> told;
   const Peer peer([&](tcp::socket&, http::request<http::string_body>& upgrade) {
     told.set_value(std::string(upgrade.target()) + " " +
@@ -143,7 +143,7 @@ TEST(WebSocket, the_token_and_the_path_are_what_the_server_is_told) {
   EXPECT_EQ(told.get_future().get(), "/live/stage?publish Bearer secret");
 }
 
-TEST(WebSocket, a_server_that_refuses_is_quoted_with_its_status) {
+TEST(WebSocket, the_status_of_a_refusing_server_is_reported) {
   const Peer peer([](tcp::socket& socket, http::request<http::string_body>&) {
     http::response<http::string_body> response(http::status::not_found, 11);
     response.body() = "nobody publishes stage\nsecond line";
@@ -158,7 +158,7 @@ TEST(WebSocket, a_server_that_refuses_is_quoted_with_its_status) {
   EXPECT_THAT(socket.error().message, testing::Not(HasSubstr("second line")));
 }
 
-TEST(WebSocket, where_nobody_listens_there_is_an_error_at_once) {
+TEST(WebSocket, connecting_to_a_closed_port_fails_at_once) {
   boost::asio::io_context context;
   tcp::acceptor acceptor(context, {boost::asio::ip::address_v4::loopback(), 0});
   const std::string url =
@@ -170,7 +170,7 @@ TEST(WebSocket, where_nobody_listens_there_is_an_error_at_once) {
   EXPECT_THAT(socket.error().message, HasSubstr("nothing answers there"));
 }
 
-TEST(WebSocket, the_reason_that_a_server_gives_for_closing_is_told) {
+TEST(WebSocket, the_reason_of_a_server_for_closing_is_reported) {
   const Peer peer(upgraded([](PeerStream& stream) {
     stream.write(boost::asio::buffer("last", 4));
     stream.close({beast::websocket::close_code::policy_error, "somebody else publishes stage"});
@@ -182,14 +182,14 @@ TEST(WebSocket, the_reason_that_a_server_gives_for_closing_is_told) {
   EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
 }
 
-TEST(WebSocket, a_connection_that_is_lost_fails_whoever_waits) {
+TEST(WebSocket, a_lost_connection_ends_waits_with_an_error) {
   const Peer peer(upgraded([](PeerStream& stream) { stream.next_layer().close(); }));
   const auto socket = WebSocket::connect(peer.url());
   ASSERT_TRUE(socket);
   EXPECT_THAT(how_it_ended(**socket), HasSubstr("the connection is lost"));
 }
 
-TEST(WebSocket, a_peer_that_says_nothing_any_more_counts_as_lost) {
+TEST(WebSocket, a_silent_peer_counts_as_lost) {
   std::promise<void> over;
   const Peer peer(upgraded([&](PeerStream&) { over.get_future().wait(); }));
   WebSocketOptions options;
@@ -211,7 +211,7 @@ TEST(WebSocket, a_peer_that_only_answers_pings_is_not_lost) {
   EXPECT_FALSE(*message);
 }
 
-TEST(WebSocket, a_message_that_is_too_long_ends_the_connection) {
+TEST(WebSocket, an_oversized_message_ends_the_connection) {
   const Peer peer(upgraded([](PeerStream& stream) {
     stream.binary(true);
     stream.write(boost::asio::buffer(std::string(5000, 'x')));
@@ -224,7 +224,7 @@ TEST(WebSocket, a_message_that_is_too_long_ends_the_connection) {
   EXPECT_THAT(how_it_ended(**socket), HasSubstr("more than 4096 bytes"));
 }
 
-TEST(WebSocket, what_waits_is_bounded_and_nothing_is_lost) {
+TEST(WebSocket, waiting_messages_are_bounded_and_none_is_lost) {
   const Peer peer(upgraded([](PeerStream& stream) {
     stream.binary(true);
     for (int i = 0; i < 300; ++i) {
@@ -254,7 +254,7 @@ TEST(WebSocket, closing_ends_a_wait_in_another_thread) {
   EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
 }
 
-TEST(WebSocket, connecting_stops_when_it_is_told_to) {
+TEST(WebSocket, connecting_can_be_stopped) {
   std::promise<void> over;
   std::stop_source stop;
   // It never answers the upgrade.
@@ -271,7 +271,7 @@ TEST(WebSocket, connecting_stops_when_it_is_told_to) {
   over.set_value();
 }
 
-TEST(WebSocket, connecting_gives_up_after_its_time) {
+TEST(WebSocket, connecting_gives_up_after_its_timeout) {
   std::promise<void> over;
   const Peer peer(
       [&](tcp::socket&, http::request<http::string_body>&) { over.get_future().wait(); });
@@ -283,7 +283,7 @@ TEST(WebSocket, connecting_gives_up_after_its_time) {
   over.set_value();
 }
 
-TEST(WebSocketUrl, is_taken_apart) {
+TEST(WebSocketUrl, is_split_into_its_parts) {
   const auto url = [](const char* text) {
     const auto parsed = parse_websocket_url(text);
     if (!parsed) return parsed.error().message;

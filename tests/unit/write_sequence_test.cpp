@@ -32,7 +32,7 @@ SequenceJob small_job(const fs::path& output, Sampler sampler) {
 
 const Motion& walking() { return *find_motion("walk"); }
 
-TEST(WriteSequence, gives_a_file_for_each_frame_and_counts_the_points) {
+TEST(WriteSequence, writes_a_file_for_each_frame_and_counts_the_points) {
   const TemporaryFolder folder;
   const SequenceJob job = small_job(folder.path() / "out", Sampler::ldc);
   const auto summary = write_sequence(walking(), job);
@@ -55,7 +55,7 @@ TEST(WriteSequence, gives_a_file_for_each_frame_and_counts_the_points) {
   EXPECT_EQ(summary->max_points, most);
 }
 
-TEST(WriteSequence, gives_the_same_bytes_with_one_and_with_two_threads) {
+TEST(WriteSequence, writes_the_same_bytes_on_one_thread_and_on_two) {
   std::vector<std::map<std::string, std::string>> results;
   for (const int threads : {1, 2}) {
     const TemporaryFolder folder;
@@ -68,7 +68,7 @@ TEST(WriteSequence, gives_the_same_bytes_with_one_and_with_two_threads) {
   EXPECT_EQ(results[0], results[1]);
 }
 
-TEST(WriteSequence, the_grid_of_a_sequence_holds_every_frame) {
+TEST(WriteSequence, chooses_a_grid_that_contains_every_frame) {
   const VoxelGrid grid = voxel_grid(sequence_bounds(walking(), 30.0, 60), 6);
   for (const int number : {13, 44}) {
     SequenceOptions options;
@@ -90,7 +90,7 @@ TEST(WriteSequence, the_grid_of_a_sequence_holds_every_frame) {
   }
 }
 
-TEST(WriteFolder, leaves_what_is_there_unless_it_is_told_and_knows_it) {
+TEST(WriteFolder, replaces_only_known_folders_and_only_on_request) {
   const TemporaryFolder folder;
   const std::string place = (folder.path() / "out").string();
   const auto is_ours = [](std::string_view name) { return name.ends_with(".ours"); };
@@ -122,7 +122,7 @@ TEST(WriteFolder, leaves_nothing_behind_when_it_fails) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(WriteFolder, replaces_what_an_interrupted_run_left_and_nothing_else) {
+TEST(WriteFolder, replaces_only_leftovers_of_an_interrupted_run) {
   const TemporaryFolder folder;
   const fs::path beside = folder.path() / "out.partial";
   const auto write = [&] {

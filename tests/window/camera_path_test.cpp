@@ -24,7 +24,7 @@ class CameraPathWindow : public WindowTest {
   const std::filesystem::path before_ = std::filesystem::current_path();
 };
 
-TEST_F(CameraPathWindow, k_records_keys_that_the_player_follows) {
+TEST_F(CameraPathWindow, the_k_key_records_a_camera_path_that_the_player_follows) {
   const std::string file = (folder_ / "pointreel-camera-0001.json").string();
   const auto keys = [&] {
     const auto path = load_camera_path(file);

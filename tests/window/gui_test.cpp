@@ -31,7 +31,7 @@ class GuiWindow : public WindowTest {
   std::optional<WindowContext> window_;
 };
 
-TEST_F(GuiWindow, a_drag_is_heard_of_though_the_cursor_is_shown_while_it_is_on_its_way) {
+TEST_F(GuiWindow, a_drag_is_received_while_the_cursor_reappears) {
   WindowInput input(window_->handle());
   const Gui gui(window_->handle(), 1.0f);
   const auto next_input = [&] {
@@ -48,7 +48,7 @@ TEST_F(GuiWindow, a_drag_is_heard_of_though_the_cursor_is_shown_while_it_is_on_i
   EXPECT_TRUE(wait_until([&] { return (turned += next_input().orbit.x) == 150.0; })) << turned;
 }
 
-TEST_F(GuiWindow, help_and_panels_are_there_when_they_are_first_built) {
+TEST_F(GuiWindow, help_and_panels_appear_when_they_are_first_built) {
   Controls controls{{}};
   Interface interface(window_->handle(), 1.0f);
   Interface::View view;
@@ -76,7 +76,7 @@ TEST_F(GuiWindow, help_and_panels_are_there_when_they_are_first_built) {
   EXPECT_TRUE(interface.covers(statistics));
 }
 
-TEST_F(GuiWindow, help_that_is_longer_than_the_window_is_scrolled_by_the_keys_of_time) {
+TEST_F(GuiWindow, help_longer_than_the_window_is_scrolled_by_the_seek_keys) {
   Controls controls{{}};
   Interface interface(window_->handle(), 1.0f);
   Interface::View view;

@@ -46,7 +46,7 @@ class InterfaceWindow : public WindowTest {
   std::size_t bar() { return drawn(player().size().y - 60, player().size().y); }
 };
 
-TEST_F(InterfaceWindow, the_bar_is_there_while_the_mouse_moves_and_gone_after_a_moment) {
+TEST_F(InterfaceWindow, the_bar_appears_when_the_mouse_moves_and_disappears_after_a_moment) {
   open();
   ASSERT_TRUE(wait_for_next_frame());
   EXPECT_TRUE(wait_until([&] { return bar() == 0; }));
@@ -76,7 +76,7 @@ TEST_F(InterfaceWindow, dragging_the_timeline_goes_to_the_time_under_the_cursor)
   EXPECT_FALSE(report["window"]["playing"].get<bool>());
 }
 
-TEST_F(InterfaceWindow, dragging_while_it_plays_goes_on_playing_from_there) {
+TEST_F(InterfaceWindow, playback_resumes_from_the_end_of_a_drag) {
   open();
   ASSERT_TRUE(wait_for_next_frame());
   press(on_timeline(0.505));
@@ -87,7 +87,7 @@ TEST_F(InterfaceWindow, dragging_while_it_plays_goes_on_playing_from_there) {
   quit();
 }
 
-TEST_F(InterfaceWindow, buttons_do_what_keys_do) {
+TEST_F(InterfaceWindow, the_buttons_act_like_their_keys) {
   open({"--at", "4"});
   ASSERT_TRUE(wait_for_next_frame());
   player().move_to(button(1));
@@ -105,7 +105,7 @@ TEST_F(InterfaceWindow, buttons_do_what_keys_do) {
   EXPECT_FALSE(quit()["window"]["loop"].get<bool>());
 }
 
-TEST_F(InterfaceWindow, the_wheel_on_the_timeline_goes_frame_by_frame_and_does_not_zoom) {
+TEST_F(InterfaceWindow, the_wheel_over_the_timeline_steps_through_frames_and_does_not_zoom) {
   open({"--at", "4"});
   pause();
   const int from = frame();
@@ -117,7 +117,7 @@ TEST_F(InterfaceWindow, the_wheel_on_the_timeline_goes_frame_by_frame_and_does_n
   quit();
 }
 
-TEST_F(InterfaceWindow, the_question_mark_of_the_bar_opens_the_help) {
+TEST_F(InterfaceWindow, the_question_mark_in_the_bar_opens_the_help) {
   open();
   pause();
   const glm::ivec2 size = player().size(), mark(size.x - 100, size.y - 18);
@@ -138,7 +138,7 @@ TEST_F(InterfaceWindow, a_click_on_the_bar_does_not_turn_the_camera) {
   quit();
 }
 
-TEST_F(InterfaceWindow, the_timeline_shows_a_picture_of_the_time_under_the_cursor) {
+TEST_F(InterfaceWindow, the_timeline_shows_a_thumbnail_of_the_time_under_the_cursor) {
   open({"--at", "2"});
   pause();
   player().move_to(on_timeline(0.5));
@@ -151,7 +151,7 @@ TEST_F(InterfaceWindow, the_timeline_shows_a_picture_of_the_time_under_the_curso
   quit();
 }
 
-TEST_F(InterfaceWindow, help_shows_the_keys_and_goes_again) {
+TEST_F(InterfaceWindow, the_help_key_shows_and_hides_the_keys) {
   open();
   pause();
   const std::size_t before = drawn(0, player().size().y);
@@ -165,7 +165,7 @@ TEST_F(InterfaceWindow, help_shows_the_keys_and_goes_again) {
   EXPECT_TRUE(quit()["window"]["shown"]["help"].get<bool>());
 }
 
-TEST_F(InterfaceWindow, a_panel_answers_to_the_mouse_and_is_otherwise_as_it_was) {
+TEST_F(InterfaceWindow, a_panel_reacts_only_while_the_mouse_is_over_it) {
   open();
   pause();
   const auto panel = [this] {
@@ -193,7 +193,7 @@ TEST_F(InterfaceWindow, a_panel_answers_to_the_mouse_and_is_otherwise_as_it_was)
   EXPECT_EQ(quit()["mode"], "voxel");
 }
 
-TEST_F(InterfaceWindow, it_is_twice_as_large_at_scale_2) {
+TEST_F(InterfaceWindow, the_interface_is_twice_as_large_at_scale_2) {
   open({"--ui-scale", "2"});
   ASSERT_TRUE(wait_for_next_frame());
   player().move_to({400, 300});
@@ -204,7 +204,7 @@ TEST_F(InterfaceWindow, it_is_twice_as_large_at_scale_2) {
   quit();
 }
 
-TEST_F(InterfaceWindow, s_writes_a_picture_of_what_is_shown_without_the_interface) {
+TEST_F(InterfaceWindow, the_s_key_saves_the_current_picture_without_the_interface) {
   open({"--at", "3"});
   pause();
   const int shown = frame();

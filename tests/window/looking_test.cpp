@@ -19,7 +19,7 @@ class LookingWindow : public WindowTest {
   e2e::Patch patch() { return MovingPlate::plate(player().picture()); }
 };
 
-TEST_F(LookingWindow, m_draws_surfels_then_voxels_then_points) {
+TEST_F(LookingWindow, the_m_key_cycles_through_surfels_voxels_and_points) {
   for (const auto& [times, mode] : {std::pair{1, "voxel"}, {2, "point"}, {3, "surfel"}}) {
     open({"--mode", "surfel"});  // it remembers the last one
     pause();
@@ -33,7 +33,7 @@ TEST_F(LookingWindow, m_draws_surfels_then_voxels_then_points) {
   }
 }
 
-TEST_F(LookingWindow, the_left_button_turns_the_right_one_moves_the_wheel_zooms_and_0_resets) {
+TEST_F(LookingWindow, the_mouse_turns_moves_and_zooms_and_the_0_key_resets) {
   open({"--at", "6"});
   pause();
   const int from = frame();
@@ -61,7 +61,7 @@ TEST_F(LookingWindow, the_left_button_turns_the_right_one_moves_the_wheel_zooms_
   quit();
 }
 
-TEST_F(LookingWindow, what_was_turned_there_and_back_looks_as_before) {
+TEST_F(LookingWindow, a_view_turned_there_and_back_looks_as_before) {
   open({"--at", "6"});
   pause();
   const e2e::Picture before = player().picture();
@@ -83,7 +83,7 @@ TEST_F(LookingWindow, what_was_turned_there_and_back_looks_as_before) {
   quit();
 }
 
-TEST_F(LookingWindow, a_double_click_turns_about_what_is_there) {
+TEST_F(LookingWindow, a_double_click_centres_the_point_under_the_cursor) {
   open({"--at", "3"});
   pause();
   const auto first = patch();
@@ -95,7 +95,7 @@ TEST_F(LookingWindow, a_double_click_turns_about_what_is_there) {
   quit();
 }
 
-TEST_F(LookingWindow, the_wheel_zooms_to_what_is_under_the_cursor) {
+TEST_F(LookingWindow, the_wheel_zooms_towards_the_point_under_the_cursor) {
   open({"--at", "3"});
   pause();
   const auto first = patch();
@@ -106,7 +106,7 @@ TEST_F(LookingWindow, the_wheel_zooms_to_what_is_under_the_cursor) {
   quit();
 }
 
-TEST_F(LookingWindow, one_can_fly) {
+TEST_F(LookingWindow, the_w_and_d_keys_fly_forward_and_right) {
   open({"--at", "6"});
   pause();
   const int from = frame();
@@ -124,7 +124,7 @@ TEST_F(LookingWindow, one_can_fly) {
   quit();
 }
 
-TEST_F(LookingWindow, g_shows_a_grid_on_the_floor) {
+TEST_F(LookingWindow, the_g_key_shows_a_grid_on_the_floor) {
   open();
   pause();
   const e2e::Picture before = player().picture();
@@ -140,7 +140,7 @@ TEST_F(LookingWindow, g_shows_a_grid_on_the_floor) {
   EXPECT_TRUE(quit()["window"]["floor"].get<bool>());
 }
 
-TEST_F(LookingWindow, a_window_of_another_size_shows_the_same_frame) {
+TEST_F(LookingWindow, a_resized_window_shows_the_same_frame) {
   open({"--at", "4"});
   pause();
   const int from = frame();
@@ -157,7 +157,7 @@ TEST_F(LookingWindow, a_window_of_another_size_shows_the_same_frame) {
   EXPECT_NEAR(report["window"]["frame"].get<int>(), from, 2);
 }
 
-TEST_F(LookingWindow, all_of_it_is_to_be_seen_in_a_narrow_window_until_the_camera_is_moved) {
+TEST_F(LookingWindow, a_narrow_window_shows_the_whole_scene_until_the_camera_is_moved) {
   open({"--at", "6"});
   pause();
   const auto first = patch();
@@ -178,7 +178,7 @@ TEST_F(LookingWindow, all_of_it_is_to_be_seen_in_a_narrow_window_until_the_camer
   quit();
 }
 
-TEST_F(LookingWindow, f_fills_the_screen_and_gives_the_window_back) {
+TEST_F(LookingWindow, the_f_key_fills_the_screen_and_escape_restores_the_window) {
   open({"--at", "4"});
   pause();
   const glm::ivec2 before = player().size();

@@ -65,7 +65,7 @@ class OpeningWindow : public WindowTest {
   }
 };
 
-TEST_F(OpeningWindow, a_folder_a_package_and_a_ply_are_played_where_they_are_dropped) {
+TEST_F(OpeningWindow, a_dropped_folder_package_or_ply_is_played) {
   open();
   ASSERT_TRUE(wait_for_next_frame());
   ASSERT_TRUE(player().drop({plate().ply(7)}));
@@ -83,7 +83,7 @@ TEST_F(OpeningWindow, a_folder_a_package_and_a_ply_are_played_where_they_are_dro
   EXPECT_EQ(player().err(), "");
 }
 
-TEST_F(OpeningWindow, several_files_that_are_dropped_are_a_reel) {
+TEST_F(OpeningWindow, several_dropped_files_are_played_as_a_reel) {
   open();
   ASSERT_TRUE(wait_for_next_frame());
   ASSERT_TRUE(player().drop({plate().ply(10), plate().ply(9), plate().ply(11)}));
@@ -92,7 +92,7 @@ TEST_F(OpeningWindow, several_files_that_are_dropped_are_a_reel) {
   quit();
 }
 
-TEST_F(OpeningWindow, what_cannot_be_played_is_said_and_the_rest_plays_on) {
+TEST_F(OpeningWindow, an_unplayable_drop_is_reported_and_the_current_reel_plays_on) {
   open();
   ASSERT_TRUE(wait_for_next_frame());
   ASSERT_TRUE(player().drop({folder_.write("notes.ply", "not a cloud at all")}));
@@ -105,19 +105,19 @@ TEST_F(OpeningWindow, what_cannot_be_played_is_said_and_the_rest_plays_on) {
   EXPECT_FALSE(quit()["window"].contains("error"));
 }
 
-TEST_F(OpeningWindow, a_folder_that_is_not_there_is_an_error_in_the_window) {
+TEST_F(OpeningWindow, a_missing_folder_is_an_error_in_the_window) {
   open_sources({(folder_ / "nowhere").string()});
   EXPECT_TRUE(wait_for_err("nowhere"));
   keep("not there");
   expect_error("nowhere");
 }
 
-TEST_F(OpeningWindow, a_host_that_nobody_is_at_is_an_error_in_the_window) {
+TEST_F(OpeningWindow, an_unreachable_host_is_an_error_in_the_window) {
   open_sources({"http://127.0.0.1:9/reel"});
   expect_error("127.0.0.1:9");
 }
 
-TEST_F(OpeningWindow, a_newer_format_is_told_with_its_version) {
+TEST_F(OpeningWindow, a_newer_format_is_reported_with_its_version) {
   fs::copy(plate().reel(), folder_ / "newer", fs::copy_options::recursive);
   std::ifstream in(folder_ / "newer/reel.json");
   std::string manifest(std::istreambuf_iterator<char>(in), {});
@@ -128,7 +128,7 @@ TEST_F(OpeningWindow, a_newer_format_is_told_with_its_version) {
   expect_error("99");
 }
 
-TEST_F(OpeningWindow, a_window_is_there_while_a_host_does_not_answer_and_can_be_left) {
+TEST_F(OpeningWindow, a_window_stays_usable_while_a_host_does_not_answer) {
   const auto link = LinkEmulator::start({.target = "127.0.0.1:9", .conditions = {.cut = true}});
   ASSERT_TRUE(link) << link.error().message;
   open_sources({"http://" + (*link)->address() + "/slow-reel"});
@@ -144,7 +144,7 @@ TEST_F(OpeningWindow, a_window_is_there_while_a_host_does_not_answer_and_can_be_
   quit();
 }
 
-TEST_F(OpeningWindow, a_host_that_stays_silent_is_told_and_escape_gives_up_waiting) {
+TEST_F(OpeningWindow, a_silent_host_is_reported_and_escape_stops_waiting) {
   const auto link = LinkEmulator::start({.target = "127.0.0.1:9", .conditions = {.cut = true}});
   ASSERT_TRUE(link) << link.error().message;
   open_sources({"http://" + (*link)->address() + "/slow-reel"});

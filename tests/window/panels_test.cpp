@@ -78,7 +78,7 @@ class PanelsWindow : public WindowTest, public testing::WithParamInterface<int> 
   e2e::Picture before_;
 };
 
-TEST_P(PanelsWindow, a_slider_of_the_drawing_panel_is_dragged_and_the_camera_stays) {
+TEST_P(PanelsWindow, dragging_a_slider_of_the_drawing_panel_does_not_move_the_camera) {
   open_still();
   const int from = frame();
   const double first = red();
@@ -97,13 +97,13 @@ TEST_P(PanelsWindow, a_slider_of_the_drawing_panel_is_dragged_and_the_camera_sta
   EXPECT_TRUE(report["window"]["shown"]["drawing"].get<bool>());
 }
 
-TEST_P(PanelsWindow, the_drawing_panel_closes_by_its_button) {
+TEST_P(PanelsWindow, the_drawing_panel_is_closed_by_its_button) {
   open_still();
   close_panel(open_panel("d"));
   EXPECT_FALSE(quit()["window"]["shown"]["drawing"].get<bool>());
 }
 
-TEST_P(PanelsWindow, the_statistics_panel_is_dragged_by_its_title_and_closes_by_its_button) {
+TEST_P(PanelsWindow, the_statistics_panel_is_dragged_by_its_title_and_closed_by_its_button) {
   open_still();
   const Rectangle panel = open_panel("i");
   keep("statistics panel");

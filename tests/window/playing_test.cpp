@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 class PlayingWindow : public WindowTest {};
 
-TEST_F(PlayingWindow, a_reel_plays_at_once_and_pauses_and_goes_on) {
+TEST_F(PlayingWindow, a_reel_plays_at_once_pauses_and_resumes) {
   open();
   EXPECT_THAT(player().title(), HasSubstr("plate"));
   EXPECT_TRUE(wait_for_next_frame());
@@ -28,7 +28,7 @@ TEST_F(PlayingWindow, a_reel_plays_at_once_and_pauses_and_goes_on) {
   EXPECT_EQ(player().err(), "");
 }
 
-TEST_F(PlayingWindow, no_picture_is_a_draft_where_none_may_be) {
+TEST_F(PlayingWindow, no_picture_is_a_draft_if_drafts_are_disabled) {
   open({"--drafts", "never"});
   EXPECT_TRUE(wait_for_next_frame());
   EXPECT_TRUE(wait_for_next_frame());
@@ -37,7 +37,7 @@ TEST_F(PlayingWindow, no_picture_is_a_draft_where_none_may_be) {
   EXPECT_EQ(report["frames_reduced"], 0);
 }
 
-TEST_F(PlayingWindow, drafts_are_drawn_where_time_is_short) {
+TEST_F(PlayingWindow, drafts_are_drawn_if_time_is_short) {
   // So many frames a second that no machine draws each of them.
   open_sources({Stand::get().folder / "in", "--fps", "1000"});
   EXPECT_TRUE(wait_for_next_frame());
@@ -45,7 +45,7 @@ TEST_F(PlayingWindow, drafts_are_drawn_where_time_is_short) {
   EXPECT_GT(quit()["frames_reduced"], 1);
 }
 
-TEST_F(PlayingWindow, arrows_go_five_seconds_on_and_back_while_it_is_paused) {
+TEST_F(PlayingWindow, arrow_keys_seek_by_five_seconds_while_paused) {
   open({"--at", "1"});
   pause();
   const int from = frame();
@@ -56,7 +56,7 @@ TEST_F(PlayingWindow, arrows_go_five_seconds_on_and_back_while_it_is_paused) {
   quit();
 }
 
-TEST_F(PlayingWindow, a_step_shows_the_next_frame_or_the_one_before_and_pauses) {
+TEST_F(PlayingWindow, step_keys_show_the_next_or_previous_frame_and_pause) {
   open({"--at", "3"});
   pause();
   const int from = frame();
@@ -73,7 +73,7 @@ TEST_F(PlayingWindow, a_step_shows_the_next_frame_or_the_one_before_and_pauses) 
   quit();
 }
 
-TEST_F(PlayingWindow, other_keys_go_a_second_a_minute_a_tenth_and_to_the_ends) {
+TEST_F(PlayingWindow, other_keys_seek_by_a_second_a_minute_a_tenth_and_to_the_ends) {
   open({"--at", "5", "--no-loop"});
   pause();
   const int from = frame();
@@ -95,7 +95,7 @@ TEST_F(PlayingWindow, other_keys_go_a_second_a_minute_a_tenth_and_to_the_ends) {
   quit();
 }
 
-TEST_F(PlayingWindow, arrows_go_no_farther_than_the_ends_and_a_loop_begins_anew) {
+TEST_F(PlayingWindow, arrow_keys_stop_at_the_start_and_wrap_at_the_end_of_a_loop) {
   open({"--at", "1"});
   pause();
   player().key("Left");
@@ -107,7 +107,7 @@ TEST_F(PlayingWindow, arrows_go_no_farther_than_the_ends_and_a_loop_begins_anew)
   quit();
 }
 
-TEST_F(PlayingWindow, from_a_to_b_it_plays_again_and_again) {
+TEST_F(PlayingWindow, an_a_b_loop_repeats) {
   open({"--at", "4"});
   pause();
   const int a = frame();
@@ -134,7 +134,7 @@ TEST_F(PlayingWindow, from_a_to_b_it_plays_again_and_again) {
   EXPECT_EQ(report["window"]["loop_range_s"].size(), 2u) << report["window"].dump();
 }
 
-TEST_F(PlayingWindow, keys_for_speed_and_loop_are_told) {
+TEST_F(PlayingWindow, keys_change_the_speed_and_the_loop) {
   open();
   for (const char* key : {"bracketright", "bracketright", "BackSpace", "braceright", "L"})
     player().key(key);
@@ -144,7 +144,7 @@ TEST_F(PlayingWindow, keys_for_speed_and_loop_are_told) {
   EXPECT_FALSE(report["window"]["loop"].get<bool>());
 }
 
-TEST_F(PlayingWindow, dragging_with_shift_goes_to_the_time_under_the_cursor) {
+TEST_F(PlayingWindow, dragging_with_shift_seeks_to_the_time_under_the_cursor) {
   open();
   pause();
   const glm::ivec2 size = player().size();
@@ -159,7 +159,7 @@ TEST_F(PlayingWindow, dragging_with_shift_goes_to_the_time_under_the_cursor) {
   quit();
 }
 
-TEST_F(PlayingWindow, backward_it_comes_from_the_other_side) {
+TEST_F(PlayingWindow, a_negative_speed_plays_backward) {
   open({"--at", "6", "--speed", "-1"});
   int first = -1;
   ASSERT_TRUE(wait_until([&] { return (first = frame()) >= 0; }));
@@ -167,13 +167,13 @@ TEST_F(PlayingWindow, backward_it_comes_from_the_other_side) {
   quit();
 }
 
-TEST_F(PlayingWindow, without_a_loop_it_ends_with_the_last_frame) {
+TEST_F(PlayingWindow, playback_without_a_loop_ends_at_the_last_frame) {
   open({"--no-loop", "--at", "11"});
   EXPECT_TRUE(
       wait_until([&] { return !player().running() || frame() == MovingPlate::kFrames - 1; }));
 }
 
-TEST_F(PlayingWindow, a_window_that_is_closed_ends_well) {
+TEST_F(PlayingWindow, closing_the_window_ends_the_player_cleanly) {
   open();
   EXPECT_TRUE(wait_for_next_frame());
   const auto report = player().close();

@@ -20,7 +20,7 @@ class SettingsWindow : public WindowTest {
   }
 };
 
-TEST_F(SettingsWindow, they_are_read_and_the_command_line_wins) {
+TEST_F(SettingsWindow, settings_are_read_and_overridden_by_the_command_line) {
   write_settings(R"({"window": [700, 500], "mode": "voxel", "splatting": "regular"})");
   open({"--splatting", "two-pass"});
   EXPECT_TRUE(wait_for_next_frame());
@@ -31,7 +31,7 @@ TEST_F(SettingsWindow, they_are_read_and_the_command_line_wins) {
   EXPECT_EQ(player().err(), "");
 }
 
-TEST_F(SettingsWindow, what_is_changed_is_there_the_next_time) {
+TEST_F(SettingsWindow, changes_are_restored_the_next_time) {
   open();
   EXPECT_TRUE(wait_for_next_frame());
   player().key("m");
@@ -50,7 +50,7 @@ TEST_F(SettingsWindow, what_is_changed_is_there_the_next_time) {
   EXPECT_TRUE(report["window"]["shown"]["statistics"].get<bool>());
 }
 
-TEST_F(SettingsWindow, the_size_of_the_whole_screen_is_not_remembered) {
+TEST_F(SettingsWindow, the_size_in_full_screen_is_not_remembered) {
   open();
   EXPECT_TRUE(wait_for_next_frame());
   player().key("f");
@@ -61,7 +61,7 @@ TEST_F(SettingsWindow, the_size_of_the_whole_screen_is_not_remembered) {
   quit();
 }
 
-TEST_F(SettingsWindow, a_broken_file_is_one_line_and_it_plays_all_the_same) {
+TEST_F(SettingsWindow, a_broken_file_is_reported_in_one_line_and_playback_starts_anyway) {
   write_settings("{\"mode\": \"disc\"}");
   open();
   EXPECT_TRUE(wait_for_next_frame());
@@ -71,7 +71,7 @@ TEST_F(SettingsWindow, a_broken_file_is_one_line_and_it_plays_all_the_same) {
   EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
 }
 
-TEST_F(SettingsWindow, another_file_can_be_named_or_none) {
+TEST_F(SettingsWindow, another_file_or_none_can_be_chosen) {
   write_settings(R"({"mode": "voxel"})");
   const std::string other = folder_.write("other.json", R"({"mode": "point"})");
   open({"--config", other});

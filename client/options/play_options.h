@@ -10,9 +10,8 @@
 
 #include "client/playback/stage.h"
 #include "client/prepare/prepare.h"
-#include "client/render/draft.h"
-#include "client/render/renderer.h"
 #include "client/scene/camera_path.h"
+#include "client/scene/draw_options.h"
 
 namespace pointreel {
 

@@ -24,18 +24,6 @@ constexpr int kPatience = 30, kMostPatience = 16 * kPatience;
 
 }  // namespace
 
-const char* name(Drafts drafts) {
-  switch (drafts) {
-    case Drafts::never:
-      return "never";
-    case Drafts::moving:
-      return "moving";
-    case Drafts::playing:
-      return "playing";
-  }
-  return "";
-}
-
 double Draft::predicted(int level) const {
   return kShare[static_cast<std::size_t>(level)] * ms_per_element_ * static_cast<double>(elements_);
 }

@@ -6,17 +6,6 @@
 
 namespace pointreel {
 
-/// When pictures may be drawn smaller than they are shown, if there is no time for all pixels.
-enum class Drafts {
-  never,
-  moving,   ///< while the camera or the time is moved by hand
-  playing,  ///< and while it plays
-};
-inline constexpr int kDrafts = 3;
-
-/// "never", "moving", "playing".
-const char* name(Drafts drafts);
-
 /// Who waits for a picture.
 struct Haste {
   enum class Of {

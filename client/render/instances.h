@@ -6,10 +6,10 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "client/render/color_source.h"
 #include "client/render/instance_buffer.h"
 #include "client/render/region.h"
 #include "client/scene/cut.h"
+#include "client/scene/draw_options.h"
 #include "client/scene/frame.h"
 
 namespace pointreel {

@@ -24,7 +24,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 bool is_above(const glm::dvec3& eye, const FloorGrid& grid) {
-  return (grid.up == 'z' ? eye.z - floor_origin(grid).z : eye.y - floor_origin(grid).y) >= 0.0;
+  return eye[up_axis(grid)] >= floor_origin(grid)[up_axis(grid)];
 }
 
 void cull_backs() {

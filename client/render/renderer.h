@@ -8,7 +8,6 @@
 
 #include <glm/glm.hpp>
 
-#include "client/render/color_source.h"
 #include "client/render/eye_dome_lighting.h"
 #include "client/render/floor.h"
 #include "client/render/gl_objects.h"
@@ -18,54 +17,11 @@
 #include "client/render/scene_instances.h"
 #include "client/render/splatting.h"
 #include "client/scene/camera.h"
+#include "client/scene/draw_options.h"
+#include "client/scene/draw_stats.h"
 #include "client/scene/frame.h"
 
 namespace pointreel {
-
-/// What a voxel is drawn as.
-enum class VoxelShape {
-  faces,  ///< the three faces that the eye can see
-  cube,   ///< all six, as the paper draws it
-};
-
-struct DrawOptions {
-  DrawMode mode = DrawMode::surfel;
-  Instancing instancing = Instancing::pull;
-  Splatting splatting = Splatting::normalized;
-  /// By what Splatting::normalized multiplies the surfels' radii to decide what is visible, and to
-  /// blend colours. Other modes have the paper's.
-  SplatScales scales{1.4f, 1.4f};
-  /// With Splatting::normalized: see reconstruction.h. Of voxels: with those that the frame has in
-  /// gaps between others (gap_filling.h).
-  bool fill_holes = true;
-  ColorSource color = ColorSource::colors;
-  VoxelShape voxel_shape = VoxelShape::faces;
-  float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
-  float point_size = 2.0f;  ///< edge of a point in pixels
-  /// The edge in pixels of the squares that are drawn as if each was a pixel: the picture is made,
-  /// and read, that much smaller, and is shown as large as it is to be. 1 to 16.
-  int reduction = 1;
-  bool lighting = true;  ///< one diffuse light over the viewer's shoulder; else the plain colours
-  float edl = 0.0f;      ///< strength of eye-dome lighting (eye_dome_lighting.h); 0: none
-  glm::vec3 background{0.11f, 0.12f, 0.14f};      ///< sRGB, 0 to 1
-  std::optional<FloorGrid> floor = std::nullopt;  ///< none: no grid
-
-  bool operator==(const DrawOptions&) const = default;
-};
-
-struct DrawStats {
-  std::uint32_t drawn = 0;    ///< surfels, points or voxels submitted
-  std::uint32_t visited = 0;  ///< octree nodes that the cut came to
-  /// Leaves of the octree that the cut left out: for being outside the frustum, and, of those of
-  /// one node that is drawn in their place because it is below a pixel, all but one.
-  std::uint32_t out_of_view = 0, below_pixel = 0;
-  std::uint32_t hidden = 0;  ///< voxels left out because their neighbours hide them
-  int reduction = 1;         ///< DrawOptions::reduction
-  double cut_ms = 0.0;       ///< the cut of the octree; 0 where the last one was used again
-  /// Packing, upload and drawing: wall time until glFinish returns, which on software OpenGL is all
-  /// of the work (timer queries measure nothing there) and on a graphics card includes the wait.
-  double render_ms = 0.0;
-};
 
 /// Draws frames into a framebuffer of its own: surfels by splatting, voxels as cubes, both by any
 /// of the methods of instancing (paper 2, section IV); points.
@@ -135,7 +91,8 @@ class Renderer {
   Result<void> draw_floor(const FloorGrid& grid, const Camera& camera, const DrawOptions& options);
   Result<std::vector<glm::u8vec4>> read_picture() const;
 
-  std::array<std::unique_ptr<InstancingMethod>, kInstancings> methods_;  ///< made when first used
+  std::array<std::unique_ptr<InstancingMethod>, kEnumNames<Instancing>.size()>
+      methods_;  ///< made when first used
   Splatter splatter_;
   EyeDomeLighting eye_dome_;
   Floor floor_;

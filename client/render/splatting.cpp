@@ -20,28 +20,6 @@ void scissor(const PixelRect& part) {
 
 }  // namespace
 
-Splatting next(Splatting splatting) {
-  return static_cast<Splatting>((static_cast<int>(splatting) + 1) % kSplattings);
-}
-
-const char* name(Splatting splatting) {
-  switch (splatting) {
-    case Splatting::regular:
-      return "regular";
-    case Splatting::no_depth:
-      return "no-depth";
-    case Splatting::two_pass:
-      return "two-pass";
-    case Splatting::enlarged:
-      return "enlarged";
-    case Splatting::enlarged_shading:
-      return "enlarged-shading";
-    case Splatting::normalized:
-      return "normalized";
-  }
-  return "";
-}
-
 SplatScales scales_of(Splatting splatting, const SplatScales& chosen) {
   switch (splatting) {
     case Splatting::enlarged:

@@ -6,33 +6,9 @@
 #include "client/render/instancing/method.h"
 #include "client/render/reconstruction.h"
 #include "client/render/region.h"
+#include "client/scene/draw_options.h"
 
 namespace pointreel {
-
-/// How surfels become a picture. The first five are those of paper 2, Figure 3 (c is the first pass
-/// of d), enlarged twice where the paper enlarges.
-enum class Splatting {
-  regular,           ///< a: one pass, blended in the order of the surfels, with depth
-  no_depth,          ///< b: the same without depth
-  two_pass,          ///< d: depth first, then blending of what is not behind it
-  enlarged,          ///< e: the same, both passes enlarged
-  enlarged_shading,  ///< f: the paper's proposal: only the second pass enlarged
-  normalized,        ///< depth first, then the weighted mean of what is not behind it, in any order
-};
-
-inline constexpr int kSplattings = 6;
-
-/// The one after it, in turn.
-Splatting next(Splatting splatting);
-
-/// "regular", "no-depth", "two-pass", "enlarged", "enlarged-shading", "normalized".
-const char* name(Splatting splatting);
-
-struct SplatScales {
-  float visibility = 1.0f, shading = 1.0f;
-
-  bool operator==(const SplatScales&) const = default;
-};
 
 /// What the passes of a mode multiply radii by; `chosen` are those of Splatting::normalized.
 SplatScales scales_of(Splatting splatting, const SplatScales& chosen);

@@ -2,17 +2,6 @@
 
 namespace pointreel {
 
-const char* name(DrawMode mode) {
-  switch (mode) {
-    case DrawMode::surfel:
-      return "surfel";
-    case DrawMode::voxel:
-      return "voxel";
-    case DrawMode::point:
-      return "point";
-  }
-  return "";
-}
 namespace {
 
 template <class Element>

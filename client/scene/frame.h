@@ -6,18 +6,13 @@
 
 #include <glm/glm.hpp>
 
+#include "client/scene/draw_mode.h"
 #include "client/scene/gap_filling.h"
 #include "client/scene/leaf_neighbors.h"
 #include "pointreel/cloud.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
-
-/// What is drawn for each element of a frame. It decides what the pipeline prepares.
-enum class DrawMode { surfel, voxel, point };
-inline constexpr int kDrawModes = 3;
-/// "surfel", "voxel", "point".
-const char* name(DrawMode mode);
 
 /// The level of a frame to which nothing could be added by fetching or preparing more of it.
 inline constexpr int kWholeFrame = kMaxDepth;

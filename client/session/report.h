@@ -9,8 +9,9 @@
 
 #include "client/playback/reel_playback.h"
 #include "client/playback/statistics.h"
-#include "client/render/renderer.h"
 #include "client/scene/camera.h"
+#include "client/scene/draw_options.h"
+#include "client/scene/draw_stats.h"
 #include "client/scene/frame.h"
 #include "client/source/live_source.h"
 #include "client/source/source.h"

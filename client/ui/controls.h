@@ -10,9 +10,8 @@
 #include "client/playback/clock.h"
 #include "client/playback/stage.h"
 #include "client/prepare/prepare.h"
-#include "client/render/draft.h"
-#include "client/render/renderer.h"
 #include "client/scene/camera.h"
+#include "client/scene/draw_options.h"
 #include "client/ui/bindings.h"
 #include "client/ui/window_input.h"
 

@@ -8,7 +8,7 @@
 
 #include "client/playback/clock.h"
 #include "client/playback/stage.h"
-#include "client/render/renderer.h"
+#include "client/scene/draw_stats.h"
 #include "client/scene/frame.h"
 
 namespace pointreel {

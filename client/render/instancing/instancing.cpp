@@ -20,24 +20,4 @@ std::unique_ptr<InstancingMethod> make_instancing(Instancing instancing) {
   return nullptr;
 }
 
-Instancing next(Instancing instancing) {
-  return static_cast<Instancing>((static_cast<int>(instancing) + 1) % kInstancings);
-}
-
-const char* name(Instancing instancing) {
-  switch (instancing) {
-    case Instancing::geometry:
-      return "geometry";
-    case Instancing::uniform:
-      return "uniform";
-    case Instancing::texture:
-      return "texture";
-    case Instancing::attribute:
-      return "attribute";
-    case Instancing::pull:
-      return "pull";
-  }
-  return "";
-}
-
 }  // namespace pointreel

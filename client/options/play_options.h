@@ -51,4 +51,15 @@ struct PlayOptions {
   std::string screenshot, record, json;  ///< paths; empty: none
 };
 
+/// How frames are prepared to be drawn like this.
+inline PrepareOptions prepare_options(const DrawOptions& draw, double delta, std::uint32_t layers) {
+  PrepareOptions options;
+  options.mode = draw.mode;
+  options.delta = delta;
+  options.show_normals = draw.color == ColorSource::normals;
+  options.pixel_size = draw.pixel_size;
+  options.layers = layers;
+  return options;
+}
+
 }  // namespace pointreel

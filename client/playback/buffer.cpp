@@ -9,7 +9,7 @@ namespace {
 
 /// What is nearer than this is made of whatever is there; what is further may wait for what comes.
 constexpr std::uint32_t kSoon = 2;
-constexpr LayerSet kBase{1, false, false};
+constexpr LayerRange kBase{0, 1, false, false};
 /// At once, while scrubbing: one waits for the link's delay while another comes. With four, what is
 /// on its way when the cursor jumps held up what it jumped to.
 constexpr std::size_t kBesideCursor = 2;
@@ -23,7 +23,7 @@ FrameBuffer::FrameBuffer(Options options)
       store_(static_cast<std::uint32_t>(std::max<std::size_t>(1, options_.levels.size()))) {
   options_.ahead = std::min(options_.ahead, options_.frame_count - 1);
   if (options_.levels.empty()) options_.levels = {kWholeFrame};
-  if (!options_.choice) options_.choice = [](std::uint32_t, DrawMode, int) { return LayerSet{}; };
+  if (!options_.choice) options_.choice = [](std::uint32_t, DrawMode, int) { return LayerRange{}; };
   fetch_ahead_ = std::clamp(options_.fetch_ahead, options_.ahead, options_.frame_count - 1);
 }
 
@@ -152,29 +152,16 @@ void FrameBuffer::order_changed() {
   std::erase_if(finished_, [&](const auto& entry) { return !in_window(entry.first); });
 }
 
-void FrameBuffer::set_mode(DrawMode mode) {
+void FrameBuffer::make_again(DrawMode mode) {
   {
     const std::lock_guard lock(mutex_);
-    if (mode == options_.mode) return;
     options_.mode = mode;
-    forget_made();
+    ++generation_;
+    finished_.clear();
+    making_.clear();
+    passed_ = nullptr;
   }
   wake_all();
-}
-
-void FrameBuffer::make_again() {
-  {
-    const std::lock_guard lock(mutex_);
-    forget_made();
-  }
-  wake_all();
-}
-
-void FrameBuffer::forget_made() {
-  ++generation_;
-  finished_.clear();
-  making_.clear();
-  passed_ = nullptr;
 }
 
 void FrameBuffer::set_level(int level) {
@@ -205,12 +192,12 @@ void FrameBuffer::set_pace(const Pace& pace) {
 
 // What is wanted.
 
-LayerSet FrameBuffer::wanted(std::uint32_t frame) const {
-  LayerSet wanted = options_.choice(frame, options_.mode, level_);
+LayerRange FrameBuffer::wanted(std::uint32_t frame) const {
+  LayerRange wanted = options_.choice(frame, options_.mode, level_);
   const auto all = static_cast<std::uint32_t>(options_.levels.size());
   std::uint32_t seen = 1;
   while (seen < all && options_.levels[seen - 1] < level_) ++seen;
-  wanted.layers = scrubbing_ ? 1 : std::clamp(wanted.layers, 1u, seen);
+  wanted.end = scrubbing_ ? 1 : std::clamp(wanted.end, 1u, seen);
   return wanted;
 }
 
@@ -219,7 +206,7 @@ int FrameBuffer::target(std::uint32_t layers) const {
   return std::min(level_, options_.levels[layers - 1]);
 }
 
-bool FrameBuffer::lacks(std::uint32_t frame, int level, const LayerSet& attributes) const {
+bool FrameBuffer::lacks(std::uint32_t frame, int level, const LayerRange& attributes) const {
   const auto it = finished_.find(frame);
   if (it == finished_.end()) return true;
   const Finished& finished = it->second;
@@ -230,8 +217,8 @@ bool FrameBuffer::lacks(std::uint32_t frame, int level, const LayerSet& attribut
 
 /// True if nothing that could be fetched would make it finer.
 bool FrameBuffer::satisfied(std::uint32_t frame) const {
-  const LayerSet want = wanted(frame);
-  const std::uint32_t layers = std::min(want.layers, store_.limit(frame));
+  const LayerRange want = wanted(frame);
+  const std::uint32_t layers = std::min(want.end, store_.limit(frame));
   return layers == 0 || !lacks(frame, target(layers), want);
 }
 
@@ -239,70 +226,70 @@ bool FrameBuffer::has_room() const {
   return store_.bytes() + store_.coming_bytes() < options_.store_bytes;
 }
 
-std::optional<FetchJob> FrameBuffer::begin(std::uint32_t step, bool base_only) {
+std::optional<FetchRequest> FrameBuffer::begin(std::uint32_t step, bool base_only) {
   const auto frame = at(step);
   if (!frame || satisfied(*frame)) return std::nullopt;
-  LayerSet want = wanted(*frame);
-  if (base_only) want.layers = 1;
+  LayerRange want = wanted(*frame);
+  if (base_only) want.end = 1;
   return store_.begin(*frame, want);
 }
 
 /// The nearest base that is neither there nor coming, once the cursor's own is there: where the
 /// cursor is going first, then where it came from.
-std::optional<FetchJob> FrameBuffer::begin_beside_cursor() {
-  if (store_.coming(playhead_, kBase) || store_.jobs() >= kBesideCursor || !has_room())
+std::optional<FetchRequest> FrameBuffer::begin_beside_cursor() {
+  if (store_.coming(playhead_, kBase) || store_.requests() >= kBesideCursor || !has_room())
     return std::nullopt;
   for (const bool back : {dragged_back_, !dragged_back_}) {
     for (std::uint32_t away = 1; away <= options_.near; ++away) {
       if (back ? away > playhead_ : away >= options_.frame_count - playhead_) continue;
       const std::uint32_t frame = back ? playhead_ - away : playhead_ + away;
-      if (auto job = store_.begin(frame, wanted(frame))) return job;
+      if (auto request = store_.begin(frame, wanted(frame))) return request;
     }
   }
   return std::nullopt;
 }
 
-std::optional<FetchJob> FrameBuffer::find_fetch() {
+std::optional<FetchRequest> FrameBuffer::find_fetch() {
   const bool split = options_.base_first || scrubbing_;
-  if (auto job = begin(0, split)) return job;
+  if (auto request = begin(0, split)) return request;
   if (scrubbing_) return begin_beside_cursor();
   if (lead_ == 0) {
-    if (auto job = begin(0, false)) return job;
+    if (auto request = begin(0, false)) return request;
   }
   if (focused() && store_.coming(playhead_, {})) return std::nullopt;
   const std::uint32_t near = std::min(std::max(options_.near, 1u) - 1, fetch_ahead_);
   if (split) {
     for (std::uint32_t step = 1; step <= near; ++step)
-      if (auto job = begin(step, true)) return job;
+      if (auto request = begin(step, true)) return request;
   }
   for (std::uint32_t step = std::max(1u, lead_); step <= near; ++step)
-    if (auto job = begin(step, false)) return job;
+    if (auto request = begin(step, false)) return request;
   for (std::uint32_t step = near + 1; step <= fetch_ahead_; ++step) {
     if (step > options_.ahead && !has_room()) return std::nullopt;
     const auto frame = at(step);
     if (!frame) break;
     // Those that have their base wait until there is nothing else.
     if (store_.usable(*frame, kBase) > 0 || store_.coming(*frame, {})) continue;
-    if (auto job = begin(step, false)) return job;
+    if (auto request = begin(step, false)) return request;
   }
   for (std::uint32_t step = std::max(near + 1, lead_); step <= fetch_ahead_; ++step)
-    if (auto job = begin(step, false)) return job;
+    if (auto request = begin(step, false)) return request;
   return std::nullopt;
 }
 
-std::optional<FetchJob> FrameBuffer::next_fetch() {
+std::optional<FetchRequest> FrameBuffer::next_fetch() {
   std::unique_lock lock(mutex_);
-  std::optional<FetchJob> job;
-  to_fetch_.wait(lock, [&] { return closed_ || (job = find_fetch()).has_value(); });
+  std::optional<FetchRequest> request;
+  to_fetch_.wait(lock, [&] { return closed_ || (request = find_fetch()).has_value(); });
   if (closed_) return std::nullopt;
   to_fetch_.notify_one();
-  return job;
+  return request;
 }
 
-void FrameBuffer::fetched(const FetchJob& job, FetchedFrame frame, double ms) {
+void FrameBuffer::fetched(const FetchRequest& request, FetchedFrame frame, double ms) {
   {
     const std::lock_guard lock(mutex_);
-    store_.arrived(job, std::move(frame), ms);
+    store_.arrived(request, std::move(frame), ms);
     store_.shrink(options_.store_bytes, [this](std::uint32_t f) -> std::uint64_t {
       return in_fetch_window(f) ? 0 : distance(f);
     });
@@ -310,18 +297,18 @@ void FrameBuffer::fetched(const FetchJob& job, FetchedFrame frame, double ms) {
   to_make_.notify_one();
 }
 
-void FrameBuffer::fetch_failed(const FetchJob& job) {
+void FrameBuffer::fetch_failed(const FetchRequest& request) {
   {
     const std::lock_guard lock(mutex_);
-    if (!store_.give_up(job) && in_window(job.frame)) finished_[job.frame];
+    if (!store_.give_up(request) && in_window(request.frame)) finished_[request.frame];
   }
   wake_all();
 }
 
-void FrameBuffer::fetch_stopped(const FetchJob& job) {
+void FrameBuffer::fetch_stopped(const FetchRequest& request) {
   {
     const std::lock_guard lock(mutex_);
-    store_.failed(job);
+    store_.failed(request);
   }
   wake_all();
 }
@@ -329,7 +316,7 @@ void FrameBuffer::fetch_stopped(const FetchJob& job) {
 std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
   const auto frame = at(step);
   if (!frame || finished_.contains(*frame) != again) return std::nullopt;
-  const LayerSet want = wanted(*frame);
+  const LayerRange want = wanted(*frame);
   std::uint32_t layers = store_.usable(*frame, want);
   if (layers == 0) {
     // Broken beyond what is known of it here: the playhead has come back to it, or it was given up
@@ -359,7 +346,7 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
   request.epoch = epoch_;
   request.generation = generation_;
   request.order = order_;
-  request.fetched = store_.copy(*frame, layers);
+  request.fetched = store_.get(*frame, layers);
   // Which of the two is shown first is open.
   request.fetch_ms = coarse ? store_.fetch_ms(*frame) : store_.take_fetch_ms(*frame);
   request.wanted = want;
@@ -546,8 +533,8 @@ std::uint64_t FrameBuffer::held_bytes() const {
 std::optional<FetchedFrame> FrameBuffer::stored_base(std::uint32_t frame, bool colors,
                                                      bool normals) const {
   const std::lock_guard lock(mutex_);
-  if (store_.usable(frame, {1, colors, normals}) == 0) return std::nullopt;
-  return store_.copy(frame, 1);
+  if (store_.usable(frame, {0, 1, colors, normals}) == 0) return std::nullopt;
+  return store_.get(frame, 1);
 }
 
 std::uint64_t FrameBuffer::stored_bytes() const {

@@ -28,7 +28,7 @@ struct FrameRequest {
   std::uint64_t order = 0;       ///< how many moves of the playhead came before it
   FetchedFrame fetched;
   double fetch_ms = 0.0;  ///< of what was fetched since the frame was made last
-  LayerSet wanted;        ///< what was wanted of it
+  LayerRange wanted;      ///< what was wanted of it
 };
 
 /// Frames that are there, fetched or made, each of this many layers; files count as one.
@@ -58,7 +58,7 @@ class FrameBuffer {
  public:
   /// What is wanted of a frame for this mode and level. Called with the buffer locked: it must not
   /// call back, nor wait for anybody who does.
-  using Choice = std::function<LayerSet(std::uint32_t frame, DrawMode mode, int level)>;
+  using Choice = std::function<LayerRange(std::uint32_t frame, DrawMode mode, int level)>;
 
   struct Options {
     std::uint32_t frame_count = 1;  ///< >= 1
@@ -92,10 +92,9 @@ class FrameBuffer {
   void set_loop(bool loop);
   /// After the range's end its beginning is what comes next; all frames if none.
   void set_loop_range(const std::optional<FrameRange>& range);
-  /// Frames made for another mode are dropped and made again.
-  void set_mode(DrawMode mode);
-  /// What is there was made by other rules: it is made again.
-  void make_again();
+  /// Frames are made for this mode, or by other rules for the same: those that are ready are
+  /// dropped and made again.
+  void make_again(DrawMode mode);
   /// The finest level that is seen: of frames to come, and, if any lack it, of those that are
   /// there. What is finer is kept. kWholeFrame at first.
   void set_level(int level);
@@ -135,16 +134,16 @@ class FrameBuffer {
   /// Ends everybody's wait for good.
   void close();
 
-  // For the threads that fetch. Each job is answered by exactly one of fetched, fetch_failed and
-  // fetch_stopped.
+  // For the threads that fetch. Each request is answered by exactly one of fetched, fetch_failed
+  // and fetch_stopped.
 
   /// Waits for something to be wanted; nothing once the buffer is closed.
-  std::optional<FetchJob> next_fetch();
-  void fetched(const FetchJob& job, FetchedFrame frame, double ms);
+  std::optional<FetchRequest> next_fetch();
+  void fetched(const FetchRequest& request, FetchedFrame frame, double ms);
   /// It cannot be had: the frame does with coarser layers, or, without any, is not asked for again
   /// until the playhead comes back to it.
-  void fetch_failed(const FetchJob& job);
-  void fetch_stopped(const FetchJob& job);
+  void fetch_failed(const FetchRequest& request);
+  void fetch_stopped(const FetchRequest& request);
 
   // For the threads that make frames. Each request is answered by exactly one of deliver and
   // broken.
@@ -167,16 +166,16 @@ class FrameBuffer {
   struct Finished {
     std::shared_ptr<const SceneFrame> frame;  ///< null: failed
     int tried = 0;                            ///< the finest level at which it was asked for
-    LayerSet made_of;                         ///< attributes
+    LayerRange made_of;                       ///< attributes
   };
   struct Making {
     int level = 0;  ///< the finest
     int threads = 0;
   };
 
-  LayerSet wanted(std::uint32_t frame) const;
+  LayerRange wanted(std::uint32_t frame) const;
   int target(std::uint32_t layers) const;
-  bool lacks(std::uint32_t frame, int level, const LayerSet& attributes) const;
+  bool lacks(std::uint32_t frame, int level, const LayerRange& attributes) const;
   bool satisfied(std::uint32_t frame) const;
   bool done_with(std::uint32_t frame) const;
   /// Steps from the playhead in the direction of play; the reel's length or more if never reached.
@@ -187,7 +186,6 @@ class FrameBuffer {
   /// The frame so many steps from the playhead; none beyond the reel's end.
   std::optional<std::uint32_t> at(std::uint32_t step) const;
   void order_changed();
-  void forget_made();
   bool in_window(std::uint32_t frame) const {
     return distance(frame) <= (scrubbing_ ? 0 : options_.ahead);
   }
@@ -196,9 +194,9 @@ class FrameBuffer {
   }
   bool has_room() const;
   bool focused() const { return focus_ && !satisfied(playhead_); }
-  std::optional<FetchJob> find_fetch();
-  std::optional<FetchJob> begin(std::uint32_t step, bool base_only);
-  std::optional<FetchJob> begin_beside_cursor();
+  std::optional<FetchRequest> find_fetch();
+  std::optional<FetchRequest> begin(std::uint32_t step, bool base_only);
+  std::optional<FetchRequest> begin_beside_cursor();
   std::optional<FrameRequest> find_wanted();
   std::optional<FrameRequest> make(std::uint32_t step, bool again);
   void move(std::uint32_t frame, int direction, bool keep_newest_passed);

@@ -40,18 +40,19 @@ const char* name(Limit limit) {
   return "";
 }
 
-LayerSet rung_set(Rung rung, const LayerSet& top) {
-  LayerSet set = top;
-  set.layers = std::min(top.layers, static_cast<std::uint32_t>(std::max(1, rung)));
-  if (rung < kBaseRung && set.colors) set.normals = false;
-  return set;
+LayerRange rung_layers(Rung rung, const LayerRange& top) {
+  LayerRange layers = top;
+  layers.end = std::min(top.end, static_cast<std::uint32_t>(std::max(1, rung)));
+  if (rung < kBaseRung && layers.colors) layers.normals = false;
+  return layers;
 }
 
-LayerDecision decide(const LayerCaps& caps, const LayerSet& top, Limit limit) {
+LayerDecision decide(const LayerCaps& caps, const LayerRange& top, Limit limit) {
   LayerDecision decision{top, limit};
-  if (const LayerSet set = rung_set(caps.link, top); set != top) decision = {set, Limit::link};
-  if (caps.machine_layers < decision.set.layers) {
-    decision.set.layers = caps.machine_layers;
+  if (const LayerRange layers = rung_layers(caps.link, top); layers != top)
+    decision = {layers, Limit::link};
+  if (caps.machine_layers < decision.layers.end) {
+    decision.layers.end = caps.machine_layers;
     decision.limit = Limit::machine;
   }
   return decision;

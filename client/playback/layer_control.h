@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/playback/layer_store.h"
+#include "client/source/source.h"
 
 namespace pointreel {
 
@@ -15,7 +15,7 @@ const char* name(Limit limit);
 
 /// What is fetched of a segment's frames, and why no more.
 struct LayerDecision {
-  LayerSet set;
+  LayerRange layers;  ///< from the base on
   Limit limit = Limit::none;
 
   bool operator==(const LayerDecision&) const = default;
@@ -26,7 +26,7 @@ struct LayerDecision {
 using Rung = int;
 inline constexpr Rung kBareRung = 0, kBaseRung = 1;
 /// What a rung holds of `top`, the most that the view and the mode need.
-LayerSet rung_set(Rung rung, const LayerSet& top);
+LayerRange rung_layers(Rung rung, const LayerRange& top);
 
 /// The most that the link and the machine allow.
 struct LayerCaps {
@@ -36,7 +36,7 @@ struct LayerCaps {
   bool operator==(const LayerCaps&) const = default;
 };
 /// Of `top`, which is as little as it is because of `limit`.
-LayerDecision decide(const LayerCaps& caps, const LayerSet& top, Limit limit);
+LayerDecision decide(const LayerCaps& caps, const LayerRange& top, Limit limit);
 
 /// Chooses how much of each frame to fetch, by what the link carries and by what the machine makes
 /// ready in time. A plain value without a clock: it is told what happened and what time it is.

@@ -10,12 +10,12 @@ const LayerStore::Record* LayerStore::find(std::uint32_t frame) const {
   return it == records_.end() ? nullptr : &it->second;
 }
 
-std::uint32_t LayerStore::clamped(const Record* record, const LayerSet& wanted) const {
-  const std::uint32_t most = std::min(wanted.layers, layer_count_);
+std::uint32_t LayerStore::clamped(const Record* record, const LayerRange& wanted) const {
+  const std::uint32_t most = std::min(wanted.end, layer_count_);
   return record ? std::min(most, record->limit) : most;
 }
 
-std::uint32_t LayerStore::usable(std::uint32_t frame, const LayerSet& wanted) const {
+std::uint32_t LayerStore::usable(std::uint32_t frame, const LayerRange& wanted) const {
   const Record* record = find(frame);
   if (!record) return 0;
   const std::uint32_t most = clamped(record, wanted);
@@ -36,7 +36,7 @@ void LayerStore::for_each(
   }
 }
 
-bool LayerStore::coming(std::uint32_t frame, const LayerSet& wanted) const {
+bool LayerStore::coming(std::uint32_t frame, const LayerRange& wanted) const {
   const Record* record = find(frame);
   if (!record) return false;
   const auto end = record->slots.begin() + clamped(record, wanted);
@@ -44,7 +44,7 @@ bool LayerStore::coming(std::uint32_t frame, const LayerSet& wanted) const {
                      [](const Slot& slot) { return slot.state == Slot::State::coming; });
 }
 
-FetchedFrame LayerStore::copy(std::uint32_t frame, std::uint32_t layers) const {
+FetchedFrame LayerStore::get(std::uint32_t frame, std::uint32_t layers) const {
   const Record& record = records_.at(frame);
   if (record.file) return *record.file;
   FetchedFrame fetched;
@@ -68,7 +68,7 @@ std::uint32_t LayerStore::limit(std::uint32_t frame) const {
   return record ? record->limit : ~0u;
 }
 
-std::optional<FetchJob> LayerStore::begin(std::uint32_t frame, const LayerSet& wanted) {
+std::optional<FetchRequest> LayerStore::begin(std::uint32_t frame, const LayerRange& wanted) {
   const Record* known = find(frame);
   const std::uint32_t most = clamped(known, wanted);
   const auto missing = [&](std::uint32_t layer) {
@@ -77,32 +77,29 @@ std::optional<FetchJob> LayerStore::begin(std::uint32_t frame, const LayerSet& w
     return slot.state == Slot::State::absent ||
            (slot.state == Slot::State::here && !covers(slot, wanted));
   };
-  std::uint32_t first = 0;
-  while (first < most && !missing(first)) ++first;
-  if (first == most) return std::nullopt;
-  std::uint32_t last = first + 1;
-  while (last < most && missing(last)) ++last;
+  LayerRange layers = wanted;
+  while (layers.first < most && !missing(layers.first)) ++layers.first;
+  if (layers.first == most) return std::nullopt;
+  layers.end = layers.first + 1;
+  while (layers.end < most && missing(layers.end)) ++layers.end;
 
   Record& record = records_[frame];
   record.slots.resize(layer_count_);
+  const std::uint32_t bits = ((1u << layers.end) - 1) & ~((1u << layers.first) - 1);
   Running running;
-  const std::uint32_t layers = ((1u << last) - 1) & ~((1u << first) - 1);
-  running.job = {next_id_++,
-                 frame,
-                 first,
-                 last,
-                 wanted.colors,
-                 wanted.normals,
-                 (record.refetched & layers) != 0,
-                 running.stop.get_token()};
-  for (std::uint32_t i = first; i < last; ++i) {
+  running.request = {.frame = frame,
+                     .layers = layers,
+                     .fresh = (record.refetched & bits) != 0,
+                     .stop = running.stop.get_token(),
+                     .id = next_id_++};
+  for (std::uint32_t i = layers.first; i < layers.end; ++i) {
     drop(record, record.slots[i]);
     record.slots[i].state = Slot::State::coming;
-    record.slots[i].job = running.job.id;
+    record.slots[i].request = running.request.id;
   }
-  FetchJob job = running.job;
-  running_.emplace(job.id, std::move(running));
-  return job;
+  FetchRequest request = running.request;
+  running_.emplace(request.id, std::move(running));
+  return request;
 }
 
 void LayerStore::drop(Record& record, Slot& slot) {
@@ -111,32 +108,32 @@ void LayerStore::drop(Record& record, Slot& slot) {
   slot = {};
 }
 
-void LayerStore::unmark(const FetchJob& job) {
-  running_.erase(job.id);
-  const auto it = records_.find(job.frame);
+void LayerStore::unmark(const FetchRequest& request) {
+  running_.erase(request.id);
+  const auto it = records_.find(request.frame);
   if (it == records_.end()) return;
   for (Slot& slot : it->second.slots)
-    if (slot.state == Slot::State::coming && slot.job == job.id) slot = {};
+    if (slot.state == Slot::State::coming && slot.request == request.id) slot = {};
 }
 
-void LayerStore::arrived(const FetchJob& job, FetchedFrame came, double ms) {
-  unmark(job);
+void LayerStore::arrived(const FetchRequest& request, FetchedFrame came, double ms) {
+  unmark(request);
   arrived_bytes_ += came.size();
-  ++arrived_jobs_;
-  Record& record = records_[job.frame];
+  ++arrived_requests_;
+  Record& record = records_[request.frame];
   record.slots.resize(layer_count_);
   record.fetch_ms = std::max(record.fetch_ms, ms);
   const bool is_file = came.layers.empty();
-  for (std::uint32_t i = job.first; i < job.last; ++i) {
+  for (std::uint32_t i = request.layers.first; i < request.layers.end; ++i) {
     Slot& slot = record.slots[i];
-    // The same may have come with a later job already.
-    if (slot.state == Slot::State::here && covers(slot, {1, job.colors, job.normals})) continue;
+    // The same may have come with a later request already.
+    if (slot.state == Slot::State::here && covers(slot, request.layers)) continue;
     drop(record, slot);
     slot.state = Slot::State::here;
-    slot.colors = job.colors || is_file;
-    slot.normals = job.normals || is_file;
-    if (is_file || i - job.first >= came.layers.size()) continue;
-    slot.layer = std::move(came.layers[i - job.first]);
+    slot.colors = request.layers.colors || is_file;
+    slot.normals = request.layers.normals || is_file;
+    if (is_file || i - request.layers.first >= came.layers.size()) continue;
+    slot.layer = std::move(came.layers[i - request.layers.first]);
     record.bytes += slot.layer.bytes.size();
     bytes_ += slot.layer.bytes.size();
   }
@@ -151,28 +148,28 @@ void LayerStore::arrived(const FetchJob& job, FetchedFrame came, double ms) {
   record.file = std::move(came);
 }
 
-void LayerStore::failed(const FetchJob& job) { unmark(job); }
+void LayerStore::failed(const FetchRequest& request) { unmark(request); }
 
-bool LayerStore::give_up(const FetchJob& job) {
-  unmark(job);
-  Record& record = records_[job.frame];
+bool LayerStore::give_up(const FetchRequest& request) {
+  unmark(request);
+  Record& record = records_[request.frame];
   record.slots.resize(layer_count_);
   // Of several layers that were asked for at once any may be at fault: the first is tried alone.
-  const bool several = job.last - job.first > 1;
-  record.limit = std::min(record.limit, several ? job.first + 1 : job.first);
+  const bool several = request.layers.end - request.layers.first > 1;
+  record.limit = std::min(record.limit, several ? request.layers.first + 1 : request.layers.first);
   return record.limit > 0;
 }
 
 void LayerStore::stop(const std::function<bool(std::uint32_t)>& stale) {
   for (auto it = running_.begin(); it != running_.end();) {
-    if (!stale(it->second.job.frame)) {
+    if (!stale(it->second.request.frame)) {
       ++it;
       continue;
     }
     it->second.stop.request_stop();
-    const FetchJob job = it->second.job;
+    const FetchRequest request = it->second.request;
     ++it;
-    unmark(job);
+    unmark(request);
   }
 }
 
@@ -197,7 +194,7 @@ bool LayerStore::broken(std::uint32_t frame, std::uint32_t layer) {
 }
 
 std::uint64_t LayerStore::coming_bytes() const {
-  return arrived_jobs_ == 0 ? 0 : arrived_bytes_ / arrived_jobs_ * running_.size();
+  return arrived_requests_ == 0 ? 0 : arrived_bytes_ / arrived_requests_ * running_.size();
 }
 
 void LayerStore::shrink(std::uint64_t budget,

@@ -12,24 +12,6 @@
 
 namespace pointreel {
 
-/// What of a frame is wanted: so many layers from the base on, with these attributes.
-struct LayerSet {
-  std::uint32_t layers = ~0u;
-  bool colors = true, normals = true;
-
-  bool operator==(const LayerSet&) const = default;
-};
-
-/// Layers of one frame that somebody is to fetch.
-struct FetchJob {
-  std::uint64_t id = 0;
-  std::uint32_t frame = 0;
-  std::uint32_t first = 0, last = 0;  ///< layers [first, last)
-  bool colors = true, normals = true;
-  bool fresh = false;    ///< one of them came damaged before
-  std::stop_token stop;  ///< nobody waits for it any more
-};
-
 /// Frames as they came, still coded: so much smaller than decoded that seconds of them can be kept
 /// ahead of the playhead, and behind it for who comes back. A frame's layers come one by one, each
 /// once. A plain value: whoever shares it among threads locks it.
@@ -40,16 +22,18 @@ class LayerStore {
 
   // What is there.
 
+  // What is wanted of a frame begins with the base: `wanted.first` is 0.
+
   /// Layers from the base on that are there with all attributes that are wanted; at most
-  /// `wanted.layers`.
-  std::uint32_t usable(std::uint32_t frame, const LayerSet& wanted) const;
+  /// `wanted.end`.
+  std::uint32_t usable(std::uint32_t frame, const LayerRange& wanted) const;
   /// Calls `tell` with each frame of which layers are there, in order, and with how many from the
   /// base on, whatever their attributes.
   void for_each(const std::function<void(std::uint32_t frame, std::uint32_t layers)>& tell) const;
   /// At least one of the layers wanted is being fetched.
-  bool coming(std::uint32_t frame, const LayerSet& wanted) const;
+  bool coming(std::uint32_t frame, const LayerRange& wanted) const;
   /// The first `layers` of a frame, which are there.
-  FetchedFrame copy(std::uint32_t frame, std::uint32_t layers) const;
+  FetchedFrame get(std::uint32_t frame, std::uint32_t layers) const;
   /// The longest that fetching any of the frame took since it was last taken, in milliseconds.
   double fetch_ms(std::uint32_t frame) const;
   double take_fetch_ms(std::uint32_t frame);
@@ -60,16 +44,16 @@ class LayerStore {
 
   /// The first layers in a row that are wanted and neither there nor coming; they are coming from
   /// now on. Nothing if there are none.
-  std::optional<FetchJob> begin(std::uint32_t frame, const LayerSet& wanted);
-  /// `came` has the job's layers, or is a file. What has come of a stopped job is kept too.
-  void arrived(const FetchJob& job, FetchedFrame came, double ms);
+  std::optional<FetchRequest> begin(std::uint32_t frame, const LayerRange& wanted);
+  /// `came` has the layers asked for, or is a file. What came of a stopped request is kept too.
+  void arrived(const FetchRequest& request, FetchedFrame came, double ms);
   /// Its layers are wanted again from now on.
-  void failed(const FetchJob& job);
-  /// The job's layers cannot be had. True if layers before them can: the frame has to do with
+  void failed(const FetchRequest& request);
+  /// These layers cannot be had. True if layers before them can: the frame has to do with
   /// those.
-  bool give_up(const FetchJob& job);
-  std::size_t jobs() const { return running_.size(); }  ///< that are not answered yet
-  /// Stops the jobs of frames for which `stale` says so.
+  bool give_up(const FetchRequest& request);
+  std::size_t requests() const { return running_.size(); }  ///< that are not answered yet
+  /// Stops the requests for frames for which `stale` says so.
   void stop(const std::function<bool(std::uint32_t)>& stale);
 
   // What turned out to be broken.
@@ -81,7 +65,7 @@ class LayerStore {
   // Keeping.
 
   std::uint64_t bytes() const { return bytes_; }  ///< that are there
-  /// What is being fetched, if its jobs bring what those before them have brought on average.
+  /// What is being fetched, if these requests bring what those before them have brought on average.
   std::uint64_t coming_bytes() const;
   /// If more than `budget` bytes are there, forgets frames, those first whose `rank` is greatest,
   /// until it is well below; none whose rank is 0.
@@ -92,7 +76,7 @@ class LayerStore {
  private:
   struct Slot {
     enum class State { absent, coming, here } state = State::absent;
-    std::uint64_t job = 0;  ///< that it is coming with
+    std::uint64_t request = 0;  ///< the id of the request that it is coming with
     bool colors = false, normals = false;
     FetchedLayer layer;
   };
@@ -106,23 +90,23 @@ class LayerStore {
     double fetch_ms = 0.0;
   };
   struct Running {
-    FetchJob job;
+    FetchRequest request;
     std::stop_source stop;
   };
 
-  static bool covers(const Slot& slot, const LayerSet& wanted) {
+  static bool covers(const Slot& slot, const LayerRange& wanted) {
     return (slot.colors || !wanted.colors) && (slot.normals || !wanted.normals);
   }
-  std::uint32_t clamped(const Record* record, const LayerSet& wanted) const;
+  std::uint32_t clamped(const Record* record, const LayerRange& wanted) const;
   const Record* find(std::uint32_t frame) const;
   void drop(Record& record, Slot& slot);
-  void unmark(const FetchJob& job);
+  void unmark(const FetchRequest& request);
 
   const std::uint32_t layer_count_;
   std::map<std::uint32_t, Record> records_;
   std::map<std::uint64_t, Running> running_;
   std::uint64_t next_id_ = 1, bytes_ = 0;
-  std::uint64_t arrived_bytes_ = 0, arrived_jobs_ = 0;
+  std::uint64_t arrived_bytes_ = 0, arrived_requests_ = 0;
 };
 
 }  // namespace pointreel

@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "client/prepare/layer_choice.h"
-#include "client/prepare/prepare.h"
-#include "common/stream/live.h"
+#include "client/scene/cut.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -15,20 +14,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience{500};
-
-/// A reel of one frame that has all that is known of the stream, for those who ask a manifest.
-Manifest reel_of(const LiveHello& hello) {
-  Manifest manifest;
-  static_cast<ReelHead&>(manifest) = hello;
-  manifest.depth_max = kMaxDepth;  // it may change with every frame
-  manifest.bounds = hello.bounds;
-  Segment segment;
-  segment.cube = bounding_cube(hello.bounds);
-  segment.times_us = {0};
-  segment.points = {0};
-  manifest.segments.push_back(std::move(segment));
-  return manifest;
-}
 
 Box bounds_of(const SceneFrame& frame) {
   return bounds(frame.cloud.empty() ? leaf_centers(frame.svo) : frame.cloud);
@@ -39,14 +24,9 @@ Box bounds_of(const SceneFrame& frame) {
 LivePlayback::LivePlayback(std::unique_ptr<LiveSource> source, std::string name,
                            const Options& options, OnError on_error)
     : source_(std::move(source)),
-      options_(options),
       on_error_(std::move(on_error)),
       name_(std::move(name)),
-      mode_(options.mode),
-      delta_(options.delta),
-      show_normals_(options.show_normals),
-      stream_(reel_of({})),
-      pixel_size_(options.pixel_size) {
+      prepare_(options.prepare) {
   receiver_ = std::thread([this] { receive(); });
   for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i) {
     preparers_.emplace_back([this] { prepare(); });
@@ -88,15 +68,17 @@ void LivePlayback::look(const Camera& camera, glm::ivec2 size) {
   find_level();
 }
 
-void LivePlayback::set_pixel_size(float pixel_size) {
+void LivePlayback::set_prepare_options(const PrepareOptions& options) {
   const std::lock_guard lock(mutex_);
-  pixel_size_ = pixel_size;
+  prepare_ = options;
   find_level();
 }
 
 void LivePlayback::find_level() {
-  level_ = camera_ && !stream_.bounds.empty() ? level_for(stream_, *camera_, size_, pixel_size_)
-                                              : kWholeFrame;
+  level_ = kWholeFrame;
+  if (camera_ && !stream_.bounds.empty())
+    level_ = finest_level(bounding_cube(stream_.bounds), stream_.bounds, *camera_, size_,
+                          prepare_.pixel_size);
 }
 
 void LivePlayback::receive() {
@@ -111,7 +93,7 @@ void LivePlayback::receive() {
     if (said && said != hello) {
       if (hello && hello->session != said->session) number.reset();
       hello = std::move(said);
-      stream_ = reel_of(*hello);
+      stream_ = *hello;
       find_level();
     }
     if (!frame || !hello) continue;
@@ -143,23 +125,23 @@ void LivePlayback::prepare() {
   }
 }
 
-Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) const {
-  PrepareOptions options{mode_, delta_, kWholeFrame, show_normals_};
-  Manifest stream;
+Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) {
+  FrameInfo info{frame.number, frame.capture_us, {}};
+  PrepareOptions options;
+  bool octree = false;
   {
     const std::lock_guard lock(mutex_);
-    stream = stream_;
-    options.level = level_;
+    info.cube = bounding_cube(stream_.bounds);
+    options = prepare_;
+    options.level = std::min(options.level, level_);
+    octree = stream_.codec == "octree";
   }
-  const FetchRequest choice = layer_choice(stream, options.mode, options.level);
-  const std::size_t most = std::min(choice.layers, std::max(1u, options_.layers));
+  // The depth may change with every frame, so that it cannot narrow the choice.
+  const std::uint32_t seen = octree ? layers_down_to(options.level, kMaxDepth) : kAllLayers;
+  const std::size_t most = std::min(seen, std::max(1u, options.layers));
   std::vector<FetchedLayer>& layers = frame.frame.layers;
   if (layers.size() > most) layers.resize(most);
-  auto scene = prepare_frame(stream, 0, frame.frame, options);
-  if (!scene) return scene;
-  scene->index = frame.number;
-  scene->time_us = frame.capture_us;
-  return scene;
+  return prepare_frame(frame.frame, info, options);
 }
 
 void LivePlayback::deliver(std::uint64_t order, std::shared_ptr<const SceneFrame> frame) {

@@ -14,8 +14,8 @@
 #include "client/playback/playback.h"
 #include "client/prepare/prepare.h"
 #include "client/source/live_source.h"
+#include "common/stream/live.h"
 #include "pointreel/error.h"
-#include "pointreel/package.h"
 
 namespace pointreel {
 
@@ -27,11 +27,7 @@ namespace pointreel {
 class LivePlayback : public Playback {
  public:
   struct Options {
-    DrawMode mode = DrawMode::surfel;
-    double delta = PrepareOptions{}.delta;
-    std::uint32_t layers = ~0u;    ///< no more are decoded, however near the camera
-    float pixel_size = 1.0f;       ///< DrawOptions::pixel_size
-    bool show_normals = false;     ///< PrepareOptions::show_normals
+    PrepareOptions prepare;
     unsigned prepare_threads = 2;  ///< >= 1
   };
   /// Told of each frame that could not be prepared, on the thread that found it.
@@ -48,11 +44,8 @@ class LivePlayback : public Playback {
   double frame_seconds() const override;
   Box bounds() const override;
   void look(const Camera& camera, glm::ivec2 size) override;
-  // Of frames to come.
-  void set_mode(DrawMode mode) override { mode_ = mode; }
-  void set_delta(double delta) override { delta_ = delta; }
-  void set_show_normals(bool show) override { show_normals_ = show; }
-  void set_pixel_size(float pixel_size) override;
+  /// Counts for frames that come from now on.
+  void set_prepare_options(const PrepareOptions& options) override;
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
   /// Frames that came and were never shown, because a newer one was ready or taken before them.
@@ -79,31 +72,27 @@ class LivePlayback : public Playback {
 
   void receive();
   void prepare();
-  Result<SceneFrame> prepare(LiveFrame& frame) const;
+  Result<SceneFrame> prepare(LiveFrame& frame);
   void deliver(std::uint64_t order, std::shared_ptr<const SceneFrame> frame);
   void find_level();
 
   const std::unique_ptr<LiveSource> source_;
-  const Options options_;
   const OnError on_error_;
   const std::string name_;
-  std::atomic<DrawMode> mode_;
-  std::atomic<double> delta_;
-  std::atomic<bool> show_normals_;
   std::atomic<bool> playing_{true};
   std::atomic<std::uint64_t> errors_{0};
 
   mutable std::mutex mutex_;  ///< of what follows, up to the threads
   std::condition_variable changed_;
   bool ending_ = false;
-  Manifest stream_;  ///< what the publisher says, as if the stream were a reel of one frame
+  LiveHello stream_;  ///< what the publisher says; the defaults until then
+  PrepareOptions prepare_;
   std::optional<Received> received_;  ///< the newest that nobody works on yet
   Ready ready_;                       ///< the newest; null at first
   Ready given_;                       ///< by the last update
   std::uint64_t overtaken_ = 0;
   std::optional<Camera> camera_;
   glm::ivec2 size_{0};
-  float pixel_size_;
   int level_ = kWholeFrame;  ///< the finest that the camera can show
 
   std::thread receiver_;

@@ -46,26 +46,19 @@ void Pipeline::report(std::uint32_t frame, const Error& error) {
 }
 
 void Pipeline::fetch_frames() {
-  while (const auto job = buffer_.next_fetch()) {
+  while (const auto request = buffer_.next_fetch()) {
     const auto start = std::chrono::steady_clock::now();
-    FetchRequest request;
-    request.first_layer = job->first;
-    request.layers = job->last;
-    request.colors = job->colors;
-    request.normals = job->normals;
-    request.stop = job->stop;
-    request.fresh = job->fresh;
-    auto frame = source_.fetch(job->frame, request);
+    auto frame = source_.fetch(*request);
     const double ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (frame) {
       fetched_bytes_ += frame->size();
-      buffer_.fetched(*job, std::move(*frame), ms);
-    } else if (ending_ || job->stop.stop_requested()) {
-      buffer_.fetch_stopped(*job);  // that is no error
+      buffer_.fetched(*request, std::move(*frame), ms);
+    } else if (ending_ || request->stop.stop_requested()) {
+      buffer_.fetch_stopped(*request);  // that is no error
     } else {
-      report(job->frame, frame.error());
-      buffer_.fetch_failed(*job);
+      report(request->frame, frame.error());
+      buffer_.fetch_failed(*request);
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "client/playback/clock.h"
+#include "client/prepare/prepare.h"
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
 #include "pointreel/geometry.h"
@@ -37,13 +38,9 @@ class Playback {
   /// The camera and the size of the picture: nothing finer than they show needs to be there. Cheap
   /// while nothing changes.
   virtual void look(const Camera& camera, glm::ivec2 size) = 0;
-  virtual void set_mode(DrawMode mode) = 0;
-  /// PrepareOptions::delta, of frames from now on; a reel's that are there are made again.
-  virtual void set_delta(double delta) = 0;
-  /// Whether normals are to be seen, in modes that do without them too; as set_delta.
-  virtual void set_show_normals(bool show) = 0;
-  /// DrawOptions::pixel_size, from the next look() on.
-  virtual void set_pixel_size(float pixel_size) = 0;
+  /// How frames are prepared from now on. Those of a reel that are ready are made again if they
+  /// would differ; another pixel_size counts from the next look() on. Cheap if nothing changes.
+  virtual void set_prepare_options(const PrepareOptions& options) = 0;
   virtual Update update(Clock::TimePoint now) = 0;
 
   /// What is wrong while nothing comes, and where, in one line.

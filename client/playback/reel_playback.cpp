@@ -7,6 +7,7 @@
 
 #include "client/prepare/prepare.h"
 #include "codec/octree/octree_codec.h"
+#include "common/base/try.h"
 #include "pointreel/chunks.h"
 #include "pointreel/octree.h"
 
@@ -38,22 +39,22 @@ unsigned prepare_threads() { return std::clamp(std::thread::hardware_concurrency
 
 /// LayerControl::Situation::bytes of a segment, with the attributes of `most`; empty of files.
 std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
-                               const LayerSet& most) {
+                               const LayerRange& most) {
   const Segment& segment = manifest.segments[index];
   std::vector<double> bytes;
   if (segment.layers.empty()) return bytes;
-  const auto mean = [&](const LayerSet& set) {
+  const auto mean = [&](const LayerRange& layers) {
     std::uint64_t sum = 0;
-    for (std::size_t layer = 0; layer < set.layers; ++layer)
+    for (std::size_t layer = 0; layer < layers.end; ++layer)
       for (const Chunks<std::uint32_t>& sizes : segment.layers[layer].frames)
-        sum += sizes.geometry + std::uint64_t{set.colors || set.normals ? sizes.colors : 0} +
-               (set.normals ? sizes.normals : 0);
+        sum += sizes.geometry + std::uint64_t{layers.colors || layers.normals ? sizes.colors : 0} +
+               (layers.normals ? sizes.normals : 0);
     return static_cast<double>(sum) / segment.frame_count();
   };
-  const auto layers = static_cast<std::uint32_t>(segment.layers.size());
-  const LayerSet all{layers, most.colors, most.normals};
-  for (Rung rung = kBareRung; rung < kBaseRung + static_cast<Rung>(layers); ++rung)
-    bytes.push_back(mean(rung_set(rung, all)));
+  LayerRange all = most;
+  all.end = static_cast<std::uint32_t>(segment.layers.size());
+  for (Rung rung = kBareRung; rung < kBaseRung + static_cast<Rung>(all.end); ++rung)
+    bytes.push_back(mean(rung_layers(rung, all)));
   return bytes;
 }
 
@@ -74,7 +75,7 @@ FrameBuffer::Options buffer_options(const Manifest& manifest,
   buffer.frame_count = manifest.frame_count();
   buffer.ahead = options.single_frame ? 0u : options.remote ? 8u : 4u;
   buffer.loop = options.loop;
-  buffer.mode = options.mode;
+  buffer.mode = options.prepare.mode;
   buffer.levels = levels_of(manifest);
   if (options.remote && !options.single_frame) {
     buffer.fetch_ahead = frames_in(manifest, kFetchAhead, options.speed);
@@ -95,14 +96,11 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
         FrameBuffer::Options buffer = buffer_options(source_->manifest(), options);
         buffer.choice = [this](std::uint32_t, DrawMode mode, int level) {
           const LayerDecision most = wanted(mode, level);
-          return decide(caps(), most.set, most.limit).set;
+          return decide(caps(), most.layers, most.limit).layers;
         };
         return buffer;
       }()),
-      mode_(options.mode),
-      show_normals_(options.show_normals),
-      pixel_size_(options.pixel_size),
-      delta_(options.delta),
+      prepare_(options.prepare),
       control_({static_cast<std::uint32_t>(levels_of(source_->manifest()).size()),
                 prepare_threads(), options.remote}) {
   const Clock::TimePoint now{};
@@ -116,38 +114,49 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
   const Pipeline::Options threads{options.remote ? 6u : 1u, prepare_threads()};
   pipeline_.emplace(
       *source_, buffer_,
-      [this](const FrameRequest& frame, const FetchedFrame& fetched) {
-        const double delta = delta_;
-        auto scene = prepare_frame(manifest(), frame.frame, fetched,
-                                   {frame.mode, delta, frame.level, show_normals_});
-        if (!scene) return scene;
-        {
-          const std::lock_guard lock(control_mutex_);
-          control_.made(frame.layers, scene->decode_ms + scene->normals_ms + scene->svo_ms);
-          // A frame that lacks layers says nothing of the depth, unless that is what it was given;
-          // nor does one that was made by another rule.
-          if (frame.mode != DrawMode::voxel || delta != delta_ ||
-              (scene->level != kWholeFrame && scene->level < voxel_depth_.get()))
-            return scene;
-          voxel_depth_.learn(*scene);
-        }
-        set_level();
-        return scene;
+      [this](const FrameRequest& request, const FetchedFrame& fetched) {
+        return prepare(request, fetched);
       },
       std::move(on_error), threads);
+}
+
+PrepareOptions ReelPlayback::prepare_options() const {
+  const std::lock_guard lock(prepare_mutex_);
+  return prepare_;
+}
+
+Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const FetchedFrame& fetched) {
+  PrepareOptions options = prepare_options();
+  options.mode = request.mode;
+  options.level = request.level;
+  auto scene = TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options));
+  {
+    const std::lock_guard lock(control_mutex_);
+    control_.made(request.layers, scene.decode_ms + scene.normals_ms + scene.svo_ms);
+    // A frame that lacks layers tells the depth only if it was given too few for it; a frame that
+    // was made with another delta does not tell it at all.
+    if (request.mode != DrawMode::voxel || options.delta != prepare_options().delta ||
+        (scene.level != kWholeFrame && scene.level < voxel_depth_.get()))
+      return scene;
+    voxel_depth_.learn(scene);
+  }
+  set_level();
+  return scene;
 }
 
 // What is fetched.
 
 /// What the view and the mode need, or less where less was asked for.
 LayerDecision ReelPlayback::wanted(DrawMode mode, int level) const {
-  const FetchRequest view = layer_choice(manifest(), mode, level, show_normals_);
+  const PrepareOptions options = prepare_options();
+  LayerDecision decision{layer_choice(manifest(), mode, level, options.show_normals)};
   const auto all =
       static_cast<std::uint32_t>(std::max<std::size_t>(1, manifest().layer_names.size()));
-  LayerDecision decision{{std::min(view.layers, all), view.colors, view.normals}, Limit::none};
-  if (decision.set.layers < all) decision.limit = Limit::view;
-  if (options_.layers < decision.set.layers) {
-    decision.set.layers = options_.layers;
+  std::uint32_t& end = decision.layers.end;
+  end = std::min(end, all);
+  if (end < all) decision.limit = Limit::view;
+  if (options.layers < end) {
+    end = options.layers;
     decision.limit = Limit::asked;
   }
   return decision;
@@ -156,8 +165,8 @@ LayerDecision ReelPlayback::wanted(DrawMode mode, int level) const {
 LayerCaps ReelPlayback::caps() const { return {link_cap_, machine_cap_}; }
 
 LayerDecision ReelPlayback::decision() const {
-  const LayerDecision most = wanted(mode_, seen_level());
-  return decide(caps(), most.set, most.limit);
+  const LayerDecision most = wanted(prepare_options().mode, seen_level());
+  return decide(caps(), most.layers, most.limit);
 }
 
 double ReelPlayback::frame_seconds() const {
@@ -223,8 +232,8 @@ void ReelPlayback::control(Clock::TimePoint now) {
       fill_.full && fill_.fetched > fill_.ahead ? 1.0 : static_cast<double>(fill_.fetched) / window;
   situation.makeable = static_cast<double>(std::min(fill_.fetched, ahead)) / ahead;
   situation.made = static_cast<double>(fill_.made) / ahead;
-  situation.bytes =
-      rung_bytes(manifest(), locate(manifest(), next).segment, wanted(mode_, kWholeFrame).set);
+  situation.bytes = rung_bytes(manifest(), locate(manifest(), next).segment,
+                               wanted(prepare_options().mode, kWholeFrame).layers);
   const LinkUse use = source_->link_use();
   LayerCaps caps;
   {
@@ -252,14 +261,15 @@ void ReelPlayback::look(const Camera& camera, glm::ivec2 size) {
   if (camera_ != camera || size_ != size) {
     camera_ = camera;
     size_ = size;
-    view_level_ = level_for(manifest(), camera, size, pixel_size_);
+    view_level_ = level_for(manifest(), camera, size, prepare_options().pixel_size);
   }
   set_level();
 }
 
 int ReelPlayback::seen_level() const {
-  const int level = view_level_;
-  return mode_ == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level;
+  const PrepareOptions options = prepare_options();
+  const int level = std::min<int>(options.level, view_level_);
+  return options.mode == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level;
 }
 
 void ReelPlayback::set_level() {
@@ -268,19 +278,37 @@ void ReelPlayback::set_level() {
   buffer_.set_level(seen_level());
 }
 
-void ReelPlayback::set_mode(DrawMode mode) {
-  mode_ = mode;
+void ReelPlayback::set_prepare_options(const PrepareOptions& options) {
+  const PrepareOptions before = prepare_options();
+  if (options == before) return;
+  {
+    const std::lock_guard lock(prepare_mutex_);
+    prepare_ = options;
+  }
+  if (options.pixel_size != before.pixel_size) camera_.reset();
+  const bool another_delta = options.delta != before.delta;
+  const bool another_mode = options.mode != before.mode;
+  // Surfels are drawn from a package's own trees, whatever delta says, and points need no tree.
+  const bool by_delta = options.mode == DrawMode::voxel ||
+                        (options.mode == DrawMode::surfel && manifest().codec != "octree");
+  const bool normals_come_or_go = options.show_normals != before.show_normals &&
+                                  !draws_normals(options.mode, manifest().colors);
+  const bool again = another_mode || (another_delta && by_delta) || normals_come_or_go;
   {
     const std::lock_guard lock(control_mutex_);
-    control_.forget_made();
+    if (another_delta) voxel_depth_.forget();
+    if (again || another_delta) control_.forget_made();
   }
   set_level();
-  buffer_.set_mode(mode);
+  if (options.layers != before.layers) buffer_.choice_changed();
+  if (!again) return;
+  buffer_.make_again(options.mode);
   given_ordinal_.reset();
 }
 
-FetchRequest ReelPlayback::choice(int level) const {
-  return layer_choice(manifest(), mode_, level, show_normals_);
+LayerRange ReelPlayback::choice(int level) const {
+  const PrepareOptions options = prepare_options();
+  return layer_choice(manifest(), options.mode, level, options.show_normals);
 }
 
 // Time.
@@ -343,36 +371,6 @@ void ReelPlayback::set_loop_range(const std::optional<LoopRange>& range, Clock::
   clock_.set_loop_range(range, now);
   buffer_.set_loop_range(clock_.loop_frames());
   given_ordinal_.reset();
-}
-
-void ReelPlayback::set_delta(double delta) {
-  {
-    const std::lock_guard lock(control_mutex_);
-    delta_ = delta;
-    voxel_depth_.forget();
-    control_.forget_made();
-  }
-  set_level();
-  // Trees of a package stay as they are for surfels, and points need none.
-  const bool by_delta =
-      mode_ == DrawMode::voxel || (mode_ == DrawMode::surfel && manifest().codec != "octree");
-  if (!by_delta) return;
-  buffer_.make_again();
-  given_ordinal_.reset();
-}
-
-void ReelPlayback::set_show_normals(bool show) {
-  if (show_normals_.exchange(show) == show || draws_normals(mode_, manifest().colors)) return;
-  {
-    const std::lock_guard lock(control_mutex_);
-    control_.forget_made();
-  }
-  buffer_.make_again();
-  given_ordinal_.reset();
-}
-
-void ReelPlayback::set_pixel_size(float pixel_size) {
-  if (std::exchange(pixel_size_, pixel_size) != pixel_size) camera_.reset();
 }
 
 void ReelPlayback::scrub_begin(Clock::TimePoint now) {
@@ -478,7 +476,7 @@ std::shared_ptr<const SceneFrame> ReelPlayback::thumbnail(std::uint32_t frame) {
   if (frame >= timeline().frame_count()) return nullptr;
   if (!thumbnails_)
     thumbnails_.emplace(*source_, [this](std::uint32_t index) {
-      const FetchRequest needs = layer_choice(manifest(), DrawMode::point, Thumbnails::kLevel);
+      const LayerRange needs = layer_choice(manifest(), DrawMode::point, Thumbnails::kLevel);
       return buffer_.stored_base(index, needs.colors, needs.normals);
     });
   return thumbnails_->get(frame);

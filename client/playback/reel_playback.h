@@ -30,11 +30,7 @@ namespace pointreel {
 class ReelPlayback : public Playback {
  public:
   struct Options {
-    DrawMode mode = DrawMode::surfel;
-    double delta = PrepareOptions{}.delta;
-    std::uint32_t layers = ~0u;  ///< no more are fetched, however near the camera
-    float pixel_size = 1.0f;     ///< DrawOptions::pixel_size
-    bool show_normals = false;   ///< PrepareOptions::show_normals
+    PrepareOptions prepare;
     bool loop = true;
     double speed = 1.0;
     std::uint64_t start_us = 0;
@@ -57,17 +53,15 @@ class ReelPlayback : public Playback {
   double frame_seconds() const override;
   Box bounds() const override { return manifest().bounds; }
   void look(const Camera& camera, glm::ivec2 size) override;
-  void set_mode(DrawMode mode) override;
-  void set_delta(double delta) override;
-  void set_show_normals(bool show) override;
-  void set_pixel_size(float pixel_size) override;
+  void set_prepare_options(const PrepareOptions& options) override;
+  PrepareOptions prepare_options() const;
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
   std::uint64_t dropped() const override { return dropped_; }
   std::uint64_t errors() const override { return pipeline_->errors(); }
 
-  /// What the view shows of frames that have `level`, in the mode of now.
-  FetchRequest choice(int level) const;
+  /// The layers of frames with this level that the current mode draws.
+  LayerRange choice(int level) const;
 
   // Time. Stands still, as if paused, until the first frame is there, and wherever the link does
   // not bring frames in time: what the machine does not make in time is dropped.
@@ -143,6 +137,7 @@ class ReelPlayback : public Playback {
   Statistics statistics() const;
 
  private:
+  Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched);
   LayerDecision wanted(DrawMode mode, int level) const;
   LayerCaps caps() const;
   int seen_level() const;
@@ -162,10 +157,8 @@ class ReelPlayback : public Playback {
   bool started_ = false;  ///< the first frame came, or failed
   bool begins_ = true;    ///< it plays from then on
   FrameBuffer buffer_;
-  std::atomic<DrawMode> mode_;
-  std::atomic<bool> show_normals_;
-  float pixel_size_;
-  std::atomic<double> delta_;
+  mutable std::mutex prepare_mutex_;
+  PrepareOptions prepare_;
   std::uint32_t playhead_ = 0;
   std::optional<Camera> camera_;  ///< what view_level_ was found for
   glm::ivec2 size_{0};

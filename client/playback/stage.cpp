@@ -70,6 +70,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
       camera_for(bounds, first_reel != reels.end() ? (*first_reel)->manifest().up : 'y');
 
   auto stage = std::make_unique<Stage>();
+  stage->prepare_ = options.prepare;
   stage->listener_ = std::make_shared<Listener>();
   stage->listener_->on_error = std::move(on_error);
   for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -77,19 +78,18 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
       const std::lock_guard lock(listener->mutex);
       if (listener->on_error) listener->on_error(i, frame, error);
     };
-    Part part{sources[i].where, sources[i].place, nullptr, nullptr, nullptr};
+    Part part{sources[i].where, sources[i].place, {}};
     if (reels[i]) {
       ReelPlayback::Options reel = options.reel;
+      reel.prepare = options.prepare;
       reel.remote = sources[i].files.empty() && is_remote(sources[i].where);
-      auto playback = std::make_unique<ReelPlayback>(
-          std::move(reels[i]), reel, moved(camera, part.place), options.size, broken);
-      part.reel = playback.get();
-      part.playback = std::move(playback);
+      part.source = std::make_unique<ReelPlayback>(std::move(reels[i]), reel,
+                                                   moved(camera, part.place), options.size, broken);
     } else {
-      auto playback = std::make_unique<LivePlayback>(
-          std::move(streams[i]), stream_name(sources[i].where), options.live, broken);
-      part.live = playback.get();
-      part.playback = std::move(playback);
+      LivePlayback::Options live = options.live;
+      live.prepare = options.prepare;
+      part.source = std::make_unique<LivePlayback>(std::move(streams[i]),
+                                                   stream_name(sources[i].where), live, broken);
     }
     stage->parts_.push_back(std::move(part));
     stage->scene_.push_back({nullptr, sources[i].place});
@@ -99,57 +99,46 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
 
 Box Stage::bounds() const {
   Box all;
-  for (const Part& part : parts_) grow(all, part.playback->bounds(), part.place);
+  for (const Part& part : parts_) grow(all, part.playback().bounds(), part.place);
   return all;
 }
 
 std::size_t Stage::bounded() const {
   return static_cast<std::size_t>(std::count_if(parts_.begin(), parts_.end(), [](const Part& part) {
-    return !part.playback->bounds().empty();
+    return !part.playback().bounds().empty();
   }));
 }
 
 bool Stage::playing() const {
   return std::any_of(parts_.begin(), parts_.end(), [](const Part& part) {
-    return part.live != nullptr ? part.live->playing() : part.reel->playing();
+    return std::visit([](const auto& source) { return source->playing(); }, part.source);
   });
 }
 
 double Stage::frame_seconds() const {
-  double seconds = parts_.front().playback->frame_seconds();
-  for (const Part& part : parts_) seconds = std::min(seconds, part.playback->frame_seconds());
+  double seconds = parts_.front().playback().frame_seconds();
+  for (const Part& part : parts_) seconds = std::min(seconds, part.playback().frame_seconds());
   return seconds;
 }
 
 void Stage::set_live_playing(bool playing) {
-  for (Part& part : parts_) {
-    if (part.live != nullptr) playing ? part.live->play() : part.live->pause();
+  for (const Part& part : parts_) {
+    if (LivePlayback* live = part.live()) playing ? live->play() : live->pause();
   }
 }
 
 void Stage::look(const Camera& camera, glm::ivec2 size) {
-  for (Part& part : parts_) part.playback->look(moved(camera, part.place), size);
+  for (Part& part : parts_) part.playback().look(moved(camera, part.place), size);
 }
 
-void Stage::set_mode(DrawMode mode) {
-  for (Part& part : parts_) part.playback->set_mode(mode);
+void Stage::set_prepare_options(const PrepareOptions& options) {
+  prepare_ = options;
+  for (Part& part : parts_) part.playback().set_prepare_options(options);
 }
 
 void Stage::silence() {
   const std::lock_guard lock(listener_->mutex);
   listener_->on_error = nullptr;
-}
-
-void Stage::set_delta(double delta) {
-  for (Part& part : parts_) part.playback->set_delta(delta);
-}
-
-void Stage::set_show_normals(bool show) {
-  for (Part& part : parts_) part.playback->set_show_normals(show);
-}
-
-void Stage::set_pixel_size(float pixel_size) {
-  for (Part& part : parts_) part.playback->set_pixel_size(pixel_size);
 }
 
 std::vector<Stage::Change> Stage::take(std::size_t source,
@@ -162,7 +151,7 @@ Stage::Update Stage::update(Clock::TimePoint now) {
   Update update;
   update.ended = true;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const Playback::Update one = parts_[i].playback->update(now);
+    const Playback::Update one = parts_[i].playback().update(now);
     update.ended = update.ended && one.ended;
     if (!one.frame || one.frame == scene_[i].frame) continue;
     scene_[i].frame = one.frame;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "client/playback/live_playback.h"
@@ -26,7 +27,8 @@ class Stage {
  public:
   struct Options {
     SourceOptions source;
-    ReelPlayback::Options reel;  ///< `remote` is found out
+    PrepareOptions prepare;      ///< of all sources, instead of that in `reel` and `live`
+    ReelPlayback::Options reel;  ///< `remote` is found out for each
     LivePlayback::Options live;
     glm::ivec2 size{1280, 720};  ///< of the picture
   };
@@ -50,31 +52,30 @@ class Stage {
   std::size_t size() const { return parts_.size(); }
   const std::string& where(std::size_t i) const { return parts_[i].where; }
   const glm::dvec3& place(std::size_t i) const { return parts_[i].place; }
-  const Playback& playback(std::size_t i) const { return *parts_[i].playback; }
+  const Playback& playback(std::size_t i) const { return parts_[i].playback(); }
   /// Null if that is a live stream.
-  ReelPlayback* reel(std::size_t i) const { return parts_[i].reel; }
-  const LivePlayback* live(std::size_t i) const { return parts_[i].live; }
+  ReelPlayback* reel(std::size_t i) const { return parts_[i].reel(); }
+  const LivePlayback* live(std::size_t i) const { return parts_[i].live(); }
   /// In the world; empty while nothing is known.
   Box bounds() const;
   /// Sources whose bounds are known.
   std::size_t bounded() const;
-  char up() const { return parts_.front().playback->up(); }
+  char up() const { return parts_.front().playback().up(); }
   bool playing() const;
   /// Between two frames of whatever has the most of them.
   double frame_seconds() const;
 
   void look(const Camera& camera, glm::ivec2 size);
-  void set_mode(DrawMode mode);
-  void set_delta(double delta);
-  void set_show_normals(bool show);
-  void set_pixel_size(float pixel_size);
+  /// As Playback's, for all sources.
+  void set_prepare_options(const PrepareOptions& options);
+  const PrepareOptions& prepare_options() const { return prepare_; }
   /// OnError is not called any more. Waits for a call that is under way.
   void silence();
   /// Of each reel.
   template <class Control>
   void for_each_reel(const Control& control) {
-    for (Part& part : parts_) {
-      if (part.reel != nullptr) control(*part.reel);
+    for (const Part& part : parts_) {
+      if (ReelPlayback* reel = part.reel()) control(*reel);
     }
   }
 
@@ -98,9 +99,19 @@ class Stage {
   struct Part {
     std::string where;
     glm::dvec3 place;
-    std::unique_ptr<Playback> playback;
-    ReelPlayback* reel = nullptr;  ///< the same object
-    LivePlayback* live = nullptr;  ///< the same object
+    std::variant<std::unique_ptr<ReelPlayback>, std::unique_ptr<LivePlayback>> source;
+
+    Playback& playback() const {
+      return std::visit([](const auto& either) -> Playback& { return *either; }, source);
+    }
+    ReelPlayback* reel() const {
+      const auto* held = std::get_if<std::unique_ptr<ReelPlayback>>(&source);
+      return held ? held->get() : nullptr;
+    }
+    LivePlayback* live() const {
+      const auto* held = std::get_if<std::unique_ptr<LivePlayback>>(&source);
+      return held ? held->get() : nullptr;
+    }
   };
 
   /// What is told of errors, for as long as somebody listens.
@@ -110,6 +121,7 @@ class Stage {
   };
 
   std::shared_ptr<Listener> listener_;
+  PrepareOptions prepare_;
   std::vector<Part> parts_;
   Scene scene_;
 };

@@ -9,6 +9,7 @@
 
 #include "client/prepare/layer_choice.h"
 #include "client/prepare/prepare.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -84,17 +85,14 @@ void Thumbnails::run() {
 Result<SceneFrame> Thumbnails::make(std::uint32_t frame) {
   auto stored = stored_(frame);
   if (!stored) {
-    FetchRequest request = layer_choice(source_.manifest(), DrawMode::point, kLevel);
-    request.layers = 1;
-    request.stop = stop_.get_token();
-    auto fetched = source_.fetch(frame, request);
-    if (!fetched) return tl::unexpected(fetched.error());
-    stored = *std::move(fetched);
+    FetchRequest request{.frame = frame,
+                         .layers = layer_choice(source_.manifest(), DrawMode::point, kLevel),
+                         .stop = stop_.get_token()};
+    request.layers.end = 1;
+    stored = TRY(source_.fetch(request));
   }
-  PrepareOptions options;
-  options.mode = DrawMode::point;
-  options.level = kLevel;
-  return prepare_frame(source_.manifest(), frame, *stored, options);
+  return prepare_frame(*stored, frame_info(source_.manifest(), frame),
+                       {.mode = DrawMode::point, .level = kLevel});
 }
 
 /// With the mutex held.

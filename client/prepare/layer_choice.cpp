@@ -22,18 +22,19 @@ int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, f
   return level;
 }
 
-FetchRequest layer_choice(const Manifest& manifest, DrawMode mode, int level, bool show_normals) {
-  FetchRequest choice;
+std::uint32_t layers_down_to(int level, int depth) {
+  const int most = layer_count(depth);
+  int layers = 1;
+  while (layers < most && last_level_of_layer(layers - 1, depth) < level) ++layers;
+  return static_cast<std::uint32_t>(layers);
+}
+
+LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level, bool show_normals) {
+  LayerRange choice;
   choice.colors = manifest.colors;
   choice.normals = draws_normals(mode, manifest.colors, show_normals);
-  if (manifest.codec != "octree") return choice;
-  const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
-  const int most = layer_count(depth);
-  choice.layers = 1;
-  while (static_cast<int>(choice.layers) < most &&
-         last_level_of_layer(static_cast<int>(choice.layers) - 1, depth) < level) {
-    ++choice.layers;
-  }
+  if (manifest.codec == "octree")
+    choice.end = layers_down_to(level, std::min(static_cast<int>(manifest.depth_max), kMaxDepth));
   return choice;
 }
 

@@ -13,19 +13,22 @@
 namespace pointreel {
 
 /// Whether a mode draws normals of a cloud, coloured or not: surfels are oriented by them, and
-/// where no colour is there the fake colour is made from them. (Voxels and points that have colours
+/// where there is no colour the fake colour is made from them. (Voxels and points that have colours
 /// are lit by their faces and from the eye: normals cost more to send than they show.) `shown`:
-/// normals are what is to be seen.
+/// normals are what is shown.
 bool draws_normals(DrawMode mode, bool colored, bool shown = false);
 
-/// The finest level of any frame's tree that the camera can show at this size of the picture:
+/// The finest level of any frame's tree that the camera can show in a picture of this size:
 /// finest_level (cut.h) over the reel's cubes and bounds. kWholeFrame where no level is too fine.
 int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size);
 
-/// What of a frame is fetched, and so decoded: the layers that hold all levels down to `level`, and
-/// the attributes that are drawn.
-FetchRequest layer_choice(const Manifest& manifest, DrawMode mode, int level,
-                          bool show_normals = false);
+/// How many layers of an octree frame at most `depth` deep hold all its levels down to `level`.
+std::uint32_t layers_down_to(int level, int depth);
+
+/// The layers of a reel's frames that hold all levels down to `level`, and the attributes that are
+/// drawn.
+LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level,
+                        bool show_normals = false);
 
 /// How deep the trees of voxels have been by the delta rule, which only whole trees can tell: the
 /// frames after them are not fetched any deeper. A frame that should be deeper than what was

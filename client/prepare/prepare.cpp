@@ -11,6 +11,7 @@
 #include "client/prepare/tree_radii.h"
 #include "codec/cloud_file.h"
 #include "common/base/tbb_executor.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "common/surface/normals.h"
 #include "pointreel/chunks.h"
@@ -37,10 +38,9 @@ constexpr double kWorthATree = 0.7;
 /// fewer of its cells, if it has the points to do so.
 constexpr double kLeastFilled = 0.25;
 
-Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
-                            const FetchedFrame& fetched, int level) {
+Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int level) {
   if (fetched.layers.empty()) {
-    auto loaded = read_cloud(fetched.file);
+    auto loaded = read_cloud(fetched.file.view());
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
     DecodedFrame frame;
     frame.cloud = std::move(loaded->cloud);
@@ -57,9 +57,9 @@ Result<DecodedFrame> decode(const Manifest& manifest, std::uint32_t index,
   limits.leaves = false;
   limits.depth = level;
   auto frame = decode_frame(views, limits);
-  // A cloud without a tree of its own gets one in the cube that its segment shares, so that voxels
-  // do not jump from frame to frame (ERRATA 12).
-  if (frame && !frame->svo) frame->cube = manifest.segments[locate(manifest, index).segment].cube;
+  // A cloud without a tree of its own gets one in the cube that all frames of its segment share, so
+  // that voxels do not jump from frame to frame (common/FORMULAS.md, "Cube of a frame").
+  if (frame && !frame->svo) frame->cube = cube;
   return frame;
 }
 
@@ -94,11 +94,10 @@ Result<void> coarsen(SceneFrame& scene, double delta) {
   for (int level = 0; level <= scene.svo.depth; ++level) {
     occupied.push_back(scene.svo.node_count(level));
   }
-  const auto depth = choose_depth(occupied, scene.points, DepthRule::by_delta(delta));
-  if (!depth) return tl::unexpected(depth.error());
-  const double leaves = occupied[static_cast<std::size_t>(*depth)];
+  const int depth = TRY(choose_depth(occupied, scene.points, DepthRule::by_delta(delta)));
+  const double leaves = occupied[static_cast<std::size_t>(depth)];
   if (leaves >= (1.0 - delta) * scene.points) scene.level = kWholeFrame;
-  if (*depth < scene.svo.depth) scene.svo = truncate(scene.svo, *depth);
+  if (depth < scene.svo.depth) scene.svo = truncate(scene.svo, depth);
   // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
   const std::size_t nodes = scene.svo.node_count();
   if (scene.attributes.colors.size() > nodes) scene.attributes.colors.resize(nodes);
@@ -117,10 +116,9 @@ void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
 Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
   DepthRule rule = DepthRule::by_delta(options.delta);
   rule.most = options.level;
-  const auto sorted = sort_to_depth(scene.cloud, cube, rule);
-  if (!sorted) return tl::unexpected(sorted.error());
-  if (sorted->depth == options.level) scene.level = options.level;
-  use_tree(scene, sorted->sorted, sorted->depth);
+  const auto tree = TRY(sort_to_depth(scene.cloud, cube, rule));
+  if (tree.depth == options.level) scene.level = options.level;
+  use_tree(scene, tree.sorted, tree.depth);
   return {};
 }
 
@@ -139,46 +137,47 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
     }
   }
   if (with_radii && !scene.cloud.has_radii()) {
-    const auto sorted = sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta));
-    if (!sorted) return tl::unexpected(sorted.error());
-    scene.cloud.radii = point_radii(build_svo(sorted->sorted, sorted->depth), sorted->sorted);
+    const auto tree = TRY(sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta)));
+    scene.cloud.radii = point_radii(build_svo(tree.sorted, tree.depth), tree.sorted);
   }
   return {};
 }
 
 }  // namespace
 
-Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
-                                 const FetchedFrame& fetched, const PrepareOptions& options) {
+FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
+  const Segment& segment = manifest.segments[locate(manifest, index).segment];
+  return {index, frame_time_us(manifest, index), segment.cube};
+}
+
+Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
+                                 const PrepareOptions& options) {
   Stopwatch watch;
-  auto frame = decode(manifest, index, fetched, options.level);
-  if (!frame) return tl::unexpected(frame.error());
+  auto frame = TRY(decode(fetched, info.cube, options.level));
 
   SceneFrame scene;
-  scene.index = index;
-  scene.time_us = frame_time_us(manifest, index);
-  scene.points = frame->source_points;
+  scene.index = info.index;
+  scene.time_us = info.time_us;
+  scene.points = frame.source_points;
   scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
   scene.decode_ms = watch.lap();
-  if (frame->svo) {
-    scene.svo = std::move(*frame->svo);
-    scene.attributes = std::move(frame->attributes);
-    if (scene.svo.depth < frame->depth) scene.level = scene.svo.depth;
+  if (frame.svo) {
+    scene.svo = std::move(*frame.svo);
+    scene.attributes = std::move(frame.attributes);
+    if (scene.svo.depth < frame.depth) scene.level = scene.svo.depth;
     derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();
     if (options.mode == DrawMode::voxel) {
-      if (const auto made = coarsen(scene, options.delta); !made)
-        return tl::unexpected(made.error());
+      TRY(coarsen(scene, options.delta));
     } else if (options.mode == DrawMode::surfel) {
       scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
     }
   } else {
-    scene.cloud = std::move(frame->cloud);
+    scene.cloud = std::move(frame.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
-    const auto made = options.mode == DrawMode::voxel ? make_voxels(scene, frame->cube, options)
-                                                      : make_elements(scene, frame->cube, options);
-    if (!made) return tl::unexpected(made.error());
+    TRY(options.mode == DrawMode::voxel ? make_voxels(scene, frame.cube, options)
+                                        : make_elements(scene, frame.cube, options));
   }
   if (options.mode == DrawMode::voxel) {
     if (const int widest = gap_to_fill(scene.svo, scene.points); widest > 0)

@@ -1,40 +1,58 @@
 #pragma once
 
+#include <cstdint>
+
 #include "client/scene/frame.h"
 #include "client/source/source.h"
+#include "pointreel/geometry.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
+/// How frames are made ready to draw.
 struct PrepareOptions {
   DrawMode mode = DrawMode::surfel;
-  /// >= 0, of the tree that voxels are drawn from (DepthRule::delta). Far above the paper's 0.05,
-  /// which gives nearly every point a voxel of its own, with gaps between them wherever points are
-  /// not on a grid; below 0.75, at which points that are on one would lose a level.
+  /// >= 0, of the tree that voxels are drawn from (DepthRule::delta). Far above the 0.05 of Slomp
+  /// et al., which gives nearly every point a voxel of its own, with gaps between them wherever
+  /// points are not on a grid; below 0.75, at which points that are on one would lose a level.
   double delta = 0.72;
-  int level = kWholeFrame;    ///< no finer level of detail will be seen
-  bool show_normals = false;  ///< in every mode
+  int level = kWholeFrame;    ///< no finer level of detail is prepared
+  bool show_normals = false;  ///< they are prepared in every mode, because they are what is shown
+  float pixel_size = 1.0f;    ///< DrawOptions::pixel_size, which decides what level a camera sees
+  std::uint32_t layers = kAllLayers;  ///< no more are fetched or decoded, however near the camera
+
+  bool operator==(const PrepareOptions&) const = default;
 };
 
+/// What a source says of a frame, besides its bytes.
+struct FrameInfo {
+  std::uint32_t index = 0;    ///< in the reel, or its number in the stream
+  std::uint64_t time_us = 0;  ///< from the reel's start, or when it was captured, as Unix time
+  Cube cube = {};             ///< of a tree that is built of a cloud without one of its own
+};
+/// index < manifest.frame_count().
+FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
+
 /// Makes a fetched frame ready to draw: decodes it, and derives what the mode needs and the source
-/// does not have. `index` is the frame's in the manifest.
+/// does not have. Of `options`, pixel_size and layers do not matter here.
 ///
-/// An octree frame stays the tree that it is, down to `level`, with the attributes of its nodes,
-/// and without positions. For voxels it is cut off where a coarser level already satisfies delta
-/// (which refers to the source's points).
+/// An octree frame stays the tree that it is, down to `options.level`, with the attributes of its
+/// nodes, and without positions. For voxels it is cut off where a coarser level already satisfies
+/// delta, by the count of the source's points.
 ///
-/// Of other frames surfels and points draw the cloud, unless so many of its points fall together at
-/// `level` that building a tree of that depth pays. Voxels draw a tree that is built to satisfy
-/// delta, or to `level`. Trees are built in the segment's cube, or, for files, in the frame's
-/// bounding cube. Gaps between voxels are filled (gap_filling.h).
+/// Surfels and points draw any other frame as a cloud, unless so many of its points fall together
+/// at `options.level` that building a tree of that depth pays. Voxels draw a tree that is built to
+/// satisfy delta, or to `options.level`. Trees are built in `info.cube`, but those of files in the
+/// frame's bounding cube. Gaps between voxels are filled (gap_filling.h).
 ///
-/// Normals are estimated from neighbours where absent and needed; radii are made in surfel mode,
-/// where absent, from the tree (tree_radii.h, node_radii.h).
+/// Normals that are needed but absent are estimated from neighbours. Radii that are absent are made
+/// in surfel mode, from the tree (tree_radii.h, node_radii.h).
 ///
 /// Fills decode_ms (bytes to cloud or tree), normals_ms (their estimation) and svo_ms (tree,
-/// attributes and radii), and what it knows of level, points and layers. Trusts nothing in the
-/// bytes. Large frames are decoded by several threads of the caller's TBB arena, where it has idle
+/// attributes and radii), and level, points and layers as far as they are known. The bytes may be
+/// hostile. Large frames are decoded by several threads of the caller's TBB arena, if it has idle
 /// ones.
-Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
-                                 const FetchedFrame& fetched, const PrepareOptions& options);
+Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
+                                 const PrepareOptions& options);
 
 }  // namespace pointreel

@@ -24,11 +24,7 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.source.up = options.up.value_or('y');
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
-  stage.reel.mode = stage.live.mode = options.draw.mode;
-  stage.reel.delta = stage.live.delta = options.delta;
-  stage.reel.show_normals = stage.live.show_normals = options.draw.color == ColorSource::normals;
-  stage.reel.layers = stage.live.layers = options.layers;
-  stage.reel.pixel_size = stage.live.pixel_size = options.draw.pixel_size;
+  stage.prepare = prepare_options(options.draw, options.delta, options.layers);
   stage.reel.loop = options.loop.value_or(!options.offscreen);
   stage.reel.speed = options.speed;
   stage.reel.start_us = start_us(options);

@@ -49,10 +49,10 @@ nlohmann::ordered_json json_of(const WindowReport& window) {
 
 nlohmann::ordered_json json_of(const ReelPlayback::Chosen& chosen) {
   auto attributes = nlohmann::ordered_json::array();
-  if (chosen.decision.set.colors) attributes.push_back("colors");
-  if (chosen.decision.set.normals) attributes.push_back("normals");
+  if (chosen.decision.layers.colors) attributes.push_back("colors");
+  if (chosen.decision.layers.normals) attributes.push_back("normals");
   return {{"from_frame", chosen.first_frame},
-          {"layers", chosen.decision.set.layers},
+          {"layers", chosen.decision.layers.end},
           {"attributes", attributes},
           {"limited_by", name(chosen.decision.limit)}};
 }
@@ -89,7 +89,7 @@ nlohmann::ordered_json json_of(const SourceReport& source) {
 }  // namespace
 
 NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
-                       const FetchRequest& request) {
+                       const LayerRange& layers) {
   NotFetched rest;
   if (frame.layers == 0) return rest;
   const FrameLocation at = locate(manifest, frame.index);
@@ -98,8 +98,7 @@ NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
     const Chunks<std::uint32_t>& sizes = files[layer].frames[at.index];
     const bool fetched = layer < frame.layers;
     if (!fetched) rest.layers += sizes.geometry > 0;
-    const bool normals = fetched && request.normals,
-               colors = normals || (fetched && request.colors);
+    const bool normals = fetched && layers.normals, colors = normals || (fetched && layers.colors);
     if (layer == 0) {
       rest.normals = !normals && sizes.normals > 0;
       rest.colors = !colors && sizes.colors > 0;

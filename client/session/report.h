@@ -26,9 +26,8 @@ struct NotFetched {
   std::uint64_t bytes = 0;
 };
 
-/// Of a frame that was fetched in so many bytes by this request; nothing where it is a file.
-NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
-                       const FetchRequest& request);
+/// For a frame of which these layers were chosen; nothing for a file.
+NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame, const LayerRange& layers);
 
 /// What playing one source came to.
 struct SourceReport {

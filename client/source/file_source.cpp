@@ -66,10 +66,10 @@ class FileSource : public PackageSource {
       : PackageSource(std::move(manifest), std::move(tables)), folder_(std::move(folder)) {}
 
  private:
-  Result<std::vector<Bytes>> read(std::span<const LayerRange> ranges,
+  Result<std::vector<Bytes>> read(std::span<const FileRange> ranges,
                                   const FetchRequest& request) override {
     std::vector<Bytes> all;
-    for (const LayerRange& range : ranges) {
+    for (const FileRange& range : ranges) {
       if (request.stop.stop_requested()) return fail("cancelled");
       auto bytes = read_range(folder_, *range.file, range.offset, total(range.sizes));
       if (!bytes) return tl::unexpected(bytes.error());

@@ -26,20 +26,21 @@ class FolderSource : public Source {
 
   const Manifest& manifest() const override { return manifest_; }
 
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest&) override {
-    const std::filesystem::path& path = files_[frame];
+  Result<FetchedFrame> fetch(const FetchRequest& request) override {
+    const std::filesystem::path& path = files_[request.frame];
     std::ifstream in(path, std::ios::binary | std::ios::ate);
     if (!in)
       return fail(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
     const std::streamoff size = in.tellg();
     if (size < 0 || static_cast<std::uint64_t>(size) > kMaxFileBytes)
       return fail(path.string() + ": is no plain file of at most 4 GiB");
-    FetchedFrame fetched;
-    fetched.file_name = path.string();
-    fetched.file.resize(static_cast<std::size_t>(size));
+    Bytes bytes(static_cast<std::size_t>(size));
     in.seekg(0);
-    in.read(reinterpret_cast<char*>(fetched.file.data()), size);
+    in.read(reinterpret_cast<char*>(bytes.data()), size);
     if (in.gcount() != size) return fail(path.string() + ": cannot be read to its end");
+    FetchedFrame fetched;
+    fetched.file = std::move(bytes);
+    fetched.file_name = path.string();
     return fetched;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -180,7 +181,7 @@ class HttpLiveSource : public LiveSource {
       if (file.bytes > kMostWaitingBytes) return false;
       if (file.bytes > 0) ranges.push_back({base_ + "/" + file.path, 0, file.bytes, file.bytes});
     }
-    const auto files = client_.get_ranges(ranges, stop_.get_token());
+    auto files = client_.get_ranges(ranges, stop_.get_token());
     // Whatever becomes of it: a cache may have dropped it, and there are newer ones.
     const std::uint64_t shown_us = newest_us_;
     newest_us_ = manifest.live->start_us + segment.times_us.back();
@@ -191,13 +192,15 @@ class HttpLiveSource : public LiveSource {
     // After a cut it is of the past, and says nothing of how long the next ones take.
     if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) return false;
     pacing_.arrived(manifest.live->start_us + segment.times_us.front(), now);
-    cut_up(manifest, segment, *files, shown_us);
+    cut_up(manifest, segment,
+           {std::make_move_iterator(files->begin()), std::make_move_iterator(files->end())},
+           shown_us);
     return true;
   }
 
   /// Frames of a segment's files that were captured after `shown_us`, into the queue.
-  void cut_up(const Manifest& manifest, const Segment& segment, const std::vector<Bytes>& files,
-              std::uint64_t shown_us) {
+  void cut_up(const Manifest& manifest, const Segment& segment,
+              const std::vector<SharedBytes>& files, std::uint64_t shown_us) {
     std::deque<WaitingFrame> frames;
     for (std::uint32_t i = 0; i < segment.frame_count(); ++i) {
       WaitingFrame frame;
@@ -212,9 +215,7 @@ class HttpLiveSource : public LiveSource {
         ++sent;
         if (file >= files.size()) continue;
         const ByteRange range = byte_range(layer, i);
-        const auto from = files[file].begin() + static_cast<std::ptrdiff_t>(range.offset);
-        frame.layers.push_back(
-            {Bytes(from, from + static_cast<std::ptrdiff_t>(range.size)), layer.frames[i]});
+        frame.layers.push_back({files[file].part(range.offset, range.size), layer.frames[i]});
         ++file;
       }
       frame.layers_sent = static_cast<std::uint8_t>(sent);
@@ -251,10 +252,12 @@ class HttpLiveSource : public LiveSource {
   }
 
   void show(const WaitingFrame& frame) {
-    for (std::size_t i = 0; i < frame.layers.size(); ++i)
+    for (std::size_t i = 0; i < frame.layers.size(); ++i) {
+      const FetchedLayer& layer = frame.layers[i];
       assembler_.add(LiveLayer{frame.number, static_cast<std::uint8_t>(i), frame.layers_sent,
-                               frame.capture_us, frame.points, frame.layers[i].sizes,
-                               frame.layers[i].bytes});
+                               frame.capture_us, frame.points, layer.sizes, layer.bytes.view()},
+                     layer.bytes);
+    }
   }
 
   void set_trouble(std::optional<std::string> text) {

@@ -21,10 +21,10 @@ class HttpSource : public PackageSource {
   LinkUse link_use() const override { return client_->link_use(); }
 
  private:
-  Result<std::vector<Bytes>> read(std::span<const LayerRange> ranges,
+  Result<std::vector<Bytes>> read(std::span<const FileRange> ranges,
                                   const FetchRequest& request) override {
     std::vector<HttpClient::Range> wanted;
-    for (const LayerRange& range : ranges)
+    for (const FileRange& range : ranges)
       wanted.push_back(
           {base_ + "/" + range.file->path, range.offset, total(range.sizes), range.file->bytes});
     return client_->get_ranges(wanted, request.stop, request.fresh);

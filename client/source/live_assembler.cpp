@@ -20,7 +20,7 @@ void LiveAssembler::add(LiveHello hello) {
   changed_.notify_all();
 }
 
-void LiveAssembler::add(const LiveLayer& layer) {
+void LiveAssembler::add(const LiveLayer& layer, SharedBytes bytes) {
   {
     const std::lock_guard lock(mutex_);
     if (!hello_ || layer.layers > hello_->layer_names.size()) {
@@ -41,9 +41,9 @@ void LiveAssembler::add(const LiveLayer& layer) {
       ++counts_.bad;
       return;
     }
-    counts_.bytes += layer.bytes.size();
+    counts_.bytes += bytes.size();
     newest_layer_ = Clock::now();
-    coming_->frame.layers.push_back({Bytes(layer.bytes.begin(), layer.bytes.end()), layer.sizes});
+    coming_->frame.layers.push_back({std::move(bytes), layer.sizes});
     if (coming_->frame.layers.size() == coming_->layers_sent) keep_coming();
   }
   changed_.notify_all();

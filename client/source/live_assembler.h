@@ -28,8 +28,8 @@ class LiveAssembler {
   // For the thread that receives.
 
   void add(LiveHello hello);
-  /// Copies the layer's bytes.
-  void add(const LiveLayer& layer);
+  /// `bytes`: those that `layer.bytes` views. They are kept, not copied.
+  void add(const LiveLayer& layer, SharedBytes bytes);
   /// A message that was none of these.
   void add_bad();
   /// Layers that the server has left out on this connection.

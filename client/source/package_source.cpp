@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/base/try.h"
+
 namespace pointreel {
 
 Error no_package(const Error& error) {
@@ -13,18 +15,16 @@ Error no_package(const Error& error) {
 PackageSource::PackageSource(Manifest manifest, std::shared_ptr<const ContextTables> tables)
     : manifest_(std::move(manifest)), tables_(std::move(tables)) {}
 
-Result<FetchedFrame> PackageSource::fetch(std::uint32_t frame, const FetchRequest& request) {
-  const auto ranges = ranges_of(manifest_, frame, request);
-  if (!ranges) return tl::unexpected(ranges.error());
-  std::vector<LayerRange> wanted;
-  for (const LayerRange& range : *ranges)
+Result<FetchedFrame> PackageSource::fetch(const FetchRequest& request) {
+  const auto ranges = TRY(ranges_of(manifest_, request.frame, request.layers));
+  std::vector<FileRange> wanted;
+  for (const FileRange& range : ranges)
     if (total(range.sizes) > 0) wanted.push_back(range);
-  auto bytes = read(wanted, request);
-  if (!bytes) return tl::unexpected(bytes.error());
+  auto bytes = TRY(read(wanted, request));
   FetchedFrame fetched;
   fetched.tables = tables_;
-  auto next = bytes->begin();
-  for (const LayerRange& range : *ranges)
+  auto next = bytes.begin();
+  for (const FileRange& range : ranges)
     fetched.layers.push_back({total(range.sizes) > 0 ? std::move(*next++) : Bytes{}, range.sizes});
   return fetched;
 }

@@ -16,13 +16,13 @@ Error no_package(const Error& error);
 class PackageSource : public Source {
  public:
   const Manifest& manifest() const final { return manifest_; }
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) final;
+  Result<FetchedFrame> fetch(const FetchRequest& request) final;
 
  protected:
   PackageSource(Manifest manifest, std::shared_ptr<const ContextTables> tables);
 
   /// The bytes of each range, none of which is empty: exactly as many. The error names the file.
-  virtual Result<std::vector<Bytes>> read(std::span<const LayerRange> ranges,
+  virtual Result<std::vector<Bytes>> read(std::span<const FileRange> ranges,
                                           const FetchRequest& request) = 0;
 
  private:

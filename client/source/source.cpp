@@ -10,7 +10,7 @@
 namespace pointreel {
 
 Chunks<ByteView> FetchedLayer::view() const {
-  const ByteView all(bytes);
+  const ByteView all = bytes.view();
   return {all.subspan(0, sizes.geometry), all.subspan(sizes.geometry, sizes.colors),
           all.subspan(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)};
 }
@@ -28,28 +28,28 @@ std::uint64_t FetchedFrame::size() const {
   return bytes;
 }
 
-Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
-                                          const FetchRequest& request) {
+Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
+                                         const LayerRange& layers) {
   const FrameLocation place = locate(manifest, frame);
   const Segment& segment = manifest.segments[place.segment];
-  const std::size_t count =
-      std::min<std::size_t>(segment.layers.size(), std::max(1u, request.layers));
-  std::vector<LayerRange> ranges;
+  const std::size_t end = std::min<std::size_t>(segment.layers.size(), std::max(1u, layers.end));
+  std::vector<FileRange> ranges;
   std::uint64_t bytes = 0;
-  for (std::size_t i = request.first_layer; i < count; ++i) {
+  for (std::size_t i = layers.first; i < end; ++i) {
     const LayerFile& file = segment.layers[i];
     Chunks<std::uint32_t> sizes = file.frames[place.index];
-    if (!request.normals) {
+    if (!layers.normals) {
       sizes.normals = 0;
-      if (!request.colors) sizes.colors = 0;
+      if (!layers.colors) sizes.colors = 0;
     }
     bytes += total(sizes);
     ranges.push_back({&file, byte_range(file, place.index).offset, sizes});
   }
   if (bytes > kMaxFrameBytes)
     return fail(
-        fmt::format("the manifest says that the frame takes {} bytes; more than {} are not fetched",
-                    bytes, kMaxFrameBytes));
+        ErrorCode::limit,
+        fmt::format("the manifest says that frame {} takes {} bytes; no more than {} are fetched",
+                    frame, bytes, kMaxFrameBytes));
   return ranges;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/source/shared_bytes.h"
 #include "pointreel/bytes.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
@@ -17,34 +18,42 @@
 
 namespace pointreel {
 
-/// What of a frame is wanted. Chunks are stored in the order geometry, colours, normals, and what
-/// is fetched is a prefix, one range a layer: normals bring the colours with them.
+inline constexpr std::uint32_t kAllLayers = ~0u;
+
+/// Consecutive layers of a frame, and which of their attributes. A layer's chunks are stored in the
+/// order geometry, colours, normals, and a fetch takes a prefix of them: normals bring the colours
+/// with them.
+struct LayerRange {
+  std::uint32_t first = 0, end = kAllLayers;  ///< layers [first, end); the base is layer 0
+  bool colors = true, normals = true;
+
+  bool operator==(const LayerRange&) const = default;
+};
+
+/// Layers of one frame that somebody waits for.
 struct FetchRequest {
-  std::uint32_t layers = ~0u;  ///< so many from the base on; at least 1
-  bool colors = true;
-  bool normals = true;
+  std::uint32_t frame = 0;  ///< below Manifest::frame_count()
+  LayerRange layers = {};   ///< files come whole, whatever it says
+  bool fresh = false;       ///< asks caches on the way for a new copy: a layer came damaged before
   std::stop_token stop = {};  ///< a fetch that is asked to stop fails soon
-  /// Past caches on the way, as far as they obey: for what came damaged.
-  bool fresh = false;
-  /// Layers before it are there already: what is fetched begins with it. Below the layers there
-  /// are.
-  std::uint32_t first_layer = 0;
+  std::uint64_t id = 0;       ///< tells LayerStore its requests apart; sources ignore it
 };
 
 /// One layer of a frame as it was fetched.
 struct FetchedLayer {
-  Bytes bytes;
-  Chunks<std::uint32_t>
-      sizes;  ///< of the chunks within `bytes`, in stored order; 0 where not fetched
+  SharedBytes bytes;
+  /// Of the chunks in `bytes`, which hold them in the stored order; 0 for a chunk not fetched.
+  Chunks<std::uint32_t> sizes;
 
   Chunks<ByteView> view() const;
 };
 
-/// A frame as it came: either layers of a package, or a whole PLY or .drc file.
+/// A frame as it came: either layers of a package, or a whole PLY or .drc file. Copying it copies
+/// none of their bytes.
 struct FetchedFrame {
   std::vector<FetchedLayer> layers;
-  std::shared_ptr<const ContextTables> tables;  ///< of the package that `layers` are of, if any
-  Bytes file;                                   ///< used if `layers` is empty
+  std::shared_ptr<const ContextTables> tables;  ///< of the package that has `layers`, or null
+  SharedBytes file;                             ///< used if `layers` is empty
   std::string file_name;                        ///< of `file`, for errors
 
   std::uint64_t size() const;  ///< bytes that came
@@ -68,11 +77,11 @@ class Source {
 
   virtual const Manifest& manifest() const = 0;
 
-  /// `frame` < manifest().frame_count(). May be called by many threads at once. Blocks through
-  /// failures that may pass (no connection, no answer in time, 5xx), trying again; an error is what
-  /// will not pass, or that the fetch was stopped or cancelled. The bytes are not to be trusted,
-  /// except that there are as many as `sizes` says.
-  virtual Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) = 0;
+  /// May be called by many threads at once. Failures that may pass (no connection, no answer in
+  /// time, 5xx) are tried again for as long as they last. An error is a failure that will not pass,
+  /// or ErrorCode::cancelled if the fetch was stopped or cancelled. The bytes may be hostile, but
+  /// there are as many as `sizes` says.
+  virtual Result<FetchedFrame> fetch(const FetchRequest& request) = 0;
 
   /// Makes fetches under way, and all later ones, fail soon. From any thread.
   virtual void cancel() {}
@@ -110,8 +119,8 @@ struct SourceOptions {
   int open_attempts = 4;  ///< to open a source; what is fetched later is tried without end
 };
 
-/// A range of a layer's file that holds what is wanted of a frame.
-struct LayerRange {
+/// The part of a layer's file that holds what is wanted of a frame.
+struct FileRange {
   const LayerFile* file = nullptr;  ///< in the manifest
   std::uint64_t offset = 0;
   Chunks<std::uint32_t> sizes;
@@ -120,8 +129,9 @@ struct LayerRange {
 /// No frame of any real reel comes near this; a manifest that says otherwise is not believed.
 inline constexpr std::uint64_t kMaxFrameBytes = std::uint64_t{1} << 30;
 
-/// The ranges to fetch, in the order of the layers. An error if they exceed kMaxFrameBytes.
-Result<std::vector<LayerRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
-                                          const FetchRequest& request);
+/// The ranges to fetch, in the order of the layers; at least the base's. An error if they exceed
+/// kMaxFrameBytes.
+Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
+                                         const LayerRange& layers);
 
 }  // namespace pointreel

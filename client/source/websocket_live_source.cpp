@@ -85,17 +85,21 @@ class WebSocketLiveSource : public LiveSource {
       }
       if (!*message) continue;
       came = true;
-      const Bytes& bytes = (*message)->bytes;
       if ((*message)->kind == WebSocket::Kind::binary) {
-        if (const auto layer = parse_live_layer(bytes))
-          assembler_.add(*layer);
-        else
-          assembler_.add_bad();
+        take_layer(std::move((*message)->bytes));
       } else {
+        const Bytes& bytes = (*message)->bytes;
         take_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
       }
     }
     return came;
+  }
+
+  void take_layer(const SharedBytes& message) {
+    if (const auto layer = parse_live_layer(message.view()))
+      assembler_.add(*layer, message.part(kLiveHeaderSize, layer->bytes.size()));
+    else
+      assembler_.add_bad();
   }
 
   void take_text(std::string_view text) {

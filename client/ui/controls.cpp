@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "client/options/play_options.h"
 #include "client/ui/time_text.h"
 
 namespace pointreel {
@@ -34,6 +35,7 @@ void Controls::begin(Stage* stage, std::function<Camera()> home) {
   moved_ = flying_ = false;
   loop_a_.reset();
   if (stage_) camera_ = home_();
+  set_prepare_options();
 }
 
 std::optional<std::string> Controls::take_said() { return std::exchange(said_, std::nullopt); }
@@ -261,12 +263,14 @@ void Controls::look_home_unless_moved() {
 }
 
 void Controls::set_settings(const DrawSettings& settings) {
-  const DrawSettings before = std::exchange(settings_, settings);
-  if (!stage_) return;
-  if (settings.draw.mode != before.draw.mode) stage_->set_mode(settings.draw.mode);
-  if (settings.delta != before.delta) stage_->set_delta(settings.delta);
-  stage_->set_show_normals(settings.draw.color == ColorSource::normals);
-  stage_->set_pixel_size(settings.draw.pixel_size);
+  settings_ = settings;
+  set_prepare_options();
+}
+
+void Controls::set_prepare_options() {
+  if (stage_)
+    stage_->set_prepare_options(
+        prepare_options(settings_.draw, settings_.delta, stage_->prepare_options().layers));
 }
 
 /// As mpv does: the first time A, then B, then neither.

@@ -35,8 +35,9 @@ class Controls {
 
   explicit Controls(const DrawSettings& settings) : settings_(settings) {}
 
-  /// From now on this plays, which outlives the controls or is followed by another; null: nothing.
-  /// `home`: the view that reset_view comes back to, for the bounds and the size of now.
+  /// From now on this plays, and its frames are prepared as the settings say. It outlives the
+  /// controls or is followed by another; null: nothing plays. `home`: the view that reset_view
+  /// comes back to, for the bounds and the size of now.
   void begin(Stage* stage, std::function<Camera()> home);
 
   /// False: an action that is not for the controls, such as quit. Anything else has been done, or
@@ -83,6 +84,7 @@ class Controls {
   void seek_by(std::int64_t us, Now now);
   void set_speed(double speed, Now now);
   void mark_loop(Now now);
+  void set_prepare_options();
   std::string time_text(Now now) const;
 
   DrawSettings settings_;

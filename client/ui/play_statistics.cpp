@@ -52,8 +52,8 @@ std::string layers_text(const ReelPlayback& reel, const SceneFrame* frame) {
   const LayerDecision decision = reel.decision();
   const std::uint32_t shown = frame ? frame->layers : 0;
   std::string text = fmt::format("{} of {}", shown, all);
-  if (shown != decision.set.layers)
-    text += fmt::format(", {} of frames to come", decision.set.layers);
+  if (shown != decision.layers.end)
+    text += fmt::format(", {} of frames to come", decision.layers.end);
   return text + ": " + reason(decision.limit);
 }
 

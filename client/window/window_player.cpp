@@ -174,10 +174,6 @@ class WindowPlayer {
     retire(std::move(stage_));
     stage_ = *std::move(*opened);
     recent_.clear();
-    stage_->set_mode(controls_.settings().draw.mode);
-    stage_->set_delta(controls_.settings().delta);
-    stage_->set_show_normals(controls_.settings().draw.color == ColorSource::normals);
-    stage_->set_pixel_size(controls_.settings().draw.pixel_size);
     drawn_mode_ = controls_.settings().draw.mode;
     presenter_->begin(*stage_);
     bounded_ = stage_->bounded();

@@ -25,8 +25,8 @@ Result<std::unique_ptr<Playback>> playing(const std::string& url, const SourceOp
   auto source = open_source(url, reading);
   if (!source) return tl::unexpected(source.error());
   ReelPlayback::Options options;
-  options.mode = DrawMode::point;
-  options.pixel_size = 1e-4f;  // everything is seen
+  options.prepare.mode = DrawMode::point;
+  options.prepare.pixel_size = 1e-4f;  // everything is seen
   options.remote = true;
   Camera camera;
   camera.frame_bounds((*source)->manifest().bounds, 1.0);
@@ -48,8 +48,8 @@ Result<Truth> truth_of(const std::string& folder) {
   const Manifest& manifest = (*source)->manifest();
   for (std::uint32_t frame = 0; frame < manifest.frame_count(); ++frame)
     for (std::uint32_t layers = 1; layers <= manifest.layer_names.size(); ++layers) {
-      const auto fetched = (*source)->fetch(frame, {layers, true, true});
-      const auto scene = prepare_frame(manifest, frame, *fetched, {DrawMode::point});
+      const auto fetched = (*source)->fetch({frame, {.end = layers}});
+      const auto scene = prepare_frame(*fetched, frame_info(manifest, frame), {DrawMode::point});
       if (scene) truth[frame].insert(content_of(*scene));
     }
   return truth;

@@ -115,7 +115,7 @@ Result<std::shared_ptr<const PackageRequests>> package_requests(const LoadOption
     if (!ranges) return tl::unexpected(ranges.error());
     PackageRequests::Frame frame;
     frame.due = std::chrono::microseconds(frame_time_us(*manifest, i));
-    for (const LayerRange& range : *ranges) {
+    for (const FileRange& range : *ranges) {
       if (total(range.sizes) == 0) continue;
       ++frame.layers;
       frame.requests +=

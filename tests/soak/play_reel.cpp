@@ -105,7 +105,7 @@ void act(ReelPlayback& reel, Camera& camera, std::mt19937_64& random) {
       reel.toggle_loop(now);
       break;
     case 5:
-      reel.set_mode(static_cast<DrawMode>(random() % 3));
+      reel.set_prepare_options({.mode = static_cast<DrawMode>(random() % 3)});
       break;
     default:
       camera.distance = 1.0 + static_cast<double>(random() % 100);

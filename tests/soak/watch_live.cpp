@@ -98,7 +98,7 @@ class Watcher {
         open_live_source("ws://" + watcher->link_->address() + "/live/soak", SourceOptions{});
     if (!source) return tl::unexpected(source.error());
     LivePlayback::Options options;
-    options.mode = DrawMode::point;
+    options.prepare.mode = DrawMode::point;
     watcher->playback_ = std::make_unique<LivePlayback>(*std::move(source), "soak", options,
                                                         [](std::uint32_t, const Error&) {});
     return watcher;

@@ -97,7 +97,7 @@ std::ostream& operator<<(std::ostream& out, const Asked& asked) {
   return out << asked.frame << ':' << asked.first << '-' << asked.last;
 }
 
-Asked asked(const FetchJob& job) { return {job.frame, job.first, job.last}; }
+Asked asked(const FetchRequest& job) { return {job.frame, job.layers.first, job.layers.end}; }
 
 Asked fetch(FrameBuffer& buffer) {
   const auto job = buffer.next_fetch();
@@ -324,16 +324,16 @@ TEST(FrameBuffer, a_frame_does_without_a_layer_that_is_damaged_twice) {
 
 TEST(FrameBuffer, only_the_chosen_layers_and_attributes_are_fetched) {
   FrameBuffer::Options chosen = layered(100, 0);
-  LayerSet choice{1, true, false};
+  LayerRange choice{0, 1, true, false};
   chosen.choice = [&choice](std::uint32_t, DrawMode, int) { return choice; };
   FrameBuffer buffer(chosen);
   const auto base = buffer.next_fetch();
   EXPECT_EQ(asked(*base), (Asked{0, 0, 1}));
-  EXPECT_FALSE(base->normals);
+  EXPECT_FALSE(base->layers.normals);
   buffer.fetched(*base, layers_of(*base), 1.0);
   buffer.deliver(*buffer.next_wanted(), picture_at(0, 7));
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
-  choice = {2, true, true};
+  choice = {0, 2, true, true};
   buffer.choice_changed();
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
   const FrameLayers missing = {{0, 0}, {0, 1}};
@@ -382,18 +382,18 @@ TEST(FrameBuffer, scrubbing_reserves_the_link_for_the_base_under_the_cursor) {
   FrameBuffer buffer(options);
   buffer.scrub(10);
   fetch(buffer);
-  std::vector<FetchJob> beside;
+  std::vector<FetchRequest> beside;
   for (int i = 0; i < 2; ++i) beside.push_back(*buffer.next_fetch());
   EXPECT_EQ(asked(beside[0]), (Asked{11, 0, 1}));
   EXPECT_EQ(asked(beside[1]), (Asked{12, 0, 1}));
   buffer.scrub(12);
-  for (const FetchJob& job : beside)
+  for (const FetchRequest& job : beside)
     EXPECT_FALSE(job.stop.stop_requested()) << "one is what is waited for: " << job.frame;
   Fetcher fetcher(buffer);
   EXPECT_TRUE(fetcher.waits()) << "two were enough";
   buffer.scrub(30);
   EXPECT_EQ(asked(*fetcher.job()), (Asked{30, 0, 1}));
-  for (const FetchJob& job : beside)
+  for (const FetchRequest& job : beside)
     EXPECT_EQ(job.stop.stop_requested(), job.frame != 12) << "where the cursor was: " << job.frame;
 }
 

@@ -167,8 +167,8 @@ TEST(FrameBuffer, a_change_of_mode_drops_prepared_frames_and_keeps_fetched_ones)
   FrameBuffer buffer(options(100, 2, false));
   serve(buffer, 1);
   const auto old_request = ask(buffer);
-  buffer.set_mode(DrawMode::voxel);
-  buffer.set_mode(DrawMode::surfel);
+  buffer.make_again(DrawMode::voxel);
+  buffer.make_again(DrawMode::surfel);
   EXPECT_EQ(buffer.best(), nullptr);
   EXPECT_EQ(ask(buffer).frame, 0u);
   EXPECT_EQ(buffer.next_wanted()->frame, 1u) << "what was fetched of it is still there";
@@ -339,7 +339,7 @@ TEST(FrameBuffer, buffered_reports_prepared_frames_whose_bytes_are_gone) {
 TEST(FrameBuffer, frames_prepared_with_old_settings_are_shown_until_new_ones_are_ready) {
   FrameBuffer buffer(options(100, 0, false));
   const auto old = ask(buffer);
-  buffer.make_again();
+  buffer.make_again(DrawMode::surfel);
   EXPECT_EQ(buffer.best(), nullptr);
   buffer.deliver(old, picture(0));
   const auto before = buffer.best();

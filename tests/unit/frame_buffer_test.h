@@ -27,9 +27,9 @@ inline FrameBuffer::Options options(std::uint32_t frames, std::uint32_t ahead, b
 }
 
 /// The layers of a job as a source would give them, of ten bytes each.
-inline FetchedFrame layers_of(const FetchJob& job) {
+inline FetchedFrame layers_of(const FetchRequest& job) {
   FetchedFrame fetched;
-  for (std::uint32_t i = job.first; i < job.last; ++i)
+  for (std::uint32_t i = job.layers.first; i < job.layers.end; ++i)
     fetched.layers.push_back({Bytes(10, static_cast<std::uint8_t>(job.frame)), {10, 0, 0}});
   return fetched;
 }

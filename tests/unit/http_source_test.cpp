@@ -48,7 +48,7 @@ std::string fetch_error(ScriptedHttpServer::Handler layer, int* requests = nullp
   ScriptedHttpServer server(serving(std::move(layer)));
   auto source = open_source(server.url() + "/reel", options);
   if (!source) return "not opened: " + source.error().message;
-  const auto fetched = (*source)->fetch(0, {1, true, true});
+  const auto fetched = (*source)->fetch({0, {0, 1, true, true}});
   if (requests) *requests = server.requests - 1;
   return fetched ? "no error" : fetched.error().message;
 }
@@ -59,7 +59,7 @@ TEST(HttpSource, fetches_ranges_over_at_most_one_connection_a_layer) {
     server.connections = 0;
     auto source = open_source(server.url() + end, patient());
     ASSERT_TRUE(source) << source.error().message;
-    const auto frame = (*source)->fetch(1, {});
+    const auto frame = (*source)->fetch({1});
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
     EXPECT_EQ(frame->layers[1].bytes, offsets(5, 3));
@@ -70,7 +70,7 @@ TEST(HttpSource, fetches_ranges_over_at_most_one_connection_a_layer) {
 TEST(HttpSource, fetches_only_the_requested_layers_and_attributes) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());
-  const auto frame = (*source)->fetch(1, {1, false, false});
+  const auto frame = (*source)->fetch({1, {0, 1, false, false}});
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->layers.size(), 1u);
   EXPECT_EQ(frame->layers[0].bytes, offsets(9, 10));
@@ -84,7 +84,7 @@ TEST(HttpSource, serves_many_threads_at_once) {
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&] {
       for (int i = 0; i < 20; ++i) {
-        const auto frame = (*source)->fetch(1, {});
+        const auto frame = (*source)->fetch({1});
         ASSERT_TRUE(frame);
         EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
       }
@@ -106,7 +106,7 @@ TEST(HttpSource, accepts_a_whole_file_as_the_range_that_covers_it) {
   });
   auto source = open_source(server.url(), patient());
   ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ((*source)->fetch(0, {})->layers[0].bytes, offsets(0, 9));
+  EXPECT_EQ((*source)->fetch({0})->layers[0].bytes, offsets(0, 9));
 }
 
 TEST(HttpSource, reports_that_there_is_no_package) {
@@ -245,7 +245,7 @@ TEST(HttpSource, resumes_a_download_at_the_byte_where_the_connection_broke) {
   }));
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
-  const auto frame = (*source)->fetch(1, {1, false, false});
+  const auto frame = (*source)->fetch({1, {0, 1, false, false}});
   ASSERT_TRUE(frame) << frame.error().message;
   EXPECT_EQ(frame->layers[0].bytes, offsets(9, 10));
   EXPECT_THAT(begun, testing::ElementsAre(9, 13, 17));
@@ -261,7 +261,7 @@ TEST(HttpSource, reports_trouble_until_it_has_passed) {
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
   EXPECT_EQ((*source)->trouble(), std::nullopt);
-  std::thread fetcher([&] { EXPECT_TRUE((*source)->fetch(0, {})); });
+  std::thread fetcher([&] { EXPECT_TRUE((*source)->fetch({0})); });
   std::optional<std::string> trouble;
   wait_until([&] { return (trouble = (*source)->trouble()).has_value(); });
   EXPECT_EQ(trouble, server.url().substr(7) + ": the server answers 503; trying again");
@@ -312,7 +312,7 @@ TEST(HttpSource, fetches_the_layers_of_a_frame_concurrently) {
   }));
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
-  EXPECT_TRUE((*source)->fetch(0, {}));
+  EXPECT_TRUE((*source)->fetch({0}));
 }
 
 TEST(HttpSource, fails_at_once_after_cancel) {
@@ -323,9 +323,9 @@ TEST(HttpSource, fails_at_once_after_cancel) {
     EXPECT_TRUE(wait_until([&] { return asked.load(); }));
     (*source)->cancel();
   });
-  EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("cancelled"));
+  EXPECT_THAT((*source)->fetch({0}).error().message, HasSubstr("cancelled"));
   canceller.join();
-  EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("cancelled"));
+  EXPECT_THAT((*source)->fetch({0}).error().message, HasSubstr("cancelled"));
 }
 
 TEST(HttpSource, stops_one_fetch_and_not_the_others) {
@@ -341,15 +341,15 @@ TEST(HttpSource, stops_one_fetch_and_not_the_others) {
   ASSERT_TRUE(source);
   std::stop_source stop;
   std::thread fetcher([&] {
-    FetchRequest request;
+    FetchRequest request{0};
     request.stop = stop.get_token();
-    EXPECT_THAT((*source)->fetch(0, request).error().message, HasSubstr("cancelled"));
+    EXPECT_THAT((*source)->fetch(request).error().message, HasSubstr("cancelled"));
   });
   EXPECT_TRUE(wait_until([&] { return asked.load(); }));
-  EXPECT_TRUE((*source)->fetch(1, {}));
+  EXPECT_TRUE((*source)->fetch({1}));
   stop.request_stop();
   fetcher.join();
-  EXPECT_TRUE((*source)->fetch(1, {}));
+  EXPECT_TRUE((*source)->fetch({1}));
 }
 
 TEST(HttpSource, reuses_the_connection_of_a_stopped_fetch_if_little_is_missing) {
@@ -365,12 +365,12 @@ TEST(HttpSource, reuses_the_connection_of_a_stopped_fetch_if_little_is_missing) 
   }));
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
-  FetchRequest request{1, false, false};
+  FetchRequest request{0, {0, 1, false, false}};
   request.stop = stop.get_token();
-  EXPECT_THAT((*source)->fetch(0, request).error().message, HasSubstr("cancelled"));
+  EXPECT_THAT((*source)->fetch(request).error().message, HasSubstr("cancelled"));
   given_up = true;
   // While the answer is still coming a second connection may be made, but no more than that.
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE((*source)->fetch(1, {1, false, false}));
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE((*source)->fetch({1, {0, 1, false, false}}));
   EXPECT_LE(server.connections, 2);
 }
 
@@ -386,12 +386,12 @@ TEST(HttpSource, sends_its_token_and_bypasses_caches_after_damage) {
   options.token = "open-sesame";
   auto source = open_source(server.url() + "/reel", options);
   ASSERT_TRUE(source);
-  FetchRequest request{1, false, false};
-  ASSERT_TRUE((*source)->fetch(0, request));
+  FetchRequest request{0, {0, 1, false, false}};
+  ASSERT_TRUE((*source)->fetch(request));
   EXPECT_THAT(heads, HasSubstr("Authorization: Bearer open-sesame"));
   EXPECT_THAT(heads, testing::Not(HasSubstr("no-cache")));
   request.fresh = true;
-  ASSERT_TRUE((*source)->fetch(0, request));
+  ASSERT_TRUE((*source)->fetch(request));
   EXPECT_THAT(heads, HasSubstr("Cache-Control: no-cache"));
 }
 
@@ -399,9 +399,8 @@ TEST(HttpSource, fetches_only_the_missing_layers) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
-  FetchRequest request;
-  request.first_layer = 1;
-  const auto frame = (*source)->fetch(1, request);
+  const FetchRequest request{1, {.first = 1}};
+  const auto frame = (*source)->fetch(request);
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->layers.size(), 1u);
   EXPECT_EQ(frame->layers[0].bytes, offsets(5, 3));
@@ -413,7 +412,7 @@ TEST(HttpSource, counts_the_bytes_and_time_of_the_link) {
   auto source = open_source(server.url() + "/reel", patient());
   ASSERT_TRUE(source);
   const std::uint64_t before = (*source)->link_use().bytes;
-  ASSERT_TRUE((*source)->fetch(1, {}));
+  ASSERT_TRUE((*source)->fetch({1}));
   const LinkUse use = (*source)->link_use();
   EXPECT_EQ(use.bytes, before + 24);
   EXPECT_GT(use.round_trip.count(), 0);

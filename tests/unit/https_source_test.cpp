@@ -49,7 +49,7 @@ TEST_F(HttpsSource, fetches_from_a_server_with_a_given_certificate) {
   options.token = "open-sesame";
   const auto source = open_source(url(), options);
   ASSERT_TRUE(source) << source.error().message;
-  const auto frame = (*source)->fetch(0, {});
+  const auto frame = (*source)->fetch({0});
   ASSERT_TRUE(frame) << frame.error().message;
   EXPECT_EQ(frame->layers[0].bytes.size(), 1000u);
   EXPECT_EQ(frame->layers[1].bytes.size(), 5000u);

@@ -25,10 +25,10 @@ TEST(LayerChoice, includes_the_layers_down_to_the_level) {
   const Manifest manifest = reel(10);
   for (const auto& [level, layers] :
        {std::pair{0, 1u}, {5, 1u}, {7, 1u}, {8, 2u}, {9, 2u}, {10, 3u}, {kWholeFrame, 3u}}) {
-    EXPECT_EQ(layer_choice(manifest, DrawMode::voxel, level).layers, layers) << level;
+    EXPECT_EQ(layer_choice(manifest, DrawMode::voxel, level).end, layers) << level;
   }
-  EXPECT_EQ(layer_choice(reel(6), DrawMode::voxel, kWholeFrame).layers, 1u);
-  EXPECT_EQ(layer_choice(reel(9), DrawMode::voxel, kWholeFrame).layers, 2u);
+  EXPECT_EQ(layer_choice(reel(6), DrawMode::voxel, kWholeFrame).end, 1u);
+  EXPECT_EQ(layer_choice(reel(9), DrawMode::voxel, kWholeFrame).end, 2u);
 }
 
 TEST(LayerChoice, includes_normals_only_if_they_are_visible) {
@@ -45,9 +45,9 @@ TEST(LayerChoice, includes_normals_only_if_they_are_visible) {
 TEST(LayerChoice, leaves_codecs_without_layers_whole) {
   Manifest manifest = reel(11);
   manifest.codec = "draco";
-  EXPECT_EQ(layer_choice(manifest, DrawMode::point, 3).layers, ~0u);
+  EXPECT_EQ(layer_choice(manifest, DrawMode::point, 3).end, kAllLayers);
   manifest.codec = "files";
-  EXPECT_EQ(layer_choice(manifest, DrawMode::point, 3).layers, ~0u);
+  EXPECT_EQ(layer_choice(manifest, DrawMode::point, 3).end, kAllLayers);
 }
 
 TEST(LayerChoice, follows_the_height_of_a_person_in_pixels) {
@@ -56,7 +56,7 @@ TEST(LayerChoice, follows_the_height_of_a_person_in_pixels) {
   camera.frame_bounds(manifest.bounds, 1.0);
   const auto layers = [&](int height) {
     const int level = level_for(manifest, camera, glm::ivec2(height), 1.0f);
-    return layer_choice(manifest, DrawMode::surfel, level).layers;
+    return layer_choice(manifest, DrawMode::surfel, level).end;
   };
   EXPECT_EQ(layers(100), 1u);
   EXPECT_EQ(layers(300), 2u);

@@ -5,7 +5,7 @@
 namespace pointreel {
 namespace {
 
-constexpr LayerSet kAll{3, true, true};
+constexpr LayerRange kAll{0, 3, true, true};
 constexpr double kFrame = 1.0 / 30.0;
 
 LayerControl::Situation situation(double now, double fetched) {
@@ -19,7 +19,7 @@ LayerControl::Situation situation(double now, double fetched) {
   return situation;
 }
 
-LayerDecision chosen(const LayerControl& control, const LayerSet& top, Limit limit) {
+LayerDecision chosen(const LayerControl& control, const LayerRange& top, Limit limit) {
   return decide(control.caps(), top, limit);
 }
 
@@ -56,17 +56,17 @@ struct Playing {
   }
 };
 
-TEST(RungSet, ranges_from_a_base_without_normals_to_all_layers) {
-  EXPECT_EQ(rung_set(0, kAll), (LayerSet{1, true, false}));
-  EXPECT_EQ(rung_set(1, kAll), (LayerSet{1, true, true}));
-  EXPECT_EQ(rung_set(2, kAll), (LayerSet{2, true, true}));
-  EXPECT_EQ(rung_set(3, kAll), kAll);
-  EXPECT_EQ(rung_set(9, kAll), kAll);
+TEST(RungLayers, ranges_from_a_base_without_normals_to_all_layers) {
+  EXPECT_EQ(rung_layers(0, kAll), (LayerRange{0, 1, true, false}));
+  EXPECT_EQ(rung_layers(1, kAll), (LayerRange{0, 1, true, true}));
+  EXPECT_EQ(rung_layers(2, kAll), (LayerRange{0, 2, true, true}));
+  EXPECT_EQ(rung_layers(3, kAll), kAll);
+  EXPECT_EQ(rung_layers(9, kAll), kAll);
 }
 
-TEST(RungSet, never_includes_attributes_or_layers_that_are_not_drawn) {
-  EXPECT_EQ(rung_set(3, {2, true, false}), (LayerSet{2, true, false}));
-  EXPECT_EQ(rung_set(0, {3, false, true}), (LayerSet{1, false, true})) << "all that there is of it";
+TEST(RungLayers, never_includes_attributes_or_layers_that_are_not_drawn) {
+  EXPECT_EQ(rung_layers(3, {0, 2, true, false}), (LayerRange{0, 2, true, false}));
+  EXPECT_EQ(rung_layers(0, {0, 3, false, true}), (LayerRange{0, 1, false, true})) << "all that there is of it";
 }
 
 TEST(LayerControl, begins_with_the_base_and_adds_layers_once_the_link_is_known_to_suffice) {
@@ -87,7 +87,7 @@ TEST(LayerControl, chooses_the_most_layers_that_a_link_can_carry) {
     int as_expected = 0;
     for (int i = 0; i < 100; ++i) {
       playing.run(bits, 0.1);
-      as_expected += chosen(playing.control, kAll, Limit::none).set.layers == layers;
+      as_expected += chosen(playing.control, kAll, Limit::none).layers.end == layers;
     }
     EXPECT_GE(as_expected, 70) << bits << ": now and then more is tried";
   }
@@ -105,12 +105,12 @@ TEST(LayerControl, follows_a_changing_link_within_two_seconds_and_without_a_stal
   playing.run(100e6, 10.0);
   playing.stalled = 0.0;
   playing.run(5e6, 2.0);
-  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 1u);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 1u);
   playing.changes = 0;
   playing.run(5e6, 18.0);
   EXPECT_LE(playing.changes, 8) << "a rung more is tried ever more rarely";
   playing.run(100e6, 2.0);
-  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 3u);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 3u);
   playing.changes = 0;
   playing.run(100e6, 10.0);
   EXPECT_EQ(playing.changes, 0);
@@ -152,10 +152,10 @@ TEST(LayerControl, requests_everything_while_paused) {
 TEST(LayerControl, requests_less_at_higher_speeds) {
   Playing playing;
   playing.run(30e6, 4.0);
-  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 3u);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 3u);
   playing.speed = 2.0;
   playing.run(30e6, 4.0);
-  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 2u);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 2u);
 }
 
 TEST(LayerControl, names_the_view_as_the_limit_if_the_link_could_carry_more) {
@@ -214,10 +214,10 @@ TEST(LayerControl, keeps_its_layers_if_frames_are_prepared_quickly) {
 TEST(LayerControl, never_drops_the_base) {
   Machine machine;
   for (const std::uint32_t layers : {3u, 2u, 1u}) machine.run(layers, 500.0, 0.0, 2.0);
-  EXPECT_EQ(chosen(machine.control, kAll, Limit::none).set.layers, 1u);
+  EXPECT_EQ(chosen(machine.control, kAll, Limit::none).layers.end, 1u);
   Playing playing;
   playing.run(1e3, 4.0);
-  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).set.layers, 1u);
+  EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 1u);
 }
 
 TEST(LayerControl, does_not_limit_reels_of_plain_files) {
@@ -225,7 +225,7 @@ TEST(LayerControl, does_not_limit_reels_of_plain_files) {
   LayerControl::Situation files = situation(0.0, 1.0);
   files.bytes.clear();
   control.update(files);
-  EXPECT_EQ(chosen(control, {}, Limit::none).set.layers, 1u);
+  EXPECT_EQ(chosen(control, {}, Limit::none).layers.end, 1u);
 }
 
 }  // namespace

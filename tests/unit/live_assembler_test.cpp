@@ -34,7 +34,8 @@ class Assembler : public testing::Test {
                              .capture_us = 1000u * frame,
                              .points = 5,
                              .sizes = {10u + number, 0, 0},
-                             .bytes = bytes});
+                             .bytes = bytes},
+                   bytes);
   }
   void whole(std::uint32_t frame) {
     for (std::uint8_t i = 0; i < 3; ++i) layer(frame, i);
@@ -82,7 +83,7 @@ TEST(AssemblerInAHurry, gives_the_base_if_the_rest_is_late_and_the_rest_when_it_
   assembler.add(hello_of(1));
   const Bytes bytes(4);
   const auto layer = [&](std::uint8_t number) {
-    assembler.add(LiveLayer{3, number, 2, 0, 1, {4, 0, 0}, bytes});
+    assembler.add(LiveLayer{3, number, 2, 0, 1, {4, 0, 0}, bytes}, bytes);
   };
   layer(0);
   EXPECT_EQ(assembler.next(kLong)->frame.layers.size(), 1u);
@@ -111,7 +112,7 @@ TEST_F(Assembler, ignores_and_counts_layers_out_of_order) {
 TEST(AssemblerAtFirst, accepts_nothing_before_a_hello) {
   LiveAssembler assembler;
   const Bytes bytes(4);
-  assembler.add(LiveLayer{3, 0, 1, 0, 1, {4, 0, 0}, bytes});
+  assembler.add(LiveLayer{3, 0, 1, 0, 1, {4, 0, 0}, bytes}, bytes);
   EXPECT_EQ(assembler.counts().bad, 1u);
   EXPECT_FALSE(assembler.hello(kAtOnce));
   EXPECT_FALSE(assembler.next(kAtOnce));

@@ -46,7 +46,10 @@ LiveFrame live_frame(std::uint32_t number, int points, std::size_t layers = 3) {
 
 LiveFrame broken_frame(std::uint32_t number) {
   LiveFrame frame = live_frame(number, 10);
-  frame.frame.layers[0].bytes[9] ^= 0xff;
+  SharedBytes& base = frame.frame.layers[0].bytes;
+  Bytes damaged(base.begin(), base.end());
+  damaged[9] ^= 0xff;
+  base = std::move(damaged);
   return frame;
 }
 
@@ -114,7 +117,7 @@ struct LiveTest : testing::Test {
     auto fake = std::make_unique<FakeLiveSource>();
     source = fake.get();
     LivePlayback::Options options;
-    options.mode = DrawMode::point;
+    options.prepare.mode = DrawMode::point;
     playback = std::make_unique<LivePlayback>(std::move(fake), "somewhere", options,
                                               [this](std::uint32_t frame, const Error&) {
                                                 const std::lock_guard lock(mutex);

@@ -26,7 +26,8 @@ class FakeSource : public Source {
     manifest_.segments.push_back(std::move(segment));
   }
   const Manifest& manifest() const override { return manifest_; }
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
+  Result<FetchedFrame> fetch(const FetchRequest& request) override {
+    const std::uint32_t frame = request.frame;
     const int now = ++fetching;
     most_fetching = std::max(most_fetching.load(), now);
     std::this_thread::sleep_for(delay.load());  // stands for the link
@@ -36,15 +37,16 @@ class FakeSource : public Source {
     if (broken.contains(frame)) return fail("broken");
     FetchedFrame fetched;
     if (!layered) {
-      fetched.file = {static_cast<std::uint8_t>(frame)};
+      fetched.file = Bytes{static_cast<std::uint8_t>(frame)};
       return fetched;
     }
     const std::lock_guard lock(mutex_);
-    for (std::uint32_t layer = request.first_layer; layer < request.layers; ++layer) {
+    for (std::uint32_t layer = request.layers.first; layer < request.layers.end; ++layer) {
       layers_.insert(layer);
       if (request.fresh) ++fresh;
       const bool damaged = layer == damaged_layer && (damaged_always || !request.fresh);
-      fetched.layers.push_back({{static_cast<std::uint8_t>(damaged ? 255 : frame)}, {1, 0, 0}});
+      fetched.layers.push_back(
+          {Bytes{static_cast<std::uint8_t>(damaged ? 255 : frame)}, {1, 0, 0}});
     }
     return fetched;
   }
@@ -81,7 +83,7 @@ struct Errors {
 };
 
 Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched) {
-  EXPECT_EQ(fetched.file.at(0), static_cast<std::uint8_t>(request.frame));
+  EXPECT_EQ(fetched.file.view()[0], static_cast<std::uint8_t>(request.frame));
   SceneFrame scene;
   scene.index = request.frame;
   return scene;
@@ -244,7 +246,7 @@ TEST(Pipeline, frames_are_prepared_for_the_current_mode) {
                     errors.sink(), {2, 2});
   for (int i = 0; i < 20; ++i) {
     const bool voxel = i % 2 == 0;
-    buffer.set_mode(voxel ? DrawMode::voxel : DrawMode::surfel);
+    buffer.make_again(voxel ? DrawMode::voxel : DrawMode::surfel);
     ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
     ASSERT_EQ(buffer.best()->cloud.size(), voxel ? 2u : 1u);
   }
@@ -261,7 +263,7 @@ FrameBuffer::Options layered(std::uint32_t frames, std::uint32_t ahead) {
 /// A frame as deep as its layers; damaged ones do not decode.
 Result<SceneFrame> prepare_layers(const FrameRequest& request, const FetchedFrame& fetched) {
   for (const FetchedLayer& layer : fetched.layers)
-    if (layer.bytes.at(0) != request.frame) return fail("damaged");
+    if (layer.bytes.view()[0] != request.frame) return fail("damaged");
   SceneFrame scene;
   scene.index = request.frame;
   scene.layers = static_cast<std::uint32_t>(fetched.layers.size());

@@ -30,12 +30,12 @@ SceneFrame frame_of(std::uint32_t index, std::uint32_t layers) {
 
 TEST(NotFetched, counts_layers_attributes_and_bytes_that_a_frame_did_not_need) {
   const Manifest manifest = reel();
-  NotFetched rest = not_fetched(manifest, frame_of(1, 2), {2, true, false});
+  NotFetched rest = not_fetched(manifest, frame_of(1, 2), {0, 2, true, false});
   EXPECT_EQ(rest.layers, 1u);
   EXPECT_FALSE(rest.colors);
   EXPECT_TRUE(rest.normals);
   EXPECT_EQ(rest.bytes, 1230u + 2 * 30u);
-  rest = not_fetched(manifest, frame_of(1, 1), {1, false, false});
+  rest = not_fetched(manifest, frame_of(1, 1), {0, 1, false, false});
   EXPECT_EQ(rest.layers, 2u);
   EXPECT_TRUE(rest.colors && rest.normals);
   EXPECT_EQ(rest.bytes, 3 * 1230u - 1000u);
@@ -67,7 +67,7 @@ TEST(PlayReport, states_what_was_skipped_in_all_frames_and_not_drawn_of_the_last
   drawn.out_of_view = 7;
   drawn.below_pixel = 5;
   drawn.hidden = 3;
-  report.add_refined(again, not_fetched(manifest, again, {2, true, false}), drawn);
+  report.add_refined(again, not_fetched(manifest, again, {0, 2, true, false}), drawn);
   json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["frames_shown"], 2);
   EXPECT_EQ(json["frames_refined"], 1);

@@ -79,7 +79,7 @@ TEST_F(StatisticsLinesTest, describe_what_is_shown_and_why) {
   write_frames(3);
   ASSERT_TRUE(pack(layered_options()));
   Stage::Options stage_options;
-  stage_options.reel.layers = 2;
+  stage_options.prepare.layers = 2;
   stage_options.size = glm::ivec2(4000);
   auto stage = Stage::open(
       {{reel_.string()}}, stage_options,

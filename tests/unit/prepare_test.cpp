@@ -49,14 +49,21 @@ FetchedFrame fetched(const PointCloud& cloud, const EncodeOptions& options) {
   FetchedFrame frame;
   for (const Chunks<Bytes>& layer : encoded->layers) {
     FetchedLayer out;
+    Bytes bytes;
     for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals})
-      out.bytes.insert(out.bytes.end(), chunk->begin(), chunk->end());
+      bytes.insert(bytes.end(), chunk->begin(), chunk->end());
+    out.bytes = std::move(bytes);
     out.sizes = {static_cast<std::uint32_t>(layer.geometry.size()),
                  static_cast<std::uint32_t>(layer.colors.size()),
                  static_cast<std::uint32_t>(layer.normals.size())};
     frame.layers.push_back(std::move(out));
   }
   return frame;
+}
+
+Result<SceneFrame> prepare_frame(const Manifest& manifest, std::uint32_t index,
+                                 const FetchedFrame& frame, const PrepareOptions& options) {
+  return pointreel::prepare_frame(frame, frame_info(manifest, index), options);
 }
 
 EncodeOptions octree(double delta) {
@@ -75,7 +82,7 @@ FetchedFrame ply(const PointCloud& cloud) {
     text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
   }
   FetchedFrame frame;
-  frame.file.assign(text.begin(), text.end());
+  frame.file = Bytes(text.begin(), text.end());
   return frame;
 }
 
@@ -341,7 +348,9 @@ TEST(PrepareFrame, turns_a_frame_without_points_into_an_empty_scene) {
 TEST(PrepareFrame, reports_the_problem_with_damaged_bytes) {
   const PointCloud cloud = sphere(1'000, false, true);
   FetchedFrame frame = fetched(cloud, octree(0.05));
-  frame.layers[0].bytes[frame.layers[0].sizes.geometry / 2] ^= 1;
+  Bytes damaged(frame.layers[0].bytes.begin(), frame.layers[0].bytes.end());
+  damaged[frame.layers[0].sizes.geometry / 2] ^= 1;
+  frame.layers[0].bytes = std::move(damaged);
   EXPECT_FALSE(prepare_frame(manifest_of(cloud), 0, frame, {DrawMode::surfel, 0.05}));
   FetchedFrame nothing;
   nothing.file_name = "folder/f7.ply";

@@ -23,7 +23,7 @@ class GatedSource : public Source {
  public:
   explicit GatedSource(std::unique_ptr<Source> source) : source_(std::move(source)) {}
   const Manifest& manifest() const override { return source_->manifest(); }
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
+  Result<FetchedFrame> fetch(const FetchRequest& request) override {
     {
       std::unique_lock lock(mutex_);
       while (!open_ && !cancelled_ && !request.stop.stop_requested())
@@ -32,9 +32,9 @@ class GatedSource : public Source {
         ++stopped_;
         return fail("stopped");
       }
-      layers_.insert(request.layers);
+      layers_.insert(request.layers.end);
     }
-    auto fetched = source_->fetch(frame, request);
+    auto fetched = source_->fetch(request);
     const std::lock_guard lock(mutex_);
     if (fetched) use_.bytes += fetched->size();
     use_.receiving = std::chrono::microseconds(use_.bytes / 100);  // 800 Mbit/s
@@ -286,13 +286,13 @@ TEST_F(ReelPlaybackTest, reports_the_chosen_layers_and_the_reasons) {
   pass(milliseconds(100));
   until([&](const auto&) { return !playback_->chosen().empty(); });
   const auto chosen = playback_->chosen();
-  EXPECT_EQ(chosen.back().decision.set.layers, 3u);
+  EXPECT_EQ(chosen.back().decision.layers.end, 3u);
   EXPECT_EQ(chosen.back().decision.limit, Limit::none);
   Camera far;
   far.frame_bounds(playback_->manifest().bounds, 1.0);
   far.zoom(40.0);
   playback_->look(far, glm::ivec2(200));
-  EXPECT_EQ(playback_->decision(), (LayerDecision{{1, true, true}, Limit::view}));
+  EXPECT_EQ(playback_->decision(), (LayerDecision{{0, 1, true, true}, Limit::view}));
 }
 
 TEST_F(ReelPlaybackTest, fetches_a_frame_only_once_however_often_it_is_shown) {
@@ -382,14 +382,13 @@ TEST_F(ReelPlaybackTest, reports_the_buffered_frames) {
 TEST_F(ReelPlaybackTest, prepares_frames_again_for_another_delta) {
   start();
   playback_->pause(now_);
-  playback_->set_mode(DrawMode::voxel);
-  playback_->set_delta(0.05);
+  playback_->set_prepare_options({.mode = DrawMode::voxel, .delta = 0.05});
   until([&](const auto& update) { return update.frame && update.frame->svo.depth > 0; });
   until_whole(0);
   const int fine = last_.frame->svo.depth;
-  playback_->set_delta(0.9);
+  playback_->set_prepare_options({.mode = DrawMode::voxel, .delta = 0.9});
   until([&](const auto& update) { return update.frame && update.frame->svo.depth < fine; });
-  playback_->set_delta(0.05);
+  playback_->set_prepare_options({.mode = DrawMode::voxel, .delta = 0.05});
   until([&](const auto& update) { return update.frame && update.frame->svo.depth == fine; });
 }
 
@@ -412,7 +411,7 @@ TEST_F(ReelPlaybackTest, gives_thumbnails_of_any_frame) {
 TEST_F(ReelPlaybackTest, fetches_normals_only_while_they_are_shown) {
   start();
   playback_->pause(now_);
-  playback_->set_mode(DrawMode::voxel);
+  playback_->set_prepare_options({.mode = DrawMode::voxel});
   const auto has_normals = [&](bool has) {
     return [has](const ReelPlayback::Update& update) {
       return update.frame && update.frame->svo.depth > 0 &&
@@ -420,11 +419,11 @@ TEST_F(ReelPlaybackTest, fetches_normals_only_while_they_are_shown) {
     };
   };
   until(has_normals(false));
-  playback_->set_show_normals(true);
+  playback_->set_prepare_options({.mode = DrawMode::voxel, .show_normals = true});
   until(has_normals(true));
   EXPECT_FALSE(last_.frame->normals_estimated);
   EXPECT_TRUE(playback_->choice(kWholeFrame).normals);
-  playback_->set_show_normals(false);
+  playback_->set_prepare_options({.mode = DrawMode::voxel});
   until(has_normals(false));
 }
 
@@ -434,12 +433,12 @@ TEST_F(ReelPlaybackTest, fetches_fewer_or_more_layers_for_another_pixel_size) {
   until_whole(0);
   Camera camera;
   camera.frame_bounds(playback_->manifest().bounds, 1.0);
-  playback_->set_pixel_size(100.0f);
+  playback_->set_prepare_options({.pixel_size = 100.0f});
   playback_->look(camera, glm::ivec2(2000));
   playback_->seek(2'900'000, now_);  // not there yet
   until_shown(29);
   EXPECT_LT(last_.frame->level, 10);
-  playback_->set_pixel_size(0.1f);
+  playback_->set_prepare_options({.pixel_size = 0.1f});
   playback_->look(camera, glm::ivec2(2000));
   until_whole(29);
 }

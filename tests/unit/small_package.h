@@ -39,7 +39,7 @@ inline Bytes offsets(std::size_t from, std::size_t size) {
   return bytes;
 }
 
-inline std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+inline std::string text_of(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 
 /// Tries again at once where something fails, and takes no slowness for a failure.
 inline SourceOptions patient() {

@@ -33,14 +33,14 @@ TEST(Ranges, cover_a_prefix_of_the_stored_order) {
   EXPECT_EQ((*all)[0].offset, 9u);
   EXPECT_EQ((*all)[0].sizes, (Chunks<std::uint32_t>{10, 6, 5}));
   EXPECT_EQ((*all)[1].offset, 5u);
-  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, true, false}))[0].sizes,
+  EXPECT_EQ((*ranges_of(manifest, 1, {0, kAllLayers, true, false}))[0].sizes,
             (Chunks<std::uint32_t>{10, 6, 0}));
-  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, false, false}))[0].sizes,
+  EXPECT_EQ((*ranges_of(manifest, 1, {0, kAllLayers, false, false}))[0].sizes,
             (Chunks<std::uint32_t>{10, 0, 0}));
-  EXPECT_EQ((*ranges_of(manifest, 1, {~0u, false, true}))[0].sizes,
+  EXPECT_EQ((*ranges_of(manifest, 1, {0, kAllLayers, false, true}))[0].sizes,
             (Chunks<std::uint32_t>{10, 6, 5}))
       << "normals lie behind the colours";
-  EXPECT_EQ(ranges_of(manifest, 1, {1, true, true})->size(), 1u);
+  EXPECT_EQ(ranges_of(manifest, 1, {0, 1, true, true})->size(), 1u);
 }
 
 TEST(Ranges, refuse_a_frame_that_the_reel_does_not_have) {
@@ -136,12 +136,12 @@ TEST(FileSource, reads_the_requested_ranges) {
     auto source = open_source(where.string());
     ASSERT_TRUE(source) << source.error().message;
     EXPECT_EQ((*source)->manifest().name, "small");
-    const auto frame = (*source)->fetch(1, {});
+    const auto frame = (*source)->fetch({1});
     ASSERT_TRUE(frame);
     ASSERT_EQ(frame->layers.size(), 2u);
     EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
     EXPECT_EQ(frame->layers[1].bytes, offsets(5, 3));
-    EXPECT_EQ((*source)->fetch(0, {~0u, false, false})->layers[0].bytes, offsets(0, 4));
+    EXPECT_EQ((*source)->fetch({0, {0, kAllLayers, false, false}})->layers[0].bytes, offsets(0, 4));
   }
 }
 
@@ -151,9 +151,9 @@ TEST(FileSource, names_a_file_that_is_missing_or_too_short) {
   folder.write("0.base.bin", text_of(offsets(0, 29)));
   auto source = open_source(folder.path().string());
   ASSERT_TRUE(source);
-  EXPECT_THAT((*source)->fetch(1, {}).error().message,
+  EXPECT_THAT((*source)->fetch({1}).error().message,
               testing::AllOf(HasSubstr("0.base.bin"), HasSubstr("29"), HasSubstr("30")));
-  EXPECT_THAT((*source)->fetch(0, {}).error().message, HasSubstr("0.full.bin"));
+  EXPECT_THAT((*source)->fetch({0}).error().message, HasSubstr("0.full.bin"));
 }
 
 TEST(FolderSource, takes_its_files_in_natural_order_and_its_times_from_the_rate) {
@@ -175,8 +175,8 @@ TEST(FolderSource, takes_its_files_in_natural_order_and_its_times_from_the_rate)
   EXPECT_EQ(frame_time_us(manifest, 2), 80'000u);
   EXPECT_EQ(manifest.bounds.max, glm::dvec3(1.0, 2.0, 3.0));
   EXPECT_FALSE(manifest.colors);
-  EXPECT_THAT(text_of((*source)->fetch(1, {})->file), HasSubstr("\n2 2 3\n"));
-  EXPECT_THAT(text_of((*source)->fetch(2, {})->file), HasSubstr("\n10 2 3\n"));
+  EXPECT_THAT(text_of((*source)->fetch({1})->file.view()), HasSubstr("\n2 2 3\n"));
+  EXPECT_THAT(text_of((*source)->fetch({2})->file.view()), HasSubstr("\n10 2 3\n"));
 }
 
 TEST(FolderSource, refuses_a_folder_without_frames) {

@@ -19,18 +19,19 @@ class WatchedSource : public Source {
  public:
   explicit WatchedSource(std::unique_ptr<Source> source) : source_(std::move(source)) {}
   const Manifest& manifest() const override { return source_->manifest(); }
-  Result<FetchedFrame> fetch(std::uint32_t frame, const FetchRequest& request) override {
+  Result<FetchedFrame> fetch(const FetchRequest& request) override {
+    const std::uint32_t frame = request.frame;
     {
       const std::lock_guard lock(mutex_);
       asked_.push_back(frame);
     }
     ++at_once_;
     EXPECT_LE(at_once_, 1);
-    EXPECT_EQ(request.layers, 1u);
+    EXPECT_EQ(request.layers.end, 1u);
     wait_until([&] { return open || request.stop.stop_requested(); });
     --at_once_;
     if (request.stop.stop_requested() || frame == broken) return fail("cannot be had");
-    return source_->fetch(frame, request);
+    return source_->fetch(request);
   }
   Frames asked() {
     const std::lock_guard lock(mutex_);
@@ -127,7 +128,7 @@ TEST_F(ThumbnailsTest, keep_one_however_large_it_is) {
 TEST_F(ThumbnailsTest, reuse_bases_that_are_already_stored) {
   const auto stored = [&](std::uint32_t frame) -> std::optional<FetchedFrame> {
     if (frame != 2) return std::nullopt;
-    return *open_source(reel_.string()).value()->fetch(5, {1, true, false});
+    return *open_source(reel_.string()).value()->fetch({5, {0, 1, true, false}});
   };
   Thumbnails thumbnails(*source_, stored);
   EXPECT_EQ(wait(thumbnails, 2)->index, 2u);

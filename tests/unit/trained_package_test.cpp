@@ -130,12 +130,12 @@ TEST_F(TrainedPackage, is_played_and_served_with_its_tables) {
        {reel().string(), fmt::format("http://127.0.0.1:{}/reel", (*server)->port())}) {
     auto source = open_source(where);
     ASSERT_TRUE(source) << source.error().message;
-    auto fetched = (*source)->fetch(3, {});
+    auto fetched = (*source)->fetch({3});
     ASSERT_TRUE(fetched) << fetched.error().message;
-    const auto frame = prepare_frame((*source)->manifest(), 3, *fetched, {});
+    const auto frame = prepare_frame(*fetched, {3}, {});
     ASSERT_TRUE(frame) << frame.error().message;
     fetched->tables = nullptr;
-    const auto without = prepare_frame((*source)->manifest(), 3, *fetched, {});
+    const auto without = prepare_frame(*fetched, {3}, {});
     ASSERT_FALSE(without);
     EXPECT_THAT(without.error().message, HasSubstr("tables"));
   }

@@ -118,12 +118,9 @@ Result<PointCloud> even_cloud(const Body& body, double area, std::size_t points)
 
 Result<std::shared_ptr<const SceneFrame>> prepare_cloud(const PointCloud& cloud, DrawMode mode,
                                                         double delta) {
-  Manifest manifest;
-  manifest.segments.resize(1);
-  manifest.segments[0].times_us = {0};
   FetchedFrame fetched;
   fetched.file = ply_bytes(cloud);
-  auto frame = prepare_frame(manifest, 0, fetched, {mode, delta});
+  auto frame = prepare_frame(fetched, {}, {mode, delta});
   if (!frame) return tl::unexpected(frame.error());
   return std::make_shared<const SceneFrame>(std::move(*frame));
 }

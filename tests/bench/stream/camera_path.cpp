@@ -69,7 +69,7 @@ Result<Walked> walk(const StreamedReel& reel, Renderer& renderer, bool all_layer
   ReelPlayback::Options options;
   options.loop = false;
   options.remote = true;  // what was fetched is kept, and refined as the camera comes nearer
-  if (all_layers) options.pixel_size = 0.0f;
+  if (all_layers) options.prepare.pixel_size = 0.0f;
   ReelPlayback playback(std::move(*source), options, camera(0), kSize,
                         [](std::uint32_t, const Error&) {});
   Walked walked;

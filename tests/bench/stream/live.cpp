@@ -105,7 +105,7 @@ class Watcher {
 
   static LivePlayback::Options options() {
     LivePlayback::Options options;
-    options.mode = DrawMode::surfel;
+    options.prepare.mode = DrawMode::surfel;
     return options;
   }
 

@@ -61,9 +61,10 @@ Result<Manifest> lengthen(const fs::path& packed, const fs::path& longer, std::u
 }
 
 Result<std::uint64_t> content(Source& source, std::uint32_t frame, std::uint32_t layers) {
-  const auto fetched = source.fetch(frame, {.layers = layers});
+  const auto fetched = source.fetch({frame, {.end = layers}});
   if (!fetched) return tl::unexpected(fetched.error());
-  const auto scene = prepare_frame(source.manifest(), frame, *fetched, {DrawMode::surfel});
+  const auto scene =
+      prepare_frame(*fetched, frame_info(source.manifest(), frame), {DrawMode::surfel});
   if (!scene) return tl::unexpected(scene.error());
   return content_of(*scene);
 }

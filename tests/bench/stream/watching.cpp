@@ -8,7 +8,7 @@ namespace pointreel::bench {
 
 Watching::Watching(std::unique_ptr<Source> source, const Options& options) {
   ReelPlayback::Options playing;
-  playing.mode = options.mode;
+  playing.prepare.mode = options.mode;
   playing.remote = true;
   if (options.keep_nothing) playing.store_bytes = 0;
   Camera camera;

@@ -10,10 +10,10 @@ namespace {
 
 struct Joint {
   Bone parent;
-  glm::dvec3 rest;  // metres, the figure standing in rest
+  glm::dvec3 rest;  // metres, with the figure at rest
 };
 
-// Proportions of an adult of 1.76 m. The pelvis is its own parent: the root.
+// The proportions of an adult who is 1.76 m tall. The pelvis is the root and its own parent.
 constexpr std::array<Joint, kBoneCount> kJoints = {{
     {Bone::pelvis, {0.0, 0.95, 0.0}},
     {Bone::pelvis, {0.0, 1.04, 0.0}},
@@ -38,7 +38,7 @@ constexpr std::array<Joint, kBoneCount> kJoints = {{
 
 constexpr std::size_t index(Bone bone) { return static_cast<std::size_t>(bone); }
 
-/// Adds primitives given in rest coordinates and joins them.
+/// Adds primitives, given in rest coordinates, to a body and joins them.
 class Builder {
  public:
   explicit Builder(Body& body) : body_(body) {}
@@ -78,7 +78,7 @@ class Builder {
 /// A fold of cloth around a limb.
 struct Fold {
   glm::dvec3 center;
-  double radius;  ///< to its outermost
+  double radius;  ///< of its outer rim
   Turn tilt;
 };
 
@@ -93,7 +93,7 @@ struct Trunk {
   std::uint16_t pelvis, abdomen, chest, shoulders;
 };
 
-/// The shirt's hem, its folds at the waist and from the armpits, and the collar.
+/// Adds the hem of the shirt, its folds at the waist and below the armpits, and the collar.
 void add_shirt(Builder& b, const Trunk& trunk) {
   const auto hem = b.ellipsoid(Bone::pelvis, Material::shirt, {0, 1.048, -0.003},
                                {0.149, 0.017, 0.109}, {0.04, 0.03, 0});
@@ -181,9 +181,9 @@ void add_arm(Builder& b, const Trunk& trunk, const Pose& pose, bool left) {
                            Fold{{x, 1.34, z}, 0.0555, {-0.25, side * 0.25, 0}}}) {
     add_fold(b, upper_bone, Material::sleeve, upper, fold);
   }
-  // Fingers of two bones, which curl towards the palm; nothing else needs their frames.
+  // Each finger has two bones, which curl towards the palm. They need no frames of their own.
   const double curl = pose.curl[left ? 0 : 1];
-  const auto direction = [side](double angle) {  // 0 is along the palm
+  const auto direction = [side](double angle) {  // an angle of 0 is along the palm
     return glm::dvec3(-side * sine(angle), -cosine(angle), 0.0);
   };
   constexpr std::array<double, 4> lengths = {0.058, 0.075, 0.081, 0.073};  // little finger first
@@ -212,8 +212,9 @@ void add_leg(Builder& b, const Trunk& trunk, bool left) {
       b.cone(shin_bone, Material::trousers, {x, 0.50, 0}, 0.055, {x, 0.09, -0.01}, 0.037);
   const auto calf =
       b.ellipsoid(shin_bone, Material::trousers, {x, 0.36, -0.018}, {0.05, 0.12, 0.05});
-  // The sole is level: every ball of the foot touches the plane y = 0 in rest. Nothing but the
-  // ankle is smoothly joined, because a fillet would push the sole through the floor.
+  // The sole is level: at rest, each sphere of the foot touches the plane y = 0. Only the ankle has
+  // a
+  // fillet, because any other fillet would push the sole through the floor.
   const auto ankle =
       b.cone(foot_bone, Material::shoe, {x, 0.09, -0.01}, 0.036, {x, 0.075, 0.01}, 0.038);
   const auto foot =

@@ -12,9 +12,9 @@
 
 namespace pointreel {
 
-/// The bones of the figure, each after the one that it hangs from. "Left" is the figure's own left:
-/// it faces +z with y up, so its left is +x. What the figure plays with hangs from no bone and has
-/// frames of its own, after the bones.
+/// The bones of the figure; each comes after its parent. "Left" is the figure's own left: it faces
+/// +z with y up, so its left is +x. The ball and the bat have no parent; their frames follow those
+/// of the bones.
 enum class Bone {
   pelvis,
   abdomen,
@@ -41,10 +41,11 @@ enum class Bone {
 inline constexpr std::size_t kBoneCount = 19;
 inline constexpr std::size_t kFrameCount = kBoneCount + 2;
 
-/// How a bone is turned against its parent, in radians. In rest (all zero) the figure stands
-/// straight and its arms hang. Turned first about the bone's own y axis (`twist`), then about x
-/// (`pitch`), then about z (`roll`). Positive pitch takes what hangs backwards and what stands
-/// forwards; positive roll takes what hangs to the figure's left; positive twist turns to its left.
+/// The rotation of a bone relative to its parent, in radians. At rest (all zero) the figure stands
+/// straight with its arms hanging. The bone turns first about its own y axis (`twist`), then about
+/// x (`pitch`), then about z (`roll`). Positive pitch moves a hanging bone backwards and an upright
+/// bone forwards; positive roll moves a hanging bone to the figure's left; positive twist turns to
+/// the figure's left.
 struct Turn {
   double pitch = 0.0;
   double roll = 0.0;
@@ -56,7 +57,7 @@ struct Ball {
   enum class Kind { soccer, basketball, baseball };
   Kind kind = Kind::soccer;
   glm::dvec3 center{0.0};  ///< world, metres
-  glm::dmat3 axes{1.0};    ///< a rotation: how the pattern lies
+  glm::dmat3 axes{1.0};    ///< the rotation of its pattern
 };
 /// Radius in metres: soccer 0.11, basketball 0.12, baseball 0.037.
 double radius(Ball::Kind kind);
@@ -70,8 +71,8 @@ struct Bat {
 struct Pose {
   Pose() { turns.fill(glm::dmat3(1.0)); }
 
-  std::array<glm::dmat3, kBoneCount> turns;  ///< rotations, each against the bone's parent
-  glm::dvec3 offset{0.0};                    ///< the pelvis's, from its place in rest; metres
+  std::array<glm::dmat3, kBoneCount> turns;  ///< rotations, each relative to the bone's parent
+  glm::dvec3 offset{0.0};                    ///< of the pelvis from its place at rest; metres
   std::array<double, 2> curl{0.25, 0.25};    ///< fingers, left and right: 0 straight, 1 a fist
   std::optional<Ball> ball;
   std::optional<Bat> bat;
@@ -80,7 +81,7 @@ struct Pose {
   const glm::dmat3& operator[](Bone bone) const { return turns[static_cast<std::size_t>(bone)]; }
 };
 
-/// What a primitive of the body is made of.
+/// The material of a primitive of the body; it decides the colours.
 enum class Material {
   skin,
   head,
@@ -97,34 +98,34 @@ enum class Material {
   bat,
 };
 
-/// A bone's frame, or a prop's.
+/// The coordinate frame of a bone or a prop.
 struct Frame {
-  glm::dmat3 axes{1.0};        ///< rest to world
-  glm::dvec3 joint{0.0};       ///< world
-  glm::dvec3 rest_joint{0.0};  ///< the same joint in rest
+  glm::dmat3 axes{1.0};        ///< the rotation from rest to world coordinates
+  glm::dvec3 joint{0.0};       ///< in world coordinates
+  glm::dvec3 rest_joint{0.0};  ///< the same joint at rest
 
   glm::dvec3 place(const glm::dvec3& rest) const { return joint + axes * (rest - rest_joint); }
 };
 using Skeleton = std::array<Frame, kFrameCount>;
 
-/// The frames of a pose without its surface. A prop's rest joint is the origin: the ball's centre,
-/// the bat's knob.
+/// The frames of a pose, without its surface. The rest joint of a prop (the centre of the ball, the
+/// knob of the bat) is the origin.
 Skeleton skeleton(const Pose& pose);
 
-/// The posed figure and what it plays with. The figure is 1.76 m tall in rest and stands on y = 0
-/// then; in other poses its height is as the pose says (stand_on_floor).
+/// The posed figure with its props. At rest the figure is 1.76 m tall and stands on y = 0; in other
+/// poses the offset of the pose decides how high it is (stand_on_floor).
 struct Body {
-  /// What one primitive needs to know of its bone to be coloured.
+  /// The bone and the material of one primitive, which decide its colours.
   struct Part {
     Bone bone;
     Material material;
   };
 
   Surface surface;
-  std::vector<Part> parts;  ///< of every primitive of the surface
+  std::vector<Part> parts;  ///< one for each primitive of the surface
   Skeleton frames{};
 
-  /// Where the point p, moved with the bone of `primitive`, would be in rest.
+  /// The rest position of the point p, which moves with the bone of `primitive`.
   glm::dvec3 in_rest(std::size_t primitive, const glm::dvec3& p) const;
 };
 
@@ -133,8 +134,8 @@ Body pose_body(const Pose& pose);
 /// Moves the figure (not the props) up or down until its lowest point lies on y = 0.
 void stand_on_floor(Pose& pose);
 
-/// Colour of the surface point p, which belongs to `primitive`; 8-bit sRGB. The two sides of the
-/// shirt, the sleeves, the trousers and the shoes differ, so that a mirrored figure is noticed from
+/// The 8-bit sRGB colour of the surface point p, which belongs to `primitive`. Shirt, sleeves,
+/// trousers and shoes differ between left and right, so that a mirrored figure is noticed from
 /// every side.
 glm::u8vec3 color_at(const Body& body, std::size_t primitive, const glm::dvec3& p);
 

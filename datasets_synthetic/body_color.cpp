@@ -27,8 +27,8 @@ glm::u8vec3 face(const glm::dvec3& q) {
   return kSkin;
 }
 
-/// Stripes on the figure's left, plain on its right; a disc on the left of the front, a slanting
-/// bar on the right of the back.
+/// Stripes on the figure's left side, plain on its right; a disc on the left of the chest and a
+/// slanting bar on the right of the back.
 glm::u8vec3 shirt(const glm::dvec3& q) {
   if (q.y > 1.415 && in_ellipse(q.x, q.z + 0.015, 0.078, 0.075)) return kSkin;  // the neckline
   if (q.z > 0.0 && in_ellipse(q.x - 0.075, q.y - 1.33, 0.036, 0.036)) return kYellow;
@@ -42,7 +42,7 @@ glm::u8vec3 shirt(const glm::dvec3& q) {
 
 bool in_band(double x, double half) { return std::abs(x) < half; }
 
-/// A truncated icosahedron: the face that the direction leaves through.
+/// The pattern of a truncated icosahedron: the colour of the face that the direction n points at.
 glm::u8vec3 soccer_ball(const glm::dvec3& n) {
   constexpr double kGolden = 1.6180339887498949, kPentagon = 2.32744, kHexagon = 2.26728;
   const double vertex_length = std::sqrt(1.0 + kGolden * kGolden), face_length = std::sqrt(3.0);
@@ -56,8 +56,9 @@ glm::u8vec3 soccer_ball(const glm::dvec3& n) {
   };
   for (int i = 0; i < 3; ++i) {
     const double x = a[i], y = a[(i + 1) % 3], z = a[(i + 2) % 3];
-    // Icosahedron's corners (0, 1, golden) and two kinds of corners of the dodecahedron; those of
-    // the other signs are no nearer than the one across the plane, which only a seam could see.
+    // The corners (0, 1, golden) of an icosahedron and two kinds of corners of a dodecahedron.
+    // Corners with other signs are no nearer than their mirror images, so they matter at most for a
+    // seam.
     pentagon = std::max(pentagon, face((x + kGolden * y) / vertex_length, kPentagon));
     pentagon = std::max(pentagon, face((kGolden * y - x) / vertex_length, kPentagon));
     face((y / kGolden + kGolden * z) / face_length, kHexagon);
@@ -68,7 +69,7 @@ glm::u8vec3 soccer_ball(const glm::dvec3& n) {
   return first - second < 0.006 ? glm::u8vec3{120, 120, 118} : kWhite;
 }
 
-/// Two great circles and two arcs, as the eight panels of a basketball meet.
+/// Two great circles and two arcs: the seams between the eight panels of a basketball.
 glm::u8vec3 basketball(const glm::dvec3& n) {
   constexpr double kSeam = 0.028;
   const bool seam = in_band(n.x, kSeam) || in_band(n.y, kSeam) ||
@@ -76,7 +77,7 @@ glm::u8vec3 basketball(const glm::dvec3& n) {
   return seam ? glm::u8vec3{34, 26, 24} : glm::u8vec3{206, 98, 42};
 }
 
-/// The seam y^2 - x^2 = k z divides the ball in two halves of the same shape.
+/// The seam y^2 - x^2 = k z divides the ball into two halves of the same shape.
 glm::u8vec3 baseball(const glm::dvec3& n) {
   return in_band(n.y * n.y - n.x * n.x - 0.45 * n.z, 0.1) ? kRed : kWhite;
 }
@@ -88,7 +89,7 @@ glm::u8vec3 bat(const glm::dvec3& q) {
   return ring - std::floor(ring) < 0.3 ? glm::u8vec3{196, 150, 92} : glm::u8vec3{214, 172, 112};
 }
 
-/// Before the texture.
+/// The colour without the texture.
 glm::u8vec3 plain_color(Material material, const glm::dvec3& q) {
   const bool left = q.x > 0.0;
   switch (material) {
@@ -128,8 +129,8 @@ glm::u8vec3 plain_color(Material material, const glm::dvec3& q) {
   return kSkin;
 }
 
-/// How much lighter or darker than plain, -1 to 1 or so, the material is at q, and how much that
-/// shows.
+/// How much lighter (positive) or darker (negative) than its plain colour the material is at q, as
+/// a share of about -1 to 1.
 double texture(Material material, const glm::dvec3& q) {
   switch (material) {
     case Material::skin:
@@ -144,7 +145,7 @@ double texture(Material material, const glm::dvec3& q) {
       return 0.06 * value_noise(q / 0.045, 5) + 0.05 * weave(q, 0.006) +
              0.03 * value_noise(q / 0.002, 6);
     case Material::pelvis:
-    case Material::trousers:  // denim: worn in patches, coarse threads
+    case Material::trousers:  // denim with worn patches and coarse threads
       return 0.14 * value_noise(q / 0.07, 7) + 0.09 * weave(q, 0.008) +
              0.06 * value_noise(q / glm::dvec3(0.003, 0.012, 0.003), 8);
     case Material::shoe:

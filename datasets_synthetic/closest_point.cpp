@@ -16,10 +16,11 @@
 namespace pointreel {
 namespace {
 
-constexpr double kOnSurface = 1e-9;  // |value| of a point that counts as on the surface
-constexpr double kGain = 1e-8;       // a surface nearer by less than this is not looked for
-constexpr double kDeep = 0.004;      // inside by more than this, more is tried
-constexpr double kFar = 0.02;        // further away than this, so too
+constexpr double kOnSurface = 1e-9;  // largest |value| of a point on the surface
+constexpr double kGain = 1e-8;       // no search for a surface that is nearer by less than this
+// From deeper inside, and from further away, the search has more starting points.
+constexpr double kDeep = 0.004;
+constexpr double kFar = 0.02;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double length(const glm::dvec3& v) { return std::sqrt(glm::dot(v, v)); }
@@ -32,16 +33,16 @@ std::array<glm::dvec3, 2> tangents(const glm::dvec3& n) {
   return {unit, glm::cross(n, unit)};
 }
 
-/// The search for the point of a surface that is nearest to p, among the blends that are given.
+/// The search for the point of a surface that is nearest to p, among the given blends.
 class Search {
  public:
   Search(const Surface& surface, std::span<const std::uint16_t> blends, const glm::dvec3& p)
       : surface_(surface), blends_(blends), p_(p) {}
 
-  /// Infinity where it is soon seen that the distance is above `limit`.
+  /// The distance; infinity if it is found early that the distance is above `limit`.
   double run(double limit = kInfinity) {
     const SurfaceDistance here = distance_to(surface_, blends_, p_);
-    // The value changes by no more than the way moved, so nothing is nearer than this.
+    // The value never changes faster than the position, so no surface is nearer than this.
     least_ = std::abs(here.distance.value);
     if (least_ > limit) return kInfinity;
     outside_ = here.distance.value >= 0.0;
@@ -62,15 +63,17 @@ class Search {
 
  private:
   static constexpr int kSteps = 30;
-  static constexpr double kFlat = 1e-6;  // a squared gradient that gives no direction
+  static constexpr double kFlat = 1e-6;  // a squared gradient that is too small for a direction
 
+  /// The nearest point x on `blend`, which is buried in `hider`.
   struct Foot {
     std::uint16_t blend, hider;
     glm::dvec3 x;
   };
 
   // From outside, the nearest point is the nearest of those of all blends. From inside, it is that
-  // of a blend around p, since all that is nearer is in that blend, unless it is buried in another.
+  // of a blend around p, because everything nearer is inside that blend, unless it is buried in
+  // another.
   void search_blends(const glm::dvec3& begin) {
     std::vector<double> values(blends_.size());
     blend_distances(surface_, blends_, p_, values);
@@ -113,9 +116,9 @@ class Search {
     const Blend& blend = surface_.blends[number];
     bool alone = false;
     auto nearest = nearest_on(number, begin, alone);
-    // Inside, the other side of a limb may be as near.
+    // From inside, the other side of a limb may be as near.
     const bool deep = !outside_ && least_ > kDeep;
-    // From further away than a fold is high, so may a fold beside the one found.
+    // From further away than the height of a fold, a neighbouring fold may be as near.
     const bool far = least_ > kFar;
     if (blend.first == blend.second || (alone && !deep && !far)) return nearest;
     double best = nearest ? length(p_ - *nearest) : kInfinity;
@@ -141,7 +144,7 @@ class Search {
     return nearest;
   }
 
-  /// The blend that x is deepest inside, if it is not on the surface.
+  /// The blend that x is deepest inside; none if x is on the surface.
   std::optional<std::uint16_t> hidden_by(const glm::dvec3& x) const {
     double deepest = -10.0 * kOnSurface;
     std::optional<std::uint16_t> hider;
@@ -155,7 +158,7 @@ class Search {
     return hider;
   }
 
-  /// Along the gradient to where the blend's value is zero.
+  /// Moves x along the gradient to where the value of the blend is zero.
   std::optional<Distance> project(std::uint16_t blend, glm::dvec3& x) const {
     for (int step = 0; step < kSteps; ++step) {
       const Distance at = value(blend, x);
@@ -167,16 +170,16 @@ class Search {
     return std::nullopt;
   }
 
-  /// Being off the nearest point by a small way t along the surface makes a distance d too large by
-  /// about t^2 / 2d.
+  /// A point that is off the nearest one by a small t along the surface makes the distance d too
+  /// large by about t^2 / 2d.
   static bool close_enough(double off, double distance) {
     return off * off <= 2.0 * kGain * std::max(distance, kGain);
   }
 
   /// A point x of the blend's surface that is nearest to p, at least locally: p - x = lambda *
-  /// gradient. Newton's method in the tangent plane, (1 + lambda H) step = tangential part of p -
-  /// x, H the second derivatives by differences of the gradient. `alone` is set if p is so near,
-  /// compared with the radius of the surface's curvature, that there will be no other.
+  /// gradient. This is Newton's method in the tangent plane, (1 + lambda H) step = tangential part
+  /// of p - x, where H holds the second derivatives from differences of the gradient. `alone` is
+  /// set if p is so near, compared with the radius of curvature, that there is no other such point.
   std::optional<glm::dvec3> nearest_on(std::uint16_t blend, glm::dvec3 x, bool& alone) const {
     alone = false;
     for (int step = 0; step < kSteps; ++step) {
@@ -198,14 +201,14 @@ class Search {
       const double uu = 1.0 + lambda * glm::dot(u, hu), vv = 1.0 + lambda * glm::dot(v, hv);
       const double uv = 0.5 * lambda * (glm::dot(u, hv) + glm::dot(v, hu));
       const double determinant = uu * vv - uv * uv;
-      // Both eigenvalues are above a half.
+      // True if both eigenvalues are above one half.
       alone = uu > 0.5 && (uu - 0.5) * (vv - 0.5) > uv * uv;
       if (done) return x;
       glm::dvec2 move(du, dv);
       if (uu > 0.0 && determinant > 1e-3 * uu * vv) {
         move = glm::dvec2(vv * du - uv * dv, uu * dv - uv * du) / determinant;
       }
-      // No further than the surface may well be straight.
+      // Move no further than the surface can be taken to be flat.
       const double moved = std::sqrt(glm::dot(move, move));
       const double limit = std::max(0.5 * distance, 1e-4);
       if (moved > limit) move *= limit / moved;
@@ -214,7 +217,7 @@ class Search {
     return std::nullopt;
   }
 
-  /// The point on the crease of two blends, or the corner of three, that is nearest to p.
+  /// Finds the point nearest to p on the crease of two blends, or at the corner of three.
   void search_crease(std::array<std::uint16_t, 3> blends, int count, glm::dvec3 x) {
     std::array<glm::dvec3, 3> rows;
     std::array<double, 3> right;
@@ -227,7 +230,7 @@ class Search {
         off = std::max(off, std::abs(at.value));
       }
       double along = 0.0;
-      if (count == 2) {  // and to the foot of p on the crease's tangent
+      if (count == 2) {  // the third condition: x is the foot of p on the tangent of the crease
         const glm::dvec3 tangent = glm::cross(rows[0], rows[1]);
         const double size = length(tangent);
         if (size < 1e-4) return;
@@ -260,12 +263,12 @@ class Search {
   const Surface& surface_;
   std::span<const std::uint16_t> blends_;
   glm::dvec3 p_;
-  double least_ = 0.0;  ///< nothing is nearer than this
+  double least_ = 0.0;  ///< a lower bound of the distance
   bool outside_ = true;
   double best_ = kInfinity;
 };
 
-/// Where no cell of the grid tells which blends are near.
+/// The distance from a point outside the grid's cells, where no cell tells which blends are near.
 double distance_far_away(const Surface& surface, const glm::dvec3& p) {
   std::vector<std::uint16_t> all(surface.blends.size());
   std::iota(all.begin(), all.end(), std::uint16_t{0});
@@ -277,7 +280,8 @@ double distance_far_away(const Surface& surface, const glm::dvec3& p) {
     for (const std::uint16_t blend : all) {
       if (values[blend] <= reach) near.push_back(blend);
     }
-    // What is further away than the point that was found neither is nearer nor hides it.
+    // A blend further away than the point that was found is neither nearer, nor does it hide that
+    // point.
     const double distance = Search(surface, near, p).run();
     if (distance <= reach || near.size() == all.size()) return distance;
   }

@@ -8,7 +8,7 @@
 namespace pointreel {
 namespace {
 
-/// The column of that name, or -1.
+/// The index of the column of that name, or -1.
 std::ptrdiff_t column(const PlyTable& table, const char* name) {
   const auto found = std::find_if(table.columns.begin(), table.columns.end(),
                                   [name](const auto& c) { return c.name == name; });
@@ -74,8 +74,8 @@ HardExpectation expect_table(const PlyTable& table) {
   expect.colors = any && column(table, "red") >= 0;
   expect.radii = any && column(table, "radius") >= 0;
   if (any) {
-    // Half a unit in the last place of a float, relative to the cloud's own zero, and of doubles
-    // where that zero is far away.
+    // Half a unit in the last place of a float relative to the origin of the cloud, and of a double
+    // if that origin is far away.
     const glm::dvec3 extent = expect.bounds.extent();
     const glm::dvec3 reach = glm::max(glm::abs(expect.bounds.min), glm::abs(expect.bounds.max));
     expect.tolerance = 1.2e-7 * std::max({extent.x, extent.y, extent.z}) +

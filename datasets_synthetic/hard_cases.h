@@ -7,11 +7,11 @@
 
 namespace pointreel {
 
-/// All of them, in order of stage and kind: the same bytes every time and on every machine.
-/// Expectations come from how the files were made, never from reading them.
+/// All hard cases, in order of stage and kind, with the same bytes every time and on every machine.
+/// The expectations follow from how the files were made, never from reading them.
 std::vector<HardCase> hard_cases();
 
-/// What stands beside the files: every member of the cases but the bytes, as JSON.
+/// The JSON that is written beside the files: every member of the cases except the bytes.
 std::string hard_manifest(const std::vector<HardCase>& cases);
 
 }  // namespace pointreel

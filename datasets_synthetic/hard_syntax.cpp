@@ -16,10 +16,10 @@ constexpr std::size_t kCount = 2000;
 
 const char* name_of(PlyFormat format) { return kFormatNames[static_cast<std::size_t>(format)]; }
 
-/// Three points of which nobody cares where they are.
+/// Three points; their positions do not matter.
 PlyTable three() { return positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 2}}); }
 
-/// An ascii file of three() with the header's lines between the format and end_header given.
+/// An ascii file of three() whose header has the given lines between the format and end_header.
 std::string ascii_with(const std::string& header) {
   return ply_begin(PlyFormat::ascii) + header + "end_header\n" +
          ply_rows(three(), PlyFormat::ascii);
@@ -40,7 +40,7 @@ void add_formats(CaseList& list) {
     list.add("double positions", fmt::format("double_{}.ply", name_of(format)),
              "A ball with positions in doubles", ply_text(doubles, format), expect_table(doubles));
   }
-  // A grid that fits every type, with a point on the largest value of a signed byte.
+  // A grid that fits every type and has a point at the largest value of a signed byte.
   std::vector<glm::dvec3> grid;
   for (int i = 0; i < 512; ++i) {
     const glm::ivec3 cell(i % 8, (i / 8) % 8, i / 64);
@@ -81,7 +81,7 @@ void add_formats(CaseList& list) {
   }
 }
 
-/// Vertices that have a list among their properties, between faces and edges.
+/// Vertices with a list property, between faces and edges.
 std::string with_lists(PlyFormat format, const PlyTable& vertices) {
   const auto number = [format](PlyType type, double value) {
     return format == PlyFormat::ascii ? fmt::format("{} ", static_cast<int>(value))
@@ -93,7 +93,7 @@ std::string with_lists(PlyFormat format, const PlyTable& vertices) {
                      ply_declaration(vertices) +
                      "property list ushort double weights\n"
                      "element edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n";
-  for (int face = 0; face < 3; ++face) {  // a triangle, none at all, and a hexagon
+  for (int face = 0; face < 3; ++face) {  // a triangle, a face without corners, and a hexagon
     const int corners = face == 0 ? 3 : face == 1 ? 0 : 6;
     text += number(PlyType::uint8, corners);
     for (int i = 0; i < corners; ++i) text += number(PlyType::int32, i);
@@ -189,7 +189,8 @@ void add_text(CaseList& list) {
              "Five thousand bytes of nonsense behind the last vertex",
              ply_text(table, format) + garbage, expect);
   }
-  // The reader must not take the first byte of the data for part of the header's last line end.
+  // The reader must not mistake the first byte of the data for part of the last line end of the
+  // header.
   const PlyTable breaks = positions({{10, 13, 10}, {13, 10, 32}, {9, 0, 10}}, PlyType::uint8);
   list.add("CRLF", "data_like_line_ends.ply",
            "Binary data that begin with the bytes of line ends, behind a header of LF",

@@ -6,8 +6,8 @@
 
 namespace pointreel {
 
-/// Hard syntax: PLY files that are unusual but right, and files that are wrong and must be refused
-/// with a message that leads to the fault.
+/// Hard syntax: PLY files that are unusual but valid, and invalid files that must be refused with a
+/// message that leads to the fault.
 void add_syntax_cases(std::vector<HardCase>& cases);
 
 }  // namespace pointreel

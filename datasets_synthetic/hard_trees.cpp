@@ -8,7 +8,8 @@
 namespace pointreel {
 namespace {
 
-/// Points k / (n - 1) * extent in each axis for k = 0 .. n - 1; one layer where an extent is 0.
+/// Points at k / (n - 1) * extent on each axis for k = 0 .. n - 1; a single layer where an extent
+/// is 0.
 std::vector<glm::dvec3> grid(int n, const glm::dvec3& extent) {
   std::vector<glm::dvec3> points;
   const auto layers = [&](int axis) { return extent[axis] > 0.0 ? n : 1; };
@@ -27,7 +28,7 @@ void add(CaseList& list, const char* row, const char* file, const char* title,
   list.add(row, file, title, table, expect_table(table));
 }
 
-/// With the tree that must come of it.
+/// A case with the depth and the leaves of the tree that must result.
 void add(CaseList& list, const char* row, const char* file, const char* title,
          const PlyTable& table, int depth, std::size_t leaves) {
   list.add(row, file, title, table, with_tree(expect_table(table), depth, leaves));
@@ -38,7 +39,8 @@ void add_cubes(std::vector<HardCase>& cases) {
   add(list, "maximum face", "maximum_face.ply",
       "Points on the three maximum faces, edges and the far corner of their cube",
       positions({{0, 0, 0}, {1, 1, 1}, {1, 0, 0}, {1, 0.5, 0.5}}), 2, 4);
-  // 16 points along each axis fill 16 cells: the last one lies on the maximum face and clamps.
+  // 16 points along each axis fill 16 cells: the last point lies on the maximum face and is
+  // clamped.
   add(list, "maximum face", "grid_cube.ply", "16 x 16 x 16 points that fill their cube's cells",
       positions(grid(16, glm::dvec3(1.5))), 4, 4096);
   constexpr const char* kFlat = "no extent";
@@ -54,7 +56,7 @@ void add_cubes(std::vector<HardCase>& cases) {
   constexpr const char* kExtreme = "extreme extent";
   const auto add_unpackable = [&list](const char* file, const char* title, const PlyTable& table) {
     HardExpectation expect = with_tree(expect_table(table), 4, 16);
-    expect.packs = false;  // a frame's cube has an edge from 1e-30 to 1e30
+    expect.packs = false;  // the cube of a frame must have an edge between 1e-30 and 1e30
     list.add(kExtreme, file, title, table, expect);
   };
   add_unpackable(
@@ -88,7 +90,7 @@ void add_trees(std::vector<HardCase>& cases) {
   twice.rows.insert(twice.rows.end(), once.rows.begin(), once.rows.end());
   add(list, "identical points", "every_point_twice.ply",
       "A ball each of whose points is there twice", twice);
-  // 5e-7 is beyond 2^-21 and below 2^-20.
+  // 5e-7 is above 2^-21 and below 2^-20.
   add(list, "level 21", "level_21.ply", "Two points that only level 21 tells apart, and a far one",
       positions({{0, 0, 0}, {1, 1, 1}, {5e-7, 0, 0}}), 21, 3);
   add(list, "level 21", "level_21_far_corner.ply",

@@ -6,7 +6,7 @@
 
 namespace pointreel {
 
-/// Clouds that are hard on cubes and octrees, and on what draws them.
+/// Clouds that are hard for cubes, for octrees and for drawing.
 void add_tree_cases(std::vector<HardCase>& cases);
 
 }  // namespace pointreel

@@ -10,9 +10,10 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kCount = 2000;  // points of a ball: enough to look at
+constexpr std::size_t kCount = 2000;  // points of a ball, enough for a look at it
 
-/// A ball with one coordinate of some points replaced by each of `values`, spread over the cloud.
+/// A ball in which each of `values` replaces one coordinate of one point; these points are spread
+/// over the cloud.
 PlyTable spoilt_ball(const std::vector<double>& values) {
   PlyTable table = ball(kCount);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -41,7 +42,7 @@ void add_positions(CaseList& list) {
   add_spoilt("position_nan_all.ply", "Five points, all of them NaN",
              positions(std::vector<glm::dvec3>(5, glm::dvec3(kNan))));
 
-  // A double may be finite where a float cannot.
+  // These doubles are finite, but beyond the range of floats.
   PlyTable beyond = ball(kCount, {1e6, 0, 1e6}, PlyType::float64);
   HardExpectation expect = expect_table(ball(kCount, {1e6, 0, 1e6}, PlyType::float64));
   for (const double value : {1e300, -4e38, 1.7976931348623157e308}) {
@@ -133,7 +134,7 @@ void add_radii(CaseList& list) {
   const auto every_tenth = [&](double value) {
     return with_radii([=](std::size_t i) { return i % 10 == 3 ? value : kUsual; });
   };
-  // The neighbours are 0.04 away.
+  // Neighbouring points are 0.04 apart.
   add("radius_zero.ply", "Every tenth radius is zero", every_tenth(0.0), 200, 0.0601);
   add("radius_negative.ply", "Every tenth radius is -0.02", every_tenth(-kUsual), 200, 0.0601);
   add("radius_nan.ply", "Every tenth radius is NaN", every_tenth(kNan), 200, 0.0601);
@@ -153,7 +154,7 @@ void add_colors(CaseList& list) {
     const char* file;
     const char* row;
     PlyType type;
-    double full;  // of a channel
+    double full;  // the largest value of a channel
   };
   const Kind kinds[] = {{"color_uchar.ply", "8-bit colours", PlyType::uint8, 255.0},
                         {"color_ushort.ply", "16-bit colours", PlyType::uint16, 65535.0},

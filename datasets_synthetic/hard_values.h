@@ -6,7 +6,7 @@
 
 namespace pointreel {
 
-/// Hard values: positions, normals, radii and colours of clouds whose files are well formed.
+/// Hard values: unusual positions, normals, radii and colours in files that are well formed.
 void add_value_cases(std::vector<HardCase>& cases);
 
 }  // namespace pointreel

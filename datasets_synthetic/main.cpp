@@ -1,4 +1,4 @@
-// pointreel-synth: writes synthetic sequences with a known surface, and hard files, as PLY files.
+// pointreel-synth: writes synthetic sequences with a known surface, and difficult files, as PLY.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ namespace pointreel {
 namespace {
 
 constexpr const char* kHard = "hard";
-constexpr const char* kHardSummary = "files that programs for point clouds stumble over";
+constexpr const char* kHardSummary = "difficult files, to test programs that read point clouds";
 
 const std::map<std::string, Sampler> kSamplers = {
     {"scan", Sampler::scan}, {"uniform", Sampler::uniform}, {"ldc", Sampler::ldc}};
@@ -32,7 +32,7 @@ const std::map<std::string, Sampler> kSamplers = {
 struct Options {
   std::string name;
   SequenceJob job;
-  int frames = 0;        // 0: the motion's own
+  int frames = 0;        // 0: the length of the motion
   double spacing = 4.0;  // millimetres
   int voxel_bits = 0;    // 0: no voxels
   int threads = 0;
@@ -50,7 +50,7 @@ void print_list(bool json) {
   if (json) {
     fmt::print("{}\n", all.dump());
   } else {
-    fmt::print("{:<16}{}, with {}\n", kHard, kHardSummary, kHardManifest);
+    fmt::print("{:<16}{}\n", kHard, kHardSummary);
   }
 }
 
@@ -65,13 +65,13 @@ int run_hard(const Options& options) {
   if (options.json) {
     fmt::print("{}\n", nlohmann::json{{"output", options.job.output}, {"files", *files}}.dump());
   } else {
-    fmt::print("{}: {} files, and {} with what each must give\n", options.job.output, *files,
-               kHardManifest);
+    fmt::print("{}: {} files; {} says what reading each of them must give\n", options.job.output,
+               *files, kHardManifest);
   }
   return 0;
 }
 
-/// What was written, for machines.
+/// The summary that --json prints.
 nlohmann::json summary_json(const Options& options, const SequenceJob& job,
                             const SequenceSummary& summary, std::size_t threads) {
   const SequenceOptions& sequence = job.options;
@@ -113,7 +113,7 @@ int run_sequence(const Motion& motion, const Options& options) {
                    ? options.frames
                    : std::max(1, static_cast<int>(std::round(motion.seconds() * sequence.fps)));
   sequence.ldc.spacing = 1e-3 * options.spacing;
-  if (options.voxel_bits > 0) {  // one grid for all frames, so that voxels do not jump
+  if (options.voxel_bits > 0) {  // all frames share one grid, so that the voxels do not jump
     sequence.voxels =
         voxel_grid(sequence_bounds(motion, sequence.fps, job.frames), options.voxel_bits);
   }
@@ -123,30 +123,34 @@ int run_sequence(const Motion& motion, const Options& options) {
     fmt::print("{}\n", summary_json(options, job, *summary, threads).dump());
     return 0;
   }
-  fmt::print("{}: {} frames of {:.0f} points on average in {:.1f} s ({:.1f} frames a second)\n",
+  fmt::print("{}: {} frames of {:.0f} points on average in {:.1f} s ({:.1f} frames per second)\n",
              job.output, job.frames, summary->mean_points, summary->seconds,
              job.frames / summary->seconds);
   if (sequence.voxels) {
     const VoxelGrid& grid = *sequence.voxels;
-    fmt::print("voxels of {:.4f} mm; the centre of (0, 0, 0) is at ({:.4f}, {:.4f}, {:.4f}) m\n",
+    fmt::print("voxels of {:.4f} mm; voxel (0, 0, 0) is centred at ({:.4f}, {:.4f}, {:.4f}) m\n",
                1e3 * grid.voxel, grid.origin.x, grid.origin.y, grid.origin.z);
   }
   return 0;
 }
 
-/// Sampler and voxel options that say nothing together, which CLI11 cannot see.
+/// Describes options that cannot be combined; empty if there are none.
 std::string contradiction(const CLI::App& app, const Options& options) {
   const auto given = [&app](const char* name) { return app.count(name) > 0; };
   const bool ldc = options.job.options.sampler == Sampler::ldc;
   if (options.voxel_bits > 0) {
     for (const char* name :
          {"--sampler", "--points", "--seed", "--noise", "--spacing", "--reduce"}) {
-      if (given(name)) return fmt::format("--voxelize takes no {}: it samples everywhere", name);
+      if (given(name)) {
+        return fmt::format("--voxelize writes every voxel: it cannot be combined with {}", name);
+      }
     }
   }
-  if (ldc && given("--points")) return "--sampler ldc takes no --points: give --spacing";
+  if (ldc && given("--points")) {
+    return "--points cannot be combined with --sampler ldc; give --spacing instead";
+  }
   for (const char* name : {"--spacing", "--reduce"}) {
-    if (!ldc && given(name)) return fmt::format("{} is for --sampler ldc", name);
+    if (!ldc && given(name)) return fmt::format("{} needs --sampler ldc", name);
   }
   return {};
 }
@@ -158,10 +162,11 @@ int run(const CLI::App& app, const Options& options) {
   }
   const bool hard = options.name == kHard;
   const Motion* motion = find_motion(options.name);
-  if (options.name.empty()) return report("no name given: --list shows them", 2);
-  if (motion == nullptr && !hard)
-    return report(options.name + ": no such name: --list shows them", 2);
-  if (options.job.output.empty()) return report("no folder to write to: give -o DIR", 2);
+  if (options.name.empty()) return report("no name given; --list shows all names", 2);
+  if (motion == nullptr && !hard) {
+    return report(options.name + ": unknown name; --list shows all names", 2);
+  }
+  if (options.job.output.empty()) return report("no folder given to write to; add -o DIR", 2);
   if (hard) return run_hard(options);
   const std::string wrong = contradiction(app, options);
   if (!wrong.empty()) return report(wrong, 2);
@@ -170,56 +175,75 @@ int run(const CLI::App& app, const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   SequenceOptions& sequence = options.job.options;
-  app.add_option("name", options.name, "what the figure does, or \"hard\" (--list)");
-  app.add_option("-o,--output", options.job.output, "folder to write to; made if it is missing");
-  app.add_option("--frames", options.frames, "number of frames; 0: the motion once")
+  app.add_option("name", options.name,
+                 "a motion of the figure, or \"hard\"; --list shows them all");
+  app.add_option("-o,--output", options.job.output, "the folder to write to; created if missing")
+      ->type_name("DIR");
+  app.add_flag("--force", options.job.force, "replace the folder if this program wrote it");
+  app.add_option("--frames", options.frames, "number of frames; 0: the length of the motion")
       ->capture_default_str()
       ->check(CLI::Range(0, 1000000));
-  app.add_option("--fps", sequence.fps, "frames a second")
+  app.add_option("--fps", sequence.fps, "frames per second")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100000.0));
-  app.add_option(
-         "--sampler", sequence.sampler,
-         "scan: curves that cameras see, with their errors; uniform: by area, exact; ldc: a "
-         "layered depth cube, where parallel rays meet the surface (default: scan)")
-      ->transform(CLI::CheckedTransformer(kSamplers));
-  app.add_option("--points", sequence.points,
-                 "points a frame, a scan's on average; 0: as the paper's sequence has")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 50000000));
-  app.add_option("--seed", sequence.seed, "chooses another sample of the same surface")
-      ->capture_default_str();
-  app.add_option("--noise", sequence.noise, "standard deviation along each axis, metres")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--spacing", options.spacing, "of the rays of a layered depth cube, millimetres")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0));
-  app.add_flag("--reduce", sequence.ldc.reduce,
-               "move a layered depth cube's points to where its rays cross, one in each place");
-  app.add_option(
-         "--voxelize", options.voxel_bits,
-         "write every voxel that the surface passes through, as integers of so many bits in "
-         "one grid for all frames")
-      ->check(CLI::Range(1, 12));
-  app.add_option("--threads", options.threads, "0: one for each core")
+  app.add_option("--threads", options.threads, "number of threads; 0: one for each core")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
-  app.add_flag("--force", options.job.force, "replace what is there if this program wrote it");
-  app.add_flag("--list", options.list, "show the names");
-  app.add_flag("--json", options.json, "print what was done as JSON");
+  app.add_flag("--list", options.list, "list the names and exit");
+  app.add_flag("--json", options.json, "print the summary as JSON");
+
+  constexpr const char* kSampling = "Sampling of the surface";
+  app.add_option_function<std::string>(
+         "--sampler",
+         [&sequence](const std::string& name) { sequence.sampler = kSamplers.at(name); },
+         "scan: curves that cameras see, with measurement errors\n"
+         "uniform: random points on the surface, uniform by area\n"
+         "ldc: layered depth cube, where three bundles of parallel rays meet the surface")
+      ->check(CLI::IsMember(kSamplers))
+      ->type_name("NAME")
+      ->default_str("scan")
+      ->group(kSampling);
+  app.add_option("--points", sequence.points,
+                 "points per frame (scan: on average over all frames); 0: as many as the scanned\n"
+                 "sequence of that name by Slomp et al. has, 61,000 to 102,000")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 50000000))
+      ->group(kSampling);
+  app.add_option("--seed", sequence.seed, "each seed gives another sample of the same surface")
+      ->capture_default_str()
+      ->group(kSampling);
+  app.add_option("--noise", sequence.noise,
+                 "additional noise: its standard deviation along each axis in metres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(kSampling);
+  app.add_option("--spacing", options.spacing, "ldc: distance between the rays in millimetres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0))
+      ->group(kSampling);
+  app.add_flag("--reduce", sequence.ldc.reduce,
+               "ldc: move points to where rays cross, and keep one in each place")
+      ->group(kSampling);
+  app.add_option("--voxelize", options.voxel_bits,
+                 "do not sample, but write every voxel that the surface passes through, with\n"
+                 "integer coordinates of this many bits in one grid for all frames")
+      ->check(CLI::Range(1, 12))
+      ->group(kSampling);
 }
 
 int parse_and_run(int argc, char** argv) {
   CLI::App app{
-      "Writes a synthetic sequence with a known surface: frame_0000.ply, frame_0001.ply, ... in\n"
-      "metres, y up, standing on y = 0, facing +z, with normals and colours. The same options "
-      "give\n"
+      "Writes a synthetic sequence of point clouds, of a moving figure whose true surface is\n"
+      "known, as frame_0000.ply, frame_0001.ply, ... The figure faces +z and stands on y = 0, "
+      "with\n"
+      "y up and coordinates in metres. All points have normals and colours. The same options give\n"
       "the same bytes on every machine.\n"
-      "\"hard\" writes a collection of difficult files instead; of the options below it knows "
-      "--force and --json.\n"
-      "Exit codes: 0 written, 1 it failed, 2 wrong options.",
+      "\n"
+      "The name \"hard\" writes a collection of difficult files instead, with a manifest.json "
+      "that\n"
+      "says what reading each of them must give. It uses only -o, --force and --json.\n",
       "pointreel-synth"};
+  app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage.");
   Options options;
   add_options(app, options);
   try {
@@ -227,7 +251,7 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return report(fmt::format("{} (--help shows the options)", error.what()), 2);
+    return report(fmt::format("{}; --help shows the options", error.what()), 2);
   }
   return run(app, options);
 }
@@ -239,7 +263,7 @@ int main(int argc, char** argv) {
   pointreel::keep_freed_memory();
   try {
     return pointreel::parse_and_run(argc, argv);
-  } catch (const std::exception& error) {  // out of memory, mostly
+  } catch (const std::exception& error) {  // most likely out of memory
     std::fprintf(stderr, "pointreel-synth: %s\n", error.what());
     return 1;
   }

@@ -14,14 +14,14 @@ namespace {
 constexpr double kStride = 1.0;      // seconds for two steps
 constexpr double kWalkPeriod = 2.0;  // two strides, one wave
 
-/// Angles of one leg, radians: the hip's and the ankle's forwards and up, the knee's backwards.
+/// The angles of one leg in radians. Hip and ankle turn forwards and up, the knee turns backwards.
 struct Leg {
-  double hip, knee, foot, toes;  // `foot` is against the ground, positive with the toes up
+  double hip, knee, foot, toes;  // `foot` is relative to the ground, positive with the toes up
 };
 
-/// `cycle` is the part of the stride since the heel touched the ground, 0 to 1; the foot leaves the
-/// ground at about 0.62. The shape of the curves is that of textbook gait analysis (hip +30 to
-/// -15 degrees, knee 5 to 60, heel rising before push-off).
+/// `cycle`, 0 to 1, is the share of the stride since the heel touched the ground; the foot leaves
+/// the ground at about 0.62. The curves have the shape that textbooks on gait analysis show (hip
+/// +30 to -15 degrees, knee 5 to 60, heel rising before push-off).
 Leg leg_at(double cycle) {
   Leg leg;
   leg.hip = 0.13 + 0.38 * cosine(2.0 * kPi * cycle);
@@ -39,10 +39,10 @@ Leg leg_at(double cycle) {
 Pose walk(double seconds) {
   const double cycle = fraction(seconds / kStride);  // of the left leg
   const double phase = 2.0 * kPi * cycle;
-  const double forward = cosine(phase);  // 1: left leg in front
+  const double forward = cosine(phase);  // 1 when the left leg is in front
   Pose pose;
 
-  pose.offset.x = 0.018 * sine(phase);  // over the leg that stands
+  pose.offset.x = 0.018 * sine(phase);  // the weight is over the standing leg
   const Turn pelvis{0.03, -0.03 * sine(phase), -0.09 * forward};
   pose[Bone::pelvis] = rotation(pelvis);
   pose[Bone::abdomen] = rotation({0.02, 0.02 * sine(phase), 0.06 * forward});
@@ -60,7 +60,7 @@ Pose walk(double seconds) {
   place_leg(Bone::right_thigh, Bone::right_shin, Bone::right_foot, Bone::right_toes,
             leg_at(fraction(cycle + 0.5)));
 
-  // The arms swing against the legs.
+  // Each arm swings with the leg of the other side.
   pose[Bone::right_upper_arm] = rotation({-0.38 * forward + 0.02, -0.13, 0.0});
   pose[Bone::right_forearm] = rotation({-0.35 - 0.18 * forward, 0.0, 0.0});
   pose[Bone::right_hand] = rotation({0.0, 0.05, 0.0});

@@ -18,7 +18,7 @@ std::string bytes_of(T value, bool big_endian) {
   return bytes;
 }
 
-/// The shortest text that reads back as the same value; the same on every machine.
+/// The shortest text that reads back as the same value. It is the same on every machine.
 std::string word_of(PlyType type, double value) {
   switch (type) {
     case PlyType::float32:

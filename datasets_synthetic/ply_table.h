@@ -11,7 +11,7 @@
 namespace pointreel {
 
 /// One element of a PLY file as a table of doubles, for files that a PointCloud cannot express:
-/// every scalar type, every format, values that are no numbers. Knows nothing of attributes.
+/// every scalar type, every format, NaN and infinity. The columns have names but no meaning.
 struct PlyTable {
   struct Column {
     PlyType type;
@@ -22,7 +22,7 @@ struct PlyTable {
   std::vector<std::vector<double>> rows;  ///< each as long as `columns`
 
   void add_columns(PlyType type, const std::vector<std::string>& names);
-  /// As `add_columns`, with the values that a row gets appended by `values(row)`.
+  /// Adds columns and appends the values that `values(row)` returns to each row.
   template <class F>
   void add_columns(PlyType type, const std::vector<std::string>& names, F&& values) {
     add_columns(type, names);
@@ -32,24 +32,25 @@ struct PlyTable {
   }
 };
 
-/// "ply" and the format line, each ended by `line_end`.
+/// "ply" and the format line, each followed by `line_end`.
 std::string ply_begin(PlyFormat format, std::string_view line_end = "\n");
 
-/// The lines that declare the table's element, with `count` rows in place of those that it has if
-/// one is given.
+/// The lines that declare the table's element. `count`, unless empty, replaces the true number of
+/// rows.
 std::string ply_declaration(const PlyTable& table, std::string_view count = {},
                             std::string_view line_end = "\n");
 
-/// The rows: numbers that read back exactly and a line for each row, or the values' bytes.
+/// The rows: in ascii a line for each row with numbers that read back exactly, else the bytes of
+/// the values.
 std::string ply_rows(const PlyTable& table, PlyFormat format, std::string_view line_end = "\n");
 
-/// A value as the bytes of a type in a binary format.
+/// The bytes of a value in a binary format.
 std::string ply_value(PlyType type, PlyFormat format, double value);
 
 /// The whole file.
 std::string ply_text(const PlyTable& table, PlyFormat format, std::string_view line_end = "\n");
 
-/// The name that a header gives a type: "float", or "float32" if `sized`.
+/// The name of a type in a header: "float", or "float32" if `sized`.
 std::string_view name_of(PlyType type, bool sized = false);
 
 }  // namespace pointreel

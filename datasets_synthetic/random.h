@@ -4,21 +4,28 @@
 
 namespace pointreel {
 
+/// The finalizer of SplitMix64: spreads every bit of z over the whole number.
+inline std::uint64_t mix_bits(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
 /// SplitMix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA 2014).
-/// Each (seed, stream) is a sequence of its own, so that work can be split among threads by stream
-/// and gives the same numbers whatever their count. The same on every machine, which the
-/// distributions of the standard library are not.
+/// Each pair of seed and stream gives its own sequence, so threads can share work by stream and the
+/// numbers do not depend on how many threads there are. Unlike the distributions of the standard
+/// library, it gives the same numbers on every machine.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream)
-      : state_(mix(mix(seed) + stream * 0x9e3779b97f4a7c15u)) {}
+      : state_(mix_bits(mix_bits(seed) + stream * 0x9e3779b97f4a7c15u)) {}
 
   std::uint64_t bits() {
     state_ += 0x9e3779b97f4a7c15u;
-    return mix(state_);
+    return mix_bits(state_);
   }
 
-  /// Uniform in [0, 1), a multiple of 2^-53.
+  /// Uniform in [0, 1); a multiple of 2^-53.
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
 
   /// Uniform in 0 .. count - 1; count > 0. The bias is below count / 2^32.
@@ -26,8 +33,9 @@ class Random {
     return static_cast<std::uint32_t>(((bits() >> 32) * count) >> 32);
   }
 
-  /// Approximately normal with mean 0 and deviation 1: a sum of twelve uniform numbers, so never
-  /// beyond +-6, and no logarithm whose last bit could differ between machines.
+  /// Approximately normal with mean 0 and standard deviation 1. It is the sum of twelve uniform
+  /// numbers: never beyond +-6, and without a logarithm whose last bit could differ between
+  /// machines.
   double normal() {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += uniform();
@@ -35,12 +43,6 @@ class Random {
   }
 
  private:
-  static std::uint64_t mix(std::uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-
   std::uint64_t state_;
 };
 

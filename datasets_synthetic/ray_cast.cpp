@@ -7,22 +7,25 @@
 
 // The distance to a convex primitive is a convex function: along a ray it lies above its tangents
 // and, between two points, below its chord. The smooth union grows with both of its arguments, so
-// that of two straight lines bounds it from below or from above, and the root of such a bound has a
-// closed form. Outside, that of the tangents' bound is a step that never passes the surface and
-// grows as short as Newton's only where it must; inside, that of the chords' bound is the same for
-// the way out. So nothing is skipped, at grazing angles and in creases either.
+// the smooth union of two straight lines bounds it from below (tangents) or from above (chords),
+// and
+// the root of such a bound has a closed form. Outside, a step to the root of the bound by tangents
+// never passes the surface, and it is short, like Newton's, only near the surface. Inside, the
+// bound
+// by chords does the same for the way out. So nothing is skipped, not even at grazing angles or in
+// creases.
 
 namespace pointreel {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Metres from the surface where a ray has reached it from outside, and where it has left it: apart
-/// from each other, so that a ray which only touches enters and leaves once.
+/// Distances in metres at which a ray counts as having reached the surface from outside, and as
+/// having left it. They differ, so that a ray that only touches the surface enters and leaves once.
 constexpr double kReached = 2e-10;
 constexpr double kLeft = 4e-10;
-constexpr int kMaxSteps = 200;  // in one cell; a handful is usual
+constexpr int kMaxSteps = 200;  // in one cell; usually it takes a handful
 
-/// Where the line is zero.
+/// The place where the line is zero.
 double root(const Line& line) { return line.slope != 0.0 ? -line.value / line.slope : kNever; }
 
 double union_at(const Line& a, const Line& b, double blend, double s) {
@@ -34,7 +37,7 @@ double union_at(const Line& a, const Line& b, double blend, double s) {
 /// The smallest s > 0 at which the smooth union of two lines is zero; kNever if there is none.
 double root_of_union(const Line& a, const Line& b, double blend) {
   double first = kNever;
-  constexpr double kSlack = 1e-9;  // the pieces touch where they meet: let them overlap there
+  constexpr double kSlack = 1e-9;  // lets the pieces overlap a little where they meet
   const auto consider_line = [&](const Line& line, const Line& other) {
     const double s = root(line);
     if (s > 0.0 && s < first && other.at(s) >= blend * (1.0 - kSlack)) first = s;
@@ -42,7 +45,7 @@ double root_of_union(const Line& a, const Line& b, double blend) {
   consider_line(a, b);
   consider_line(b, a);
   if (!(blend > 0.0)) return first;
-  // Where |d| < blend, d = a - b, it is (a + b) / 2 - (blend^2 + d^2) / (4 blend).
+  // With d = a - b and |d| < blend, the union is (a + b) / 2 - (blend^2 + d^2) / (4 blend).
   const Line d{a.value - b.value, a.slope - b.slope};
   const double per = 0.25 / blend;
   const double c0 = 0.5 * (a.value + b.value) - 0.25 * blend - per * d.value * d.value;
@@ -59,8 +62,8 @@ double root_of_union(const Line& a, const Line& b, double blend) {
   return first;
 }
 
-/// Blends that a ray has behind it: both primitives' distances grow along it, and as they are
-/// convex they do so for ever.
+/// The blends that a ray has passed: the distances of both primitives grow along it and, being
+/// convex, keep growing.
 class LeftBehind {
  public:
   bool holds(std::uint16_t blend) const {
@@ -71,28 +74,28 @@ class LeftBehind {
   }
 
  private:
-  static constexpr std::size_t kMost = 512;  // what is beyond is looked at again
+  static constexpr std::size_t kMost = 512;  // blends with a higher number are examined again
   std::array<std::uint64_t, kMost / 64> bits_{};
 };
 
-/// What matters in one cell, along a ray, from some place of it on.
+/// The blends that matter to a ray in one cell.
 class CellRay {
  public:
-  /// Of the cell's blends those that may come as near as `furthest` to its centre and that are not
-  /// left behind.
+  /// Selects the cell's blends that come within `furthest` of its centre and that the ray has not
+  /// passed.
   CellRay(const SurfaceGrid& grid, const SurfaceGrid::Cell& cell, const Ray& ray, double furthest,
           const LeftBehind& behind)
       : grid_(grid), cell_(cell), ray_(ray), all_(grid.blends(cell)) {
     const std::span<const float> values = grid.blend_values(cell);
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (values[i] > furthest) {
-        left_out_ = values[i];  // those that follow are further
+        left_out_ = values[i];  // all that follow are further away
         break;
       }
       if (behind.holds(all_[i])) continue;
       const Blend& blend = grid.surface().blends[all_[i]];
       const std::uint8_t first = place_of(blend.first);
-      // A primitive alone is no blend with itself.
+      // A primitive that stands alone is stored as a blend with itself, but without a fillet.
       const bool alone = blend.first == blend.second;
       blends_[blend_count_++] = {first, alone ? first : place_of(blend.second), all_[i],
                                  alone ? 0.0 : blend.radius};
@@ -101,10 +104,10 @@ class CellRay {
 
   bool empty() const { return blend_count_ == 0; }
 
-  /// The least distance at the centre of those that are neither among them nor left behind.
+  /// The least distance from the centre to a blend that is neither selected nor passed.
   double left_out() const { return left_out_; }
 
-  /// Takes the tangents at t; returns the distance there.
+  /// Moves to t, takes the tangents there and returns the distance.
   double move_to(double t) {
     const glm::dvec3 p = ray_.at(t);
     for (std::size_t i = 0; i < count_; ++i) {
@@ -120,8 +123,9 @@ class CellRay {
     return distance;
   }
 
-  /// After move_to: forgets the blends that stay outside for `length` from there on, and those that
-  /// stay behind; false if those were all. `nearest` is the least distance of those not behind.
+  /// To be called after move_to. Drops the blends that the ray cannot reach within `length` and
+  /// those that it has passed; returns false if none remain. `nearest` becomes the least distance
+  /// to a blend that the ray has not passed.
   bool keep_near(double length, LeftBehind& behind, double& nearest) {
     nearest = kNever;
     std::size_t kept = 0;
@@ -155,7 +159,7 @@ class CellRay {
     return kept > 0;
   }
 
-  /// From the tangents, outside: the surface is not nearer than this.
+  /// For a place outside: a step, from the tangents, that does not pass the surface.
   double step_outside() const {
     double step = kNever;
     for (std::size_t i = 0; i < blend_count_; ++i) {
@@ -164,7 +168,8 @@ class CellRay {
     return step;
   }
 
-  /// After move_to(t): the distance stays below `level` for this long, kNever if as far as `end`.
+  /// To be called after move_to(t): a step over which the distance stays below `level`; kNever if
+  /// it does so up to `end`.
   double step_inside(double t, double end, double level) const {
     const glm::dvec3 p = ray_.at(end);
     Lines chords;
@@ -173,7 +178,8 @@ class CellRay {
       chords[i] = {lines_[i].value - level, (value - lines_[i].value) / (end - t)};
     }
     // Each bound is a concave function: once it has risen above zero and fallen again, it stays
-    // below. So the end is where the last of them rises, if the others have not fallen by then.
+    // below zero. So the step ends where the last bound rises above zero, unless another has fallen
+    // below zero by then.
     double step = 0.0;
     for (std::size_t i = 0; i < blend_count_; ++i) {
       if (values_[i] < level) step = std::max(step, with_lines(chords, i, root_of_union));
@@ -202,8 +208,8 @@ class CellRay {
   static constexpr std::size_t kMaxPrimitives = 2 * SurfaceGrid::kMaxBlends;
   using Lines = std::array<Line, kMaxPrimitives>;
   struct NearBlend {
-    std::uint8_t first, second;  // places in primitives_; the same for one that stands alone
-    std::uint16_t number;        // of the surface's
+    std::uint8_t first, second;  // indices in primitives_; equal for a primitive that stands alone
+    std::uint16_t number;        // index among the blends of the surface
     double radius;
   };
 
@@ -229,18 +235,18 @@ class CellRay {
   std::size_t blend_count_ = 0, count_ = 0;
   double left_out_ = SurfaceGrid::kListed;
   std::array<NearBlend, SurfaceGrid::kMaxBlends> blends_;
-  std::array<double, SurfaceGrid::kMaxBlends> values_;  // the unions' distances
+  std::array<double, SurfaceGrid::kMaxBlends> values_;  // the distances of the blends
   std::array<std::uint16_t, kMaxPrimitives> primitives_;
   Lines lines_;
 };
-static_assert(2 * SurfaceGrid::kMaxBlends <= 64, "keep_near counts primitives in 64 bits");
+static_assert(2 * SurfaceGrid::kMaxBlends <= 64, "keep_near stores a set of primitives in 64 bits");
 
-/// Follows a ray from cell to cell and knows on which side of the surface it is.
+/// Follows a ray from cell to cell and keeps track of the side of the surface that it is on.
 class Caster {
  public:
   Caster(const SurfaceGrid& grid, const Ray& ray) : grid_(grid), ray_(ray) {}
 
-  /// Calls found(cell ray, t, enters), which says whether to go on, for each hit.
+  /// Calls found(cell ray, t, enters) for each hit; it returns whether to go on.
   template <class Found>
   void cast(double from, double to, const Found& found) {
     const glm::dvec3 inverse = 1.0 / ray_.direction;
@@ -268,7 +274,7 @@ class Caster {
     double t = from;
     while (t < to) {
       const bool occupied = grid_.block_occupied(cell);
-      // The cell or the whole empty block: to the nearest of the planes ahead.
+      // Go on to the nearest plane ahead: of the cell, or of the whole block if that is empty.
       const int edge = occupied ? 1 : SurfaceGrid::kBlock;
       const glm::ivec3 first(cell.x & -edge, cell.y & -edge, cell.z & -edge);
       const double x = plane_at(0, first.x + edge * onward.x);
@@ -294,7 +300,7 @@ class Caster {
  private:
   template <class Found>
   bool visit(const SurfaceGrid::Cell& cell, double t, double out, const Found& found) {
-    // No point of the surface is nearer to the centre than this.
+    // No point of the surface is nearer to the centre than |cell.distance|.
     const glm::dvec3 center = cell.min + 0.5 * SurfaceGrid::kCell;
     const glm::dvec3 enter = ray_.at(t) - center, leave = ray_.at(out) - center;
     const double furthest = std::max(glm::dot(enter, enter), glm::dot(leave, leave));
@@ -304,9 +310,9 @@ class Caster {
     }
     if (side_ != Side::unknown) t = std::max(t, clear_until_);
     if (t >= out) return true;
-    // A micrometre for the single precision of what it is compared with.
+    // The micrometre makes up for the single precision of the distances that this is compared with.
     CellRay along(grid_, cell, ray_, std::sqrt(furthest) + 1e-6, behind_);
-    if (along.empty()) return true;  // all that there is lies behind
+    if (along.empty()) return true;  // the ray has passed all of them
     double end = out;
     for (int step = 0; step < kMaxSteps; ++step) {
       const double distance = along.move_to(t);
@@ -335,7 +341,7 @@ class Caster {
         if (!found(along, t, false)) return false;
         continue;
       }
-      // Below 1e-12 m there is nothing to find between.
+      // Nothing can be found within less than 1e-12 m.
       const double s = end - t > 1e-12 ? along.step_inside(t, end, kLeft) : kNever;
       if (s == kNever) {
         t = end;
@@ -343,7 +349,7 @@ class Caster {
         end = out;
       } else {
         t += s;
-        end = t + 0.5 * (end - t);  // shorter chords are nearer to what they bound
+        end = t + 0.5 * (end - t);  // shorter chords give tighter bounds
       }
     }
     return true;
@@ -354,7 +360,7 @@ class Caster {
   const SurfaceGrid& grid_;
   const Ray& ray_;
   Side side_ = Side::unknown;
-  double clear_until_ = 0.0;  ///< no surface before this
+  double clear_until_ = 0.0;  ///< there is no surface before this t
   LeftBehind behind_;
 };
 

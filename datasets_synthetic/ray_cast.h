@@ -18,27 +18,28 @@ struct Ray {
   glm::dvec3 at(double t) const { return origin + t * direction; }
 };
 
-/// Where a ray passes through the surface.
+/// A point where a ray passes through the surface.
 struct RayHit {
   double t = 0.0;  ///< metres along the ray
   glm::dvec3 position{0.0};
-  glm::dvec3 normal{0.0, 1.0, 0.0};  ///< unit length, outwards, also where the ray leaves
+  glm::dvec3 normal{0.0, 1.0, 0.0};  ///< unit length, pointing outwards even where the ray leaves
   std::uint16_t primitive = 0;
   bool enters = true;  ///< from outside to inside
 };
 
-/// The first point where the ray passes through the surface, t in [from, to]; a ray that begins
-/// inside leaves there. Its distance from the surface is below 1e-9 m, so it is within 1e-6 m of
-/// the exact point unless the ray is within a thousandth of a radian of the tangent plane. No step
-/// size decides what is found: nothing is missed but what stays within 1e-9 m of the surface.
+/// The first point where the ray passes through the surface, with t in [from, to]. If the ray
+/// begins inside, that is where it leaves. The point is less than 1e-9 m from the surface, hence
+/// within 1e-6 m of the exact point unless the angle between ray and tangent plane is below a
+/// thousandth of a radian. There is no step size that could skip a part: only a passage that stays
+/// within 1e-9 m of the surface is missed.
 std::optional<RayHit> first_hit(const SurfaceGrid& grid, const Ray& ray, double from = 0.0,
                                 double to = std::numeric_limits<double>::infinity());
 
 /// Whether first_hit would find anything; a little faster.
 bool hits_anything(const SurfaceGrid& grid, const Ray& ray, double from, double to);
 
-/// All of them in order, entering and leaving in turn: what layered depth images hold. Replaces
-/// what `hits` holds.
+/// All points where the ray passes through the surface, in order, entering and leaving in turn, as
+/// layered depth images store them. Replaces the content of `hits`.
 void all_hits(const SurfaceGrid& grid, const Ray& ray, std::vector<RayHit>& hits, double from = 0.0,
               double to = std::numeric_limits<double>::infinity());
 

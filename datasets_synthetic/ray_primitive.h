@@ -9,15 +9,16 @@
 
 namespace pointreel {
 
-/// value + slope * s: a distance and how it changes along a ray.
+/// value + slope * s: a distance and its change along a ray.
 struct Line {
   double value = 0.0, slope = 0.0;
 
   double at(double s) const { return value + slope * s; }
 };
 
-/// A primitive made ready for many evaluations: the same distances as distance_to to within
-/// rounding near the surface and outside (and 1e-8 m near the axis of a cone), a few times faster.
+/// A primitive prepared for many evaluations. Near the surface and outside, its distances equal
+/// those of distance_to except for rounding (to 1e-8 m near the axis of a cone), and they are a few
+/// times faster.
 class RayPrimitive {
  public:
   explicit RayPrimitive(const Primitive& primitive) {
@@ -38,7 +39,7 @@ class RayPrimitive {
     }
   }
 
-  /// At p, along the unit vector `direction`.
+  /// The distance at p and its change along the unit vector `direction`.
   Line along(const glm::dvec3& p, const glm::dvec3& direction) const {
     const glm::dvec3 d = p - a_;
     if (kind_ == Kind::ellipsoid) return along_ellipsoid(d, direction);
@@ -57,7 +58,7 @@ class RayPrimitive {
     return {x * sine_ + y * cosine_ - radius_a_, sine_ * across + cosine_ * away};
   }
 
-  /// At p.
+  /// The distance at p.
   double value(const glm::dvec3& p) const {
     const glm::dvec3 d = p - a_;
     if (kind_ == Kind::ellipsoid) return nearest_of_ellipsoid(d).distance;
@@ -72,7 +73,7 @@ class RayPrimitive {
     return x * sine_ + y * cosine_ - radius_a_;
   }
 
-  /// At p, with the gradient.
+  /// The distance at p with its gradient.
   Distance at(const glm::dvec3& p) const {
     const glm::dvec3 d = p - a_;
     if (kind_ == Kind::ellipsoid) {
@@ -121,7 +122,7 @@ class RayPrimitive {
     return {length - radius, length > 0.0 ? glm::dot(d, direction) / length : 1.0};
   }
 
-  /// As distance_to(Disc) in sdf.cpp.
+  /// The same as distance_to(Disc) in sdf.cpp.
   Distance at_disc(const glm::dvec3& d) const {
     const glm::dvec3 across = d - glm::dot(d, u_) * u_;
     const double square = glm::dot(across, across);
@@ -139,7 +140,7 @@ class RayPrimitive {
     glm::dvec3 normal;  // unit length, along the ellipsoid's axes
   };
 
-  /// As distance_to(Ellipsoid) in sdf.cpp, which explains it.
+  /// The same as distance_to(Ellipsoid), which is explained in sdf.cpp.
   EllipsoidPoint nearest_of_ellipsoid(const glm::dvec3& d) const {
     const glm::dvec3 local = d * axes_;
     const glm::dvec3 q = glm::max(glm::abs(local), glm::dvec3(1e-12));
@@ -154,7 +155,7 @@ class RayPrimitive {
       t = std::max(t + sum * (std::sqrt(sum) - 1.0) / glm::dot(ratio * ratio, inverse), lowest);
       if (std::abs(sum - 1.0) < 1e-6) break;
     }
-    // The surface's point is squares * n, and n is along the normal there.
+    // The point of the surface is squares * n, and n is parallel to the normal there.
     const glm::dvec3 n = q / (t + squares_);
     const glm::dvec3 across = q - squares_ * n;
     const double distance = std::sqrt(glm::dot(across, across));

@@ -21,8 +21,9 @@ Distance distance_to_ball(const glm::dvec3& center, double radius, const glm::dv
   return {length - radius, length > 0.0 ? d / length : glm::dvec3(0, 1, 0)};
 }
 
-/// At most the distance to an ellipsoid, for little: that to the box around it along the box's
-/// axes; of other primitives, which cost little themselves, nothing is known.
+/// A cheap lower bound of the distance to an ellipsoid: the largest distance to its oriented box
+/// along one axis of the box. For the other primitives, which are cheap themselves, it is minus
+/// infinity.
 double least_distance_to(const Primitive& primitive, const glm::dvec3& p) {
   const auto* ellipsoid = std::get_if<Ellipsoid>(&primitive);
   if (ellipsoid == nullptr) return -std::numeric_limits<double>::infinity();
@@ -30,7 +31,8 @@ double least_distance_to(const Primitive& primitive, const glm::dvec3& p) {
   return std::max({beyond.x, beyond.y, beyond.z});
 }
 
-/// The distances from one point to primitives, each worked out once: several blends share one.
+/// The distances from one point to primitives. Several blends share a primitive, so each distance
+/// is computed only once.
 class Memory {
  public:
   Memory(const Surface& surface, const glm::dvec3& p) : surface_(surface), p_(p) {}
@@ -38,8 +40,8 @@ class Memory {
   SurfaceDistance distance_to(const Blend& blend) {
     const Distance first = distance_to(blend.first);
     if (blend.first == blend.second) return {first, blend.first};
-    // Many folds are about one limb and few of them near: saves the evaluation of those that are
-    // too far to have a say.
+    // A limb has many folds of which few are near; this saves the evaluation of those that are too
+    // far away to matter.
     if (least_distance_to(surface_.primitives[blend.second], p_) - first.value > blend.radius) {
       return {first, blend.first};
     }
@@ -71,8 +73,8 @@ class Memory {
 }  // namespace
 
 // In the half-plane through the axis and p, with x along the axis from a and y >= 0 away from it,
-// the body's side is a straight line with the normal (sine, cosine). A point belongs to the line
-// or to one of the two balls by its place along the line.
+// the side of the body is a straight line with the normal (sine, cosine). The position of a point
+// along that line decides whether it belongs to the line or to one of the two balls.
 Distance distance_to(const RoundCone& cone, const glm::dvec3& p) {
   const glm::dvec3 axis = cone.b - cone.a;
   const double length = std::sqrt(glm::dot(axis, axis));
@@ -94,19 +96,20 @@ Distance distance_to(const RoundCone& cone, const glm::dvec3& p) {
   return {x * sine + y * cosine - cone.radius_a, sine * u + cosine * radial};
 }
 
-// The nearest point x of the surface to q has q = x + t * (x_i / r_i^2), so x_i = r_i^2 q_i /
-// (t + r_i^2), and t is the largest root of sum (r_i q_i / (t + r_i^2))^2 = 1 (Eberly, "Distance
-// from a point to an ellipse, an ellipsoid, or a hyperellipsoid"). The inverse root of that sum is
-// concave right of the last pole and almost straight (for a ball it is), so a step of Newton's
-// method on it from anywhere there ends left of the root, and from there a few steps climb to it
-// (More, Sorensen, "Computing a trust region step"). The first is from t = 0, the surface's root.
+// The point x of the surface that is nearest to q satisfies q_i = x_i + t * x_i / r_i^2, so x_i =
+// r_i^2 q_i / (t + r_i^2), and t is the largest root of sum (r_i q_i / (t + r_i^2))^2 = 1 (Eberly,
+// "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid"). To the right of the
+// last pole, the inverse square root of that sum is concave and almost straight (exactly straight
+// for a ball). A step of Newton's method on it from anywhere there ends to the left of the root,
+// and from there a few steps climb to the root (More, Sorensen, "Computing a trust region step").
+// The first step starts at t = 0, which is the root for points on the surface.
 Distance distance_to(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
   const glm::dvec3 local = (p - ellipsoid.center) * ellipsoid.axes;  // transpose(axes) * (p - c)
   const glm::dvec3 r = ellipsoid.radii;
-  // A coordinate of exactly zero could leave the sum without its last pole.
+  // With a coordinate of exactly zero the sum could lack its last pole.
   const glm::dvec3 q = glm::max(glm::abs(local), glm::dvec3(1e-12));
   const glm::dvec3 squares = r * r;
-  // One term alone is 1 here, so the root is not to the left.
+  // At this t a single term is already 1, so the root is not to the left of it.
   const double lowest =
       std::max({r.x * q.x - squares.x, r.y * q.y - squares.y, r.z * q.z - squares.z});
   double t = 0.0;
@@ -115,7 +118,7 @@ Distance distance_to(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
     const glm::dvec3 ratio = r * q * inverse;
     const double sum = glm::dot(ratio, ratio);
     t = std::max(t + sum * (std::sqrt(sum) - 1.0) / glm::dot(ratio * ratio, inverse), lowest);
-    if (std::abs(sum - 1.0) < 1e-6) break;  // and after this last step less than its square
+    if (std::abs(sum - 1.0) < 1e-6) break;  // the last step has squared this small error
   }
   const glm::dvec3 nearest = squares * q / (t + squares);
   const glm::dvec3 across = q - nearest;
@@ -128,7 +131,7 @@ Distance distance_to(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
   return {t < 0.0 ? -distance : distance, ellipsoid.axes * normal};
 }
 
-// The flat disc has no inside, so the distance to it tells all.
+// The flat disc has no inside, so the distance to it minus the thickness is exact.
 Distance distance_to(const Disc& disc, const glm::dvec3& p) {
   const glm::dvec3 from_center = p - disc.center;
   const double height = glm::dot(from_center, disc.axis);
@@ -141,7 +144,7 @@ Distance distance_to(const Disc& disc, const glm::dvec3& p) {
 }
 
 Distance distance_to(const Primitive& primitive, const glm::dvec3& p) {
-  // Faster than std::visit.
+  // This is faster than std::visit.
   if (const auto* cone = std::get_if<RoundCone>(&primitive)) return distance_to(*cone, p);
   if (const auto* disc = std::get_if<Disc>(&primitive)) return distance_to(*disc, p);
   return distance_to(*std::get_if<Ellipsoid>(&primitive), p);

@@ -11,13 +11,13 @@
 
 namespace pointreel {
 
-/// Signed distance at a point, negative inside, and its gradient. Units are metres.
+/// The signed distance at a point in metres, negative inside, and its gradient.
 struct Distance {
   double value = 0.0;
   glm::dvec3 gradient{0.0, 1.0, 0.0};
 };
 
-/// The hull of two balls; a capsule where the radii are equal. Radii > 0.
+/// The convex hull of two balls; a capsule if the radii are equal. Radii > 0.
 struct RoundCone {
   glm::dvec3 a, b;
   double radius_a, radius_b;
@@ -30,68 +30,68 @@ struct Ellipsoid {
   glm::dvec3 radii;
 };
 
-/// A flat disc with a round rim: all points at most `thickness` from the disc of `radius` at right
-/// angles to `axis` (unit length). Both > 0.
+/// A flat disc with a round rim: all points at most `thickness` from the disc of radius `radius` at
+/// right angles to `axis` (unit length). Both are > 0.
 struct Disc {
   glm::dvec3 center;
   glm::dvec3 axis;
   double radius, thickness;
 };
 
-/// Every one of them is convex: ray casting (ray_cast.cpp) rests on that.
+/// All primitives are convex; ray casting (ray_cast.cpp) relies on that.
 using Primitive = std::variant<RoundCone, Ellipsoid, Disc>;
 
-/// Exact distance, inside and outside (to 1e-6 within a micrometre of an ellipsoid's centre). Where
-/// several surface points are nearest, the gradient is that of one of them; it always has unit
-/// length.
+/// The exact distance, inside and outside (to 1e-6 m within a micrometre of the centre of an
+/// ellipsoid). If several surface points are equally near, the gradient belongs to one of them. It
+/// always has unit length.
 Distance distance_to(const RoundCone& cone, const glm::dvec3& p);
 Distance distance_to(const Ellipsoid& ellipsoid, const glm::dvec3& p);
 Distance distance_to(const Disc& disc, const glm::dvec3& p);
 Distance distance_to(const Primitive& primitive, const glm::dvec3& p);
 
-/// Bounds of a primitive, exact.
+/// The exact bounds of a primitive.
 Box bounds(const Primitive& primitive);
 
-/// The quadratic polynomial smooth minimum (Quilez, "Smooth minimum"): the union with its crease
-/// filled where the two distances differ by less than `blend` (metres, >= 0; 0 is the sharp union).
-/// The surface moves outwards by at most blend / 4. The result changes by no more than the distance
-/// moved, as its arguments do, but inside the fillet it is less than the distance to the surface:
-/// there its gradient is shorter than 1.
+/// The quadratic polynomial smooth minimum (Quilez, "Smooth minimum"): the union, with a fillet
+/// where the two distances differ by less than `blend` (metres, >= 0; 0 gives the sharp union). The
+/// surface moves outwards by at most blend / 4. Like its arguments, the result never changes faster
+/// than the position; but inside the fillet it is less than the distance to the surface, and its
+/// gradient is shorter than 1 there.
 Distance smooth_union(const Distance& a, const Distance& b, double blend);
 
-/// Two primitives that grow together, as the bones of a joint do. A primitive that stands alone is
-/// a blend with itself.
+/// Two primitives that are joined by a fillet, such as the two bones of a joint. A primitive that
+/// stands alone is a blend with itself.
 struct Blend {
   std::uint16_t first, second;
   double radius;
 };
 
-/// The union of all blends. Parts that are in no blend with each other (an arm and the hip that it
-/// swings past) meet in a sharp crease instead of growing together. Independent of the order of the
-/// blends but for ties.
+/// The union of all blends. Parts that share no blend, such as an arm and the hip that it swings
+/// past, meet in a sharp crease. The order of the blends matters only for ties.
 struct Surface {
   std::vector<Primitive> primitives;
   std::vector<Blend> blends;
 };
 
-/// What is known of a point: where it lies and which primitive it belongs to.
+/// The distance from a point to a surface, and the primitive that the point belongs to.
 struct SurfaceDistance {
   Distance distance;
-  std::uint16_t primitive = 0;  ///< the nearer one of the nearest blend
+  std::uint16_t primitive = 0;  ///< the nearer primitive of the nearest blend
 };
 
-/// The distance to the surface, which has at least one blend.
+/// The distance to the surface, which must have at least one blend.
 SurfaceDistance distance_to(const Surface& surface, const glm::dvec3& p);
 
-/// The same for callers who know that only some blends (at least one) are near.
+/// The same for callers that know which blends (at least one) are near.
 SurfaceDistance distance_to(const Surface& surface, std::span<const std::uint16_t> blends,
                             const glm::dvec3& p);
 
-/// The distance to each of some blends, into `values` (as long as `blends`); returns the smallest.
+/// Writes the distance to each of the given blends into `values`, which is as long as `blends`, and
+/// returns the smallest.
 double blend_distances(const Surface& surface, std::span<const std::uint16_t> blends,
                        const glm::dvec3& p, std::span<double> values);
 
-/// Bounds that hold the whole surface, fillets included.
+/// Bounds that hold the whole surface, including its fillets.
 Box bounds(const Surface& surface);
 
 }  // namespace pointreel

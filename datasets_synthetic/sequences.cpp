@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "common/base/try.h"
 #include "common/surface/normals.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
@@ -11,15 +12,15 @@
 namespace pointreel {
 namespace {
 
-/// What a motion is scanned with by default. Spacing, pixel and calibration were fitted, with seed
-/// 1 and over all poses, to the paper's sequence of that name: the average number of points (paper
-/// 2, Table I; met within 0.5 %), and the leaves and inner nodes of the octrees that delta = 2, 10
-/// and 50 % give with a cube for each pose (Table III; within 10 %, at its depths 11, 10 and 9). A
-/// worse calibration keeps the curves of several pairs from sharing cells: kick has the best, as
-/// its clouds merge the most.
+/// The scanner's default settings for a motion. Spacing, pixel and calibration were fitted, with
+/// seed 1 and over all poses, to the sequence of that name in Slomp et al., Geometry Instancing: to
+/// its average number of points (Table I; met within 0.5 %), and to the leaves and inner nodes of
+/// its octrees for delta = 2, 10 and 50 % with one cube per pose (Table III; within 10 %, at the
+/// same depths 11, 10 and 9). A worse calibration keeps the curves of several pairs from sharing
+/// cells: kick has the best calibration, because its clouds merge the most.
 struct ScanSetting {
   std::string_view motion;
-  std::size_t points;                              ///< a pose on average
+  std::size_t points;                              ///< per pose, on average
   double curve_spacing, pixel, calibration_shift;  ///< metres
 };
 constexpr std::array<ScanSetting, 6> kScanSettings = {{
@@ -38,22 +39,20 @@ const ScanSetting& scan_setting(const Motion& motion) {
   return kScanSettings.front();
 }
 
-/// A point of the surface where it was found to be.
+/// A point of the surface as it was measured.
 struct Sample {
   glm::dvec3 position, normal;
   glm::u8vec3 color;
 };
 
-/// Points of the surface itself.
+/// Points that lie exactly on the surface.
 Result<std::vector<SurfacePoint>> exact_points(const Body& body, const SequenceOptions& options,
                                                std::size_t count, int number) {
   if (options.sampler == Sampler::uniform) {
     const std::uint64_t seed = Random(options.seed, 2 * static_cast<std::uint64_t>(number)).bits();
     return sample_uniform(body.surface, count, seed);
   }
-  const auto grid = SurfaceGrid::build(body.surface);
-  if (!grid) return tl::unexpected(grid.error());
-  return sample_ldc(*grid, options.ldc);
+  return sample_ldc(TRY(SurfaceGrid::build(body.surface)), options.ldc);
 }
 
 Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
@@ -61,18 +60,16 @@ Result<std::vector<Sample>> sample(const Motion& motion, const Body& body,
   const std::size_t count = points_per_frame(motion, options);
   std::vector<Sample> samples;
   if (options.sampler == Sampler::scan) {
-    const auto points = scan(body, scan_options(motion, count), options.seed, number);
-    if (!points) return tl::unexpected(points.error());
-    samples.reserve(points->size());
-    for (const ScanPoint& point : *points) {
+    const auto points = TRY(scan(body, scan_options(motion, count), options.seed, number));
+    samples.reserve(points.size());
+    for (const ScanPoint& point : points) {
       samples.push_back({point.position, point.normal, point.color});
     }
     return samples;
   }
-  const auto points = exact_points(body, options, count, number);
-  if (!points) return tl::unexpected(points.error());
-  samples.reserve(points->size());
-  for (const SurfacePoint& point : *points) {
+  const auto points = TRY(exact_points(body, options, count, number));
+  samples.reserve(points.size());
+  for (const SurfacePoint& point : points) {
     samples.push_back(
         {point.position, point.normal, color_at(body, point.primitive, point.position)});
   }
@@ -95,7 +92,7 @@ std::size_t points_per_frame(const Motion& motion, const SequenceOptions& option
 
 ScanOptions scan_options(const Motion& motion, std::size_t points) {
   const ScanSetting& setting = scan_setting(motion);
-  // Both spacings change together: f times as fine gives f^2 times the points.
+  // Both spacings change together: dividing them by f gives f^2 times the points.
   const double finer = std::sqrt(static_cast<double>(points) / static_cast<double>(setting.points));
   ScanOptions options;
   options.curve_spacing = setting.curve_spacing / finer;
@@ -108,16 +105,15 @@ Result<PointCloud> sequence_frame(const Motion& motion, const SequenceOptions& o
                                   int number) {
   const Body body = pose_body(motion.pose(static_cast<double>(number) / options.fps));
   if (options.voxels) return voxelize(body, *options.voxels);
-  const auto samples = sample(motion, body, options, number);
-  if (!samples) return tl::unexpected(samples.error());
+  const auto samples = TRY(sample(motion, body, options, number));
   const std::uint64_t noise_seed =
       Random(options.seed, 2 * static_cast<std::uint64_t>(number) + 1).bits();
 
   PointCloud cloud;
-  cloud.positions.reserve(samples->size());
-  cloud.colors.reserve(samples->size());
-  for (std::size_t i = 0; i < samples->size(); ++i) {
-    const Sample& at = (*samples)[i];
+  cloud.positions.reserve(samples.size());
+  cloud.colors.reserve(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& at = samples[i];
     glm::dvec3 position = at.position;
     if (options.noise > 0.0) {
       Random random(noise_seed, i);
@@ -130,8 +126,8 @@ Result<PointCloud> sequence_frame(const Motion& motion, const SequenceOptions& o
   if (options.sampler == Sampler::scan) {
     estimate_normals_and_radii(cloud);
   } else {
-    cloud.normals.reserve(samples->size());
-    for (const Sample& at : *samples) cloud.normals.emplace_back(at.normal);
+    cloud.normals.reserve(samples.size());
+    for (const Sample& at : samples) cloud.normals.emplace_back(at.normal);
   }
   return cloud;
 }

@@ -12,16 +12,18 @@ namespace pointreel {
 
 Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
   constexpr int kMaxLevels = 10;  // 11 m
-  if (surface.blends.empty()) return fail("cannot sample a surface without any parts");
+  if (surface.blends.empty()) {
+    return fail(ErrorCode::argument, "cannot sample a surface without any parts");
+  }
   const Box box = bounds(surface);
   const glm::dvec3 extent = box.extent() + 4.0 * kShell;
   const double largest = std::max({extent.x, extent.y, extent.z});
   if (!(largest <= kCell * static_cast<double>(1 << kMaxLevels))) {
-    return fail("cannot sample a surface larger than 11 m");
+    return fail(ErrorCode::limit, "cannot sample a surface larger than 11 m");
   }
   for (const Primitive& primitive : surface.primitives) {
     if (!std::isfinite(distance_to(primitive, box.min).value)) {
-      return fail("cannot sample a surface with a part that is not finite");
+      return fail(ErrorCode::argument, "cannot sample a surface with a part that is not finite");
     }
   }
   SurfaceGrid grid(std::move(surface));
@@ -34,7 +36,8 @@ Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
   grid.divide(grid.origin_, {0, 0, 0}, levels, all);
   for (const Cell& cell : grid.cells_) {
     if (cell.blend_count > kMaxBlends) {
-      return fail(fmt::format("cannot sample a surface with more than {} parts within {} mm",
+      return fail(ErrorCode::limit,
+                  fmt::format("cannot sample a surface with more than {} parts within {} mm",
                               kMaxBlends, 1000.0 * kCell));
     }
   }
@@ -42,16 +45,16 @@ Result<SurfaceGrid> SurfaceGrid::build(Surface surface) {
   return grid;
 }
 
-// Divides cubes as an octree does. The distance changes by no more than the way moved, so a cube
-// whose centre is further from the shell than its corners are from the centre cannot meet it.
+// Divides cubes as an octree does. The distance never changes faster than the position, so a cube
+// whose centre is further from the shell than from its own corners cannot meet the shell.
 void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int level,
                          std::span<const std::uint16_t> candidates) {
   const double edge = kCell * static_cast<double>(1u << level);
   const double reach = 0.5 * std::sqrt(3.0) * edge + kShell;
   const double nearest = blend_values_at(candidates, min + 0.5 * edge);
   if (std::abs(nearest) > reach) return;
-  // A blend that is nowhere within reach the nearest one has no say in the distance. A point on
-  // its way to the surface may leave the cell by kShell.
+  // A blend that is nowhere in reach the nearest one does not affect the distance. A point that
+  // moves to the surface may leave the cell by kShell.
   const auto matters = [&](double value) {
     return value <= reach + kShell && value - nearest <= 2.0 * (reach + kShell);
   };
@@ -59,7 +62,7 @@ void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int lev
     const auto first_blend = static_cast<std::uint32_t>(blends_.size());
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!matters(values_[i])) continue;
-      // The nearest first: what looks for the smallest may leave the rest out.
+      // The nearest come first, so that a search for the smallest distance can stop early.
       const auto value = static_cast<float>(values_[i]);
       std::size_t place = blends_.size();
       blends_.push_back(candidates[i]);
@@ -87,7 +90,7 @@ void SurfaceGrid::divide(const glm::dvec3& min, const glm::ivec3& first, int lev
 }
 
 double SurfaceGrid::blend_values_at(std::span<const std::uint16_t> blends, const glm::dvec3& p) {
-  // Blends share primitives: each is worked out once.
+  // Blends share primitives, so each primitive is evaluated only once.
   ++evaluation_;
   const auto value = [&](std::uint16_t primitive) {
     Known& known = known_[primitive];
@@ -136,7 +139,8 @@ void SurfaceGrid::make_lookup() {
 }
 
 SurfaceDistance SurfaceGrid::distance(const Cell& cell, const glm::dvec3& p) const {
-  // Blends share primitives: each is worked out once. Their gradients only where they decide.
+  // Blends share primitives, so each primitive is evaluated only once. Gradients are computed for
+  // the deciding blend only.
   std::array<std::uint16_t, 2 * kMaxBlends> primitives;
   std::array<double, 2 * kMaxBlends> values;
   std::size_t count = 0;
@@ -150,7 +154,7 @@ SurfaceDistance SurfaceGrid::distance(const Cell& cell, const glm::dvec3& p) con
     return values[i];
   };
   const glm::dvec3 off = p - (cell.min + 0.5 * kCell);
-  // A micrometre for the single precision of what it is compared with.
+  // The micrometre makes up for the single precision of the distances that this is compared with.
   const double moved = std::sqrt(glm::dot(off, off)) + 1e-6;
   const std::span<const std::uint16_t> all = blends(cell);
   const std::span<const float> at_center = blend_values(cell);
@@ -158,7 +162,7 @@ SurfaceDistance SurfaceGrid::distance(const Cell& cell, const glm::dvec3& p) con
   const Blend* best = nullptr;
   bool mixed = false, first_is_nearer = true;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (at_center[i] - moved >= nearest) break;  // so are all that follow
+    if (at_center[i] - moved >= nearest) break;  // all that follow are even further away
     const Blend& blend = surface_.blends[all[i]];
     const double first = value(blend.first);
     const double second = blend.first == blend.second ? first : value(blend.second);

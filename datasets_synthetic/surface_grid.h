@@ -15,65 +15,66 @@
 
 namespace pointreel {
 
-/// The space around a surface in cells of 11 mm: which of them the surface may pass through, and
-/// the few of its blends that matter there. What samples a surface or casts rays at it evaluates
-/// only those. Cells lie in blocks of 8^3, of which most are empty and skipped whole.
+/// Divides the space around a surface into cells of 11 mm and lists the cells that the surface may
+/// pass through, each with the few blends that matter there. Samplers and rays evaluate only those
+/// blends. Cells lie in blocks of 8^3, most of which are empty and are skipped whole.
 class SurfaceGrid {
  public:
-  static constexpr double kCell =
-      0.011;  ///< metres; about the fastest for 90,000 points on a person
-  /// Every point at most this far from the surface (metres) lies in a cell that is listed.
+  /// The edge of a cell in metres. This size is about the fastest for 90,000 points on a person.
+  static constexpr double kCell = 0.011;
+  /// Every point at most this far from the surface (metres) lies in a listed cell.
   static constexpr double kShell = 0.0025;
-  /// A cell lists all blends that are at most this far from its centre: half its diagonal, kShell.
+  /// A cell lists all blends that are at most this far from its centre: half its diagonal plus
+  /// kShell.
   static constexpr double kListed = 0.5 * 1.7320508075688772 * kCell + kShell;
   static constexpr int kBlock = 8;               ///< cells along the edge of a block
-  static constexpr std::size_t kMaxBlends = 32;  ///< that matter in one cell
+  static constexpr std::size_t kMaxBlends = 32;  ///< in one cell
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   struct Cell {
     glm::dvec3 min;
-    double distance;  ///< of the centre, signed: no point of the surface is nearer to it
+    double distance;  ///< signed, at the centre: no point of the surface is nearer to it
     std::uint32_t first_blend, blend_count;
   };
 
-  /// Refuses a surface without parts, one that is not finite, one larger than 11 m, and one with
-  /// more than kMaxBlends blends in one place.
+  /// Fails for a surface without parts, one that is not finite, one larger than 11 m, and one with
+  /// more than kMaxBlends blends in one cell.
   static Result<SurfaceGrid> build(Surface surface);
 
   const Surface& surface() const { return surface_; }
 
-  /// The surface's primitives, for rays.
+  /// The primitives of the surface, prepared for rays.
   std::span<const RayPrimitive> ray_primitives() const { return ray_primitives_; }
 
-  /// The cells that are listed, those of a block together. None if the surface has no area.
+  /// The listed cells; those of a block follow each other. Empty if the surface has no area.
   std::span<const Cell> cells() const { return cells_; }
 
-  /// The blends that decide the distance in the cell and up to kShell around it, by their distance
-  /// at the cell's centre.
+  /// The blends that decide the distance in the cell and up to kShell around it, sorted by their
+  /// distance from the centre of the cell.
   std::span<const std::uint16_t> blends(const Cell& cell) const {
     return {blends_.data() + cell.first_blend, cell.blend_count};
   }
 
-  /// The distance of each of them at the cell's centre.
+  /// The distance of each of these blends from the centre of the cell.
   std::span<const float> blend_values(const Cell& cell) const {
     return {blend_values_.data() + cell.first_blend, cell.blend_count};
   }
 
-  /// distance_to the surface at a point of the cell or up to kShell around it, to within rounding
-  /// (see RayPrimitive); faster.
+  /// The distance to the surface from a point in the cell or up to kShell around it. It equals
+  /// distance_to except for rounding (see RayPrimitive), and is faster.
   SurfaceDistance distance(const Cell& cell, const glm::dvec3& p) const;
 
-  /// Minimum corner and number of cells along each axis; whole blocks.
+  /// The minimum corner, and the number of cells along each axis, which is a multiple of kBlock.
   const glm::dvec3& origin() const { return origin_; }
   const glm::ivec3& size() const { return size_; }
 
-  /// Coordinates of the cell that holds p; beyond 0 and `size` outside the grid.
+  /// The coordinates of the cell that holds p; below 0 or from `size` on if p is outside the grid.
   glm::ivec3 cell_at(const glm::dvec3& p) const;
 
-  /// Whether any cell of the block of this cell is listed. The coordinates are within `size`.
+  /// Whether any cell in the block of this cell is listed. The coordinates must be within `size`.
   bool block_occupied(const glm::ivec3& cell) const { return block(cell) != kNone; }
 
-  /// Number of the cell of these coordinates (within `size`) in `cells`, or kNone.
+  /// The index in `cells` of the cell with these coordinates (within `size`), or kNone.
   std::uint32_t find(const glm::ivec3& cell) const {
     const std::uint32_t number = block(cell);
     if (number == kNone) return kNone;
@@ -91,7 +92,7 @@ class SurfaceGrid {
               std::span<const std::uint16_t> candidates);
   void make_lookup();
 
-  /// The distances of blends at p, into values_; returns the smallest.
+  /// Writes the distances of the blends at p into values_ and returns the smallest.
   double blend_values_at(std::span<const std::uint16_t> blends, const glm::dvec3& p);
 
   std::uint32_t block(const glm::ivec3& cell) const {
@@ -108,7 +109,8 @@ class SurfaceGrid {
   std::vector<glm::ivec3> coordinates_;  ///< of each cell
   std::vector<std::uint16_t> blends_;
   std::vector<float> blend_values_;
-  /// While it is built: what is known of each primitive, and since which evaluation.
+  /// Used while the grid is built: the distance of each primitive and the evaluation that it is
+  /// from.
   struct Known {
     std::uint64_t evaluation = 0;
     double value = 0.0;
@@ -116,8 +118,8 @@ class SurfaceGrid {
   std::vector<Known> known_;
   std::vector<double> values_;
   std::uint64_t evaluation_ = 0;
-  std::vector<std::uint32_t> blocks_;  ///< number of each block that is not empty
-  std::vector<std::uint32_t> lookup_;  ///< number of each cell of those blocks, x fastest
+  std::vector<std::uint32_t> blocks_;  ///< the number of each block that is not empty, or kNone
+  std::vector<std::uint32_t> lookup_;  ///< the index of each cell of those blocks, x fastest
 };
 
 }  // namespace pointreel

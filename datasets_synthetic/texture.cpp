@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets_synthetic/random.h"
+
 namespace pointreel {
 namespace {
 
-/// The finalizer of SplitMix64: what Random draws from.
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
-/// Up and down between -1 and 1 with the period 2, from parabolas.
+/// A wave between -1 and 1 with a period of 2, made of parabolas.
 double wave(double x) {
   const double t = x - 2.0 * std::floor(0.5 * x);  // 0 to 2
   const double half = t < 1.0 ? t : t - 1.0;
@@ -27,7 +22,7 @@ double value_noise(const glm::dvec3& p, std::uint64_t seed) {
   const glm::dvec3 corner(std::floor(p.x), std::floor(p.y), std::floor(p.z));
   glm::dvec3 s = p - corner;
   s = s * s * (3.0 - 2.0 * s);
-  // A random number, 0 to 2, belongs to each place of the integer grid.
+  // Each point of the integer grid has a random number from 0 to 2.
   constexpr std::uint64_t kX = 0x9e3779b97f4a7c15u, kY = 0xc2b2ae3d27d4eb4fu,
                           kZ = 0x165667b19e3779f9u;
   const auto whole = [](double x) {
@@ -36,8 +31,8 @@ double value_noise(const glm::dvec3& p, std::uint64_t seed) {
   const std::uint64_t place = seed * 0xd6e8feb86659fd93u + whole(corner.x) * kX +
                               whole(corner.y) * kY + whole(corner.z) * kZ;
   const auto along_x = [&](std::uint64_t at) {
-    const auto a = static_cast<double>(static_cast<std::int64_t>(mix(at) >> 11));
-    const auto b = static_cast<double>(static_cast<std::int64_t>(mix(at + kX) >> 11));
+    const auto a = static_cast<double>(static_cast<std::int64_t>(mix_bits(at) >> 11));
+    const auto b = static_cast<double>(static_cast<std::int64_t>(mix_bits(at + kX) >> 11));
     return a + s.x * (b - a);
   };
   const auto along_y = [&](std::uint64_t at) {

@@ -7,14 +7,15 @@
 
 namespace pointreel {
 
-/// Smooth noise, -1 to 1, about one hill or dale in each unit cube: random values at the corners of
-/// the unit grid and a smooth way between them. The same on every machine.
+/// Smooth noise from -1 to 1 with about one hill or valley in each unit cube: random values at the
+/// points of the integer grid, interpolated smoothly. The same on every machine.
 double value_noise(const glm::dvec3& p, std::uint64_t seed);
 
-/// Threads of this width (metres) over and under each other, seen from any side: -1 to 1.
+/// The pattern of woven cloth, -1 to 1, with threads of the given width in metres. It looks the
+/// same from every side.
 double weave(const glm::dvec3& p, double thread);
 
-/// The colour, lighter (or darker, `change` < 0) by that share.
+/// The colour made lighter by the share `change`, or darker where `change` is negative.
 glm::u8vec3 shaded(const glm::u8vec3& color, double change);
 
 }  // namespace pointreel

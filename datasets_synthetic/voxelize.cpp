@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/try.h"
 #include "common/octree/morton.h"
 #include "common/octree/radix_sort.h"
 #include "datasets_synthetic/samplers/ldc.h"
@@ -11,7 +12,8 @@
 namespace pointreel {
 namespace {
 
-/// Every voxel once for each of its edges that meets the surface, with the number of the hit.
+/// The keys of all voxels, sorted: each voxel once for each of its edges that meets the surface,
+/// with the index of that hit.
 std::vector<KeyIndex> voxels_of(const std::vector<LatticeHit>& hits, int bits) {
   const int last = (1 << bits) - 1;
   std::vector<KeyIndex> keys;
@@ -22,7 +24,7 @@ std::vector<KeyIndex> voxels_of(const std::vector<LatticeHit>& hits, int bits) {
       glm::ivec3 cell = hits[i].cell;
       cell[next] -= side & 1;
       cell[after] -= side >> 1;
-      cell = glm::clamp(cell, 0, last);  // the surface is within the grid but for rounding
+      cell = glm::clamp(cell, 0, last);  // rounding may place the surface just outside the grid
       keys.push_back({morton_encode(glm::uvec3(cell)), i});
     }
   }
@@ -39,23 +41,21 @@ VoxelGrid voxel_grid(const Box& box, int bits) {
 }
 
 Result<PointCloud> voxelize(const Body& body, const VoxelGrid& grid) {
-  const auto surface = SurfaceGrid::build(body.surface);
-  if (!surface) return tl::unexpected(surface.error());
+  const auto surface = TRY(SurfaceGrid::build(body.surface));
   // The corners of the voxels are the points of the lattice.
-  const auto hits = cast_lattice(*surface, {grid.origin - 0.5 * grid.voxel, grid.voxel});
-  if (!hits) return tl::unexpected(hits.error());
-  std::vector<glm::u8vec3> colors(hits->size());
-  for (std::size_t i = 0; i < hits->size(); ++i) {
-    const SurfacePoint& point = (*hits)[i].point;
+  const auto hits = TRY(cast_lattice(surface, {grid.origin - 0.5 * grid.voxel, grid.voxel}));
+  std::vector<glm::u8vec3> colors(hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const SurfacePoint& point = hits[i].point;
     colors[i] = color_at(body, point.primitive, point.position);
   }
-  const std::vector<KeyIndex> keys = voxels_of(*hits, grid.bits);
+  const std::vector<KeyIndex> keys = voxels_of(hits, grid.bits);
   PointCloud cloud;
   for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
     glm::dvec3 normal(0.0);
     glm::uvec3 color(0u);
     for (; end < keys.size() && keys[end].key == keys[begin].key; ++end) {
-      normal += (*hits)[keys[end].index].point.normal;
+      normal += hits[keys[end].index].point.normal;
       color += glm::uvec3(colors[keys[end].index]);
     }
     const auto count = static_cast<std::uint32_t>(end - begin);

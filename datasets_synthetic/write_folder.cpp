@@ -4,22 +4,26 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
+
 namespace pointreel {
 namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> may_replace(const fs::path& place, const std::string& output,
-                         const std::function<bool(std::string_view)>& is_ours) {
+/// Fails if `place` holds anything that this program did not write.
+Result<void> check_replaceable(const fs::path& place, const std::string& output,
+                               const std::function<bool(std::string_view)>& is_ours) {
   std::error_code error;
-  if (!fs::is_directory(place, error)) return fail(fmt::format("{}: is not a folder", output));
+  if (!fs::is_directory(place, error)) {
+    return fail(ErrorCode::argument, output + ": is not a folder; choose another name");
+  }
   for (const auto& entry : fs::directory_iterator(place, error)) {
     const std::string name = entry.path().filename();
     if (!is_ours(name)) {
-      return fail(
-          fmt::format("{}: holds {}, which is none of the files to be written; move it "
-                      "away first",
-                      output, name));
+      return fail(ErrorCode::argument,
+                  fmt::format("{}: holds {}, which this program did not write; move it away first",
+                              output, name));
     }
   }
   return {};
@@ -36,28 +40,25 @@ Result<void> write_folder(const std::string& output, bool force,
   const bool replaces =
       fs::exists(place, error) && !(fs::is_directory(place, error) && fs::is_empty(place, error));
   if (replaces && !force) {
-    return fail(
-        fmt::format("{}: exists; choose another folder or replace it with --force", output));
+    return fail(ErrorCode::argument,
+                output + ": already exists; choose another folder or replace it with --force");
   }
-  if (replaces) {  // never sweep away what this program did not write
-    const Result<void> may = may_replace(place, output, is_ours);
-    if (!may) return may;
-  }
+  if (replaces) TRY(check_replaceable(place, output, is_ours));
   fs::path beside = place;
   beside += ".partial";
-  if (fs::exists(beside, error)) {  // what an interrupted run left behind
-    const Result<void> may = may_replace(beside, beside.string(), is_ours);
-    if (!may) return may;
+  if (fs::exists(beside, error)) {  // an interrupted run left it behind
+    TRY(check_replaceable(beside, beside.string(), is_ours));
     fs::remove_all(beside, error);
   }
   if (!fs::create_directories(beside, error)) {
-    return fail(fmt::format("{}: cannot make the folder: {}", beside.string(), error.message()));
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot make the folder: {}", beside.string(), error.message()));
   }
   Result<void> written = fill(beside);
   if (written) {
     fs::remove_all(place, error);
     if (!error) fs::rename(beside, place, error);
-    if (error) written = fail(fmt::format("{}: {}", output, error.message()));
+    if (error) written = fail(ErrorCode::io, fmt::format("{}: {}", output, error.message()));
   }
   if (!written) fs::remove_all(beside, error);
   return written;

@@ -9,10 +9,9 @@
 
 namespace pointreel {
 
-/// Makes a folder that is complete or absent: `fill` writes into a folder beside `output`, which
-/// then moves to its place. What is at `output` already is replaced only if it is an empty folder,
-/// or if `force` is set and it holds nothing but files that `is_ours` knows by name; and only once
-/// all is written.
+/// Makes a folder that appears only once it is complete: `fill` writes into a folder beside
+/// `output`, which is then moved to `output`. An existing folder is replaced only if it is empty,
+/// or if `force` is set and `is_ours` accepts the name of every file in it.
 Result<void> write_folder(const std::string& output, bool force,
                           const std::function<bool(std::string_view name)>& is_ours,
                           const std::function<Result<void>(const std::filesystem::path&)>& fill);

@@ -6,8 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
+#include "common/base/try.h"
 #include "datasets_synthetic/hard_cases.h"
 #include "datasets_synthetic/write_folder.h"
 
@@ -19,7 +18,7 @@ namespace fs = std::filesystem;
 Result<void> write_text(const fs::path& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text << std::flush;
-  if (!file) return fail(fmt::format("{}: cannot be written", path.string()));
+  if (!file) return fail(ErrorCode::io, path.string() + ": cannot be written");
   return {};
 }
 
@@ -31,14 +30,11 @@ Result<std::size_t> write_hard(const std::string& output, bool force) {
     return name == kHardManifest || std::any_of(cases.begin(), cases.end(),
                                                 [name](const auto& c) { return c.file == name; });
   };
-  const auto written = write_folder(output, force, is_ours, [&](const fs::path& folder) {
-    Result<void> done = write_text(folder / kHardManifest, hard_manifest(cases));
-    for (const HardCase& c : cases) {
-      if (done) done = write_text(folder / c.file, c.bytes);
-    }
-    return done;
-  });
-  if (!written) return tl::unexpected(written.error());
+  TRY(write_folder(output, force, is_ours, [&](const fs::path& folder) -> Result<void> {
+    TRY(write_text(folder / kHardManifest, hard_manifest(cases)));
+    for (const HardCase& c : cases) TRY(write_text(folder / c.file, c.bytes));
+    return {};
+  }));
   return cases.size();
 }
 

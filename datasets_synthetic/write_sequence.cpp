@@ -14,6 +14,7 @@
 #include <tbb/parallel_for.h>
 
 #include "common/base/progress.h"
+#include "common/base/try.h"
 #include "common/cloud/ply.h"
 #include "datasets_synthetic/write_folder.h"
 
@@ -27,12 +28,12 @@ Result<std::size_t> write_frame(const Motion& motion, const SequenceJob& job, in
                                 const fs::path& folder) {
   const auto cloud = sequence_frame(motion, job.options, number);
   if (!cloud) return fail_at(fmt::format("frame {}", number), cloud.error());
-  const auto written = write_ply(folder / fmt::format("frame_{:04}.ply", number), *cloud);
-  if (!written) return tl::unexpected(written.error());
+  TRY(write_ply(folder / fmt::format("frame_{:04}.ply", number), *cloud));
   return cloud->size();
 }
 
-/// Writes all frames; `points` is as long as there are frames.
+/// Writes all frames and stores the number of points of each in `points`, which has one element per
+/// frame.
 Result<void> write_frames(const Motion& motion, const SequenceJob& job, const fs::path& folder,
                           std::vector<std::size_t>& points) {
   Progress progress("writing", points.size());
@@ -63,10 +64,9 @@ Result<SequenceSummary> write_sequence(const Motion& motion, const SequenceJob& 
     return name.starts_with("frame_") && name.ends_with(".ply");
   };
   std::vector<std::size_t> points(static_cast<std::size_t>(job.frames));
-  const auto written = write_folder(job.output, job.force, is_frame, [&](const fs::path& folder) {
+  TRY(write_folder(job.output, job.force, is_frame, [&](const fs::path& folder) {
     return write_frames(motion, job, folder, points);
-  });
-  if (!written) return tl::unexpected(written.error());
+  }));
   SequenceSummary summary;
   const auto [min, max] = std::minmax_element(points.begin(), points.end());
   summary.min_points = *min;

@@ -5,16 +5,17 @@
 #include "datasets_synthetic/motions/motions.h"
 #include "datasets_synthetic/motions/puppet.h"
 #include "datasets_synthetic/motions/track.h"
+#include "datasets_synthetic/vectors.h"
 
-// A batter who bats from the right: the pitcher is on its left (+x), the plate before it (+z). It
-// waits, shifts its weight back, strides, and swings from the hips up; the bat meets the ball and
-// goes on round to the other shoulder.
+// A right-handed batter: the pitcher is on its left (+x), the plate in front of it (+z). It waits,
+// shifts its weight back, strides, and swings from the hips up. The bat hits the ball and follows
+// through to the other shoulder.
 
 namespace pointreel {
 namespace {
 
-constexpr double kHit = 49.0 / 30.0;  // a pose shows it
-constexpr double kInSight = 1.05;     // metres from the hit
+constexpr double kHit = 49.0 / 30.0;  // exactly at a pose
+constexpr double kInSight = 1.05;     // how far from the hit the ball is shown, metres
 constexpr double kSweetSpot = 0.68;   // metres from the knob
 
 // Pelvis x, y, z; hips pitch, roll, twist; spine pitch, roll, twist.
@@ -59,7 +60,8 @@ constexpr Track<7, 10> kRightFoot = {{
     {3.78, {0.04, 0.00, -0.12, 0, 62, 0, 0}},
 }};
 
-// In the chest's frame, from the middle between the shoulders: the knob, and where the bat points.
+// In the frame of the chest, relative to the middle between the shoulders: the knob, and the
+// direction of the bat.
 constexpr Track<6, 15> kBat = {{
     {0.00, {-0.14, -0.14, 0.30, -0.38, 0.84, -0.30}},
     {0.45, {-0.13, -0.13, 0.31, -0.12, 0.95, -0.10}},
@@ -78,8 +80,6 @@ constexpr Track<6, 15> kBat = {{
     {3.78, {0.10, -0.32, 0.30, 0.34, 0.92, 0.12}},
 }};
 
-glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
-
 Puppet puppet_at(double time) {
   Puppet puppet;
   set_trunk(puppet, at(kTrunk, time));
@@ -95,7 +95,7 @@ Bat bat_at(const Puppet& puppet, double time) {
   return {chest.place({row[0], row[1], row[2]}), {x, y, glm::cross(x, y)}};
 }
 
-/// Both hands round the handle, the left one below, thumbs towards the barrel.
+/// Puts both hands round the handle, the left one below, thumbs towards the barrel.
 void hold(Puppet& puppet, const Bat& bat) {
   const Frame chest = chest_frame(puppet);
   for (std::size_t side = 0; side < 2; ++side) {

@@ -5,26 +5,28 @@
 #include "datasets_synthetic/motions/motions.h"
 #include "datasets_synthetic/motions/puppet.h"
 #include "datasets_synthetic/motions/track.h"
+#include "datasets_synthetic/vectors.h"
 
-// Three bounces under the right hand, both hands on the ball, a deep bend, a jump, a shot at its
-// top, and a soft landing.
+// Three bounces under the right hand, both hands on the ball, a deep bend, a jump, a shot at the
+// top of the jump, and a soft landing.
 
 namespace pointreel {
 namespace {
 
-// A bounce: the hand lets go of the ball at kLow on its way down and has it again there on its way
-// up. Seconds.
+// A bounce: the hand releases the ball at the height kLow (metres) on its way down and meets it
+// there on its way up. The durations are in seconds.
 constexpr double kLow = 0.73, kDown = 0.19, kUp = 0.26, kPush = 0.20;
 constexpr double kBounce = kDown + kUp + kPush;
 constexpr int kBounces = 3;
 constexpr double kFirstRelease = 0.10;
 constexpr double kCaught = kFirstRelease + kBounces * kBounce - kPush;  // both hands take it
 constexpr double kRelease = 86.0 / 30.0;
-constexpr double kOutOfSight = 2.37;  // height of the centre, metres
+constexpr double kOutOfSight =
+    2.37;  // height of the centre from which the ball is not shown, metres
 constexpr glm::dvec3 kSpot{-0.32, 0.0, 0.42};
 
-// Pelvis x, y, z; hips pitch, roll, twist; spine pitch, roll, twist. Off the ground from 2.62 to
-// 3.02 s, by 0.5 g (t - 2.62) (3.02 - t).
+// Pelvis x, y, z; hips pitch, roll, twist; spine pitch, roll, twist. From 2.62 to 3.02 s the figure
+// is 0.5 g (t - 2.62) (3.02 - t) above the ground.
 constexpr Track<9, 20> kTrunk = {{
     {0.00, {-0.02, -0.15, 0.00, 10, 0, 6, 16, 2, 4}},
     {0.33, {-0.01, -0.13, 0.00, 9, 0, 4, 14, 0, 2}},
@@ -48,7 +50,8 @@ constexpr Track<9, 20> kTrunk = {{
     {3.78, {0.00, -0.04, 0.10, 3, 0, 2, 4, 0, 2}},
 }};
 
-// Left; the right foot does the same 0.14 m further back. Place x, y, z; heel, yaw, hangs, point.
+// The left foot; the right foot does the same 0.14 m further back. Place x, y, z; heel, yaw, hangs,
+// point.
 constexpr Track<7, 13> kFoot = {{
     {0.00, {0.17, 0.00, 0.10, 0, 10, 0, 0}},
     {2.44, {0.17, 0.00, 0.10, 0, 10, 0, 0}},
@@ -65,7 +68,8 @@ constexpr Track<7, 13> kFoot = {{
     {3.80, {0.16, 0.00, 0.18, 0, 8, 0, 0}},
 }};
 
-// The ball's centre in both hands, up to the throw. The last key gives it its direction.
+// The centre of the ball while both hands hold it. The last key, after the release, gives the throw
+// its direction.
 constexpr Track<3, 7> kCarried = {{
     {kCaught, {-0.32, 0.73, 0.42}},
     {2.02, {-0.16, 0.92, 0.42}},
@@ -77,7 +81,7 @@ constexpr Track<3, 7> kCarried = {{
 }};
 constexpr glm::dvec3 kThrow{0.0, 3.2, 2.1};  // m/s
 
-// From the ball's centre to the palm: left x, y, z; right x, y, z.
+// The direction from the centre of the ball to the palm: left x, y, z; right x, y, z.
 constexpr Track<6, 6> kPalms = {{
     {kCaught, {1.0, -0.1, 0.0, -0.1, 1.0, -0.25}},
     {2.02, {1.0, -0.1, -0.1, -0.9, 0.4, -0.3}},
@@ -87,7 +91,7 @@ constexpr Track<6, 6> kPalms = {{
     {kRelease, {1.0, 0.0, -0.2, 0.0, -0.5, -0.87}},
 }};
 
-// Wrist x, y, z; elbow; where no ball is held.
+// Wrist x, y, z; elbow. They apply while the hand holds no ball.
 constexpr Track<4, 7> kLeftHand = {{
     {0.00, {0.34, -0.34, 0.24, 40}},
     {0.98, {0.33, -0.36, 0.22, 40}},
@@ -113,13 +117,12 @@ struct BallState {
   glm::dvec3 center{0.0};
   double spin = 0.0;  // radians, about x
   double held_left = 0.0, held_right = 0.0;
-  glm::dvec3 left_palm{1, 0, 0}, right_palm{0, 1, 0};  // from the centre, unit length
-  glm::dvec3 right_held{0.0};                          // what the right palm follows
+  glm::dvec3 left_palm{1, 0, 0}, right_palm{0, 1, 0};  // directions from the centre, unit length
+  glm::dvec3 right_held{0.0};  // the ball centre that the right palm follows
 };
 
-glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
-
-/// The height of what goes from one place and speed to another in a time, at a share of it.
+/// The height, at the share s of `duration`, of a movement between two heights with the given
+/// speeds at both ends.
 double hermite(double from, double speed, double to, double to_speed, double duration, double s) {
   return from + (to - from) * s * s * (3.0 - 2.0 * s) +
          duration * speed * s * (1.0 - s) * (1.0 - s) - duration * to_speed * s * s * (1.0 - s);
@@ -142,7 +145,7 @@ BallState dribbled(double time) {
     ball.center = low;
     ball.center.y = hermite(kLow, speed_up, kLow, speed_down, kPush, share);
   }
-  // In between the hand follows through, waits, and goes along with the ball.
+  // While the ball is away, the hand follows through, waits, and then moves along with the ball.
   ball.right_held = ball.center;
   if (since < kDown + kUp) {
     ball.right_held.y =

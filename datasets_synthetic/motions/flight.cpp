@@ -21,7 +21,7 @@ glm::dvec3 throw_from(const glm::dvec3& from, const glm::dvec3& velocity, double
   return from + seconds * velocity - glm::dvec3(0, 0.5 * kGravity * seconds * seconds, 0);
 }
 
-// Sphere tracing: the distance from the body changes by no more than the way moved.
+// Sphere tracing: the distance from the body never changes faster than the position.
 glm::dvec3 touch(const Pose& pose, const glm::dvec3& from, const glm::dvec3& direction,
                  double ball_radius) {
   constexpr double kTolerance = 1e-5, kFurthest = 3.0;

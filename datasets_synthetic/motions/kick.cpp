@@ -2,9 +2,9 @@
 #include "datasets_synthetic/motions/puppet.h"
 #include "datasets_synthetic/motions/track.h"
 
-// From a guard, left foot in front: a front kick with the right leg, a roundhouse kick with the
-// right leg on the turning left foot, a side kick with the left leg on the turning right foot, and
-// back to the guard. The knee goes up before the foot goes out, and comes back after it.
+// Starts from a guard with the left foot in front: a front kick with the right leg, a roundhouse
+// kick with the right leg on the turning left foot, a side kick with the left leg on the turning
+// right foot, and back to the guard. The knee rises before the foot kicks, and comes down after it.
 
 namespace pointreel {
 namespace {
@@ -37,7 +37,7 @@ constexpr Track<9, 21> kTrunk = {{
 }};
 constexpr double kGuardAgain = 4.5;
 
-// Wrist x, y, z; elbow. Fists before the chin.
+// Wrist x, y, z; elbow. The fists guard the chin.
 constexpr Track<4, 11> kLeftHand = {{
     {0.00, {0.08, -0.04, 0.36, 12}},
     {0.48, {0.08, -0.05, 0.35, 12}},
@@ -105,7 +105,7 @@ constexpr Track<7, 25> kRightFoot = {{
 Pose kick(double seconds) {
   const double time = kPeriod * fraction(seconds / kPeriod);
   Puppet puppet;
-  // The guard's first movements are also its last ones.
+  // The last movements lead back to the first pose of the guard.
   auto trunk = at(kTrunk, time);
   const auto guard = at(kTrunk, 0.0);
   const double back = rise(kGuardAgain, kPeriod, time);

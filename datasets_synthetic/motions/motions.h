@@ -2,9 +2,10 @@
 
 #include "datasets_synthetic/body.h"
 
-// The movements of the paper's sequences (002, section V, Table I), each in a file of its own, as
-// motion.h lists them. Time is in seconds from the first pose; a movement that does not loop holds
-// its first and last pose.
+// The movements of the sequences in Slomp et al., Geometry Instancing, Table I, each in a file of
+// its
+// own; motion.h lists them. Time is in seconds from the first pose. A movement that does not loop
+// holds its first pose before the start and its last pose after the end.
 
 namespace pointreel {
 

@@ -5,21 +5,20 @@
 #include <cstddef>
 
 #include "datasets_synthetic/trigonometry.h"
+#include "datasets_synthetic/vectors.h"
 
 namespace pointreel {
 namespace {
 
 constexpr glm::dvec3 kMidShoulders{0.0, 1.405, -0.01};
 constexpr double kDegree = kPi / 180.0;
-constexpr double kLongest = 0.9995;  // of a limb's length: a knee is never quite straight
-
-glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
+constexpr double kLongest = 0.9995;  // share of a limb's length: a knee is never quite straight
 
 double side_of(std::size_t side) { return side == 0 ? 1.0 : -1.0; }
 
 Frame frame_of(const Skeleton& frames, Bone bone) { return frames[static_cast<std::size_t>(bone)]; }
 
-/// The rotation that takes straight down to the unit vector d by the shortest way.
+/// The smallest rotation that turns (0, -1, 0) to the unit vector d.
 glm::dmat3 from_down(const glm::dvec3& d) {
   const glm::dvec3 axis = glm::cross(glm::dvec3(0, -1, 0), d);  // its length is the sine
   const double c = -d.y, k = 1.0 / std::max(1.0 + c, 1e-6);
@@ -27,13 +26,13 @@ glm::dmat3 from_down(const glm::dvec3& d) {
   return glm::dmat3(c) + cross + k * glm::outerProduct(axis, axis);
 }
 
-/// v turned about the unit vector `axis`.
+/// The vector v, rotated about the unit vector `axis`.
 glm::dvec3 turned(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
   const double c = cosine(angle);
   return c * v + sine(angle) * glm::cross(axis, v) + (1.0 - c) * glm::dot(axis, v) * axis;
 }
 
-/// The rotation nearest to a mixture of two that are less than half a turn apart.
+/// The rotation nearest to the weighted mean of two rotations that are less than half a turn apart.
 glm::dmat3 mix_rotations(const glm::dmat3& a, const glm::dmat3& b, double share) {
   const glm::dmat3 mixed = (1.0 - share) * a + share * b;
   const glm::dvec3 z = unit(mixed[2]);
@@ -41,13 +40,13 @@ glm::dmat3 mix_rotations(const glm::dmat3& a, const glm::dmat3& b, double share)
   return {glm::cross(y, z), y, z};
 }
 
-/// Two bones of a limb, in the frame that the limb hangs in.
+/// The two bones of a limb, in the frame that the limb is attached to.
 struct Limb {
-  glm::dvec3 upper, lower;  // directions, unit length
+  glm::dvec3 upper, lower;  // directions of the bones, unit length
   glm::dvec3 hinge;         // the axis of the middle joint
 };
 
-/// From the upper joint to `target`; the middle joint bends towards `pole`.
+/// A limb that reaches from its upper joint to `target`; the middle joint bends towards `pole`.
 Limb bend(const glm::dvec3& target, const glm::dvec3& pole, double upper, double lower) {
   const double asked = std::sqrt(glm::dot(target, target));
   const glm::dvec3 d = target / asked;
@@ -62,7 +61,7 @@ Limb bend(const glm::dvec3& target, const glm::dvec3& pole, double upper, double
   return limb;
 }
 
-/// What is known of a limb's joints in rest: the bones' lengths.
+/// The lengths of the bones of arms and legs.
 struct Lengths {
   double upper_arm, forearm, thigh;
   glm::dvec3 shin;  // from knee to ankle
@@ -90,7 +89,7 @@ void place_trunk(const Puppet& puppet, Pose& pose) {
   const glm::dmat3 chest = frame_of(frames, Bone::chest).axes;
   const glm::dvec3 eyes = frame_of(frames, Bone::head).joint + chest * glm::dvec3(0, 0.11, 0.05);
   glm::dvec3 z = unit(*puppet.gaze - eyes) * chest;  // in the chest's frame
-  // No further round than a neck turns: looked at from well in front of the chest.
+  // A neck does not turn further: the direction keeps pointing well to the front of the chest.
   z = unit(glm::dvec3(z.x, z.y, std::max(z.z, 0.25)));
   const glm::dvec3 up = unit(glm::dvec3(0, 1, 0) - z.y * z);
   const glm::dmat3 look(glm::cross(up, z), up, z);
@@ -113,7 +112,8 @@ void place_arm(const HandGoal& goal, std::size_t side, const Skeleton& frames,
   glm::dmat3 hand_turn = asked_turn;
   glm::dmat3 upper_axes, fore_axes;
   glm::dvec3 to_palm(0.0);  // from the wrist
-  // Where the palm lies depends on the elbow and the elbow on where the wrist goes.
+  // The palm depends on the elbow, and the elbow on the wrist, which must bring the palm to its
+  // goal.
   for (int step = 0; step < (goal.holds > 0.0 ? 8 : 1); ++step) {
     const glm::dvec3 target = wanted + goal.holds * (held - to_palm - wanted);
     const glm::dvec3 d = unit(target);
@@ -151,7 +151,7 @@ LegPlace leg_place(const FootGoal& goal, std::size_t side, const Skeleton& frame
   const Bone foot = side == 0 ? Bone::left_foot : Bone::right_foot;
   const double s = side_of(side);
   const glm::dvec3 ankle = frame_of(frames, foot).rest_joint;
-  // The middles of the balls that the sole rolls on, so that what touches the floor stays on it.
+  // The centres of the two spheres that the sole rolls on, so that the foot stays on the floor.
   const glm::dvec3 ball(s * 0.095, 0.036, 0.12), heel(s * 0.088, 0.044, -0.045);
   const glm::dvec3& pivot = goal.heel > 0.0 ? ball : heel;
   const glm::dmat3 yaw = rotation({0.0, 0.0, goal.yaw});
@@ -176,7 +176,7 @@ void place_leg(const FootGoal& goal, std::size_t side, const Skeleton& frames,
   const Limb& leg = place.limb;
   const glm::dvec3 x = -leg.hinge;  // a knee bends the other way than an elbow
   const glm::dmat3 thigh_axes(x, -leg.upper, glm::cross(x, -leg.upper));
-  // In rest the shin leans a little: its frame is turned back by as much.
+  // At rest the shin leans a little; its frame is turned back by that angle.
   const glm::dvec3 lean = unit(length.shin), up = -leg.lower;
   const glm::dvec3 y = -lean.y * up + lean.z * glm::cross(x, up);
   const glm::dmat3 shin_axes(x, y, glm::cross(x, y));

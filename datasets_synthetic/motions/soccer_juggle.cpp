@@ -6,8 +6,8 @@
 #include "datasets_synthetic/motions/track.h"
 #include "datasets_synthetic/trigonometry.h"
 
-// Six touches, right and left in turn: foot, foot, thigh, foot, foot, thigh. The ball flies between
-// them as gravity has it.
+// Six touches, alternating between right and left: foot, foot, thigh, foot, foot, thigh. Between
+// the touches the ball flies freely.
 
 namespace pointreel {
 namespace {
@@ -15,13 +15,13 @@ namespace {
 constexpr double kPeriod = 116.0 / 30.0;
 constexpr std::size_t kTouches = 6;
 constexpr double kBetween = kPeriod / kTouches;
-constexpr double kFirst = 0.5 * kBetween;  // when the right foot meets the ball
+constexpr double kFirst = 0.5 * kBetween;  // the time when the right foot touches the ball
 
 enum class Part { foot, thigh };
 constexpr std::array<Part, kTouches> kParts = {Part::foot, Part::foot, Part::thigh,
                                                Part::foot, Part::foot, Part::thigh};
 
-// A left foot around its touch at 0. Place x, y, z; heel, yaw, hangs, point.
+// The left foot around its touch at time 0. Place x, y, z; heel, yaw, hangs, point.
 constexpr Track<7, 8> kFootTouch = {{
     {-0.40, {0.105, 0.00, 0.00, 0, 8, 0, 0}},
     {-0.28, {0.105, 0.00, 0.00, 28, 8, 0, 20}},
@@ -43,7 +43,8 @@ constexpr Track<7, 8> kThighTouch = {{
     {0.42, {0.105, 0.00, 0.00, 0, 8, 0, 0}},
 }};
 
-/// Which touch was last at `time` (counting on through the periods), and how long ago.
+/// The number of the last touch before `time`, counted through all periods, and the seconds since
+/// then.
 struct Last {
   int touch;
   double ago;
@@ -62,7 +63,7 @@ bool by_right(int touch) { return touch % 2 == 0; }
 
 FootGoal foot_at(double time, bool right) {
   const Last last = last_touch(time);
-  // Of the last touch and the next one, one is this foot's.
+  // Either the last touch or the next one is by this foot.
   const bool was_last = by_right(last.touch) == right;
   const Part part = part_of(was_last ? last.touch : last.touch + 1);
   const double after = was_last ? last.ago : last.ago - kBetween;
@@ -75,7 +76,7 @@ FootGoal foot_at(double time, bool right) {
 }
 
 Puppet puppet_at(double time) {
-  // 1 when the right leg meets the ball, -1 when the left one does.
+  // 1 when the right leg touches the ball, -1 when the left leg does.
   const double swing = cosine(kPi * (time - kFirst) / kBetween);
   const double bob = cosine(2.0 * kPi * (time - kFirst) / kBetween);
   const double turn = sine(2.0 * kPi * time / kPeriod);
@@ -85,7 +86,7 @@ Puppet puppet_at(double time) {
   puppet.spine = {0.17 + 0.05 * bob, 0.13 * swing, -0.26 * swing};
   puppet.feet = {foot_at(time, false), foot_at(time, true)};
   for (std::size_t side = 0; side < 2; ++side) {
-    const double s = side == 0 ? 1.0 : -1.0;  // the arm against the leg
+    const double s = side == 0 ? 1.0 : -1.0;  // each arm moves against the leg on its side
     HandGoal& hand = puppet.hands[side];
     hand.wrist = {s * (0.38 + 0.03 * bob + 0.02 * turn), -0.33 + 0.05 * bob - 0.04 * s * swing,
                   0.14 + 0.12 * s * swing};
@@ -95,7 +96,7 @@ Puppet puppet_at(double time) {
   return puppet;
 }
 
-/// The ball's centre when it is touched.
+/// The centre of the ball at the given touch.
 glm::dvec3 touched(int touch_number) {
   const double size = radius(Ball::Kind::soccer);
   const Pose pose = pose_puppet(puppet_at(kFirst + touch_number * kBetween));

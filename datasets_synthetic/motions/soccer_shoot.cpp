@@ -4,13 +4,13 @@
 #include "datasets_synthetic/motions/track.h"
 
 // Two steps of run-up, the left foot planted beside the ball, a shot with the right instep, and a
-// step that catches the weight.
+// step to regain balance.
 
 namespace pointreel {
 namespace {
 
-constexpr double kShot = 35.0 / 30.0;  // when the instep meets the ball; a pose shows it
-constexpr double kOutOfSight = 0.8;    // metres that the ball flies within the scanned volume
+constexpr double kShot = 35.0 / 30.0;  // the instep hits the ball, exactly at a pose
+constexpr double kOutOfSight = 0.8;    // metres after which the ball leaves the scanned volume
 
 // Pelvis x, y, z; hips pitch, roll, twist; spine pitch, roll, twist.
 constexpr Track<9, 11> kTrunk = {{

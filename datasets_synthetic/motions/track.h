@@ -9,22 +9,22 @@
 
 namespace pointreel {
 
-/// What a movement does at one time, in seconds.
+/// The values of a track at one time, in seconds.
 template <std::size_t N>
 struct Key {
   double time;
   std::array<double, N> value;
 };
 
-/// Key poses, at least two, in order of time.
+/// At least two keys, in order of time.
 template <std::size_t N, std::size_t Keys>
 using Track = std::array<Key<N>, Keys>;
 
-/// The cubic curves through the keys, each number by itself, whose slopes are continuous and which
-/// go nowhere beyond their keys: a foot that two keys put on the same spot stays there (Fritsch,
-/// Butland, "A method for constructing local monotone piecewise cubic interpolants"). Before the
-/// first and after the last key the value is theirs. On a track that `loops` the last key is the
-/// first one again.
+/// The values of a track at `time`, interpolated by cubic curves with continuous slopes that never
+/// overshoot the keys: a foot that two keys place on the same spot stays there (Fritsch, Butland,
+/// "A method for constructing local monotone piecewise cubic interpolants"). Before the first key
+/// and after the last one the values stay constant. If the track `loops`, its last key must equal
+/// the first.
 template <std::size_t N, std::size_t Keys>
 std::array<double, N> at(const Track<N, Keys>& track, double time, bool loops = false) {
   static_assert(Keys >= 2);
@@ -57,7 +57,7 @@ std::array<double, N> at(const Track<N, Keys>& track, double time, bool loops = 
 
 inline glm::dvec3 vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// 0 up to `from`, 1 from `to` on, with a smooth rise between.
+/// 0 up to `from`, 1 from `to` on, and a smooth rise between them.
 inline double rise(double from, double to, double x) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);

@@ -11,7 +11,7 @@ DepthRange::DepthRange(const SurfaceGrid& grid, const Pinhole& view, double half
   ranges_.resize(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(tiles_));
   const double reach = 0.5 * std::sqrt(3.0) * SurfaceGrid::kCell;
   for (const SurfaceGrid::Cell& cell : grid.cells()) {
-    if (std::abs(cell.distance) > reach) continue;  // the surface is near but not in it
+    if (std::abs(cell.distance) > reach) continue;  // the surface is near, but not in this cell
     const glm::dvec3 center = cell.min + 0.5 * SurfaceGrid::kCell;
     const glm::dvec3 at = view.project(center);
     if (at.z <= 2.0 * reach) continue;
@@ -19,8 +19,8 @@ DepthRange::DepthRange(const SurfaceGrid& grid, const Pinhole& view, double half
     const double distance = std::sqrt(glm::dot(d, d));
     const auto near = static_cast<float>(distance - reach - 1e-6);
     const auto far = static_cast<float>(distance + reach + 1e-6);
-    // The ball around the cell, seen at an angle, is wider in the picture plane: by no more than
-    // this factor of its width in the middle of the picture.
+    // Away from the middle of the picture the ball around the cell appears wider in the picture
+    // plane, at most by the square of this factor.
     const double slant = distance / at.z;
     const double spread = reach / (at.z - reach) * slant * slant;
     const int x0 = std::max(tile_of(at.x - spread), 0), y0 = std::max(tile_of(at.y - spread), 0);

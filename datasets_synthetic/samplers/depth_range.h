@@ -9,12 +9,12 @@
 
 namespace pointreel {
 
-/// Between which distances a pinhole may see the surface, for every tile of its picture: what lies
-/// before and behind needs no ray. From the cells of a grid, so it never leaves anything out.
+/// The range of distances at which a pinhole may see the surface, for every tile of its picture.
+/// Rays need to search only this range. It is derived from the cells of a grid and never too small.
 class DepthRange {
  public:
   struct Range {
-    float near = 0.0f, far = -1.0f;  ///< metres from the pinhole; far < near where nothing is
+    float near = 0.0f, far = -1.0f;  ///< metres from the pinhole; far < near if there is no surface
 
     bool empty() const { return far < near; }
   };

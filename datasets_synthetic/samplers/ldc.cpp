@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "common/base/try.h"
 #include "datasets_synthetic/ray_cast.h"
 
 namespace pointreel {
@@ -17,8 +18,9 @@ namespace {
 
 constexpr double kMaxRays = 2147483648.0;
 
+/// The range of lattice points around a surface.
 struct LatticeBox {
-  glm::ivec3 first, last;  // points of the lattice around the surface
+  glm::ivec3 first, last;
 };
 
 Result<LatticeBox> lattice_box(const Surface& surface, const Lattice& lattice) {
@@ -30,13 +32,16 @@ Result<LatticeBox> lattice_box(const Surface& surface, const Lattice& lattice) {
   const double rays = count.x * count.y + count.y * count.z + count.z * count.x;
   if (!(lattice.spacing > 0.0 && std::max({reach.x, reach.y, reach.z}) < kMaxRays / 2.0 &&
         rays < kMaxRays)) {
-    return fail(fmt::format("cannot cast rays {} m apart at a surface of {:.3g} m", lattice.spacing,
-                            std::max({box.extent().x, box.extent().y, box.extent().z})));
+    return fail(
+        ErrorCode::limit,
+        fmt::format("cannot cast rays {} m apart at a surface of {:.3g} m: there would be "
+                    "too many",
+                    lattice.spacing, std::max({box.extent().x, box.extent().y, box.extent().z})));
   }
   return LatticeBox{glm::ivec3(low), glm::ivec3(high)};
 }
 
-/// All hits of the rays along `axis` with `row` for their coordinate along the axis after the next.
+/// Appends all hits of those rays along `axis` whose coordinate on the second-next axis is `row`.
 void cast_row(const SurfaceGrid& grid, const Lattice& lattice, const LatticeBox& box, int axis,
               int row, std::vector<LatticeHit>& hits) {
   const int next = (axis + 1) % 3, after = (axis + 2) % 3;
@@ -57,7 +62,7 @@ void cast_row(const SurfaceGrid& grid, const Lattice& lattice, const LatticeBox&
   }
 }
 
-/// The hit's nearest point of the lattice, and how far away it is in spacings.
+/// The lattice point nearest to a hit, and its distance in units of the spacing.
 struct Snapped {
   glm::ivec3 point;
   double moved;
@@ -87,7 +92,7 @@ BlockKey block_of(const glm::ivec3& p) {
   return key;
 }
 
-/// The hits of one block: reduced, or as they are where its structures are too thin for that.
+/// Appends the hits of one block: reduced, or unchanged where the structures are too thin for that.
 void reduce_block(const Lattice& lattice, const std::vector<LatticeHit>& hits,
                   const std::vector<std::uint32_t>& members, std::vector<SurfacePoint>& points) {
   struct Candidate {
@@ -136,15 +141,14 @@ std::vector<SurfacePoint> reduce_to_one(const Lattice& lattice,
 }  // namespace
 
 Result<std::vector<LatticeHit>> cast_lattice(const SurfaceGrid& grid, const Lattice& lattice) {
-  const auto box = lattice_box(grid.surface(), lattice);
-  if (!box) return tl::unexpected(box.error());
+  const LatticeBox box = TRY(lattice_box(grid.surface(), lattice));
   std::vector<LatticeHit> hits;
   for (int axis = 0; axis < 3; ++axis) {
     const int after = (axis + 2) % 3;
-    const int rows = box->last[after] - box->first[after] + 1;
+    const int rows = box.last[after] - box.first[after] + 1;
     std::vector<std::vector<LatticeHit>> found(static_cast<std::size_t>(rows));
     tbb::parallel_for(0, rows, [&](int row) {
-      cast_row(grid, lattice, *box, axis, box->first[after] + row,
+      cast_row(grid, lattice, box, axis, box.first[after] + row,
                found[static_cast<std::size_t>(row)]);
     });
     for (const auto& some : found) hits.insert(hits.end(), some.begin(), some.end());
@@ -154,12 +158,11 @@ Result<std::vector<LatticeHit>> cast_lattice(const SurfaceGrid& grid, const Latt
 
 Result<std::vector<SurfacePoint>> sample_ldc(const SurfaceGrid& grid, const LdcOptions& options) {
   const Lattice lattice{glm::dvec3(0.0), options.spacing};
-  const auto hits = cast_lattice(grid, lattice);
-  if (!hits) return tl::unexpected(hits.error());
-  if (options.reduce) return reduce_to_one(lattice, *hits);
+  const auto hits = TRY(cast_lattice(grid, lattice));
+  if (options.reduce) return reduce_to_one(lattice, hits);
   std::vector<SurfacePoint> points;
-  points.reserve(hits->size());
-  for (const LatticeHit& hit : *hits) points.push_back(hit.point);
+  points.reserve(hits.size());
+  for (const LatticeHit& hit : hits) points.push_back(hit.point);
   return points;
 }
 

@@ -10,47 +10,47 @@
 
 namespace pointreel {
 
-/// Parallel rays: the point (i, j, k) of a lattice is at origin + spacing * (i, j, k), and every
-/// line along an axis through points of the lattice is a ray.
+/// A lattice of parallel rays: point (i, j, k) is at origin + spacing * (i, j, k), and every line
+/// along an axis through points of the lattice is a ray.
 struct Lattice {
   glm::dvec3 origin{0.0};
   double spacing = 0.004;  ///< metres; > 0, finite
 };
 
-/// Where a ray along `axis` passes through the surface.
+/// A point where a ray along `axis` passes through the surface.
 struct LatticeHit {
-  SurfacePoint point;  ///< its other two coordinates are those of the ray
+  SurfacePoint point;  ///< its coordinates across `axis` are those of the ray
   int axis = 0;
-  glm::ivec3 cell{0};  ///< of the lattice: the hit is on the edge from `cell` on along `axis`
+  glm::ivec3 cell{0};  ///< the hit is on the edge that starts at this lattice point, along `axis`
 };
 
-/// A layered depth cube (001, section 5.1): three orthogonal layered depth images, every hit of
-/// every ray, those that leave the body included. By image (rays along x, y, z), and in it by ray
-/// and along it. A function of its arguments alone.
+/// A layered depth cube (Pfister et al., Surfels, section 5.1): three orthogonal layered depth
+/// images with every hit of every ray, including those where a ray leaves the body. Sorted by image
+/// (rays along x, y, z), then by ray, then along the ray. The result depends on the arguments only.
 ///
-/// Every point of the surface is within sqrt(3) / 2 spacings of a hit (ERRATA 27: sqrt(3) is the
-/// longest edge between neighbours, the cover radius is half of it). The exception is what no ray
-/// meets because it fits between them: structures, and tips of the surface between creases, that
-/// are thinner than the spacing. About 1.5 area / spacing^2 hits.
+/// Every point of the surface is within sqrt(3) / 2 spacings of a hit (FORMULAS.md, "Layered depth
+/// cube"). Exceptions are structures, and tips of the surface between creases, that are thinner
+/// than the spacing: they may fit between the rays. There are about 1.5 area / spacing^2 hits.
 ///
-/// Fails where the spacing gives more than 2^31 rays or coordinates that are not finite.
+/// Fails if the spacing is not above 0, or so small that there would be 2^31 rays or more.
 Result<std::vector<LatticeHit>> cast_lattice(const SurfaceGrid& grid, const Lattice& lattice);
 
 struct LdcOptions {
-  double spacing = 0.004;  ///< h0, metres between pixels
-  /// 3-to-1 reduction (001, section 6.2): every hit moves along its ray to the nearest point of the
-  /// lattice, and of those that meet there one stays, the one that moved least. No two points are
-  /// nearer to each other than the spacing, and none is further than half of it from the surface.
+  double spacing = 0.004;  ///< metres between rays; h0 in the paper
+  /// 3-to-1 reduction (Pfister et al., Surfels, section 6.2): every hit moves along its ray to the
+  /// nearest point of the lattice, and of the hits that meet there only the one that moved least
+  /// remains. No two points are closer to each other than the spacing, and none is further than
+  /// half of it from the surface.
   bool reduce = false;
 };
 
-/// Blocks of so many lattice points along each edge are reduced or, where two sides of the body
-/// would meet in a point of the lattice, kept as they are, as the paper suggests for thin
-/// structures.
+/// The reduction works on blocks with this many lattice points along each edge. A block in which
+/// two sides of the body would meet at one lattice point is not reduced, as the paper suggests for
+/// thin structures.
 inline constexpr int kLdcBlock = 16;
 
-/// The cube as points with the surface's own normals. The lattice is anchored at the world's zero:
-/// the same for all poses.
+/// The points of a layered depth cube with the true normals of the surface. The lattice contains
+/// the world's origin, so it is the same for all poses.
 Result<std::vector<SurfacePoint>> sample_ldc(const SurfaceGrid& grid, const LdcOptions& options);
 
 }  // namespace pointreel

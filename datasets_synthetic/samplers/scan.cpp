@@ -7,45 +7,46 @@
 
 #include <tbb/parallel_for.h>
 
+#include "common/base/try.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/ray_cast.h"
 #include "datasets_synthetic/samplers/depth_range.h"
 #include "datasets_synthetic/surface_grid.h"
 
-// A curve of the pattern is followed in steps of a few pixels by rays of its projector, in shorter
-// ones where it bends or breaks off. Between two steps on the same piece of the surface the depth
-// is interpolated from both ends' depths and normals and corrected by Newton's method, so a point
-// costs one or two evaluations of the distance instead of two rays.
+// A curve of the pattern is followed by rays from its projector, in steps of a few pixels, and in
+// shorter steps where it bends or breaks off. Between two rays that hit the same piece of the
+// surface, the depth is interpolated from the depths and normals at both ends and corrected by
+// Newton's method. So a point costs one or two evaluations of the distance instead of two rays.
 
 namespace pointreel {
 namespace {
 
-/// Streams of random numbers that belong to one frame, and what they decide.
-enum class Use : std::uint64_t { phase, calibration, patches, curve, pieces };
+/// The uses of random numbers; each has its own streams.
+enum class Use : std::uint64_t { phase, calibration, patches, curve };
 
-/// A number for one use of the generator; `which` is small.
+/// The number of the stream for one use; `which` is below 2^48.
 std::uint64_t stream(Use use, std::uint64_t which) {
   return static_cast<std::uint64_t>(use) << 48 | which;
 }
 
 /// A point of a curve that its projector lights.
 struct Lit {
-  double along = 0.0;  ///< coordinate of the projector's picture that runs along the curve
-  double depth = 0.0;  ///< along the projector's axis
-  double slope = 0.0;  ///< of the depth
+  double along = 0.0;  ///< its coordinate along the curve in the projector's picture
+  double depth = 0.0;  ///< along the projector's axis; 0 if the curve breaks off here
+  double slope = 0.0;  ///< derivative of the depth
   glm::dvec3 position{0.0}, normal{0.0};
-  bool between = false;  ///< taken to be lit as both its neighbours are
+  bool between = false;  ///< no ray was cast; it counts as lit because both its neighbours are
 
   bool lit() const { return depth > 0.0; }
 };
 
-/// Rays along a curve: pixels from one to the next, at most so many metres, and how often that is
-/// halved where the curve bends or breaks off. Where it is smooth, a point between two of them that
-/// costs no ray takes the place of the first halving.
+/// The rays along a curve: the pixels from one ray to the next, the largest distance in metres, and
+/// how often this distance is halved where the curve bends or breaks off. Where the curve is
+/// smooth, an interpolated point, which costs no ray, replaces the first halving.
 constexpr double kStepPixels = 8.0;
 constexpr double kLongestStep = 0.02;
 constexpr int kHalvings = 3;
-/// How often the way between two points is halved of which a camera sees one.
+/// How often the interval between a visible and a hidden point is halved to find where it ends.
 constexpr int kHidingHalvings = 2;
 
 struct Ball {
@@ -58,20 +59,20 @@ struct Ball {
   }
 };
 
-/// Three balls that overlap: not as round as one.
+/// Three overlapping balls, which look less regular than a single one.
 struct Patch {
   Ball around;
   std::array<Ball, 3> balls;
 };
 
-/// A rigid motion close to none.
+/// A small rigid motion.
 struct Calibration {
   glm::dvec3 shift{0.0}, turn{0.0};
 
   glm::dvec3 apply(const glm::dvec3& p) const { return p + shift + glm::cross(turn, p); }
 };
 
-/// Everything that the curves of one frame share.
+/// The data that all curves of a frame share.
 struct Scene {
   const Body& body;
   const SurfaceGrid& grid;
@@ -79,12 +80,13 @@ struct Scene {
   Rig rig;
   double distance;  ///< working distance
   std::vector<DepthRange> projector_ranges, camera_ranges;
-  std::vector<Calibration> calibrations;  ///< of the pairs
+  std::vector<Calibration> calibrations;  ///< one for each pair
   std::vector<Patch> patches;
   std::uint64_t frame_seed;
 };
 
-/// About normal, of deviation 1, never beyond 4.9: the sum of eight uniform numbers of 16 bits.
+/// Approximately normal with standard deviation 1 and never beyond +-4.9: the scaled sum of eight
+/// uniform 16-bit numbers.
 double quick_normal(Random& random) {
   double sum = 0.0;
   for (int draw = 0; draw < 2; ++draw) {
@@ -99,7 +101,7 @@ double luminance(const glm::u8vec3& color) {
   return (0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b) / 255.0;
 }
 
-/// Follows one curve and gives what each camera makes of it.
+/// Follows one curve and adds the points that each camera measures on it.
 class Curve {
  public:
   Curve(const Scene& scene, std::size_t projector, int family, std::int32_t number, double across)
@@ -123,10 +125,11 @@ class Curve {
   glm::dvec3 toward(double along) const {
     return family_ == 0 ? view_.toward(across_, along) : view_.toward(along, across_);
   }
-  /// How toward() changes along the curve.
+  /// The derivative of toward() along the curve.
   const glm::dvec3& change() const { return family_ == 0 ? view_.up : view_.right; }
 
-  /// Casts the rays: lit_ are the points of the curve and a Lit of depth 0 wherever it breaks off.
+  /// Casts the rays and fills lit_ with the points of the curve, and with a Lit of depth 0 wherever
+  /// it breaks off.
   void light() {
     const double half = scene_.options.rig.half_field;
     const double step =
@@ -141,7 +144,7 @@ class Curve {
       const Lit now = empty ? Lit{.along = along} : light_at(along);
       add_between(before, now, kHalvings);
       before = now;
-      if (empty) {  // on to the last step of this tile
+      if (empty) {  // skip to the last step of this tile
         i = std::max(i, static_cast<int>((range_.tile_begin(tile + 1) + half) / step - 0.5));
         before.along = -half + (i + 0.5) * step;
       }
@@ -160,14 +163,14 @@ class Curve {
     const double cosine = hit ? -glm::dot(hit->normal, ray.direction) : 0.0;
     if (cosine < scene_.options.least_cosine) return lit;
     lit.depth = hit->t / length;
-    // The surface's tangent plane: n . (depth * way)' = 0.
+    // The point moves in the tangent plane of the surface: n . (depth * way)' = 0.
     lit.slope = lit.depth * glm::dot(hit->normal, change()) / (cosine * length);
     lit.position = hit->position;
     lit.normal = hit->normal;
     return lit;
   }
 
-  /// Adds b, which comes after a, and what must be known between them.
+  /// Adds b, which comes after a, and the points that are needed between them.
   void add_between(const Lit& a, const Lit& b, int halvings) {
     if (!a.lit() && !b.lit()) return;
     const bool both = a.lit() && b.lit();
@@ -190,7 +193,7 @@ class Curve {
     if (b.lit()) lit_.push_back(b);
   }
 
-  /// The point halfway between two lit ones of a smooth piece.
+  /// The point halfway between two lit points of a smooth piece.
   Lit between(const Lit& a, const Lit& b) const {
     Lit middle{.along = 0.5 * (a.along + b.along), .between = true};
     Found found;
@@ -207,7 +210,7 @@ class Curve {
     if (!lit_.empty() && lit_.back().lit()) lit_.emplace_back();
   }
 
-  /// Whether the surface runs on from one to the other, as far as can be told.
+  /// Whether the surface seems to continue from one point to the other.
   static bool connected(const Lit& a, const Lit& b) {
     const glm::dvec3 way = b.position - a.position;
     const double limit = 0.5 * std::sqrt(glm::dot(way, way));
@@ -215,14 +218,14 @@ class Curve {
            glm::dot(a.normal, b.normal) > 0.3;
   }
 
-  /// What a camera makes of a place of the curve.
+  /// A point of the curve as a camera sees it.
   struct Sight {
     bool visible = false;
-    double row = 0.0;   ///< or column: what the points are counted by
-    double near = 0.0;  ///< nothing is nearer to the camera on the way to it
+    double row = 0.0;   ///< the row, or the column, of the camera that it appears in
+    double near = 0.0;  ///< there is no surface nearer to the camera in this direction
   };
 
-  /// Visible if nothing stands between.
+  /// The sight of a point, visible unless the surface hides it.
   Sight unhidden_sight(std::size_t number, const glm::dvec3& p, const glm::dvec3& normal) const {
     const Pinhole& camera = scene_.rig.cameras[number];
     const double half = scene_.options.rig.half_field;
@@ -235,8 +238,8 @@ class Curve {
             range.at(range.tile_of(seen.x), range.tile_of(seen.y)).near};
   }
 
-  /// Whether anything stands between a point of the surface and a camera. Looked for from here:
-  /// most of what is near is left behind at once.
+  /// Whether the surface hides one of its points from a camera. The ray starts at the point, so
+  /// that it passes most of the blends near the point at once.
   bool hidden(std::size_t number, const glm::dvec3& p, double near) const {
     const glm::dvec3 way = scene_.rig.cameras[number].position - p;
     const double length = std::sqrt(glm::dot(way, way));
@@ -249,7 +252,7 @@ class Curve {
     return sight;
   }
 
-  /// What a camera makes of all lit points, into sights_.
+  /// Fills sights_ with a camera's sights of all lit points.
   void look(std::size_t number) {
     sights_.resize(lit_.size());
     for (std::size_t i = 0; i < lit_.size(); ++i) {
@@ -268,11 +271,12 @@ class Curve {
     }
   }
 
-  /// The part of the way from a to b that a camera sees, if it sees one end: from `begin` to `end`.
+  /// The part of the interval from a to b that a camera sees, as shares of its length.
   struct Part {
     double begin = 0.0, end = 1.0;
   };
 
+  /// To be called if the camera sees exactly one of the two ends.
   Part visible_part(std::size_t number, const Lit& a, const Lit& b, bool sees_a) const {
     double seen = sees_a ? 0.0 : 1.0, hidden = 1.0 - seen;
     for (int i = 0; i < kHidingHalvings; ++i) {
@@ -314,12 +318,12 @@ class Curve {
     }
   }
 
-  /// How a pair's camera fares along a curve.
+  /// The state of a pair that detects points along a curve.
   struct Detection {
     std::size_t pair;
     std::uint64_t pieces_seed;
-    double first_piece;  ///< where the first piece begins
-    double wander;       ///< the error that runs on along the curve, of deviation 1
+    double first_piece;  ///< the place where the first piece begins
+    double wander;       ///< the error that is correlated along the curve, with deviation 1
   };
 
   void detect(const Lit& a, const Lit& b, double along, Detection& detection, Random& random,
@@ -353,8 +357,8 @@ class Curve {
     std::uint16_t primitive;
   };
 
-  /// The surface's point at `along` between two lit ones; false where there is none or the
-  /// projector lights it at too flat an angle.
+  /// Finds the point of the surface at `along` between two lit points; false if there is none or
+  /// the projector lights it at too flat an angle.
   bool find(const Lit& a, const Lit& b, double along, Found& found) const {
     const double h = b.along - a.along;
     const double s = (along - a.along) / h;
@@ -379,7 +383,7 @@ class Curve {
       if (!(slope < -1e-3)) return false;
       const double move = -at.distance.value / slope;
       depth += move;
-      // The error left is about the curvature times the square of what was moved.
+      // The remaining error is about the curvature times the square of the last move.
       if (std::abs(move) < 2e-5) {
         const double square = glm::dot(gradient, gradient);
         found = {depth, view_.position + depth * way, gradient / std::sqrt(square), at.primitive};
@@ -389,7 +393,8 @@ class Curve {
     return false;
   }
 
-  /// The same for a point that a camera may see; false also where it looks at it too flatly.
+  /// Finds the point of the surface at `along` for a camera; false if there is none or the
+  /// projector or the camera sees it at too flat an angle.
   bool measure(std::size_t camera, const Lit& a, const Lit& b, double along,
                ScanPoint& point) const {
     Found found;
@@ -438,25 +443,28 @@ class Curve {
   std::size_t projector_;
   int family_;
   std::int32_t number_;
-  double across_;  ///< coordinate of the projector's picture that the curve keeps
+  double across_;  ///< the coordinate in the projector's picture that is constant along the curve
   std::vector<Lit> lit_;
-  std::vector<Sight> sights_;  ///< of a camera, one for each of lit_
+  std::vector<Sight> sights_;  ///< of the current camera, one for each of lit_
 };
 
 Result<void> check(const ScanOptions& options) {
   const auto share = [](double x) { return x >= 0.0 && x <= 1.0; };
   if (!(options.rig.projectors >= 2 && options.rig.projectors <= 100 && options.rig.radius > 0.0 &&
         options.rig.half_field > 0.0 && options.rig.half_field <= 5.0)) {
-    return fail("a scanner needs 2 to 100 projectors, a radius and a field of view");
+    return fail(ErrorCode::argument,
+                "a scanner needs 2 to 100 projectors, a radius above 0 and a field of view "
+                "from 0 to 5");
   }
   if (!(options.curve_spacing > 0.0 && options.pixel >= 1e-5)) {
-    return fail("a scanner needs a curve spacing above 0 and a pixel of at least 0.01 mm");
+    return fail(ErrorCode::argument,
+                "a scanner needs a curve spacing above 0 and a pixel of at least 0.01 mm");
   }
   if (!(options.least_cosine > 0.0 && options.least_cosine < 1.0 && options.noise >= 0.0 &&
         options.piece > 0.0 && share(options.noise_correlated) && share(options.noise_memory) &&
         share(options.outliers) && share(options.lost) && share(options.lost_dark) &&
         options.outlier_reach >= 0.0 && options.patches >= 0 && options.patch_radius >= 0.0)) {
-    return fail("the scanner's noise, cosine or shares are out of range");
+    return fail(ErrorCode::argument, "the scanner's noise, cosine or shares are out of range");
   }
   return {};
 }
@@ -469,7 +477,8 @@ std::vector<Patch> place_patches(const SurfaceGrid& grid, const ScanOptions& opt
     const auto& cell = grid.cells()[random.below(static_cast<std::uint32_t>(grid.cells().size()))];
     const double radius = options.patch_radius * random.uniform();
     const glm::dvec3 center = cell.min + 0.5 * SurfaceGrid::kCell;
-    // The balls' centres are at most 0.6 of it away on each axis, and their radii below 0.8 of it.
+    // The centres of the balls are at most 0.6 of this radius away on each axis, and their radii
+    // are below 0.8 of it.
     Patch& patch = patches.emplace_back();
     patch.around = {center, 1.85 * radius};
     for (Ball& ball : patch.balls) {
@@ -498,29 +507,30 @@ std::vector<Calibration> calibrate(std::size_t pairs, const ScanOptions& options
 
 Result<std::vector<ScanPoint>> scan(const Body& body, const ScanOptions& options,
                                     std::uint64_t seed, int frame) {
-  if (const auto checked = check(options); !checked) return tl::unexpected(checked.error());
-  const auto grid = SurfaceGrid::build(body.surface);
-  if (!grid) return tl::unexpected(grid.error());
-  if (grid->cells().empty()) return fail("cannot sample a surface that has no area");
+  TRY(check(options));
+  const auto grid = TRY(SurfaceGrid::build(body.surface));
+  if (grid.cells().empty()) {
+    return fail(ErrorCode::argument, "cannot sample a surface that has no area");
+  }
 
   const std::uint64_t frame_seed =
       Random(seed, static_cast<std::uint64_t>(static_cast<std::int64_t>(frame))).bits();
   Scene scene{body,
-              *grid,
+              grid,
               options,
               make_rig(options.rig),
               working_distance(options.rig),
               {},
               {},
               {},
-              place_patches(*grid, options, frame_seed),
+              place_patches(grid, options, frame_seed),
               frame_seed};
   scene.calibrations = calibrate(scene.rig.pairs.size(), options, seed);
   const std::size_t count = scene.rig.projectors.size();
   std::vector<std::optional<DepthRange>> ranges(2 * count);
   tbb::parallel_for(std::size_t{0}, 2 * count, [&](std::size_t i) {
     const Pinhole& view = i < count ? scene.rig.projectors[i] : scene.rig.cameras[i - count];
-    ranges[i].emplace(*grid, view, options.rig.half_field);
+    ranges[i].emplace(grid, view, options.rig.half_field);
   });
   for (std::size_t i = 0; i < count; ++i) {
     scene.projector_ranges.push_back(std::move(*ranges[i]));
@@ -532,7 +542,7 @@ Result<std::vector<ScanPoint>> scan(const Body& body, const ScanOptions& options
     const std::size_t projector = i / 2;
     const int family = static_cast<int>(i % 2);
     const double spacing = options.curve_spacing / scene.distance;
-    // The pattern lies anew in every frame.
+    // The pattern has a new phase in every frame.
     const double phase = Random(frame_seed, stream(Use::phase, i)).uniform();
     const double half = options.rig.half_field;
     const auto first = static_cast<std::int32_t>(std::floor(-half / spacing - phase)) + 1;

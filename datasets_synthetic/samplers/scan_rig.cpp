@@ -3,14 +3,9 @@
 #include <cmath>
 
 #include "datasets_synthetic/trigonometry.h"
+#include "datasets_synthetic/vectors.h"
 
 namespace pointreel {
-namespace {
-
-glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
-
-}  // namespace
-
 Pinhole look_at(const glm::dvec3& position, const glm::dvec3& target) {
   Pinhole view;
   view.position = position;

@@ -8,50 +8,52 @@
 
 namespace pointreel {
 
-/// A camera or a projector without distortion: the axes of its picture and the way that it looks,
-/// a right-handed frame (right, up, -forward).
+/// A camera or a projector without distortion: the axes of its picture and its direction, which
+/// form a right-handed frame (right, up, -forward).
 struct Pinhole {
   glm::dvec3 position{0.0};
   glm::dvec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
 
-  /// Coordinates in the picture plane a metre in front, and the depth along `forward`.
+  /// The coordinates in the picture plane one metre in front, and the depth along `forward`.
   glm::dvec3 project(const glm::dvec3& p) const {
     const glm::dvec3 d = p - position;
     const double depth = glm::dot(d, forward);
     return {glm::dot(d, right) / depth, glm::dot(d, up) / depth, depth};
   }
-  /// Towards the point (x, y) of the picture plane: of length 1 along `forward`.
+  /// The direction of the point (x, y) of the picture plane; its component along `forward` is 1.
   glm::dvec3 toward(double x, double y) const { return forward + x * right + y * up; }
 };
 
-/// Cameras and projectors in turn on a ring around the scene, as many of one as of the other (R.
-/// Furukawa et al., "One-shot Entire Shape Acquisition Method Using Multiple Projectors and
-/// Cameras", PSIVT 2010). They look at a point above the origin, alternately from high and low.
+/// A ring of cameras and projectors around the scene, alternating and equally many (R. Furukawa et
+/// al., "One-shot Entire Shape Acquisition Method Using Multiple Projectors and Cameras", PSIVT
+/// 2010). They look at a point above the origin, alternately from a high and from a low place.
+/// Lengths are in metres.
 struct RigOptions {
-  int projectors = 4;       ///< and as many cameras; >= 2
-  double radius = 3.0;      ///< of the ring, metres
-  double low = 0.6;         ///< height of every second device of a kind, metres
-  double high = 2.3;        ///< and of the others
-  double target = 0.9;      ///< height of what they look at, metres
-  double half_field = 0.8;  ///< tangent of half the angle that each sees or lights, both ways
+  int projectors = 4;       ///< >= 2; there are as many cameras
+  double radius = 3.0;      ///< of the ring
+  double low = 0.6;         ///< height of every second camera and projector
+  double high = 2.3;        ///< height of the others
+  double target = 0.9;      ///< height of the point that they look at
+  double half_field = 0.8;  ///< tangent of half the field of view, horizontally and vertically
 };
 
 struct Rig {
-  /// A camera that looks for the pattern of one projector.
+  /// A camera and the projector whose pattern it observes.
   struct Pair {
     std::size_t projector, camera;
   };
   std::vector<Pinhole> projectors, cameras;
-  std::vector<Pair> pairs;  ///< every projector with the cameras left and right of it
+  std::vector<Pair> pairs;  ///< every projector with its left and its right neighbouring camera
 };
 
-/// The distance at which the devices see what they look at: the mean over them, metres.
+/// The mean distance in metres between the devices and the point that they look at.
 double working_distance(const RigOptions& options);
 
-/// The same on every machine.
+/// The rig with these options. It is the same on every machine.
 Rig make_rig(const RigOptions& options);
 
-/// Pinhole at `position` that looks at `target` and has y upwards; not straight up or down.
+/// A pinhole at `position` that looks at `target`, with y upwards. It must not look straight up or
+/// down.
 Pinhole look_at(const glm::dvec3& position, const glm::dvec3& target);
 
 }  // namespace pointreel

@@ -20,11 +20,10 @@ struct SurfacePoint {
 /// How far a sample may lie from the surface, in metres.
 inline constexpr double kSurfaceTolerance = 1e-6;
 
-/// `count` points, uniform by area and independent of each other. The points are a function of
-/// surface, count and seed alone: the same on every machine and whatever the number of threads
-/// (TBB's, of the caller's arena), and those of a smaller count begin those of a larger one.
-/// Fails if the surface is empty or not finite, or too large or too small for a figure (a grid of
-/// 11 mm divides it).
+/// `count` points, uniform by area and independent of each other. They depend on surface, count and
+/// seed only: they are the same on every machine and with any number of threads (TBB's, of the
+/// caller's arena), and a smaller count gives the first points of a larger one. Fails where
+/// SurfaceGrid::build fails, and for a surface with almost no area.
 Result<std::vector<SurfacePoint>> sample_uniform(const Surface& surface, std::size_t count,
                                                  std::uint64_t seed);
 

@@ -1,12 +1,10 @@
 #include "common/net/websocket.h"
 
 #include <algorithm>
-#include <charconv>
 #include <concepts>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -24,6 +22,8 @@
 #include <fmt/format.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
+
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -68,7 +68,7 @@ class Connection : public WebSocket {
     if (thread_.joinable()) thread_.join();
   }
 
-  tl::expected<void, ConnectError> open(const WebSocketUrl& url) {
+  tl::expected<void, ConnectError> open(const Url& url) {
     const std::stop_callback stopping(options_.stop, [this] {
       asio::post(context_, [this] { beast::get_lowest_layer(stream_).close(); });
     });
@@ -79,7 +79,7 @@ class Connection : public WebSocket {
     error_code error = asio::error::timed_out;
     asio::ip::tcp::resolver resolver(context_);
     asio::ip::tcp::resolver::results_type found;
-    resolver.async_resolve(url.host, url.port, [&](error_code e, auto results) {
+    resolver.async_resolve(url.host, std::to_string(url.port), [&](error_code e, auto results) {
       error = e;
       found = std::move(results);
     });
@@ -105,9 +105,6 @@ class Connection : public WebSocket {
     }
 
     // The stream's own timeouts do not hold before the handshake ends.
-    const std::string host = url.host.find(':') == std::string::npos
-                                 ? fmt::format("{}:{}", url.host, url.port)
-                                 : fmt::format("[{}]:{}", url.host, url.port);
     stream_.set_option(websocket::stream_base::decorator([this](websocket::request_type& request) {
       request.set(beast::http::field::user_agent, "pointreel");
       if (!options_.token.empty()) {
@@ -115,7 +112,7 @@ class Connection : public WebSocket {
       }
     }));
     websocket::response_type response;
-    stream_.async_handshake(response, host, url.target, [&](error_code e) { error = e; });
+    stream_.async_handshake(response, place_, url.target, [&](error_code e) { error = e; });
     run();
     if (error == websocket::error::upgrade_declined) {
       return tl::unexpected(ConnectError{
@@ -299,7 +296,7 @@ class Connection : public WebSocket {
 /// Opens what was made.
 template <class Stream>
 tl::expected<std::unique_ptr<WebSocket>, ConnectError> opened(
-    std::unique_ptr<Connection<Stream>> connection, const WebSocketUrl& url) {
+    std::unique_ptr<Connection<Stream>> connection, const Url& url) {
   if (auto open = connection->open(url); !open) return tl::unexpected(std::move(open.error()));
   connection->start();
   return connection;
@@ -307,57 +304,21 @@ tl::expected<std::unique_ptr<WebSocket>, ConnectError> opened(
 
 }  // namespace
 
-Result<WebSocketUrl> parse_websocket_url(const std::string& text) {
-  const auto refused = [&](const char* what) { return fail(text + ": " + what); };
-  WebSocketUrl url;
-  std::string_view rest = text;
-  if (rest.starts_with("wss://")) {
-    url.tls = true;
-    rest.remove_prefix(6);
-  } else if (rest.starts_with("ws://")) {
-    rest.remove_prefix(5);
-  } else {
-    return refused("does not begin with ws:// or wss://");
-  }
-  // In a request line and a header field nothing else may stand.
-  const auto odd = [](char c) { return static_cast<unsigned char>(c) <= 32 || c == 127; };
-  if (std::any_of(rest.begin(), rest.end(), odd)) return refused("has a blank in it");
-  const std::size_t path = std::min(rest.find_first_of("/?#"), rest.size());
-  std::string_view authority = rest.substr(0, path);
-  url.target = rest.substr(path, rest.find('#') - path);
-  if (!url.target.starts_with('/')) url.target.insert(url.target.begin(), '/');
-  if (authority.find('@') != std::string_view::npos) return refused("names a user: give a token");
-  std::string_view port;
-  if (authority.starts_with('[')) {
-    const std::size_t end = authority.find(']');
-    if (end == std::string_view::npos) return refused("its address has no ]");
-    url.host = authority.substr(1, end - 1);
-    port = authority.substr(end + 1);
-  } else {
-    const std::size_t colon = std::min(authority.find(':'), authority.size());
-    url.host = authority.substr(0, colon);
-    port = authority.substr(colon);
-  }
-  if (url.host.empty()) return refused("names no host");
-  url.port = url.tls ? "443" : "80";
-  if (!port.empty()) {
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(port.data() + 1, port.data() + port.size(), number);
-    if (port.front() != ':' || error != std::errc() || end != port.data() + port.size() ||
-        number == 0 || number > 65535) {
-      return refused("its port is not one from 1 to 65535");
-    }
-    url.port = std::to_string(number);
-  }
+Result<Url> parse_websocket_url(const std::string& text) {
+  Url url = TRY(parse_url(text));
+  if (!url.is_websocket())
+    return fail(ErrorCode::argument, text + ": does not begin with ws:// or wss://");
+  if (!url.user.empty())
+    return fail(ErrorCode::argument, text + ": names a user; give a token instead");
   return url;
 }
 
 tl::expected<std::unique_ptr<WebSocket>, ConnectError> WebSocket::connect(
     const std::string& text, const WebSocketOptions& options) try {
-  const Result<WebSocketUrl> url = parse_websocket_url(text);
+  const Result<Url> url = parse_websocket_url(text);
   if (!url) return tl::unexpected(ConnectError{url.error(), 0});
-  const std::string place = fmt::format("{}:{}", url->host, url->port);
-  if (!url->tls) return opened(std::make_unique<Connection<Plain>>(place, options), *url);
+  const std::string place = url->place();
+  if (!url->tls()) return opened(std::make_unique<Connection<Plain>>(place, options), *url);
   asio::ssl::context tls(asio::ssl::context::tls_client);
   ::SSL_CTX_set_min_proto_version(tls.native_handle(), TLS1_2_VERSION);
   error_code error;

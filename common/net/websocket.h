@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <string>
 
+#include "common/net/url.h"
 #include "common/stream/live.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -15,13 +16,8 @@
 /// A WebSocket client (RFC 6455), for publishers and viewers of live streams.
 namespace pointreel {
 
-/// ws://HOST[:PORT]/PATH or wss://...; an IPv6 address stands in brackets.
-struct WebSocketUrl {
-  bool tls = false;
-  std::string host, port;  ///< the port defaults to 80 or 443
-  std::string target;      ///< path and query, at least "/"
-};
-Result<WebSocketUrl> parse_websocket_url(const std::string& url);
+/// ws://HOST[:PORT]/PATH or wss://...; refuses any other address, and one that names a user.
+Result<Url> parse_websocket_url(const std::string& url);
 
 struct WebSocketOptions {
   std::string token;    ///< sent as `Authorization: Bearer`, unless empty

@@ -127,7 +127,7 @@ FrameLayers whole(std::uint32_t first, std::uint32_t last) {
 /// In which order layers were asked for, however they were joined into jobs.
 class Turns {
  public:
-  void add(const FetchJob& job) {
+  void add(const FetchRequest& job) {
     for (std::uint32_t layer = job.first; layer < job.last; ++layer)
       EXPECT_TRUE(turns_.try_emplace({job.frame, layer}, jobs_).second)
           << FrameLayer{job.frame, layer} << " is asked for twice";

@@ -48,13 +48,13 @@ class Fetcher {
     return !wait_until([this] { return answered_.load(); }, kMoment);
   }
   /// Waits for the answer, which is none if the buffer was closed.
-  std::optional<FetchJob> job() {
+  std::optional<FetchRequest> job() {
     thread_.join();
     return job_;
   }
 
  private:
-  std::optional<FetchJob> job_;
+  std::optional<FetchRequest> job_;
   std::atomic<bool> answered_{false};
   std::thread thread_;  // last: it uses what is above
 };

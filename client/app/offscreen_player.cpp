@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
-#include <thread>
+#include <stop_token>
 #include <utility>
 
 #include "client/playback/stage.h"
@@ -28,6 +30,32 @@ std::uint64_t microseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(seconds * 1e6));
 }
 
+/// Wakes a thread that waits for anything to happen.
+class Bell {
+ public:
+  void ring() {
+    {
+      const std::lock_guard lock(mutex_);
+      rung_ = true;
+    }
+    changed_.notify_one();
+  }
+  /// Returns when it has been rung since the last wait, at `until`, or when `stop` is requested.
+  void wait(steady_clock::time_point until, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, stop, until, [this] { return rung_; });
+    rung_ = false;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  bool rung_ = false;
+};
+
+/// How often it is said what the player waits for, if it does.
+constexpr milliseconds kLook{100};
+
 class OffscreenPlayer {
  public:
   OffscreenPlayer(const PlayOptions& options, const std::stop_token& stop)
@@ -37,8 +65,10 @@ class OffscreenPlayer {
     if (!options_.record.empty()) {
       if (auto checked = check_recording(options_.record); !checked) return checked;
     }
+    Stage::Options stage_options = pointreel::stage_options(options_);
+    stage_options.on_ready = [this] { bell_.ring(); };
     auto stage = Stage::open(
-        options_.sources, stage_options(options_),
+        options_.sources, stage_options,
         [this](const Box& bounds, char up) {
           return first_camera(options_, bounds, up, options_.size);
         },
@@ -131,11 +161,11 @@ class OffscreenPlayer {
     std::size_t bounded = 0;
     auto last_look = steady_clock::now();
     while (!stop_.stop_requested()) {
-      std::this_thread::sleep_for(milliseconds(1));
+      const auto now = steady_clock::now();
       const std::uint64_t time_us = microseconds(presenter_->seconds());
       if (options_.duration && presenter_->shown() && time_us >= microseconds(*options_.duration))
         break;
-      const Stage::Update update = stage_->update(steady_clock::now());
+      const Stage::Update update = stage_->update(now);
       if (update.ended) break;
       // Live streams say late where they are.
       if (stage_->bounded() != bounded || options_.camera_path) {
@@ -147,12 +177,25 @@ class OffscreenPlayer {
         if (auto drawn = show(update.changes); !drawn) return drawn;
         if (auto recorded = record(time_us); !recorded) return recorded;
       }
-      if (steady_clock::now() - last_look > milliseconds(100)) {
-        last_look = steady_clock::now();
+      if (now - last_look > kLook) {
+        last_look = now;
         trouble_.look(*stage_);
       }
+      bell_.wait(next_round(now, update), stop_);
     }
     return end();
+  }
+
+  /// When there is something to do even if nothing happens.
+  steady_clock::time_point next_round(steady_clock::time_point now,
+                                      const Stage::Update& update) const {
+    auto next = std::min(now + kLook, update.due.value_or(now + kLook));
+    if (options_.duration && presenter_->shown()) {
+      const double left = std::max(0.0, *options_.duration - presenter_->seconds());
+      next = std::min(next, now + std::chrono::ceil<steady_clock::duration>(
+                                      std::chrono::duration<double>(left)));
+    }
+    return next;
   }
 
   Result<void> open(const std::optional<FrameRate>& rate) {
@@ -186,6 +229,7 @@ class OffscreenPlayer {
 
   const PlayOptions& options_;
   const std::stop_token stop_;
+  Bell bell_;
   std::optional<Progress> progress_;
   ErrorLines errors_;
   TroubleLines trouble_;

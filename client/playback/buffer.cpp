@@ -33,6 +33,12 @@ void FrameBuffer::wake_all() {
   to_make_.notify_all();
 }
 
+/// For the thread that shows frames.
+void FrameBuffer::tell_ready() {
+  shown_changed_.notify_all();
+  if (options_.on_ready) options_.on_ready();
+}
+
 // Where the playhead is.
 
 std::uint32_t FrameBuffer::distance(std::uint32_t frame) const {
@@ -295,6 +301,7 @@ void FrameBuffer::fetched(const FetchRequest& request, FetchedFrame frame, doubl
     });
   }
   to_make_.notify_one();
+  tell_ready();
 }
 
 void FrameBuffer::fetch_failed(const FetchRequest& request) {
@@ -303,6 +310,7 @@ void FrameBuffer::fetch_failed(const FetchRequest& request) {
     if (!store_.give_up(request) && in_window(request.frame)) finished_[request.frame];
   }
   wake_all();
+  tell_ready();
 }
 
 void FrameBuffer::fetch_stopped(const FetchRequest& request) {
@@ -323,7 +331,7 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
     // before it came into the window.
     if (!again && store_.limit(*frame) == 0) {
       finished_[*frame];
-      shown_changed_.notify_all();
+      tell_ready();
     }
     return std::nullopt;
   }
@@ -416,7 +424,7 @@ void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const Sce
       }
     }
   }
-  shown_changed_.notify_all();
+  tell_ready();
 }
 
 bool FrameBuffer::broken(const FrameRequest& request, std::uint32_t layer) {
@@ -430,6 +438,7 @@ bool FrameBuffer::broken(const FrameRequest& request, std::uint32_t layer) {
       finished_[request.frame];  // what is there already stays
   }
   wake_all();
+  tell_ready();
   return again;
 }
 

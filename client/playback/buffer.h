@@ -75,6 +75,9 @@ class FrameBuffer {
     /// kWholeFrame.
     std::vector<int> levels = {kWholeFrame};
     Choice choice;  ///< default: everything
+    /// Called by any thread when more of a frame was fetched, or one is ready or cannot be had. As
+    /// `choice`, it must not call back.
+    std::function<void()> on_ready = {};
   };
   enum class State { waiting, ready, failed, closed };
 
@@ -203,6 +206,7 @@ class FrameBuffer {
   std::uint32_t behind(std::uint32_t frame) const;
   void answered(const FrameRequest& request);
   void wake_all();
+  void tell_ready();
   bool outdated(const FrameRequest& request) const { return request.generation != generation_; }
 
   Options options_;

@@ -89,6 +89,26 @@ Clock::Reading Clock::read(TimePoint now) const {
   return reading;
 }
 
+std::optional<Clock::TimePoint> Clock::next_frame(TimePoint now) const {
+  const Reading at = read(now);
+  if (!playing_ || held_ || at.ended) return std::nullopt;
+  const std::uint32_t next = at.frame + 1;
+  std::uint64_t left_us = 0;  // of the reel's time
+  if (direction() > 0) {
+    std::uint64_t end =
+        next < timeline_.frame_count() ? timeline_.times_us[next] : timeline_.duration_us;
+    if (range_ && at.position_us < range_->b_us) end = std::min(end, range_->b_us);
+    left_us = end - at.position_us;
+  } else {
+    std::uint64_t begin = timeline_.times_us[at.frame];
+    if (range_ && at.position_us >= range_->a_us) begin = std::max(begin, range_->a_us);
+    left_us = at.position_us - std::min(begin, at.position_us) + 1;
+  }
+  const auto left =
+      std::chrono::duration<double, std::micro>(static_cast<double>(left_us) / std::abs(speed_));
+  return now + std::chrono::ceil<std::chrono::microseconds>(left);
+}
+
 void Clock::restart_at(std::uint64_t position_us, TimePoint now) {
   base_ = {static_cast<std::int64_t>(position_us), 0};
   base_now_ = now;

@@ -49,6 +49,9 @@ class Clock {
   Clock(Timeline timeline, bool loop);
 
   Reading read(TimePoint now) const;
+  /// When the next frame begins, or playback ends; never later, sometimes a little earlier. None
+  /// while time stands still.
+  std::optional<TimePoint> next_frame(TimePoint now) const;
 
   /// From the end, without loop, begins anew; so does backward play from the start, at the end.
   void play(TimePoint now);

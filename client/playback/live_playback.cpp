@@ -22,9 +22,10 @@ Box bounds_of(const SceneFrame& frame) {
 }  // namespace
 
 LivePlayback::LivePlayback(std::unique_ptr<LiveSource> source, std::string name,
-                           const Options& options, OnError on_error)
+                           const Options& options, OnError on_error, OnReady on_ready)
     : source_(std::move(source)),
       on_error_(std::move(on_error)),
+      on_ready_(std::move(on_ready)),
       name_(std::move(name)),
       prepare_(options.prepare) {
   receiver_ = std::thread([this] { receive(); });
@@ -88,21 +89,27 @@ void LivePlayback::receive() {
   while (true) {
     auto frame = source_->next(kPatience);
     auto said = source_->hello(milliseconds(0));
-    const std::lock_guard lock(mutex_);
-    if (ending_) return;
-    if (said && said != hello) {
-      if (hello && hello->session != said->session) number.reset();
-      hello = std::move(said);
-      stream_ = *hello;
-      find_level();
+    const bool another_hello = said && said != hello;
+    {
+      const std::lock_guard lock(mutex_);
+      if (ending_) return;
+      if (another_hello) {
+        if (hello && hello->session != said->session) number.reset();
+        hello = std::move(said);
+        stream_ = *hello;
+        find_level();
+      }
+      if (frame && hello) {
+        if (number != frame->number) ++order;
+        number = frame->number;
+        if (playing_ || !ready_.frame) {
+          if (received_ && received_->order < order) ++overtaken_;
+          received_ = Received{order, *std::move(frame)};
+          changed_.notify_one();
+        }
+      }
     }
-    if (!frame || !hello) continue;
-    if (number != frame->number) ++order;
-    number = frame->number;
-    if (!playing_ && ready_.frame) continue;
-    if (received_ && received_->order < order) ++overtaken_;
-    received_ = Received{order, *std::move(frame)};
-    changed_.notify_one();
+    if (another_hello && on_ready_) on_ready_();
   }
 }
 
@@ -122,6 +129,7 @@ void LivePlayback::prepare() {
       continue;
     }
     deliver(received.order, std::make_shared<const SceneFrame>(*std::move(frame)));
+    if (on_ready_) on_ready_();
   }
 }
 

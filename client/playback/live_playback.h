@@ -35,7 +35,7 @@ class LivePlayback : public Playback {
 
   /// `name`: for people.
   LivePlayback(std::unique_ptr<LiveSource> source, std::string name, const Options& options,
-               OnError on_error);
+               OnError on_error, OnReady on_ready = {});
   /// Cancels the source and waits for the threads.
   ~LivePlayback() override;
 
@@ -78,6 +78,7 @@ class LivePlayback : public Playback {
 
   const std::unique_ptr<LiveSource> source_;
   const OnError on_error_;
+  const OnReady on_ready_;
   const std::string name_;
   std::atomic<bool> playing_{true};
   std::atomic<std::uint64_t> errors_{0};

@@ -31,18 +31,13 @@ class Errand {
   bool ended_ = false;
 };
 
-/// Of the source that is being opened, which tells it.
-struct Trouble {
-  std::mutex mutex;
-  std::optional<std::string> line;
-};
-
 }  // namespace
 
 /// Owned by whoever opens and by the thread, whichever is there longer.
 struct Opening::Shared {
   Stage::CameraFor camera_for;
   Stage::OnError on_error;
+  Playback::OnReady on_ready;
   std::stop_source stop;
   Errand errand;
   std::mutex calling;  ///< while one of the functions above is called
@@ -50,7 +45,12 @@ struct Opening::Shared {
   std::mutex mutex;  ///< of what follows
   std::optional<Opened> opened;
   bool unwanted = false;
-  const std::shared_ptr<Trouble> trouble = std::make_shared<Trouble>();
+  std::optional<std::string> trouble;
+
+  void tell_ready() {
+    const std::lock_guard lock(calling);
+    if (!given_up && on_ready) on_ready();
+  }
 };
 
 Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
@@ -58,10 +58,12 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
     : shared_(std::make_shared<Shared>()) {
   shared_->camera_for = std::move(camera_for);
   shared_->on_error = std::move(on_error);
+  shared_->on_ready = std::move(options.on_ready);
+  options.on_ready = [shared = shared_] { shared->tell_ready(); };
   options.source.stop = shared_->stop.get_token();
-  options.source.on_trouble = [trouble = shared_->trouble](const auto& line) {
-    const std::lock_guard lock(trouble->mutex);
-    trouble->line = line;
+  options.source.on_trouble = [shared = shared_](const auto& line) {
+    const std::lock_guard lock(shared->mutex);
+    shared->trouble = line;
   };
   const auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
     Opened opened = Stage::open(
@@ -79,6 +81,7 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
       if (!shared->unwanted) shared->opened = std::move(opened);
     }
     opened = nullptr;  // a stage that nobody wants ends here
+    shared->tell_ready();
     shared->errand.end();
   };
   std::thread(open).detach();
@@ -109,8 +112,8 @@ std::optional<Opening::Opened> Opening::poll() {
 }
 
 std::optional<std::string> Opening::trouble() const {
-  const std::lock_guard lock(shared_->trouble->mutex);
-  return shared_->trouble->line;
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->trouble;
 }
 
 void retire(std::unique_ptr<Stage> stage) {

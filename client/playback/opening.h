@@ -15,8 +15,9 @@ class Opening {
  public:
   using Opened = Result<std::unique_ptr<Stage>>;
 
-  /// As Stage::open. `camera_for` is called by the other thread, so it must be pure. Neither it nor
-  /// `on_error` is called any more once the opening is destroyed, unless the stage was taken.
+  /// As Stage::open. `options.on_ready` is called, too, when poll() or trouble() has something new.
+  /// `camera_for` is called by the other thread, so it must be pure. Once the opening is destroyed,
+  /// none of the functions given is called any more, unless the stage was taken.
   Opening(std::vector<Stage::Placed> sources, Stage::Options options, Stage::CameraFor camera_for,
           Stage::OnError on_error);
   /// Gives it up, if the stage was not taken. Takes no longer than a blink of an eye: what does not

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,7 +25,14 @@ class Playback {
     /// `frame` is the one given before, with more levels.
     bool refined = false;
     bool ended = false;  ///< nothing will come any more
+    /// When to call update() again, even if nobody is told to (OnReady): when the next frame
+    /// begins. None: not before.
+    std::optional<Clock::TimePoint> due = {};
   };
+  /// Called by any thread when update(), or anything else that is asked for, may have something
+  /// new: a frame or a thumbnail is ready or cannot be had, or bounds or trouble() have changed. It
+  /// must be quick, and must call nothing of what calls it.
+  using OnReady = std::function<void()>;
 
   virtual ~Playback() = default;
 

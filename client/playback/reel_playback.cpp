@@ -35,6 +35,8 @@ std::uint32_t frames_in(const Manifest& manifest, double seconds, double speed) 
   return static_cast<std::uint32_t>(std::clamp(frames, 1.0, 1e6));
 }
 
+constexpr std::chrono::milliseconds kReconsider{50};  ///< what is fetched, while it plays
+
 unsigned prepare_threads() { return std::clamp(std::thread::hardware_concurrency(), 1u, 8u); }
 
 /// LayerControl::Situation::bytes of a segment, with the attributes of `most`; empty of files.
@@ -88,9 +90,11 @@ FrameBuffer::Options buffer_options(const Manifest& manifest,
 }  // namespace
 
 ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& options,
-                           const Camera& camera, glm::ivec2 size, Pipeline::OnError on_error)
+                           const Camera& camera, glm::ivec2 size, Pipeline::OnError on_error,
+                           OnReady on_ready)
     : source_(std::move(source)),
       options_(options),
+      on_ready_(std::move(on_ready)),
       clock_(timeline_of(source_->manifest()), options.loop),
       buffer_([&] {
         FrameBuffer::Options buffer = buffer_options(source_->manifest(), options);
@@ -98,6 +102,7 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
           const LayerDecision most = wanted(mode, level);
           return decide(caps(), most.layers, most.limit).layers;
         };
+        buffer.on_ready = on_ready_;
         return buffer;
       }()),
       prepare_(options.prepare),
@@ -457,7 +462,15 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
     }
     given_ = update.frame;
   }
+  update.due = due(now);
   return update;
+}
+
+/// Frames that come later say so; what is fetched is reconsidered a few times a second.
+std::optional<Clock::TimePoint> ReelPlayback::due(Clock::TimePoint now) const {
+  if (started_ && !clock_.playing()) return std::nullopt;
+  const Clock::TimePoint reconsider = now + kReconsider;
+  return std::min(clock_.next_frame(now).value_or(reconsider), reconsider);
 }
 
 /// Frames that lie between the one given before and this one.
@@ -475,10 +488,13 @@ void ReelPlayback::count_dropped(const SceneFrame& frame, const Clock::Reading& 
 std::shared_ptr<const SceneFrame> ReelPlayback::thumbnail(std::uint32_t frame) {
   if (frame >= timeline().frame_count()) return nullptr;
   if (!thumbnails_)
-    thumbnails_.emplace(*source_, [this](std::uint32_t index) {
-      const LayerRange needs = layer_choice(manifest(), DrawMode::point, Thumbnails::kLevel);
-      return buffer_.stored_base(index, needs.colors, needs.normals);
-    });
+    thumbnails_.emplace(
+        *source_,
+        [this](std::uint32_t index) {
+          const LayerRange needs = layer_choice(manifest(), DrawMode::point, Thumbnails::kLevel);
+          return buffer_.stored_base(index, needs.colors, needs.normals);
+        },
+        Thumbnails::kBytes, on_ready_);
   return thumbnails_->get(frame);
 }
 

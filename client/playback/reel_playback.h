@@ -43,7 +43,7 @@ class ReelPlayback : public Playback {
   /// Begins to fetch what the camera shows in a picture of `size` pixels. The source has at least
   /// one frame. `on_error`: Pipeline::OnError.
   ReelPlayback(std::unique_ptr<Source> source, const Options& options, const Camera& camera,
-               glm::ivec2 size, Pipeline::OnError on_error);
+               glm::ivec2 size, Pipeline::OnError on_error, OnReady on_ready = {});
 
   const Manifest& manifest() const { return source_->manifest(); }
   const Timeline& timeline() const { return clock_.timeline(); }
@@ -149,10 +149,12 @@ class ReelPlayback : public Playback {
   void set_caps(const LayerCaps& caps);
   void note_choice(std::uint32_t frame);
   void jump(Clock::TimePoint now, int direction);
+  std::optional<Clock::TimePoint> due(Clock::TimePoint now) const;
   void count_dropped(const SceneFrame& frame, const Clock::Reading& reading);
 
   const std::unique_ptr<Source> source_;
   const Options options_;
+  const OnReady on_ready_;
   Clock clock_;
   bool started_ = false;  ///< the first frame came, or failed
   bool begins_ = true;    ///< it plays from then on

@@ -1,6 +1,8 @@
 #include "client/playback/stage.h"
 
 #include <algorithm>
+#include <mutex>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,11 +10,10 @@
 #include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {
-
-bool is_remote(const std::string& where) { return where.find("://") != std::string::npos; }
 
 void grow(Box& box, const Box& other, const glm::dvec3& place) {
   if (other.empty()) return;
@@ -25,26 +26,52 @@ Camera moved(Camera camera, const glm::dvec3& place) {
   return camera;
 }
 
+constexpr std::string_view kLivePath = "/live/";
+
 /// NAME of .../live/NAME or .../live/NAME/reel.json.
 std::string stream_name(const std::string& address) {
-  const std::size_t begin = address.find("/live/");
+  const std::size_t begin = address.find(kLivePath);
   if (begin == std::string::npos) return address;
-  const std::string name = address.substr(begin + 6);
+  const std::string name = address.substr(begin + kLivePath.size());
   return name.substr(0, name.find('/'));
 }
 
 }  // namespace
 
+struct Stage::Listener {
+  std::mutex mutex;
+  OnError on_error;
+  Playback::OnReady on_ready;
+
+  void failed(std::size_t source, std::uint32_t frame, const Error& error) {
+    const std::lock_guard lock(mutex);
+    if (on_error) on_error(source, frame, error);
+  }
+  void ready() {
+    const std::lock_guard lock(mutex);
+    if (on_ready) on_ready();
+  }
+};
+
 bool is_live_address(const std::string& where) {
-  if (where.starts_with("ws://") || where.starts_with("wss://")) return true;
-  const std::size_t scheme = where.find("://");
-  return where.starts_with("http") && scheme != std::string::npos &&
-         where.find("/live/", scheme + 3) != std::string::npos;
+  const auto url = parse_url(where);
+  if (!url) return false;
+  return url->is_websocket() ||
+         (url->is_http() && url->target.find(kLivePath) != std::string::npos);
 }
 
 Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
                                            const Options& options, const CameraFor& camera_for,
                                            OnError on_error) {
+  const auto listener = std::make_shared<Listener>();
+  listener->on_error = std::move(on_error);
+  listener->on_ready = options.on_ready;
+  const auto ready = [listener] { listener->ready(); };
+  SourceOptions source_options = options.source;
+  source_options.on_trouble = [listener, tell = options.source.on_trouble](const auto& line) {
+    if (tell) tell(line);
+    listener->ready();
+  };
   std::vector<std::unique_ptr<Source>> reels(sources.size());
   std::vector<std::unique_ptr<LiveSource>> streams(sources.size());
   Box bounds;
@@ -52,13 +79,13 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     const std::string& where = sources[i].where;
     const std::vector<std::filesystem::path>& files = sources[i].files;
     if (files.empty() && is_live_address(where)) {
-      auto stream = open_live_source(where, options.source);
+      auto stream = open_live_source(where, source_options);
       if (!stream) return tl::unexpected(stream.error());
       streams[i] = *std::move(stream);
       continue;
     }
-    auto reel = files.empty() ? open_source(where, options.source)
-                              : open_file_sequence(files, options.source);
+    auto reel = files.empty() ? open_source(where, source_options)
+                              : open_file_sequence(files, source_options);
     if (!reel) return tl::unexpected(reel.error());
     if ((*reel)->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
     reels[i] = *std::move(reel);
@@ -71,25 +98,23 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
 
   auto stage = std::make_unique<Stage>();
   stage->prepare_ = options.prepare;
-  stage->listener_ = std::make_shared<Listener>();
-  stage->listener_->on_error = std::move(on_error);
+  stage->listener_ = listener;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const auto broken = [i, listener = stage->listener_](std::uint32_t frame, const Error& error) {
-      const std::lock_guard lock(listener->mutex);
-      if (listener->on_error) listener->on_error(i, frame, error);
+    const auto failed = [i, listener](std::uint32_t frame, const Error& error) {
+      listener->failed(i, frame, error);
     };
     Part part{sources[i].where, sources[i].place, {}};
     if (reels[i]) {
       ReelPlayback::Options reel = options.reel;
       reel.prepare = options.prepare;
-      reel.remote = sources[i].files.empty() && is_remote(sources[i].where);
-      part.source = std::make_unique<ReelPlayback>(std::move(reels[i]), reel,
-                                                   moved(camera, part.place), options.size, broken);
+      reel.remote = sources[i].files.empty() && !scheme_of(sources[i].where).empty();
+      part.source = std::make_unique<ReelPlayback>(
+          std::move(reels[i]), reel, moved(camera, part.place), options.size, failed, ready);
     } else {
       LivePlayback::Options live = options.live;
       live.prepare = options.prepare;
-      part.source = std::make_unique<LivePlayback>(std::move(streams[i]),
-                                                   stream_name(sources[i].where), live, broken);
+      part.source = std::make_unique<LivePlayback>(
+          std::move(streams[i]), stream_name(sources[i].where), live, failed, ready);
     }
     stage->parts_.push_back(std::move(part));
     stage->scene_.push_back({nullptr, sources[i].place});
@@ -139,6 +164,7 @@ void Stage::set_prepare_options(const PrepareOptions& options) {
 void Stage::silence() {
   const std::lock_guard lock(listener_->mutex);
   listener_->on_error = nullptr;
+  listener_->on_ready = nullptr;
 }
 
 std::vector<Stage::Change> Stage::take(std::size_t source,
@@ -153,6 +179,7 @@ Stage::Update Stage::update(Clock::TimePoint now) {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Playback::Update one = parts_[i].playback().update(now);
     update.ended = update.ended && one.ended;
+    if (one.due) update.due = std::min(*one.due, update.due.value_or(*one.due));
     if (!one.frame || one.frame == scene_[i].frame) continue;
     scene_[i].frame = one.frame;
     update.changes.push_back({i, one.refined});

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,7 +30,8 @@ class Stage {
     PrepareOptions prepare;      ///< of all sources, instead of that in `reel` and `live`
     ReelPlayback::Options reel;  ///< `remote` is found out for each
     LivePlayback::Options live;
-    glm::ivec2 size{1280, 720};  ///< of the picture
+    glm::ivec2 size{1280, 720};       ///< of the picture
+    Playback::OnReady on_ready = {};  ///< of any source
   };
   struct Placed {
     std::string where;  ///< open_source's, or a live stream's address (is_live_address)
@@ -69,7 +70,7 @@ class Stage {
   /// As Playback's, for all sources.
   void set_prepare_options(const PrepareOptions& options);
   const PrepareOptions& prepare_options() const { return prepare_; }
-  /// OnError is not called any more. Waits for a call that is under way.
+  /// Neither OnError nor on_ready is called any more. Waits for a call that is under way.
   void silence();
   /// Of each reel.
   template <class Control>
@@ -89,6 +90,7 @@ class Stage {
   struct Update {
     std::vector<Change> changes;  ///< sources that have another frame in the scene than before
     bool ended = false;           ///< of all sources
+    std::optional<Clock::TimePoint> due = {};  ///< the first of all sources'
   };
   Update update(Clock::TimePoint now);
   /// Puts a frame into the scene without any clock.
@@ -114,11 +116,8 @@ class Stage {
     }
   };
 
-  /// What is told of errors, for as long as somebody listens.
-  struct Listener {
-    std::mutex mutex;
-    OnError on_error;
-  };
+  /// Who is told of errors and news, for as long as somebody listens.
+  struct Listener;
 
   std::shared_ptr<Listener> listener_;
   PrepareOptions prepare_;

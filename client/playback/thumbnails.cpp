@@ -23,8 +23,9 @@ constexpr std::uint64_t kEntryBytes = 128;
 
 }  // namespace
 
-Thumbnails::Thumbnails(Source& source, Stored stored, std::uint64_t bytes)
-    : source_(source), stored_(std::move(stored)), budget_(bytes) {}
+Thumbnails::Thumbnails(Source& source, Stored stored, std::uint64_t bytes,
+                       std::function<void()> on_ready)
+    : source_(source), stored_(std::move(stored)), budget_(bytes), on_ready_(std::move(on_ready)) {}
 
 Thumbnails::~Thumbnails() {
   {
@@ -79,6 +80,10 @@ void Thumbnails::run() {
     making_.reset();
     if (stop_.stop_requested()) return;
     keep(frame, made ? std::make_shared<const SceneFrame>(*std::move(made)) : nullptr);
+    if (!on_ready_) continue;
+    lock.unlock();
+    on_ready_();
+    lock.lock();
   }
 }
 

@@ -29,7 +29,9 @@ class Thumbnails {
   static constexpr int kLevel = 7;
 
   /// `source` outlives it. Keeps no more than `bytes` of frames, but always the last one.
-  Thumbnails(Source& source, Stored stored, std::uint64_t bytes = kBytes);
+  /// `on_ready` is called by the thread when what get() was asked for is there, or cannot be had.
+  Thumbnails(Source& source, Stored stored, std::uint64_t bytes = kBytes,
+             std::function<void()> on_ready = {});
   /// Stops what is being fetched, and waits for the thread.
   ~Thumbnails();
   Thumbnails(const Thumbnails&) = delete;
@@ -57,6 +59,7 @@ class Thumbnails {
   Source& source_;
   const Stored stored_;
   const std::uint64_t budget_;
+  const std::function<void()> on_ready_;
   std::stop_source stop_;
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable changed_;

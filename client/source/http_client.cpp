@@ -345,11 +345,14 @@ class HttpClient::Loop : HttpTransfer::Listener {
     std::string trouble;
     for (const auto& job : jobs_)
       if (job->batch != nullptr && !job->trouble.empty()) trouble = job->trouble;
-    if (trouble != trouble_ && options_.on_trouble)
+    const bool changed = trouble != trouble_;
+    {
+      const std::lock_guard lock(mutex_);
+      trouble_ = trouble;
+      publish_use();
+    }
+    if (changed && options_.on_trouble)
       options_.on_trouble(trouble.empty() ? std::nullopt : std::optional(trouble));
-    const std::lock_guard lock(mutex_);
-    trouble_ = std::move(trouble);
-    publish_use();
   }
 
   /// With the mutex held.

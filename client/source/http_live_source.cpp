@@ -79,7 +79,7 @@ class LayerBudget {
 class HttpLiveSource : public LiveSource {
  public:
   HttpLiveSource(std::string base, const SourceOptions& options)
-      : base_(std::move(base)), client_(options) {
+      : base_(std::move(base)), on_trouble_(options.on_trouble), client_(options) {
     fetcher_ = std::thread([this] { fetch(); });
     pacer_ = std::thread([this] { pace(); });
   }
@@ -260,9 +260,13 @@ class HttpLiveSource : public LiveSource {
     }
   }
 
-  void set_trouble(std::optional<std::string> text) {
-    const std::lock_guard lock(mutex_);
-    trouble_ = std::move(text);
+  void set_trouble(const std::optional<std::string>& text) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (text == trouble_) return;
+      trouble_ = text;
+    }
+    if (on_trouble_) on_trouble_(text);
   }
 
   void wait(milliseconds pause) {
@@ -272,6 +276,7 @@ class HttpLiveSource : public LiveSource {
   }
 
   const std::string base_;
+  const std::function<void(const std::optional<std::string>&)> on_trouble_;
   HttpClient client_;
   LiveAssembler assembler_;
   std::stop_source stop_;

@@ -24,12 +24,14 @@ bool has_no_frames(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options) {
-  if (where.starts_with("http://") || where.starts_with("https://"))
-    return open_http_source(where, options);
-  if (const auto scheme = where.find("://"); scheme != std::string::npos)
-    return fail(fmt::format(
-        "{}: {}:// is not supported; give an http:// or https:// address, a package or a folder",
-        where, where.substr(0, scheme)));
+  if (!scheme_of(where).empty()) {
+    const Url url = TRY(parse_url(where));
+    if (url.is_http()) return open_http_source(where, options);
+    return fail(ErrorCode::argument,
+                fmt::format("{}: {}:// is not supported; give an http:// or https:// address, a "
+                            "package or a folder",
+                            where, url.scheme));
+  }
   namespace fs = std::filesystem;
   std::error_code ignored;
   const fs::path path(where);

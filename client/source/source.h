@@ -113,8 +113,8 @@ struct SourceOptions {
   std::chrono::milliseconds first_backoff{100};  ///< doubles with each attempt
   std::chrono::milliseconds max_backoff{500};
   std::stop_token stop = {};  ///< asked to stop, opening a source fails soon
-  /// Source::trouble whenever it changes, of sources that trouble is told of while they are opened:
-  /// HTTP. Called by any thread.
+  /// Called by any thread when trouble() of a source has changed, with what it is now; also while
+  /// the source is being opened.
   std::function<void(const std::optional<std::string>&)> on_trouble = {};
   int open_attempts = 4;  ///< to open a source; what is fetched later is tried without end
 };

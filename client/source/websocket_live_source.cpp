@@ -122,9 +122,13 @@ class WebSocketLiveSource : public LiveSource {
     return text.substr(0, text.find(';')) + "; trying again";
   }
 
-  void set_trouble(std::optional<std::string> text) {
-    const std::lock_guard lock(mutex_);
-    trouble_ = std::move(text);
+  void set_trouble(const std::optional<std::string>& text) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (text == trouble_) return;
+      trouble_ = text;
+    }
+    if (options_.on_trouble) options_.on_trouble(text);
   }
 
   void wait(milliseconds pause) {

@@ -1,32 +1,35 @@
 #include "common/base/stop_signal.h"
 
-#include <ctime>
-
 namespace pointreel {
 
+// SIGRTMIN, sent by the destructor to the waiting thread alone, tells it to end. If the thread
+// polled for that instead, every command would exit later by up to the interval of polling.
 StopSignal::StopSignal() {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+  sigset_t ended, any = signals_;
+  sigemptyset(&ended);
+  sigaddset(&ended, SIGRTMIN);
+  sigaddset(&any, SIGRTMIN);
+  pthread_sigmask(SIG_BLOCK, &any, &before_);
   struct sigaction usual{};
   usual.sa_handler = SIG_DFL;
   sigaction(SIGINT, &usual, &interrupt_before_);
   sigaction(SIGTERM, &usual, &terminate_before_);
-  waiter_ = std::jthread([this](const std::stop_token& ended) {
-    const timespec pause{0, 50'000'000};
-    while (!ended.stop_requested()) {
-      if (sigtimedwait(&signals_, nullptr, &pause) < 0) continue;
-      source_.request_stop();
-      // From here on this thread, and so the process, takes the signals' default action.
-      pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
-      while (!ended.stop_requested()) nanosleep(&pause, nullptr);
-    }
+  waiter_ = std::thread([this, any, ended] {
+    int signal = 0;
+    sigwait(&any, &signal);
+    if (signal == SIGRTMIN) return;
+    source_.request_stop();
+    // From here on this thread, and so the process, takes the signals' default action.
+    pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
+    sigwait(&ended, &signal);
   });
 }
 
 StopSignal::~StopSignal() {
-  waiter_.request_stop();
+  pthread_kill(waiter_.native_handle(), SIGRTMIN);
   waiter_.join();
   sigaction(SIGINT, &interrupt_before_, nullptr);
   sigaction(SIGTERM, &terminate_before_, nullptr);

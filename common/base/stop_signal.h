@@ -24,7 +24,7 @@ class StopSignal {
   std::stop_source source_;
   sigset_t signals_{}, before_{};
   struct sigaction interrupt_before_{}, terminate_before_{};
-  std::jthread waiter_;
+  std::thread waiter_;
 };
 
 }  // namespace pointreel

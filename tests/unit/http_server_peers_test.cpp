@@ -70,7 +70,7 @@ TEST_F(HttpServerTest, evicts_the_longest_idle_connection_when_it_is_full) {
 TEST_F(HttpServerTest, limits_the_connections_and_requests_of_one_address) {
   HttpServerOptions options;
   options.max_connections_per_address = 2;
-  options.requests_per_second = 1;
+  options.requests_per_second = 10;
   start(options);
   RawHttpClient first(port()), second(port());
   ASSERT_TRUE(first.send("GET /healthz HTTP/1.1\r\n") && second.send("GET "));

@@ -209,7 +209,7 @@ TEST_P(LiveServerTest, never_lets_a_stalled_viewer_delay_others) {
 
 TEST_P(LiveServerTest, drops_peers_that_show_no_sign_of_life) {
   if (GetParam()) GTEST_SKIP() << "the same on any transport";
-  options_.idle_timeout = 2s;
+  options_.idle_timeout = 800ms;
   start();
   const auto answering = connected("/live/other?publish");
   ASSERT_TRUE(answering && say_hello(*answering));

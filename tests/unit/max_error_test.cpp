@@ -42,16 +42,13 @@ double farthest(const PointCloud& a, const PointCloud& b) {
   const std::size_t step = a.size() / 60 + 1;
   long double most = 0.0L;
   for (std::size_t i = 0; i < a.size(); i += step) {
-    long double nearest = HUGE_VALL;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      long double squared = 0.0L;
-      for (int axis = 0; axis < 3; ++axis) {
-        const long double d =
-            (static_cast<long double>(a.origin[axis]) - b.origin[axis]) +
-            (static_cast<long double>(a.positions[i][axis]) - b.positions[j][axis]);
-        squared += d * d;
-      }
-      nearest = std::min(nearest, squared);
+    long double nearest = HUGE_VALL, point[3];
+    for (int axis = 0; axis < 3; ++axis)
+      point[axis] =
+          (static_cast<long double>(a.origin[axis]) - b.origin[axis]) + a.positions[i][axis];
+    for (const glm::vec3& other : b.positions) {
+      const long double x = point[0] - other.x, y = point[1] - other.y, z = point[2] - other.z;
+      nearest = std::min(nearest, x * x + y * y + z * z);
     }
     most = std::max(most, nearest);
   }

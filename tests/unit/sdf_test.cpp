@@ -44,14 +44,19 @@ double slow_distance(const RoundCone& cone, const glm::dvec3& p) {
 template <class Function>
 void for_points_on(const Ellipsoid& ellipsoid, const Function& function) {
   constexpr int kRings = 700;
+  std::vector<glm::dvec2> circle;
+  for (int j = 0; j < 2 * kRings; ++j) {
+    const double around = kTurn * j / (2 * kRings);
+    circle.emplace_back(std::cos(around), std::sin(around));
+  }
+  const glm::dmat3 axes(ellipsoid.axes[0] * ellipsoid.radii.x,
+                        ellipsoid.axes[1] * ellipsoid.radii.y,
+                        ellipsoid.axes[2] * ellipsoid.radii.z);
   for (int i = 0; i <= kRings; ++i) {
     const double polar = 0.5 * kTurn * i / kRings;
-    for (int j = 0; j < 2 * kRings; ++j) {
-      const double around = kTurn * j / (2 * kRings);
-      const glm::dvec3 on_ball(std::sin(polar) * std::cos(around),
-                               std::sin(polar) * std::sin(around), std::cos(polar));
-      function(ellipsoid.center + ellipsoid.axes * (ellipsoid.radii * on_ball));
-    }
+    const double ring = std::sin(polar);
+    const glm::dvec3 center = ellipsoid.center + axes[2] * std::cos(polar);
+    for (const glm::dvec2& at : circle) function(center + (axes[0] * at.x + axes[1] * at.y) * ring);
   }
 }
 

@@ -75,7 +75,7 @@ TEST_F(TlsServerTest, serves_texts_files_and_ranges_on_one_connection) {
 TEST_F(TlsServerTest, answers_pipelined_requests_and_waits_for_slow_readers) {
   full_ = patterned(8 << 20);
   write_package(reel_, base_, full_);
-  options_.header_timeout = options_.idle_timeout = 1s;
+  options_.header_timeout = options_.idle_timeout = 800ms;
   start();
   const auto peer = client(4096);
   ASSERT_TRUE(
@@ -90,7 +90,7 @@ TEST_F(TlsServerTest, answers_pipelined_requests_and_waits_for_slow_readers) {
 }
 
 TEST_F(TlsServerTest, drops_peers_that_do_not_speak_tls_or_stop_in_the_handshake) {
-  options_.header_timeout = 2s;
+  options_.header_timeout = 800ms;
   start();
   RawHttpClient plain(server_->port());
   plain.send("GET / HTTP/1.1\r\nHost: test\r\n\r\n");

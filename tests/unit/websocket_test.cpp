@@ -203,10 +203,10 @@ TEST(WebSocket, a_silent_peer_counts_as_lost) {
 TEST(WebSocket, a_peer_that_only_answers_pings_is_not_lost) {
   const Peer peer(upgraded(read_until_closed));
   WebSocketOptions options;
-  options.silence_timeout = 2s;
+  options.silence_timeout = 600ms;
   const auto socket = WebSocket::connect(peer.url(), options);
   ASSERT_TRUE(socket);
-  const auto message = (*socket)->receive(3s);
+  const auto message = (*socket)->receive(800ms);
   ASSERT_TRUE(message) << message.error().message;
   EXPECT_FALSE(*message);
 }

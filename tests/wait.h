@@ -19,6 +19,12 @@ bool wait_until(Condition&& condition, std::chrono::milliseconds timeout = std::
   return true;
 }
 
+/// Stands for work that takes this long in a fake: nothing is waited for.
+template <class Duration>
+void work_for(Duration time) {
+  std::this_thread::sleep_for(time);
+}
+
 /// How long to look for something that must not happen, where no later event would prove that it
 /// did not: EXPECT_FALSE(wait_until(it_happened, kMoment)). A slow machine may miss a fault this
 /// way, but it never reports one that is not there.

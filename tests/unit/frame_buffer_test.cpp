@@ -214,7 +214,7 @@ TEST(FrameBuffer, random_seeks_never_show_a_wrong_frame_or_exceed_the_bounds) {
   FrameBuffer buffer(random_options);
   // Now and then a worker takes a while, so that answers overtake each other and come after jumps.
   const auto work = [](std::mt19937& random) {
-    if (random() % 4 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+    if (random() % 4 == 0) work_for(std::chrono::microseconds(random() % 300));
   };
   std::vector<std::thread> workers;
   for (int t = 0; t < 3; ++t) {

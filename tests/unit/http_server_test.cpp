@@ -245,7 +245,7 @@ TEST_F(HttpServerTest, accepts_requests_that_arrive_byte_by_byte) {
   for (int round = 0; round < 3; ++round) {
     for (const char c : request) {
       ASSERT_TRUE(client.send(std::string_view(&c, 1)));
-      // Bytes that arrive together are read together, and nothing tells when one has been read.
+      // Bytes that arrive together are read together, and a client cannot see when one was read.
       std::this_thread::sleep_for(100us);
     }
     const Answer answer = client.read_answer();

@@ -30,7 +30,7 @@ class FakeSource : public Source {
     const std::uint32_t frame = request.frame;
     const int now = ++fetching;
     most_fetching = std::max(most_fetching.load(), now);
-    std::this_thread::sleep_for(delay.load());  // stands for the link
+    work_for(delay.load());
     --fetching;
     ++fetches;
     if (cancelled) return fail("cancelled");
@@ -110,7 +110,7 @@ TEST(Pipeline, every_frame_is_prepared_once_and_shown_in_order_at_uneven_speeds)
   Pipeline pipeline(source, buffer,
                     [&](const FrameRequest& request, const FetchedFrame& fetched) {
                       // Some frames take longer to decode than those after them.
-                      if (request.frame % 7 == 0) std::this_thread::sleep_for(milliseconds(3));
+                      if (request.frame % 7 == 0) work_for(milliseconds(3));
                       ++prepared;
                       return prepare(request, fetched);
                     },
@@ -138,7 +138,7 @@ TEST(Pipeline, parallel_parts_of_frames_use_no_more_threads_than_frames_may) {
                         for (int most = most_working;
                              now > most && !most_working.compare_exchange_weak(most, now);) {
                         }
-                        std::this_thread::sleep_for(std::chrono::microseconds(300));  // works
+                        work_for(std::chrono::microseconds(300));
                         --working;
                         ++parts;
                       });

@@ -175,7 +175,7 @@ TEST_F(ServeCommandTest, recovers_from_running_out_of_file_descriptors) {
     EXPECT_EQ(many.front()->get("/walk/reel.json").status, 200);
     const auto is_quiet = [&] {
       const auto before = server.processor_time();
-      std::this_thread::sleep_for(200ms);  // over which the processor time is counted
+      std::this_thread::sleep_for(200ms);  // the period over which processor time is measured
       return server.processor_time() - before < 100ms;
     };
     bool quiet = false;

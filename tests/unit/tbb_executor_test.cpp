@@ -10,6 +10,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "tests/wait.h"
+
 namespace pointreel {
 namespace {
 
@@ -35,9 +37,9 @@ TEST(TbbExecutor, begins_no_unrelated_work_while_it_waits_for_its_jobs) {
       busy = true;
       const auto caller = std::this_thread::get_id();
       tbb_executor()(3, [&](int) {
-        // Stands for work. A helper takes longer than the caller, who then has to wait.
+        // A helper takes longer than the caller, who then has to wait.
         const bool helps = std::this_thread::get_id() != caller;
-        std::this_thread::sleep_for(std::chrono::microseconds(helps ? 2000 : 200));
+        work_for(std::chrono::microseconds(helps ? 2000 : 200));
       });
       busy = false;
     });

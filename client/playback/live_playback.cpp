@@ -83,23 +83,24 @@ void LivePlayback::find_level() {
 }
 
 void LivePlayback::receive() {
-  std::optional<LiveHello> hello;
+  bool heard = false;  // what the stream is
   std::uint64_t order = 0;
   std::optional<std::uint32_t> number;
   while (true) {
     auto frame = source_->next(kPatience);
-    auto said = source_->hello(milliseconds(0));
-    const bool another_hello = said && said != hello;
+    auto hello = source_->hello(milliseconds(0));
+    bool another_hello = false;
     {
       const std::lock_guard lock(mutex_);
       if (ending_) return;
+      another_hello = hello && (!heard || *hello != stream_);
       if (another_hello) {
-        if (hello && hello->session != said->session) number.reset();
-        hello = std::move(said);
-        stream_ = *hello;
+        if (heard && stream_.session != hello->session) number.reset();
+        stream_ = *std::move(hello);
+        heard = true;
         find_level();
       }
-      if (frame && hello) {
+      if (frame && heard) {
         if (number != frame->number) ++order;
         number = frame->number;
         if (playing_ || !ready_.frame) {

@@ -8,6 +8,8 @@
 #include "client/source/file_source.h"
 #include "client/source/folder_source.h"
 #include "client/source/http_source.h"
+#include "common/base/try.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {

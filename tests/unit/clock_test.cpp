@@ -418,6 +418,44 @@ class Walker {
   bool ended_ = false, again_ = false;
 };
 
+TEST(Clock, knows_when_the_next_frame_begins) {
+  Clock clock(ten_frames(), true);
+  EXPECT_FALSE(clock.next_frame(kStart)) << "it does not play";
+  clock.play(kStart);
+  EXPECT_EQ(clock.next_frame(kStart), kStart + milliseconds(100));
+  EXPECT_EQ(clock.next_frame(kStart + milliseconds(130)), kStart + milliseconds(200));
+  clock.set_speed(2.0, kStart);
+  EXPECT_EQ(clock.next_frame(kStart), kStart + milliseconds(50));
+  clock.hold(kStart);
+  EXPECT_FALSE(clock.next_frame(kStart)) << "it stands still";
+}
+
+TEST(Clock, shows_no_other_frame_before_the_next_one_is_due) {
+  const Timeline timeline{{0, 3000, 4000, 8000}, 10000};
+  const microseconds little(5);  // more than what is rounded
+  for (const std::optional<LoopRange>& range :
+       {std::optional<LoopRange>(), std::optional(LoopRange{2000, 7000})})
+    for (const double speed : {1.0, -1.0, 0.4, -3.0})
+      for (std::uint64_t start = 0; start < 10'000; start += 1000) {
+        Clock clock(timeline, true);
+        clock.set_loop_range(range, kStart);
+        clock.set_speed(speed, kStart);
+        clock.seek(start, kStart);
+        clock.play(kStart);
+        auto now = kStart;
+        for (int i = 0; i < 20; ++i) {
+          const auto due = clock.next_frame(now);
+          ASSERT_TRUE(due && *due > now);
+          const auto ordinal = clock.read(now).ordinal;
+          EXPECT_EQ(clock.read(std::max(now, *due - little)).ordinal, ordinal);
+          now = *due + little;
+          if (!range) {
+            EXPECT_NE(clock.read(now).ordinal, ordinal);
+          }
+        }
+      }
+}
+
 TEST(ClockRange, agrees_with_playing_step_by_step_from_every_start_in_every_range) {
   const Timeline timeline{{0, 3, 4, 8}, 10};
   for (std::uint64_t a = 0; a < 10; ++a)

@@ -64,6 +64,26 @@ TEST_F(OpeningTest, gives_the_stage_once_it_is_ready) {
   }));
 }
 
+TEST_F(OpeningTest, says_when_a_stage_is_open_and_a_frame_is_ready) {
+  std::atomic<int> said{0};
+  Stage::Options options;
+  options.on_ready = [&] { ++said; };
+  Opening opening({{ply("frame.ply")}}, options, looking, nobody);
+  ASSERT_TRUE(wait_until([&] { return said > 0; }));
+  const auto stage = wait(opening);
+  ASSERT_TRUE(stage) << error_;
+  // Whoever looks only when told to sees the frame.
+  int seen = 0;
+  EXPECT_TRUE(wait_until([&] {
+    if (const int before = said; before == std::exchange(seen, before)) return false;
+    return stage->update(std::chrono::steady_clock::now()).changes.size() == 1;
+  }));
+  stage->silence();
+  const int silenced = said;
+  stage->reel(0)->seek(0, std::chrono::steady_clock::now());
+  EXPECT_FALSE(wait_until([&] { return said != silenced; }, kMoment));
+}
+
 TEST_F(OpeningTest, gives_the_error_if_there_is_nothing_to_open) {
   Opening opening({{(folder_.path() / "nothing").string()}}, {}, looking, nobody);
   EXPECT_FALSE(wait(opening));

@@ -97,8 +97,8 @@ std::optional<Clock::TimePoint> Clock::next_frame(TimePoint now) const {
   if (direction() > 0) {
     std::uint64_t end =
         next < timeline_.frame_count() ? timeline_.times_us[next] : timeline_.duration_us;
-    if (range_ && at.position_us < range_->b_us) end = std::min(end, range_->b_us);
-    left_us = end - at.position_us;
+    if (range_ && at.position_us <= range_->b_us) end = std::min(end, range_->b_us);
+    left_us = std::max<std::uint64_t>(1, end - at.position_us);
   } else {
     std::uint64_t begin = timeline_.times_us[at.frame];
     if (range_ && at.position_us >= range_->a_us) begin = std::max(begin, range_->a_us);

@@ -447,7 +447,8 @@ TEST(Clock, shows_no_other_frame_before_the_next_one_is_due) {
           const auto due = clock.next_frame(now);
           ASSERT_TRUE(due && *due > now);
           const auto ordinal = clock.read(now).ordinal;
-          EXPECT_EQ(clock.read(std::max(now, *due - little)).ordinal, ordinal);
+          EXPECT_EQ(clock.read(std::max(now, *due - little)).ordinal, ordinal)
+              << "from " << start << " at " << speed << (range ? " in a range" : "");
           now = *due + little;
           if (!range) {
             EXPECT_NE(clock.read(now).ordinal, ordinal);

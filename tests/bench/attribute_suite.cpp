@@ -18,14 +18,14 @@
 namespace pointreel::bench {
 namespace {
 
-/// A tree and the values of its leaves.
+/// A tree with the values of its leaves.
 struct Leaves {
   Svo svo;
   std::vector<Short4> values;
 };
 
 struct Coded {
-  double bits = 0.0;  ///< a leaf
+  double bits = 0.0;  ///< per leaf
   Timing encode, decode;
   std::vector<Short4> values;
 };
@@ -58,7 +58,7 @@ Coded code(const Leaves& leaves, const CoefficientSteps& steps, int runs) {
   return coded;
 }
 
-/// Luma, Cb, Cr, in dB, of the 8-bit colours that come out.
+/// The PSNR of luma, Cb and Cr of the decoded 8-bit colours in dB.
 glm::dvec3 psnr(const std::vector<Short4>& source, const std::vector<Short4>& decoded) {
   glm::dvec3 sum(0.0);
   for (std::size_t i = 0; i < source.size(); ++i) {
@@ -77,7 +77,8 @@ double mean_degrees(const std::vector<glm::vec3>& normals, const std::vector<glm
   return glm::degrees(sum / static_cast<double>(truth.size()));
 }
 
-/// The bits at a given PSNR, between two qualities around it.
+/// The bits at a target PSNR, interpolated between two qualities; nothing if it is not between
+/// them.
 std::optional<double> bits_at(double target, double psnr0, double bits0, double psnr1,
                               double bits1) {
   if (!(psnr0 < target && target <= psnr1)) return std::nullopt;
@@ -106,9 +107,9 @@ void measure_colors(const SuiteOptions& options, const PointCloud& cloud, const 
       const auto bits = bits_at(target, last_luma, last_bits, db.x, coded.bits);
       if (!bits || options.quick) continue;
       const std::string name = fmt::format("colours of a dense human at luma {} dB", target);
-      // Time goes with the number of points.
+      // The time is proportional to the number of points.
       const double scale = 800'000.0 / static_cast<double>(cloud.size());
-      bars.push_back({name, *bits, "bits a point", limit});
+      bars.push_back({name, *bits, "bits per point", limit});
       bars.push_back({name + ", 800,000: encode", scale * coded.encode.median, "ms", 45.0});
       bars.push_back({name + ", 800,000: decode", scale * coded.decode.median, "ms", 40.0});
     }
@@ -119,11 +120,11 @@ void measure_colors(const SuiteOptions& options, const PointCloud& cloud, const 
 
 void measure_normals(const PointCloud& cloud, const Leaves& leaves, int runs,
                      nlohmann::json& rows) {
-  const auto row = [&](const std::string& how, double bits, double degrees) {
-    fmt::print("normals, {:<13} {:>6.3f} bits, mean error {:.2f} degrees\n", how, bits, degrees);
+  const auto row = [&](const std::string& method, double bits, double degrees) {
+    fmt::print("normals, {:<13} {:>6.3f} bits, mean error {:.2f} degrees\n", method, bits, degrees);
     rows.push_back({{"attribute", "normals"},
                     {"points", cloud.size()},
-                    {"how", how},
+                    {"method", method},
                     {"bits_per_point", bits},
                     {"mean_degrees", degrees}});
   };
@@ -149,12 +150,12 @@ void run_attributes(const SuiteOptions& options, nlohmann::json& rows, std::vect
     fmt::print(stderr, "pointreel-bench: {}\n", cloud.error().message);
     return;
   }
-  fmt::print("Attributes of {} voxels of a human at {} bits, without their tree\n", cloud->size(),
+  fmt::print("Attributes of a human of {} voxels at {} bits, without the tree\n", cloud->size(),
              grid.bits);
   const Cube cube{cloud->origin - 0.5, std::ldexp(1.0, grid.bits)};
   const SortedPoints sorted = sort_points(*cloud, cube, grid.bits);
   Leaves leaves{build_svo(sorted, grid.bits), {}};
-  // The voxels are in the order of the leaves.
+  // The voxels have the same order as the leaves.
   for (const glm::u16vec3& color : cloud->colors) leaves.values.push_back(value_from_color(color));
   const int runs = options.quick ? 3 : 7;
   measure_colors(options, *cloud, leaves, runs, rows, bars);

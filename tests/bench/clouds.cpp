@@ -6,7 +6,7 @@
 namespace pointreel::bench {
 namespace {
 
-/// A figure about as tall and as thin as a person, with bumps.
+/// A point on a bumpy surface that is about as tall and as thin as a person.
 glm::dvec3 surface(double turn, double height) {
   const double radius = 0.12 + 0.10 * std::sin(3.14159265 * height) +
                         0.02 * std::sin(7 * turn + 11 * height) + 0.01 * std::sin(29 * height);
@@ -16,8 +16,8 @@ glm::dvec3 surface(double turn, double height) {
 }  // namespace
 
 PointCloud scan_like_cloud(std::size_t n) {
-  // Half the points lie on upright curves, half on level ones; the spacing along a curve is a third
-  // of the distance between curves.
+  // Half of the points lie on upright curves and half on level ones. The spacing along a curve is a
+  // third of the distance between curves.
   constexpr double kTwoPi = 2.0 * 3.14159265, kSpacingRatio = 3.0;
   const double aspect = 1.8 / (kTwoPi * 0.2);  // height over girth
   const double half = static_cast<double>(n) / 2.0;
@@ -28,7 +28,7 @@ PointCloud scan_like_cloud(std::size_t n) {
 
   PointCloud cloud;
   for (std::size_t i = 0; i < n; ++i) {
-    // The i-th of the points of its kind, spread evenly over the curves of that kind.
+    // The points of each kind are spread evenly over the curves of that kind.
     const double place = std::floor(static_cast<double>(i) / 2.0) / half;
     const double curves = i % 2 == 0 ? upright : level;
     const double curve = std::floor(place * curves);

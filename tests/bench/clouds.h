@@ -6,9 +6,9 @@
 
 namespace pointreel::bench {
 
-/// Points like those of the paper's scanner: along the curves that a projected grid draws on a
-/// bumpy closed surface about 1.8 high, dense along a curve, sparse across, with noise. Has normals
-/// and colours. The same for the same n.
+/// n points like those of the scanner of Slomp et al., Geometry Instancing, section III: they lie
+/// on the curves that a projected grid draws on a bumpy closed surface about 1.8 high, dense along
+/// a curve and sparse across, with noise, normals and colours. The same n gives the same cloud.
 PointCloud scan_like_cloud(std::size_t n);
 
 }  // namespace pointreel::bench

@@ -10,6 +10,7 @@
 
 #include "codec/cloud_file.h"
 #include "codec/part_sizes.h"
+#include "common/base/try.h"
 #include "common/surface/distance.h"
 #include "pointreel/draco.h"
 #include "tests/bench/measure.h"
@@ -20,6 +21,13 @@ namespace pointreel::bench {
 namespace {
 
 constexpr int kBits = 10;
+
+/// A frame to encode on a grid of 2^kBits cells along each axis.
+struct RateSource {
+  std::string name;
+  PointCloud cloud;
+  Cube cube;
+};
 
 struct Setting {
   std::string codec, name;
@@ -76,10 +84,10 @@ std::vector<Setting> settings_of(bool quick) {
   return list;
 }
 
-/// Large enough to be measured less often.
+/// Whether a source takes so long that it is measured less often.
 bool is_large(const RateSource& source) { return source.cloud.size() > 400'000; }
 
-/// Milliseconds a frame of many at once.
+/// Milliseconds per frame when many frames are processed at once.
 template <class Work>
 double all_cores_ms(std::size_t frames, const Work& work) {
   const double begin = now_ms();
@@ -87,7 +95,7 @@ double all_cores_ms(std::size_t frames, const Work& work) {
   return (now_ms() - begin) / static_cast<double>(frames);
 }
 
-/// JSON and the table know no infinity.
+/// Neither JSON nor the table can show infinity.
 nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
@@ -97,15 +105,11 @@ std::string decibels(double value) {
 
 Result<nlohmann::json> measure_setting(const RateSource& source, const Setting& setting, int runs) {
   const auto encode = [&] { return encode_frame(source.cloud, source.cube, setting.options); };
-  const auto frame = encode();
-  if (!frame) return tl::unexpected(frame.error());
-  const auto layers = layer_views(frame->layers);
-  const auto decoded = decode_frame(layers);
-  if (!decoded) return tl::unexpected(decoded.error());
-  const auto error = cloud_distance(source.cloud, decoded->cloud);
-  if (!error) return tl::unexpected(error.error());
-  const auto parts = measure_part_sizes(*frame, source.cloud, source.cube, setting.options);
-  if (!parts) return tl::unexpected(parts.error());
+  const EncodedFrame frame = TRY(encode());
+  const auto layers = layer_views(frame.layers);
+  const DecodedFrame decoded = TRY(decode_frame(layers));
+  const CloudDistance error = TRY(cloud_distance(source.cloud, decoded.cloud));
+  const auto parts = TRY(measure_part_sizes(frame, source.cloud, source.cube, setting.options));
 
   const Timing encoding = measure(runs, [&] { (void)encode(); });
   const Timing decoding = measure(runs, [&] { (void)decode_frame(layers); });
@@ -118,42 +122,42 @@ Result<nlohmann::json> measure_setting(const RateSource& source, const Setting& 
 
   const double n = static_cast<double>(source.cloud.size());
   const auto bits = [n](std::size_t bytes) { return 8.0 * static_cast<double>(bytes) / n; };
-  const double cell = std::ldexp(source.cube.edge, -source.bits);
-  const double d1 = geometry_psnr(error->d1(), source.cube.edge - cell);
-  const glm::dvec3 color = color_psnr(error->colors().value_or(ColorError(0.0)));
-  const bool colored = error->colors().has_value();
-  const double degrees = error->normals() ? glm::degrees(error->normals()->mean) : 0.0;
+  const double cell = std::ldexp(source.cube.edge, -kBits);
+  const double d1 = geometry_psnr(error.d1(), source.cube.edge - cell);
+  const glm::dvec3 color = color_psnr(error.colors().value_or(ColorError(0.0)));
+  const bool colored = error.colors().has_value();
+  const double degrees = error.normals() ? glm::degrees(error.normals()->mean) : 0.0;
   const auto nanoseconds = [n](const Timing& timing) { return 1e6 * timing.median / n; };
   fmt::print(
       "{:<14} {:<16} {:<25} {:>7.3f} {:>7.3f} {:>7.3f} {:>6} {:>5.2f} {:>6} {:>6} {:>8.2f} "
       "{:>8.2f} {:>8.2f} {:>8.2f} {:>5.0f} {:>5.0f} {:>5.0f} {:>5.0f}\n",
-      source.name, setting.codec, setting.name, bits(parts->geometry), bits(parts->colors),
-      bits(parts->normals), decibels(d1), error->max() / cell, colored ? decibels(color.x) : "-",
-      error->normals() ? fmt::format("{:.2f}", degrees) : "-", encoding.median, decoding.median,
+      source.name, setting.codec, setting.name, bits(parts.geometry), bits(parts.colors),
+      bits(parts.normals), decibels(d1), error.max() / cell, colored ? decibels(color.x) : "-",
+      error.normals() ? fmt::format("{:.2f}", degrees) : "-", encoding.median, decoding.median,
       encoding_all, decoding_all, nanoseconds(encoding), nanoseconds(decoding), encoding_mib,
       decoding_mib);
   nlohmann::json row = {{"dataset", source.name},
                         {"codec", setting.codec},
                         {"setting", setting.name},
                         {"points", source.cloud.size()},
-                        {"coded_points", frame->coded_points},
+                        {"coded_points", frame.coded_points},
                         {"bits",
-                         {{"geometry", bits(parts->geometry)},
-                          {"colors", bits(parts->colors)},
-                          {"normals", bits(parts->normals)},
-                          {"all", bits(frame->size())}}},
-                        {"d1_rms", std::sqrt(error->d1())},
+                         {{"geometry", bits(parts.geometry)},
+                          {"colors", bits(parts.colors)},
+                          {"normals", bits(parts.normals)},
+                          {"all", bits(frame.size())}}},
+                        {"d1_rms", std::sqrt(error.d1())},
                         {"d1_psnr", finite_or_null(d1)},
-                        {"max", error->max()},
-                        {"max_cells", error->max() / cell},
+                        {"max", error.max()},
+                        {"max_cells", error.max() / cell},
                         {"encode_ms", to_json(encoding)},
                         {"decode_ms", to_json(decoding)},
-                        {"encode_ns_a_point", nanoseconds(encoding)},
-                        {"decode_ns_a_point", nanoseconds(decoding)},
+                        {"encode_ns_per_point", nanoseconds(encoding)},
+                        {"decode_ns_per_point", nanoseconds(decoding)},
                         {"all_cores",
                          {{"threads", threads},
-                          {"encode_ms_a_frame", encoding_all},
-                          {"decode_ms_a_frame", decoding_all}}},
+                          {"encode_ms_per_frame", encoding_all},
+                          {"decode_ms_per_frame", decoding_all}}},
                         {"encode_mib", encoding_mib},
                         {"decode_mib", decoding_mib}};
   if (colored) {
@@ -161,34 +165,33 @@ Result<nlohmann::json> measure_setting(const RateSource& source, const Setting& 
                          {"cb", finite_or_null(color.y)},
                          {"cr", finite_or_null(color.z)}};
   }
-  if (error->normals()) row["normal_degrees"] = degrees;
+  if (error.normals()) row["normal_degrees"] = degrees;
   return row;
 }
 
-}  // namespace
-
+/// A frame of each scanned sequence, one of a dense sequence, and the clouds in the files.
 Result<std::vector<RateSource>> rate_sources(const SuiteOptions& options) {
   std::vector<RateSource> sources;
   std::vector<Dataset> datasets = scanned_datasets();
   if (options.quick) datasets.resize(1);
   if (!options.quick) datasets.push_back(dense_dataset());
   for (const Dataset& dataset : datasets) {
-    auto clouds = make_clouds(dataset, spread(dataset.motion->poses, 1));
-    if (!clouds) return tl::unexpected(clouds.error());
-    PointCloud& cloud = clouds->front();
+    PointCloud cloud =
+        std::move(TRY(make_clouds(dataset, spread(dataset.motion->poses, 1))).front());
     const Box box = bounds(cloud);
     const Cube cube = dataset.options.voxels ? voxel_cube(box, 1.0).cube : bounding_cube(box);
-    sources.push_back({dataset.name, std::move(cloud), cube, kBits});
+    sources.push_back({dataset.name, std::move(cloud), cube});
   }
   for (const std::filesystem::path& file : options.files) {
-    auto loaded = read_cloud_file(file);
-    if (!loaded) return tl::unexpected(loaded.error());
-    if (loaded->cloud.empty()) return fail(file.string() + ": has no points to measure");
-    const Cube cube = bounding_cube(bounds(loaded->cloud));
-    sources.push_back({file.filename().string(), std::move(loaded->cloud), cube, kBits});
+    LoadedCloud loaded = TRY(read_cloud_file(file));
+    if (loaded.cloud.empty()) return fail(file.string() + ": has no points to measure");
+    const Cube cube = bounding_cube(bounds(loaded.cloud));
+    sources.push_back({file.filename().string(), std::move(loaded.cloud), cube});
   }
   return sources;
 }
+
+}  // namespace
 
 nlohmann::json run_rates(const SuiteOptions& options) {
   const auto sources = rate_sources(options);
@@ -197,9 +200,9 @@ nlohmann::json run_rates(const SuiteOptions& options) {
     return nlohmann::json::array();
   }
   fmt::print(
-      "\nCodecs at {} bits a coordinate: bits a point, D1 PSNR, largest error in cells, luma PSNR, "
-      "mean angle of\nnormals; median ms of one thread, ms a frame with frames on all cores, ns a "
-      "point, and MiB\n",
+      "\nCodecs at {} bits per coordinate: bits per point, D1 PSNR, largest error in cells, luma "
+      "PSNR, mean angle of\nnormals; median ms on one thread, ms per frame with frames on all "
+      "cores, ns per point, and MiB\n",
       kBits);
   fmt::print(
       "{:<14} {:<16} {:<25} {:>7} {:>7} {:>7} {:>6} {:>5} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8} "

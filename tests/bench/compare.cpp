@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
+#include "common/base/try.h"
+#include "common/surface/distance.h"
 #include "tests/bench/output.h"
 
 namespace pointreel::bench {
@@ -18,10 +20,10 @@ namespace {
 struct Options {
   std::string a, b, json;
   double peak = 0.0;  ///< 0: the largest extent of a
-  int bits = 0;       ///< 0: distances in voxels are not told
+  int bits = 0;       ///< 0: no distances in voxels
 };
 
-/// The worse of both directions.
+/// The worse of both directions in every figure.
 OneWayDistance symmetric(const CloudDistance& distance) {
   OneWayDistance both;
   both.mean_squared = distance.d1();
@@ -33,17 +35,39 @@ OneWayDistance symmetric(const CloudDistance& distance) {
   return both;
 }
 
-Result<PointCloud> load(const std::string& path) {
-  auto loaded = read_cloud_file(path);
-  if (!loaded) return tl::unexpected(loaded.error());
-  for (const std::string& warning : loaded->warnings) {
-    fmt::print(stderr, "pointreel-bench: {}: {}\n", path, warning);
+/// Mean squares, distances and PSNR; angles in degrees. Figures without attributes are missing.
+nlohmann::json to_json(const OneWayDistance& distance, double peak) {
+  // The JSON library writes infinity as null.
+  nlohmann::json json = {{"d1", distance.mean_squared},
+                         {"d1_psnr", geometry_psnr(distance.mean_squared, peak)},
+                         {"max", distance.max}};
+  if (distance.plane_mean_squared) {
+    json["d2"] = *distance.plane_mean_squared;
+    json["d2_psnr"] = geometry_psnr(*distance.plane_mean_squared, peak);
+    json["d2_unknown"] = distance.plane_unknown;
   }
-  if (loaded->cloud.empty()) return fail(path + ": has no points to compare");
-  return std::move(loaded->cloud);
+  if (distance.colors) {
+    const glm::dvec3 psnr = color_psnr(*distance.colors);
+    json["color_psnr"] = {{"y", psnr.x}, {"cb", psnr.y}, {"cr", psnr.z}};
+  }
+  if (distance.normals) {
+    json["normals"] = {{"mean_degrees", glm::degrees(distance.normals->mean)},
+                       {"percentile_95_degrees", glm::degrees(distance.normals->percentile_95)},
+                       {"unknown", distance.normals->unknown}};
+  }
+  return json;
 }
 
-/// The table of one comparison: a row for each figure that there is.
+Result<PointCloud> load(const std::string& path) {
+  LoadedCloud loaded = TRY(read_cloud_file(path));
+  for (const std::string& warning : loaded.warnings) {
+    fmt::print(stderr, "pointreel-bench: {}: {}\n", path, warning);
+  }
+  if (loaded.cloud.empty()) return fail(path + ": has no points to compare");
+  return std::move(loaded.cloud);
+}
+
+/// Prints the table of a comparison, with a row for each figure that the attributes permit.
 class Table {
  public:
   Table(const CloudDistance& distance, double voxel)
@@ -53,7 +77,7 @@ class Table {
 
   using Figure = std::function<std::optional<double>(const OneWayDistance&)>;
 
-  /// A length, in source units and then, if a voxel's size is known, in voxels.
+  /// A row in the units of the files and, if the size of a voxel is known, another in voxels.
   void length(const std::string& name, const Figure& figure) const {
     row(name, "units", figure, 1.0);
     if (voxel_ > 0.0) row("", "voxels", figure, voxel_);
@@ -103,15 +127,15 @@ void print(const CloudDistance& distance, double peak, double voxel) {
   });
   const auto normals = distance.normals();
   if (normals && normals->unknown > 0) {
-    fmt::print("{} of both directions' pairs have an unknown normal and count for no angle\n",
+    fmt::print("{} pairs of points, of both directions, have an unknown normal and no angle\n",
                grouped(normals->unknown));
   }
 }
 
-/// The grid that errors refer to.
+/// The grid that the errors refer to.
 struct Grid {
   double peak;
-  double voxel;  ///< 0: not known
+  double voxel;  ///< 0 if unknown
   const char* reason;
 };
 
@@ -129,26 +153,25 @@ Grid grid_of(const PointCloud& a, const Options& options) {
 }
 
 Result<void> compare(const Options& options) {
-  const auto a = load(options.a);
-  if (!a) return tl::unexpected(a.error());
-  const auto b = load(options.b);
-  if (!b) return tl::unexpected(b.error());
-  const auto distance = cloud_distance(*a, *b);
-  if (!distance) return tl::unexpected(distance.error());
+  const PointCloud a = TRY(load(options.a));
+  const PointCloud b = TRY(load(options.b));
+  const CloudDistance distance = TRY(cloud_distance(a, b));
 
-  const Grid grid = grid_of(*a, options);
+  const Grid grid = grid_of(a, options);
   if (options.json != "-") {
-    fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, grouped(a->size()), options.b,
-               grouped(b->size()));
+    fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, grouped(a.size()), options.b,
+               grouped(b.size()));
     fmt::print("peak {:g} ({})", grid.peak, grid.reason);
     if (grid.voxel > 0.0) fmt::print(", voxel {:g} ({} bits)", grid.voxel, options.bits);
     fmt::print("\n\n");
-    print(*distance, grid.peak, grid.voxel);
+    print(distance, grid.peak, grid.voxel);
   }
   if (options.json.empty()) return {};
-  nlohmann::json report = to_json(*distance, grid.peak);
-  report["a"] = {{"file", options.a}, {"points", a->size()}};
-  report["b"] = {{"file", options.b}, {"points", b->size()}};
+  nlohmann::json report = {{"a_to_b", to_json(distance.a_to_b, grid.peak)},
+                           {"b_to_a", to_json(distance.b_to_a, grid.peak)},
+                           {"symmetric", to_json(symmetric(distance), grid.peak)}};
+  report["a"] = {{"file", options.a}, {"points", a.size()}};
+  report["b"] = {{"file", options.b}, {"points", b.size()}};
   report["peak"] = grid.peak;
   if (grid.voxel > 0.0) report["voxel"] = grid.voxel;
   return write_json(options.json, report);
@@ -156,61 +179,35 @@ Result<void> compare(const Options& options) {
 
 }  // namespace
 
-nlohmann::json to_json(const OneWayDistance& distance, double peak) {
-  // An infinite number is written as null: that is what the library does.
-  nlohmann::json json = {{"d1", distance.mean_squared},
-                         {"d1_psnr", geometry_psnr(distance.mean_squared, peak)},
-                         {"max", distance.max}};
-  if (distance.plane_mean_squared) {
-    json["d2"] = *distance.plane_mean_squared;
-    json["d2_psnr"] = geometry_psnr(*distance.plane_mean_squared, peak);
-    json["d2_unknown"] = distance.plane_unknown;
-  }
-  if (distance.colors) {
-    const glm::dvec3 psnr = color_psnr(*distance.colors);
-    json["color_psnr"] = {{"y", psnr.x}, {"cb", psnr.y}, {"cr", psnr.z}};
-  }
-  if (distance.normals) {
-    json["normals"] = {{"mean_degrees", glm::degrees(distance.normals->mean)},
-                       {"percentile_95_degrees", glm::degrees(distance.normals->percentile_95)},
-                       {"unknown", distance.normals->unknown}};
-  }
-  return json;
-}
-
-nlohmann::json to_json(const CloudDistance& distance, double peak) {
-  return {{"a_to_b", to_json(distance.a_to_b, peak)},
-          {"b_to_a", to_json(distance.b_to_a, peak)},
-          {"symmetric", to_json(symmetric(distance), peak)}};
-}
-
 void add_compare_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "compare",
-      "how far two clouds lie apart: D1, D2 and their PSNR, maximum, colours, normals\n\n"
-      "D1 is the mean squared distance from a point to its nearest neighbour in the other cloud, "
-      "D2 the same along the normals of A; the table shows their roots. PSNR is 10 log10(3 peak^2 "
-      "/ D), of colours 10 log10(255^2 / mean square) of Y'CbCr (BT.709). Symmetric is the worse "
-      "of both directions. Rows that the files have no attributes for are left out.");
+      "the distance between two clouds: D1, D2 and their PSNR, maximum, colours, normals");
+  command->footer(
+      "D1 is the mean squared distance from each point to its nearest neighbour in the other\n"
+      "cloud, and D2 is the same along the normals of A. The table shows the square roots of "
+      "both.\n"
+      "The PSNR of geometry is 10 log10(3 peak^2 / D), that of colours is\n"
+      "10 log10(255^2 / mean square) of Y'CbCr (BT.709). \"Symmetric\" is the worse of the two\n"
+      "directions. The table leaves out rows for attributes that the files do not have.");
   auto options = std::make_shared<Options>();
   command->add_option("A", options->a, "the reference, .ply or .drc")->required();
   command->add_option("B", options->b, "the cloud to compare with it, .ply or .drc")->required();
   command
       ->add_option("--peak", options->peak,
-                   "largest coordinate of the source's grid, in the files' units, such as 1023 for "
-                   "10-bit voxels [the largest extent of A]")
+                   "the peak of PSNR in the units of the files, such as 1023 for 10-bit voxels\n"
+                   "[the largest extent of A]")
       ->check(CLI::PositiveNumber);
   command
-      ->add_option(
-          "--bits", options->bits,
-          "also tell distances in voxels, of which peak has 2^bits - 1; a voxel is 1 where all "
-          "coordinates of A are whole numbers")
+      ->add_option("--bits", options->bits,
+                   "also show distances in voxels, where the peak is 2^bits - 1 voxels; if all\n"
+                   "coordinates of A are whole numbers, a voxel is 1 unit")
       ->check(CLI::Range(1, 31));
   const CLI::Option* json =
       command
           ->add_option("--json", options->json,
-                       "write all figures to this file, or without one or for - to standard output "
-                       "instead of the table; null stands for infinite")
+                       "write all figures as JSON to FILE; without FILE, or with -, print them\n"
+                       "instead of the table. Infinite figures are null")
           ->expected(0, 1)
           ->type_name("[FILE]");
   command->callback([options, json, &exit_code] {

@@ -13,6 +13,7 @@
 #include "codec/cloud_file.h"
 #include "codec/octree/octree_codec.h"
 #include "common/base/tbb_executor.h"
+#include "common/base/try.h"
 #include "common/octree/morton.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
@@ -23,7 +24,7 @@
 namespace pointreel::bench {
 namespace {
 
-/// Points in the middle of the cells of a cube of 2^bits cells a side, of edge 1 each.
+/// Points at the centres of cells of edge 1, in a cube with 2^bits cells along each axis.
 struct GriddedCloud {
   std::string name;
   PointCloud cloud;
@@ -51,33 +52,31 @@ GriddedCloud gridded(std::string name, const PointCloud& cloud, int bits) {
   return out;
 }
 
-/// What the project wants of a frame that is known by name (issue 4).
-struct Wanted {
+/// The limits of a well-known cloud, which is recognised by the name of its file.
+struct Limits {
   const char* file;
   int bits;
-  double bits_a_point, encode_ms, decode_ms;
+  double bits_per_voxel, encode_ms, decode_ms;
 };
-constexpr Wanted kWanted[] = {{"Guanyin.ply", 10, 6.50, 18, 24},
+constexpr Limits kLimits[] = {{"Guanyin.ply", 10, 6.50, 18, 24},
                               {"Guanyin.ply", 12, 12.4, 60, 70},
                               {"0000.ply", 10, 6.55, 7, 9}};
 
 struct Figures {
-  double bits_a_point = 0.0;
+  double bits_per_voxel = 0.0;
   Timing encode, decode;
 };
 
 Result<Figures> measure_coding(const GriddedCloud& data, const EncodeOptions& options, int runs) {
-  const auto frame = encode_frame(data.cloud, data.cube(), options);
-  if (!frame) return tl::unexpected(frame.error());
-  const auto layers = layer_views(frame->layers);
-  const auto decoded = decode_frame(layers);
-  if (!decoded) return tl::unexpected(decoded.error());
-  if (decoded->cloud.size() != data.cloud.size()) return fail("points were lost");
+  const EncodedFrame frame = TRY(encode_frame(data.cloud, data.cube(), options));
+  const auto layers = layer_views(frame.layers);
+  const DecodedFrame decoded = TRY(decode_frame(layers));
+  if (decoded.cloud.size() != data.cloud.size()) return fail("points were lost");
   Figures figures;
-  figures.bits_a_point =
-      8.0 * static_cast<double>(frame->size()) / static_cast<double>(data.cloud.size());
+  figures.bits_per_voxel =
+      8.0 * static_cast<double>(frame.size()) / static_cast<double>(data.cloud.size());
   figures.encode = measure(runs, [&] { (void)encode_frame(data.cloud, data.cube(), options); });
-  // An octree frame is decoded when its tree is there: that is what is drawn.
+  // An octree frame counts as decoded when its tree is ready, because the tree is drawn.
   figures.decode = options.id() == Codec::octree
                        ? measure(runs, [&] { (void)decode_octree_tree(layers, {}); })
                        : measure(runs, [&] { (void)decode_frame(layers); });
@@ -105,46 +104,48 @@ nlohmann::json run_grid(const GriddedCloud& data, int runs, std::vector<Bar>& ba
     }
     if (!peer) peer = *figures;
     best = *figures;
-    fmt::print(
-        "{:<22} {:>4} {:<16} {:>9} {:>9.4f} {:>9.2f} {:>9.2f} {:>8.3f} {:>7.3f} {:>7.3f}\n",
-        data.name, data.bits, name, data.cloud.size(), figures->bits_a_point,
-        figures->encode.median, figures->decode.median, figures->bits_a_point / peer->bits_a_point,
-        figures->encode.median / peer->encode.median, figures->decode.median / peer->decode.median);
+    fmt::print("{:<22} {:>4} {:<16} {:>9} {:>9.4f} {:>9.2f} {:>9.2f} {:>8.3f} {:>7.3f} {:>7.3f}\n",
+               data.name, data.bits, name, data.cloud.size(), figures->bits_per_voxel,
+               figures->encode.median, figures->decode.median,
+               figures->bits_per_voxel / peer->bits_per_voxel,
+               figures->encode.median / peer->encode.median,
+               figures->decode.median / peer->decode.median);
     rows.push_back({{"dataset", data.name},
                     {"grid_bits", data.bits},
                     {"setting", name},
                     {"voxels", data.cloud.size()},
-                    {"bits_per_voxel", figures->bits_a_point},
+                    {"bits_per_voxel", figures->bits_per_voxel},
                     {"encode_ms", to_json(figures->encode)},
                     {"decode_ms", to_json(figures->decode)}});
   }
-  const auto bar = [&](const char* what, double value, const char* unit, double limit) {
-    bars.push_back({fmt::format("context, {} at {} bits: {}", data.name, data.bits, what), value,
+  const auto bar = [&](const char* figure, double value, const char* unit, double limit) {
+    bars.push_back({fmt::format("context, {} at {} bits: {}", data.name, data.bits, figure), value,
                     unit, limit});
   };
   if (dense && peer) {
-    bar("size against Draco", best.bits_a_point / peer->bits_a_point, "x", 0.16);
-    bar("encode against Draco", best.encode.median / peer->encode.median, "x", 0.13);
-    bar("decode against Draco", best.decode.median / peer->decode.median, "x", 0.42);
+    bar("size / Draco's", best.bits_per_voxel / peer->bits_per_voxel, "x", 0.16);
+    bar("encode time / Draco's", best.encode.median / peer->encode.median, "x", 0.13);
+    bar("decode time / Draco's", best.decode.median / peer->decode.median, "x", 0.42);
   }
-  for (const Wanted& wanted : kWanted) {
-    if (wanted.file != data.name || wanted.bits != data.bits) continue;
-    bar("bits a voxel", best.bits_a_point, "bits", wanted.bits_a_point);
-    bar("encode", best.encode.median, "ms", wanted.encode_ms);
-    bar("decode to an SVO", best.decode.median, "ms", wanted.decode_ms);
+  for (const Limits& limits : kLimits) {
+    if (limits.file != data.name || limits.bits != data.bits) continue;
+    bar("bits per voxel", best.bits_per_voxel, "bits", limits.bits_per_voxel);
+    bar("encode", best.encode.median, "ms", limits.encode_ms);
+    bar("decode to an SVO", best.decode.median, "ms", limits.decode_ms);
   }
   return rows;
 }
 
-/// Processor time of this thread.
+/// The processor time that this thread has used, in milliseconds.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-/// Time that work takes with threads enough, whatever else the machine does: the processor time of
-/// one thread, where of jobs that can be done at the same time the longest counts.
+/// Measures the time that work would take with enough threads, no matter what else the machine
+/// does: the processor time of one thread, counting only the longest of those jobs that could run
+/// at the same time.
 class CriticalPath {
  public:
   Executor executor() {
@@ -173,7 +174,8 @@ class CriticalPath {
   double hidden_ = 0.0;
 };
 
-/// Two slabs on two threads against one slab on one. Repetitions of all take turns.
+/// Compares two slabs on two threads with one slab on one thread. The repetitions of all variants
+/// take turns, so that a change of the machine's load affects all of them.
 nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& bars) {
   OctreeOptions octree{Entropy::context, DepthRule::fixed(data.bits)};
   octree.slabs = 1;
@@ -217,7 +219,7 @@ nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& b
       const double encode_critical = path.measure([&] { encode(two_on_path); });
       const double decode_cpu = path.measure([&] { decode(*whole, {}); });
       const double decode_critical = path.measure([&] { decode(*parted, on_path); });
-      if (run < 0) continue;  // the first one is not counted
+      if (run < 0) continue;  // the first run does not count
       encode_ms.push_back(encode_two);
       decode_ms.push_back(decode_two);
       encode_ratio.push_back(encode_two / encode_one);
@@ -235,12 +237,12 @@ nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& b
              data.name, data.bits, "context, 2 slabs", data.cloud.size(), bits, encoding.median,
              decoding.median, size, encode_by.median, decode_by.median);
   fmt::print(
-      "  (2 threads; ratios against one slab and thread. Critical path: encode {:.3f}, decode "
+      "  (2 threads; ratios to one slab on one thread. Critical path: encode {:.3f}, decode "
       "{:.3f})\n",
       encode_critical.median, decode_critical.median);
-  const auto bar = [&](const char* what, double value, double limit) {
+  const auto bar = [&](const char* figure, double value, double limit) {
     bars.push_back(
-        {fmt::format("two threads against one, {}: {}", data.name, what), value, "x", limit});
+        {fmt::format("two threads / one thread, {}: {}", data.name, figure), value, "x", limit});
   };
   bar("size", size, 1.015);
   bar("encode", encode_by.median, 0.55);
@@ -263,7 +265,7 @@ nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& b
 
 nlohmann::json run_grids(const SuiteOptions& options, std::vector<Bar>& bars) {
   const int runs = options.quick ? 3 : 9;
-  fmt::print("\nGeometry of voxels, one thread: medians of {} runs, ratios against Draco\n", runs);
+  fmt::print("\nGeometry of voxels, one thread: medians of {} runs, ratios to Draco\n", runs);
   fmt::print("{:<22} {:>4} {:<16} {:>9} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7}\n", "dataset", "grid",
              "setting", "voxels", "bits/vox", "encode ms", "decode ms", "size", "encode", "decode");
   auto rows = nlohmann::json::array();
@@ -279,7 +281,7 @@ nlohmann::json run_grids(const SuiteOptions& options, std::vector<Bar>& bars) {
   }
   for (const std::filesystem::path& file : options.files) {
     const auto loaded = read_cloud_file(file);
-    if (!loaded || loaded->cloud.empty()) continue;  // the table before has said so
+    if (!loaded || loaded->cloud.empty()) continue;  // run_rates reports it
     for (const int bits : {10, 12}) {
       add(gridded(file.filename().string(), loaded->cloud, bits), false);
     }

@@ -9,11 +9,12 @@
 
 namespace pointreel::bench {
 
-/// Geometry of voxelised clouds, without loss: every entropy coding of the octree against Draco at
-/// its smallest, in bits a voxel and in time. A dense figure, and the files of the options on grids
-/// of 10 and 12 bits: the grid divides the cloud's bounding cube into
-/// 2^bits - 1 cells a side, coordinates are rounded to the nearest, duplicates removed. Appends the
-/// bars of the dense figure and of files that have some.
+/// The lossless geometry of voxelised clouds, in bits per voxel and in time: every entropy coding
+/// of the octree compared with Draco at its strongest compression. The clouds are a dense figure,
+/// and the files of the options on grids of 10 and 12 bits: the grid divides the bounding cube of
+/// the cloud into 2^bits - 1 cells along each axis, coordinates are rounded to the nearest cell,
+/// and duplicates are removed. Appends the bars of the dense figure and of those files that have
+/// limits.
 nlohmann::json run_grids(const SuiteOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -18,21 +18,25 @@ int main(int argc, char** argv) {
   using namespace pointreel::bench;
   pointreel::keep_freed_memory();
   CLI::App app{
-      "Measures Pointreel: speed beside error, medians, and ratios against a peer or a "
-      "reference in the same run.\nExit codes: 0 done, 1 could not read or write, 2 usage.",
+      "Measures the speed and the errors of Pointreel. Times are medians, and ratios compare with\n"
+      "another program or a reference implementation that was measured in the same run.\n"
+      "\"pointreel-bench SUBCOMMAND --help\" shows the options of a subcommand.\n",
       "pointreel-bench"};
+  app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage.");
   app.require_subcommand(1);
   SuiteOptions options;
   std::string json;
   const auto add = [&](const char* name, const char* help) {
     CLI::App* suite = app.add_subcommand(name, help);
-    suite->add_flag("--quick", options.quick, "fewer runs and sizes");
-    suite->add_option("--json", json, "write the report to this file, - for standard output");
+    suite->add_flag("--quick", options.quick, "fewer runs and fewer sizes");
+    suite->add_option("--json", json, "also write the report to this file; - is standard output")
+        ->type_name("FILE");
     return suite;
   };
-  CLI::App* svo = add("svo", "building octrees, against the paper's recursive build");
-  CLI::App* codec = add("codec", "encoding and decoding, octree against Draco");
-  codec->add_option("files", options.files, ".ply or .drc files to measure as well");
+  CLI::App* svo =
+      add("svo", "octrees: building them, compared with a recursive build, and drawing");
+  CLI::App* codec = add("codec", "encoding and decoding: the octree codec compared with Draco");
+  codec->add_option("files", options.files, "more clouds to measure, .ply or .drc");
   int exit_code = 0;
   add_compare_command(app, exit_code);
   add_player_command(app, exit_code);

@@ -5,34 +5,34 @@
 
 #include <nlohmann/json.hpp>
 
-/// What every benchmark needs: repeated timing, bars, and a report that names the machine.
+/// The tools of every benchmark: repeated timing, bars, and a description of the machine.
 namespace pointreel::bench {
 
-/// Milliseconds of one run each.
+/// The times of several runs in milliseconds.
 struct Timing {
   double median = 0.0, min = 0.0, max = 0.0;
 };
 
-/// Milliseconds of each of `runs` calls, after one that is not timed.
+/// The milliseconds of each of `runs` calls, after one call that is not timed.
 template <class Work>
 std::vector<double> time_runs(int runs, const Work& work);
 
-/// What these come to.
+/// The summary of time_runs.
 template <class Work>
 Timing measure(int runs, const Work& work);
 
-/// A limit that an issue sets on a figure.
+/// A figure and the limit that it should meet.
 struct Bar {
   std::string name;
   double value;
   std::string unit;
   double limit;
-  bool at_least = false;  ///< else at most
+  bool at_least = false;  ///< the value must be at least the limit; otherwise at most
 
   bool holds() const { return at_least ? value >= limit : value <= limit; }
 };
 
-/// Processor, cores, compiler, commit and build type.
+/// Processor, number of cores, compiler, build type and commit.
 nlohmann::json machine();
 
 nlohmann::json to_json(const Timing& timing);

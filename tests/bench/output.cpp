@@ -16,17 +16,16 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  if (!out) return fail(file.string() + ": cannot be written");
+  if (!out) return fail(ErrorCode::io, file.string() + ": cannot be written");
   return {};
 }
 
 Result<void> write_json(const std::string& file, const nlohmann::json& report) {
   const std::string text = report.dump(2) + "\n";
-  const bool written = file == "-"
-                           ? std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
-                                 std::fflush(stdout) == 0
-                           : write_text(file, text).has_value();
-  if (!written) return fail("cannot write " + file);
+  if (file != "-") return write_text(file, text);
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    return fail(ErrorCode::io, "standard output: cannot be written");
+  }
   return {};
 }
 

@@ -8,16 +8,16 @@
 
 #include "pointreel/error.h"
 
-/// What every benchmark writes.
+/// Helpers for the output of benchmarks.
 namespace pointreel::bench {
 
-/// 1234567 as 1,234,567.
+/// The number with separators: 1234567 becomes "1,234,567".
 std::string grouped(std::size_t n);
 
-/// The error begins with the file's name.
+/// Writes a file. The error begins with the name of the file.
 Result<void> write_text(const std::filesystem::path& file, const std::string& text);
 
-/// To standard output for "-".
+/// Writes a file, or to standard output if `file` is "-".
 Result<void> write_json(const std::string& file, const nlohmann::json& report);
 
 }  // namespace pointreel::bench

@@ -9,7 +9,7 @@
 namespace pointreel::bench {
 namespace {
 
-/// A figure of /proc/self/status, in MiB.
+/// A figure from /proc/self/status in MiB; 0 if it is missing.
 double status(const std::string& key) {
   std::ifstream in("/proc/self/status");
   for (std::string line; std::getline(in, line);) {
@@ -21,8 +21,8 @@ double status(const std::string& key) {
 }  // namespace
 
 double peak_mib(const std::function<void()>& work) {
-  malloc_trim(0);                               // so that freed memory is taken anew, and seen
-  std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins here
+  malloc_trim(0);  // otherwise `work` could use freed memory that the process still holds
+  std::ofstream("/proc/self/clear_refs") << 5;  // resets the peak
   const double before = status("VmRSS");
   work();
   return std::max(status("VmHWM") - before, 0.0);

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// Memory in MiB that `work` makes this process take at its peak beyond what it held before; 0
-/// where the system does not tell (Linux does).
+/// The peak memory in MiB of this process while `work` runs, minus what it held before. 0 if the
+/// system does not report it (Linux does).
 double peak_mib(const std::function<void()>& work);
 
 }  // namespace pointreel::bench

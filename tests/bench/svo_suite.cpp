@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDelta = 0.05;
 
-/// Quantise, sort, choose the depth, build: what the client does for every frame.
+/// Quantises, sorts, chooses the depth and builds, as the client does for a frame of points.
 Svo build(const PointCloud& cloud, const Cube& cube) {
   const auto points = sort_to_depth(cloud, cube, DepthRule::by_delta(kDelta));
   return build_svo(points->sorted, points->depth);
@@ -42,8 +42,8 @@ Row measure_size(std::size_t n, int runs) {
   return row;
 }
 
-/// Paper 2, Table III, "traverse": the cut of a whole figure, in a picture of the paper's size, of
-/// a tree as deep as the paper's at a delta of 10 %.
+/// "Traverse" in Slomp et al., Geometry Instancing, Table III: the cut of a whole figure, in a
+/// picture as large as the paper's, of a tree as deep as the paper's for a delta of 10 %.
 nlohmann::json measure_traversal(int runs, std::vector<Bar>& bars) {
   constexpr glm::ivec2 kPicture(1920, 1280);
   constexpr int kDepth = 10, kPoses = 3;
@@ -81,7 +81,7 @@ nlohmann::json measure_traversal(int runs, std::vector<Bar>& bars) {
 
 nlohmann::json run_svo(const SuiteOptions& options) {
   const int runs = options.quick ? 5 : 25;
-  fmt::print("SVO build, delta {} %, one thread, ms: median (min to max)\n", kDelta * 100);
+  fmt::print("Building an SVO, delta {} %, one thread, ms: median (min to max)\n", kDelta * 100);
   fmt::print("{:>9} {:>6} {:>9} {:>9} {:>8} {:>22} {:>10} {:>22} {:>7}\n", "points", "depth",
              "nodes", "leaves", "lost", "build", "+ means", "recursive", "ratio");
   auto rows = nlohmann::json::array();
@@ -111,10 +111,10 @@ nlohmann::json run_svo(const SuiteOptions& options) {
     const double per_point = row.fast.median / static_cast<double>(n);
     if (n == sizes.front()) {
       small_per_point = per_point;
-      bars.push_back({"svo build of 88,315 points", row.fast.median, "ms", 2.0});
-      bars.push_back({"recursive build / svo build, 88,315 points", ratio, "x", 10.0, true});
+      bars.push_back({"building an SVO of 88,315 points", row.fast.median, "ms", 2.0});
+      bars.push_back({"recursive build / our build, 88,315 points", ratio, "x", 10.0, true});
     } else if (n == 1'000'000) {
-      bars.push_back({"time per point, 1,000,000 against 88,315 points",
+      bars.push_back({"time per point of 1,000,000 points / of 88,315 points",
                       per_point / small_per_point, "x", 2.0});
     }
   }

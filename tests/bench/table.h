@@ -6,7 +6,7 @@
 
 namespace pointreel::bench {
 
-/// A table in Markdown, row by row; each has as many cells as the head.
+/// A table in Markdown. Every row must have as many cells as the head.
 class Table {
  public:
   explicit Table(const std::vector<std::string>& head) {

@@ -13,7 +13,7 @@ namespace pointreel::bench {
 namespace {
 
 constexpr int kGridBits = 10;
-constexpr int kScanBits = 11;  // delta 2 % in Table III
+constexpr int kScanBits = 11;  // the depth for delta = 2 % in Slomp et al., Table III
 
 Dataset scanned(const char* name) {
   return {name, find_motion(name), {}, {name}, kGridBits, kScanBits};

@@ -15,27 +15,30 @@ namespace pointreel::bench {
 struct Dataset {
   std::string name;
   const Motion* motion;
-  SequenceOptions options;                   ///< with voxels, coordinates are their numbers
-  std::vector<std::string> synth_arguments;  ///< what makes pointreel-synth write the same
-  /// Bits of the grid that PSNR refers to; its peak is 2^bits - 1 cells, of the cloud's cube where
-  /// the cloud is on no grid of its own.
+  SequenceOptions options;                   ///< with voxels, the coordinates are voxel numbers
+  std::vector<std::string> synth_arguments;  ///< these make pointreel-synth write the same clouds
+  /// Bits of the grid that PSNR refers to. The peak is 2^bits - 1 cells: of the cloud's own grid,
+  /// or else of the cube of the cloud.
   int peak_bits;
-  int max_bits;  ///< finest setting worth measuring
+  int max_bits;  ///< the finest setting that is worth measuring
 };
 
-/// The paper's five sequences as its scanner would give them (paper 2, Table I).
+/// The five sequences of Slomp et al., Geometry Instancing, Table I, as their scanner would measure
+/// them.
 std::vector<Dataset> scanned_datasets();
 
-/// kick on a grid of 10 bits as MPEG's sequences are, every voxel of the surface filled.
+/// The kick on a grid of 10 bits with every voxel of the surface filled, like MPEG's sequences.
 Dataset dense_dataset();
 
-/// `count` of the numbers 0 to n - 1, spread evenly, in order; all if there are no more.
+/// `count` of the numbers 0 to n - 1, spread evenly and in order; all n numbers if `count` is
+/// larger.
 std::vector<int> spread(int n, int count);
 
-/// The clouds of these poses, made on all threads.
+/// The clouds of these poses, generated on all threads.
 Result<std::vector<PointCloud>> make_clouds(const Dataset& dataset, const std::vector<int>& poses);
 
-/// Distances in metres of the cloud's points to the surface that the pose was sampled from.
+/// The distances in metres from the points of the cloud to the surface that the pose was sampled
+/// from.
 Result<DistanceSummary> distance_to_truth(const Dataset& dataset, int pose,
                                           const PointCloud& cloud);
 

@@ -17,12 +17,12 @@ using nlohmann::json;
 
 double number(const json& value) { return value.get<double>(); }
 
-/// Rounded, in groups of three digits.
+/// The number, rounded and with separators.
 std::string whole(const json& value) {
   return grouped(static_cast<std::size_t>(std::llround(number(value))));
 }
 
-/// `null` stands for infinity: an error of exactly zero.
+/// Null stands for an infinite PSNR: there is no error at all.
 std::string decibels(const json& value) {
   return value.is_null() ? "exact" : fmt::format("{:.1f}", number(value));
 }
@@ -38,8 +38,8 @@ std::string milliseconds(const json& timing) {
                      number(timing["max"]));
 }
 
-std::string points_a_pose(const json& structure) {
-  Table table({"sequence", "poses", "points a pose", "least", "most", "paper's", "difference"});
+std::string points_per_pose(const json& structure) {
+  Table table({"sequence", "poses", "points per pose", "least", "most", "paper's", "difference"});
   for (const json& sequence : structure) {
     const json& points = sequence["points"];
     table.row({sequence["dataset"],
@@ -99,8 +99,8 @@ std::string millimetres(const json& metres) {
 
 std::string sizes_and_errors(const json& dataset) {
   Table table({"codec", "setting", "points", "geometry", "colours", "normals", "all", "D1, dB",
-               "D2, dB", "largest, cells", "truth mean, mm", "95 %", "99.9 %", "Y / Cb / Cr, dB",
-               "normals mean / 95 %, deg"});
+               "D2, dB", "largest error, cells", "to truth: mean, mm", "95 %", "99.9 %",
+               "Y / Cb / Cr, dB", "normals mean / 95 %, deg"});
   const json& scan = dataset["truth"];
   table.row({"source", "", whole(dataset["points"]), "", "", "", "", "", "", "",
              millimetres(scan["mean"]), millimetres(scan["p95"]), millimetres(scan["p999"]), "",
@@ -138,15 +138,15 @@ std::string codecs(const json& datasets) {
   std::string out;
   for (const json& dataset : datasets) {
     out += fmt::format(
-        "### {}\n\n{} poses, {} points a pose; PSNR with the peak of {} bits; the cube's edge is "
-        "{:.3f} m.\n\n",
+        "### {}\n\n{} poses, {} points per pose; the peak of PSNR is that of {} bits; the edge of "
+        "the cube is {:.3f} m.\n\n",
         dataset["dataset"].get<std::string>(), dataset["poses"].get<int>(),
         whole(dataset["points"]), dataset["peak_bits"].get<int>(), number(dataset["edge"]));
     out += sizes_and_errors(dataset) + speed_and_memory(dataset);
     for (const json& end : dataset["noise_ends"]) {
       out += fmt::format(
-          "- {}: finer than {} buys nothing: there the mean distance to the true "
-          "surface is {} mm, the source's own {} mm.\n",
+          "- {}: a finer setting than {} gains nothing, because its mean distance to the true "
+          "surface is already {} mm; that of the source is {} mm.\n",
           end["codec"].get<std::string>(), end["setting"].get<std::string>(),
           millimetres(end["mean"]), millimetres(dataset["truth"]["mean"]));
     }
@@ -182,8 +182,8 @@ std::string to_markdown(const json& report) {
   std::string out = fmt::format(
       "# Speed against error\n\n"
       "Written by `pointreel-bench report{}` at commit {} in {:.0f} s.\n"
-      "Machine: {}, {} threads; {}, {} build. Times are medians (least to most) of one thread, in "
-      "milliseconds;\nsizes are bits of a source point, headers included. Errors are those of "
+      "Machine: {}, {} threads; {}, {} build. Times are medians (least to most) on one thread, in "
+      "milliseconds.\nSizes are bits per source point, including headers. Errors are those of "
       "MPEG's pc_error: D1 from point to point,\nD2 from point to plane, the worse of the two "
       "directions.\n\n",
       report["quick"].get<bool>() ? " --quick" : "", machine["commit"].get<std::string>(),
@@ -193,25 +193,27 @@ std::string to_markdown(const json& report) {
   out +=
       "## Size against the distance to the true surface\n\n"
       "![Size against distance to truth](size_truth.svg)\n\n"
-      "The dashed line is the source's own distance to the surface that was scanned. Where a "
-      "curve meets it, finer\ncoding only keeps the scanner's noise.\n\n"
+      "The dashed line is the distance from the source to the surface that was scanned. Where a "
+      "curve meets it, finer\ncoding only preserves the noise of the scanner.\n\n"
       "## Size against the distance to the source\n\n![Size against D1](size_d1.svg)\n\n"
       "## Colours of the octree\n\n![Size against luma](size_luma.svg)\n\n"
       "## Speed against error\n\n![Encoding time against D1](encode_d1.svg)\n\n"
       "![Decoding time against D1](decode_d1.svg)\n\n"
-      "## Points a pose (paper 2, Table I)\n\n" +
-      points_a_pose(report["structure"]) + "## Octrees (paper 2, Table III)\n\n" +
+      "The paper is Slomp et al., *Hardware-Accelerated Geometry Instancing for Surfel and Voxel "
+      "Rendering of Scanned 4D\nMedia*.\n\n"
+      "## Points per pose (Slomp et al., Table I)\n\n" +
+      points_per_pose(report["structure"]) + "## Octrees (Slomp et al., Table III)\n\n" +
       octree_structure(report["structure"]) +
-      "Times of this machine. The ratio is that of the recursive build to ours in the same run: "
-      "it is what can be\ncompared. The paper's own times were taken in 2012 on an Intel Core "
-      "i5-2540M at 2.6 GHz and stand here for\nreference only.\n\n" +
+      "The ratio compares the recursive build with ours on this machine, in the same run. The "
+      "paper's own times were\nmeasured in 2012 on an Intel Core i5-2540M at 2.6 GHz and are for "
+      "reference only.\n\n" +
       octree_times(report["structure"]) +
-      "## Codecs\n\nColours and normals are compared with those of the nearest source point; "
-      "bits of colours and normals\ncount their headers. \"To SVO\" is from the encoded bytes to "
-      "a tree that can be traversed. Memory is the peak of\n`pointreel-server pack` and "
+      "## Codecs\n\nColours and normals are compared with those of the nearest source point. The "
+      "bits of colours and normals\ninclude their headers. \"To SVO\" is the time from the encoded "
+      "bytes to a tree that can be traversed. Memory is\nthe peak of `pointreel-server pack` and "
       "`unpack` on one thread.\n\n" +
       codecs(report["codecs"]) + "## Numerical stability\n\n" + stability(report["stability"]) +
-      "## Bars\n\n" + bars(report["bars"]);
+      "## Bars\n\nThe limits that these figures should meet.\n\n" + bars(report["bars"]);
   return out;
 }
 

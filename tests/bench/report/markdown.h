@@ -6,7 +6,7 @@
 
 namespace pointreel::bench {
 
-/// The report for readers: every figure of report.json that a person wants to see, and the plots.
+/// The report for people: the figures of report.json that matter to readers, and the plots.
 std::string to_markdown(const nlohmann::json& report);
 
 }  // namespace pointreel::bench

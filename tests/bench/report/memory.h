@@ -7,13 +7,13 @@
 
 namespace pointreel::bench {
 
-/// Peak memory of the programs that people run, in MiB.
+/// The peak memory of `pointreel-server pack` and `unpack` in MiB.
 struct PeakMemory {
   double pack = 0.0, unpack = 0.0;
 };
 
-/// Packs the clouds in the folder `input` with this setting by `pointreel-server pack`, and unpacks
-/// the package again, one thread each. `scratch` is a folder for what they write.
+/// Packs the clouds in the folder `input` with this setting and unpacks the package again, on one
+/// thread each. The programs write to the folder `scratch`.
 Result<PeakMemory> measure_memory(const std::filesystem::path& input, const Setting& setting,
                                   const std::filesystem::path& scratch);
 

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr int kPanelWidth = 480, kPanelHeight = 360;
 
-/// Told apart by people who see colours differently (Okabe and Ito), with contrast on white and
-/// on black; the marks differ too.
+/// Colours that colour-blind people can tell apart (Okabe and Ito), with contrast on white and on
+/// black. The marks differ as well.
 struct Style {
   std::string_view color;
   int mark;
@@ -31,7 +31,7 @@ constexpr std::array<Style, 6> kStyles = {{{"#0072b2", 7},
                                            {"#b58900", 11},
                                            {"#808080", 6}}};
 
-/// Gnuplot writes its colours as attributes, which a style sheet overrides.
+/// Gnuplot writes its colours as attributes, which this style sheet overrides.
 constexpr std::string_view kStyleSheet = R"(<style>
 #gnuplot_canvas > rect:first-child { fill: #ffffff }
 [stroke="black"] { stroke: #1f2328 } [fill="black"] { fill: #1f2328 } [color="black"] { color: #1f2328 }
@@ -42,7 +42,7 @@ constexpr std::string_view kStyleSheet = R"(<style>
 </style>
 )";
 
-/// In Gnuplot's single quotes only the quote itself is special.
+/// A string for Gnuplot. Within single quotes only the quote itself is special; it is doubled.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) {
@@ -52,8 +52,8 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-/// The range that holds these values with a margin, and on a logarithmic axis several marks in
-/// each decade: an axis of less than a decade would have few otherwise.
+/// Commands for an axis that holds these values with a margin. A logarithmic axis gets several
+/// marks per decade, because an axis of less than a decade would otherwise have hardly any.
 std::string axis(char name, bool logarithmic, const std::vector<double>& values) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   if (least == values.end()) return {};
@@ -113,7 +113,9 @@ Result<void> add_style_sheet(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string svg{std::istreambuf_iterator<char>(in), {}};
   const std::size_t place = svg.find("<g id=\"gnuplot_canvas\">");
-  if (!in || place == std::string::npos) return fail(file.string() + ": Gnuplot drew no picture");
+  if (!in || place == std::string::npos) {
+    return fail(ErrorCode::io, file.string() + ": Gnuplot drew no picture");
+  }
   svg.insert(place, kStyleSheet);
   return write_text(file, svg);
 }
@@ -130,10 +132,11 @@ Result<void> draw_plot(const fs::path& file, const std::vector<Panel>& panels, i
   for (const Panel& panel : panels) script += script_of(panel);
   script += "unset multiplot\n";
   std::FILE* gnuplot = popen("gnuplot", "w");
-  if (gnuplot == nullptr) return fail("gnuplot: cannot be started");
+  if (gnuplot == nullptr) return fail(ErrorCode::io, "gnuplot: cannot be started");
   std::fwrite(script.data(), 1, script.size(), gnuplot);
   if (pclose(gnuplot) != 0) {
-    return fail(file.string() + ": Gnuplot did not draw it; is the package gnuplot-nox there?");
+    return fail(ErrorCode::io,
+                file.string() + ": Gnuplot failed; if it is missing, install gnuplot-nox");
   }
   return add_style_sheet(file);
 }

@@ -11,6 +11,7 @@
 
 #include "codec/octree/octree_codec.h"
 #include "codec/part_sizes.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "common/surface/distance.h"
 #include "pointreel/chunks.h"
@@ -24,17 +25,18 @@ namespace {
 
 using nlohmann::json;
 
-/// Mean distance to truth that is taken for the source's own: at most this many times as far.
+/// A coded cloud counts as near to the truth as its source if its mean distance is at most this
+/// many times that of the source.
 constexpr double kAsGood = 1.05;
 constexpr double kTreeDelta = 0.05;
 
-/// A pose to encode, and what its errors are held against.
+/// A pose to encode, and the references for its errors.
 struct Source {
   int pose;
   PointCloud cloud;
   Cube cube;
   double peak;    ///< of PSNR, in the units of the cloud
-  double metres;  ///< a unit of the cloud
+  double metres;  ///< the length of a unit of the cloud
 };
 
 struct Sums {
@@ -42,7 +44,7 @@ struct Sums {
   double points = 0.0, coded = 0.0;
   double geometry = 0.0, colors = 0.0, normals = 0.0;  ///< bytes
   double d1 = 0.0, d2 = 0.0, max = 0.0, max_cells = 0.0;
-  double d1_share = 0.0, d2_share = 0.0;  ///< of the square of the peak, which PSNR is made of
+  double d1_share = 0.0, d2_share = 0.0;  ///< relative to the square of the peak, for PSNR
   ColorError color{0.0};
   double normal_mean = 0.0, normal_95 = 0.0;
   DistanceSummary truth;
@@ -63,7 +65,7 @@ json to_json(const DistanceSummary& sum, double count) {
           {"max", sum.max}};
 }
 
-/// JSON knows no infinity.
+/// JSON has no infinity.
 json finite_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
 
 Source prepare(const Dataset& dataset, int pose, PointCloud cloud) {
@@ -82,39 +84,33 @@ Source prepare(const Dataset& dataset, int pose, PointCloud cloud) {
 Result<void> measure(const Source& source, const Dataset& dataset, const Setting& setting, int runs,
                      Sums& sums) {
   const auto encode = [&] { return encode_frame(source.cloud, source.cube, setting.options); };
-  const auto frame = encode();
-  if (!frame) return tl::unexpected(frame.error());
-  const std::vector<Chunks<ByteView>> layers = layer_views(frame->layers);
-  const auto decoded = decode_frame(layers);
-  if (!decoded) return tl::unexpected(decoded.error());
-  const auto parts = measure_part_sizes(*frame, source.cloud, source.cube, setting.options);
-  if (!parts) return tl::unexpected(parts.error());
-  const auto error = cloud_distance(source.cloud, decoded->cloud);
-  if (!error) return tl::unexpected(error.error());
+  const EncodedFrame frame = TRY(encode());
+  const std::vector<Chunks<ByteView>> layers = layer_views(frame.layers);
+  const DecodedFrame decoded = TRY(decode_frame(layers));
+  const auto parts = TRY(measure_part_sizes(frame, source.cloud, source.cube, setting.options));
+  const CloudDistance error = TRY(cloud_distance(source.cloud, decoded.cloud));
 
   ++sums.poses;
   sums.points += static_cast<double>(source.cloud.size());
-  sums.coded += static_cast<double>(frame->coded_points);
-  sums.geometry += static_cast<double>(parts->geometry);
-  sums.colors += static_cast<double>(parts->colors);
-  sums.normals += static_cast<double>(parts->normals);
+  sums.coded += static_cast<double>(frame.coded_points);
+  sums.geometry += static_cast<double>(parts.geometry);
+  sums.colors += static_cast<double>(parts.colors);
+  sums.normals += static_cast<double>(parts.normals);
   const double square = source.metres * source.metres;
   const double peak_square = source.peak * source.peak;
-  const double d2 = error->d2().value_or(std::numeric_limits<double>::quiet_NaN());
-  sums.d1 += error->d1() * square;
+  const double d2 = error.d2().value_or(std::numeric_limits<double>::quiet_NaN());
+  sums.d1 += error.d1() * square;
   sums.d2 += d2 * square;
-  sums.d1_share += error->d1() / peak_square;
+  sums.d1_share += error.d1() / peak_square;
   sums.d2_share += d2 / peak_square;
-  sums.max = std::max(sums.max, error->max() * source.metres);
+  sums.max = std::max(sums.max, error.max() * source.metres);
   sums.max_cells =
-      std::max(sums.max_cells, error->max() * std::exp2(setting.bits) / source.cube.edge);
-  sums.color += error->colors().value_or(ColorError(0.0));
-  const AngleError angles = error->normals().value_or(AngleError{});
+      std::max(sums.max_cells, error.max() * std::exp2(setting.bits) / source.cube.edge);
+  sums.color += error.colors().value_or(ColorError(0.0));
+  const AngleError angles = error.normals().value_or(AngleError{});
   sums.normal_mean += angles.mean;
   sums.normal_95 += angles.percentile_95;
-  const auto truth = distance_to_truth(dataset, source.pose, decoded->cloud);
-  if (!truth) return tl::unexpected(truth.error());
-  add(sums.truth, *truth);
+  add(sums.truth, TRY(distance_to_truth(dataset, source.pose, decoded.cloud)));
 
   const auto time = [runs](std::vector<double>& to, const auto& work) {
     const std::vector<double> times = time_runs(runs, work);
@@ -167,7 +163,7 @@ json to_json(const Setting& setting, const Sums& sums) {
           {"svo_ms", bench::to_json(summarise(sums.tree))}};
 }
 
-/// For each codec the coarsest setting that is as near to the truth as the source itself.
+/// For each codec, the coarsest setting that is as near to the truth as the source.
 json noise_ends(const json& rows, double source_mean) {
   json ends = json::array();
   std::map<std::string, json> best;
@@ -194,12 +190,9 @@ Result<json> measure_rates(const Dataset& dataset, const std::vector<int>& poses
   DistanceSummary truth;
   double points = 0.0, edge = 0.0;
   for (const int pose : poses) {
-    auto clouds = make_clouds(dataset, {pose});
-    if (!clouds) return tl::unexpected(clouds.error());
-    const Source source = prepare(dataset, pose, std::move(clouds->front()));
-    const auto distance = distance_to_truth(dataset, pose, source.cloud);
-    if (!distance) return tl::unexpected(distance.error());
-    add(truth, *distance);
+    std::vector<PointCloud> clouds = TRY(make_clouds(dataset, {pose}));
+    const Source source = prepare(dataset, pose, std::move(clouds.front()));
+    add(truth, TRY(distance_to_truth(dataset, pose, source.cloud)));
     points += static_cast<double>(source.cloud.size());
     edge += source.cube.edge * source.metres;
     for (std::size_t i = 0; i < settings.size(); ++i) {

@@ -11,9 +11,9 @@
 
 namespace pointreel::bench {
 
-/// Sizes, errors and times of one sequence under every setting, means over the poses and, for
-/// times, medians over all runs of all poses: one row for each setting. Distances are in metres,
-/// of the clouds as they were scanned. `done` is called after each setting of each pose.
+/// Sizes, errors and times of one sequence, with a row for each setting. Sizes and errors are means
+/// over the poses; times are medians over all runs of all poses. Distances are in metres of the
+/// scanned scene. `done` is called after each setting of each pose.
 Result<nlohmann::json> measure_rates(const Dataset& dataset, const std::vector<int>& poses,
                                      const std::vector<Setting>& settings, int runs,
                                      const std::function<void()>& done);

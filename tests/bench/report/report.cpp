@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "common/base/progress.h"
+#include "common/base/try.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
+#include "tests/bench/program.h"
 #include "tests/bench/report/datasets.h"
 #include "tests/bench/report/markdown.h"
 #include "tests/bench/report/memory.h"
@@ -19,7 +23,6 @@
 #include "tests/bench/report/rates.h"
 #include "tests/bench/report/settings.h"
 #include "tests/bench/report/structure.h"
-#include "tests/e2e/process.h"
 #include "tests/stability/check.h"
 
 namespace pointreel::bench {
@@ -28,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// How much is measured.
+/// The amount of work that a report takes.
 struct Effort {
   int structure_poses, timed_poses;
   int rate_poses, dense_poses;
@@ -50,6 +53,7 @@ std::vector<Setting> settings_of(const Dataset& dataset, bool all) {
   return settings;
 }
 
+/// A folder for temporary files, emptied and removed again.
 class Scratch {
  public:
   explicit Scratch(const fs::path& parent) : path_(parent / ".scratch") { clear(); }
@@ -66,29 +70,28 @@ class Scratch {
   fs::path path_;
 };
 
-/// Rates of one dataset with the memory that was measured before.
+/// Adds the memory, which was measured earlier, to the rates of a dataset.
 void add_memory(json& rates, const json& memory) {
   for (std::size_t i = 0; i < rates["rows"].size(); ++i) rates["rows"][i].update(memory["rows"][i]);
 }
 
-/// Makes the sequence as a user would and measures the memory of packing it at every setting. To
-/// be done while this process is small: a child's peak begins at that of its parent.
+/// Makes the sequence as a user would, and measures the memory of packing it with every setting.
+/// This must happen while this process is small, because the peak of a child starts at the size of
+/// its parent.
 Result<json> measure_programs(const Dataset& dataset, const std::vector<Setting>& settings,
                               int poses, const fs::path& scratch, Progress& progress) {
   const fs::path input = scratch / "input";
   std::vector<std::string> arguments = dataset.synth_arguments;
   arguments.insert(arguments.end(), {"-o", input.string(), "--force", "--json", "--frames",
                                      std::to_string(std::min(poses, dataset.motion->poses))});
-  const e2e::Outcome made = e2e::run("pointreel-synth", arguments);
-  if (made.exit_code != 0) return fail(dataset.name + ": " + made.err);
+  const e2e::Outcome made = TRY(run_program("pointreel-synth", arguments));
   const json summary = json::parse(made.out, nullptr, false);
-  if (summary.is_discarded()) return fail(dataset.name + ": pointreel-synth printed no JSON");
+  if (summary.is_discarded()) return fail("pointreel-synth: printed no JSON");
   progress.tick();
   json rows = json::array();
   for (const Setting& setting : settings) {
-    const auto peak = measure_memory(input, setting, scratch);
-    if (!peak) return fail_at(dataset.name, peak.error());
-    rows.push_back({{"pack_mib", peak->pack}, {"unpack_mib", peak->unpack}});
+    const PeakMemory peak = TRY(measure_memory(input, setting, scratch));
+    rows.push_back({{"pack_mib", peak.pack}, {"unpack_mib", peak.unpack}});
     progress.tick();
   }
   return json{
@@ -96,7 +99,7 @@ Result<json> measure_programs(const Dataset& dataset, const std::vector<Setting>
       {"rows", rows}};
 }
 
-/// One panel a dataset: for each codec, x against y of its settings, coarse to fine.
+/// One panel per dataset: for each codec, x and y of its settings from coarse to fine.
 template <class X, class Y>
 std::vector<Panel> panels(const json& codecs, const std::string& x_label,
                           const std::string& y_label, X x, Y y) {
@@ -113,19 +116,19 @@ std::vector<Panel> panels(const json& codecs, const std::string& x_label,
         series = panel.series.end() - 1;
       }
       const double px = x(row), py = y(row);
-      if (px > 0.0 && py > 0.0) series->points.emplace_back(px, py);  // exact has no place here
+      if (px > 0.0 && py > 0.0) series->points.emplace_back(px, py);  // the axes are logarithmic
     }
     out.push_back(panel);
   }
   return out;
 }
 
-/// One panel a dataset: the luma of each quality of the octree's colours against their size.
+/// One panel per dataset: the luma PSNR of each colour quality of the octree over its size.
 std::vector<Panel> color_panels(const json& codecs) {
   std::vector<Panel> out;
   for (const json& dataset : codecs) {
     Panel panel{
-        dataset["dataset"], "colours, bits a point", "luma PSNR, dB", true, false, {}, "", 0.0};
+        dataset["dataset"], "colours, bits per point", "luma PSNR, dB", true, false, {}, "", 0.0};
     Series series{"octree", 0, {}};
     for (const json& row : dataset["rows"]) {
       const json& luma = row["color_psnr"]["y"];
@@ -149,17 +152,16 @@ Result<void> draw_plots(const fs::path& folder, const json& codecs) {
   const auto median = [](const char* key) {
     return [key](const json& row) { return row[key]["median"].get<double>(); };
   };
-  auto size_truth =
-      panels(codecs, "geometry, bits a point", "mean distance to truth, mm", geometry_bits, truth);
+  auto size_truth = panels(codecs, "geometry, bits per point", "mean distance to truth, mm",
+                           geometry_bits, truth);
   for (std::size_t i = 0; i < size_truth.size(); ++i) {
     size_truth[i].level_title = "source";
     size_truth[i].level = 1000.0 * codecs[i]["truth"]["mean"].get<double>();
     size_truth[i].log_x = false;
   }
-  auto size_d1 = panels(codecs, "geometry, bits a point", "distance to source (D1 rms), mm",
-                        geometry_bits, d1);
-  for (Panel& panel : size_d1) panel.log_x = false;
   const std::string d1_label = "distance to source (D1 rms), mm";
+  auto size_d1 = panels(codecs, "geometry, bits per point", d1_label, geometry_bits, d1);
+  for (Panel& panel : size_d1) panel.log_x = false;
   const std::pair<const char*, std::vector<Panel>> plots[] = {
       {"size_truth.svg", size_truth},
       {"size_d1.svg", size_d1},
@@ -167,7 +169,7 @@ Result<void> draw_plots(const fs::path& folder, const json& codecs) {
       {"encode_d1.svg", panels(codecs, "encode, ms", d1_label, median("encode_ms"), d1)},
       {"decode_d1.svg", panels(codecs, "decode, ms", d1_label, median("decode_ms"), d1)}};
   for (const auto& [file, drawn] : plots) {
-    if (auto result = draw_plot(folder / file, drawn, kColumns); !result) return result;
+    TRY(draw_plot(folder / file, drawn, kColumns));
   }
   return {};
 }
@@ -177,14 +179,14 @@ std::vector<Bar> bars_of(const json& report) {
   const json& checks = report["stability"];
   const auto failed = std::count_if(checks.begin(), checks.end(),
                                     [](const json& check) { return !check["passed"].get<bool>(); });
-  bars.push_back({"stability checks that fail", static_cast<double>(failed), "", 0.0});
-  if (report["quick"].get<bool>()) return bars;  // the others are of whole sequences
+  bars.push_back({"failed stability checks", static_cast<double>(failed), "", 0.0});
+  if (report["quick"].get<bool>()) return bars;  // the other bars are for whole sequences
   for (const json& sequence : report["structure"]) {
     const std::string name = sequence["dataset"];
     const auto off = [](const json& ours, const json& papers) {
       return 100.0 * std::abs(ours.get<double>() / papers.get<double>() - 1.0);
     };
-    bars.push_back({name + ": points a pose off Table I",
+    bars.push_back({name + ": points per pose, difference from Table I",
                     off(sequence["points"]["mean"], sequence["paper"]["points"]), "%", 1.0});
     double leaves = 0.0, other_depth = 0.0;
     for (const json& row : sequence["rows"]) {
@@ -194,26 +196,25 @@ std::vector<Bar> bars_of(const json& report) {
       other_depth =
           std::max(other_depth, 100.0 - 100.0 * same / sequence["measured_poses"].get<double>());
     }
-    bars.push_back({name + ": leaves off Table III, worst delta", leaves, "%", 10.0});
+    bars.push_back({name + ": leaves, largest difference from Table III", leaves, "%", 10.0});
     bars.push_back(
-        {name + ": poses of another depth than Table III, worst delta", other_depth, "%", 10.0});
+        {name + ": poses with another depth than Table III, worst delta", other_depth, "%", 10.0});
   }
-  for (std::size_t i = 0; i < report["structure"].size(); ++i) {  // the dense one has no bar
+  for (std::size_t i = 0; i < report["structure"].size(); ++i) {  // the dense dataset has no bar
     const json& dataset = report["codecs"][i];
-    bars.push_back({dataset["dataset"].get<std::string>() + ": frames made a second",
+    bars.push_back({dataset["dataset"].get<std::string>() + ": frames generated per second",
                     dataset["frames_made_per_second"].get<double>(), "/s", 10.0, true});
   }
   return bars;
 }
 
-}  // namespace
-
-Result<json> write_report(const fs::path& folder, bool quick) {
+/// Measures everything and writes report.json, report.md and the plots into `folder`.
+Result<void> write_report(const fs::path& folder, bool quick) {
   const double begin = now_ms();
   const Effort& effort = quick ? kQuick : kFull;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return fail(folder.string() + ": " + error.message());
+  if (error) return fail(ErrorCode::io, folder.string() + ": " + error.message());
 
   const std::vector<Dataset> scanned = scanned_datasets();
   std::vector<Dataset> all = scanned;
@@ -237,28 +238,22 @@ Result<json> write_report(const fs::path& folder, bool quick) {
   {
     const Scratch scratch(folder);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const auto measured = measure_programs(
-          all[i], settings[i], all[i].options.voxels ? effort.dense_poses : effort.memory_poses,
-          scratch.path(), progress);
-      if (!measured) return tl::unexpected(measured.error());
-      memory.push_back(*measured);
+      const int poses = all[i].options.voxels ? effort.dense_poses : effort.memory_poses;
+      memory.push_back(TRY(measure_programs(all[i], settings[i], poses, scratch.path(), progress)));
     }
   }
   json report = {{"quick", quick}, {"machine", machine()}};
   report["structure"] = json::array();
   for (const Dataset& dataset : scanned) {
-    const auto structure =
-        measure_structure(dataset, {effort.structure_poses, effort.timed_poses, effort.runs}, tick);
-    if (!structure) return tl::unexpected(structure.error());
-    report["structure"].push_back(*structure);
+    report["structure"].push_back(TRY(measure_structure(
+        dataset, {effort.structure_poses, effort.timed_poses, effort.runs}, tick)));
   }
   report["codecs"] = json::array();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    auto rates = measure_rates(all[i], rate_poses[i], settings[i], effort.runs, tick);
-    if (!rates) return tl::unexpected(rates.error());
-    add_memory(*rates, memory[i]);
-    (*rates)["frames_made_per_second"] = memory[i]["frames_per_second"];
-    report["codecs"].push_back(*rates);
+    json rates = TRY(measure_rates(all[i], rate_poses[i], settings[i], effort.runs, tick));
+    add_memory(rates, memory[i]);
+    rates["frames_made_per_second"] = memory[i]["frames_per_second"];
+    report["codecs"].push_back(std::move(rates));
   }
   report["stability"] = json::array();
   for (const stability::Check& check : stability::run_stability_checks()) {
@@ -268,18 +263,14 @@ Result<json> write_report(const fs::path& folder, bool quick) {
   report["bars"] = to_json(bars);
   report["seconds"] = (now_ms() - begin) / 1000.0;
 
-  if (auto drawn = draw_plots(folder, report["codecs"]); !drawn) {
-    return tl::unexpected(drawn.error());
-  }
-  for (const auto& [file, text] : {std::pair{"report.json", report.dump(2) + "\n"},
-                                   std::pair{"report.md", to_markdown(report)}}) {
-    if (auto written = write_text(folder / file, text); !written) {
-      return tl::unexpected(written.error());
-    }
-  }
+  TRY(draw_plots(folder, report["codecs"]));
+  TRY(write_text(folder / "report.json", report.dump(2) + "\n"));
+  TRY(write_text(folder / "report.md", to_markdown(report)));
   print(bars);
-  return report;
+  return {};
 }
+
+}  // namespace
 
 void add_report_command(CLI::App& app, int& exit_code) {
   struct Options {
@@ -287,15 +278,16 @@ void add_report_command(CLI::App& app, int& exit_code) {
     bool quick = false;
   };
   CLI::App* command = app.add_subcommand(
-      "report", "speed against error of everything, as report.md, report.json and plots");
+      "report", "sizes, speeds and errors of everything, as report.md, report.json and plots");
   const auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->folder, "folder to write to; made if it is missing")
+  command->add_option("-o,--output", options->folder, "the folder to write to; created if missing")
+      ->type_name("DIR")
       ->capture_default_str();
-  command->add_flag("--quick", options->quick, "few poses, settings and runs: a minute");
+  command->add_flag("--quick", options->quick, "few poses, settings and runs; takes a minute");
   command->callback([options, &exit_code] {
-    const auto report = write_report(options->folder, options->quick);
-    if (report) return;
-    fmt::print(stderr, "pointreel-bench: {}\n", report.error().message);
+    const auto written = write_report(options->folder, options->quick);
+    if (written) return;
+    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
     exit_code = 1;
   });
 }

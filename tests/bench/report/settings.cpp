@@ -13,19 +13,19 @@ constexpr int kLeastBits = 8;
 constexpr int kEffortBits = 10;
 
 Setting octree(Entropy entropy, int depth, int quality) {
-  const bool usual = quality == kDefaultColorQuality;
+  const bool is_default = quality == kDefaultColorQuality;
   OctreeOptions options;
   options.entropy = entropy;
   options.depth = DepthRule::fixed(depth);
   options.color_quality = quality;
-  return {
-      fmt::format("octree {}", name(entropy)),
-      usual ? fmt::format("depth {}", depth) : fmt::format("depth {}, quality {}", depth, quality),
-      depth,
-      usual,
-      {options},
-      {"--codec", "octree", "--entropy", name(entropy), "--depth", std::to_string(depth),
-       "--quality", std::to_string(quality)}};
+  return {fmt::format("octree {}", name(entropy)),
+          is_default ? fmt::format("depth {}", depth)
+                     : fmt::format("depth {}, quality {}", depth, quality),
+          depth,
+          is_default,
+          {options},
+          {"--codec", "octree", "--entropy", name(entropy), "--depth", std::to_string(depth),
+           "--quality", std::to_string(quality)}};
 }
 
 Setting draco(int bits, int level, bool on_curve) {
@@ -50,9 +50,9 @@ std::vector<Setting> report_settings(int max_bits) {
   for (const int quality : {20, 35, 65, 80, kLosslessColorQuality}) {
     settings.push_back(octree(Entropy::context, std::min(kEffortBits, max_bits), quality));
   }
-  const int usual = DracoOptions{}.compression_level;
-  for (int bits = kLeastBits; bits <= max_bits; ++bits)
-    settings.push_back(draco(bits, usual, true));
+  for (int bits = kLeastBits; bits <= max_bits; ++bits) {
+    settings.push_back(draco(bits, DracoOptions{}.compression_level, true));
+  }
   for (const int level : {0, 10}) {
     settings.push_back(draco(std::min(kEffortBits, max_bits), level, false));
   }

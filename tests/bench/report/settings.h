@@ -8,19 +8,18 @@
 
 namespace pointreel::bench {
 
-/// One way to encode: what the library is told, and what `pointreel-server pack` is told for the
-/// same.
+/// One way to encode.
 struct Setting {
   std::string codec;  ///< a curve of the plots: "octree none", "octree zstd", "draco"
-  std::string name;   ///< within it: "depth 10", "qp 11"
-  int bits;           ///< of a coordinate: the depth, or Draco's position bits
-  bool on_curve;      ///< else it differs in something else, such as effort
+  std::string name;   ///< a point of the curve: "depth 10", "qp 11"
+  int bits;           ///< per coordinate: the depth, or Draco's position bits
+  bool on_curve;      ///< false for a setting that differs in more than its bits, such as effort
   EncodeOptions options;
-  std::vector<std::string> pack_arguments;
+  std::vector<std::string> pack_arguments;  ///< the same options for `pointreel-server pack`
 };
 
-/// Every codec at each of its settings that matter for `max_bits` of a coordinate: depths and
-/// position bits from 8 up, and at 10 bits qualities of the octree's colours and Draco's efforts.
+/// The settings of every codec that matter for up to `max_bits` per coordinate: depths and position
+/// bits from 8 up, and, at 10 bits, colour qualities of the octree and compression levels of Draco.
 std::vector<Setting> report_settings(int max_bits);
 
 }  // namespace pointreel::bench

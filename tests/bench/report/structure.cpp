@@ -9,6 +9,7 @@
 
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "pointreel/octree.h"
 #include "tests/bench/measure.h"
@@ -18,7 +19,7 @@ namespace pointreel::bench {
 namespace {
 
 constexpr std::array<double, 3> kDeltas = {0.02, 0.10, 0.50};
-constexpr glm::ivec2 kPicture = {1920, 1280};  // the paper's
+constexpr glm::ivec2 kPicture = {1920, 1280};  // as in the paper
 constexpr int kViews = 4;
 constexpr std::size_t kBatch = 4;  // clouds in memory
 
@@ -29,8 +30,9 @@ struct PaperRow {
   double build_ms, traverse_ms;
 };
 
-/// Paper 2, Tables I and III; times on an Intel Core i5-2540M at 2.6 GHz. "Actual loss" is 1 -
-/// oct(h) / n and "nodes" are inner nodes (ERRATA 5 and 6).
+/// Slomp et al., Geometry Instancing, Tables I and III, with times on an Intel Core i5-2540M at 2.6
+/// GHz. "Actual loss" is 1 - oct(h) / n, and "nodes" are inner nodes (FORMULAS.md, "Octree
+/// tables").
 struct PaperSequence {
   std::string_view name;
   int poses, points;
@@ -137,7 +139,9 @@ Result<nlohmann::json> measure_structure(const Dataset& dataset, const Structure
   const auto* paper =
       std::find_if(kPaper.begin(), kPaper.end(),
                    [&](const PaperSequence& sequence) { return sequence.name == dataset.name; });
-  if (paper == kPaper.end()) return fail(dataset.name + ": is no sequence of the paper");
+  if (paper == kPaper.end()) {
+    return fail(ErrorCode::argument, dataset.name + ": is not a sequence of the paper");
+  }
   const std::vector<int> poses = spread(dataset.motion->poses, options.poses);
   const std::vector<int> timed = spread(static_cast<int>(poses.size()), options.timed_poses);
   std::array<Sums, kDeltas.size()> sums;
@@ -146,10 +150,9 @@ Result<nlohmann::json> measure_structure(const Dataset& dataset, const Structure
     const std::vector<int> some(
         poses.begin() + static_cast<std::ptrdiff_t>(begin),
         poses.begin() + static_cast<std::ptrdiff_t>(std::min(begin + kBatch, poses.size())));
-    const auto clouds = make_clouds(dataset, some);
-    if (!clouds) return tl::unexpected(clouds.error());
+    const std::vector<PointCloud> clouds = TRY(make_clouds(dataset, some));
     for (std::size_t i = 0; i < some.size(); ++i) {
-      const PointCloud& cloud = (*clouds)[i];
+      const PointCloud& cloud = clouds[i];
       const Cube cube = bounding_cube(bounds(cloud));
       const SortedPoints sorted = sort_points(cloud, cube);
       points.push_back(static_cast<double>(cloud.size()));

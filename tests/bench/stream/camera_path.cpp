@@ -11,6 +11,7 @@
 #include "client/render/renderer.h"
 #include "client/render/supersampling.h"
 #include "client/source/open_source.h"
+#include "common/base/try.h"
 #include "common/stream/manifest.h"
 #include "datasets_synthetic/motion.h"
 #include "tests/bench/render/image_error.h"
@@ -24,8 +25,8 @@ using nlohmann::json;
 
 constexpr glm::ivec2 kSize(640, 480);
 
-/// Twelve times as far away as shows the whole figure, and then nearer at an even rate, to twice as
-/// near.
+/// Starts at twelve times the distance that shows the whole figure and approaches at an even rate,
+/// to half that distance.
 Camera camera_at(const Manifest& manifest, double share) {
   Camera camera;
   camera.up = manifest.up;
@@ -36,11 +37,11 @@ Camera camera_at(const Manifest& manifest, double share) {
 
 struct Walked {
   std::vector<Image> pictures;
-  std::vector<Image> larger;  ///< the same, drawn three times as large and averaged
+  std::vector<Image> larger;  ///< the same pictures, drawn three times as large and averaged
   std::uint64_t bytes = 0;
 };
 
-/// Every so many frames a picture is compared.
+/// The number of frames from one compared picture to the next.
 std::uint32_t stride(const StreamedReel& reel, std::uint32_t pictures) {
   return (reel.packed_frames + pictures - 1) / pictures;
 }
@@ -56,7 +57,7 @@ Result<Image> draw(Renderer& renderer, const std::shared_ptr<const SceneFrame>& 
   return image;
 }
 
-/// Plays every frame once, with the camera on its way.
+/// Plays every frame once while the camera moves.
 Result<Walked> walk(const StreamedReel& reel, Renderer& renderer, bool all_layers,
                     std::uint32_t pictures) {
   auto source = open_source(reel.packed.string());
@@ -76,29 +77,25 @@ Result<Walked> walk(const StreamedReel& reel, Renderer& renderer, bool all_layer
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
     playback.look(camera(frame), kSize);
     const auto state = playback.await(frame, std::chrono::seconds(30));
-    if (state != FrameBuffer::State::ready) return fail(fmt::format("frame {}: not there", frame));
+    if (state != FrameBuffer::State::ready)
+      return fail(fmt::format("frame {}: did not come", frame));
     if (frame % stride(reel, pictures) != 0) continue;
-    auto image = draw(renderer, playback.best(), camera(frame), 1);
-    if (!image) return tl::unexpected(image.error());
-    walked.pictures.push_back(std::move(*image));
+    walked.pictures.push_back(TRY(draw(renderer, playback.best(), camera(frame), 1)));
     if (!all_layers) continue;
-    auto larger = draw(renderer, playback.best(), camera(frame), 3);
-    if (!larger) return tl::unexpected(larger.error());
-    walked.larger.push_back(std::move(*larger));
+    walked.larger.push_back(TRY(draw(renderer, playback.best(), camera(frame), 3)));
   }
   walked.bytes = playback.statistics().fetched_bytes;
   return walked;
 }
 
-/// What the scanner saw of soccer-shoot.
+/// The true picture of a frame of soccer-shoot.
 Result<Image> truth_of(const Manifest& manifest, const StreamedReel& reel, std::uint32_t frame) {
   const Motion* motion = find_motion("soccer-shoot");
-  auto scene = make_truth_scene(pose_body(motion->pose(frame / kPosesPerSecond)));
-  if (!scene) return tl::unexpected(scene.error());
+  const auto scene = TRY(make_truth_scene(pose_body(motion->pose(frame / kPosesPerSecond))));
   TruthStyle style;
   style.texture = manifest.colors;
   const double share = static_cast<double>(frame) / (reel.packed_frames - 1);
-  return cast_truth(*scene, camera_at(manifest, share), kSize, style).image;
+  return cast_truth(scene, camera_at(manifest, share), kSize, style).image;
 }
 
 double mean_error(const Image& a, const Image& b) {
@@ -106,7 +103,7 @@ double mean_error(const Image& a, const Image& b) {
   return value ? std::pow(10.0, -*value / 10.0) : 0.0;
 }
 
-/// Of pictures with these errors together.
+/// The PSNR of pictures with this sum of mean square errors.
 double decibels(double errors, std::size_t pictures) {
   return -10.0 * std::log10(std::max(errors / static_cast<double>(pictures), 1e-12));
 }
@@ -114,43 +111,37 @@ double decibels(double errors, std::size_t pictures) {
 }  // namespace
 
 Result<json> run_camera_path(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto reels = streamed_reels(options);
-  if (!reels) return tl::unexpected(reels.error());
-  auto context = OffscreenContext::create();
-  if (!context) return tl::unexpected(context.error());
-  auto renderer = Renderer::create();
-  if (!renderer) return tl::unexpected(renderer.error());
+  const auto reels = TRY(streamed_reels(options));
+  const auto context = TRY(OffscreenContext::create());
+  Renderer renderer = TRY(Renderer::create());
   json rows = json::array();
-  for (const StreamedReel& reel : *reels) {
+  for (const StreamedReel& reel : reels) {
     const std::uint32_t pictures = std::min(reel.packed_frames, options.quick ? 4u : 10u);
-    const auto manifest = read_manifest(reel.packed);
-    if (!manifest) return tl::unexpected(manifest.error());
-    const auto chosen = walk(reel, *renderer, false, pictures);
-    if (!chosen) return tl::unexpected(chosen.error());
-    const auto whole = walk(reel, *renderer, true, pictures);
-    if (!whole) return tl::unexpected(whole.error());
-    // The dense reel's coordinates are numbers of voxels, which no ray is cast at.
+    const Manifest manifest = TRY(read_manifest(reel.packed));
+    const Walked chosen = TRY(walk(reel, renderer, false, pictures));
+    const Walked whole = TRY(walk(reel, renderer, true, pictures));
+    // The coordinates of the dense reel are voxel numbers, not metres, so truth_of does not fit
+    // them.
     const bool against_truth = reel.name == "soccer-shoot";
     double chosen_error = 0.0, whole_error = 0.0;
-    for (std::size_t i = 0; i < chosen->pictures.size(); ++i) {
+    for (std::size_t i = 0; i < chosen.pictures.size(); ++i) {
       const auto frame = static_cast<std::uint32_t>(i) * stride(reel, pictures);
-      const auto reference =
-          against_truth ? truth_of(*manifest, reel, frame) : Result<Image>(whole->larger[i]);
-      if (!reference) return tl::unexpected(reference.error());
-      chosen_error += mean_error(*reference, chosen->pictures[i]);
-      whole_error += mean_error(*reference, whole->pictures[i]);
+      const Image reference =
+          against_truth ? TRY(truth_of(manifest, reel, frame)) : whole.larger[i];
+      chosen_error += mean_error(reference, chosen.pictures[i]);
+      whole_error += mean_error(reference, whole.pictures[i]);
     }
-    const std::size_t count = chosen->pictures.size();
+    const std::size_t count = chosen.pictures.size();
     const double chosen_db = decibels(chosen_error, count), whole_db = decibels(whole_error, count);
     const double fewer =
-        100.0 * (1.0 - static_cast<double>(chosen->bytes) / static_cast<double>(whole->bytes));
+        100.0 * (1.0 - static_cast<double>(chosen.bytes) / static_cast<double>(whole.bytes));
     bars.push_back({fmt::format("camera path, {}: fewer bytes than all layers", reel.name), fewer,
                     "%", 40.0, true});
     bars.push_back(
         {fmt::format("camera path, {}: PSNR lost", reel.name), whole_db - chosen_db, "dB", 0.5});
     rows.push_back({{"reel", reel.name},
-                    {"bytes", chosen->bytes},
-                    {"bytes_of_all_layers", whole->bytes},
+                    {"bytes", chosen.bytes},
+                    {"bytes_of_all_layers", whole.bytes},
                     {"pictures", count},
                     {"against", against_truth ? "ray cast" : "all layers, three times as large"},
                     {"psnr", chosen_db},

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// A camera that comes from far to near: the bytes that are fetched for what it shows, against all
-/// layers, and what that does to the pictures.
+/// For a camera that approaches from far away: the bytes that are fetched for its view, compared
+/// with fetching all layers, and the effect on the pictures.
 Result<nlohmann::json> run_camera_path(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -58,11 +58,14 @@ void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name
     names.push_back(chapter.name);
     list += fmt::format("  {:<12} {}\n", chapter.name, chapter.about);
   }
-  command->add_option("--only", options->only, "these chapters alone")
+  command->add_option("--only", options->only, "measure only these chapters")
       ->check(CLI::IsMember(names))
       ->type_name("CHAPTER");
   command->add_flag("--quick", options->quick, "fewer repetitions and frames");
-  command->add_option("--json", options->json, "write the report here, - for standard output");
+  command
+      ->add_option("--json", options->json,
+                   "also write the report to this file; with -, print only the report")
+      ->type_name("FILE");
   command->footer("Chapters:\n" + list);
   command->callback([name, chapters, options, &exit_code] {
     const auto report = run_chapters(name, chapters, *options);

@@ -12,22 +12,22 @@
 
 namespace pointreel::bench {
 
-/// What every chapter is told.
+/// The options of every chapter.
 struct StreamOptions {
-  bool quick = false;             ///< fewer repetitions and frames, for a look or for CI
+  bool quick = false;             ///< fewer repetitions and frames, for a first look or for CI
   std::filesystem::path scratch;  ///< a folder to write to, which outlives the chapters
 };
 
-/// One of the things that a command measures. It returns its figures, adds the bars that
-/// they must reach, and prints nothing: an error if it could not measure.
+/// A part of what a command measures. It returns its figures, adds its bars and prints nothing. It
+/// fails if it could not measure.
 struct StreamChapter {
-  std::string name;   ///< of the key in the report and for --only
-  std::string about;  ///< one line
+  std::string name;   ///< the key in the report and the name for --only
+  std::string about;  ///< one line for --help
   Result<nlohmann::json> (*run)(const StreamOptions&, std::vector<Bar>&);
 };
 
-/// `pointreel-bench NAME`: all of these or some, in their order; prints their figures, and each
-/// bar.
+/// Adds `pointreel-bench NAME`, which runs all or some of these chapters in their order and prints
+/// their figures and bars.
 void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name,
                           const std::string& about, const std::vector<StreamChapter>& chapters);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "common/base/try.h"
 #include "tests/fault/live_stage.h"
 #include "tests/fault/served_reel.h"
 #include "tests/fault/watcher.h"
@@ -19,7 +20,7 @@ using nlohmann::json;
 using namespace std::chrono_literals;
 using Time = std::chrono::steady_clock::time_point;
 
-/// What happens to a link or a server, with all that it takes: returns when the link is back.
+/// A fault of a link or a server. `happen` returns when the link works again.
 struct Fault {
   const char* name;
   std::function<void()> happen;
@@ -35,10 +36,8 @@ struct Stage {
 
   Result<void> begin() {
     server = std::make_unique<ServerProcess>(reel, 0, options);
-    if (server->port() == 0) return fail("pointreel-server did not start");
-    auto started = LinkEmulator::start({.target = server->address(), .conditions = conditions});
-    if (!started) return tl::unexpected(started.error());
-    link = std::move(*started);
+    if (server->port() == 0) return fail(ErrorCode::io, "pointreel-server: did not start");
+    link = TRY(LinkEmulator::start({.target = server->address(), .conditions = conditions}));
     return {};
   }
 
@@ -68,7 +67,7 @@ double milliseconds(Time::duration time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
-/// How long after `back` the first picture came that `counts` lets pass; at most a minute.
+/// The time from `back` to the first picture that `counts` accepts; at most a minute.
 template <class Watcher, class Counts>
 double recovery_ms(const Watcher& watcher, Time back, const Counts& counts) {
   for (const Time end = back + 60s; std::chrono::steady_clock::now() < end;) {
@@ -93,22 +92,20 @@ std::size_t wrong_pictures(const Watcher& watcher) {
 
 Result<json> run_faults(const StreamOptions& options, std::vector<Bar>& bars) {
   const std::filesystem::path reel = options.scratch / "ball";
-  const auto rate = make_ball_reel(reel);
-  if (!rate) return tl::unexpected(rate.error());
-  const auto truth = truth_of(reel);
-  if (!truth) return tl::unexpected(truth.error());
+  const double rate = TRY(make_ball_reel(reel));
+  const auto truth = TRY(truth_of(reel));
 
   json package, live;
   std::size_t wrong = 0, pictures = 0;
   double worst_package = 0.0, worst_live = 0.0;
   {
-    // Hardly faster than the reel, so that a player has little to fall back on.
+    // The link is hardly faster than the reel, so that a player cannot fetch much in advance.
     Stage stage{reel, {}, nullptr, nullptr, {}};
-    stage.conditions.bits_per_second = static_cast<std::uint64_t>(1.5 * *rate);
+    stage.conditions.bits_per_second = static_cast<std::uint64_t>(1.5 * rate);
     stage.conditions.delay = 10ms;
-    if (const auto begun = stage.begin(); !begun) return tl::unexpected(begun.error());
+    TRY(stage.begin());
     for (const Fault& fault : stage.faults(options.quick)) {
-      Watcher watcher("http://" + stage.link->address() + "/ball", *truth);
+      Watcher watcher("http://" + stage.link->address() + "/ball", truth);
       if (!watcher.sees(30)) return fail(watcher.trouble().value_or("nothing was played"));
       fault.happen();
       const Time back = std::chrono::steady_clock::now();
@@ -122,7 +119,7 @@ Result<json> run_faults(const StreamOptions& options, std::vector<Bar>& bars) {
   {
     Stage stage{reel, {"--live"}, nullptr, nullptr, {}};
     stage.conditions.delay = 10ms;
-    if (const auto begun = stage.begin(); !begun) return tl::unexpected(begun.error());
+    TRY(stage.begin());
     const StagePublisher publisher("ws://" + stage.server->address() + "/live/ball?publish");
     for (const Fault& fault : stage.faults(options.quick)) {
       LiveWatcher watcher("ws://" + stage.link->address() + "/live/ball");
@@ -139,10 +136,10 @@ Result<json> run_faults(const StreamOptions& options, std::vector<Bar>& bars) {
     }
   }
   bars.push_back(
-      {"package goes on after the link is back, worst fault", worst_package, "ms", 2000});
-  bars.push_back({"live again after the link is back, worst fault", worst_live, "ms", 2000});
+      {"package: from a working link to a picture, worst fault", worst_package, "ms", 2000});
+  bars.push_back({"live: from a working link to live, worst fault", worst_live, "ms", 2000});
   bars.push_back(
-      {"wrong pictures while links and servers failed", static_cast<double>(wrong), "", 0.0});
+      {"wrong pictures during faults of links and servers", static_cast<double>(wrong), "", 0.0});
   return json{{"package_ms", package}, {"live_ms", live}, {"pictures", pictures}, {"wrong", wrong}};
 }
 

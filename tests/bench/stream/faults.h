@@ -4,9 +4,9 @@
 
 namespace pointreel::bench {
 
-/// How soon after the link is back a package goes on and a live stream is live again: after the
-/// server was killed, the link cut for ten seconds, connections reset or forgotten. Counts pictures
-/// that are not what was packed.
+/// The time from when a link works again until a package plays on and a live stream is live again,
+/// after the server was killed, the link was cut for ten seconds, or connections were reset or
+/// forgotten. Also counts pictures that differ from what was packed.
 Result<nlohmann::json> run_faults(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

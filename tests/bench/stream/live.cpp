@@ -14,10 +14,11 @@
 #include "client/source/live_source.h"
 #include "client/source/open_live_source.h"
 #include "codec/frame_header.h"
+#include "common/base/try.h"
 #include "common/base/unix_time.h"
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
-#include "tests/e2e/process.h"
+#include "tests/bench/program.h"
 #include "tests/e2e/server_address.h"
 #include "tests/link/link_emulator.h"
 #include "tests/load/load_generator.h"
@@ -32,7 +33,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFps = "30";
 constexpr unsigned kOthers = 49;
-/// How late a picture may be for the viewer to be live again.
+/// A viewer counts as live again when a picture is at most this late.
 constexpr double kLiveMs = 100.0;
 constexpr auto kLook = 1ms;
 
@@ -52,7 +53,7 @@ json spread(const std::vector<double>& values) {
           {"p99", quantile(values, 0.99)}};
 }
 
-/// A server with a stream that a publisher of its own process feeds.
+/// A server with a stream, and a publisher in a process of its own.
 struct Stage {
   std::unique_ptr<e2e::Background> server, publisher;
   std::string address;
@@ -61,7 +62,7 @@ struct Stage {
     server = std::make_unique<e2e::Background>(
         "pointreel-server", std::vector<std::string>{"serve", "--live", "--listen", "127.0.0.1:0"});
     address = e2e::server_address(*server);
-    if (address.empty()) return fail("pointreel-server did not start");
+    if (address.empty()) return fail(ErrorCode::io, "pointreel-server: did not start");
     publisher = std::make_unique<e2e::Background>(
         "pointreel-server",
         std::vector<std::string>{"publish", "-i", frames.string(), "--loop", "--fps", kFps, "--to",
@@ -70,18 +71,17 @@ struct Stage {
   }
 };
 
-/// Sees what a player would show.
+/// Receives the pictures that a player would show.
 class Watcher {
  public:
   static Result<std::unique_ptr<Watcher>> open(const std::string& address) {
-    auto source = open_live_source("ws://" + address + "/live/stage", {});
-    if (!source) return tl::unexpected(source.error());
-    auto watcher = std::unique_ptr<Watcher>(new Watcher(std::move(*source)));
-    if (!watcher->next(20s)) return fail("no live picture came");
+    auto source = TRY(open_live_source("ws://" + address + "/live/stage", {}));
+    auto watcher = std::unique_ptr<Watcher>(new Watcher(std::move(source)));
+    if (!watcher->next(20s)) return fail(ErrorCode::io, "no live picture came within 20 s");
     return watcher;
   }
 
-  /// Waits for the next picture; how many milliseconds after its capture it was ready.
+  /// Waits for the next picture and returns its age in milliseconds; nothing after `timeout`.
   std::optional<double> next(std::chrono::milliseconds timeout) {
     for (const Time end = std::chrono::steady_clock::now() + timeout;
          std::chrono::steady_clock::now() < end;) {
@@ -113,7 +113,8 @@ class Watcher {
   std::uint64_t last_us_ = 0;
 };
 
-/// The median depth of a second's frames: the publisher lowers it rather than being late.
+/// The median depth of the frames of one second. The publisher reduces the depth if it would
+/// otherwise be late.
 double depth_now(const std::string& address) {
   const auto socket = WebSocket::connect("ws://" + address + "/live/stage");
   std::vector<double> depths;
@@ -130,17 +131,16 @@ double depth_now(const std::string& address) {
 
 Result<json> capture_to_picture(const Stage& stage, const StreamOptions& options,
                                 std::vector<Bar>& bars) {
-  auto watcher = Watcher::open(stage.address);
-  if (!watcher) return tl::unexpected(watcher.error());
+  const auto watcher = TRY(Watcher::open(stage.address));
   const auto seconds = options.quick ? 3s : 15s;
   const Time warm = std::chrono::steady_clock::now() + 2s, end = warm + seconds;
   std::vector<double> delays;
   for (Time now = {}; (now = std::chrono::steady_clock::now()) < end;) {
-    const std::optional<double> delay = (*watcher)->next(1s);
+    const std::optional<double> delay = watcher->next(1s);
     if (delay && now > warm) delays.push_back(*delay);
   }
-  bars.push_back(
-      {"live at 30 a second: capture to picture, 95 %", quantile(delays, 0.95), "ms", 100.0});
+  bars.push_back({"live at 30 frames per second: capture to picture, 95 %", quantile(delays, 0.95),
+                  "ms", 100.0});
   json figures = spread(delays);
   figures["pictures_per_second"] =
       static_cast<double>(delays.size()) / std::chrono::duration<double>(seconds).count();
@@ -150,30 +150,29 @@ Result<json> capture_to_picture(const Stage& stage, const StreamOptions& options
 
 Result<json> back_to_live(const Stage& stage, const StreamOptions& options,
                           std::vector<Bar>& bars) {
-  const auto link = LinkEmulator::start({.target = stage.address});
-  if (!link) return tl::unexpected(link.error());
-  auto watcher = Watcher::open((*link)->address());
-  if (!watcher) return tl::unexpected(watcher.error());
+  const auto link = TRY(LinkEmulator::start({.target = stage.address}));
+  const auto watcher = TRY(Watcher::open(link->address()));
   std::vector<double> times;
   for (int i = 0; i < (options.quick ? 1 : 5); ++i) {
-    for (int frame = 0; frame < 30; ++frame) (*watcher)->next(1s);
+    for (int frame = 0; frame < 30; ++frame) watcher->next(1s);
     LinkConditions cut;
     cut.cut = true;
-    (*link)->set(cut);
+    link->set(cut);
     const Time until = std::chrono::steady_clock::now() + (options.quick ? 3s : 10s);
-    while (std::chrono::steady_clock::now() < until) (*watcher)->next(50ms);
-    (*link)->set({});
+    while (std::chrono::steady_clock::now() < until) watcher->next(50ms);
+    link->set({});
     const Time restored = std::chrono::steady_clock::now();
     const Time give_up = restored + 30s;
     while (std::chrono::steady_clock::now() < give_up) {
-      const std::optional<double> delay = (*watcher)->next(100ms);
+      const std::optional<double> delay = watcher->next(100ms);
       if (delay && *delay <= kLiveMs) break;
     }
     times.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - restored)
             .count());
   }
-  bars.push_back({"live: back after a stall of 10 s, median", quantile(times, 0.5), "ms", 500.0});
+  bars.push_back(
+      {"live: until live again after a stall of 10 s, median", quantile(times, 0.5), "ms", 500.0});
   return json{{"ms", times}};
 }
 
@@ -183,13 +182,11 @@ class SlowViewer {
   static Result<std::unique_ptr<SlowViewer>> start(const std::string& address) {
     LinkConditions slow;
     slow.bits_per_second = 1'000'000;
-    auto link = LinkEmulator::start({.target = address, .conditions = slow});
-    if (!link) return tl::unexpected(link.error());
+    auto link = TRY(LinkEmulator::start({.target = address, .conditions = slow}));
     WebSocketOptions patient;
     patient.silence_timeout = 30s;
-    auto socket = WebSocket::connect("ws://" + (*link)->address() + "/live/stage", patient);
-    if (!socket) return tl::unexpected<Error>(socket.error());
-    return std::unique_ptr<SlowViewer>(new SlowViewer(std::move(*link), std::move(*socket)));
+    auto socket = TRY(WebSocket::connect("ws://" + link->address() + "/live/stage", patient));
+    return std::unique_ptr<SlowViewer>(new SlowViewer(std::move(link), std::move(socket)));
   }
   ~SlowViewer() {
     socket_->close();
@@ -234,21 +231,16 @@ Result<json> one_slow_viewer(const Stage& stage, const StreamOptions& options,
   load.url = "ws://" + stage.address + "/live/stage";
   load.viewers = kOthers;
   load.seconds = options.quick ? 2.0 : 5.0;
-  // In turns, so that whatever else the machine does is in both.
+  // Both measurements take turns, so that a change of the machine's load affects both.
   std::vector<double> without, with;
   json slow_figures;
   for (int i = 0; i < (options.quick ? 1 : 5); ++i) {
-    const auto alone = pointreel::run_load(load);
-    if (!alone) return tl::unexpected(alone.error());
-    without.push_back(alone->delay_ms(0.95));
-    const auto slow = SlowViewer::start(stage.address);
-    if (!slow) return tl::unexpected(slow.error());
-    const auto beside = pointreel::run_load(load);
-    if (!beside) return tl::unexpected(beside.error());
-    with.push_back(beside->delay_ms(0.95));
-    slow_figures = {{"bases", (*slow)->bases()},
-                    {"dropped_frames", (*slow)->drops().frames},
-                    {"dropped_layers", (*slow)->drops().layers}};
+    without.push_back(TRY(pointreel::run_load(load)).delay_ms(0.95));
+    const auto slow = TRY(SlowViewer::start(stage.address));
+    with.push_back(TRY(pointreel::run_load(load)).delay_ms(0.95));
+    slow_figures = {{"bases", slow->bases()},
+                    {"dropped_frames", slow->drops().frames},
+                    {"dropped_layers", slow->drops().layers}};
   }
   bars.push_back({"live: delay that one viewer at 1 Mbit/s adds to 49 others (95 % of frames)",
                   quantile(with, 0.5) - quantile(without, 0.5), "ms", 5.0});
@@ -259,13 +251,11 @@ Result<json> one_slow_viewer(const Stage& stage, const StreamOptions& options,
 
 Result<json> run_live(const StreamOptions& options, std::vector<Bar>& bars) {
   const fs::path frames = options.scratch / "live-frames";
-  const e2e::Outcome made =
-      e2e::run("pointreel-synth",
-               {"soccer-shoot", "--frames", options.quick ? "6" : "60", "-o", frames.string()});
-  if (made.exit_code != 0) return fail("pointreel-synth: " + made.err);
+  TRY(run_program("pointreel-synth",
+                  {"soccer-shoot", "--frames", options.quick ? "6" : "60", "-o", frames.string()}));
   Stage stage;
-  if (const auto begun = stage.begin(frames); !begun) return tl::unexpected(begun.error());
-  // The publisher is there once there is something to join.
+  TRY(stage.begin(frames));
+  // The publisher has started once its stream can be joined.
   for (int i = 0; i < 200 && !WebSocket::connect("ws://" + stage.address + "/live/stage"); ++i) {
     std::this_thread::sleep_for(100ms);
   }

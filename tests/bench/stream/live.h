@@ -10,9 +10,10 @@
 
 namespace pointreel::bench {
 
-/// Live on loopback at 30 frames a second, publisher, server and viewer on this machine: from a
-/// frame's capture until it is decoded and ready to be drawn; how soon a viewer is back after its
-/// link carried nothing for 10 s; and what one viewer at 1 Mbit/s costs 49 others.
+/// A live stream of 30 frames per second with publisher, server and viewers on this machine: the
+/// delay from capture until a frame is decoded and ready to be drawn; how soon a viewer is live
+/// again after its link carried nothing for 10 s; and the delay that one viewer at 1 Mbit/s causes
+/// 49 others.
 Result<nlohmann::json> run_live(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "common/base/try.h"
 #include "common/base/unix_time.h"
 #include "common/net/websocket.h"
 #include "common/stream/live.h"
@@ -31,7 +32,8 @@ namespace fs = std::filesystem;
 constexpr unsigned kViewers = 200;
 constexpr double kFps = 30.0;
 constexpr std::uint32_t kFrames = 60;
-/// Of a frame's layers, as of an octree's: 10 Mbit/s at 30 frames a second.
+/// The sizes of a frame's layers, in about the proportions of an octree: 10 Mbit/s at 30 frames per
+/// second.
 constexpr std::uint32_t kLayerBytes[] = {3'000, 9'000, 29'667};
 
 std::string noise(std::size_t size, std::uint64_t seed) {
@@ -45,7 +47,7 @@ ByteView bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// A package of that rate. No server looks into layers, so these are noise.
+/// Makes a package of that rate. Its layers are noise, because the server never looks into them.
 Result<void> make_reel(const fs::path& folder) {
   Manifest manifest;
   manifest.name = "noise";
@@ -72,22 +74,26 @@ Result<void> make_reel(const fs::path& folder) {
     const std::string content = noise(file.bytes, layer);
     file.checksum = checksum_of(bytes_of(content));
     std::ofstream out(folder / file.path, std::ios::binary);
-    if (!out.write(content.data(), static_cast<std::streamsize>(content.size())))
-      return fail((folder / file.path).string() + ": cannot be written");
+    if (!out.write(content.data(), static_cast<std::streamsize>(content.size()))) {
+      return fail(ErrorCode::io, (folder / file.path).string() + ": cannot be written");
+    }
     segment.layers.push_back(std::move(file));
   }
   manifest.segments.push_back(std::move(segment));
   std::ofstream out(folder / kManifestName, std::ios::binary);
-  if (!(out << write_manifest(manifest))) return fail(folder.string() + ": cannot be written");
+  if (!(out << write_manifest(manifest))) {
+    return fail(ErrorCode::io, (folder / kManifestName).string() + ": cannot be written");
+  }
   return {};
 }
 
-/// Seconds of processors that a process has taken.
+/// The processor time that a process has used in seconds.
 double cpu_seconds(pid_t pid) {
   std::ifstream in(fmt::format("/proc/{}/stat", pid));
   std::string text;
   std::getline(in, text);
-  // After the name, which may hold anything, fields 3 on: 14 and 15 are user and system time.
+  // The fields from number 3 on follow the name, which may contain anything. Fields 14 and 15 are
+  // user and system time.
   std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
   std::string ignored;
   for (int i = 0; i < 11; ++i) fields >> ignored;
@@ -96,12 +102,11 @@ double cpu_seconds(pid_t pid) {
   return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
-/// Publishes noise at the rate until it is destroyed.
+/// Publishes noise at that rate until it is destroyed.
 class NoisePublisher {
  public:
   static Result<std::unique_ptr<NoisePublisher>> start(const std::string& url) {
-    auto socket = WebSocket::connect(url);
-    if (!socket) return tl::unexpected<Error>(socket.error());
+    auto socket = TRY(WebSocket::connect(url));
     LiveHello hello;
     hello.name = "noise";
     hello.session = unix_time_us();
@@ -110,9 +115,8 @@ class NoisePublisher {
     hello.fps = kFps;
     hello.layer_names = {"base", "middle", "full"};
     const std::string text = write_hello(hello);
-    if (const auto sent = (*socket)->send(bytes_of(text), WebSocket::Kind::text); !sent)
-      return tl::unexpected(sent.error());
-    return std::unique_ptr<NoisePublisher>(new NoisePublisher(std::move(*socket)));
+    TRY(socket->send(bytes_of(text), WebSocket::Kind::text));
+    return std::unique_ptr<NoisePublisher>(new NoisePublisher(std::move(socket)));
   }
   ~NoisePublisher() {
     ending_ = true;
@@ -155,46 +159,41 @@ Result<json> measure_load(const char* name, const std::string& url, pid_t server
   load.viewers = kViewers;
   load.seconds = options.quick ? 2.0 : 15.0;
   const double before = cpu_seconds(server);
-  const auto figures = pointreel::run_load(load);
-  const double all = load.seconds + load.warm_up;
-  const double server_cores = (cpu_seconds(server) - before) / all;
-  if (!figures) return tl::unexpected(figures.error());
+  const LoadFigures figures = TRY(pointreel::run_load(load));
+  const double server_cores = (cpu_seconds(server) - before) / (load.seconds + load.warm_up);
   bars.push_back(
       {fmt::format("{} viewers at 10 Mbit/s, {}: frame delay, 99 % of the frames", kViewers, name),
-       figures->delay_ms(0.99), "ms", 50.0});
+       figures.delay_ms(0.99), "ms", 50.0});
   return json{{"viewers", kViewers},
-              {"mbit_per_second_each", figures->bits_per_second() / 1e6 / kViewers},
-              {"frames", figures->frames},
-              {"incomplete", figures->incomplete},
-              {"missing", figures->missing},
-              {"broken", figures->broken},
+              {"mbit_per_second_each", figures.bits_per_second() / 1e6 / kViewers},
+              {"frames", figures.frames},
+              {"incomplete", figures.incomplete},
+              {"missing", figures.missing},
+              {"broken", figures.broken},
               {"delay_ms",
-               {{"median", figures->delay_ms(0.5)},
-                {"p95", figures->delay_ms(0.95)},
-                {"p99", figures->delay_ms(0.99)}}},
+               {{"median", figures.delay_ms(0.5)},
+                {"p95", figures.delay_ms(0.95)},
+                {"p99", figures.delay_ms(0.99)}}},
               {"server_cores", server_cores},
-              {"generator_cores", figures->cpu_seconds / figures->seconds}};
+              {"generator_cores", figures.cpu_seconds / figures.seconds}};
 }
 
 }  // namespace
 
 Result<json> run_load(const StreamOptions& options, std::vector<Bar>& bars) {
   const fs::path reel = options.scratch / "noise";
-  if (const auto made = make_reel(reel); !made) return tl::unexpected(made.error());
+  TRY(make_reel(reel));
   e2e::Background server("pointreel-server",
                          {"serve", reel.string(), "--live", "--listen", "127.0.0.1:0"});
   const std::string address = e2e::server_address(server);
-  if (address.empty()) return fail("pointreel-server did not start");
+  if (address.empty()) return fail(ErrorCode::io, "pointreel-server: did not start");
 
-  auto package =
-      measure_load("package", "http://" + address + "/noise", server.pid(), options, bars);
-  if (!package) return package;
+  json package =
+      TRY(measure_load("package", "http://" + address + "/noise", server.pid(), options, bars));
   const std::string stream = "ws://" + address + "/live/noise";
-  const auto publisher = NoisePublisher::start(stream + "?publish");
-  if (!publisher) return tl::unexpected(publisher.error());
-  auto live = measure_load("live", stream, server.pid(), options, bars);
-  if (!live) return live;
-  return json{{"package", *std::move(package)}, {"live", *std::move(live)}};
+  const auto publisher = TRY(NoisePublisher::start(stream + "?publish"));
+  json live = TRY(measure_load("live", stream, server.pid(), options, bars));
+  return json{{"package", std::move(package)}, {"live", std::move(live)}};
 }
 
 }  // namespace pointreel::bench

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// 200 viewers at 10 Mbit/s each, first of a package and then of a live stream: how late frames
-/// come, and what server and generator take of the processors.
+/// 200 viewers at 10 Mbit/s each, first of a package and then of a live stream: the delays of the
+/// frames, and the processor time of the server and of the generator.
 Result<nlohmann::json> run_load(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -13,9 +13,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "common/base/try.h"
 #include "common/cloud/ply.h"
+#include "tests/bench/program.h"
 #include "tests/bench/stream/resident_memory.h"
-#include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
 
 namespace pointreel::bench {
@@ -26,10 +27,11 @@ namespace fs = std::filesystem;
 
 constexpr int kReelFrames = 60;
 constexpr double kFps = 30.0;
-/// Flat: what is left by a kilobyte of frames or connections each is below this.
+/// Memory counts as constant if it grows by less than this per thousand frames or connections.
 constexpr double kFlatKib = 16.0;
 
-/// A reel whose frames take a millisecond, so that what is kept of each shows, not what each is.
+/// Makes a reel of tiny frames, which are quick to play, so that memory kept for each frame would
+/// show.
 Result<void> make_reel(const fs::path& clouds, const fs::path& reel) {
   fs::create_directories(clouds);
   for (int frame = 0; frame < kReelFrames; ++frame) {
@@ -39,16 +41,14 @@ Result<void> make_reel(const fs::path& clouds, const fs::path& reel) {
       cloud.positions.emplace_back(std::cos(angle + 0.1 * frame), height, std::sin(angle));
       cloud.colors.emplace_back(257 * i, 40'000, 300 * frame);
     }
-    const auto written = write_ply(clouds / fmt::format("{:03}.ply", frame), cloud);
-    if (!written) return written;
+    TRY(write_ply(clouds / fmt::format("{:03}.ply", frame), cloud));
   }
-  const e2e::Outcome packed = e2e::run(
-      "pointreel-server", {"pack", "-i", clouds.string(), "-o", reel.string(), "--depth", "10"});
-  if (packed.exit_code != 0) return fail("pointreel-server pack: " + packed.err);
+  TRY(run_program("pointreel-server",
+                  {"pack", "-i", clouds.string(), "-o", reel.string(), "--depth", "10"}));
   return {};
 }
 
-/// Asks once on a connection of its own. False if nothing answers.
+/// Sends a request on a new connection. Returns false if there is no answer.
 bool connect_ask_disconnect(std::uint16_t port, const std::string& target) {
   const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -80,14 +80,14 @@ Result<json> run_memory(const StreamOptions& options, std::vector<Bar>& bars) {
   const double frames = options.quick ? 6'000 : 100'000;
   const int connections = options.quick ? 1'000 : 10'000;
   const fs::path clouds = options.scratch / "memory-clouds", reel = options.scratch / "memory";
-  if (const auto made = make_reel(clouds, reel); !made) return tl::unexpected(made.error());
+  TRY(make_reel(clouds, reel));
 
   e2e::Background server("pointreel-server", {"serve", reel.string(), "--listen", "127.0.0.1:0"});
   const std::string address = e2e::server_address(server), url = "http://" + address;
-  if (address.empty()) return fail("pointreel-server serve did not start");
+  if (address.empty()) return fail(ErrorCode::io, "pointreel-server: did not start");
   const std::uint16_t port = e2e::port_of(address);
 
-  // A small picture: what is drawn is not what is measured.
+  // The picture is small, because drawing is not what is measured.
   const fs::path report = options.scratch / "memory.json";
   MemoryGrowth client, serving, connecting;
   {
@@ -105,17 +105,22 @@ Result<json> run_memory(const StreamOptions& options, std::vector<Bar>& bars) {
   }
   std::ifstream in(report);
   const json played = json::parse(in, nullptr, false);
-  if (played.is_discarded()) return fail("pointreel play ended without a report");
+  if (played.is_discarded()) {
+    return fail(ErrorCode::io, "pointreel play: ended without writing its report");
+  }
   const double shown = played["frames_shown"], seconds = played["seconds"];
-  if (shown < frames - 1.0) return fail(fmt::format("{} of {} frames were shown", shown, frames));
+  if (shown < frames - 1.0) {
+    return fail(fmt::format("pointreel play: showed only {} of {} frames", shown, frames));
+  }
 
   for (int i = 0; i < connections; ++i) {
-    if (!connect_ask_disconnect(port, "/memory/reel.json"))
-      return fail(fmt::format("connection {} got no answer", i));
+    if (!connect_ask_disconnect(port, "/memory/reel.json")) {
+      return fail(ErrorCode::io, fmt::format("connection {}: got no answer", i));
+    }
     if (i % 20 == 0) connecting.add(i, resident_kib(server.pid()));
   }
 
-  // A thousand frames, or connections.
+  // The growth per thousand frames or connections.
   const double client_slope = client.slope(1000.0 * seconds / shown);
   const double serving_slope = serving.slope(1000.0 * seconds / shown);
   const double connecting_slope = connecting.slope(1000.0);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "tests/bench/stream/reels.h"
 #include "tests/bench/stream/watching.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What one phase of the link came to.
+/// The figures of one phase, in which the link keeps its rate.
 struct Phase {
   std::uint64_t megabits = 0;
   double seconds = 0.0;
@@ -22,12 +23,12 @@ struct Phase {
     double seconds;
     LayerDecision decision;
   };
-  std::vector<At> decisions;                     ///< changes, since the phase began
-  std::map<std::uint32_t, std::uint64_t> shown;  ///< pictures of so many layers
+  std::vector<At> decisions;                     ///< all changes since the phase began
+  std::map<std::uint32_t, std::uint64_t> shown;  ///< number of pictures by number of layers
   std::uint64_t pictures = 0;
   double stalled = 0.0, longest_stall = 0.0, link_mbit = 0.0;
 
-  /// The choice that was kept for longest.
+  /// The decision that was kept for the longest time in total.
   LayerDecision usual() const {
     LayerDecision best;
     double most = -1.0;
@@ -42,7 +43,7 @@ struct Phase {
     }
     return best;
   }
-  /// When it was first chosen and kept for a second or more.
+  /// The time when that decision was first made and then kept for a second or more.
   double settled() const {
     for (std::size_t i = 0; i < decisions.size(); ++i)
       if (decisions[i].decision == usual() && kept_for(i) >= 1.0) return decisions[i].seconds;
@@ -113,26 +114,23 @@ json json_of(const Phase& phase) {
 }  // namespace
 
 Result<json> run_rate_change(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto served = ServedReels::start(options);
-  if (!served) return tl::unexpected(served.error());
+  const auto served = TRY(ServedReels::start(options));
   json rows = json::array();
-  for (const StreamedReel& reel : (*served)->reels()) {
-    const auto link = (*served)->link(megabits(100));
-    if (!link) return tl::unexpected(link.error());
-    auto watching = Watching::start(ServedReels::url(**link, reel), {});
-    if (!watching) return tl::unexpected(watching.error());
-    (*watching)->until([](const auto& update) { return update.frame != nullptr; });
+  for (const StreamedReel& reel : served->reels()) {
+    const auto link = TRY(served->link(megabits(100)));
+    const auto watching = TRY(Watching::start(ServedReels::url(*link, reel), {}));
+    watching->until([](const auto& update) { return update.frame != nullptr; });
     json phases = json::array();
     double longest = 0.0;
     bool first = true;
     for (const std::uint64_t rate : {100, 5, 100}) {
-      (*link)->set(megabits(rate).conditions);
-      const Phase phase = play_phase(**watching, rate, options.quick ? 5.0 : 10.0);
-      // The first one begins with the start itself.
+      link->set(megabits(rate).conditions);
+      const Phase phase = play_phase(*watching, rate, options.quick ? 5.0 : 10.0);
+      // The first phase does not count, because it includes the start of playback.
       if (!first) {
         longest = std::max(longest, phase.longest_stall);
         bars.push_back(
-            {fmt::format("rate change, {}, to {} Mbit/s: settled after", reel.name, rate),
+            {fmt::format("rate change, {}, to {} Mbit/s: time to settle", reel.name, rate),
              phase.settled(), "s", 2.0});
       }
       first = false;

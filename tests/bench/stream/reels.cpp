@@ -9,8 +9,10 @@
 
 #include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
+#include "common/base/try.h"
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
+#include "tests/bench/program.h"
 #include "tests/e2e/server_address.h"
 
 namespace pointreel::bench {
@@ -24,22 +26,14 @@ std::uint64_t checksum_of_values(const std::vector<T>& values) {
       {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
 }
 
-Result<void> run_program(const std::string& program, const std::vector<std::string>& arguments) {
-  constexpr int kSeconds = 600;
-  const e2e::Outcome outcome = e2e::run(program, arguments, kSeconds);
-  if (outcome.exit_code != 0) return fail(program + ": " + outcome.err);
-  return {};
-}
-
-/// The same files under as many names as it takes to show them `times` times.
-Result<Manifest> lengthen(const fs::path& packed, const fs::path& longer, std::uint32_t times) {
-  auto manifest = read_manifest(packed);
-  if (!manifest) return manifest;
+/// Makes a package that shows the frames of another `times` times, with hard links to its files.
+Result<void> lengthen(const fs::path& packed, const fs::path& longer, std::uint32_t times) {
+  Manifest manifest = TRY(read_manifest(packed));
   fs::create_directories(longer);
-  if (manifest->tables)
-    fs::create_hard_link(packed / manifest->tables->path, longer / manifest->tables->path);
-  const std::vector<Segment> once = std::exchange(manifest->segments, {});
-  const std::uint64_t duration_us = manifest->duration_us;
+  if (manifest.tables)
+    fs::create_hard_link(packed / manifest.tables->path, longer / manifest.tables->path);
+  const std::vector<Segment> once = std::exchange(manifest.segments, {});
+  const std::uint64_t duration_us = manifest.duration_us;
   std::uint32_t frame = 0;
   for (std::uint32_t pass = 0; pass < times; ++pass) {
     for (Segment segment : once) {
@@ -51,13 +45,15 @@ Result<Manifest> lengthen(const fs::path& packed, const fs::path& longer, std::u
         fs::create_hard_link(packed / file.path, longer / path);
         file.path = path;
       }
-      manifest->segments.push_back(std::move(segment));
+      manifest.segments.push_back(std::move(segment));
     }
   }
-  manifest->duration_us = duration_us * times;
+  manifest.duration_us = duration_us * times;
   std::ofstream out(longer / kManifestName, std::ios::binary);
-  if (!(out << write_manifest(*manifest))) return fail(longer.string() + ": cannot be written");
-  return manifest;
+  if (!(out << write_manifest(manifest))) {
+    return fail(ErrorCode::io, (longer / kManifestName).string() + ": cannot be written");
+  }
+  return {};
 }
 
 Result<std::uint64_t> content(Source& source, std::uint32_t frame, std::uint32_t layers) {
@@ -79,18 +75,14 @@ Result<StreamedReel> make_reel(const fs::path& scratch, const std::string& name,
   const fs::path packed = reel.packed, clouds = scratch / (name + "-clouds");
   if (!fs::exists(reel.folder)) {
     synth.insert(synth.end(), {"-o", clouds.string(), "--frames", std::to_string(frames)});
-    auto made = run_program("pointreel-synth", synth);
-    if (made)
-      made = run_program("pointreel-server",
-                         {"pack", "-i", clouds, "-o", packed, "--slabs", std::to_string(slabs)});
-    if (!made) return tl::unexpected(made.error());
+    TRY(run_program("pointreel-synth", synth));
+    TRY(run_program("pointreel-server",
+                    {"pack", "-i", clouds, "-o", packed, "--slabs", std::to_string(slabs)}));
     fs::remove_all(clouds);
-    if (const auto longer = lengthen(packed, reel.folder, times); !longer)
-      return tl::unexpected(longer.error());
+    TRY(lengthen(packed, reel.folder, times));
   }
-  auto source = open_source(packed.string());
-  if (!source) return tl::unexpected(source.error());
-  const Manifest& manifest = (*source)->manifest();
+  const auto source = TRY(open_source(packed.string()));
+  const Manifest& manifest = source->manifest();
   reel.packed_frames = manifest.frame_count();
   reel.frames = reel.packed_frames * times;
   std::uint64_t bytes = 0;
@@ -98,10 +90,8 @@ Result<StreamedReel> make_reel(const fs::path& scratch, const std::string& name,
   reel.bits_per_second =
       8e6 * static_cast<double>(bytes) / static_cast<double>(manifest.duration_us);
   for (std::uint32_t frame = 0; frame < reel.packed_frames; ++frame) {
-    const auto whole = content(**source, frame, ~0u), base = content(**source, frame, 1);
-    if (!whole || !base) return tl::unexpected(!whole ? whole.error() : base.error());
-    reel.whole.push_back(*whole);
-    reel.base.push_back(*base);
+    reel.whole.push_back(TRY(content(*source, frame, ~0u)));
+    reel.base.push_back(TRY(content(*source, frame, 1)));
   }
   return reel;
 }
@@ -123,13 +113,11 @@ Result<std::vector<StreamedReel>> streamed_reels(const StreamOptions& options) {
   std::error_code ignored;
   fs::create_directories(scratch, ignored);
   const bool quick = options.quick;
-  auto shoot =
-      make_reel(scratch, "soccer-shoot", {"soccer-shoot"}, quick ? 12 : 60, quick ? 75 : 15);
-  if (!shoot) return tl::unexpected(shoot.error());
-  auto dense = make_reel(scratch, "dense", {"kick", "--voxelize", "10"}, quick ? 4 : 20,
-                         quick ? 225 : 45, 2);
-  if (!dense) return tl::unexpected(dense.error());
-  return std::vector<StreamedReel>{std::move(*shoot), std::move(*dense)};
+  StreamedReel shoot =
+      TRY(make_reel(scratch, "soccer-shoot", {"soccer-shoot"}, quick ? 12 : 60, quick ? 75 : 15));
+  StreamedReel dense = TRY(make_reel(scratch, "dense", {"kick", "--voxelize", "10"}, quick ? 4 : 20,
+                                     quick ? 225 : 45, 2));
+  return std::vector<StreamedReel>{std::move(shoot), std::move(dense)};
 }
 
 NamedLink megabits(std::uint64_t rate) {
@@ -145,10 +133,8 @@ ServedReels::ServedReels(std::vector<StreamedReel> reels)
       address_(e2e::server_address(process_)) {}
 
 Result<std::unique_ptr<ServedReels>> ServedReels::start(const StreamOptions& options) {
-  auto reels = streamed_reels(options);
-  if (!reels) return tl::unexpected(reels.error());
-  std::unique_ptr<ServedReels> served(new ServedReels(*std::move(reels)));
-  if (served->address_.empty()) return fail("pointreel-server did not start");
+  std::unique_ptr<ServedReels> served(new ServedReels(TRY(streamed_reels(options))));
+  if (served->address_.empty()) return fail(ErrorCode::io, "pointreel-server: did not start");
   return served;
 }
 

@@ -14,23 +14,23 @@
 
 namespace pointreel::bench {
 
-/// A sequence that is streamed. It is longer than what was packed, which is shown over and over
-/// under other names, so that no player has it whole.
+/// A reel to stream. It repeats the packed files under other names, so that it is too long for a
+/// player to keep all of it.
 struct StreamedReel {
   std::string name;
   std::filesystem::path folder;
-  std::filesystem::path packed;  ///< once, as it was packed
+  std::filesystem::path packed;  ///< the package without repetition
   std::uint32_t packed_frames = 0, frames = 0;
   double bits_per_second = 0.0;  ///< of all layers
-  /// content_of each packed frame, whole and of the base alone.
+  /// The content_of each packed frame with all layers, and with the base only.
   std::vector<std::uint64_t> whole, base;
 };
 
-/// A checksum of a frame's voxels and their colours.
+/// A checksum of the voxels of a frame and their colours.
 std::uint64_t content_of(const SceneFrame& frame);
 
-/// soccer-shoot as the paper's scanner sees it, and kick dense on a grid of 10 bits in two slabs.
-/// Made in the scratch folder by whichever chapter asks first.
+/// "soccer-shoot" as the scanner sees it, and "kick" dense on a grid of 10 bits, in two slabs. The
+/// first call makes them in the scratch folder; later calls reuse them.
 Result<std::vector<StreamedReel>> streamed_reels(const StreamOptions& options);
 
 /// A link with a name for people.
@@ -39,10 +39,10 @@ struct NamedLink {
   LinkConditions conditions;
 };
 inline NamedLink loopback() { return {"loopback", {}}; }
-/// So many Mbit/s, and 20 ms there and back.
+/// A link of `rate` Mbit/s with a round trip of 20 ms.
 NamedLink megabits(std::uint64_t rate);
 
-/// streamed_reels, served by `pointreel-server serve` in a process of its own.
+/// The streamed_reels, served by `pointreel-server serve` in a process of its own.
 class ServedReels {
  public:
   static Result<std::unique_ptr<ServedReels>> start(const StreamOptions& options);
@@ -50,7 +50,7 @@ class ServedReels {
   const std::vector<StreamedReel>& reels() const { return reels_; }
   /// A link to the server.
   Result<std::unique_ptr<LinkEmulator>> link(const NamedLink& link) const;
-  /// Where a reel is, directly or over a link.
+  /// The address of a reel, directly or over a link.
   std::string url(const StreamedReel& reel) const;
   static std::string url(const LinkEmulator& link, const StreamedReel& reel);
 

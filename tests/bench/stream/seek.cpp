@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include "client/playback/statistics.h"
+#include "common/base/try.h"
 #include "tests/bench/stream/reels.h"
+#include "tests/bench/stream/time_json.h"
 #include "tests/bench/stream/watching.h"
 
 namespace pointreel::bench {
@@ -13,13 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-/// Two seconds are fetched ahead: this far away nothing is there.
+/// Two seconds are fetched ahead, so nothing has been fetched of frames that are this far away.
 constexpr std::uint32_t kFar = 75;
-
-json json_of(const TimeSamples& samples) {
-  const TimeSummary summary = samples.summary();
-  return {{"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
-}
 
 /// A frame that is far from `from` in both directions.
 std::uint32_t far_from(std::uint32_t from, std::uint32_t frames, std::mt19937_64& random) {
@@ -33,7 +30,9 @@ struct Seeks {
 
 bool is_right(const StreamedReel& reel, const SceneFrame& frame) {
   const std::uint32_t packed = frame.index % reel.packed_frames;
-  // Layers in between are not compared: nothing decodes without those before them.
+  // Frames with only some of the enhancement layers are not compared; no layer decodes without
+  // those
+  // before it.
   if (frame.layers == 1) return content_of(frame) == reel.base[packed];
   return frame.level != kWholeFrame || content_of(frame) == reel.whole[packed];
 }
@@ -90,27 +89,25 @@ void drag(Watching& watching, const StreamedReel& reel, int count, Seeks& seeks,
 }  // namespace
 
 Result<json> run_seek(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto served = ServedReels::start(options);
-  if (!served) return tl::unexpected(served.error());
+  const auto served = TRY(ServedReels::start(options));
   json rows = json::array();
   std::uint64_t wrong = 0, checked = 0;
   std::mt19937_64 random(6);
-  for (const StreamedReel& reel : (*served)->reels()) {
+  for (const StreamedReel& reel : served->reels()) {
     for (const NamedLink& named : {loopback(), megabits(50)}) {
       const bool near = named.conditions.bits_per_second == 0;
-      const auto link = (*served)->link(named);
-      if (!link) return tl::unexpected(link.error());
-      auto watching = Watching::start(near ? (*served)->url(reel) : ServedReels::url(**link, reel),
-                                      {.keep_nothing = true});
-      if (!watching) return tl::unexpected(watching.error());
-      if (!(*watching)->until([](const auto& update) { return update.frame != nullptr; }))
-        return fail(reel.name + ": no picture");
-      (*watching)->playback().pause(Clock::TimePoint::clock::now());
+      const auto link = TRY(served->link(named));
+      const auto watching = TRY(Watching::start(
+          near ? served->url(reel) : ServedReels::url(*link, reel), {.keep_nothing = true}));
+      if (!watching->until([](const auto& update) { return update.frame != nullptr; })) {
+        return fail(ErrorCode::io, reel.name + ": no picture came");
+      }
+      watching->playback().pause(Clock::TimePoint::clock::now());
       const bool many = near && reel.name == "soccer-shoot";
       const std::uint64_t count = options.quick ? 40 : many ? 10'000 : 500;
       Seeks seeks;
-      seek(**watching, reel, count, seeks, random);
-      drag(**watching, reel, options.quick ? 40 : 300, seeks, random);
+      seek(*watching, reel, count, seeks, random);
+      drag(*watching, reel, options.quick ? 40 : 300, seeks, random);
       wrong += seeks.wrong + seeks.missing;
       checked += count;
       bars.push_back({fmt::format("seek, {}, {}: exact picture, 95 %", reel.name, named.name),

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// From a jump to the exact picture, and from a move of the cursor of a drag to the coarse one, of
-/// frames that nothing is there of; and whether each was the right one.
+/// The time from a seek to the exact picture, and from a move while dragging to the coarse picture,
+/// for frames of which nothing has been fetched. Also checks that each picture is the right one.
 Result<nlohmann::json> run_seek(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -4,7 +4,7 @@
 
 namespace pointreel::bench {
 
-/// From an address to the first picture.
+/// The time from opening an address to the first picture.
 Result<nlohmann::json> run_start(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

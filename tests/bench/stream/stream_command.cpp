@@ -16,16 +16,16 @@ namespace pointreel::bench {
 void add_stream_command(CLI::App& app, int& exit_code) {
   add_chapters_command(
       app, exit_code, "stream",
-      "first pictures, seeks, bad links, live, many viewers, memory; prints each bar",
-      {{"start", "from an address to the first picture", run_start},
-       {"seek", "from a jump, and the move of a drag, to the picture", run_seek},
-       {"rate_change", "playing over 100, 5 and 100 Mbit/s", run_rate_change},
-       {"camera_path", "bytes and pictures of a camera that comes nearer", run_camera_path},
-       {"faults", "how soon playback goes on after links and servers failed", run_faults},
-       {"live", "from capture to picture, and who is slow", run_live},
-       {"load", "many viewers at once", run_load},
-       {"throughput", "bytes over HTTP, against nginx", run_throughput},
-       {"memory", "resident memory over frames and connections", run_memory}});
+      "streaming: first pictures, seeks, bad links, live, many viewers and memory",
+      {{"start", "the time from opening an address to the first picture", run_start},
+       {"seek", "the time from a seek, or from a move while dragging, to the picture", run_seek},
+       {"rate_change", "playback while the link changes to 100, 5 and 100 Mbit/s", run_rate_change},
+       {"camera_path", "bytes and picture quality while the camera comes closer", run_camera_path},
+       {"faults", "the time until playback goes on after a link or a server failed", run_faults},
+       {"live", "the delay from capture to picture, also beside a slow viewer", run_live},
+       {"load", "frame delays of many viewers at once", run_load},
+       {"throughput", "bytes over HTTP, compared with nginx", run_throughput},
+       {"memory", "resident memory over many frames and connections", run_memory}});
 }
 
 }  // namespace pointreel::bench

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// `pointreel-bench stream`: first pictures, seeks, changes of the link, live delays, many viewers,
-/// memory: what streaming takes under links that are emulated on this machine.
+/// Adds `pointreel-bench stream`, which measures streaming over links that are emulated on this
+/// machine: first pictures, seeks, changes of the rate, live delays, many viewers and memory.
 void add_stream_command(CLI::App& app, int& exit_code);
 
 }  // namespace pointreel::bench

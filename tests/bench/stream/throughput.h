@@ -8,8 +8,8 @@
 
 namespace pointreel::bench {
 
-/// What pointreel-server serves of a package in a second, against what nginx serves of the same
-/// files in the same minute: whole layer files, and ranges of single frames.
+/// The throughput of pointreel-server for a package, compared with that of nginx for the same files
+/// in the same run: whole layer files, and ranges of single frames.
 Result<nlohmann::json> run_throughput(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -6,7 +6,7 @@
 
 namespace pointreel::bench {
 
-/// As reports show times.
+/// Times as reports show them.
 inline nlohmann::json json_of(const TimeSamples& samples) {
   const TimeSummary summary = samples.summary();
   return {{"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};

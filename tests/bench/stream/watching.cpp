@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "client/source/open_source.h"
+#include "common/base/try.h"
 
 namespace pointreel::bench {
 
@@ -20,9 +21,7 @@ Watching::Watching(std::unique_ptr<Source> source, const Options& options) {
 }
 
 Result<std::unique_ptr<Watching>> Watching::start(const std::string& url, const Options& options) {
-  auto source = open_source(url);
-  if (!source) return tl::unexpected(source.error());
-  return std::unique_ptr<Watching>(new Watching(std::move(*source), options));
+  return std::unique_ptr<Watching>(new Watching(TRY(open_source(url)), options));
 }
 
 bool Watching::until(const std::function<bool(const ReelPlayback::Update&)>& done,

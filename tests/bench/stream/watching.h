@@ -10,18 +10,18 @@
 
 namespace pointreel::bench {
 
-/// Somebody who plays a reel over a link, without a screen: a picture is there when its frame is
-/// ready to draw. Everything is wanted of it, as by a camera that is near.
+/// Plays a reel over a link without a window: a picture counts as shown when its frame is ready to
+/// draw. The camera is so near that all layers are needed.
 class Watching {
  public:
   struct Options {
     DrawMode mode = DrawMode::surfel;
-    bool keep_nothing = false;  ///< nothing that was fetched is still there when it is gone back to
+    bool keep_nothing = false;  ///< do not keep fetched frames for later seeks
   };
   static Result<std::unique_ptr<Watching>> start(const std::string& url, const Options& options);
 
   ReelPlayback& playback() { return *playback_; }
-  /// Plays until `done` says so; false if `timeout` passes before.
+  /// Plays until `done` returns true; returns false if that takes longer than `timeout`.
   bool until(const std::function<bool(const ReelPlayback::Update&)>& done,
              std::chrono::milliseconds timeout = std::chrono::seconds(30));
 

@@ -39,11 +39,11 @@ Relief Relief::fractal(double longest, double shortest, double amplitude, double
   relief.seed_ = random.bits();
   for (double wavelength = longest; wavelength >= shortest; wavelength *= 0.5) {
     const bool creased = random.uniform() < creased_share;
-    // Folds run along one axis more than along the others.
+    // Folds are longer along one axis than along the others.
     glm::dvec3 frequency(1.0 / wavelength);
     if (creased) frequency[static_cast<int>(random.below(3))] *= 0.3;
     relief.octaves_.push_back({frequency, amplitude, creased});
-    // 2^-decay for a decay of quarters, without pow.
+    // 2^-decay for a decay that is a multiple of 1/4, without pow, which differs between machines.
     double factor = 1.0;
     for (double d = decay; d > 0.0; d -= 0.25) factor *= 0.84089641525371454;
     amplitude *= factor;

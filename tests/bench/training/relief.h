@@ -7,14 +7,14 @@
 
 #include "datasets_synthetic/random.h"
 
-/// Procedural relief: what makes a smooth synthetic surface rough, creased or hilly.
+/// Procedural relief, which makes smooth synthetic surfaces rough, creased or hilly.
 namespace pointreel::bench {
 
-/// Noise on a lattice, -1 to 1, smooth between lattice points (Perlin, "An image synthesizer",
-/// 1985, in the form with values at lattice points). Unit wavelength.
+/// Noise from -1 to 1 with unit wavelength: random values at lattice points, interpolated smoothly
+/// (Perlin, "An image synthesizer", 1985, in the variant with values at lattice points).
 double lattice_noise(const glm::dvec3& p, std::uint64_t seed);
 
-/// A sum of noises of different wavelengths.
+/// A sum of noises with different wavelengths.
 class Relief {
  public:
   struct Octave {
@@ -23,8 +23,8 @@ class Relief {
     bool creased;  ///< sharp valleys between rounded folds
   };
 
-  /// From `longest` wavelength down to `shortest`, each half the one before; amplitudes fall with
-  /// the wavelength to the power `decay` from `amplitude` at the longest.
+  /// Wavelengths from `longest` down to `shortest`, each half the previous one. The amplitude is
+  /// `amplitude` at the longest wavelength and falls with the wavelength to the power `decay`.
   static Relief fractal(double longest, double shortest, double amplitude, double decay,
                         double creased_share, Random& random);
 

@@ -45,10 +45,10 @@ int train(const Options& options) {
              static_cast<std::streamsize>(packed.size()));
   file.close();
   if (!file) {
-    fmt::print(stderr, "pointreel-bench: cannot write {}\n", options.output.string());
+    fmt::print(stderr, "pointreel-bench: {}: cannot be written\n", options.output.string());
     return 1;
   }
-  fmt::print("{} cells, {} leaves, {:.4f} bits a decision, {} bytes, {:.0f} s\n", result.cells,
+  fmt::print("{} cells, {} leaves, {:.4f} bits per decision, {} bytes, {:.0f} s\n", result.cells,
              result.leaves, result.bits_per_decision, packed.size(), (now_ms() - begin) / 1e3);
   return 0;
 }
@@ -57,15 +57,18 @@ int train(const Options& options) {
 
 void add_train_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
-      "train-context",
-      "train the tables of --entropy context, from synthetic data alone; the same for the same "
-      "seed. codec/octree/tables/README.md tells what to do with them");
+      "train-context", "training the tables of --entropy context from synthetic data");
+  command->footer(
+      "The same seed gives the same tables. codec/octree/tables/README.md says how to install "
+      "them.");
   auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->output, "the file to write")->required();
-  command->add_option("--seed", options->seed, "of the synthetic data")->capture_default_str();
+  command->add_option("-o,--output", options->output, "the file to write")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--seed", options->seed, "seed of the synthetic data")->capture_default_str();
   command
       ->add_option("--leaf-cost", options->training.leaf_cost,
-                   "bits that a leaf must save: more makes smaller tables")
+                   "bits that each leaf must save; a higher cost gives smaller tables")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = train(*options); });

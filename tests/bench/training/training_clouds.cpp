@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
@@ -21,14 +22,13 @@
 namespace pointreel::bench {
 namespace {
 
-/// A point of a surface and its normal, in units of the surface's largest extent or so.
+/// A point of a surface and its normal, in units of about the largest extent of the surface.
 struct Sample {
   glm::dvec3 position, normal;
 };
 using SampledSurface = std::vector<Sample>;
 
-// --- Surfaces
-// -------------------------------------------------------------------------------------
+// --- Surfaces ---
 
 glm::dmat3 random_turn(Random& random, bool upright) {
   const double a = 2.0 * kPi * random.uniform();
@@ -40,23 +40,22 @@ glm::dmat3 random_turn(Random& random, bool upright) {
   return about_z * about_x * about_y;
 }
 
-/// A posed figure of the synthetic sequences. Its samples are in random order.
+/// A figure of the synthetic sequences in a random pose. Its samples are in random order.
 Result<SampledSurface> figure(std::size_t count, Random& random) {
   const std::span<const Motion> all = motions();
   const Motion& motion = all[random.below(static_cast<std::uint32_t>(all.size()))];
   const Body body = pose_body(motion.pose(motion.seconds() * random.uniform()));
-  const auto points = sample_uniform(body.surface, count, random.bits());
-  if (!points) return tl::unexpected(points.error());
+  const auto points = TRY(sample_uniform(body.surface, count, random.bits()));
   const glm::dmat3 turn = random_turn(random, true);
   SampledSurface surface;
-  surface.reserve(points->size());
-  for (const SurfacePoint& point : *points) {
+  surface.reserve(points.size());
+  for (const SurfacePoint& point : points) {
     surface.push_back({turn * point.position / 1.76, turn * point.normal});
   }
   return surface;
 }
 
-/// Ground, as an aircraft sees it: one height for each place.
+/// Ground as an aircraft sees it, with one height at each place.
 SampledSurface terrain(std::size_t count, Random& random) {
   const Relief relief = Relief::fractal(0.7, 0.001, 0.08, 1.0, 0.3, random);
   SampledSurface surface(count);
@@ -67,14 +66,14 @@ SampledSurface terrain(std::size_t count, Random& random) {
   return surface;
 }
 
-/// Two directions across a normal (Duff et al., JCGT 6(1), 2017).
+/// Two unit vectors perpendicular to the normal n and to each other (Duff et al., JCGT 6(1), 2017).
 void tangents(const glm::dvec3& n, glm::dvec3& u, glm::dvec3& v) {
   const double sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
   u = {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x};
   v = {b, sign + n.y * n.y * a, -n.y};
 }
 
-/// A figure of few flat faces, as low-poly models have them: prisms along the bones of a body.
+/// A figure with few flat faces, like a low-poly model: prisms along the bones of a body.
 SampledSurface faceted_figure(std::size_t count, Random& random) {
   const auto jitter = [&](double size) {
     const double x = random.normal(), y = random.normal(), z = random.normal();
@@ -148,7 +147,7 @@ SampledSurface faceted_figure(std::size_t count, Random& random) {
   return surface;
 }
 
-/// Moves every point along its normal.
+/// The surface with every point moved along its normal.
 SampledSurface displaced(const SampledSurface& surface, const Relief& relief) {
   SampledSurface out(surface.size());
   tbb::parallel_for(std::size_t{0}, surface.size(), [&](std::size_t i) {
@@ -158,10 +157,10 @@ SampledSurface displaced(const SampledSurface& surface, const Relief& relief) {
   return out;
 }
 
-// --- Samplers
-// -------------------------------------------------------------------------------------
+// --- Samplers ---
 
-/// Each sample as five, a little apart on the surface: so that no voxel of it stays empty.
+/// Replaces each sample by five, which lie a little apart on the surface, so that no voxel on it
+/// stays empty.
 SampledSurface filled(const SampledSurface& surface, double spacing) {
   SampledSurface out;
   out.reserve(5 * surface.size());
@@ -181,7 +180,7 @@ SampledSurface first(const SampledSurface& surface, std::size_t count) {
           surface.begin() + static_cast<std::ptrdiff_t>(std::min(count, surface.size()))};
 }
 
-/// As the vertices of a scanned mesh lie: none nearer to another than a distance that varies
+/// Keeps samples like the vertices of a scanned mesh: no two are closer than a distance that varies
 /// slowly over the surface (dart throwing: Cook, "Stochastic sampling in computer graphics", 1986).
 SampledSurface spaced(const SampledSurface& surface, double distance, double variation,
                       Random& random) {
@@ -215,13 +214,13 @@ SampledSurface spaced(const SampledSurface& surface, double distance, double var
   return out;
 }
 
-/// How cameras err: each is off by a shift and bends what it sees, measures depth in steps, and
-/// gives points between near and far things at their edges.
+/// The errors of depth cameras: each camera is shifted and distorted, measures depth in steps, and
+/// places "flying" points between near and far objects at their edges.
 struct CameraErrors {
   double shift = 0.0, bend = 0.0, step = 0.0, flying = 0.0;
 };
 
-/// What cameras around the surface see: the nearest point in each of their pixels.
+/// The points that cameras around the surface see: the nearest one in each of their pixels.
 SampledSurface scanned(const SampledSurface& surface, int cameras, double pixel, Random& random,
                        const CameraErrors& errors = {}) {
   SampledSurface out;
@@ -273,8 +272,8 @@ SampledSurface scanned(const SampledSurface& surface, int cameras, double pixel,
   return out;
 }
 
-/// Errors along the normal (the line of sight where scanned), now and then much larger ones, and
-/// points that are nowhere near.
+/// Adds errors along the normal (for scanned surfaces: along the line of sight), occasionally
+/// larger ones, and outliers.
 void disturb(SampledSurface& surface, double noise, double outliers, Random& random) {
   for (Sample& sample : surface) {
     const double scale = random.uniform() < 0.1 ? 3.0 * noise : noise;
@@ -285,8 +284,8 @@ void disturb(SampledSurface& surface, double noise, double outliers, Random& ran
   }
 }
 
-/// As the lines of an airborne scanner: near in a line, further apart from line to line, with some
-/// returns from above the ground.
+/// Arranges points in lines like those of an airborne scanner: close within a line and further
+/// apart from line to line, with some returns from vegetation above the ground.
 SampledSurface flown_over(const SampledSurface& ground, double line, double vegetation,
                           Random& random) {
   const std::uint64_t seed = random.bits();
@@ -305,8 +304,8 @@ SampledSurface flown_over(const SampledSurface& ground, double line, double vege
   return out;
 }
 
-/// Flat roofs and walls on a tenth of the ground, and the whole turned, as no flight follows the
-/// grid.
+/// Puts flat roofs and walls on a tenth of the ground and rotates everything, because no flight
+/// follows the grid.
 SampledSurface built_up(SampledSurface ground, Random& random) {
   const std::uint64_t seed = random.bits();
   for (Sample& sample : ground) {
@@ -326,25 +325,23 @@ SampledSurface built_up(SampledSurface ground, Random& random) {
   return ground;
 }
 
-/// A frame of a synthetic sequence, as its samplers make it.
+/// A random frame of a synthetic sequence from one of its own samplers.
 Result<SampledSurface> sequence_sample(const Motion& motion, const SequenceOptions& options,
                                        Random& random) {
   const int frames = static_cast<int>(motion.seconds() * options.fps);
-  const auto cloud = sequence_frame(
-      motion, options, static_cast<int>(random.below(static_cast<std::uint32_t>(frames))));
-  if (!cloud) return tl::unexpected(cloud.error());
+  const PointCloud cloud = TRY(sequence_frame(
+      motion, options, static_cast<int>(random.below(static_cast<std::uint32_t>(frames)))));
   SampledSurface surface;
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    surface.push_back({cloud->world(i) / 1.76, {0, 0, 1}});
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    surface.push_back({cloud.world(i) / 1.76, {0, 0, 1}});
   }
   return surface;
 }
 
-// --- Voxels
-// ---------------------------------------------------------------------------------------
+// --- Voxels ---
 
-/// The tree of the occupied cells of a grid of 2^bits cells along the largest extent, a little less
-/// if `margin` is above 0.
+/// The tree of the occupied cells of a grid with 2^bits cells along the largest extent of the
+/// surface. A `margin` above 0 leaves that share of the grid empty.
 Svo tree_of(const SampledSurface& surface, int bits, double margin = 0.0) {
   glm::dvec3 low(1e30), high(-1e30);
   for (const Sample& sample : surface) {
@@ -364,13 +361,13 @@ Svo tree_of(const SampledSurface& surface, int bits, double margin = 0.0) {
 
 constexpr std::size_t kSamples = 1'200'000;
 
-/// Gives the trees of surfaces to whom the training set is for.
+/// Makes the trees of surfaces and passes them on to the training.
 class Giver {
  public:
   using Use = std::function<void(const std::string& name, const Svo& svo)>;
   explicit Giver(const Use& use) : use_(use) {}
 
-  /// As tree_of.
+  /// Passes on tree_of(surface, bits, margin).
   void operator()(const std::string& name, const SampledSurface& surface, int bits,
                   double margin = 0.0) const {
     use_(name, tree_of(surface, bits, margin));
@@ -380,27 +377,26 @@ class Giver {
   const Use& use_;
 };
 
-/// Figures sampled densely, at random, spaced like vertices, and scanned.
+/// Figures that are sampled densely, at random, with the spacing of vertices, and by cameras.
 Result<void> give_figures(std::uint64_t seed, const Giver& give) {
   constexpr int kFigures = 6;
   for (int f = 0; f < kFigures; ++f) {
     Random random(seed, static_cast<std::uint64_t>(f));
-    const auto smooth = figure(kSamples, random);
-    if (!smooth) return tl::unexpected(smooth.error());
+    const SampledSurface smooth = TRY(figure(kSamples, random));
     const auto name = [f](const char* what) { return fmt::format("figure {} {}", f, what); };
     const double roughness = 0.2 + 1.2 * random.uniform();
     const SampledSurface rough =
-        displaced(*smooth, Relief::fractal(0.12, 0.001, 0.006 * roughness, 1.0, 0.4, random));
+        displaced(smooth, Relief::fractal(0.12, 0.001, 0.006 * roughness, 1.0, 0.4, random));
     const SampledSurface fine =
         displaced(rough, Relief::fractal(0.01, 0.0005, 0.0012 * roughness, 0.5, 0.0, random));
 
     const SampledSurface& dense = f % 2 == 0 ? rough : fine;
     give(name("dense 10"), filled(dense, 0.4 / 1024), 10, 0.05 * random.uniform());
     if (f % 3 == 0) give(name("dense 9"), dense, 9, 0.3 * random.uniform());
-    if (f % 2 == 1) give(name("smooth 10"), filled(*smooth, 0.4 / 1024), 10, 0.02 * f);
+    if (f % 2 == 1) give(name("smooth 10"), filled(smooth, 0.4 / 1024), 10, 0.02 * f);
     if (f % 2 == 0) give(name("dense 10 again"), filled(fine, 0.4 / 1024), 10, 0.01 * f);
 
-    give(name("random 90,000 10"), first(f % 2 == 0 ? *smooth : rough, 90'000), 10,
+    give(name("random 90,000 10"), first(f % 2 == 0 ? smooth : rough, 90'000), 10,
          0.1 * random.uniform());
     if (f % 3 == 1) give(name("random 250,000 12"), first(rough, 250'000), 12);
     if (f % 3 == 2) give(name("random 60,000 9"), first(rough, 60'000), 9);
@@ -422,7 +418,7 @@ Result<void> give_figures(std::uint64_t seed, const Giver& give) {
   return {};
 }
 
-/// Figures of few faces, sampled at random.
+/// Figures with few faces, sampled at random.
 void give_faceted(std::uint64_t seed, const Giver& give) {
   for (int f = 0; f < 4; ++f) {
     Random random(seed, 3000 + static_cast<std::uint64_t>(f));
@@ -432,14 +428,13 @@ void give_faceted(std::uint64_t seed, const Giver& give) {
   }
 }
 
-/// Figures as several cameras that do not quite agree see them, noisy and sparse.
+/// Figures as several badly calibrated cameras see them, noisy and sparse.
 Result<void> give_captures(std::uint64_t seed, const Giver& give) {
   for (int f = 0; f < 4; ++f) {
     Random random(seed, 4000 + static_cast<std::uint64_t>(f));
-    const auto smooth = figure(kSamples, random);
-    if (!smooth) return tl::unexpected(smooth.error());
+    const SampledSurface smooth = TRY(figure(kSamples, random));
     const SampledSurface rough =
-        displaced(*smooth, Relief::fractal(0.1, 0.001, 0.004, 1.0, 0.4, random));
+        displaced(smooth, Relief::fractal(0.1, 0.001, 0.004, 1.0, 0.4, random));
     const double voxel = 1.0 / 1024;
     CameraErrors errors;
     errors.shift = voxel * (0.5 + random.uniform());
@@ -454,7 +449,7 @@ Result<void> give_captures(std::uint64_t seed, const Giver& give) {
   return {};
 }
 
-/// The synthetic sequences by their own samplers: curves that a scanner sees, and parallel rays.
+/// The synthetic sequences with their own samplers: the curves of a scanner, and parallel rays.
 Result<void> give_sequences(std::uint64_t seed, const Giver& give) {
   for (int m = 0; m < 3; ++m) {
     Random random(seed, 5000 + static_cast<std::uint64_t>(m));
@@ -463,19 +458,18 @@ Result<void> give_sequences(std::uint64_t seed, const Giver& give) {
     SequenceOptions options;
     options.seed = random.bits();
     options.noise = 0.0015 * m;
-    const auto curves = sequence_sample(motion, options, random);
-    if (!curves) return tl::unexpected(curves.error());
-    give(fmt::format("curves {} 10", m), *curves, 10, 0.1 * random.uniform());
+    const auto curves = TRY(sequence_sample(motion, options, random));
+    give(fmt::format("curves {} 10", m), curves, 10, 0.1 * random.uniform());
     if (m == 2) continue;
     options.noise = 0.0;
     options.sampler = Sampler::ldc;
-    const auto layered = sequence_sample(motion, options, random);
-    if (!layered) return tl::unexpected(layered.error());
-    give(fmt::format("layered {} 10", m), *layered, 10, 0.1 * random.uniform());
+    const auto layered = TRY(sequence_sample(motion, options, random));
+    give(fmt::format("layered {} 10", m), layered, 10, 0.1 * random.uniform());
   }
   return {};
 }
 
+/// Towns and hills as an airborne scanner sees them.
 void give_terrain(std::uint64_t seed, const Giver& give) {
   for (int t = 0; t < 2; ++t) {
     Random random(seed, 6000 + static_cast<std::uint64_t>(t));
@@ -495,7 +489,7 @@ void give_terrain(std::uint64_t seed, const Giver& give) {
   }
 }
 
-/// Points all over a volume.
+/// Points that fill a volume.
 void give_volume(std::uint64_t seed, const Giver& give) {
   Random random(seed, 2000);
   SampledSurface cloudy(40'000);
@@ -511,10 +505,10 @@ void give_volume(std::uint64_t seed, const Giver& give) {
 Result<void> for_each_training_tree(
     std::uint64_t seed, const std::function<void(const std::string& name, const Svo& svo)>& use) {
   const Giver give(use);
-  if (const auto given = give_figures(seed, give); !given) return given;
+  TRY(give_figures(seed, give));
   give_faceted(seed, give);
-  if (const auto given = give_captures(seed, give); !given) return given;
-  if (const auto given = give_sequences(seed, give); !given) return given;
+  TRY(give_captures(seed, give));
+  TRY(give_sequences(seed, give));
   give_terrain(seed, give);
   give_volume(seed, give);
   return {};

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "client/source/package_source.h"
+#include "common/base/try.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {
@@ -36,14 +37,14 @@ Result<Bytes> read_range(const std::filesystem::path& folder, const PackageFile&
   const std::filesystem::path path = folder / listed.path;
   const OpenFile file(path);
   if (file.get() < 0)
-    return fail(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
-  // The file's end is looked at before memory is taken: the manifest may promise what is not
-  // there.
+    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io,
+                fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+  // The file's length is checked before memory is taken, because the manifest may be wrong.
   const off_t end = ::lseek(file.get(), 0, SEEK_END);
   if (end < 0 || static_cast<std::uint64_t>(end) < offset + size)
     return fail(
-        fmt::format("{}: ends at byte {}, but the manifest says that what is wanted ends at {}; "
-                    "the package is damaged",
+        fmt::format("{}: ends at byte {}, but by the manifest the frame's bytes end at {}; the "
+                    "package is damaged",
                     path.string(), static_cast<std::int64_t>(end), offset + size));
   Bytes bytes(size);
   std::size_t got = 0;
@@ -52,7 +53,8 @@ Result<Bytes> read_range(const std::filesystem::path& folder, const PackageFile&
         ::pread(file.get(), bytes.data() + got, size - got, static_cast<off_t>(offset + got));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0)
-      return fail(fmt::format("{}: cannot be read at byte {}: {}", path.string(), offset + got,
+      return fail(ErrorCode::io,
+                  fmt::format("{}: cannot be read at byte {}: {}", path.string(), offset + got,
                               n < 0 ? std::strerror(errno) : "the file has become shorter"));
     got += static_cast<std::size_t>(n);
   }
@@ -70,10 +72,8 @@ class FileSource : public PackageSource {
                                   const FetchRequest& request) override {
     std::vector<Bytes> all;
     for (const FileRange& range : ranges) {
-      if (request.stop.stop_requested()) return fail("cancelled");
-      auto bytes = read_range(folder_, *range.file, range.offset, total(range.sizes));
-      if (!bytes) return tl::unexpected(bytes.error());
-      all.push_back(std::move(*bytes));
+      if (request.stop.stop_requested()) return fail(ErrorCode::cancelled, "cancelled");
+      all.push_back(TRY(read_range(folder_, *range.file, range.offset, total(range.sizes))));
     }
     return all;
   }
@@ -89,9 +89,8 @@ Result<std::unique_ptr<Source>> open_file_source(const std::filesystem::path& fo
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
     const PackageFile& file = *manifest->tables;
-    const auto bytes = read_range(folder, file, 0, file.bytes);
-    if (!bytes) return tl::unexpected(bytes.error());
-    auto read = read_tables(file, *bytes);
+    const Bytes bytes = TRY(read_range(folder, file, 0, file.bytes));
+    auto read = read_tables(file, bytes);
     if (!read) return fail_at((folder / file.path).string(), read.error());
     tables = std::move(*read);
   }

@@ -7,7 +7,7 @@
 
 namespace pointreel {
 
-/// A package in a folder of this machine.
+/// A package in a local folder.
 Result<std::unique_ptr<Source>> open_file_source(const std::filesystem::path& folder);
 
 }  // namespace pointreel

@@ -13,6 +13,7 @@
 
 #include "codec/cloud_file.h"
 #include "common/base/natural_order.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -30,14 +31,16 @@ class FolderSource : public Source {
     const std::filesystem::path& path = files_[request.frame];
     std::ifstream in(path, std::ios::binary | std::ios::ate);
     if (!in)
-      return fail(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+      return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io,
+                  fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
     const std::streamoff size = in.tellg();
     if (size < 0 || static_cast<std::uint64_t>(size) > kMaxFileBytes)
-      return fail(path.string() + ": is no plain file of at most 4 GiB");
+      return fail(ErrorCode::limit, path.string() + ": is not a plain file of at most 4 GiB");
     Bytes bytes(static_cast<std::size_t>(size));
     in.seekg(0);
     in.read(reinterpret_cast<char*>(bytes.data()), size);
-    if (in.gcount() != size) return fail(path.string() + ": cannot be read to its end");
+    if (in.gcount() != size)
+      return fail(ErrorCode::io, path.string() + ": cannot be read to its end");
     FetchedFrame fetched;
     fetched.file = std::move(bytes);
     fetched.file_name = path.string();
@@ -69,7 +72,8 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
   std::optional<Error> first_error;
   bool found = false;
   for (const std::filesystem::path& file : files) {
-    if (options.stop.stop_requested()) return fail(file.string() + ": not read, as nobody waits");
+    if (options.stop.stop_requested())
+      return fail(ErrorCode::cancelled, file.string() + ": reading was cancelled");
     const auto loaded = read_cloud_file(file);
     if (!loaded) {
       if (!first_error) first_error = loaded.error();
@@ -95,9 +99,7 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
 
 Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
                                                    const SourceOptions& options) {
-  auto files = list_cloud_files({path});
-  if (!files) return tl::unexpected(files.error());
-  return open_files(std::move(*files), name_of(path), options);
+  return open_files(TRY(list_cloud_files({path})), name_of(path), options);
 }
 
 Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::path> files,

@@ -8,17 +8,18 @@
 
 namespace pointreel {
 
-/// A folder of PLY and .drc files, one a frame in natural order, or one such file; no server and no
-/// packing. The manifest is made up: one segment without layers, options.fps and options.up, bounds
-/// and attributes of the first frame that can be read and has points.
+/// A folder of PLY and .drc files, one file for each frame in natural order, or one such file. It
+/// needs neither a server nor packing. Its manifest is made up: one segment without layers,
+/// options.fps and options.up, and the bounds and attributes of the first frame that can be read
+/// and has points.
 Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
                                                    const SourceOptions& options);
 
-/// Such files, wherever they are, in natural order of their names; at least one.
+/// The same of files from anywhere, in natural order of their names. At least one.
 Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::path> files,
                                                    const SourceOptions& options);
 
-/// Whether its name is that of a PLY or Draco file.
+/// Whether the name is that of a PLY or Draco file.
 bool is_cloud_file(const std::filesystem::path& path);
 
 }  // namespace pointreel

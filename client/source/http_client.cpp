@@ -6,7 +6,6 @@
 #include <list>
 #include <mutex>
 #include <random>
-#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -14,6 +13,9 @@
 #include <fmt/format.h>
 
 #include "client/source/http_transfer.h"
+#include "common/base/backoff.h"
+#include "common/base/try.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {
@@ -22,27 +24,23 @@ using Clock = std::chrono::steady_clock;
 using Time = Clock::time_point;
 using std::chrono::milliseconds;
 
-/// Requests under way at the same time, and connections that are kept.
+/// The most requests under way at the same time, and the most connections that are kept.
 constexpr std::size_t kMaxActive = 8;
-/// Of a request that nobody waits for any more, so much is read to keep its connection: making
-/// another one takes a round trip.
+/// An answer that nobody waits for any more is read to its end if no more than this is missing, and
+/// for no longer than this: that keeps its connection, and making another takes a round trip.
 constexpr std::uint64_t kWorthReading = 32 * 1024;
 constexpr auto kReadingTime = milliseconds(500);
-/// For so long after a failure connections that were idle since before it are not trusted.
+/// For this long after a failure, connections that have been idle since before it are not trusted.
 constexpr auto kSuspicion = std::chrono::seconds(120);
 
-Error cancelled() { return {"cancelled"}; }
+Error cancelled() { return {"cancelled", ErrorCode::cancelled}; }
 
-/// "host:port" of a URL.
-std::string_view host_of(std::string_view url) {
-  if (const auto scheme = url.find("://"); scheme != std::string_view::npos)
-    url.remove_prefix(scheme + 3);
-  url = url.substr(0, url.find('/'));
-  if (const auto user = url.rfind('@'); user != std::string_view::npos) url.remove_prefix(user + 1);
-  return url;
+std::string host_of(const std::string& url) {
+  const auto parsed = parse_url(url);
+  return parsed ? parsed->place() : url;
 }
 
-/// The smallest of the last five to ten seconds.
+/// The smallest value of the last five to ten seconds.
 class RecentMinimum {
  public:
   void add(Clock::duration value, Time now) {
@@ -60,29 +58,35 @@ class RecentMinimum {
   Time begun_{};
 };
 
-/// What one call waits for.
+/// The requests that one call waits for.
 struct Batch {
   std::vector<HttpWanted> wanted;
-  int attempts = 0;  ///< at most so many; 0: without end
-  // Guarded by the loop's mutex.
+  int attempts = 0;  ///< the most for each request; 0: without end
+  // The loop's mutex guards what follows.
   bool stopped = false, done = false;
   std::optional<Error> error;
   std::size_t missing = 0;
   std::vector<Bytes> bodies;
-  std::string tag;         ///< of the first
-  bool unchanged = false;  ///< of the first
+  std::string tag;         ///< of the first request's answer
+  bool unchanged = false;  ///< the first request's file still has its tag
 };
 
 struct Job {
   Job(std::shared_ptr<Batch> of, std::size_t number, const SourceOptions& options)
-      : batch(std::move(of)), index(number), transfer(batch->wanted[number], options) {}
+      : batch(std::move(of)),
+        index(number),
+        transfer(batch->wanted[number], options),
+        pause(options.first_backoff, options.max_backoff),
+        stall_limit(options.stall_timeout, 4 * options.stall_timeout) {}
 
   std::shared_ptr<Batch> batch;  ///< null: nobody waits for it
   std::size_t index;
   HttpTransfer transfer;
   CURL* active = nullptr;
-  int attempts = 0, silent = 0;
-  bool doubted = false;
+  int attempts = 0;
+  Backoff<milliseconds> pause;        ///< before the next attempt
+  Backoff<milliseconds> stall_limit;  ///< without a byte; longer for a server that stays silent
+  bool doubted = false;               ///< its answer made no sense once
   Time not_before{}, read_until{};
   std::string trouble;
 };
@@ -124,7 +128,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     wake();
     done_.wait(lock, [&] { return batch->done || batch->stopped || cancelled_; });
     if (batch->done && !batch->error) return {};
-    // Whatever becomes of it, the loop need not go on.
+    // Whichever it was, the loop need not go on with the rest.
     batch->stopped = true;
     wake();
     return tl::unexpected(batch->error ? *batch->error : cancelled());
@@ -157,7 +161,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
   void wake() { curl_multi_wakeup(multi_); }
 
   void run() {
-    // TLS writes to connections that are no more.
+    // TLS may write to a connection that the peer has closed, which would end the process.
     sigset_t pipe;
     sigemptyset(&pipe);
     sigaddset(&pipe, SIGPIPE);
@@ -183,7 +187,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     jobs_.clear();
   }
 
-  /// False if the loop is to end.
+  /// Takes new requests in and drops those that nobody waits for. False if the loop is to end.
   bool take_orders() {
     const std::lock_guard lock(mutex_);
     if (ending_) return false;
@@ -223,7 +227,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     for (const auto& job : jobs_) {
       if (active >= kMaxActive) return;
       if (job->active != nullptr || job->not_before > now) continue;
-      // What was idle since before the newest failure may be dead without having said so.
+      // Connections that have been idle since before the newest failure may be dead by now.
       const auto since = std::chrono::floor<std::chrono::seconds>(now - newest_failure_);
       const auto max_idle = newest_failure_ == Time{} || since > kSuspicion
                                 ? kSuspicion
@@ -246,7 +250,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     while (const CURLMsg* message = curl_multi_info_read(multi_, &left)) {
       if (message->msg != CURLMSG_DONE) continue;
       CURL* const handle = message->easy_handle;
-      const int code = message->data.result;  // the message ends with the handle's removal
+      const int code = message->data.result;  // removing the handle invalidates the message
       const auto job = std::find_if(jobs_.begin(), jobs_.end(),
                                     [&](const auto& each) { return each->active == handle; });
       if (job == jobs_.end()) continue;
@@ -266,25 +270,24 @@ class HttpClient::Loop : HttpTransfer::Listener {
       }
       const auto deadline = stall_deadline(*job);
       if (!deadline || now < *deadline) return false;
-      const HttpFailure failure = job->transfer.stalled(stall_limit(*job));
-      job->silent = job->transfer.newest_byte() ? 0 : job->silent + 1;
+      const HttpFailure failure = job->transfer.stalled(job->stall_limit.wait());
+      if (job->transfer.newest_byte())
+        job->stall_limit.succeeded();
+      else
+        job->stall_limit.failed();
       end_attempt(*job);
       return settle(*job, failure);
     });
   }
 
-  milliseconds stall_limit(const Job& job) const {
-    return options_.stall_timeout * (1 << std::min(job.silent, 2));
-  }
-
-  /// None while there is no connection: making it has a time limit of its own.
+  /// None while there is no connection, which has a time limit of its own.
   std::optional<Time> stall_deadline(const Job& job) const {
     const auto sent = job.transfer.sent_at();
     if (!sent) return std::nullopt;
-    return std::max(*sent, job.transfer.newest_byte().value_or(Time{})) + stall_limit(job);
+    return std::max(*sent, job.transfer.newest_byte().value_or(Time{})) + job.stall_limit.wait();
   }
 
-  /// After an attempt. True if the job is over.
+  /// Deals with the end of an attempt. True if the job is over.
   bool settle(Job& job, const std::optional<HttpFailure>& failure) {
     Batch& batch = *job.batch;
     if (!failure) {
@@ -302,26 +305,25 @@ class HttpClient::Loop : HttpTransfer::Listener {
     const bool passing = failure->kind == HttpFailure::Kind::passing;
     const bool again = passing ? batch.attempts == 0 || job.attempts < batch.attempts
                                : failure->kind == HttpFailure::Kind::doubtful && !job.doubted;
-    const std::string& text = failure->error.message;
+    const Error& error = failure->error;
     if (!again) {
       const std::lock_guard lock(mutex_);
-      const std::string attempts =
-          job.attempts > 1 ? fmt::format(" ({} attempts)", job.attempts) : "";
       if (!batch.error)
-        batch.error = Error{fmt::format("{}: {}{}", job.transfer.wanted().url, text, attempts)};
+        batch.error =
+            Error{fmt::format("{}: {}{}{}{}", job.transfer.wanted().url, error.message,
+                              failure->advice.empty() ? "" : "; ", failure->advice,
+                              job.attempts > 1 ? fmt::format(" ({} attempts)", job.attempts) : ""),
+                  error.code};
       batch.done = true;
       done_.notify_all();
       return true;
     }
     job.doubted = job.doubted || !passing;
-    // Whoever lost the same server comes back at another moment.
-    const auto doubled = options_.first_backoff * (1 << std::min(job.attempts - 1, 10));
-    const auto pause = std::min<Clock::duration>(doubled, options_.max_backoff);
-    const double share = std::uniform_real_distribution(0.7, 1.0)(random_);
     newest_failure_ = Clock::now();
-    job.not_before = newest_failure_ + std::chrono::duration_cast<Clock::duration>(pause * share);
-    job.trouble = fmt::format("{}: {}; trying again", host_of(job.transfer.wanted().url),
-                              text.substr(0, text.find(';')));
+    job.not_before = newest_failure_ + jittered(job.pause.wait(), random_);
+    job.pause.failed();
+    job.trouble =
+        fmt::format("{}: {}; trying again", host_of(job.transfer.wanted().url), error.message);
     return false;
   }
 
@@ -335,7 +337,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
       else if (const auto deadline = stall_deadline(*job))
         next = std::min(next, *deadline);
       else
-        // Whether it is connected by then is not told by an event.
+        // No event tells when the connection has been made.
         next = std::min(next, Clock::now() + options_.stall_timeout / 2);
     }
     return next;
@@ -355,7 +357,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
       options_.on_trouble(trouble.empty() ? std::nullopt : std::optional(trouble));
   }
 
-  /// With the mutex held.
+  /// Call this with the mutex held.
   void publish_use() {
     use_.busy = std::chrono::duration_cast<std::chrono::microseconds>(busy_);
     use_.receiving = std::chrono::duration_cast<std::chrono::microseconds>(receiving_);
@@ -364,8 +366,8 @@ class HttpClient::Loop : HttpTransfer::Listener {
       use_.round_trip = std::chrono::duration_cast<std::chrono::microseconds>(round_trip_.get());
   }
 
-  /// The link was busy since the byte before, unless there was nothing that it could have carried:
-  /// answers begin a round trip after their requests.
+  /// Between two bytes the link was busy, unless it had nothing to carry yet: an answer begins a
+  /// round trip after its request.
   void on_bytes(const HttpTransfer& transfer, Time now, std::size_t size, bool first) override {
     const Time sent = transfer.sent_at().value_or(now);
     if (first) round_trip_.add(now - sent, now);
@@ -382,10 +384,10 @@ class HttpClient::Loop : HttpTransfer::Listener {
   std::condition_variable done_;
   std::vector<std::shared_ptr<Batch>> inbox_;
   bool cancelled_ = false, ending_ = false;
-  std::string trouble_;  ///< written by the thread alone
+  std::string trouble_;  ///< only the thread writes it
   LinkUse use_;
 
-  // Of the thread alone.
+  // Only the thread uses what follows.
   std::list<std::unique_ptr<Job>> jobs_;
   std::minstd_rand random_{std::random_device{}()};
   Time newest_failure_{}, newest_byte_{};
@@ -396,11 +398,11 @@ class HttpClient::Loop : HttpTransfer::Listener {
 };
 
 Result<std::string> folder_address(const std::string& url) {
+  TRY(parse_url(url));
   std::string base = url;
   if (const std::string tail = std::string("/") + kManifestName; base.ends_with(tail))
     base.resize(base.size() - tail.size());
   while (base.ends_with('/')) base.pop_back();
-  if (base.ends_with(':')) return fail(url + ": names no host");
   return base;
 }
 
@@ -412,7 +414,7 @@ Result<Bytes> HttpClient::get(const std::string& url, std::uint64_t max_bytes) {
   const auto batch = std::make_shared<Batch>();
   batch->wanted.push_back({.url = url, .limit = max_bytes});
   batch->attempts = loop_->open_attempts();
-  if (const auto got = loop_->get(batch, loop_->stop()); !got) return tl::unexpected(got.error());
+  TRY(loop_->get(batch, loop_->stop()));
   return std::move(batch->bodies[0]);
 }
 
@@ -421,7 +423,7 @@ Result<std::optional<Bytes>> HttpClient::get_if_changed(const std::string& url,
                                                         const std::stop_token& stop) {
   const auto batch = std::make_shared<Batch>();
   batch->wanted.push_back({.url = url, .limit = max_bytes, .tag = tag});
-  if (const auto got = loop_->get(batch, stop); !got) return tl::unexpected(got.error());
+  TRY(loop_->get(batch, stop));
   if (batch->unchanged) return std::nullopt;
   tag = batch->tag;
   return std::move(batch->bodies[0]);
@@ -436,7 +438,7 @@ Result<std::vector<Bytes>> HttpClient::get_ranges(std::span<const Range> ranges,
                              .size = range.size,
                              .total = range.total,
                              .fresh = fresh});
-  if (const auto got = loop_->get(batch, stop); !got) return tl::unexpected(got.error());
+  TRY(loop_->get(batch, stop));
   return std::move(batch->bodies);
 }
 

@@ -14,14 +14,15 @@
 
 namespace pointreel {
 
-/// A package's folder: what its address is, or that of its reel.json, without a slash at the end.
+/// The address of a package's folder, without a slash at the end; `url` names the folder or its
+/// reel.json.
 Result<std::string> folder_address(const std::string& url);
 
-/// GET requests, several at a time over connections that are kept alive, made by a thread of its
-/// own. A transfer in which no byte moves is given up and made again over a new connection, and
-/// failures that may pass are tried again after a pause that doubles; http_transfer.h tells what is
-/// believed of a server, and which failures pass. An answer that makes no sense is asked for once
-/// more. All functions may be called from any thread. Errors begin with the URL.
+/// Makes GET requests on a thread of its own, several at a time, over connections that are kept
+/// alive. A transfer in which no byte moves is given up and made again over a new connection.
+/// Failures that may pass are tried again after a pause that doubles, and an answer that makes no
+/// sense is asked for once more; http_transfer.h says which answers are trusted, and which failures
+/// may pass. All functions may be called from any thread. Errors begin with the URL.
 class HttpClient {
  public:
   explicit HttpClient(const SourceOptions& options);
@@ -29,11 +30,11 @@ class HttpClient {
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
 
-  /// The whole of `url`, at most `max_bytes`, after at most `open_attempts` attempts.
+  /// The whole file, of at most `max_bytes`. Fails after SourceOptions::open_attempts attempts.
   Result<Bytes> get(const std::string& url, std::uint64_t max_bytes);
 
-  /// The same, tried without end; nothing if it is still what had the entity tag `tag`, which
-  /// becomes that of what is given.
+  /// The same, but tried without end. Nothing if the file still has the entity tag `tag`; else
+  /// `tag` becomes that of the file returned.
   Result<std::optional<Bytes>> get_if_changed(const std::string& url, std::uint64_t max_bytes,
                                               std::string& tag, const std::stop_token& stop);
 
@@ -42,15 +43,16 @@ class HttpClient {
     std::string url;
     std::uint64_t offset = 0, size = 0, total = 0;
   };
-  /// All of them at the same time, tried without end. `fresh`: past caches.
+  /// Fetches all of them at the same time, and tries without end. `fresh`: asks caches for new
+  /// copies.
   Result<std::vector<Bytes>> get_ranges(std::span<const Range> ranges, const std::stop_token& stop,
                                         bool fresh = false);
 
   /// Makes all requests, now and later, fail soon.
   void cancel();
 
-  /// "host:port: what is wrong; trying again", of the newest request that waits for something to
-  /// pass; none if none does.
+  /// "host:port: what is wrong; trying again", for the newest of the requests that wait to be tried
+  /// again; none if none does.
   std::optional<std::string> trouble() const;
   LinkUse link_use() const;
 

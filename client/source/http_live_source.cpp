@@ -12,6 +12,7 @@
 #include "client/source/http_client.h"
 #include "client/source/live_assembler.h"
 #include "client/source/live_pacing.h"
+#include "common/base/try.h"
 #include "common/stream/live.h"
 #include "pointreel/package.h"
 
@@ -21,18 +22,18 @@ namespace {
 using std::chrono::milliseconds;
 using Time = LivePacing::Time;
 
-/// Between two looks at the manifest; a segment's length has a few of them.
+/// The time between two requests for the manifest; there are a few during each segment.
 constexpr milliseconds kShortestPoll{50}, kLongestPoll{500};
 constexpr int kPollsPerSegment = 4;
-/// What took so long to come, and four times its own length, is not shown.
+/// A segment that took longer than this, and than four times its own length, is not shown.
 constexpr std::chrono::seconds kTooLate{2};
-/// Waiting to be shown; a publisher that sends more at once loses the oldest.
+/// The most frames, and bytes, that wait to be shown; beyond that the oldest are dropped.
 constexpr std::size_t kMostWaiting = 512;
 constexpr std::uint64_t kMostWaitingBytes = 256u << 20;
-/// Segments that came in less than half of their length before more layers are tried.
+/// How many segments must come in less than half of their length before another layer is tried.
 constexpr int kQuickBeforeMore = 4;
 
-/// A frame of a segment that has come, waiting for its time.
+/// A frame of a segment that has come. It waits for its time.
 struct WaitingFrame {
   Time due;
   std::uint32_t number = 0, points = 0;
@@ -52,14 +53,14 @@ std::chrono::microseconds length_of(const Segment& segment, double fps) {
                                    static_cast<std::uint64_t>(1e6 / fps));
 }
 
-/// Which layers to fetch, from how long segments took to come.
+/// How many layers to fetch, judged by how long segments took to come.
 class LayerBudget {
  public:
-  std::size_t layers(std::size_t there_are) const { return std::min(layers_, there_are); }
+  std::size_t layers(std::size_t all) const { return std::min(layers_, all); }
 
   void took(std::chrono::duration<double> time, std::chrono::duration<double> length,
-            std::size_t there_are) {
-    layers_ = layers(there_are);
+            std::size_t all) {
+    layers_ = layers(all);
     if (time > length) {
       layers_ = std::max<std::size_t>(1, layers_ - 1);
       quick_ = 0;
@@ -129,7 +130,7 @@ class HttpLiveSource : public LiveSource {
         if (!manifest)
           set_trouble(manifest_url() + ": " + manifest.error().message);
         else if (!manifest->live)
-          set_trouble(manifest_url() + ": is no live stream, but a package");
+          set_trouble(manifest_url() + ": is a package, not a live stream");
         else
           pause = take(*manifest);
       }
@@ -137,11 +138,11 @@ class HttpLiveSource : public LiveSource {
     }
   }
 
-  /// Fetches what is new in the manifest; how long to wait before the next look.
+  /// Fetches what is new in the manifest. Returns how long to wait before the next request for it.
   milliseconds take(const Manifest& manifest) {
     const LiveManifest& live = *manifest.live;
     {
-      // Of the publisher before, nothing may be shown once this one is known.
+      // Once a new publisher is known, nothing of the one before it may be shown.
       const std::lock_guard lock(mutex_);
       if (session_ != live.session) {
         session_ = live.session;
@@ -159,7 +160,8 @@ class HttpLiveSource : public LiveSource {
       set_trouble(std::nullopt);
     if (manifest.segments.empty()) return kShortestPoll;
 
-    // By the time of their capture: whoever made the manifest may have begun to count anew.
+    // Segments are told apart by the time of their capture: a server that was started again numbers
+    // them anew.
     const auto is_new = [&](const Segment& segment) {
       return live.start_us + segment.times_us.back() > newest_us_;
     };
@@ -182,14 +184,16 @@ class HttpLiveSource : public LiveSource {
       if (file.bytes > 0) ranges.push_back({base_ + "/" + file.path, 0, file.bytes, file.bytes});
     }
     auto files = client_.get_ranges(ranges, stop_.get_token());
-    // Whatever becomes of it: a cache may have dropped it, and there are newer ones.
+    // It is not requested again even if it failed: a cache may have dropped it, and there are newer
+    // segments.
     const std::uint64_t shown_us = newest_us_;
     newest_us_ = manifest.live->start_us + segment.times_us.back();
     if (!files) return false;
     const auto now = std::chrono::steady_clock::now();
     const auto length = length_of(segment, manifest.fps);
     budget_.took(now - begin, length, segment.layers.size());
-    // After a cut it is of the past, and says nothing of how long the next ones take.
+    // After the connection was lost for a while a segment is outdated when it comes, and does not
+    // tell how long the next ones will take.
     if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) return false;
     pacing_.arrived(manifest.live->start_us + segment.times_us.front(), now);
     cut_up(manifest, segment,
@@ -198,7 +202,7 @@ class HttpLiveSource : public LiveSource {
     return true;
   }
 
-  /// Frames of a segment's files that were captured after `shown_us`, into the queue.
+  /// Queues the frames of a segment's files that were captured after `shown_us`.
   void cut_up(const Manifest& manifest, const Segment& segment,
               const std::vector<SharedBytes>& files, std::uint64_t shown_us) {
     std::deque<WaitingFrame> frames;
@@ -281,9 +285,9 @@ class HttpLiveSource : public LiveSource {
   LiveAssembler assembler_;
   std::stop_source stop_;
 
-  // Of the thread that fetches.
+  // Only the fetching thread uses what follows.
   std::optional<std::uint64_t> session_;
-  std::uint64_t newest_us_ = 0;  ///< captured until then, frames are here, or lost
+  std::uint64_t newest_us_ = 0;  ///< frames captured until then have come, or are lost
   std::uint32_t next_number_ = 0;
   LivePacing pacing_;
   LayerBudget budget_;
@@ -300,9 +304,7 @@ class HttpLiveSource : public LiveSource {
 
 Result<std::unique_ptr<LiveSource>> open_http_live_source(const std::string& url,
                                                           const SourceOptions& options) {
-  auto base = folder_address(url);
-  if (!base) return tl::unexpected(base.error());
-  return std::make_unique<HttpLiveSource>(*std::move(base), options);
+  return std::make_unique<HttpLiveSource>(TRY(folder_address(url)), options);
 }
 
 }  // namespace pointreel

@@ -4,6 +4,7 @@
 
 #include "client/source/http_client.h"
 #include "client/source/package_source.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -38,29 +39,28 @@ class HttpSource : public PackageSource {
 
 Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
                                                  const SourceOptions& options) {
-  auto base = folder_address(url);
-  if (!base) return tl::unexpected(base.error());
-  const std::string manifest_url = *base + "/" + kManifestName;
+  std::string base = TRY(folder_address(url));
+  const std::string manifest_url = base + "/" + kManifestName;
 
   auto client = std::make_unique<HttpClient>(options);
   const auto text = client->get(manifest_url, kMaxManifestBytes);
   if (!text) {
-    const bool found = text.error().message.find("answers 404") == std::string::npos;
+    const bool found = text.error().code != ErrorCode::not_found;
     return tl::unexpected(found ? text.error() : no_package(text.error()));
   }
   auto manifest = parse_manifest({reinterpret_cast<const char*>(text->data()), text->size()});
   if (!manifest)
-    return tl::unexpected(no_package({manifest_url + ": " + manifest.error().message}));
+    return tl::unexpected(
+        no_package({manifest_url + ": " + manifest.error().message, manifest.error().code}));
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
-    const std::string tables_url = *base + "/" + manifest->tables->path;
-    const auto bytes = client->get(tables_url, manifest->tables->bytes);
-    if (!bytes) return tl::unexpected(bytes.error());
-    auto read = read_tables(*manifest->tables, *bytes);
+    const std::string tables_url = base + "/" + manifest->tables->path;
+    const Bytes bytes = TRY(client->get(tables_url, manifest->tables->bytes));
+    auto read = read_tables(*manifest->tables, bytes);
     if (!read) return fail_at(tables_url, read.error());
     tables = std::move(*read);
   }
-  return std::make_unique<HttpSource>(*std::move(base), std::move(client), std::move(*manifest),
+  return std::make_unique<HttpSource>(std::move(base), std::move(client), *std::move(manifest),
                                       std::move(tables));
 }
 

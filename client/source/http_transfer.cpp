@@ -8,12 +8,14 @@
 #include <curl/curl.h>
 #include <fmt/format.h>
 
+#include "common/net/url.h"
+
 namespace pointreel {
 namespace {
 
 using Kind = HttpFailure::Kind;
 
-/// Bodies of error pages are read so far, to keep the connection, and thrown away.
+/// The body of an error page is read up to here, to keep the connection, and thrown away.
 constexpr std::uint64_t kMaxErrorPage = 64 * 1024;
 constexpr std::size_t kMaxTag = 256;
 
@@ -33,10 +35,9 @@ std::optional<std::string_view> field(std::string_view line, std::string_view na
   return line;
 }
 
-bool is_loopback(std::string_view url) {
-  const auto scheme = url.find("://");
-  const std::string_view host = url.substr(scheme == std::string_view::npos ? 0 : scheme + 3);
-  return host.starts_with("127.") || host.starts_with("localhost") || host.starts_with("[::1]");
+bool is_loopback(const std::string& text) {
+  const auto url = parse_url(text);
+  return url && (url->host.starts_with("127.") || url->host == "localhost" || url->host == "::1");
 }
 
 double seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
@@ -54,7 +55,7 @@ Kind kind_of(CURLcode code) {
     case CURLE_SSL_CONNECT_ERROR:
       return Kind::passing;
     case CURLE_WEIRD_SERVER_REPLY:
-    case CURLE_UNSUPPORTED_PROTOCOL:  // what comes does not begin as HTTP does
+    case CURLE_UNSUPPORTED_PROTOCOL:  // the answer does not begin as HTTP does
     case CURLE_HTTP2:
     case CURLE_HTTP2_STREAM:
     case CURLE_TOO_MANY_REDIRECTS:
@@ -84,6 +85,10 @@ const char* explain(long status) {
     default:
       return "";
   }
+}
+
+HttpFailure failure(Kind kind, std::string what, std::string advice = {}) {
+  return {kind, {std::move(what), ErrorCode::io}, std::move(advice)};
 }
 
 }  // namespace
@@ -119,7 +124,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   set(CURLOPT_PRIVATE, static_cast<void*>(this));
   set(CURLOPT_URL, wanted_.url.c_str());
   set(CURLOPT_NOSIGNAL, 1L);
-  set(CURLOPT_QUICK_EXIT, 1L);  // does not wait for a host's name that nobody knows
+  set(CURLOPT_QUICK_EXIT, 1L);  // does not wait until the lookup of a host's name ends
   set(CURLOPT_PROTOCOLS_STR, "http,https");
   set(CURLOPT_REDIR_PROTOCOLS_STR, wanted_.url.starts_with("https") ? "https" : "http,https");
   set(CURLOPT_FOLLOWLOCATION, 1L);
@@ -129,7 +134,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
   set(CURLOPT_FRESH_CONNECT, new_connection || wanted_.fresh ? 1L : 0L);
   set(CURLOPT_MAXAGE_CONN, static_cast<long>(max_idle.count()));
-  // A proxy that the environment names is for the world outside.
+  // A proxy that the environment names is meant for other machines.
   if (is_loopback(wanted_.url)) set(CURLOPT_PROXY, "");
   if (!options_.ca_file.empty()) set(CURLOPT_CAINFO, options_.ca_file.c_str());
   if (!options_.token.empty()) {
@@ -162,7 +167,7 @@ std::size_t HttpTransfer::on_header(char* data, std::size_t, std::size_t size, v
   auto& self = *static_cast<HttpTransfer*>(user);
   const std::string_view line(data, size);
   self.newest_byte_ = std::chrono::steady_clock::now();
-  // Of the last response only: redirects have earlier ones.
+  // Only the last response counts: redirects have earlier ones.
   if (line.starts_with("HTTP/")) {
     self.content_range_.clear();
     self.tag_.clear();
@@ -177,7 +182,7 @@ bool HttpTransfer::is_range_asked_for() const {
          content_range_ == fmt::format("bytes {}/*", range_);
 }
 
-/// Of the first piece of a body with status 200 or 206.
+/// Decides at the first piece of a body with status 200 or 206 whether it is kept.
 bool HttpTransfer::accept_body() {
   const long answered = status();
   if (wanted_.is_range() && answered == 206 && !is_range_asked_for()) {
@@ -224,51 +229,54 @@ std::uint64_t HttpTransfer::missing() const {
 }
 
 HttpFailure HttpTransfer::stalled(std::chrono::milliseconds limit) const {
-  return {Kind::passing,
-          {newest_byte_ ? fmt::format("nothing came for {:g} s, after {} bytes", seconds(limit),
-                                      body_.size())
-                        : fmt::format("no answer within {:g} s", seconds(limit))}};
+  return failure(Kind::passing, newest_byte_
+                                    ? fmt::format("nothing came for {:g} s, after {} bytes",
+                                                  seconds(limit), body_.size())
+                                    : fmt::format("no answer within {:g} s", seconds(limit)));
 }
 
-std::string HttpTransfer::transfer_error(int code) const {
+HttpFailure HttpTransfer::transfer_failure(int code) const {
+  const auto because = [kind = kind_of(static_cast<CURLcode>(code))](std::string what,
+                                                                     std::string advice = {}) {
+    return failure(kind, std::move(what), std::move(advice));
+  };
   switch (static_cast<CURLcode>(code)) {
     case CURLE_URL_MALFORMAT:
-      return "is no valid address";
+      return because("is not a valid address");
     case CURLE_COULDNT_RESOLVE_HOST:
-      return "the host's name is not known; check the address and the network";
+      return because("the host's name is not known", "check the address and the network");
     case CURLE_COULDNT_CONNECT:
-      return "nothing answers there; check host and port, and that the server runs";
+      return because("nothing answers there", "check host and port, and that the server runs");
     case CURLE_OPERATION_TIMEDOUT:
-      return fmt::format("no connection within {:g} s; check host and port",
-                         seconds(options_.connect_timeout));
+      return because(fmt::format("no connection within {:g} s", seconds(options_.connect_timeout)),
+                     "check host and port");
     case CURLE_PARTIAL_FILE:
     case CURLE_GOT_NOTHING:
     case CURLE_RECV_ERROR:
     case CURLE_SEND_ERROR:
-      return fmt::format("the connection broke after {} bytes", body_.size());
+      return because(fmt::format("the connection broke after {} bytes", body_.size()));
     case CURLE_PEER_FAILED_VERIFICATION:
-      return fmt::format(
-          "the server's certificate is not trusted ({}); give its authority with --ca-file",
-          curl_easy_strerror(CURLE_PEER_FAILED_VERIFICATION));
+      return because(fmt::format("the server's certificate is not trusted ({})",
+                                 curl_easy_strerror(CURLE_PEER_FAILED_VERIFICATION)),
+                     "give its authority with --ca-file");
     case CURLE_SSL_CACERT_BADFILE:
-      return fmt::format("{}: holds no certificates in PEM form", options_.ca_file);
+      return because(fmt::format("{}: holds no certificates in PEM form", options_.ca_file));
     default:
-      return curl_easy_strerror(static_cast<CURLcode>(code));
+      return because(curl_easy_strerror(static_cast<CURLcode>(code)));
   }
 }
 
 std::optional<HttpFailure> HttpTransfer::finish(int code) {
   const long answered = status();
-  const auto failure = [](Kind kind, std::string text) {
-    return HttpFailure{kind, {std::move(text)}};
-  };
-  if (answered >= 400)
-    return failure(status_may_pass(answered) ? Kind::passing : Kind::final,
-                   fmt::format("the server answers {}{}", answered, explain(answered)));
+  if (answered >= 400) {
+    auto failed = failure(status_may_pass(answered) ? Kind::passing : Kind::final,
+                          fmt::format("the server answers {}{}", answered, explain(answered)));
+    if (answered == 404) failed.error.code = ErrorCode::not_found;
+    return failed;
+  }
   if (wanted_.is_range() && !wanted_.is_whole_file() && answered == 200)
-    return failure(
-        Kind::final,
-        "the server sends whole files instead of ranges; it must support Range requests");
+    return failure(Kind::final, "the server sends whole files instead of ranges",
+                   "it must support Range requests");
   if (too_long_)
     return failure(Kind::doubtful, fmt::format("the server sends more than the {} bytes expected",
                                                wanted_.is_range() ? asked_for_ : wanted_.limit));
@@ -278,7 +286,7 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
         fmt::format("asked for bytes {} of {}, but the server sends \"{}\": the package has "
                     "changed, or the server is at fault",
                     range_, wanted_.total, content_range_));
-  if (code != CURLE_OK) return failure(kind_of(static_cast<CURLcode>(code)), transfer_error(code));
+  if (code != CURLE_OK) return transfer_failure(code);
   if (answered == 304 && !wanted_.tag.empty()) {
     unchanged_ = true;
     return std::nullopt;

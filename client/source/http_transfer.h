@@ -7,39 +7,40 @@
 
 #include "client/source/source.h"
 
-// As in curl/curl.h, which nobody else needs.
+// As in curl/curl.h, so that only http_transfer.cpp and http_client.cpp include that.
 typedef void CURL;
 
 namespace pointreel {
 
-/// What is asked for: a whole file of at most `limit` bytes, or, if `size` is not 0, so many bytes
-/// from `offset` on of a file that has `total`.
+/// What to ask a server for: a whole file of at most `limit` bytes, or, if `size` is not 0, `size`
+/// bytes from `offset` on of a file that has `total` bytes.
 struct HttpWanted {
   std::string url = {};
   std::uint64_t offset = 0, size = 0, total = 0, limit = 0;
-  std::string tag = {};  ///< whole files: an entity tag; one that has it still is not sent again
-  bool fresh = false;    ///< past caches, over a new connection
+  std::string tag = {};  ///< entity tag of a whole file: one that still has it is not sent again
+  bool fresh = false;    ///< asks caches for a new copy, over a new connection
 
   bool is_range() const { return size > 0; }
   bool is_whole_file() const { return size == total; }
 };
 
-/// Why an attempt failed, and whether another one is worth it.
+/// Why an attempt failed, and whether another one is worthwhile.
 struct HttpFailure {
   enum class Kind {
-    final,     ///< the server will say the same again
+    final,     ///< the server would answer the same again
     doubtful,  ///< an answer that makes no sense: damaged on its way, or the server's fault
     passing,   ///< no connection, a broken one, no answer in time, 5xx
   };
   Kind kind;
-  Error error;
+  Error error;              ///< not_found for 404, else io
+  std::string advice = {};  ///< what to do about it, if there is anything
 };
 
-/// One request, over as many attempts as it takes: of a range, what has come is not asked for
-/// again. For one thread.
+/// One request, made in as many attempts as it takes. Bytes of a range that have come are not asked
+/// for again. For one thread.
 ///
 /// Trust: the server may be hostile. A body is bounded while it arrives, takes memory as it comes,
-/// and is kept only if status and Content-Range are those of what was asked for.
+/// and is kept only if the status and Content-Range match the request.
 class HttpTransfer {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -52,28 +53,29 @@ class HttpTransfer {
 
   const HttpWanted& wanted() const { return wanted_; }
 
-  /// Begins an attempt: a handle that is ready to be performed, the same each time; null if there
-  /// is no memory. Of connections that are kept those idle for longer than `max_idle` are not used.
+  /// Begins an attempt and returns a handle that is ready to be performed, the same each time; null
+  /// if there is no memory. A kept connection is not used if it has been idle for longer than
+  /// `max_idle`.
   CURL* begin(bool new_connection, std::chrono::seconds max_idle);
-  /// After the handle was performed. `code` is a CURLcode. Nothing if all is well.
+  /// Call this after the handle was performed. `code` is a CURLcode. Nothing if all is well.
   std::optional<HttpFailure> finish(int code);
-  /// Instead, if no byte came for so long a time.
+  /// Call this instead if no byte came for as long as `limit`.
   HttpFailure stalled(std::chrono::milliseconds limit) const;
 
-  /// Of the attempt: when its request was sent; none while there is no connection.
+  /// When the attempt's request was sent; none while there is no connection.
   std::optional<Time> sent_at() const;
-  /// When the newest byte came, headers included; none if none did.
+  /// When the newest byte of the attempt came, headers included; none if none did.
   std::optional<Time> newest_byte() const { return newest_byte_; }
-  /// Bytes of the body that are still to come; of a whole file, as many as may come.
+  /// Bytes of the body that are still to come; for a whole file, the most that may come.
   std::uint64_t missing() const;
 
   Bytes take_body() { return std::move(body_); }
   bool unchanged() const { return unchanged_; }    ///< `wanted().tag` still holds
-  const std::string& tag() const { return tag_; }  ///< entity tag of what came, if it has one
+  const std::string& tag() const { return tag_; }  ///< entity tag of the answer; may be empty
 
-  /// Called for each piece of the body that comes. `first`: of the attempt.
   struct Listener {
     virtual ~Listener() = default;
+    /// A piece of the body has come. `first`: it is the attempt's first.
     virtual void on_bytes(const HttpTransfer& transfer, Time now, std::size_t size, bool first) = 0;
   };
   Listener* listener = nullptr;
@@ -84,18 +86,18 @@ class HttpTransfer {
   bool accept_body();
   bool is_range_asked_for() const;
   long status() const;
-  std::string transfer_error(int code) const;
+  HttpFailure transfer_failure(int code) const;
 
   const HttpWanted wanted_;
   const SourceOptions& options_;
   CURL* const handle_;
   void* headers_ = nullptr;
   Bytes body_;
-  // Of the attempt.
+  // What follows is about the attempt.
   std::string range_, content_range_, tag_;
   Time begun_{};
   std::optional<Time> newest_byte_;
-  std::uint64_t asked_for_ = 0;  ///< bytes of the body, of a range
+  std::uint64_t asked_for_ = 0;  ///< bytes, if a range is asked for
   std::uint64_t came_ = 0, discarded_ = 0;
   bool accepted_ = false, wrong_range_ = false, too_long_ = false, unchanged_ = false;
 };

@@ -9,7 +9,7 @@ void LiveAssembler::add(LiveHello hello) {
   {
     const std::lock_guard lock(mutex_);
     if (!hello_ || hello_->session != hello.session) {
-      // Numbers begin anew, so nothing from before may be taken for newer.
+      // Numbers begin anew, so that nothing from before may count as newer.
       coming_.reset();
       come_.reset();
       newest_.reset();
@@ -28,7 +28,7 @@ void LiveAssembler::add(const LiveLayer& layer, SharedBytes bytes) {
       return;
     }
     if (layer.layer == 0) {
-      // The newest frame may come once more over a new connection; older ones are of no use.
+      // Over a new connection the newest frame may come once more. Older ones are of no use.
       if (!newer(layer.frame) && layer.frame != newest_) {
         ++counts_.bad;
         return;
@@ -49,7 +49,7 @@ void LiveAssembler::add(const LiveLayer& layer, SharedBytes bytes) {
   changed_.notify_all();
 }
 
-/// What is coming is given as it is, unless it was given so already.
+/// The frame that is coming may be given as it is, unless it was given with these layers before.
 void LiveAssembler::keep_coming() {
   if (!coming_) return;
   const bool known = given_ == coming_->number && coming_->frame.layers.size() <= given_layers_;

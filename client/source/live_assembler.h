@@ -11,30 +11,30 @@
 
 namespace pointreel {
 
-/// Makes frames of the layers of a live stream, between the thread that receives them and the one
-/// that wants the newest. It holds two frames at most: one that is coming and one that has come.
-/// `hello`, `next` and `counts` are those of LiveSource.
+/// Assembles the layers of a live stream into frames, between the thread that receives them and the
+/// thread that wants the newest frame. It holds no more than two frames: one that is coming and one
+/// that has come. `hello`, `next` and `counts` are those of LiveSource.
 ///
-/// Trust: layers may be hostile; what does not fit to what came before is counted as bad and left
-/// out.
+/// Trust: layers may be hostile. A layer that does not fit those before it is counted as bad and
+/// left out.
 class LiveAssembler {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// A frame without a new layer for so long a time is given as it is.
+  /// A frame that has had no new layer for `patience` is given as it is.
   explicit LiveAssembler(Clock::duration patience = std::chrono::milliseconds(15))
       : patience_(patience) {}
 
-  // For the thread that receives.
+  // For the receiving thread.
 
   void add(LiveHello hello);
   /// `bytes`: those that `layer.bytes` views. They are kept, not copied.
   void add(const LiveLayer& layer, SharedBytes bytes);
-  /// A message that was none of these.
+  /// A message that was neither.
   void add_bad();
-  /// Layers that the server has left out on this connection.
+  /// How many layers the server has left out on this connection.
   void set_dropped(std::uint64_t layers);
-  /// What follows comes over another connection: it begins with a hello and with any frame's base.
+  /// What follows comes over a new connection. It begins with a hello and the base of any frame.
   void reconnected();
 
   // For any thread.
@@ -53,12 +53,12 @@ class LiveAssembler {
   std::condition_variable changed_;
   bool cancelled_ = false;
   std::optional<LiveHello> hello_;
-  std::optional<LiveFrame> coming_;  ///< of which layers are still missing
+  std::optional<LiveFrame> coming_;  ///< layers of it are still missing
   Clock::time_point newest_layer_{};
   std::optional<LiveFrame> come_;        ///< waits to be given
   std::optional<std::uint32_t> newest_;  ///< the frame whose base came last
-  std::optional<std::uint32_t> given_;   ///< the frame that was given last,
-  std::size_t given_layers_ = 0;         ///< with so many layers
+  std::optional<std::uint32_t> given_;   ///< the frame that was given last
+  std::size_t given_layers_ = 0;         ///< how many layers that frame had
   LiveCounts counts_;
   std::uint64_t dropped_before_ = 0;  ///< on earlier connections
 };

@@ -8,25 +8,25 @@
 
 namespace pointreel {
 
-/// When to show frames that come by the segment, so that they are shown as evenly as they were
-/// captured: so long after their capture as the slowest of the last few segments took to come. The
-/// publisher's clock need not agree with ours.
+/// When to show frames that come a segment at a time, so that they are shown as evenly as they were
+/// captured: each is shown as long after its capture as the slowest of the last few segments took
+/// to come. The publisher's clock need not agree with ours.
 class LivePacing {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A segment whose first frame was captured at `capture_us` is here.
+  /// A segment whose first frame was captured at `capture_us` has come.
   void arrived(std::uint64_t capture_us, Time now) {
     offsets_.push_back(now - on_their_clock(capture_us));
     if (offsets_.size() > kMemory) offsets_.pop_front();
   }
 
-  /// After the first arrival.
+  /// When to show a frame. Call it only after the first arrival.
   Time due(std::uint64_t capture_us) const {
     return on_their_clock(capture_us) + *std::max_element(offsets_.begin(), offsets_.end());
   }
 
-  /// Another publisher.
+  /// There is another publisher, whose clock differs.
   void reset() { offsets_.clear(); }
 
  private:

@@ -14,7 +14,7 @@
 namespace pointreel {
 namespace {
 
-/// A folder in which there is nothing to play; false if it cannot be looked into.
+/// Whether it is a folder without a PLY or Draco file; false if it cannot be listed.
 bool has_no_frames(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::directory_iterator entries(path, error);
@@ -39,14 +39,16 @@ Result<std::unique_ptr<Source>> open_source(const std::string& where,
   const fs::path path(where);
   if (!fs::exists(path, ignored)) {
     const bool link = fs::is_symlink(path, ignored);
-    return fail(where + (link ? ": links to a file or folder that is not there"
+    return fail(ErrorCode::not_found,
+                where + (link ? ": links to a file or folder that is not there"
                               : ": no such file or folder"));
   }
   if (path.filename() == kManifestName)
     return open_file_source(path.has_parent_path() ? path.parent_path() : fs::path("."));
   if (fs::exists(path / kManifestName, ignored)) return open_file_source(path);
   if (has_no_frames(path))
-    return fail(fmt::format("{}: is not a package (it has no {}), and has no .ply or .drc files",
+    return fail(ErrorCode::not_found,
+                fmt::format("{}: is not a package (it has no {}), and has no .ply or .drc files",
                             where, kManifestName));
   return open_folder_source(path, options);
 }

@@ -7,9 +7,8 @@
 namespace pointreel {
 
 Error no_package(const Error& error) {
-  // Of a package that is newer than this program it says what to do.
-  if (error.message.find("format version") != std::string::npos) return error;
-  return {error.message + "; give the folder or address of a package"};
+  if (error.code == ErrorCode::unsupported) return error;
+  return {error.message + "; give the folder or address of a package", error.code};
 }
 
 PackageSource::PackageSource(Manifest manifest, std::shared_ptr<const ContextTables> tables)

@@ -9,10 +9,11 @@
 
 namespace pointreel {
 
-/// An error of reading a manifest, for who may have named something that is no package at all.
+/// Adds what to do to an error of reading a manifest: the user may have named something that is not
+/// a package at all. A package that is too new for this program keeps its own advice.
 Error no_package(const Error& error);
 
-/// A package, wherever its files are: fetches what is wanted of a frame, all of it at once.
+/// A package, wherever its files are. Fetches all that is wanted of a frame at once.
 class PackageSource : public Source {
  public:
   const Manifest& manifest() const final { return manifest_; }
@@ -21,7 +22,8 @@ class PackageSource : public Source {
  protected:
   PackageSource(Manifest manifest, std::shared_ptr<const ContextTables> tables);
 
-  /// The bytes of each range, none of which is empty: exactly as many. The error names the file.
+  /// The bytes of each range, exactly as many as it says; no range is empty. The error names the
+  /// file.
   virtual Result<std::vector<Bytes>> read(std::span<const FileRange> ranges,
                                           const FetchRequest& request) = 0;
 

@@ -61,12 +61,12 @@ struct FetchedFrame {
 
 /// What a link has carried so far.
 struct LinkUse {
-  std::uint64_t bytes = 0;  ///< of bodies
-  /// When at least one answer was under way, its first byte here and its last not: `bytes` over it
-  /// is the link's rate, however many are fetched at once.
+  std::uint64_t bytes = 0;  ///< of the bodies of answers
+  /// The time in which at least one answer was coming, its first byte here and its last one not.
+  /// `bytes` divided by it is the link's rate, however many answers come at once.
   std::chrono::microseconds receiving{0};
-  std::chrono::microseconds busy{0};  ///< when at least one was asked for or under way
-  /// From a request to the first byte of its answer: the least of late; 0 if not known.
+  std::chrono::microseconds busy{0};  ///< the time in which at least one request was not answered
+  /// The least time lately from a request to the first byte of its answer; 0 if not known.
   std::chrono::microseconds round_trip{0};
 };
 
@@ -83,40 +83,41 @@ class Source {
   /// there are as many as `sizes` says.
   virtual Result<FetchedFrame> fetch(const FetchRequest& request) = 0;
 
-  /// Makes fetches under way, and all later ones, fail soon. From any thread.
+  // These may be called from any thread, too.
+
+  /// Makes fetches under way, and all later ones, fail soon.
   virtual void cancel() {}
 
-  /// One line while fetches wait for something to pass, as in "host:8090: nothing answers there;
-  /// trying again"; none when all is well. From any thread.
+  /// One line while fetches wait for a failure to pass, as in "host:8090: nothing answers there;
+  /// trying again"; none when all is well.
   virtual std::optional<std::string> trouble() const { return std::nullopt; }
 
-  /// Nothing where there is no link. From any thread.
+  /// All zero where there is no link.
   virtual LinkUse link_use() const { return {}; }
 };
 
-/// The package's tables, from the bytes that came for the manifest's entry: what the entry
-/// promises, or an error. Trust: the bytes may be hostile; context_tables.h tells how they are
-/// read.
+/// A package's tables, from the bytes of the file that its manifest lists. An error if they are not
+/// that file's bytes. Trust: the bytes may be hostile; context_tables.h says how they are read.
 Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes);
 
 struct SourceOptions {
-  // For folders of files, which say neither.
+  // For folders of files, which do not tell these.
   double fps = 30.0;
   char up = 'y';
   // For HTTP and WebSocket.
   std::string token;    ///< bearer token, sent if not empty
   std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's
   std::chrono::milliseconds connect_timeout{2'000};  ///< TLS included
-  /// Of a connection that is made, without a byte. Doubles, up to four times as much, while a
-  /// server that can be reached stays silent.
+  /// How long a connection may bring no byte. Doubles, up to four times as long, while a server
+  /// that can be reached stays silent.
   std::chrono::milliseconds stall_timeout{1'500};
-  std::chrono::milliseconds first_backoff{100};  ///< doubles with each attempt
+  std::chrono::milliseconds first_backoff{100};  ///< wait before trying again; doubles each time
   std::chrono::milliseconds max_backoff{500};
   std::stop_token stop = {};  ///< asked to stop, opening a source fails soon
   /// Called by any thread when trouble() of a source has changed, with what it is now; also while
   /// the source is being opened.
   std::function<void(const std::optional<std::string>&)> on_trouble = {};
-  int open_attempts = 4;  ///< to open a source; what is fetched later is tried without end
+  int open_attempts = 4;  ///< to open a source; later fetches are tried without end
 };
 
 /// The part of a layer's file that holds what is wanted of a frame.

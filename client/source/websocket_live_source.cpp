@@ -1,6 +1,5 @@
 #include "client/source/websocket_live_source.h"
 
-#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <random>
@@ -12,6 +11,8 @@
 #include <fmt/format.h>
 
 #include "client/source/live_assembler.h"
+#include "common/base/backoff.h"
+#include "common/base/try.h"
 #include "common/net/websocket.h"
 
 namespace pointreel {
@@ -19,7 +20,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLook{200};  ///< how long a receive takes at most before it looks around
+constexpr milliseconds kLook{200};  ///< how long it takes to notice that it is to stop
 
 class WebSocketLiveSource : public LiveSource {
  public:
@@ -52,7 +53,7 @@ class WebSocketLiveSource : public LiveSource {
 
  private:
   void run() {
-    milliseconds pause = options_.first_backoff;
+    Backoff<milliseconds> pause(options_.first_backoff, options_.max_backoff);
     bool connected_before = false;
     while (!stop_.stop_requested()) {
       WebSocketOptions options;
@@ -65,16 +66,16 @@ class WebSocketLiveSource : public LiveSource {
       if (socket) {
         if (std::exchange(connected_before, true)) assembler_.reconnected();
         set_trouble(std::nullopt);
-        if (receive(**socket)) pause = options_.first_backoff;
+        if (receive(**socket)) pause.succeeded();
       } else {
         set_trouble(reason(socket.error()));
       }
-      wait(pause);
-      pause = std::min(pause * 2, options_.max_backoff);
+      wait(pause.wait());
+      pause.failed();
     }
   }
 
-  /// Until the connection ends. True if anything came.
+  /// Receives until the connection ends. True if anything came.
   bool receive(WebSocket& socket) {
     bool came = false;
     while (!stop_.stop_requested()) {
@@ -118,8 +119,7 @@ class WebSocketLiveSource : public LiveSource {
 
   std::string reason(const ConnectError& error) const {
     if (error.status == 404) return url_ + ": nobody publishes it; waiting";
-    const std::string& text = error.message;
-    return text.substr(0, text.find(';')) + "; trying again";
+    return error.message + "; trying again";
   }
 
   void set_trouble(const std::optional<std::string>& text) {
@@ -132,11 +132,9 @@ class WebSocketLiveSource : public LiveSource {
   }
 
   void wait(milliseconds pause) {
-    // Whoever lost the same server comes back at another moment.
-    const double share = std::uniform_real_distribution(0.7, 1.0)(random_);
+    const auto shortened = jittered(pause, random_);
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::duration<double, std::milli>(pause) * share,
-                      [this] { return stop_.stop_requested(); });
+    changed_.wait_for(lock, shortened, [this] { return stop_.stop_requested(); });
   }
 
   const std::string url_;
@@ -154,7 +152,7 @@ class WebSocketLiveSource : public LiveSource {
 
 Result<std::unique_ptr<LiveSource>> open_websocket_live_source(const std::string& url,
                                                                const SourceOptions& options) {
-  if (const auto parsed = parse_websocket_url(url); !parsed) return tl::unexpected(parsed.error());
+  TRY(parse_websocket_url(url));
   return std::make_unique<WebSocketLiveSource>(url, options);
 }
 

@@ -7,7 +7,8 @@
 
 namespace pointreel {
 
-/// A live stream that a server pushes: ws://HOST/live/NAME or wss://HOST/live/NAME.
+/// A live stream that a server sends as it is published: ws://HOST/live/NAME or
+/// wss://HOST/live/NAME.
 Result<std::unique_ptr<LiveSource>> open_websocket_live_source(const std::string& url,
                                                                const SourceOptions& options);
 

@@ -1,9 +1,11 @@
 #include <chrono>
-#include <string>
+#include <exception>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "client/app/help_formatter.h"
 #include "client/app/play_command.h"
 #include "client/app/player.h"
 #include "common/base/memory.h"
@@ -15,7 +17,8 @@ namespace {
 int run(int argc, char** argv) {
   const auto started = std::chrono::steady_clock::now();
   CLI::App app("Pointreel plays point clouds that move.", "pointreel");
-  app.set_version_flag("--version", "pointreel " POINTREEL_VERSION);
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_version_flag("--version", "pointreel " POINTREEL_VERSION, "Print the version and exit");
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "Print this help and exit");
   const PlayCommand play_command(app);

@@ -3,22 +3,23 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <utility>
 
+#include "client/app/bell.h"
 #include "client/playback/stage.h"
 #include "client/record/frame_plan.h"
 #include "client/record/open_recorder.h"
 #include "client/render/gl_context.h"
 #include "client/session/console.h"
 #include "client/session/presenter.h"
+#include "client/session/stage_setup.h"
 #include "common/base/progress.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -30,31 +31,8 @@ std::uint64_t microseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(seconds * 1e6));
 }
 
-/// Wakes a thread that waits for anything to happen.
-class Bell {
- public:
-  void ring() {
-    {
-      const std::lock_guard lock(mutex_);
-      rung_ = true;
-    }
-    changed_.notify_one();
-  }
-  /// Returns when it has been rung since the last wait, at `until`, or when `stop` is requested.
-  void wait(steady_clock::time_point until, const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, stop, until, [this] { return rung_; });
-    rung_ = false;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  bool rung_ = false;
-};
-
-/// How often it is said what the player waits for, if it does.
-constexpr milliseconds kLook{100};
+/// How often the player looks for trouble to report, at least.
+constexpr milliseconds kLookPeriod{100};
 
 class OffscreenPlayer {
  public:
@@ -62,34 +40,19 @@ class OffscreenPlayer {
       : options_(options), stop_(stop) {}
 
   Result<void> run() {
-    if (!options_.record.empty()) {
-      if (auto checked = check_recording(options_.record); !checked) return checked;
-    }
-    Stage::Options stage_options = pointreel::stage_options(options_);
-    stage_options.on_ready = [this] { bell_.ring(); };
-    auto stage = Stage::open(
-        options_.sources, stage_options,
-        [this](const Box& bounds, char up) {
-          return first_camera(options_, bounds, up, options_.size);
-        },
-        [this](std::size_t source, std::uint32_t frame, const Error& error) {
-          const auto& sources = options_.sources;
-          errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
-                        error);
-        });
-    if (!stage) return tl::unexpected(stage.error());
-    stage_ = *std::move(stage);
-    auto context = OffscreenContext::create();
-    if (!context) return tl::unexpected(context.error());
-    auto presenter = Presenter::create(options_);
-    if (!presenter) return tl::unexpected(presenter.error());
-    presenter_ = *std::move(presenter);
+    if (!options_.record.empty()) TRY(check_recording(options_.record));
+    stage_ = TRY(open_stage());
+    const OffscreenContext context = TRY(OffscreenContext::create());
+    presenter_ = TRY(Presenter::create(options_));
     presenter_->begin(*stage_);
     presenter_->start_clock();
-    camera_ = first_camera(options_, stage_->bounds(), stage_->up(), options_.size);
+    camera_ = first_camera(options_, stage_->bounds(), stage_->up(), size_);
 
-    auto ended = every_frame() ? play_every_frame(*stage_->reel(0)) : play_in_real_time();
-    presenter_->report(*stage_, lost_, every_frame());
+    auto ended = plays_every_frame() ? play_every_frame(*stage_->reel(0)) : play_in_real_time();
+    if (plays_every_frame())
+      presenter_->count(*stage_, lost_);
+    else
+      presenter_->count(*stage_);
     stage_.reset();
     if (ended) ended = presenter_->write_report();
     presenter_.reset();  // before its context
@@ -97,67 +60,84 @@ class OffscreenPlayer {
   }
 
  private:
-  /// Nothing has a time of its own.
-  bool every_frame() const { return stage_->size() == 1 && stage_->reel(0) != nullptr; }
+  Result<std::unique_ptr<Stage>> open_stage() {
+    Stage::Options stage = stage_options(options_);
+    stage.on_ready = [this] { bell_.ring(); };
+    return Stage::open(
+        options_.sources, stage,
+        [this](const Box& bounds, char up) { return first_camera(options_, bounds, up, size_); },
+        [this](std::size_t source, std::uint32_t frame, const Error& error) {
+          const auto& sources = options_.sources;
+          errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
+                        error);
+        });
+  }
 
-  Result<void> show(const std::vector<Stage::Change>& changes) {
-    DrawOptions draw = options_.draw;
-    if (options_.floor) draw.floor = floor_under(*stage_, camera_);
-    return presenter_->show(*stage_, changes, camera_, options_.size, draw, {});
+  /// A single reel needs no clock; several sources do, to stay together.
+  bool plays_every_frame() const { return stage_->size() == 1 && stage_->reel(0) != nullptr; }
+
+  Result<void> draw(const std::vector<Stage::Change>& changes) {
+    DrawOptions draw = options_.settings.draw;
+    if (options_.settings.floor) draw.floor = floor_under(*stage_, camera_);
+    return presenter_->draw(*stage_, changes, {camera_, size_, draw, {}});
   }
 
   Camera camera_at(std::uint64_t time_us) const {
-    return pointreel::camera_at(options_, time_us, stage_->bounds(), stage_->up(), options_.size);
+    return pointreel::camera_at(options_, time_us, stage_->bounds(), stage_->up(), size_);
   }
 
   Result<void> play_every_frame(ReelPlayback& reel) {
     std::optional<std::uint64_t> duration_us;
     if (options_.duration) duration_us = microseconds(*options_.duration);
     const FramePlan plan(reel.timeline(), start_us(options_), duration_us,
-                         options_.loop.value_or(false));
+                         options_.settings.loop.value_or(false));
     std::uint64_t count = plan.count().value_or(std::numeric_limits<std::uint64_t>::max());
-    if (single_frame(options_)) count = std::min<std::uint64_t>(count, 1);
-    if (auto opened = open(plan.rate()); !opened) return opened;
+    if (is_single_frame(options_)) count = std::min<std::uint64_t>(count, 1);
+    TRY(open_recording(plan.rate()));
     if (plan.count() && count > 1) {
       progress_.emplace(recorder_ ? "record" : "draw", static_cast<std::size_t>(count));
       errors_.set_progress(&*progress_);
     }
-    auto drawn = draw(plan, count, reel);
+    const auto drawn = draw_frames(plan, count, reel);
     errors_.set_progress(nullptr);
     progress_.reset();
     if (!drawn) return drawn;
     if (!presenter_->shown() && !stop_.stop_requested())
       return fail(options_.sources[0].where + ": no frame could be shown");
-    return end();
+    return finish();
   }
 
-  Result<void> draw(const FramePlan& plan, std::uint64_t count, ReelPlayback& reel) {
+  Result<void> draw_frames(const FramePlan& plan, std::uint64_t count, ReelPlayback& reel) {
     for (std::uint64_t i = 0; i < count && !stop_.stop_requested(); ++i) {
       const FramePlan::Picture picture = plan.picture(i);
       if (options_.camera_path) {
         camera_ = camera_at(picture.reel_time_us);
-        stage_->look(camera_, options_.size);
+        stage_->look(camera_, size_);
       }
-      FrameBuffer::State state = FrameBuffer::State::waiting;
-      while (state == FrameBuffer::State::waiting && !stop_.stop_requested()) {
-        state = reel.await(picture.frame, milliseconds(50));
-        trouble_.look(*stage_, progress_ ? &*progress_ : nullptr);
-      }
-      if (state == FrameBuffer::State::ready) {
-        if (auto drawn = show(stage_->take(0, reel.best())); !drawn) return drawn;
-      } else if (state == FrameBuffer::State::failed) {
-        ++lost_;  // and the picture stays
-      } else {
-        break;
-      }
-      if (auto recorded = record(picture.time_us); !recorded) return recorded;
+      const FrameBuffer::State state = await(reel, picture.frame);
+      if (state == FrameBuffer::State::waiting) break;
+      if (state == FrameBuffer::State::ready)
+        TRY(draw(stage_->take(0, reel.best())));
+      else
+        ++lost_;  // the last picture stays
+      TRY(record(picture.time_us));
       if (progress_) progress_->tick();
     }
     return {};
   }
 
+  /// Waits until the frame is ready or has failed; it is still waiting if playing was stopped.
+  FrameBuffer::State await(ReelPlayback& reel, std::uint32_t frame) {
+    FrameBuffer::State state = FrameBuffer::State::waiting;
+    while (state == FrameBuffer::State::waiting && !stop_.stop_requested()) {
+      state = reel.await(frame, milliseconds(50));
+      troubles_.look(*stage_, progress_ ? &*progress_ : nullptr);
+    }
+    return state;
+  }
+
   Result<void> play_in_real_time() {
-    if (auto opened = open(std::nullopt); !opened) return opened;
+    TRY(open_recording(std::nullopt));
     std::size_t bounded = 0;
     auto last_look = steady_clock::now();
     while (!stop_.stop_requested()) {
@@ -167,29 +147,29 @@ class OffscreenPlayer {
         break;
       const Stage::Update update = stage_->update(now);
       if (update.ended) break;
-      // Live streams say late where they are.
+      // The bounds of a live stream are known only after it is connected.
       if (stage_->bounded() != bounded || options_.camera_path) {
         bounded = stage_->bounded();
         camera_ = camera_at(start_us(options_) + time_us);
       }
-      stage_->look(camera_, options_.size);
+      stage_->look(camera_, size_);
       if (!update.changes.empty()) {
-        if (auto drawn = show(update.changes); !drawn) return drawn;
-        if (auto recorded = record(time_us); !recorded) return recorded;
+        TRY(draw(update.changes));
+        TRY(record(time_us));
       }
-      if (now - last_look > kLook) {
+      if (now - last_look >= kLookPeriod) {
         last_look = now;
-        trouble_.look(*stage_);
+        troubles_.look(*stage_);
       }
       bell_.wait(next_round(now, update), stop_);
     }
-    return end();
+    return finish();
   }
 
-  /// When there is something to do even if nothing happens.
+  /// The time at which there is something to do even if the bell does not ring.
   steady_clock::time_point next_round(steady_clock::time_point now,
                                       const Stage::Update& update) const {
-    auto next = std::min(now + kLook, update.due.value_or(now + kLook));
+    auto next = std::min(now + kLookPeriod, update.due.value_or(now + kLookPeriod));
     if (options_.duration && presenter_->shown()) {
       const double left = std::max(0.0, *options_.duration - presenter_->seconds());
       next = std::min(next, now + std::chrono::ceil<steady_clock::duration>(
@@ -198,45 +178,36 @@ class OffscreenPlayer {
     return next;
   }
 
-  Result<void> open(const std::optional<FrameRate>& rate) {
-    if (options_.record.empty()) return {};
-    auto recorder = open_recorder(options_.record, options_.size, rate);
-    if (!recorder) return tl::unexpected(recorder.error());
-    recorder_ = *std::move(recorder);
+  Result<void> open_recording(const std::optional<FrameRate>& rate) {
+    if (!options_.record.empty()) recorder_ = TRY(open_recorder(options_.record, size_, rate));
     return {};
   }
 
-  /// The picture shown; the first one's time is where the recording begins.
+  /// Adds the picture shown, if any, to the recording, which begins at the time of the first one.
   Result<void> record(std::uint64_t time_us) {
     if (!recorder_ || !presenter_->shown()) return {};
-    const auto picture = presenter_->painter().picture();
-    if (!picture) return tl::unexpected(picture.error());
     if (!first_recorded_us_) first_recorded_us_ = time_us;
-    return recorder_->add(*picture, time_us - *first_recorded_us_);
+    return recorder_->add(TRY(presenter_->painter().picture()), time_us - *first_recorded_us_);
   }
 
-  Result<void> end() {
-    if (recorder_ && presenter_->shown()) {
-      if (auto finished = recorder_->finish(); !finished) return finished;
-    }
-    return last_screenshot();
-  }
-
-  Result<void> last_screenshot() {
-    if (options_.screenshot.empty() || !presenter_->shown()) return {};
-    return presenter_->painter().write(options_.screenshot);
+  Result<void> finish() {
+    if (!presenter_->shown()) return {};
+    if (recorder_) TRY(recorder_->finish());
+    if (!options_.screenshot.empty()) TRY(presenter_->painter().write(options_.screenshot));
+    return {};
   }
 
   const PlayOptions& options_;
   const std::stop_token stop_;
+  const glm::ivec2 size_ = options_.picture_size();
   Bell bell_;
   std::optional<Progress> progress_;
   ErrorLines errors_;
-  TroubleLines trouble_;
+  TroubleLines troubles_;
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<Presenter> presenter_;
   Camera camera_;
-  std::uint64_t lost_ = 0;  ///< frames that were skipped for being broken
+  std::uint64_t lost_ = 0;  ///< broken frames that were skipped
   std::unique_ptr<Recorder> recorder_;
   std::optional<std::uint64_t> first_recorded_us_;
 };

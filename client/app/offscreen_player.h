@@ -7,8 +7,8 @@
 
 namespace pointreel {
 
-/// Plays without a window or a display. Of one reel every frame once, in order, as fast as it goes;
-/// live streams, and several sources, in real time.
+/// Plays without a window or a display. A single reel is shown frame by frame, as fast as possible;
+/// live streams and several sources are shown in real time.
 Result<void> play_offscreen(const PlayOptions& options, const std::stop_token& stop);
 
 }  // namespace pointreel

@@ -1,350 +1,287 @@
 #include "client/app/play_command.h"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
-#include <map>
-#include <numbers>
-#include <string_view>
 #include <utility>
 #include <variant>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "client/options/settings.h"
+#include "client/app/arguments.h"
+#include "client/options/option_table.h"
+#include "client/options/option_text.h"
+#include "client/options/settings_file.h"
+#include "client/playback/clock.h"
 #include "client/record/open_recorder.h"
 #include "client/ui/bindings.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-constexpr int kMaxPictureEdge = 16384;
+constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0, 1e9},
+    kUiScale{0.5, 4.0}, kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
+constexpr int kMaxLayers = 255, kMaxSupersample = 4;
 
-/// As many numbers as `values` has, with a separator between each two; false if it is anything
-/// else, or if one is too large.
-template <class Number, std::size_t kCount>
-bool parse_numbers(std::string_view text, char separator, std::array<Number, kCount>& values) {
-  const char *at = text.data(), *const end = at + text.size();
-  for (std::size_t i = 0; i < kCount; ++i) {
-    if (i > 0 && (at == end || *at++ != separator)) return false;
-    const auto number = std::from_chars(at, end, values[i]);
-    if (number.ec != std::errc()) return false;
-    at = number.ptr;
-  }
-  return at == end;
-}
-
-Result<glm::ivec2> parse_size(const std::string& text) {
-  std::array<int, 2> size{};
-  const auto is_edge = [](int edge) { return edge >= 1 && edge <= kMaxPictureEdge; };
-  if (!parse_numbers(text, 'x', size) || !is_edge(size[0]) || !is_edge(size[1]))
-    return fail(fmt::format("\"{}\" is no size such as 1280x720, at most {} a side", text,
-                            kMaxPictureEdge));
-  return glm::ivec2(size[0], size[1]);
-}
-
-Result<glm::vec3> parse_color(const std::string& text) {
-  std::uint32_t color = 0;
-  const char *begin = text.data() + (text.starts_with('#') ? 1 : 0),
-             *end = text.data() + text.size();
-  const auto parsed = std::from_chars(begin, end, color, 16);
-  if (parsed.ec != std::errc() || parsed.ptr != end || end - begin != 6)
-    return fail(fmt::format("\"{}\" is no colour such as #1c1f24", text));
-  return glm::vec3(color >> 16, color >> 8 & 0xff, color & 0xff) / 255.0f;
-}
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-
-/// From where to look, or the path of the camera.
-using CameraChoice = std::variant<View, CameraPath>;
-
-Result<CameraChoice> parse_camera(const std::string& text) {
-  // The poles are as far as the camera goes.
-  static const std::map<std::string, View> kNamed = {
-      {"front", {0.0, 0.0}},         {"back", {radians(180), 0.0}},
-      {"left", {radians(-90), 0.0}}, {"right", {radians(90), 0.0}},
-      {"top", {0.0, radians(90)}},   {"bottom", {0.0, radians(-90)}}};
-  if (const auto named = kNamed.find(text); named != kNamed.end()) return named->second;
-  std::array<double, 2> turn{};
-  const bool numbers = parse_numbers(text, ',', turn);
-  if (numbers && std::isfinite(turn[0]) && std::abs(turn[1]) <= 90.0)
-    return View{radians(turn[0]), radians(turn[1])};
-  std::error_code none;
-  if (!numbers && std::filesystem::exists(text, none)) {
-    auto path = load_camera_path(text);
-    if (!path) return tl::unexpected(path.error());
-    return *std::move(path);
-  }
-  return fail(fmt::format(
-      "\"{}\" is no view: give front, back, left, right, top, bottom, YAW,PITCH in degrees, "
-      "pitch from -90 to 90, or the file of a camera's path",
-      text));
-}
-
-Result<glm::dvec3> parse_position(const std::string& text) {
-  std::array<double, 3> place{};
-  const auto is_near = [](double number) { return std::abs(number) <= 1e9; };
-  if (!parse_numbers(text, ',', place) || !std::all_of(place.begin(), place.end(), is_near))
-    return fail(fmt::format("\"{}\" is no position such as -0.5,0,1.5", text));
-  return glm::dvec3(place[0], place[1], place[2]);
-}
-
-/// For options: what `parse` has to say, or nothing.
+/// Accepts what `parse` accepts; its error is the message.
 template <class Parse>
-CLI::Validator check(Parse parse, const std::string& type) {
+CLI::Validator check(Parse parse) {
   return CLI::Validator(
       [parse](const std::string& text) {
         const auto result = parse(text);
         return result ? std::string() : result.error().message;
       },
-      type);
+      "");
 }
 
-/// For numbers; unlike CLI::Range it refuses NaN.
-CLI::Validator within(double min, double max) {
-  return check(
-      [min, max](const std::string& text) -> Result<void> {
-        std::array<double, 1> number{};
-        if (!parse_numbers(text, ',', number) || !(number[0] >= min && number[0] <= max))
-          return fail(fmt::format("\"{}\" is no number from {:g} to {:g}", text, min, max));
-        return {};
-      },
-      fmt::format("{:g} to {:g}", min, max));
+/// Unlike CLI::Range it refuses NaN.
+CLI::Validator within(const Range& range) {
+  return check([range](const std::string& text) { return parse_number(text, range); });
 }
 
-/// An enum's values by their names; there are `count`, numbered from 0 on.
-template <class Enum>
-std::map<std::string, Enum> named(int count) {
-  std::map<std::string, Enum> all;
-  for (int i = 0; i < count; ++i) all.emplace(name(static_cast<Enum>(i)), static_cast<Enum>(i));
-  return all;
+Result<double> parse_speed(const std::string& text) {
+  if (const auto backward = parse_number(text, kBackward)) return backward;
+  const auto forward = parse_number(text, kForward);
+  if (forward) return forward;
+  return fail(ErrorCode::argument, fmt::format("{} or {:g} to {:g}", forward.error().message,
+                                               kBackward.min, kBackward.max));
 }
 
-const std::map<std::string, DrawMode>& modes() {
-  static const std::map<std::string, DrawMode> kModes = {
-      {"surfel", DrawMode::surfel}, {"voxel", DrawMode::voxel}, {"point", DrawMode::point}};
-  return kModes;
+/// What the option is for, what it accepts, and its default.
+std::string description(const Option& option) {
+  const std::string value = value_text(option, {});
+  if (std::holds_alternative<Option::Flag>(option.value)) return std::string(option.help);
+  if (std::holds_alternative<Option::Color>(option.value))
+    return fmt::format("{} (default {})", option.help, value);
+  return fmt::format("{} ({}; default {})", option.help, accepted_values(option), value);
+}
+
+const char* type_name(const Option& option) {
+  if (std::holds_alternative<Option::Number>(option.value)) return "NUMBER";
+  return std::holds_alternative<Option::Choice>(option.value) ? "NAME" : "#RRGGBB";
+}
+
+/// Adds an option of the table, or its earlier name.
+CLI::Option* add(CLI::App& command, const Option& option, std::string_view name) {
+  const std::string full = command_line_name(name);
+  if (std::holds_alternative<Option::Flag>(option.value))
+    return command.add_flag(full + ",!--no-" + full.substr(2));
+  return command.add_option(full)
+      ->check(check([&option](const std::string& text) {
+        Settings ignored;
+        return set_from_text(option, text, ignored);
+      }))
+      ->type_name(type_name(option));
 }
 
 }  // namespace
 
 PlayCommand::PlayCommand(CLI::App& app) {
-  mode_ = "surfel";
-  instancing_ = name(options_.draw.instancing);
-  splatting_ = name(options_.draw.splatting);
-  color_ = name(options_.draw.color);
-  drafts_ = name(options_.drafts);
-  CLI::App& play_command = *app.add_subcommand("play", "Play a reel, in a window or offscreen");
-  command_ = &play_command;
-  play_command
+  CLI::App& command = *app.add_subcommand("play", "Play point clouds in a window or offscreen");
+  command_ = &command;
+  add_sources(command);
+  add_playback(command);
+  add_settings(command);
+  add_window(command);
+  add_output(command);
+  command.footer("Keys and mouse in the window:\n" + bindings_help() +
+                 "\nExit status: 0 if it played to the end or was ended by the user, 1 if it "
+                 "failed, 2 if the\ncommand line is wrong.");
+}
+
+void PlayCommand::add_sources(CLI::App& command) {
+  command
       .add_option("SOURCE", sources_,
-                  "http:// or https:// address of a package, a package's folder, a folder of PLY "
-                  "and .drc files, or a live stream: ws:// or wss:// .../live/NAME, or http(s)://"
-                  ".../live/NAME/reel.json; several are shown in one scene")
-      ->required();
-  play_command
-      .add_option("--at-position", places_,
-                  "Where a source stands, as X,Y,Z in its units; once for each, in their order")
-      ->check(check(parse_position, "X,Y,Z"))
-      ->allow_extra_args(false);
-  play_command
-      .add_option("--token", options_.token, "Bearer token for servers that want one to view")
+                  "What to play: a package, as a folder or an http:// or https:// address; a "
+                  "folder of PLY and .drc files; or a live stream, as ws://.../live/NAME, wss:// "
+                  "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
+      ->required()
+      ->type_name("");
+  const std::string group = "Sources";
+  command
+      .add_option("--at-position", positions_,
+                  "Position of a source in the scene, in its own units; may be given once for "
+                  "each source, in their order")
+      ->check(check(parse_position))
+      ->type_name("X,Y,Z")
+      ->allow_extra_args(false)
+      ->group(group);
+  command
+      .add_option("--token", options_.token,
+                  "Bearer token for servers that ask viewers for one; may be given in the "
+                  "environment as POINTREEL_TOKEN")
       ->envname("POINTREEL_TOKEN")
-      ->type_name("TOKEN");
-  play_command
+      ->type_name("TOKEN")
+      ->group(group);
+  command
       .add_option("--ca-file", options_.ca_file,
-                  "Certificates to trust for https:// and wss:// (default: the system's)")
+                  "Certificates to trust for https:// and wss:// (default: those of the system)")
       ->check(CLI::ExistingFile)
-      ->type_name("FILE.pem");
-  play_command
-      .add_option("--mode", mode_,
-                  "What is drawn: surfel (discs oriented by normals), voxel (cubes of the octree, "
-                  "as fine as a pixel), point")
-      ->check(CLI::IsMember(modes()))
-      ->capture_default_str();
-  play_command
-      .add_option("--instancing", instancing_,
-                  "How surfels and voxels are drawn: geometry (shader), uniform (buffers), texture "
-                  "(buffer), attribute (of each instance), pull (what can be seen is listed first)")
-      ->check(CLI::IsMember(named<Instancing>(kInstancings)))
-      ->capture_default_str();
-  play_command
-      .add_option(
-          "--splatting", splatting_,
-          "How surfels become a picture: normalized (weighted means), or one of the paper's: "
-          "regular, no-depth, two-pass, enlarged, enlarged-shading")
-      ->check(CLI::IsMember(named<Splatting>(kSplattings)))
-      ->capture_default_str();
-  play_command
-      .add_option("--delta", options_.delta,
-                  "Share of points that may merge in the voxels that are drawn: the paper's 0.05 "
-                  "gives nearly every point its own, with wide gaps; 0 keeps all that are distinct")
-      ->check(within(0.0, 1.0))
-      ->capture_default_str();
-  play_command
+      ->type_name("FILE.pem")
+      ->group(group);
+  command
       .add_option("--layers", options_.layers,
-                  "Fetch and decode only so many layers of a package, coarse to fine (default all)")
-      ->check(CLI::Range(1, 255))
-      ->type_name("N");
-  play_command
-      .add_option("--speed", options_.speed,
-                  "Speed of playback in a window: 0.1 to 4, and -0.1 to -4 backward")
-      ->check(CLI::Validator(within(0.1, 4.0)) | within(-4.0, -0.1))
-      ->capture_default_str();
-  loop_flag_ = play_command.add_flag("--loop,!--no-loop", loop_,
-                                     "Begin anew at the end (default in a window) or end there "
-                                     "(default offscreen)");
-  play_command.add_option("--fps", options_.fps, "Frames a second of a folder of files")
-      ->check(within(0.01, 1000.0))
-      ->capture_default_str();
-  play_command
-      .add_option("--up", up_,
-                  "The axis that points up, y or z (default: what the package says; y "
-                  "for a folder of files)")
-      ->check(CLI::IsMember({"y", "z"}));
-  play_command
-      .add_option("--visibility-scale", options_.draw.scales.visibility,
-                  "By how much --splatting normalized enlarges surfels to decide what is visible")
-      ->check(within(0.01, 100.0))
-      ->capture_default_str();
-  play_command
-      .add_option("--shading-scale", options_.draw.scales.shading,
-                  "By how much it enlarges them to blend their colours")
-      ->check(within(0.01, 100.0))
-      ->capture_default_str();
-  play_command.add_flag("--fill-holes,!--no-fill-holes", options_.draw.fill_holes,
-                        "Fill holes from what is around (default): with --splatting normalized, of "
-                        "surfaces whose inside would be seen; of voxels, gaps of up to three");
-  play_command
-      .add_option(
-          "--edl", options_.draw.edl,
-          "Strength of eye-dome lighting, which darkens what lies behind what is beside it: "
-          "1 shows the shape of clouds without normals")
-      ->check(within(0.0, 100.0))
-      ->capture_default_str();
-  play_command
-      .add_option(
-          "--pixel-size", options_.draw.pixel_size,
-          "Nodes of the octree smaller than this many pixels are not divided; 0 draws the leaves")
-      ->check(within(0.0, 1000.0))
-      ->capture_default_str();
-  play_command.add_option("--point-size", options_.draw.point_size, "Edge of points in pixels")
-      ->check(within(1.0, 64.0))
-      ->capture_default_str();
-  play_command
-      .add_option("--color", color_,
-                  "Where colours come from: colors (the points'), normals (which way they face), "
-                  "plain (shape by light alone)")
-      ->check(CLI::IsMember(named<ColorSource>(kColorSources)))
-      ->capture_default_str();
-  play_command.add_flag("--lighting,!--no-lighting", options_.draw.lighting,
-                        "A light over the viewer's shoulder (default), or colours as they are");
-  play_command
-      .add_option("--background", background_, "Colour around what is drawn (default: #1c1f24)")
-      ->check(check(parse_color, "#RRGGBB"));
-  play_command.add_flag("--floor,!--no-floor", options_.floor,
-                        "A grid on the floor, with round steps of 1, 2 or 5 times a power of ten");
-  play_command
-      .add_option("--offscreen", size_,
-                  "Draw pictures of this size without window and display: every frame once, in "
-                  "order, as fast as it goes; live streams and several sources in real time")
-      ->check(check(parse_size, "WxH"));
-  play_command
-      .add_option("--at", options_.at,
-                  "Begin at this time of the reel; offscreen without --duration: only the frame "
-                  "that is shown then")
-      ->check(within(0.0, 1e9))
-      ->type_name("SECONDS");
-  play_command
-      .add_option("--duration", options_.duration,
-                  "End after so much of the reel (offscreen), or of real time (window)")
-      ->check(within(0.0, 1e9))
-      ->type_name("SECONDS");
-  play_command
-      .add_option("--camera,--view", view_,
-                  "From where to look: front, back, left, right, top, bottom, or YAW,PITCH in "
-                  "degrees (default: the front, slightly from above); or a file with the camera's "
-                  "path, such as {\"pointreel_camera_path\": 1, \"keys\": [{\"seconds\": 0, "
-                  "\"yaw\": -90, \"pitch\": 10}, {\"seconds\": 2, \"yaw\": 90}]}")
-      ->check(check(parse_camera, "VIEW or FILE"));
-  play_command.add_option("--screenshot", options_.screenshot, "Write the last picture")
-      ->type_name("FILE.png");
-  play_command
-      .add_option(
-          "--drafts", drafts_,
-          "When the window may draw pictures with a half or a quarter of the pixels a side, "
-          "if there is no time for all: never; moving: while camera or time are moved by "
-          "hand; playing: and where frames would be dropped")
-      ->check(CLI::IsMember(named<Drafts>(kDrafts)))
-      ->capture_default_str();
-  play_command
-      .add_option("--ui-scale", options_.ui_scale,
-                  "Size of the window's interface (default: what the display says)")
-      ->check(within(0.5, 4.0))
-      ->type_name("FACTOR");
-  play_command
-      .add_option("--supersample", options_.supersample,
-                  "Draw pictures that are written N times as wide and high, and average")
-      ->check(CLI::Range(1, 4))
+                  "Fetch and decode only this many layers of a package, from coarse to fine "
+                  "(default: as many as the view needs)")
+      ->check(CLI::Range(1, kMaxLayers))
       ->type_name("N")
-      ->capture_default_str();
-  play_command
-      .add_option("--record", options_.record,
-                  "Offscreen: write every picture into a video (.mp4, .mkv or .webm; needs "
-                  "ffmpeg), each for exactly its time, or into files of its own, where %d, or %04d "
-                  "for leading zeros, is its number")
-      ->check(check(check_recording_name, "out.mp4 or out-%04d.png"));
-  play_command
-      .add_option(
-          "--json", options_.json,
-          "Write a summary: median, 95th percentile and maximum of the times of each stage "
-          "over the frames shown; frames shown, refined, reduced (--drafts), dropped and broken; "
-          "all bytes fetched; "
-          "layers, points, nodes, leaves, depth and elements drawn of the last one. "
-          "\"skipped\": layers, levels, attributes and bytes that view and mode did not need, "
-          "leaves out of view and below a pixel, voxels that others hide. - is standard output")
-      ->type_name("FILE");
-  play_command
+      ->group(group);
+  command
+      .add_option("--fps", options_.fps,
+                  fmt::format("Frames per second of a folder of files (default {:g})",
+                              options_.fps))
+      ->check(within(kFps))
+      ->type_name("NUMBER")
+      ->group(group);
+  command
+      .add_option("--up", up_,
+                  "The axis that points up, y or z (default: what the package says; y for a "
+                  "folder of files)")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->type_name("AXIS")
+      ->group(group);
+}
+
+void PlayCommand::add_playback(CLI::App& command) {
+  const std::string group = "Playback";
+  command
+      .add_option("--at", options_.at,
+                  "Begin at this time of the reel. Offscreen and without --duration, show only "
+                  "the frame at this time")
+      ->check(within(kSeconds))
+      ->type_name("SECONDS")
+      ->group(group);
+  command
+      .add_option("--duration", options_.duration,
+                  "Stop after this much time of the reel (offscreen) or of the clock (window)")
+      ->check(within(kSeconds))
+      ->type_name("SECONDS")
+      ->group(group);
+  command
+      .add_option("--speed", options_.speed,
+                  fmt::format("Speed in a window: {:g} to {:g}, or {:g} to {:g} to play backward "
+                              "(default {:g})",
+                              kForward.min, kForward.max, kBackward.max, kBackward.min,
+                              options_.speed))
+      ->check(check(parse_speed))
+      ->type_name("NUMBER")
+      ->group(group);
+  command
+      .add_option("--camera,--view", camera_,
+                  "Where to look from: front, back, left, right, top, bottom, or YAW,PITCH in "
+                  "degrees (default: the front, slightly from above). Or the name of a file with "
+                  "a path for the camera, such as {\"pointreel_camera_path\": 1, \"keys\": "
+                  "[{\"seconds\": 0, \"yaw\": -90, \"pitch\": 10}, {\"seconds\": 2, \"yaw\": 90}]}")
+      ->check(check(parse_camera))
+      ->type_name("VIEW")
+      ->group(group);
+}
+
+void PlayCommand::add_settings(CLI::App& command) const {
+  for (const Option& option : option_table()) {
+    if (option.help.empty()) continue;
+    CLI::Option* added = add(command, option, option.name)
+                             ->description(description(option))
+                             ->group(std::string(option.group));
+    // Without a group it is not in --help.
+    if (!option.old_name.empty()) add(command, option, option.old_name)->group("")->excludes(added);
+  }
+}
+
+void PlayCommand::add_window(CLI::App& command) {
+  const std::string group = "Window";
+  command
+      .add_option("--ui-scale", options_.ui_scale,
+                  fmt::format("Size of panels and text, {:g} to {:g} (default: as the display "
+                              "asks)",
+                              kUiScale.min, kUiScale.max))
+      ->check(within(kUiScale))
+      ->type_name("FACTOR")
+      ->group(group);
+  command
       .add_option("--config", config_,
-                  "Where the window keeps its size and what is changed in it with keys and panels: "
-                  "JSON. Options given here win (default: pointreel/player.json in "
-                  "$XDG_CONFIG_HOME or ~/.config; offscreen none)")
-      ->type_name("FILE");
-  play_command.add_flag("--no-config", no_config_, "Neither read nor keep it");
-  play_command.footer("Keys in the window:\n" + bindings_help() +
-                      "\nExit codes: 0 played to its end or ended by the user, 1 failed, 2 usage");
+                  "The JSON file in which the window keeps its size and what you change with keys "
+                  "and panels. Options on the command line take precedence over it (default: "
+                  "pointreel/player.json in $XDG_CONFIG_HOME or ~/.config; offscreen: none)")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_flag("--no-config", no_config_, "Neither read nor write such a file")->group(group);
+}
+
+void PlayCommand::add_output(CLI::App& command) {
+  const std::string group = "Output";
+  command
+      .add_option("--offscreen", offscreen_,
+                  "Draw pictures of this size without a window or a display: every frame once, in "
+                  "order and as fast as possible; live streams and several sources in real time")
+      ->check(check([](const std::string& text) { return parse_size(text, kPictureSide); }))
+      ->type_name("WIDTHxHEIGHT")
+      ->group(group);
+  command.add_option("--screenshot", options_.screenshot, "Write the last picture")
+      ->type_name("FILE.png")
+      ->group(group);
+  command
+      .add_option("--record", options_.record,
+                  "Offscreen: write all pictures. Into a video, if the name ends in .mp4, .mkv or "
+                  ".webm (needs ffmpeg), with the exact time of each picture. Into one file for "
+                  "each picture, if the name has a %d, or %04d with leading zeros, for its number")
+      ->check(check(check_recording_name))
+      ->type_name("FILE")
+      ->group(group);
+  command
+      .add_option("--supersample", options_.supersample,
+                  fmt::format("Draw pictures that are written N times as wide and high, and average "
+                              "them down (1 to {}; default 1)",
+                              kMaxSupersample))
+      ->check(CLI::Range(1, kMaxSupersample))
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option("--json", options_.json,
+                  "Write a summary as JSON; - is standard output. It has the median, 95th "
+                  "percentile and maximum time of each step over all frames shown; how many frames "
+                  "were shown, refined, reduced (see --drafts), dropped and broken; the bytes "
+                  "fetched; and of the last frame the layers, points, nodes, leaves, depth and "
+                  "elements drawn. \"skipped\" tells what the view and the mode did not need: "
+                  "layers, levels, attributes and bytes, leaves out of view or below a pixel, and "
+                  "voxels hidden by others")
+      ->type_name("FILE")
+      ->group(group);
+}
+
+/// Sets the options of the table that are on the command line.
+Result<void> PlayCommand::set_given(Settings& settings) const {
+  for (const Option& option : option_table()) {
+    for (const std::string_view name : {option.name, option.old_name}) {
+      const CLI::Option* given = command_->get_option_no_throw(command_line_name(name));
+      if (given != nullptr && given->count() > 0)
+        TRY(set_from_text(option, given->as<std::string>(), settings));
+    }
+  }
+  return {};
 }
 
 Result<PlayOptions> PlayCommand::options() const {
   PlayOptions options = options_;
-  options.draw.mode = modes().at(mode_);
-  options.draw.instancing = named<Instancing>(kInstancings).at(instancing_);
-  options.draw.splatting = named<Splatting>(kSplattings).at(splatting_);
-  options.drafts = named<Drafts>(kDrafts).at(drafts_);
-  options.draw.color = named<ColorSource>(kColorSources).at(color_);
-  if (!background_.empty()) options.draw.background = *parse_color(background_);
-  if (places_.size() > sources_.size())
-    return fail(fmt::format("--at-position is given {} times for {} source{}", places_.size(),
+  TRY(set_given(options.settings));
+  if (positions_.size() > sources_.size())
+    return fail(ErrorCode::argument,
+                fmt::format("--at-position is given {} times for {} source{}", positions_.size(),
                             sources_.size(), sources_.size() > 1 ? "s" : ""));
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     options.sources.push_back({sources_[i], {}});
-    if (i < places_.size()) options.sources.back().place = *parse_position(places_[i]);
+    if (i < positions_.size()) options.sources.back().place = TRY(parse_position(positions_[i]));
   }
-  if (loop_flag_->count() > 0) options.loop = loop_;
   if (!up_.empty()) options.up = up_[0];
-  options.offscreen = !size_.empty();
-  if (options.offscreen) options.size = *parse_size(size_);
-  if (!view_.empty()) {
-    auto camera = parse_camera(view_);
-    if (!camera) return tl::unexpected(camera.error());
-    if (const View* view = std::get_if<View>(&*camera)) options.view = *view;
-    if (CameraPath* path = std::get_if<CameraPath>(&*camera))
+  if (!offscreen_.empty()) options.offscreen = TRY(parse_size(offscreen_, kPictureSide));
+  if (!camera_.empty()) {
+    CameraArgument camera = TRY(parse_camera(camera_));
+    if (const View* view = std::get_if<View>(&camera)) options.view = *view;
+    if (CameraPath* path = std::get_if<CameraPath>(&camera))
       options.camera_path = std::move(*path);
   }
-  if (!options.record.empty() && !options.offscreen) return fail("--record needs --offscreen WxH");
+  if (!options.record.empty() && !options.offscreen)
+    return fail(ErrorCode::argument, "--record needs --offscreen WIDTHxHEIGHT");
   return options;
 }
 
@@ -354,14 +291,10 @@ Result<void> PlayCommand::read_settings(PlayOptions& options) const {
   std::filesystem::path file = config_;
   if (config_.empty() && !options.offscreen) file = default_settings_file();
   if (file.empty()) return {};
-  const glm::ivec2 size = options.size;
-  const auto given = [this](std::string_view name) {
-    const CLI::Option* option = command_->get_option_no_throw(fmt::format("--{}", name));
-    return option != nullptr && option->count() > 0;
-  };
-  const auto read = pointreel::read_settings(file, given, options);
-  if (!read) return read;
-  if (options.offscreen) options.size = size;
+  Settings settings;
+  TRY(pointreel::read_settings(file, settings));
+  TRY(set_given(settings));
+  options.settings = settings;
   options.settings_file = file.string();
   return {};
 }

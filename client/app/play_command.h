@@ -8,7 +8,6 @@
 
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace pointreel {
@@ -16,26 +15,30 @@ namespace pointreel {
 /// The command line of `pointreel play`.
 class PlayCommand {
  public:
-  /// Adds the subcommand. `app` ends first.
+  /// Adds the subcommand to `app`, which must be destroyed first.
   explicit PlayCommand(CLI::App& app);
   PlayCommand(const PlayCommand&) = delete;
   PlayCommand& operator=(const PlayCommand&) = delete;
 
-  /// After parsing. An error says which options do not go together.
+  /// To be called after parsing. The error says which options do not go together.
   Result<PlayOptions> options() const;
-  /// Adds what the settings file of a window says, where the command line does not; from then on
-  /// it is options.settings_file. On an error there is none, and options stay as they are.
+  /// Takes the settings that the command line does not give from the settings file, which becomes
+  /// options.settings_file. On an error there is none, and the other options stay as they are.
   Result<void> read_settings(PlayOptions& options) const;
 
  private:
-  PlayOptions options_;
-  // As they are written.
-  std::vector<std::string> sources_, places_;
-  std::string mode_, instancing_, splatting_, color_, drafts_, background_, up_, size_, view_;
-  bool loop_ = true;
-  CLI::Option* loop_flag_ = nullptr;
+  void add_sources(CLI::App& command);
+  void add_settings(CLI::App& command) const;
+  void add_playback(CLI::App& command);
+  void add_window(CLI::App& command);
+  void add_output(CLI::App& command);
+  Result<void> set_given(Settings& settings) const;
+
   const CLI::App* command_ = nullptr;
-  std::string config_;
+  PlayOptions options_;
+  // As they are written on the command line.
+  std::vector<std::string> sources_, positions_;
+  std::string up_, offscreen_, camera_, config_;
   bool no_config_ = false;
 };
 

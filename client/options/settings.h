@@ -1,38 +1,41 @@
 #pragma once
 
-#include <filesystem>
-#include <functional>
-#include <string_view>
+#include <cstdint>
+#include <optional>
 
-#include "client/options/play_options.h"
-#include "pointreel/error.h"
+#include <glm/glm.hpp>
 
-/// What a window remembers from one time to the next: its size, how it draws, whether it loops, and
-/// its panels. A file of JSON, whose names are those of the options of `pointreel play`:
-///
-///   {"window": [1280, 720], "mode": "voxel", "edl": 0.5, "loop": false, "drawing_panel": true}
-///
-/// All may be absent; names that are unknown, of a newer version for instance, are kept and not
-/// read.
+#include "client/prepare/prepare.h"
+#include "client/scene/draw_options.h"
+
 namespace pointreel {
 
-/// "pointreel/player.json" in $XDG_CONFIG_HOME, or else in ~/.config; empty where there is neither.
-std::filesystem::path default_settings_file();
+/// The largest width and height of a picture in pixels: every OpenGL 4.5 has textures of this size.
+inline constexpr int kMaxImageSide = 16384;
 
-/// Whether an option is on the command line, by its name there: "pixel-size".
-using GivenOption = std::function<bool(std::string_view)>;
+/// What the user can change while a window plays, and what the window keeps for the next time
+/// (settings_file.h). Names, ranges and words are in option_table.h.
+struct Settings {
+  glm::ivec2 size{1280, 720};  ///< of the window
+  std::optional<bool> loop;    ///< by default a window loops, and playing offscreen does not
+  DrawOptions draw;
+  double delta = PrepareOptions{}.delta;
+  Drafts drafts = Drafts::playing;  ///< in a window; pictures that are written are never drafts
+  bool floor = false;               ///< draw a grid on the floor
+  bool drawing_panel = false, statistics_panel = false;  ///< whether they are open
 
-/// Puts the file's values into options, save where the command line has them. There may be no such
-/// file. On an error, options are as they were. Trusts nothing: at most 64 KiB are read, of a
-/// regular file only, and a value that the command line would refuse is an error.
-Result<void> read_settings(const std::filesystem::path& file, const GivenOption& given,
-                           PlayOptions& options);
-/// The same from what is in the file.
-Result<void> parse_settings(std::string_view text, const GivenOption& given, PlayOptions& options);
+  bool operator==(const Settings&) const = default;
+};
 
-/// Puts what is not the same in both into the file, which is replaced at once, and made where there
-/// is none. A file that cannot be read is left as it is: an error.
-Result<void> write_settings(const std::filesystem::path& file, const PlayOptions& begun,
-                            const PlayOptions& ended);
+/// How frames are prepared to be drawn with these settings, from at most this many layers.
+inline PrepareOptions prepare_options(const Settings& settings, std::uint32_t layers) {
+  PrepareOptions options;
+  options.mode = settings.draw.mode;
+  options.delta = settings.delta;
+  options.show_normals = settings.draw.color == ColorSource::normals;
+  options.pixel_size = settings.draw.pixel_size;
+  options.layers = layers;
+  return options;
+}
 
 }  // namespace pointreel

@@ -13,17 +13,17 @@
 #include "common/base/progress.h"
 #include "pointreel/error.h"
 
-/// What the player says on standard error while it plays.
+/// What the player prints on standard error while it plays.
 namespace pointreel {
 
-/// One line for each broken frame, however often it is tried. From any thread.
+/// Prints one line for each broken frame, however often it is tried again. Any thread may call it.
 class ErrorLines {
  public:
-  /// Lines stand above this bar from now on, or no bar if null.
+  /// From now on lines are printed above this bar; null: there is none.
   void set_progress(Progress* progress);
-  /// `where`: before the frame's number; empty if there is one source.
+  /// `where` precedes the frame's number; it is empty if there is only one source.
   void print(std::size_t source, const std::string& where, std::uint32_t frame, const Error& error);
-  /// The last line since this was last asked for.
+  /// The last line that was printed since the previous call, if any.
   std::optional<std::string> take_newest();
 
  private:
@@ -33,16 +33,17 @@ class ErrorLines {
   std::set<std::pair<std::size_t, std::uint32_t>> printed_;
 };
 
-/// One line when something goes wrong with a source, and one when it goes on.
+/// Prints a line when a source gets into trouble, such as a lost connection, and another when it
+/// recovers.
 class TroubleLines {
  public:
-  /// Lines stand above the bar, if there is one.
+  /// To be called now and then. Lines are printed above the bar, if there is one.
   void look(const Stage& stage, Progress* progress = nullptr);
-  /// Of the first source that something is wrong with; empty: all is well.
+  /// The trouble of the first source that has any; empty: all is well.
   std::string now() const;
 
  private:
-  std::vector<std::optional<std::string>> said_;
+  std::vector<std::optional<std::string>> troubles_;  ///< of each source
 };
 
 }  // namespace pointreel

@@ -11,7 +11,7 @@
 namespace pointreel {
 namespace {
 
-/// To a microsecond: more digits are noise.
+/// Rounds to a microsecond: more digits are noise.
 double rounded(double ms) { return std::round(ms * 1000.0) / 1000.0; }
 
 nlohmann::ordered_json json_of(const TimeSamples& samples) {

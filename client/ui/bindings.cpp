@@ -11,42 +11,42 @@ namespace {
 constexpr std::array kBindings = {
     Binding{"SPACE", Action::toggle_play, "play or pause"},
     Binding{"p", Action::toggle_play, "play or pause"},
-    Binding{"LEFT", Action::seek_back, "5 seconds back, forward"},
-    Binding{"RIGHT", Action::seek_forward, "5 seconds back, forward"},
-    Binding{"Shift+LEFT", Action::seek_back_little, "1 second back, forward"},
-    Binding{"Shift+RIGHT", Action::seek_forward_little, "1 second back, forward"},
-    Binding{"DOWN", Action::seek_back_far, "1 minute back, forward"},
-    Binding{"UP", Action::seek_forward_far, "1 minute back, forward"},
-    Binding{"PGDWN", Action::seek_back_tenth, "a tenth of its length back, forward"},
-    Binding{"PGUP", Action::seek_forward_tenth, "a tenth of its length back, forward"},
-    Binding{"HOME", Action::seek_start, "to the beginning"},
-    Binding{"END", Action::seek_last, "to the last frame, and pause"},
-    Binding{",", Action::step_back, "one frame back, forward, and pause"},
-    Binding{".", Action::step_forward, "one frame back, forward, and pause"},
-    Binding{"[", Action::slower, "a tenth slower, faster"},
-    Binding{"]", Action::faster, "a tenth slower, faster"},
-    Binding{"{", Action::half_speed, "half, twice as fast"},
-    Binding{"}", Action::double_speed, "half, twice as fast"},
-    Binding{"BS", Action::normal_speed, "normal speed, forward"},
-    Binding{"r", Action::turn_around, "backward, or forward again"},
-    Binding{"l", Action::mark_loop, "A-B loop: set A, set B, clear"},
-    Binding{"L", Action::toggle_loop, "loop the whole, or not"},
-    Binding{"o", Action::tell_time, "what time it is, and which frame"},
-    Binding{"m", Action::next_mode, "surfels, voxels, points"},
-    Binding{"n", Action::next_instancing, "the next way of instancing"},
-    Binding{"b", Action::next_splatting, "the next way of splatting"},
-    Binding{"g", Action::toggle_floor, "a grid on the floor, or not"},
-    Binding{"0", Action::reset_view, "the first view again"},
-    Binding{"TAB", Action::toggle_fly, "fly with WASD, E up, Q down"},
-    Binding{"k", Action::add_camera_key, "a key of a camera path, here and now"},
-    Binding{"d", Action::toggle_drawing, "how it is drawn"},
-    Binding{"i", Action::toggle_statistics, "statistics"},
-    Binding{"f", Action::toggle_fullscreen, "full screen, or not"},
-    Binding{"F11", Action::toggle_fullscreen, "full screen, or not"},
-    Binding{"s", Action::screenshot, "write a picture into the current folder"},
-    Binding{"?", Action::help, "this help, or not"},
-    Binding{"F1", Action::help, "this help, or not"},
-    Binding{"ESC", Action::leave, "leave help, flying, loading, full screen"},
+    Binding{"LEFT", Action::seek_back, "go back or forward 5 seconds"},
+    Binding{"RIGHT", Action::seek_forward, "go back or forward 5 seconds"},
+    Binding{"Shift+LEFT", Action::seek_back_little, "go back or forward 1 second"},
+    Binding{"Shift+RIGHT", Action::seek_forward_little, "go back or forward 1 second"},
+    Binding{"DOWN", Action::seek_back_far, "go back or forward 1 minute"},
+    Binding{"UP", Action::seek_forward_far, "go back or forward 1 minute"},
+    Binding{"PGDWN", Action::seek_back_tenth, "go back or forward a tenth of the length"},
+    Binding{"PGUP", Action::seek_forward_tenth, "go back or forward a tenth of the length"},
+    Binding{"HOME", Action::seek_start, "go to the beginning"},
+    Binding{"END", Action::seek_last, "go to the last frame and pause"},
+    Binding{",", Action::step_back, "pause and step one frame back or forward"},
+    Binding{".", Action::step_forward, "pause and step one frame back or forward"},
+    Binding{"[", Action::slower, "play 10 % slower or faster"},
+    Binding{"]", Action::faster, "play 10 % slower or faster"},
+    Binding{"{", Action::half_speed, "play at half or twice the speed"},
+    Binding{"}", Action::double_speed, "play at half or twice the speed"},
+    Binding{"BS", Action::normal_speed, "play forward at normal speed"},
+    Binding{"r", Action::turn_around, "reverse the direction"},
+    Binding{"l", Action::mark_loop, "A-B loop: set A, then B, then clear"},
+    Binding{"L", Action::toggle_loop, "loop at the end, or stop there"},
+    Binding{"o", Action::tell_time, "show the time and the frame number"},
+    Binding{"m", Action::next_mode, "draw surfels, voxels or points"},
+    Binding{"n", Action::next_instancing, "next way of instancing"},
+    Binding{"b", Action::next_splatting, "next way of splatting"},
+    Binding{"g", Action::toggle_floor, "show or hide a grid on the floor"},
+    Binding{"0", Action::reset_view, "return to the first view"},
+    Binding{"TAB", Action::toggle_fly, "fly: W A S D, E up, Q down"},
+    Binding{"k", Action::add_camera_key, "add this view to a camera path"},
+    Binding{"d", Action::toggle_drawing, "show or hide the drawing settings"},
+    Binding{"i", Action::toggle_statistics, "show or hide the statistics"},
+    Binding{"f", Action::toggle_fullscreen, "enter or leave full screen"},
+    Binding{"F11", Action::toggle_fullscreen, "enter or leave full screen"},
+    Binding{"s", Action::screenshot, "save a picture in the current folder"},
+    Binding{"?", Action::help, "show or hide this help"},
+    Binding{"F1", Action::help, "show or hide this help"},
+    Binding{"ESC", Action::leave, "leave help, flying, loading or full screen"},
     Binding{"q", Action::quit, "quit"},
 };
 
@@ -57,13 +57,13 @@ std::vector<HelpLine> make_lines() {
     lines.back().keys.push_back(binding.key);
   }
   for (const auto& [mouse, help] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"left drag", "turn"},
-           {"right drag", "move"},
-           {"wheel", "nearer, farther: what is under the cursor"},
-           {"double click", "turn about what is there"},
-           {"shift+drag", "to any time, as if the window were the timeline"},
-           {"wheel on the timeline", "one frame back, forward, and pause"},
-           {"drop", "play a package, a folder or files"}})
+           {"left drag", "turn the scene"},
+           {"right drag", "move the scene"},
+           {"wheel", "zoom in or out at the cursor"},
+           {"double click", "turn the scene about this point"},
+           {"shift+drag", "go to any time, as on the timeline"},
+           {"wheel on the timeline", "pause and step one frame back or forward"},
+           {"drop", "play the package, folder or files"}})
     lines.push_back({{mouse}, help});
   return lines;
 }
@@ -86,7 +86,7 @@ std::span<const HelpLine> help_lines() {
 std::string bindings_help() {
   std::string text;
   for (const HelpLine& line : help_lines())
-    text += fmt::format("  {:<22} {}\n", fmt::format("{}", fmt::join(line.keys, "  ")), line.help);
+    text += fmt::format("  {:<23} {}\n", fmt::format("{}", fmt::join(line.keys, "  ")), line.help);
   return text;
 }
 

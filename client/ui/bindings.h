@@ -8,7 +8,7 @@
 
 namespace pointreel {
 
-/// What a key or a button makes the player do.
+/// What a key or a button tells the player to do.
 enum class Action {
   toggle_play,
   seek_forward,
@@ -49,26 +49,25 @@ enum class Action {
 };
 
 /// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, UP, DOWN, PGUP,
-/// PGDWN, HOME, END, BS, TAB, ESC, F1, F11, with Shift+ before LEFT and RIGHT where it is held:
-/// mpv's names, and mpv's keys wherever it has the action.
+/// PGDWN, HOME, END, BS, TAB, ESC, F1 or F11. Shift+LEFT and Shift+RIGHT are keys of their own. The
+/// names are those of mpv, and so are the keys of every action that mpv has too.
 struct Binding {
   std::string_view key;
   Action action;
   std::string_view help;
 };
 
-/// The only table of keys: what they do, and what the help says. Keys that stand beside each other
-/// and have the same help are one line of it.
+/// The only table of keys. Neighbours with the same help share a line of it.
 std::span<const Binding> bindings();
 
 std::optional<Action> action_of(std::string_view key);
 
-/// One line of the help: keys, or what the mouse does, and what comes of it.
+/// A line of the help: keys, or a gesture of the mouse, and what they do.
 struct HelpLine {
   std::vector<std::string_view> keys;
   std::string_view help;
 };
-/// The bindings, and the mouse.
+/// All lines, first the keys and then the mouse.
 std::span<const HelpLine> help_lines();
 /// The same as text.
 std::string bindings_help();

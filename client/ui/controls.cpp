@@ -6,24 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "client/options/play_options.h"
 #include "client/ui/time_text.h"
 
 namespace pointreel {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;
-constexpr double kFlySpeed = 0.6;  ///< radii of the scene a second
-constexpr double kFlyFast = 4.0;
-
-template <class Enum>
-Enum next_of(Enum value, int count) {
-  return static_cast<Enum>((static_cast<int>(value) + 1) % count);
-}
-
-const char* text(DrawMode mode) {
-  return mode == DrawMode::surfel ? "surfels" : mode == DrawMode::voxel ? "voxels" : "points";
-}
+constexpr double kFlySpeed = 0.6;  ///< radii of the scene per second
+constexpr double kFlyFast = 4.0;   ///< times as fast with shift
 
 }  // namespace
 
@@ -41,34 +31,8 @@ void Controls::begin(Stage* stage, std::function<Camera()> home) {
 std::optional<std::string> Controls::take_said() { return std::exchange(said_, std::nullopt); }
 
 bool Controls::act(Action action, Now now) {
+  if (act_on_settings(action)) return true;
   switch (action) {
-    case Action::next_mode:
-    case Action::next_instancing:
-    case Action::next_splatting:
-    case Action::toggle_floor: {
-      DrawSettings settings = settings_;
-      DrawOptions& draw = settings.draw;
-      if (action == Action::next_mode) {
-        draw.mode = next_of(draw.mode, 3);
-        said_ = text(draw.mode);
-      } else if (action == Action::next_instancing) {
-        draw.instancing = next(draw.instancing);
-        said_ = fmt::format("instancing: {}", name(draw.instancing));
-      } else if (action == Action::next_splatting) {
-        draw.splatting = next(draw.splatting);
-        said_ = fmt::format("splatting: {}", name(draw.splatting));
-      } else {
-        settings.floor = !settings.floor;
-      }
-      set_settings(settings);
-      return true;
-    }
-    case Action::toggle_drawing:
-      show_drawing = !show_drawing;
-      return true;
-    case Action::toggle_statistics:
-      show_statistics = !show_statistics;
-      return true;
     case Action::help:
       show_help = !show_help;
       return true;
@@ -97,13 +61,44 @@ bool Controls::act(Action action, Now now) {
   }
 }
 
+bool Controls::act_on_settings(Action action) {
+  Settings settings = settings_;
+  switch (action) {
+    case Action::next_mode:
+      settings.draw.mode = next(settings.draw.mode);
+      said_ = fmt::format("{}s", name(settings.draw.mode));
+      break;
+    case Action::next_instancing:
+      settings.draw.instancing = next(settings.draw.instancing);
+      said_ = fmt::format("instancing: {}", name(settings.draw.instancing));
+      break;
+    case Action::next_splatting:
+      settings.draw.splatting = next(settings.draw.splatting);
+      said_ = fmt::format("splatting: {}", name(settings.draw.splatting));
+      break;
+    case Action::toggle_floor:
+      settings.floor = !settings.floor;
+      break;
+    case Action::toggle_drawing:
+      settings.drawing_panel = !settings.drawing_panel;
+      break;
+    case Action::toggle_statistics:
+      settings.statistics_panel = !settings.statistics_panel;
+      break;
+    default:
+      return false;
+  }
+  set_settings(settings);
+  return true;
+}
+
 bool Controls::act_on_time(Action action, Now now) {
   if (!reel_) {
     if (stage_ && action == Action::toggle_play) {
       stage_->set_live_playing(!stage_->playing());
       said_ = stage_->playing() ? "live" : "paused";
     } else if (stage_) {
-      said_ = "live: there is no other time to go to";
+      said_ = "a live stream has no other time to go to";
     }
     return true;
   }
@@ -183,6 +178,7 @@ bool Controls::act_on_time(Action action, Now now) {
       break;
     case Action::toggle_loop: {
       const bool loop = !reel_->loop();
+      settings_.loop = loop;
       stage_->for_each_reel([&](ReelPlayback& reel) { reel.set_loop(loop, now); });
       said_ = loop ? "loop" : "no loop";
       break;
@@ -230,7 +226,7 @@ bool Controls::move(const Input& input, glm::ivec2 size, double seconds) {
   if (!stage_) return false;
   const Camera before = camera_;
   const double height = std::max(1, size.y);
-  // Once across the height of the picture is half a turn.
+  // A drag across the height of the picture is half a turn.
   if (input.orbit != glm::dvec2(0.0)) {
     const glm::dvec2 turn = input.orbit / height * M_PI;
     if (flying_)
@@ -262,18 +258,17 @@ void Controls::look_home_unless_moved() {
   if (stage_ && !moved_) camera_ = home_();
 }
 
-void Controls::set_settings(const DrawSettings& settings) {
+void Controls::set_settings(const Settings& settings) {
   settings_ = settings;
   set_prepare_options();
 }
 
 void Controls::set_prepare_options() {
   if (stage_)
-    stage_->set_prepare_options(
-        prepare_options(settings_.draw, settings_.delta, stage_->prepare_options().layers));
+    stage_->set_prepare_options(prepare_options(settings_, stage_->prepare_options().layers));
 }
 
-/// As mpv does: the first time A, then B, then neither.
+/// Sets A the first time, then B, then clears both, as in mpv.
 void Controls::mark_loop(Now now) {
   const std::uint64_t at = reel_->position_us(now);
   if (reel_->loop_range()) {

@@ -7,49 +7,39 @@
 
 #include <glm/glm.hpp>
 
+#include "client/options/settings.h"
 #include "client/playback/clock.h"
 #include "client/playback/stage.h"
-#include "client/prepare/prepare.h"
 #include "client/scene/camera.h"
-#include "client/scene/draw_options.h"
 #include "client/ui/bindings.h"
 #include "client/ui/window_input.h"
 
 namespace pointreel {
 
-/// How things are drawn, as far as the user can choose it while they play.
-struct DrawSettings {
-  DrawOptions draw;
-  double delta = PrepareOptions{}.delta;
-  bool floor = false;  ///< a grid on the floor
-  Drafts drafts = Drafts::playing;
-
-  bool operator==(const DrawSettings&) const = default;
-};
-
-/// What the user has chosen, and what keys, mouse and widgets do to it and to what plays. Knows
-/// neither window nor OpenGL: what needs those is left to the caller of act().
+/// Acts on what plays, for keys, mouse and panels: its time, the camera and the settings. Knows
+/// neither windows nor OpenGL; actions that need them are left to the caller of act().
 class Controls {
  public:
   using Now = Clock::TimePoint;
 
-  explicit Controls(const DrawSettings& settings) : settings_(settings) {}
+  explicit Controls(const Settings& settings) : settings_(settings) {}
 
-  /// From now on this plays, and its frames are prepared as the settings say. It outlives the
-  /// controls or is followed by another; null: nothing plays. `home`: the view that reset_view
-  /// comes back to, for the bounds and the size of now.
+  /// Controls this stage from now on, and has its frames prepared as the settings say. The stage
+  /// must live until the next call; null: nothing plays. `home` gives the view that reset_view comes
+  /// back to, for the current bounds and size.
   void begin(Stage* stage, std::function<Camera()> home);
 
-  /// False: an action that is not for the controls, such as quit. Anything else has been done, or
-  /// cannot be done while nothing plays.
+  /// False if the action is not for the controls, such as quit. Every other action has been done,
+  /// or cannot be done while nothing plays.
   bool act(Action action, Now now);
 
-  // Time. Of several reels, the first one's is told, and all go to the same share of their length.
+  // Time. If there are several reels, the time is that of the first; dragging the timeline moves all
+  // of them to the same fraction of their length.
 
-  /// Null where nothing plays that has a time.
+  /// The first reel; null if there is none.
   const ReelPlayback* reel() const { return reel_; }
   bool playing() const { return reel_ ? reel_->playing() : stage_ && stage_->playing(); }
-  /// A of an A-B loop whose B is not set yet.
+  /// The start of an A-B loop whose end is not set yet.
   const std::optional<std::uint64_t>& loop_begin() const { return loop_a_; }
   void scrub_to(std::uint64_t time_us, Now now);
   void scrub_end(Now now);
@@ -58,28 +48,29 @@ class Controls {
   // Camera.
 
   const Camera& camera() const { return camera_; }
-  /// The mouse and the flying of `input`, in a picture of `size` pixels, in the `seconds` since the
-  /// last call. True if the camera moved.
+  /// Moves the camera as the mouse and the flying keys of `input` say, for a picture of `size` pixels
+  /// and the `seconds` since the last call. True if it moved.
   bool move(const Input& input, glm::ivec2 size, double seconds);
   void center_on(const glm::dvec3& point);
-  /// Looks at everything anew, unless the user has chosen where to look from.
+  /// Frames the whole scene again, unless the user has moved the camera.
   void look_home_unless_moved();
   bool flying() const { return flying_; }
-  /// What keys do that do something else otherwise; empty if none does.
+  /// Explains the keys that have another meaning just now; empty if none has.
   const char* unusual_keys() const {
-    return flying_ ? "Flying: W A S D, E up, Q down, shift faster; TAB or ESC ends it" : "";
+    return flying_ ? "Flying: W A S D, E up, Q down, Shift faster; TAB or ESC ends it" : "";
   }
 
-  // Drawing.
+  // Settings and panels.
 
-  const DrawSettings& settings() const { return settings_; }
-  void set_settings(const DrawSettings& settings);
-  bool show_drawing = false, show_statistics = false, show_help = false;
+  const Settings& settings() const { return settings_; }
+  void set_settings(const Settings& settings);
+  bool show_help = false;
 
-  /// What to tell the user of the last action, in a few words; given once.
+  /// A few words that tell the user what the last action did; given once.
   std::optional<std::string> take_said();
 
  private:
+  bool act_on_settings(Action action);
   bool act_on_time(Action action, Now now);
   void seek_by(std::int64_t us, Now now);
   void set_speed(double speed, Now now);
@@ -87,12 +78,12 @@ class Controls {
   void set_prepare_options();
   std::string time_text(Now now) const;
 
-  DrawSettings settings_;
+  Settings settings_;
   Stage* stage_ = nullptr;
-  ReelPlayback* reel_ = nullptr;  ///< the first one's
+  ReelPlayback* reel_ = nullptr;  ///< the first reel of the stage
   std::function<Camera()> home_;
   Camera camera_;
-  bool moved_ = false;  ///< the user has chosen where to look from
+  bool moved_ = false;  ///< the user has moved the camera
   bool flying_ = false;
   std::optional<std::uint64_t> loop_a_;
   std::optional<std::string> said_;

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <variant>
 
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include "client/options/option_table.h"
 #include "client/ui/panel.h"
 
 namespace pointreel {
 namespace {
 
-/// No numbers by keyboard: its keys are the player's.
+/// Sliders take no numbers from the keyboard, whose keys are the player's.
 constexpr ImGuiSliderFlags kByMouse = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
 constexpr float kTipSeconds = 0.5f;
 
@@ -22,8 +25,9 @@ struct Swatch {
 constexpr std::array kBackgrounds = {Swatch{"Black", 0.0f}, Swatch{"Middle grey", 0.5f},
                                      Swatch{"White", 1.0f}};
 
-void tip(const char* text) {
-  if (ImGui::IsItemHovered() && !ImGui::IsItemActive() && GImGui->HoveredIdTimer > kTipSeconds)
+void show_tip(const char* text) {
+  if (text != nullptr && ImGui::IsItemHovered() && !ImGui::IsItemActive() &&
+      GImGui->HoveredIdTimer > kTipSeconds)
     ImGui::SetTooltip("%s", text);
 }
 
@@ -32,104 +36,45 @@ void heading(const char* text) {
   ImGui::TextDisabled("%s", text);
 }
 
-/// One of an enum's values, of which there are `count`.
-template <class Enum>
-bool choose(const char* label, Enum& value, int count) {
-  bool changed = false;
-  if (!ImGui::BeginCombo(label, name(value))) return false;
-  for (int i = 0; i < count; ++i) {
-    const Enum one = static_cast<Enum>(i);
-    if (ImGui::Selectable(name(one), one == value) && one != value) {
-      value = one;
-      changed = true;
+// Widgets for the options of the table. A value that the user does not touch stays as it is, even if
+// it is outside of what a slider shows.
+
+void edit_value(const Option& option, const Option::Flag& flag, Settings& settings) {
+  bool value = flag.get(settings);
+  if (ImGui::Checkbox(option.label, &value)) flag.set(settings, value);
+}
+
+void edit_value(const Option& option, const Option::Number& number, Settings& settings) {
+  auto value = static_cast<float>(number.get(settings));
+  if (ImGui::SliderFloat(option.label, &value, static_cast<float>(number.slider.min),
+                         static_cast<float>(number.slider.max), number.format,
+                         kByMouse | (number.logarithmic ? ImGuiSliderFlags_Logarithmic : 0)))
+    number.set(settings, static_cast<double>(value));
+}
+
+void edit_value(const Option& option, const Option::Choice& choice, Settings& settings) {
+  const std::size_t chosen = choice.get(settings);
+  if (!choice.labels.empty()) {
+    for (std::size_t i = 0; i < choice.labels.size(); ++i) {
+      if (i > 0) ImGui::SameLine();
+      if (ImGui::RadioButton(choice.labels[i], i == chosen)) choice.set(settings, i);
     }
+  } else if (ImGui::BeginCombo(option.label, choice.names[chosen])) {
+    for (std::size_t i = 0; i < choice.names.size(); ++i)
+      if (ImGui::Selectable(choice.names[i], i == chosen)) choice.set(settings, i);
+    ImGui::EndCombo();
   }
-  ImGui::EndCombo();
-  return changed;
 }
 
-/// The same beside each other, with labels that are short.
-template <class Enum, std::size_t kCount>
-bool choose_beside(Enum& value, const std::array<const char*, kCount>& labels) {
-  bool changed = false;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const Enum one = static_cast<Enum>(i);
-    if (i > 0) ImGui::SameLine();
-    if (ImGui::RadioButton(labels[i], one == value) && one != value) {
-      value = one;
-      changed = true;
-    }
-  }
-  return changed;
-}
-
-bool slide(const char* label, float& value, float least, float most, const char* format,
-           ImGuiSliderFlags flags = 0) {
-  return ImGui::SliderFloat(label, &value, least, most, format, kByMouse | flags);
-}
-
-bool surfel_settings(DrawOptions& draw) {
-  bool changed = choose("Splatting", draw.splatting, kSplattings);
-  tip("How discs become a picture: their weighted mean, or the paper's five ways");
-  ImGui::BeginDisabled(draw.splatting != Splatting::normalized);
-  changed |= slide("Visible size", draw.scales.visibility, 0.25f, 4.0f, "%.2f",
-                   ImGuiSliderFlags_Logarithmic);
-  tip("Of discs where they decide what is hidden");
-  changed |=
-      slide("Colour size", draw.scales.shading, 0.25f, 4.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
-  tip("Of discs where their colours are blended");
-  changed |= ImGui::Checkbox("Fill holes", &draw.fill_holes);
-  tip("Of closed surfaces, from what is around them");
-  ImGui::EndDisabled();
-  return changed;
-}
-
-bool voxel_settings(DrawSettings& settings) {
-  auto delta = static_cast<float>(settings.delta);
-  bool changed = slide("Delta", delta, 0.0f, 1.0f, "%.2f");
-  tip("Share of points that may merge in voxels: less is finer, with gaps");
-  if (changed) settings.delta = static_cast<double>(delta);
-  changed |= ImGui::Checkbox("Fill holes", &settings.draw.fill_holes);
-  tip("Gaps of up to three voxels, with voxels like those around");
-  return changed;
-}
-
-bool element_settings(DrawSettings& settings) {
-  DrawOptions& draw = settings.draw;
-  bool changed = draw.mode == DrawMode::surfel ? surfel_settings(draw)
-                 : draw.mode == DrawMode::voxel
-                     ? voxel_settings(settings)
-                     : slide("Point size", draw.point_size, 1.0f, 16.0f, "%.1f px");
-  if (draw.mode != DrawMode::point) {
-    changed |= choose("Instancing", draw.instancing, kInstancings);
-    tip("How each element becomes triangles");
-  }
-  changed |= slide("Detail", draw.pixel_size, 0.0f, 16.0f, "%.1f px");
-  tip("Below this size elements are drawn as one; 0: never");
-  changed |= choose("Drafts", settings.drafts, kDrafts);
-  tip("Fewer pixels where time is short: never, while a hand moves it, or while it plays, too");
-  return changed;
-}
-
-bool light_settings(DrawOptions& draw) {
-  bool changed = choose_beside(draw.color, std::array{"Colours", "Normals", "Plain"});
-  changed |= ImGui::Checkbox("Lighting", &draw.lighting);
-  tip("A light over the shoulder");
-  changed |= slide("Eye-dome", draw.edl, 0.0f, 4.0f, "%.2f");
-  tip("Darkens what lies behind what is beside it: shape without normals");
-  return changed;
-}
-
-bool background_settings(DrawSettings& settings, const DrawOptions& defaults) {
-  glm::vec3& color = settings.draw.background;
-  const glm::vec3 before = color;
-  constexpr ImGuiColorEditFlags kPlain =
-      ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop;
-  const auto swatch = [&](const char* id, const glm::vec3& shown) {
-    return ImGui::ColorButton(id, {shown.x, shown.y, shown.z, 1.0f}, kPlain);
+void edit_value(const Option& option, const Option::Color& option_color, Settings& settings) {
+  const glm::vec3 before = option_color.get(settings), usual = option_color.get({});
+  glm::vec3 color = before;
+  const auto swatch = [](const char* id, const glm::vec3& shown) {
+    return ImGui::ColorButton(id, {shown.x, shown.y, shown.z, 1.0f},
+                              ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop);
   };
   if (swatch("##color", color)) ImGui::OpenPopup("pick");
-  tip("Background: any colour");
+  show_tip("Choose any colour");
   if (ImGui::BeginPopup("pick")) {
     ImGui::ColorPicker3("##picker", &color.x,
                         ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoSidePreview |
@@ -138,47 +83,85 @@ bool background_settings(DrawSettings& settings, const DrawOptions& defaults) {
     ImGui::EndPopup();
   }
   ImGui::SameLine();
-  ImGui::TextUnformatted("Background");
+  ImGui::TextUnformatted(option.label);
   ImGui::SameLine();
-  if (swatch("##default", defaults.background)) color = defaults.background;
-  tip("The usual one");
-  for (const Swatch& one : kBackgrounds) {
+  if (swatch("##default", usual)) color = usual;
+  show_tip("Default");
+  for (const Swatch& background : kBackgrounds) {
     ImGui::SameLine();
-    if (swatch(one.tip, glm::vec3(one.gray))) color = glm::vec3(one.gray);
-    tip(one.tip);
+    if (swatch(background.tip, glm::vec3(background.gray))) color = glm::vec3(background.gray);
+    show_tip(background.tip);
   }
-  const bool floor = ImGui::Checkbox("Floor grid", &settings.floor);
-  return floor || color != before;
+  if (color != before) option_color.set(settings, color);
+}
+
+/// Sizes are not in the panel: the user drags the frame of the window.
+void edit_value(const Option&, const Option::Size&, Settings&) {}
+
+void edit(const char* name, Settings& settings) {
+  const Option& option = find_option(name);
+  std::visit([&](const auto& value) { edit_value(option, value, settings); }, option.value);
+  show_tip(option.tip);
+}
+
+void edit_surfels(Settings& settings) {
+  edit("splatting", settings);
+  ImGui::BeginDisabled(settings.draw.splatting != Splatting::normalized);
+  edit("visibility_scale", settings);
+  edit("shading_scale", settings);
+  edit("fill_holes", settings);
+  ImGui::EndDisabled();
+}
+
+void edit_elements(Settings& settings) {
+  switch (settings.draw.mode) {
+    case DrawMode::surfel:
+      edit_surfels(settings);
+      break;
+    case DrawMode::voxel:
+      edit("voxel_merge", settings);
+      edit("fill_holes", settings);
+      break;
+    case DrawMode::point:
+      edit("point_size", settings);
+      break;
+  }
+  if (settings.draw.mode != DrawMode::point) edit("instancing", settings);
+  edit("pixel_size", settings);
+  edit("drafts", settings);
+}
+
+/// Sets everything that the panel can show to its default, except the mode.
+void restore_defaults(Settings& settings) {
+  for (const Option& option : option_table())
+    if (option.label != nullptr && option.name != "mode") copy_value(option, {}, settings);
 }
 
 }  // namespace
 
-bool drawing_panel(DrawSettings& settings, bool& open, glm::vec2 size, float scale) {
-  // On the left, below the words that are said there: statistics are on the right.
+bool drawing_panel(Settings& settings, glm::vec2 size, float scale) {
+  // Below the messages in the same corner; the statistics panel is on the right.
   ImGui::SetNextWindowPos({12.0f * scale, std::min(48.0f * scale, 0.1f * size.y)},
                           ImGuiCond_FirstUseEver);
-  bool changed = false;
-  if (begin_panel("Drawing", open, ImGuiWindowFlags_NoFocusOnAppearing)) {
+  const Settings before = settings;
+  if (begin_panel("Drawing", settings.drawing_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
     ImGui::PushItemWidth(150.0f * scale);
-    changed |= choose_beside(settings.draw.mode, std::array{"Surfels", "Voxels", "Points"});
-    changed |= element_settings(settings);
+    edit("mode", settings);
+    edit_elements(settings);
     heading("Colour and light");
-    changed |= light_settings(settings.draw);
-    heading("Around it");
-    const DrawSettings defaults;
-    changed |= background_settings(settings, defaults.draw);
+    edit("color", settings);
+    edit("lighting", settings);
+    edit("edl", settings);
+    heading("Surroundings");
+    edit("background", settings);
+    edit("floor", settings);
     ImGui::Spacing();
-    if (ImGui::Button("Defaults")) {
-      DrawSettings fresh = defaults;
-      fresh.draw.mode = settings.draw.mode;
-      changed |= settings != fresh;
-      settings = fresh;
-    }
-    tip("All but surfels, voxels, points");
+    if (ImGui::Button("Defaults")) restore_defaults(settings);
+    show_tip("Resets everything but the choice of surfels, voxels or points");
     ImGui::PopItemWidth();
   }
   ImGui::End();
-  return changed;
+  return settings != before;
 }
 
 }  // namespace pointreel

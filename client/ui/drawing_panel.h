@@ -2,14 +2,14 @@
 
 #include <glm/glm.hpp>
 
-#include "client/ui/controls.h"
+#include "client/options/settings.h"
 
 namespace pointreel {
 
-/// How things are drawn, and what of it can be changed in the mode of now; by mouse alone. Between
-/// Gui::begin and end, in a window of `size`, in its upper left corner until it is moved. True
-/// where the user has changed the settings, which stay within what the command line takes; `open`
-/// becomes false where they have closed it.
-bool drawing_panel(DrawSettings& settings, bool& open, glm::vec2 size, float scale);
+/// The panel with the settings of the current mode, which are changed by mouse alone: the keyboard
+/// stays the player's. It is in the upper left corner of a window of `size` until the user moves it.
+/// To be called between Gui::begin and end. True if the user has changed the settings, which stay
+/// in the ranges of the option table; closing the panel clears settings.drawing_panel.
+bool drawing_panel(Settings& settings, glm::vec2 size, float scale);
 
 }  // namespace pointreel

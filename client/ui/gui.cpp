@@ -25,13 +25,13 @@ namespace {
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kFontSize = 14.0f;
 
-/// Latin, Greek and Cyrillic: names of files are shown.
+/// Latin, Greek and Cyrillic, because file names are shown.
 constexpr std::array<ImWchar, 7> kGlyphs = {0x0020, 0x024f, 0x0370, 0x052f, 0x2010, 0x2044, 0};
 
 void add_font(float scale) {
   ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
   if (std::filesystem::exists(kFont)) {
-    // On whole pixels, as sample_nearest needs.
+    // Glyphs lie on whole pixels, as sample_nearest needs.
     ImFontConfig config;
     config.OversampleH = 1;
     config.PixelSnapH = true;
@@ -43,8 +43,8 @@ void add_font(float scale) {
   }
 }
 
-/// The texture that all but pictures is drawn with has nothing between its pixels that is to be
-/// seen. On software OpenGL the interface is drawn in half the time so.
+/// Turns off interpolation in the font texture, which everything but pictures is drawn with and
+/// which is never scaled. With software OpenGL this halves the time to draw the interface.
 void sample_nearest() {
   const auto font =
       static_cast<GLuint>(reinterpret_cast<std::uintptr_t>(ImGui::GetIO().Fonts->TexID));
@@ -69,8 +69,8 @@ std::uint64_t checksum(const ImVector<T>& values, std::uint64_t seed) {
   return XXH3_64bits_withSeed(values.Data, static_cast<std::size_t>(values.size_in_bytes()), seed);
 }
 
-/// Stands for all that is drawn.
-std::uint64_t number_of(const ImDrawList& list) {
+/// A checksum of everything that the list draws.
+std::uint64_t checksum(const ImDrawList& list) {
   std::uint64_t number = checksum(list.VtxBuffer, checksum(list.IdxBuffer, 0));
   for (const ImDrawCmd& command : list.CmdBuffer) {
     number = XXH3_64bits_withSeed(&command.ClipRect, sizeof(command.ClipRect), number);
@@ -80,7 +80,7 @@ std::uint64_t number_of(const ImDrawList& list) {
   return number;
 }
 
-/// Of the framebuffer's pixels.
+/// The pixels of the framebuffer that the window covers.
 PanelTextures::Place place_of(const ImGuiWindow& window, const ImDrawData& all) {
   const auto pixels = [](const ImVec2& at, const ImVec2& scale) {
     return glm::ivec2(glm::round(glm::vec2(at.x * scale.x, at.y * scale.y)));
@@ -90,7 +90,7 @@ PanelTextures::Place place_of(const ImGuiWindow& window, const ImDrawData& all) 
           glm::max(pixels(window.Size, all.FramebufferScale), 1)};
 }
 
-/// Of these lists alone.
+/// Draws only these lists, and clears them.
 void draw_lists(const ImDrawData& all, std::vector<ImDrawList*>& lists) {
   if (lists.empty()) return;
   ImDrawData part = all;
@@ -122,7 +122,7 @@ Gui::Gui(GLFWwindow* window, float scale)
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // what is remembered is in the settings file
+  io.IniFilename = nullptr;  // the settings file keeps everything
   io.LogFilename = nullptr;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
   io.ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;  // show_cursor does that
@@ -144,7 +144,7 @@ Gui::~Gui() {
 }
 
 bool Gui::covers(glm::dvec2 cursor, std::string_view but) const {
-  // ImGui's own answer, WantCaptureMouse, is that of the cursor's last place.
+  // ImGui's own answer, WantCaptureMouse, is for the last position of the cursor.
   const ImVec2 at(static_cast<float>(cursor.x), static_cast<float>(cursor.y));
   for (const ImGuiWindow* window : GImGui->Windows) {
     if (window->Active && !window->Hidden && !(window->Flags & ImGuiWindowFlags_NoMouseInputs) &&
@@ -169,7 +169,7 @@ void Gui::end() {
   ImGui::Render();
   const ImDrawData& all = *ImGui::GetDrawData();
   built_.clear();
-  for (int i = 0; i < all.CmdListsCount; ++i) built_.push_back(number_of(*all.CmdLists[i]));
+  for (int i = 0; i < all.CmdListsCount; ++i) built_.push_back(checksum(*all.CmdLists[i]));
 }
 
 bool Gui::settling() const {
@@ -180,8 +180,8 @@ bool Gui::settling() const {
 }
 
 void Gui::show_cursor(bool shown) const {
-  // Not by GLFW_CURSOR_HIDDEN: when that changes, GLFW takes the cursor for where it is by now, and
-  // tells nobody of a move to there that is on its way. A drag that short would be none.
+  // Not with GLFW_CURSOR_HIDDEN: when that changes, GLFW asks for the position of the cursor and
+  // swallows the event of a move to it that is still on its way. A short drag would be lost.
   glfwSetCursor(window_, shown ? arrow_ : no_cursor_);
 }
 
@@ -190,10 +190,10 @@ void Gui::draw() {
   if (!all) return;
   drawn_ = built_;
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glDisable(GL_FRAMEBUFFER_SRGB);  // its colours are sRGB already
+  glDisable(GL_FRAMEBUFFER_SRGB);  // ImGui's colours are sRGB already
   if (epoxy_gl_version() >= 45) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   const int height = static_cast<int>(all->DisplaySize.y * all->FramebufferScale.y);
-  std::vector<ImDrawList*> others;  // one after the other, but for the panels
+  std::vector<ImDrawList*> others;  // lists of no panel, in their order
   for (int i = 0; i < all->CmdListsCount; ++i) {
     ImDrawList* list = all->CmdLists[i];
     const ImGuiWindow* window = ImGui::FindWindowByName(list->_OwnerName);

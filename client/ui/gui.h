@@ -14,47 +14,47 @@ struct GLFWwindow;
 
 namespace pointreel {
 
-/// Dear ImGui in a window: its context, font, colours and drawing. One at a time in a process, with
-/// the window's OpenGL context current, of any version.
+/// Dear ImGui in a window: its context, font, colours and drawing. There can be one in a process at a
+/// time. The window's OpenGL context, of any version, must be current.
 class Gui {
  public:
-  /// Chains itself to the window's callbacks, so it is made after and destroyed before whoever
-  /// else has some. `scale`: 1 for 96 pixels an inch, 2 for twice as many.
+  /// Chains itself to the window's callbacks, so it must be made after everything else that has
+  /// some, and destroyed before. `scale` is 1 for 96 pixels per inch, 2 for twice as many.
   Gui(GLFWwindow* window, float scale);
   ~Gui();
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
 
   float scale() const { return scale_; }
-  /// Whether a window of the gui that takes the mouse was there when it was last drawn; one
-  /// that is not called `but`.
+  /// Whether, when it was last built, an ImGui window that takes the mouse was at `cursor`. Windows
+  /// called `but` do not count.
   bool covers(glm::dvec2 cursor, std::string_view but = {}) const;
 
-  /// A button of the mouse that is down, and where.
+  /// A mouse button that is down, and where.
   struct Held {
     glm::dvec2 cursor{0.0};
     int button = 0;  ///< GLFW's
   };
 
-  /// Between these two, ImGui's functions say what there is; then draw() can draw it, as often as
-  /// the window changes. `held`: the mouse as it was, where it is another by now.
+  /// Between these two, calls of ImGui's functions build the interface. Then draw() draws it, as
+  /// often as the window changes. `held` replaces the current state of the mouse by an earlier one.
   void begin(const std::optional<Held>& held = {});
   void end();
-  /// Something has just appeared, and is there once its size is known: the next time.
+  /// Something has just appeared, whose size ImGui knows only when it is built again.
   bool settling() const;
-  /// Whether that differs from what draw() has drawn last.
+  /// Whether what was built differs from what draw() drew last.
   bool changed() const { return built_ != drawn_; }
-  /// The mouse's cursor, over the window.
+  /// Shows or hides the mouse cursor while it is over the window.
   void show_cursor(bool shown) const;
-  /// Over what is in the window's framebuffer. Windows with the flag kOnOpaqueGround are opaque,
-  /// and take next to no time while they do not change; these need OpenGL 4.5.
+  /// Draws over what is in the window's framebuffer. ImGui windows with the flag kOnOpaqueGround are
+  /// opaque and take hardly any time while they do not change; they need OpenGL 4.5.
   void draw();
 
  private:
   GLFWwindow* const window_;
-  GLFWcursor *const arrow_, *const no_cursor_;  ///< null: the display's own cursor
+  GLFWcursor *const arrow_, *const no_cursor_;  ///< null: the default cursor
   float scale_;
-  std::vector<std::uint64_t> built_, drawn_;  ///< numbers that stand for each of ImGui's lists
+  std::vector<std::uint64_t> built_, drawn_;  ///< checksums of ImGui's draw lists
   PanelTextures panels_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kBarSeconds = 1.8, kFadeSeconds = 0.25, kSaidSeconds = 1.5;
-constexpr int kHelpPage = 10;  ///< lines
+constexpr int kLinesPerPage = 10;  ///< of the help
 
 }  // namespace
 
@@ -58,10 +58,10 @@ bool Interface::scroll_help(Action action) {
       help_lines_down_ += 1;
       return true;
     case Action::seek_forward_tenth:  // PGUP
-      help_lines_down_ -= kHelpPage;
+      help_lines_down_ -= kLinesPerPage;
       return true;
     case Action::seek_back_tenth:  // PGDWN
-      help_lines_down_ += kHelpPage;
+      help_lines_down_ += kLinesPerPage;
       return true;
     default:
       return false;
@@ -104,16 +104,16 @@ TimelineUse Interface::build_once(const View& view, Controls& controls) {
     empty_ = false;
   }
   busy_ = use.hovered_us || controls.scrubbing();
-  if (controls.show_statistics && !view.statistics.empty()) {
-    controls.show_statistics = draw_statistics(view.statistics, view.recent, view.size, scale);
+  Settings settings = controls.settings();
+  if (settings.statistics_panel && !view.statistics.empty()) {
+    settings.statistics_panel = draw_statistics(view.statistics, view.recent, view.size, scale);
     empty_ = false;
   }
-  if (controls.show_drawing) {
-    DrawSettings settings = controls.settings();
-    if (drawing_panel(settings, controls.show_drawing, view.size, scale))
-      controls.set_settings(settings);
+  if (settings.drawing_panel) {
+    drawing_panel(settings, view.size, scale);
     empty_ = false;
   }
+  if (settings != controls.settings()) controls.set_settings(settings);
   if (controls.show_help) {
     const HelpUse help = draw_help(view.size, scale, std::exchange(help_lines_down_, 0));
     controls.show_help = help.open;

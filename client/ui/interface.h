@@ -15,9 +15,8 @@ struct GLFWwindow;
 
 namespace pointreel {
 
-/// Everything that is drawn over the picture, and when it is there: the bar while the mouse moves,
-/// panels and help while the user wants them, a few words after an action, what is wrong while it
-/// is.
+/// Everything that is drawn over the picture: the bar while the mouse moves, panels and help while
+/// the user wants them, a few words after an action, and errors while they last.
 class Interface {
  public:
   using Now = Controls::Now;
@@ -25,42 +24,43 @@ class Interface {
   struct View {
     Now now;
     glm::vec2 size{1.0f};  ///< of the window, in its own coordinates
-    std::string waiting;   ///< what for; empty: for nothing
+    std::string waiting;   ///< what the user waits for; empty: nothing
     double waiting_seconds = 0.0;
-    std::string error, hint;                 ///< draw_error's; empty: all is well
-    std::optional<TimelineView> timeline;    ///< of what plays
-    std::vector<StatisticsLine> statistics;  ///< while Controls::show_statistics
-    RecentFrames recent;                     ///< the same
-    std::optional<Thumbnail> thumbnail;      ///< for TimelineUse::hovered_us of the last build
-    std::optional<Gui::Held> held;           ///< Gui::begin's
+    std::string error, hint;                 ///< as in draw_error; empty: all is well
+    std::optional<TimelineView> timeline;    ///< none if nothing plays
+    std::vector<StatisticsLine> statistics;  ///< only while their panel is open
+    RecentFrames recent;                     ///< only while their panel is open
+    std::optional<Thumbnail> thumbnail;      ///< of TimelineUse::hovered_us of the last build
+    std::optional<Gui::Held> held;           ///< as in Gui::begin
   };
 
   Interface(GLFWwindow* window, float scale) : gui_(window, scale) {}
 
   float scale() const { return gui_.scale(); }
 
-  /// The mouse moved: the bar is there for a moment.
+  /// Shows the bar for a moment because the mouse has moved.
   void wake(Now now) { awake_ = now; }
+  /// Shows a few words for a moment.
   void say(const std::string& text, Now now);
 
-  /// The help, where it is there and longer than the window, is scrolled by the keys that go to
-  /// other times otherwise. False: that is no such key, or there is no such help.
+  /// Scrolls the help, if it is open and longer than the window, by the keys that otherwise go to
+  /// another time. False if this is not such a key or there is nothing to scroll.
   bool scroll_help(Action action);
 
-  /// What the window shows there is not the picture.
+  /// Whether the interface covers the picture at this point.
   bool covers(glm::dvec2 cursor) const;
   /// The bar's track, if the cursor is on it.
   std::optional<TrackArea> track_at(glm::dvec2 cursor) const;
-  /// It changes by itself: build it again soon.
+  /// Whether it changes by itself and so must be built again soon.
   bool changing(const View& view) const;
 
-  /// What there is, which draw() draws, and what the user does to it.
+  /// Builds what draw() draws, and says what the user does with the bar.
   TimelineUse build(const View& view, Controls& controls);
-  /// Whether that differs from what draw() has drawn last.
+  /// Whether what was built differs from what draw() drew last.
   bool changed() const { return gui_.changed(); }
-  /// Into the window's framebuffer.
+  /// Draws into the window's framebuffer.
   void draw();
-  bool empty() const { return empty_; }  ///< nothing is there to be drawn
+  bool empty() const { return empty_; }  ///< whether there is nothing to draw
 
  private:
   float opacity(Now now) const;
@@ -70,10 +70,10 @@ class Interface {
   Now awake_{}, said_at_{};
   std::string said_;
   bool help_scrolls_ = false;
-  int help_lines_down_ = 0;  ///< to be scrolled by with the next build
+  int help_lines_down_ = 0;  ///< lines to scroll in the next build
   bool busy_ = false;        ///< the cursor is on the bar
   bool empty_ = true;
-  // Of a bar that is there, or would be if the mouse moved.
+  // The bar takes the mouse even while it is hidden: the first move shows it.
   float bar_top_ = 1e9f;
   std::optional<TrackArea> track_;
 };

@@ -11,7 +11,7 @@
 namespace pointreel {
 namespace {
 
-/// Text of `size` at `corner`. Its size is given, because ImGui would find it one picture late.
+/// Begins a window for text of `size` at `corner`. ImGui itself would find the size one picture late.
 void begin_text(const char* id, ImVec2 corner, ImVec2 size) {
   const ImVec2 pad = ImGui::GetStyle().WindowPadding;
   ImGui::SetNextWindowPos(corner);
@@ -29,7 +29,7 @@ ImVec2 key_size(std::string_view key, float scale) {
   return {std::max(words.x + 2.0f * kKeyPad * scale, words.y), words.y};
 }
 
-/// Looks like a key, so that dots and commas are to be seen too.
+/// Draws something that looks like a key, so that dots and commas stand out too.
 void draw_key(std::string_view key, float scale) {
   const char *begin = key.data(), *end = begin + key.size();
   const ImVec2 words = ImGui::CalcTextSize(begin, end), corner = ImGui::GetCursorScreenPos();
@@ -42,7 +42,7 @@ void draw_key(std::string_view key, float scale) {
   ImGui::Dummy(ImVec2(width, words.y));
 }
 
-/// Of the widest line.
+/// The width of the keys of the widest line.
 float keys_width(std::span<const HelpLine> lines, float scale) {
   float widest = 0.0f;
   for (const HelpLine& line : lines) {
@@ -98,7 +98,7 @@ void draw_error(const std::string& text, const std::string& hint, glm::vec2 size
 HelpUse draw_help(glm::vec2 size, float scale, int lines_down) {
   HelpUse use;
   const std::span<const HelpLine> lines = help_lines();
-  // In two columns where there is width for them; else in one, with lines that wrap.
+  // In two columns if the window is wide enough, otherwise in one whose lines wrap.
   const bool wide = size.x > 760.0f * scale;
   const std::size_t columns = wide ? 2 : 1, rows = (lines.size() + columns - 1) / columns;
   const ImVec2 most(0.96f * size.x, 0.96f * size.y);

@@ -7,22 +7,22 @@
 
 namespace pointreel {
 
-// Texts over the picture; between Gui::begin and end, in a window of `size`.
+// Texts over the picture, in a window of `size`. To be called between Gui::begin and end.
 
-/// A few words in the upper left corner, as of the last action.
+/// A few words in the upper left corner, for instance about the last action.
 void draw_said(const std::string& text, float scale);
 
-/// In the middle, while something is awaited; `seconds` since when it has been.
+/// A text with a turning circle in the middle, for something that has been awaited for `seconds`.
 void draw_waiting(const std::string& text, glm::vec2 size, float scale, double seconds);
 
-/// What is wrong, in a line at the top that wraps. `hint`: what to do, below it; may be empty.
+/// An error at the top, in lines that wrap, and below it a hint what to do, which may be empty.
 void draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale);
 
 struct HelpUse {
   bool open = true;      ///< false once it is closed
-  bool scrolls = false;  ///< there is more than the window has room for
+  bool scrolls = false;  ///< it is longer than the window
 };
-/// Keys and mouse, of the table of bindings; first scrolled by so many lines, down is positive.
+/// The keys and the mouse, from the table of bindings, after scrolling down by `lines_down` lines.
 HelpUse draw_help(glm::vec2 size, float scale, int lines_down);
 
 }  // namespace pointreel

@@ -4,11 +4,11 @@
 
 namespace pointreel {
 
-/// A window of the gui that Gui draws on opaque ground and keeps as a texture.
+/// Marks an ImGui window that Gui draws on an opaque background and keeps as a texture.
 inline constexpr ImGuiWindowFlags kOnOpaqueGround = ImGuiWindowFlags_NoBackground;
 
-/// ImGui::Begin of a panel with a title, which `open` becomes false by; rectangular, because it is
-/// opaque. ImGui::End follows.
+/// ImGui::Begin for a panel with a title bar, whose close button clears `open`. It has square
+/// corners, because it is opaque. The caller calls ImGui::End.
 inline bool begin_panel(const char* title, bool& open, ImGuiWindowFlags flags = 0) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
   const bool shown = ImGui::Begin(title, &open,

@@ -9,9 +9,9 @@
 namespace pointreel {
 namespace {
 
-/// Laid out as windows mostly are, blue first and the highest row first, so that software OpenGL
-/// copies a panel into one byte by byte: a tenth of the time that converting it takes. OpenGL has
-/// no sized format that says so.
+/// Laid out like the framebuffers of most windows, blue first and the highest row first, so that
+/// software OpenGL copies a panel byte by byte, in a tenth of the time of converting it. OpenGL has
+/// no sized format for this.
 gl::Texture make_window_like_texture(glm::ivec2 size) {
   gl::Texture texture = gl::Texture::create();
   glBindTexture(GL_TEXTURE_2D, texture.name());
@@ -26,7 +26,7 @@ struct DeleteList {
   void operator()(ImDrawList* list) const { IM_DELETE(list); }
 };
 
-/// The same with what was at y at 2 middle - y.
+/// The same list, mirrored at y = middle.
 std::unique_ptr<ImDrawList, DeleteList> upside_down(const ImDrawList& list, float middle) {
   std::unique_ptr<ImDrawList, DeleteList> turned(list.CloneOutput());
   for (ImDrawVert& vertex : turned->VtxBuffer) vertex.pos.y = 2.0f * middle - vertex.pos.y;

@@ -11,21 +11,21 @@
 
 namespace pointreel {
 
-/// Panels of the gui as textures: a panel is drawn when something in it has changed, and copied
-/// into the window for every picture. Panels are opaque and end at whole pixels. Needs the window's
-/// OpenGL 4.5 context.
+/// Keeps panels of the interface as textures: a panel is drawn when something in it has changed, and
+/// copied into the window for every picture. Panels are opaque and end at whole pixels. Needs the
+/// window's OpenGL 4.5 context.
 class PanelTextures {
  public:
-  /// Where a panel is in its window's framebuffer, in pixels from the upper left corner.
+  /// The position of a panel in the window's framebuffer, in pixels from the upper left corner.
   struct Place {
     glm::ivec2 corner{0}, size{1};
   };
 
-  /// Copies the panel `name` into the window's framebuffer, which is `height` pixels high.
-  /// `number` stands for what `list` holds. False where the driver has no texture for it.
+  /// Copies the panel `name` into the window's framebuffer, which is `height` pixels high. `number`
+  /// is a checksum of `list`. False if the driver cannot make a texture for the panel.
   bool draw(const std::string& name, const ImDrawList& list, std::uint64_t number,
             const ImDrawData& all, const Place& place, int height);
-  /// Those that were not drawn since the last call are gone.
+  /// Forgets the panels that were not drawn since the last call.
   void forget_unused();
 
  private:

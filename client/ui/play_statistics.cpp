@@ -22,7 +22,7 @@ std::string short_number(double value, double base, std::initializer_list<const 
   return fmt::format("{:.{}f}{}", value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0, *unit);
 }
 
-/// Of this process; 0 where that is not known.
+/// The memory that this process occupies; 0 if that is not known.
 std::uint64_t resident_bytes() {
   std::ifstream in("/proc/self/statm");
   std::uint64_t all = 0, resident = 0;
@@ -33,27 +33,27 @@ std::uint64_t resident_bytes() {
 const char* reason(Limit limit) {
   switch (limit) {
     case Limit::none:
-      return "all there is";
+      return "these are all";
     case Limit::asked:
       return "no more were asked for";
     case Limit::view:
-      return "the view shows no finer";
+      return "the view needs no more";
     case Limit::link:
-      return "the link carries no more";
+      return "the link is too slow for more";
     case Limit::machine:
-      return "this machine makes no more in time";
+      return "this machine is too slow for more";
   }
   return "";
 }
 
 std::string layers_text(const ReelPlayback& reel, const SceneFrame* frame) {
   const std::size_t all = reel.manifest().layer_names.size();
-  if (all == 0) return "files have none";
+  if (all == 0) return "none, in files";
   const LayerDecision decision = reel.decision();
   const std::uint32_t shown = frame ? frame->layers : 0;
   std::string text = fmt::format("{} of {}", shown, all);
   if (shown != decision.layers.end)
-    text += fmt::format(", {} of frames to come", decision.layers.end);
+    text += fmt::format(", {} in coming frames", decision.layers.end);
   return text + ": " + reason(decision.limit);
 }
 
@@ -72,23 +72,23 @@ std::string dropped_text(const Playback& playback) {
 void add_reel(std::vector<StatisticsLine>& lines, const ReelPlayback& reel) {
   const ReelPlayback::Statistics statistics = reel.statistics();
   if (statistics.link_bits_per_second > 0.0)
-    lines.push_back({"Link", fmt::format("{}bit/s, {:.1f} s ahead",
+    lines.push_back({"Link", fmt::format("{}bit/s, {:.1f} s buffered",
                                          short_count(statistics.link_bits_per_second) + " ",
                                          statistics.buffered_seconds)});
   lines.push_back({"Fetched", short_bytes(statistics.fetched_bytes)});
   if (statistics.stalls > 0)
-    lines.push_back({"Stood still", fmt::format("{} times, {:.1f} s", statistics.stalls,
-                                                statistics.stalled_seconds)});
-  lines.push_back({"Holds", fmt::format("{} ready, {} coded", short_bytes(statistics.frame_bytes),
-                                        short_bytes(statistics.stored_bytes))});
+    lines.push_back({"Stalled", fmt::format("{} times, {:.1f} s", statistics.stalls,
+                                            statistics.stalled_seconds)});
+  lines.push_back({"Buffers", fmt::format("{} ready, {} coded", short_bytes(statistics.frame_bytes),
+                                          short_bytes(statistics.stored_bytes))});
 }
 
 void add_live(std::vector<StatisticsLine>& lines, const LiveCounts& counts) {
-  lines.push_back({"Came", fmt::format("{} frames, {}", counts.frames, short_bytes(counts.bytes))});
+  lines.push_back({"Received", fmt::format("{} frames, {}", counts.frames, short_bytes(counts.bytes))});
   if (counts.dropped > 0)
-    lines.push_back({"Left out", fmt::format("{} layers by the server", counts.dropped)});
+    lines.push_back({"Left out", fmt::format("{} layers, by the server", counts.dropped)});
   if (counts.reconnections > 0)
-    lines.push_back({"Connected again", fmt::format("{} times", counts.reconnections)});
+    lines.push_back({"Reconnected", fmt::format("{} times", counts.reconnections)});
 }
 
 }  // namespace
@@ -105,13 +105,13 @@ void RecentFrames::add(const SceneFrame& frame, const DrawStats& drawn, Clock::T
                static_cast<float>(frame.normals_ms + frame.svo_ms),
                static_cast<float>(drawn.cut_ms), static_cast<float>(drawn.render_ms)};
   sample.shown = now;
-  next_ = (next_ + 1) % kMost;
-  count_ = std::min(count_ + 1, kMost);
+  next_ = (next_ + 1) % kMaxFrames;
+  count_ = std::min(count_ + 1, kMaxFrames);
   drawn_ = drawn;
 }
 
 const RecentFrames::Sample& RecentFrames::sample(std::size_t i) const {
-  return samples_[(next_ + kMost - count_ + i) % kMost];
+  return samples_[(next_ + kMaxFrames - count_ + i) % kMaxFrames];
 }
 
 std::vector<float> RecentFrames::times(Step step) const {
@@ -129,7 +129,7 @@ double RecentFrames::frames_per_second(Clock::TimePoint now) const {
     first = sample(i - 1).shown;
   }
   if (frames < 2) return 0.0;
-  // From the first frame to now, but for the part of a frame that is not over.
+  // Up to the last frame that was shown: the interval after it is not over yet.
   const double seconds = std::chrono::duration<double>(sample(count_ - 1).shown - first).count();
   return seconds > 0.0 ? static_cast<double>(frames - 1) / seconds : 0.0;
 }

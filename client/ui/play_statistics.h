@@ -13,26 +13,26 @@
 
 namespace pointreel {
 
-/// What it took to show a frame, from first to last.
+/// The steps that it takes to show a frame, in their order.
 enum class Step { fetch, decode, tree, cut, draw };
 inline constexpr std::array<Step, 5> kSteps = {Step::fetch, Step::decode, Step::tree, Step::cut,
                                                Step::draw};
 /// "fetch", "decode", "tree", "cut", "draw".
 const char* name(Step step);
 
-/// The last frames that were shown, for who wants to see how playing goes right now.
+/// The times of the last frames shown, for the statistics panel.
 class RecentFrames {
  public:
-  static constexpr std::size_t kMost = 120;
+  static constexpr std::size_t kMaxFrames = 120;
 
-  /// A frame was drawn for the first time.
+  /// Adds a frame that was drawn for the first time.
   void add(const SceneFrame& frame, const DrawStats& drawn, Clock::TimePoint now);
-  /// The newest one was drawn again, for another camera or with more pixels.
+  /// The newest frame was drawn again, for another camera or with more pixels.
   void redrawn(const DrawStats& drawn) { drawn_ = drawn; }
   void clear() { *this = {}; }
 
   std::size_t size() const { return count_; }
-  /// Milliseconds of each frame, the oldest first.
+  /// The milliseconds that the step took for each frame, the oldest first.
   std::vector<float> times(Step step) const;
   /// Over the last two seconds, or since the first frame.
   double frames_per_second(Clock::TimePoint now) const;
@@ -45,7 +45,7 @@ class RecentFrames {
   };
   const Sample& sample(std::size_t i) const;  ///< 0: the oldest
 
-  std::array<Sample, kMost> samples_{};
+  std::array<Sample, kMaxFrames> samples_{};
   std::size_t next_ = 0, count_ = 0;
   DrawStats drawn_;
 };
@@ -57,12 +57,12 @@ struct StatisticsLine {
   bool operator==(const StatisticsLine&) const = default;
 };
 
-/// Rates, what is drawn, layers chosen and why, what was dropped, the link, memory: of all sources,
-/// each by itself where it differs.
+/// The frame rate, the elements drawn and memory, and for each source its layers and the reason for
+/// their number, dropped frames, and its link or live stream.
 std::vector<StatisticsLine> statistics_lines(const Stage& stage, const RecentFrames& recent,
                                              Clock::TimePoint now);
 
-/// "847", "61.0 k", "1.23 M", of anything.
+/// "847", "61.0 k", "1.23 M".
 std::string short_count(double count);
 /// "847 B", "61.0 KiB", "1.23 MiB".
 std::string short_bytes(std::uint64_t bytes);

@@ -25,10 +25,10 @@ void draw_lines(const std::vector<StatisticsLine>& lines) {
   ImGui::EndTable();
 }
 
-/// Each from nothing to its own largest, in so many pixels.
+/// Draws a plot of `size` for each step, from 0 to the longest time of the step.
 void draw_plots(const RecentFrames& recent, ImVec2 size) {
   if (!ImGui::BeginTable("times", 3, ImGuiTableFlags_SizingFixedFit)) return;
-  // As if they were disabled: under the mouse they would tell a value that says nothing by itself.
+  // Disabled plots do not show a value under the mouse, which would mean little by itself.
   ImGui::PushStyleVar(ImGuiStyleVar_DisabledAlpha, 1.0f);
   ImGui::BeginDisabled();
   for (const Step step : kSteps) {
@@ -44,7 +44,7 @@ void draw_plots(const RecentFrames& recent, ImVec2 size) {
     std::vector<float> sorted = times;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    ImGui::TextUnformatted(fmt::format("{:.1f} ms, at most {:.1f}", *middle, most).c_str());
+    ImGui::TextUnformatted(fmt::format("{:.1f} ms, max. {:.1f}", *middle, most).c_str());
   }
   ImGui::EndDisabled();
   ImGui::PopStyleVar();
@@ -58,14 +58,14 @@ bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrame
   bool open = true;
   const float margin = 8.0f * scale;
   ImGui::SetNextWindowPos(ImVec2(size.x - margin, margin), ImGuiCond_Appearing, ImVec2(1.0f, 0.0f));
-  // As wide as most figures need: it does not change with each of them.
+  // Wide enough for most figures, so that the width does not change with each of them.
   const ImVec2 most(size.x - 2.0f * margin, size.y - 2.0f * margin);
   ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(430.0f * scale, most.x), 0.0f), most);
   begin_panel("Statistics", open, ImGuiWindowFlags_NoFocusOnAppearing);
   draw_lines(lines);
   if (recent.size() > 0) {
     ImGui::Separator();
-    // Narrower where the numbers beside it would have no room.
+    // Plots are narrower if the window has no room for the numbers beside them.
     draw_plots(recent, ImVec2(std::clamp(most.x - 250.0f * scale, 20.0f * scale, 190.0f * scale),
                               26.0f * scale));
   }

@@ -8,8 +8,8 @@
 
 namespace pointreel {
 
-/// How playing goes, in the upper right corner of a window of `size`; between Gui::begin and end.
-/// False once the user closes it.
+/// The panel that shows how playing goes, in the upper right corner of a window of `size`. To be
+/// called between Gui::begin and end. False once the user closes it.
 bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrames& recent,
                      glm::vec2 size, float scale);
 

@@ -5,7 +5,7 @@
 
 namespace pointreel {
 
-/// "00:01.234"; with hours where there are any.
+/// "00:01.234", or "1:00:01.234" from an hour on.
 std::string format_time(std::uint64_t us);
 
 }  // namespace pointreel

@@ -91,7 +91,7 @@ void draw_icon(ImDrawList& list, Icon icon, ImVec2 center, float r, ImU32 color)
   }
 }
 
-/// A button of the bar at `corner`; true if it is pressed.
+/// Draws a button of the bar at `corner`; true if the user has pressed it.
 bool button(Icon icon, const char* id, ImVec2 corner, float edge, bool lit, const char* tip) {
   ImGui::SetCursorScreenPos(corner);
   const bool pressed = ImGui::InvisibleButton(id, ImVec2(edge, edge));
@@ -105,7 +105,7 @@ bool button(Icon icon, const char* id, ImVec2 corner, float edge, bool lit, cons
   return pressed;
 }
 
-/// The line that time runs along.
+/// The line on which the time is shown and dragged.
 class Track {
  public:
   Track(const TimelineView& view, ImVec2 left, float width, float scale)
@@ -127,7 +127,7 @@ class Track {
       list.AddRectFilled(ImVec2(from, left_.y - half), ImVec2(to, left_.y + half), color, half);
     };
     bar(left_.x, left_.x + width_, grey(0.75f, 0.22f));
-    // What is there: the base lighter, all of it darker.
+    // Buffered frames: lighter with the base alone, darker with all layers.
     for (const TimelineView::Buffered& part : view_.buffered) {
       const float from = x_of(part.begin_us), to = std::max(x_of(part.end_us), from + 1.0f);
       const float value = 0.78f - 0.36f * part.share;
@@ -154,11 +154,11 @@ class Track {
   }
 
   const TimelineView& view_;
-  ImVec2 left_;  ///< its middle
+  ImVec2 left_;  ///< the left end, at half the height
   float width_, scale_;
 };
 
-/// The time under the cursor, and what is to be seen there.
+/// Shows the time under the cursor, and a picture of it if there is one.
 void draw_hover(std::uint64_t time_us, const TimelineView& view, float x, float bottom,
                 const std::optional<Thumbnail>& thumbnail, float width, float scale) {
   const std::string text =
@@ -176,7 +176,7 @@ void draw_hover(std::uint64_t time_us, const TimelineView& view, float x, float 
                      ImGui::GetColorU32(ImVec4(0.05f, 0.055f, 0.065f, 0.92f)), 4.0f * scale);
   if (thumbnail) {
     const ImVec2 from(corner.x + 0.5f * (size.x - picture_x), corner.y + pad);
-    // OpenGL's first row is the lowest.
+    // The first row of an OpenGL texture is the lowest.
     list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(thumbnail->texture)),
                   from, ImVec2(from.x + picture_x, from.y + picture_y), ImVec2(0.0f, 1.0f),
                   ImVec2(1.0f, 0.0f));
@@ -185,7 +185,7 @@ void draw_hover(std::uint64_t time_us, const TimelineView& view, float x, float 
                grey(0.95f, 1.0f), text.c_str());
 }
 
-/// Lays out the bar from its upper left corner on.
+/// Lays out the bar from its upper left corner.
 class Bar {
  public:
   Bar(const TimelineView& view, glm::vec2 size, float scale)
@@ -218,10 +218,10 @@ class Bar {
                 view_.playing ? "pause  SPACE" : "play  SPACE");
     if (view_.live) return;
     next_button(Icon::step_forward, Action::step_forward, false, "one frame forward  .");
-    next_button(Icon::loop, Action::toggle_loop, view_.loop, "loop  L;  A-B loop  l");
+    next_button(Icon::loop, Action::toggle_loop, view_.loop, "loop  L,  A-B loop  l");
   }
 
-  /// As much of it as there is room for, the most important first.
+  /// Draws as much of the text as there is room for, the most important parts first.
   void draw_text() {
     std::vector<std::string> parts = {view_.playing ? "live" : "live, paused"};
     if (!view_.live) {
@@ -245,7 +245,7 @@ class Bar {
     x_ = window_buttons();
     if (x_ < margin_ + 4.0f * edge_) return;
     next_button(Icon::help, Action::help, view_.help_shown, "keys and mouse  ?");
-    next_button(Icon::drawing, Action::toggle_drawing, view_.drawing_shown, "how it is drawn  d");
+    next_button(Icon::drawing, Action::toggle_drawing, view_.drawing_shown, "drawing settings  d");
     next_button(Icon::statistics, Action::toggle_statistics, view_.statistics_shown,
                 "statistics  i");
     next_button(Icon::fullscreen, Action::toggle_fullscreen, false, "full screen  f");
@@ -255,7 +255,7 @@ class Bar {
 
  private:
   float row() const { return top_ + 39.0f * scale_; }
-  /// Where the buttons on the right begin.
+  /// The left edge of the buttons on the right.
   float window_buttons() const { return size_.x - margin_ + 0.2f * edge_ - 4.0f * edge_; }
 
   void next_button(Icon icon, Action action, bool lit, const char* tip) {
@@ -275,7 +275,7 @@ class Bar {
 }  // namespace
 
 TrackArea track_area(glm::vec2 size, float scale) {
-  // It can be grabbed well above and below itself.
+  // The line can be grabbed well above and below itself.
   const float margin = kMargin * scale, top = size.y - kTimelineHeight * scale;
   return {margin, std::max(margin + 1.0f, size.x - margin), top, top + 37.0f * scale};
 }

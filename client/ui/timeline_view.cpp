@@ -7,8 +7,8 @@ namespace pointreel {
 TimelineView timeline_view(const Controls& controls, Controls::Now now) {
   TimelineView view;
   view.help_shown = controls.show_help;
-  view.drawing_shown = controls.show_drawing;
-  view.statistics_shown = controls.show_statistics;
+  view.drawing_shown = controls.settings().drawing_panel;
+  view.statistics_shown = controls.settings().statistics_panel;
   view.live = controls.reel() == nullptr;
   view.playing = controls.playing();
   if (view.live) return view;

@@ -5,7 +5,7 @@
 
 namespace pointreel {
 
-/// What the bar tells of controls.reel(), or of live streams if that is null.
+/// What the bar shows of controls.reel(), or of live streams if that is null.
 TimelineView timeline_view(const Controls& controls, Controls::Now now);
 
 }  // namespace pointreel

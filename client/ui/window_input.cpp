@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDoubleClick = 0.35;                  ///< seconds
 constexpr double kDoubleClickPixels = 5.0;             ///< at most this far apart
-constexpr std::string_view kFlyKeys = "wasdeqWASDEQ";  // rerun's
+constexpr std::string_view kFlyKeys = "wasdeqWASDEQ";  // as in Rerun
 
 WindowInput& of(GLFWwindow* window) {
   return *static_cast<WindowInput*>(glfwGetWindowUserPointer(window));
@@ -57,7 +57,7 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
   glfwSetWindowUserPointer(window, this);
   glfwGetCursorPos(window, &cursor_.x, &cursor_.y);
 
-  // Characters come by what they are, so that they work on every keyboard.
+  // Characters, not key codes, so that the keys work on every keyboard layout.
   glfwSetCharCallback(window, [](GLFWwindow* w, unsigned character) {
     if (character == ' ') {
       of(w).press("SPACE");
@@ -128,7 +128,7 @@ bool WindowInput::press(std::string_view key) {
   return action.has_value();
 }
 
-/// The wheel on the track: away from the user is forward, as in mpv.
+/// The wheel over the track steps forward if it is turned away from the user, as in mpv.
 void WindowInput::step(double notches) {
   stepped_ += notches;
   for (; stepped_ >= 1.0; stepped_ -= 1.0) input_.actions.push_back(Action::step_forward);

@@ -1,0 +1,51 @@
+#include "client/app/arguments.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <glm/trigonometric.hpp>
+
+#include "client/options/option_text.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+
+Result<CameraArgument> parse_camera(const std::string& text) {
+  // In degrees. The camera can look straight up or down, but not over its head.
+  static const std::map<std::string, View> kNamed = {
+      {"front", {0.0, 0.0}},  {"back", {180.0, 0.0}}, {"left", {-90.0, 0.0}},
+      {"right", {90.0, 0.0}}, {"top", {0.0, 90.0}},   {"bottom", {0.0, -90.0}}};
+  const auto view = [](double yaw, double pitch) {
+    return View{glm::radians(yaw), glm::radians(pitch)};
+  };
+  if (const auto named = kNamed.find(text); named != kNamed.end())
+    return view(named->second.yaw, named->second.pitch);
+  std::array<double, 2> angles{};
+  const bool numbers = parse_numbers(text, ',', angles);
+  if (numbers && std::isfinite(angles[0]) && std::abs(angles[1]) <= 90.0)
+    return view(angles[0], angles[1]);
+  std::error_code ignored;
+  if (!numbers && std::filesystem::exists(text, ignored)) return TRY(load_camera_path(text));
+  return fail(ErrorCode::argument,
+              fmt::format("\"{}\" is not a view; give front, back, left, right, top, bottom, "
+                          "YAW,PITCH in degrees with a pitch from -90 to 90, or a file with a "
+                          "camera path",
+                          text));
+}
+
+Result<glm::dvec3> parse_position(const std::string& text) {
+  std::array<double, 3> position{};
+  const auto in_range = [](double number) { return std::abs(number) <= 1e9; };
+  if (!parse_numbers(text, ',', position) ||
+      !std::all_of(position.begin(), position.end(), in_range))
+    return fail(ErrorCode::argument,
+                fmt::format("\"{}\" is not a position such as -0.5,0,1.5", text));
+  return glm::dvec3(position[0], position[1], position[2]);
+}
+
+}  // namespace pointreel

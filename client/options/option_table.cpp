@@ -1,0 +1,176 @@
+#include "client/options/option_table.h"
+
+#include <algorithm>
+#include <cassert>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/base/enum_names.h"
+
+namespace pointreel {
+namespace {
+
+/// The number with the fewest digits that is the same as a float: 0.1, not 0.10000000149.
+double number_of(float value) { return std::stod(fmt::format("{}", value)); }
+double number_of(double value) { return value; }
+
+// `Find` gives a member of settings, for instance [](auto& s) -> auto& { return s.floor; }.
+
+template <class Find>
+Option::Flag flag(Find) {
+  return {{[](const Settings& from) { return Find{}(from); },
+           [](Settings& to, bool value) { Find{}(to) = value; }}};
+}
+
+struct Slider {
+  Range range;
+  const char* format;
+  bool logarithmic = false;
+};
+
+template <class Find>
+Option::Number number(Find, Range range, Slider slider) {
+  return {{[](const Settings& from) { return number_of(Find{}(from)); },
+           [](Settings& to, double value) {
+             auto& member = Find{}(to);
+             member = static_cast<std::remove_cvref_t<decltype(member)>>(value);
+           }},
+          range,
+          slider.range,
+          slider.format,
+          slider.logarithmic};
+}
+
+template <class Find>
+Option::Choice choice(Find, std::vector<const char*> labels = {}) {
+  using Enum = std::remove_cvref_t<decltype(Find{}(std::declval<Settings&>()))>;
+  Option::Choice choice{{[](const Settings& from) {
+                           const auto& all = kEnumNames<Enum>;
+                           const auto found = std::find_if(
+                               all.begin(), all.end(),
+                               [&](const auto& named) { return named.value == Find{}(from); });
+                           return static_cast<std::size_t>(found - all.begin());
+                         },
+                         [](Settings& to, std::size_t i) { Find{}(to) = kEnumNames<Enum>[i].value; }},
+                        {},
+                        std::move(labels)};
+  for (const EnumName<Enum>& named : kEnumNames<Enum>) choice.names.push_back(named.name);
+  return choice;
+}
+
+std::vector<Option> make_table() {
+  const Slider splat_scale{{0.25, 4.0}, "%.2f", true};
+  return {
+      {"window",
+       Option::Size{{[](const Settings& from) { return from.size; },
+                     [](Settings& to, glm::ivec2 size) { to.size = size; }},
+                    {64, kMaxImageSide}}},
+      {.name = "loop",
+       .value = Option::Flag{{[](const Settings& from) { return from.loop.value_or(true); },
+                              [](Settings& to, bool loop) { to.loop = loop; }}},
+       .help = "Start again at the end (the default in a window), or stop there (the default "
+               "offscreen)",
+       .group = "Playback"},
+      {"mode", choice([](auto& s) -> auto& { return s.draw.mode; }, {"Surfels", "Voxels", "Points"}),
+       "What to draw: surfels, which are discs that face along the normals; voxels, which are the "
+       "cubes of the octree, down to the size of a pixel; or points",
+       "Mode"},
+      {"color",
+       choice([](auto& s) -> auto& { return s.draw.color; }, {"Colours", "Normals", "Plain"}),
+       "How to colour what is drawn: with its own colours, by the direction of its normals, or in "
+       "plain grey, which shows shape by light alone",
+       "Colour"},
+      {"lighting", flag([](auto& s) -> auto& { return s.draw.lighting; }),
+       "Light the scene from over the viewer's shoulder (the default), or show the colours as they "
+       "are",
+       "Lighting", "A light over your shoulder"},
+      {"edl",
+       number([](auto& s) -> auto& { return s.draw.edl; }, {0, 100}, {{0, 4}, "%.2f"}),
+       "Strength of eye-dome lighting, which darkens edges in depth; 1 shows the shape of a cloud "
+       "that has no normals",
+       "Eye-dome", "Darkens edges in depth: shows shape without normals"},
+      {"background", Option::Color{{[](const Settings& from) { return from.draw.background; },
+                                    [](Settings& to, glm::vec3 color) { to.draw.background = color; }}},
+       "Colour of the background", "Background"},
+      {"floor", flag([](auto& s) -> auto& { return s.floor; }),
+       "Draw a grid on the floor, with steps of 1, 2 or 5 times a power of ten", "Floor grid"},
+      {"point_size",
+       number([](auto& s) -> auto& { return s.draw.point_size; }, {1, 64}, {{1, 16}, "%.1f px"}),
+       "Width of a point in pixels", "Point size"},
+      {"pixel_size",
+       number([](auto& s) -> auto& { return s.draw.pixel_size; }, {0, 1000}, {{0, 16}, "%.1f px"}),
+       "Parts of the octree that look smaller than this many pixels are drawn as one element; 0 "
+       "draws every leaf",
+       "Detail", "Parts that look smaller than this are drawn as one; 0 draws everything"},
+      {.name = "voxel_merge",
+       .value = number([](auto& s) -> auto& { return s.delta; }, {0, 1}, {{0, 1}, "%.2f"}),
+       .help = "Voxels are made no smaller once at most this share of the points merge with "
+               "others. 0 keeps all distinct points apart; small values, such as the 0.05 of Slomp "
+               "et al., leave wide gaps between voxels",
+       .label = "Merge",
+       .tip = "Share of points that may merge in voxels: less is finer, but leaves gaps",
+       .old_name = "delta"},
+      {"fill_holes", flag([](auto& s) -> auto& { return s.draw.fill_holes; }),
+       "Fill holes with what surrounds them (the default). With --splatting normalized this closes "
+       "surfaces whose inside would show through; among voxels it closes gaps of up to three",
+       "Fill holes",
+       "Surfels: closes holes through which the inside would show\n"
+       "Voxels: closes gaps of up to three"},
+      {"splatting", choice([](auto& s) -> auto& { return s.draw.splatting; }),
+       "How surfels become a picture: normalized is a weighted mean; the other five are those of "
+       "Slomp et al.",
+       "Splatting", "How discs become a picture: a weighted mean, or the five ways of Slomp et al."},
+      {"visibility_scale",
+       number([](auto& s) -> auto& { return s.draw.scales.visibility; }, {0.01, 100}, splat_scale),
+       "--splatting normalized enlarges surfels by this factor to decide what is visible",
+       "Visible size", "Enlarges discs to decide what is hidden"},
+      {"shading_scale",
+       number([](auto& s) -> auto& { return s.draw.scales.shading; }, {0.01, 100}, splat_scale),
+       "--splatting normalized enlarges surfels by this factor to blend their colours",
+       "Colour size", "Enlarges discs to blend their colours"},
+      {"instancing", choice([](auto& s) -> auto& { return s.draw.instancing; }),
+       "How the graphics card draws surfels and voxels: by a geometry shader; as instances whose "
+       "data is in uniform buffers, a texture buffer or vertex attributes; or by pull, which first "
+       "lists what is visible. The picture is the same",
+       "Instancing", "How each element becomes triangles; the picture is the same"},
+      {"drafts", choice([](auto& s) -> auto& { return s.drafts; }),
+       "When the window may draw with a half or a quarter of the pixels per side if time is short: "
+       "never; moving, while you move the camera or drag the time; or playing, then and also when "
+       "frames would be dropped otherwise",
+       "Drafts",
+       "Fewer pixels if time is short: never, while you move the camera or\n"
+       "drag the time, or also while it plays"},
+      {"drawing_panel", flag([](auto& s) -> auto& { return s.drawing_panel; })},
+      {"statistics_panel", flag([](auto& s) -> auto& { return s.statistics_panel; })},
+  };
+}
+
+}  // namespace
+
+std::span<const Option> option_table() {
+  static const std::vector<Option> table = make_table();
+  return table;
+}
+
+const Option& find_option(std::string_view name) {
+  const auto table = option_table();
+  const auto found = std::find_if(table.begin(), table.end(),
+                                  [&](const Option& option) { return option.name == name; });
+  assert(found != table.end());
+  return *found;
+}
+
+std::string command_line_name(std::string_view name) {
+  std::string text = "--" + std::string(name);
+  std::replace(text.begin(), text.end(), '_', '-');
+  return text;
+}
+
+void copy_value(const Option& option, const Settings& from, Settings& to) {
+  std::visit([&](const auto& value) { value.set(to, value.get(from)); }, option.value);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,54 @@
+#include "client/session/stage_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace pointreel {
+
+Stage::Options stage_options(const PlayOptions& options) {
+  Stage::Options stage;
+  stage.size = options.picture_size();
+  stage.source.fps = options.fps;
+  stage.source.up = options.up.value_or('y');
+  stage.source.token = options.token;
+  stage.source.ca_file = options.ca_file;
+  stage.prepare = prepare_options(options.settings, options.layers);
+  stage.reel.loop = options.settings.loop.value_or(!options.offscreen);
+  stage.reel.speed = options.speed;
+  stage.reel.start_us = start_us(options);
+  stage.reel.single_frame = is_single_frame(options);
+  stage.live.prepare_threads = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);
+  return stage;
+}
+
+bool is_single_frame(const PlayOptions& options) {
+  return options.offscreen && options.at && !options.duration && options.sources.size() == 1;
+}
+
+std::uint64_t start_us(const PlayOptions& options) {
+  return static_cast<std::uint64_t>(std::llround(options.at.value_or(0.0) * 1'000'000.0));
+}
+
+Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, char up,
+                 glm::ivec2 size) {
+  Camera camera;
+  camera.up = options.up.value_or(up);
+  camera.frame_bounds(bounds, static_cast<double>(size.x) / size.y);
+  if (options.view) {
+    camera.yaw = camera.pitch = 0.0;
+    camera.orbit(options.view->yaw, options.view->pitch);
+  }
+  return options.camera_path ? options.camera_path->at(time_us, camera) : camera;
+}
+
+Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
+  return camera_at(options, start_us(options), bounds, up, size);
+}
+
+std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera) {
+  if (stage.bounds().empty()) return std::nullopt;
+  return FloorGrid{stage.bounds(), camera.up};
+}
+
+}  // namespace pointreel

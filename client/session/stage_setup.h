@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "client/options/play_options.h"
+#include "client/playback/stage.h"
+#include "client/scene/camera.h"
+#include "client/scene/floor_grid.h"
+
+/// What the options of `pointreel play` mean for a stage and for the camera in front of it.
+namespace pointreel {
+
+Stage::Options stage_options(const PlayOptions& options);
+
+/// Whether a single frame of a single source is to be shown.
+bool is_single_frame(const PlayOptions& options);
+
+/// The time of the reel at which playback begins.
+std::uint64_t start_us(const PlayOptions& options);
+
+/// A camera for pictures of `size` pixels of a scene with these bounds and this axis up: the one
+/// that the options ask for, or one that frames the whole scene. A camera path is evaluated at
+/// `time_us`.
+Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, char up,
+                 glm::ivec2 size);
+/// The same at the time at which playback begins.
+Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
+
+/// The floor below everything on the stage; none while the bounds are unknown.
+std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera);
+
+}  // namespace pointreel

@@ -127,9 +127,9 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->type_name("N")
       ->group(group);
   command
-      .add_option("--fps", options_.fps,
-                  fmt::format("Frames per second of a folder of files (default {:g})",
-                              options_.fps))
+      .add_option(
+          "--fps", options_.fps,
+          fmt::format("Frames per second of a folder of files (default {:g})", options_.fps))
       ->check(within(kFps))
       ->type_name("NUMBER")
       ->group(group);
@@ -158,11 +158,11 @@ void PlayCommand::add_playback(CLI::App& command) {
       ->type_name("SECONDS")
       ->group(group);
   command
-      .add_option("--speed", options_.speed,
-                  fmt::format("Speed in a window: {:g} to {:g}, or {:g} to {:g} to play backward "
-                              "(default {:g})",
-                              kForward.min, kForward.max, kBackward.max, kBackward.min,
-                              options_.speed))
+      .add_option(
+          "--speed", options_.speed,
+          fmt::format("Speed in a window: {:g} to {:g}, or {:g} to {:g} to play backward "
+                      "(default {:g})",
+                      kForward.min, kForward.max, kBackward.max, kBackward.min, options_.speed))
       ->check(check(parse_speed))
       ->type_name("NUMBER")
       ->group(group);
@@ -229,10 +229,11 @@ void PlayCommand::add_output(CLI::App& command) {
       ->type_name("FILE")
       ->group(group);
   command
-      .add_option("--supersample", options_.supersample,
-                  fmt::format("Draw pictures that are written N times as wide and high, and average "
-                              "them down (1 to {}; default 1)",
-                              kMaxSupersample))
+      .add_option(
+          "--supersample", options_.supersample,
+          fmt::format("Draw pictures that are written N times as wide and high, and average "
+                      "them down (1 to {}; default 1)",
+                      kMaxSupersample))
       ->check(CLI::Range(1, kMaxSupersample))
       ->type_name("N")
       ->group(group);
@@ -277,8 +278,7 @@ Result<PlayOptions> PlayCommand::options() const {
   if (!camera_.empty()) {
     CameraArgument camera = TRY(parse_camera(camera_));
     if (const View* view = std::get_if<View>(&camera)) options.view = *view;
-    if (CameraPath* path = std::get_if<CameraPath>(&camera))
-      options.camera_path = std::move(*path);
+    if (CameraPath* path = std::get_if<CameraPath>(&camera)) options.camera_path = std::move(*path);
   }
   if (!options.record.empty() && !options.offscreen)
     return fail(ErrorCode::argument, "--record needs --offscreen WIDTHxHEIGHT");

@@ -47,16 +47,17 @@ Option::Number number(Find, Range range, Slider slider) {
 template <class Find>
 Option::Choice choice(Find, std::vector<const char*> labels = {}) {
   using Enum = std::remove_cvref_t<decltype(Find{}(std::declval<Settings&>()))>;
-  Option::Choice choice{{[](const Settings& from) {
-                           const auto& all = kEnumNames<Enum>;
-                           const auto found = std::find_if(
-                               all.begin(), all.end(),
-                               [&](const auto& named) { return named.value == Find{}(from); });
-                           return static_cast<std::size_t>(found - all.begin());
-                         },
-                         [](Settings& to, std::size_t i) { Find{}(to) = kEnumNames<Enum>[i].value; }},
-                        {},
-                        std::move(labels)};
+  Option::Choice choice{
+      {[](const Settings& from) {
+         const auto& all = kEnumNames<Enum>;
+         const auto found = std::find_if(all.begin(), all.end(), [&](const auto& named) {
+           return named.value == Find{}(from);
+         });
+         return static_cast<std::size_t>(found - all.begin());
+       },
+       [](Settings& to, std::size_t i) { Find{}(to) = kEnumNames<Enum>[i].value; }},
+      {},
+      std::move(labels)};
   for (const EnumName<Enum>& named : kEnumNames<Enum>) choice.names.push_back(named.name);
   return choice;
 }
@@ -64,17 +65,17 @@ Option::Choice choice(Find, std::vector<const char*> labels = {}) {
 std::vector<Option> make_table() {
   const Slider splat_scale{{0.25, 4.0}, "%.2f", true};
   return {
-      {"window",
-       Option::Size{{[](const Settings& from) { return from.size; },
-                     [](Settings& to, glm::ivec2 size) { to.size = size; }},
-                    {64, kMaxImageSide}}},
+      {"window", Option::Size{{[](const Settings& from) { return from.size; },
+                               [](Settings& to, glm::ivec2 size) { to.size = size; }},
+                              {64, kMaxImageSide}}},
       {.name = "loop",
        .value = Option::Flag{{[](const Settings& from) { return from.loop.value_or(true); },
                               [](Settings& to, bool loop) { to.loop = loop; }}},
        .help = "Start again at the end (the default in a window), or stop there (the default "
                "offscreen)",
        .group = "Playback"},
-      {"mode", choice([](auto& s) -> auto& { return s.draw.mode; }, {"Surfels", "Voxels", "Points"}),
+      {"mode",
+       choice([](auto& s) -> auto& { return s.draw.mode; }, {"Surfels", "Voxels", "Points"}),
        "What to draw: surfels, which are discs that face along the normals; voxels, which are the "
        "cubes of the octree, down to the size of a pixel; or points",
        "Mode"},
@@ -87,13 +88,13 @@ std::vector<Option> make_table() {
        "Light the scene from over the viewer's shoulder (the default), or show the colours as they "
        "are",
        "Lighting", "A light over your shoulder"},
-      {"edl",
-       number([](auto& s) -> auto& { return s.draw.edl; }, {0, 100}, {{0, 4}, "%.2f"}),
+      {"edl", number([](auto& s) -> auto& { return s.draw.edl; }, {0, 100}, {{0, 4}, "%.2f"}),
        "Strength of eye-dome lighting, which darkens edges in depth; 1 shows the shape of a cloud "
        "that has no normals",
        "Eye-dome", "Darkens edges in depth: shows shape without normals"},
-      {"background", Option::Color{{[](const Settings& from) { return from.draw.background; },
-                                    [](Settings& to, glm::vec3 color) { to.draw.background = color; }}},
+      {"background",
+       Option::Color{{[](const Settings& from) { return from.draw.background; },
+                      [](Settings& to, glm::vec3 color) { to.draw.background = color; }}},
        "Colour of the background", "Background"},
       {"floor", flag([](auto& s) -> auto& { return s.floor; }),
        "Draw a grid on the floor, with steps of 1, 2 or 5 times a power of ten", "Floor grid"},
@@ -122,7 +123,8 @@ std::vector<Option> make_table() {
       {"splatting", choice([](auto& s) -> auto& { return s.draw.splatting; }),
        "How surfels become a picture: normalized is a weighted mean; the other five are those of "
        "Slomp et al.",
-       "Splatting", "How discs become a picture: a weighted mean, or the five ways of Slomp et al."},
+       "Splatting",
+       "How discs become a picture: a weighted mean, or the five ways of Slomp et al."},
       {"visibility_scale",
        number([](auto& s) -> auto& { return s.draw.scales.visibility; }, {0.01, 100}, splat_scale),
        "--splatting normalized enlarges surfels by this factor to decide what is visible",

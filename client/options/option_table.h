@@ -50,9 +50,9 @@ struct Option {
 
   std::string_view name;  ///< in the settings file: "point_size"
   std::variant<Flag, Number, Choice, Color, Size> value;
-  std::string_view help = {};       ///< in --help; empty: not an option of the command line
-  const char* label = nullptr;      ///< in the drawing panel; null: not there
-  const char* tip = nullptr;        ///< in the drawing panel; null: none
+  std::string_view help = {};          ///< in --help; empty: not an option of the command line
+  const char* label = nullptr;         ///< in the drawing panel; null: not there
+  const char* tip = nullptr;           ///< in the drawing panel; null: none
   std::string_view group = "Drawing";  ///< heading in --help
   /// An earlier name, which is still read but no longer shown or written.
   std::string_view old_name = {};

@@ -99,8 +99,7 @@ Result<glm::vec3> parse_color(std::string_view text) {
   std::uint32_t color = 0;
   const auto parsed = std::from_chars(digits.data(), end, color, 16);
   if (parsed.ec != std::errc() || parsed.ptr != end || digits.size() != 6)
-    return fail(ErrorCode::argument,
-                fmt::format("\"{}\" is not a colour such as #1c1f24", text));
+    return fail(ErrorCode::argument, fmt::format("\"{}\" is not a colour such as #1c1f24", text));
   return glm::vec3(color >> 16, color >> 8 & 0xff, color & 0xff) / 255.0f;
 }
 

@@ -60,8 +60,7 @@ Result<void> set(const Option::Choice& choice, const json& value, Settings& to) 
   const auto& names = choice.names;
   const auto found = std::find(names.begin(), names.end(),
                                value.is_string() ? value.get_ref<const std::string&>() : "");
-  if (found == names.end())
-    return fail(fmt::format("is not one of {}", fmt::join(names, ", ")));
+  if (found == names.end()) return fail(fmt::format("is not one of {}", fmt::join(names, ", ")));
   choice.set(to, static_cast<std::size_t>(found - names.begin()));
   return {};
 }

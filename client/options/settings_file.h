@@ -25,7 +25,8 @@ Result<void> read_settings(const std::filesystem::path& file, Settings& settings
 Result<void> parse_settings(std::string_view text, Settings& settings);
 
 /// Puts the values that differ between `begun` and `ended` into the file. The file is replaced
-/// atomically, and created if there is none. One that cannot be read is an error and stays as it is.
+/// atomically, and created if there is none. One that cannot be read is an error and stays as it
+/// is.
 Result<void> write_settings(const std::filesystem::path& file, const Settings& begun,
                             const Settings& ended);
 

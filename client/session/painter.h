@@ -27,7 +27,8 @@ class Painter {
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const {
     return renderer_.point_at(pixel);
   }
-  /// Whether the last picture was drawn with fewer pixels than it is shown (DrawOptions::reduction).
+  /// Whether the last picture was drawn with fewer pixels than it is shown
+  /// (DrawOptions::reduction).
   bool reduced() const { return options_.reduction > 1; }
   /// The last picture as it is written, never reduced.
   Result<Image> picture();

@@ -40,6 +40,7 @@ void Presenter::begin(const Stage& stage) {
   shown_ = false;
   started_.reset();
   draft_ = {};
+  shot_.reset();
 }
 
 Result<void> Presenter::draw(const Stage& stage, const std::vector<Stage::Change>& changes,
@@ -48,6 +49,7 @@ Result<void> Presenter::draw(const Stage& stage, const std::vector<Stage::Change
     start_clock();
     shown_ = true;
   }
+  shot_ = shot;
   report_.size = shot.size;
   report_.mode = shot.draw.mode;
   report_.instancing = shot.draw.instancing;
@@ -59,6 +61,11 @@ Result<void> Presenter::draw(const Stage& stage, const std::vector<Stage::Change
   draft_.drew(elements, drawn_.cut_ms + drawn_.render_ms);
   for (const Stage::Change& change : changes) add_to_report(stage, change);
   return {};
+}
+
+bool Presenter::shows(const Shot& shot) const {
+  return shot_ && shot_->camera == shot.camera && shot_->size == shot.size &&
+         shot_->draw == shot.draw;
 }
 
 void Presenter::add_to_report(const Stage& stage, const Stage::Change& change) {

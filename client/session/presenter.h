@@ -22,8 +22,8 @@ namespace pointreel {
 struct Shot {
   Camera camera;
   glm::ivec2 size{0};
-  DrawOptions draw;  ///< with any `reduction`: the presenter chooses it
-  Haste haste;
+  DrawOptions draw;  ///< its `reduction` is chosen by the presenter
+  Haste haste = {};
 };
 
 /// Draws what is on a stage and keeps the report of it. Needs the OpenGL context that was current
@@ -36,10 +36,12 @@ class Presenter {
   /// Starts a new report, of this stage.
   void begin(const Stage& stage);
 
-  /// Draws the scene, of which `changes` are new; they may be empty. The picture is drawn with fewer
-  /// pixels than it is shown if there is no time for all of them (Draft).
+  /// Draws the scene, of which `changes` are new; they may be empty. The picture is drawn with
+  /// fewer pixels than it is shown if there is no time for all of them (Draft).
   Result<void> draw(const Stage& stage, const std::vector<Stage::Change>& changes,
                     const Shot& shot);
+  /// Whether the last picture was drawn like this, with whatever reduction.
+  bool shows(const Shot& shot) const;
   const DrawStats& drawn() const { return drawn_; }  ///< of the last picture
   bool shown() const { return shown_; }              ///< any frame, since begin()
 
@@ -69,6 +71,7 @@ class Presenter {
   std::unique_ptr<Painter> painter_;
   Draft draft_;
   PlayReport report_;
+  std::optional<Shot> shot_;  ///< of the last picture
   DrawStats drawn_;
   bool shown_ = false;
   std::optional<std::chrono::steady_clock::time_point> started_;

@@ -59,7 +59,8 @@ struct WindowReport {
 };
 
 /// How playing went. There is one sample of each time for every frame shown. The numbers of layers,
-/// points, nodes, leaves and elements, drawn or not, and the depth are those of the last frame shown.
+/// points, nodes, leaves and elements, drawn or not, and the depth are those of the last frame
+/// shown.
 class PlayReport {
  public:
   std::vector<SourceReport> sources;
@@ -71,7 +72,8 @@ class PlayReport {
   double delta = 0.0;
   int finest_level = 0;  ///< of the packages' octrees; 0 if there are none
   glm::ivec2 size{0};    ///< of the picture in pixels
-  double seconds = 0.0;  ///< in a window from the first picture on, offscreen from the first fetch on
+  double seconds =
+      0.0;  ///< in a window from the first picture on, offscreen from the first fetch on
   std::uint64_t frames_dropped = 0;  ///< that were not shown at their time, broken ones included
   std::uint64_t errors = 0;          ///< frames that could not be fetched or decoded
 

@@ -20,7 +20,10 @@ constexpr double kFlyFast = 4.0;   ///< times as fast with shift
 void Controls::begin(Stage* stage, std::function<Camera()> home) {
   stage_ = stage;
   reel_ = nullptr;
-  for (std::size_t i = 0; stage && i < stage->size() && !reel_; ++i) reel_ = stage->reel(i);
+  for (std::size_t i = 0; stage && i < stage->size() && !reel_; ++i) {
+    reel_ = stage->reel(i);
+    source_ = i;
+  }
   home_ = std::move(home);
   moved_ = flying_ = false;
   loop_a_.reset();

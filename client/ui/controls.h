@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -25,19 +26,25 @@ class Controls {
   explicit Controls(const Settings& settings) : settings_(settings) {}
 
   /// Controls this stage from now on, and has its frames prepared as the settings say. The stage
-  /// must live until the next call; null: nothing plays. `home` gives the view that reset_view comes
-  /// back to, for the current bounds and size.
+  /// must live until the next call; null: nothing plays. `home` gives the view that reset_view
+  /// comes back to, for the current bounds and size.
   void begin(Stage* stage, std::function<Camera()> home);
 
   /// False if the action is not for the controls, such as quit. Every other action has been done,
   /// or cannot be done while nothing plays.
   bool act(Action action, Now now);
 
-  // Time. If there are several reels, the time is that of the first; dragging the timeline moves all
-  // of them to the same fraction of their length.
+  // Time. If there are several reels, the time is that of the first; dragging the timeline moves
+  // all of them to the same fraction of their length.
 
   /// The first reel; null if there is none.
   const ReelPlayback* reel() const { return reel_; }
+  /// The index of this reel on the stage.
+  std::size_t source() const { return source_; }
+  /// The frame of this reel that is shown; null if there is none.
+  const SceneFrame* shown_frame() const {
+    return reel_ ? stage_->scene()[source_].frame.get() : nullptr;
+  }
   bool playing() const { return reel_ ? reel_->playing() : stage_ && stage_->playing(); }
   /// The start of an A-B loop whose end is not set yet.
   const std::optional<std::uint64_t>& loop_begin() const { return loop_a_; }
@@ -48,8 +55,8 @@ class Controls {
   // Camera.
 
   const Camera& camera() const { return camera_; }
-  /// Moves the camera as the mouse and the flying keys of `input` say, for a picture of `size` pixels
-  /// and the `seconds` since the last call. True if it moved.
+  /// Moves the camera as the mouse and the flying keys of `input` say, for a picture of `size`
+  /// pixels and the `seconds` since the last call. True if it moved.
   bool move(const Input& input, glm::ivec2 size, double seconds);
   void center_on(const glm::dvec3& point);
   /// Frames the whole scene again, unless the user has moved the camera.
@@ -81,6 +88,7 @@ class Controls {
   Settings settings_;
   Stage* stage_ = nullptr;
   ReelPlayback* reel_ = nullptr;  ///< the first reel of the stage
+  std::size_t source_ = 0;
   std::function<Camera()> home_;
   Camera camera_;
   bool moved_ = false;  ///< the user has moved the camera

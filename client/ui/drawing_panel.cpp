@@ -36,8 +36,8 @@ void heading(const char* text) {
   ImGui::TextDisabled("%s", text);
 }
 
-// Widgets for the options of the table. A value that the user does not touch stays as it is, even if
-// it is outside of what a slider shows.
+// Widgets for the options of the table. A value that the user does not touch stays as it is, even
+// if it is outside of what a slider shows.
 
 void edit_value(const Option& option, const Option::Flag& flag, Settings& settings) {
   bool value = flag.get(settings);

@@ -14,8 +14,8 @@ struct GLFWwindow;
 
 namespace pointreel {
 
-/// Dear ImGui in a window: its context, font, colours and drawing. There can be one in a process at a
-/// time. The window's OpenGL context, of any version, must be current.
+/// Dear ImGui in a window: its context, font, colours and drawing. There can be one in a process at
+/// a time. The window's OpenGL context, of any version, must be current.
 class Gui {
  public:
   /// Chains itself to the window's callbacks, so it must be made after everything else that has
@@ -46,8 +46,8 @@ class Gui {
   bool changed() const { return built_ != drawn_; }
   /// Shows or hides the mouse cursor while it is over the window.
   void show_cursor(bool shown) const;
-  /// Draws over what is in the window's framebuffer. ImGui windows with the flag kOnOpaqueGround are
-  /// opaque and take hardly any time while they do not change; they need OpenGL 4.5.
+  /// Draws over what is in the window's framebuffer. ImGui windows with the flag kOnOpaqueGround
+  /// are opaque and take hardly any time while they do not change; they need OpenGL 4.5.
   void draw();
 
  private:

@@ -11,7 +11,8 @@
 namespace pointreel {
 namespace {
 
-/// Begins a window for text of `size` at `corner`. ImGui itself would find the size one picture late.
+/// Begins a window for text of `size` at `corner`. ImGui itself would find the size one picture
+/// late.
 void begin_text(const char* id, ImVec2 corner, ImVec2 size) {
   const ImVec2 pad = ImGui::GetStyle().WindowPadding;
   ImGui::SetNextWindowPos(corner);

@@ -11,9 +11,9 @@
 
 namespace pointreel {
 
-/// Keeps panels of the interface as textures: a panel is drawn when something in it has changed, and
-/// copied into the window for every picture. Panels are opaque and end at whole pixels. Needs the
-/// window's OpenGL 4.5 context.
+/// Keeps panels of the interface as textures: a panel is drawn when something in it has changed,
+/// and copied into the window for every picture. Panels are opaque and end at whole pixels. Needs
+/// the window's OpenGL 4.5 context.
 class PanelTextures {
  public:
   /// The position of a panel in the window's framebuffer, in pixels from the upper left corner.

@@ -84,7 +84,8 @@ void add_reel(std::vector<StatisticsLine>& lines, const ReelPlayback& reel) {
 }
 
 void add_live(std::vector<StatisticsLine>& lines, const LiveCounts& counts) {
-  lines.push_back({"Received", fmt::format("{} frames, {}", counts.frames, short_bytes(counts.bytes))});
+  lines.push_back(
+      {"Received", fmt::format("{} frames, {}", counts.frames, short_bytes(counts.bytes))});
   if (counts.dropped > 0)
     lines.push_back({"Left out", fmt::format("{} layers, by the server", counts.dropped)});
   if (counts.reconnections > 0)

@@ -55,9 +55,9 @@ struct TrackArea {
 };
 TrackArea track_area(glm::vec2 size, float scale);
 
-/// Draws the bar across the bottom of a window of `size`, with an `opacity` from 0 to 1. To be called
-/// between Gui::begin and end. `thumbnail` shows the time that was under the cursor in the last
-/// call; `dragged` says whether the user is dragging the time.
+/// Draws the bar across the bottom of a window of `size`, with an `opacity` from 0 to 1. To be
+/// called between Gui::begin and end. `thumbnail` shows the time that was under the cursor in the
+/// last call; `dragged` says whether the user is dragging the time.
 TimelineUse draw_timeline(const TimelineView& view, const std::optional<Thumbnail>& thumbnail,
                           bool dragged, glm::vec2 size, float scale, float opacity);
 

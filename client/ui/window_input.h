@@ -39,11 +39,11 @@ struct Input {
 /// outlive it.
 class WindowInput {
  public:
-  /// Whether the interface covers the picture at this point. Drags, clicks and the wheel are not for
-  /// the picture there.
+  /// Whether the interface covers the picture at this point. Drags, clicks and the wheel are not
+  /// for the picture there.
   using Covered = std::function<bool(glm::dvec2 cursor)>;
-  /// The ends of the track on which the time can be dragged, if the cursor is on it. Asked as soon as
-  /// the button goes down, so that no drag is lost, however long a picture takes.
+  /// The ends of the track on which the time can be dragged, if the cursor is on it. Asked as soon
+  /// as the button goes down, so that no drag is lost, however long a picture takes.
   struct Track {
     double left = 0.0, right = 1.0;
   };

@@ -8,11 +8,11 @@
 
 namespace pointreel {
 
-/// Keys of a path that `play --camera` follows, in a file of its own in the working folder. It is
-/// written anew with each key, so that none is lost.
+/// Records a path for `play --camera`, key by key, in a new file in the current folder. The whole
+/// file is written again with each key, so that none is lost.
 class CameraRecorder {
  public:
-  /// What came of it, to be told: how many keys there are and where, or why they are not.
+  /// Adds a key and returns a message for the user: the number of keys and the file, or an error.
   std::string add(const Camera& camera, std::uint64_t time_us);
 
  private:

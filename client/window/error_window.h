@@ -6,8 +6,8 @@
 
 namespace pointreel {
 
-/// A window that tells what is wrong until the user closes it, or for so many seconds: where there
-/// is a display, but not the OpenGL to draw with. Does nothing where there is no display.
+/// Shows an error in a window until the user closes it, or for so many seconds. For a display that
+/// lacks the OpenGL version to play with; does nothing if there is no display.
 void show_error_window(const std::string& title, const std::string& message,
                        std::optional<double> seconds, const std::stop_token& stop);
 

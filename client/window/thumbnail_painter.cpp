@@ -18,14 +18,14 @@ std::optional<Thumbnail> ThumbnailPainter::draw(const PlacedFrame& frame, const 
   }
   if (!renderer_) return std::nullopt;
   if (frame.frame != frame_.frame || camera != camera_) {
-    // From the same side, all of the reel.
+    // From the same direction, but far enough away to see everything.
     Camera near = camera;
     near.frame_bounds(bounds, static_cast<double>(kSize.x) / kSize.y);
     near.yaw = camera.yaw;
     near.pitch = camera.pitch;
     DrawOptions options;
     options.mode = DrawMode::point;
-    // No more points than cover it.
+    // Nodes are not divided below the size of a point.
     options.point_size = options.pixel_size = 2.0f * scale_;
     options.background = background;
     if (!renderer_->draw(Scene{frame}, near, glm::ivec2(glm::vec2(kSize) * scale_), options))

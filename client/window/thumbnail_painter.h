@@ -12,15 +12,15 @@
 
 namespace pointreel {
 
-/// Small pictures of frames, as points, for the timeline. Needs the OpenGL context that was current
-/// when the first one was drawn.
+/// Draws small pictures of frames, as points, for the timeline. Needs the OpenGL context that was
+/// current when the first one was drawn.
 class ThumbnailPainter {
  public:
-  /// `scale`: the interface's.
+  /// `scale` is that of the interface.
   explicit ThumbnailPainter(float scale) : scale_(scale) {}
 
-  /// From the camera's side, with all of `bounds` in the picture. Nothing if it cannot be drawn;
-  /// the same as before for the same frame and camera.
+  /// Looks in the direction of the camera at all of `bounds`. Nothing if OpenGL cannot draw it. The
+  /// last picture is kept for as long as frame and camera stay the same.
   std::optional<Thumbnail> draw(const PlacedFrame& frame, const Box& bounds, const Camera& camera,
                                 const glm::vec3& background);
 

@@ -20,7 +20,7 @@ void WindowErrors::failed(const std::string& message, Now now) {
 
 bool WindowErrors::look(const Stage& stage, Now now) {
   const std::string before = shown();
-  // What was dropped on the window could not be played; what played before goes on.
+  // After a while nobody needs to know any more that something dropped on the window was wrong.
   if (now - failed_at_ > kFailureShown) failure_.clear();
   troubled_sources_.look(stage);
   trouble_ = troubled_sources_.now();

@@ -11,27 +11,27 @@
 
 namespace pointreel {
 
-/// What is wrong, in one line: all of it on standard error, and in the window what is of interest
-/// now.
+/// Errors and troubles while a window plays. Each is printed on standard error, and the one that
+/// matters most at the moment is shown in the window, in one line.
 class WindowErrors {
  public:
   using Now = std::chrono::steady_clock::time_point;
 
-  /// What was to be played cannot be.
+  /// The sources that were opened last cannot be played.
   void failed(const std::string& message, Now now);
-  /// Something else is played instead.
+  /// Other sources are played instead.
   void forget_failure() { failure_.clear(); }
-  /// A frame of what plays cannot be shown: ErrorLines::print. From any thread.
+  /// A frame cannot be shown; as ErrorLines::print. May be called by any thread.
   void broken(std::size_t source, const std::string& where, std::uint32_t frame,
               const Error& error) {
     broken_frames_.print(source, where, frame, error);
   }
-  /// To be called a few times a second. True if shown() changed.
+  /// To be called a few times per second. True if shown() changed.
   bool look(const Stage& stage, Now now);
 
-  /// Of what was to be played last; empty: it plays.
+  /// Why the sources that were opened last cannot be played; empty: they can.
   const std::string& failure() const { return failure_; }
-  /// What the window shows; empty: all is well.
+  /// The message for the window; empty: all is well.
   const std::string& shown() const { return failure_.empty() ? trouble_ : failure_; }
 
  private:

@@ -29,7 +29,7 @@ PointCloud colored_sphere(std::size_t n, unsigned seed = 1) {
   return cloud;
 }
 
-/// A tree, the colours of its leaves and how it is cut into layers.
+/// A tree, the colours of its leaves, and how it is cut into layers.
 struct Sample {
   Svo svo;
   std::vector<glm::u16vec3> colors;
@@ -62,7 +62,7 @@ std::vector<glm::u16vec3> colors(const TransformDecoder& decoder, int level) {
   return all;
 }
 
-/// Colours at the end of the last of the given layers.
+/// Returns the colours at the end of the last of the given layers.
 std::vector<glm::u16vec3> decode(const Sample& s, const std::vector<Bytes>& layers) {
   const Svo svo = truncate(s.svo, s.layer_ends[layers.size() - 1]);
   TransformDecoder decoder(svo);
@@ -117,7 +117,7 @@ TEST(AdaptiveBit, adapts_fastest_to_its_first_decisions_and_never_becomes_certai
   EXPECT_EQ(bit.probability(), 32768u);
   bit.update(0);
   EXPECT_EQ(bit.probability(), 16384u);
-  bit.update(1);  // a half from the first, an estimate's quarter from the second
+  bit.update(1);  // the first update moved by a half, the second moves by a quarter
   EXPECT_NEAR(bit.probability(), 16384.0 + 0.25 * 49152.0, 2.0);
   for (int i = 0; i < 3000; ++i) bit.update(0);
   EXPECT_EQ(bit.probability(), 67u);
@@ -131,7 +131,7 @@ TEST(AdaptiveBit, estimates_the_bits_that_a_decision_costs) {
     for (const unsigned value : {0u, 1u}) {
       const double p = bit.probability() / 65536.0;
       const double bits = -std::log2(value == 1 ? p : 1.0 - p);
-      // The table's steps of 1/256 are coarse for what is rare.
+      // The table's steps of 1/256 are coarse for rare symbols.
       if (bits < 6.0) {
         EXPECT_NEAR(bit.cost(value) / 16.0, bits, 0.2) << p;
       }
@@ -173,7 +173,7 @@ TEST(AttributeCoder, a_larger_step_gives_a_larger_error_and_a_smaller_size) {
     const auto scaled = static_cast<std::uint16_t>(256 * step);
     const std::vector<Bytes> layers = encode(s, {scaled, scaled});
     const double error = mean_squared_luma_error(decode(s, layers), s.colors);
-    // Rounding to 8 bits adds a twelfth; the dead zone makes up to a quarter of squared steps.
+    // Rounding to 8 bits adds a twelfth. The dead zone adds up to a quarter of the squared step.
     EXPECT_LE(error, 0.25 * step * step + 0.2) << step;
     EXPECT_GT(error, last_error) << step;
     EXPECT_LT(total(layers), last_size) << step;
@@ -198,7 +198,7 @@ TEST(AttributeCoder, each_prefix_of_the_layers_decodes_to_nearly_the_mean_colour
 }
 
 TEST(AttributeCoder, agrees_with_the_slow_reference_decoder) {
-  // Dense and sparse, few layers and many, noise and flat colours.
+  // Dense and sparse clouds, few and many layers, noise and flat colours.
   for (const auto& [points, depth, ends] :
        {std::tuple(3000, 6, std::vector<int>{6}), std::tuple(4000, 7, std::vector<int>{3, 5, 7}),
         std::tuple(700, 12, std::vector<int>{7, 9, 12}), std::tuple(5, 3, std::vector<int>{3})}) {

@@ -31,8 +31,8 @@ TEST(Body, is_as_tall_as_a_person_and_stands_on_the_floor_in_its_rest_pose) {
   EXPECT_LT(box.max.y, 1.80);
   EXPECT_NEAR(box.min.y, 0.0, 0.001);
   EXPECT_GE(box.min.y, -1e-6);
-  EXPECT_NEAR(box.extent().x, 0.48, 0.06);  // arms hanging
-  EXPECT_NEAR(box.extent().z, 0.29, 0.06);  // feet
+  EXPECT_NEAR(box.extent().x, 0.48, 0.06);  // the arms hang down
+  EXPECT_NEAR(box.extent().z, 0.29, 0.06);  // the feet
 }
 
 TEST(Body, stands_on_the_floor_and_keeps_its_size_throughout_the_walk) {
@@ -120,7 +120,7 @@ TEST(Body, shows_a_bat_along_its_axis) {
   pose.bat = Bat{{0.5, 1.0, 0.3}, rotation({0.3, 0.2, 0.1})};
   const Body body = pose_body(pose);
   const SurfaceDistance knob = distance_to(body.surface, pose.bat->knob);
-  EXPECT_NEAR(knob.distance.value, 0.0, 0.004);  // a fillet
+  EXPECT_NEAR(knob.distance.value, 0.0, 0.004);  // on the fillet
   EXPECT_EQ(body.parts[knob.primitive].bone, Bone::bat);
   const glm::dvec3 end = pose.bat->knob + 0.84 * pose.bat->axes[1];
   EXPECT_NEAR(distance_to(body.surface, end).distance.value, 0.0, 1e-6);
@@ -146,7 +146,7 @@ TEST(Body, is_a_single_closed_surface) {
   }
   EXPECT_EQ(std::set<std::size_t>(piece.begin(), piece.end()).size(), 1u);
   for (const Blend& blend : body.surface.blends) {
-    // Two that are joined overlap: somewhere both distances are negative.
+    // Two joined parts overlap: both distances are negative somewhere.
     const auto depth = [&](const glm::dvec3& p) {
       return std::max(distance_to(body.surface.primitives[blend.first], p).value,
                       distance_to(body.surface.primitives[blend.second], p).value);

@@ -51,7 +51,8 @@ TEST(BoundedQueue, never_exceeds_its_capacity_and_loses_nothing) {
 }
 
 TEST(BoundedQueue, closing_wakes_a_waiting_reader_and_a_waiting_writer) {
-  // Often enough that a queue is closed before, while and after its thread begins to wait.
+  // There are enough rounds for the queue to be closed before, while and after its thread begins to
+  // wait.
   for (int round = 0; round < 200; ++round) {
     BoundedQueue<int> empty(1), full(1);
     full.push(1);
@@ -70,7 +71,7 @@ TEST(BoundedQueue, closing_wakes_a_waiting_reader_and_a_waiting_writer) {
     full.close();
     reader.join();
     writer.join();
-    ASSERT_EQ(full.pop(), 1) << "what was inside when it was closed can still be taken";
+    ASSERT_EQ(full.pop(), 1) << "elements queued before closing can still be taken";
     ASSERT_EQ(full.pop(), std::nullopt);
   }
 }

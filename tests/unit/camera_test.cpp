@@ -144,7 +144,7 @@ TEST(Camera, panning_moves_the_picture_by_the_given_share_of_its_height) {
   EXPECT_NEAR(p.y, 0.25, 1e-12);
 }
 
-/// A camera that looks askew, near the world's zero and far from it.
+/// Cameras that look askew, near the world's origin and far from it.
 std::vector<Camera> askew_cameras() {
   std::vector<Camera> cameras;
   for (const char up : {'y', 'z'}) {
@@ -209,7 +209,7 @@ TEST(Camera, centring_on_a_point_moves_it_to_the_middle_at_the_same_size) {
     EXPECT_NEAR(camera.distance, depth, 1e-8);
     EXPECT_EQ(camera.yaw, before.yaw);
     EXPECT_EQ(camera.pitch, before.pitch);
-    // From then on it is what the eye turns about.
+    // From then on the eye turns about this point.
     camera.orbit(1.1, -0.6);
     const glm::dvec3 p = project(camera, point, kAspect);
     EXPECT_NEAR(p.x, 0.0, 1e-8);
@@ -234,7 +234,7 @@ TEST(Camera, flying_turns_on_the_spot_to_the_left_and_down) {
     camera.fly(glm::dvec3(0.0), 0.3, 0.2);
     EXPECT_LT(glm::distance(camera.eye(), before.eye()), 1e-8);
     EXPECT_EQ(camera.distance, before.distance);
-    // What was in the middle now is to the right and above.
+    // The previous centre of the picture is now to the right and above.
     const glm::dvec3 p = project(camera, before.target, kAspect);
     EXPECT_GT(p.x, 0.1);
     EXPECT_GT(p.y, 0.1);

@@ -1,4 +1,4 @@
-// Which files of which folders can be fetched at all.
+// Which files of which folders can be fetched.
 
 #include "server/serve/catalog.h"
 
@@ -115,7 +115,7 @@ TEST_F(CatalogTest, refuses_symbolic_links_out_of_the_package_and_follows_those_
   fs::create_symlink(outside, reel_ / "0.full.prs");
   EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: is a symbolic link that leads out"));
 
-  // Beside the package, with its name as a prefix.
+  // This folder lies beside the package and has its name as a prefix.
   fs::create_directory(temporary_.path() / "walk2");
   write_file(temporary_.path() / "walk2" / "x", "the rest");
   fs::remove(reel_ / "0.full.prs");
@@ -149,7 +149,7 @@ TEST_F(CatalogTest, does_not_open_a_file_that_was_changed_or_replaced) {
   fs::last_write_time(full.file, modified);
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
 
-  // Put in its place after the server began.
+  // This file is put in its place after the server has started.
   fs::remove(full.file);
   write_file(temporary_.path() / "secret", "the rest");
   fs::last_write_time(temporary_.path() / "secret", modified);
@@ -175,7 +175,7 @@ TEST_F(CatalogTest, live_resources_come_and_go_and_never_hide_a_package) {
   EXPECT_NE(catalog->find("/walk/reel.json")->text, "mine");
   live->remove("/live/stage/reel.json");
   EXPECT_EQ(catalog->find("/live/stage/reel.json"), nullptr);
-  EXPECT_EQ(first->text, "one") << "whoever is being answered keeps it";
+  EXPECT_EQ(first->text, "one") << "a response in progress keeps the old resource";
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ TEST(ClockRange, repeats_whether_or_not_the_reel_loops) {
     Clock clock(ten_frames(), loop);
     clock.set_loop_range(LoopRange{300'000, 500'000}, kStart);
     clock.play(kStart);
-    EXPECT_EQ(clock.read(kStart + milliseconds(499)).position_us, 499'000u) << "comes into it";
+    EXPECT_EQ(clock.read(kStart + milliseconds(499)).position_us, 499'000u) << "enters the range";
     for (int pass = 1; pass < 20; ++pass) {
       const auto begin = kStart + milliseconds(300 + 200 * pass);
       EXPECT_EQ(clock.read(begin).position_us, 300'000u);
@@ -366,7 +366,7 @@ TEST(ClockRange, keeps_counting_frames_across_pauses_and_changes_of_speed) {
   EXPECT_EQ(clock.read(kStart + milliseconds(2050)).ordinal, before.ordinal + 1);
 }
 
-/// A position that goes on microsecond by microsecond.
+/// A position that advances microsecond by microsecond.
 class Walker {
  public:
   Walker(const Timeline& timeline, bool loop, int direction, const std::optional<LoopRange>& range,
@@ -470,7 +470,7 @@ TEST(ClockRange, agrees_with_playing_step_by_step_from_every_start_in_every_rang
             clock.set_speed(direction, kStart);
             clock.seek(start, kStart);
             clock.play(kStart);
-            // From the end playback begins anew.
+            // At the end, playback begins again.
             const std::uint64_t begun = clock.read(kStart).position_us;
             Walker walker(timeline, loop, direction, LoopRange{a, b},
                           static_cast<std::int64_t>(begun));

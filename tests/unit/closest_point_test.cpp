@@ -23,7 +23,7 @@ SurfaceGrid grid_of(Surface surface) {
 
 RoundCone ball(const glm::dvec3& center, double radius) { return {center, center, radius, radius}; }
 
-/// Balls of radius 0.1 around (+-0.08, 0, 0): they meet in a circle of radius 0.06.
+/// Balls of radius 0.1 around (+-0.08, 0, 0), which meet in a circle of radius 0.06.
 Surface two_balls(double blend) {
   return {{ball({-0.08, 0, 0}, 0.1), ball({0.08, 0, 0}, 0.1)},
           blend > 0.0 ? std::vector<Blend>{{0, 1, blend}}
@@ -52,18 +52,19 @@ TEST(TrueDistance, equals_the_distance_to_a_single_primitive) {
 TEST(TrueDistance, reaches_a_crease_from_inside_it) {
   const SurfaceGrid grid = grid_of(two_balls(0.0));
   for (const double depth : {1e-6, 0.001, 0.004, 0.02}) {
-    // Either ball's own surface is nearer, but buried in the other.
+    // The own surface of either ball is nearer, but it is buried in the other ball.
     EXPECT_NEAR(true_distance(grid, {0.0, 0.06 - depth, 0.0}), depth, 1e-7);
     EXPECT_NEAR(true_distance(grid, {0.2 * depth, 0.0, 0.06 - depth}), std::hypot(1.0, 0.2) * depth,
                 1e-7);
   }
-  // And outside it to the nearer ball.
+  // Outside, the distance is that to the nearer ball.
   const glm::dvec3 p(0.001, 0.063, 0.0);
   EXPECT_NEAR(true_distance(grid, p), glm::distance(p, {0.08, 0, 0}) - 0.1, 1e-7);
 }
 
 TEST(TrueDistance, reaches_the_corner_of_three_balls_from_inside_them) {
-  // Around the corners of a triangle with the centre 0; the corner is above it at height 0.06.
+  // The balls lie at the corners of a triangle around 0. Their surfaces meet above it at height
+  // 0.06.
   Surface surface;
   for (int i = 0; i < 3; ++i) {
     const double turn = 2.0 * 3.141592653589793 * i / 3.0;
@@ -79,7 +80,7 @@ TEST(TrueDistance, reaches_the_corner_of_three_balls_from_inside_them) {
 TEST(TrueDistance, exceeds_the_value_of_the_field_in_a_fillet) {
   constexpr double kBlend = 0.06;
   const SurfaceGrid grid = grid_of(two_balls(kBlend));
-  // Half way between the balls the fillet is at distance blend / 4 from both.
+  // Halfway between the balls, the fillet is at distance blend / 4 from both.
   const double radius = std::sqrt(std::pow(0.1 + kBlend / 4.0, 2) - 0.08 * 0.08);
   for (const double off : {-0.004, -0.001, 1e-5, 0.001, 0.004}) {
     const glm::dvec3 p(0.0, 0.0, radius + off);
@@ -96,7 +97,7 @@ TEST(TrueDistance, recovers_how_far_a_point_was_moved_along_its_normal) {
     const double distance =
         true_distance(figure_grid(), points[i].position + way * points[i].normal);
     ASSERT_LE(distance, std::abs(way) + 1e-7) << i;
-    // In front of a crease another part may be nearer.
+    // In front of a crease, another part may be nearer.
     if (distance < std::abs(way) - 1e-7) ++nearer;
   }
   EXPECT_LT(nearer, points.size() / 200);
@@ -108,12 +109,12 @@ TEST(TrueDistance, agrees_with_the_nearest_of_many_samples) {
   for (const SurfacePoint& sample : samples) positions.push_back(sample.position);
   Random random(3, 0);
   for (std::size_t i = 0; i < 300; ++i) {
-    // Up to 6 mm inside, a hand's breadth outside.
+    // Up to 6 mm inside the figure and up to 10 cm outside it.
     const double way = i % 2 == 0 ? 0.1 * random.uniform() : -0.006 * random.uniform();
     queries.push_back(samples[i].position + way * samples[i].normal);
   }
   const NearestPoints nearest = nearest_points(queries, positions, 0.0);
-  constexpr double kGap = 0.02;  // no point of the surface is further from a sample
+  constexpr double kGap = 0.02;  // no point of the surface is farther from a sample
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const double distance = true_distance(figure_grid(), queries[i]);
     ASSERT_LE(distance, std::sqrt(nearest.squared_distances[i]) + 1e-7) << i;

@@ -34,7 +34,8 @@ const std::string kPly =
 Bytes drc() {
   PointCloud cloud;
   cloud.positions = {{1, 1, 1}, {2, 2, 2}};
-  // A payload's positions are the middles of cells, counted from the cube's corner: here of edge 1.
+  // A payload's positions are the centres of cells, counted from the corner of the cube. Here a
+  // cell has edge 1.
   return *encode_draco_payload(cloud, Cube{glm::dvec3(0.0), 2048.0}, {}, false, false);
 }
 
@@ -98,7 +99,7 @@ TEST_F(CloudFile, a_folder_gives_its_frames_in_natural_order) {
                            "frame3.ply.bak", "ply"}) {
     write(name, kPly);
   }
-  write("inner.ply/frame0.ply", kPly);  // a folder is no frame, whatever its name
+  write("inner.ply/frame0.ply", kPly);  // a folder is not a frame, whatever its name
   const auto files = list_cloud_files({folder_.path()});
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_THAT(names(*files), ElementsAre("frame1.drc", "frame2.PLY", "frame10.ply"));
@@ -124,7 +125,7 @@ TEST_F(CloudFile, a_missing_input_or_a_folder_without_frames_is_an_error) {
   EXPECT_FALSE(list_cloud_files({}));
 }
 
-/// The real captures, where they are there.
+/// The folder of real captures, which may be missing.
 fs::path real_data() {
   const char* named = std::getenv("POINTREEL_DATA");
   return named ? fs::path(named) : fs::path(POINTREEL_SOURCE_DIR) / "../shared/data";
@@ -132,7 +133,7 @@ fs::path real_data() {
 
 TEST(CloudFileOnRealData, every_mesh_of_the_liam_sequence_is_a_standing_person) {
   const fs::path folder = real_data() / "liam";
-  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " does not exist";
   const auto files = list_cloud_files({folder});
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_EQ(files->size(), 24u);
@@ -142,7 +143,7 @@ TEST(CloudFileOnRealData, every_mesh_of_the_liam_sequence_is_a_standing_person) 
     EXPECT_NEAR(static_cast<double>(loaded->cloud.size()), 26582.0, 10.0);
     EXPECT_TRUE(loaded->cloud.has_normals());
     const Box box = bounds(loaded->cloud);
-    EXPECT_NEAR(box.min.y, 0.0, 2.0) << "feet on the ground, millimetres";
+    EXPECT_NEAR(box.min.y, 0.0, 2.0) << "the feet are on the ground, in millimetres";
     EXPECT_NEAR(box.max.y, 1768.0, 5.0);
   }
 }

@@ -21,7 +21,7 @@
 namespace pointreel {
 namespace {
 
-/// Cells at random, in clusters, so that there are dense and sparse places.
+/// Random cells in clusters, so that some places are dense and some are sparse.
 Svo clustered_tree(int depth, std::size_t count, unsigned seed) {
   std::mt19937 random(seed);
   const std::uint32_t side = 1u << depth;
@@ -36,7 +36,7 @@ Svo clustered_tree(int depth, std::size_t count, unsigned seed) {
   return tree_of_cells(cells, depth);
 }
 
-/// A bumpy shell, from integers alone.
+/// A bumpy shell, computed with integers only.
 Svo shell_tree(int depth, std::int64_t thickness) {
   const std::int64_t side = std::int64_t{1} << depth, radius = side * 3 / 8;
   std::vector<glm::uvec3> cells;
@@ -55,7 +55,7 @@ Svo shell_tree(int depth, std::int64_t thickness) {
   return tree_of_cells(cells, depth);
 }
 
-/// A sheet with steps whose last coded level is of the densest class, and large.
+/// A sheet with steps whose last coded level is large and belongs to the densest class.
 Svo sheet_tree() {
   std::vector<glm::uvec3> cells;
   for (std::uint32_t y = 0; y < 256; ++y) {
@@ -93,7 +93,7 @@ Result<Bytes> decode(const Svo& svo, const std::vector<Bytes>& layers,
   Bytes masks;
   int begin = 0;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    // A buffer of its own that ends with the payload, so that a read past the end is noticed.
+    // The buffer ends with the payload, so that a read past the end is noticed.
     const auto exact = std::make_unique<std::uint8_t[]>(layers[i].size());
     std::copy(layers[i].begin(), layers[i].end(), exact.get());
     const std::size_t count = svo.level_begin[static_cast<std::size_t>(ends[i])] -
@@ -255,7 +255,7 @@ TEST(ContextTables, are_refused_if_they_are_damaged) {
     EXPECT_FALSE(parse_tables(ByteView(bytes).first(cut))) << cut;
   }
   bytes.push_back(0);
-  EXPECT_FALSE(parse_tables(bytes)) << "a leaf too many";
+  EXPECT_FALSE(parse_tables(bytes)) << "one leaf too many";
   bytes.pop_back();
   bytes[7] = 0x80;  // bit 63 of a mask
   EXPECT_FALSE(parse_tables(bytes));
@@ -302,13 +302,13 @@ TEST(ContextTables, package_tables_are_refused_if_they_are_damaged) {
   }
   Bytes other = *file;
   other.front() = kNewestTables + 1;
-  EXPECT_FALSE(read_table_file(other)) << "based on unknown tables";
+  EXPECT_FALSE(read_table_file(other)) << "the file is based on unknown tables";
   other = *file;
   other.resize(kMaxTableFile + 1);
   EXPECT_FALSE(read_table_file(other));
   const auto huge = write_table_file(Bytes((std::size_t{1} << 22) + 1));
-  EXPECT_FALSE(read_table_file(*huge)) << "unpacks to too much";
-  EXPECT_FALSE(parse_tables(write_tables(all_slots({kBaseSlot, {}, {}})))) << "without a base";
+  EXPECT_FALSE(read_table_file(*huge)) << "the file unpacks to more than the limit";
+  EXPECT_FALSE(parse_tables(write_tables(all_slots({kBaseSlot, {}, {}})))) << "there is no base";
 }
 
 TEST(ContextTables, are_refused_if_their_number_is_unknown) {

@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Controls of a reel of twenty frames, ten a second, whose time stands still between calls.
+/// Controls of a reel of twenty frames at ten frames per second. Time stands still between calls.
 class ControlsTest : public PackTest {
  protected:
   void SetUp() override {
@@ -24,7 +24,7 @@ class ControlsTest : public PackTest {
     ASSERT_TRUE(stage) << stage.error().message;
     stage_ = *std::move(stage);
     controls_.begin(stage_.get(), [this] { return home_for(stage_->bounds(), 'y'); });
-    // Time stands still until the first frame is there.
+    // Time stands still until the first frame has arrived.
     ASSERT_TRUE(wait_until([&] { return started(); }));
     act(Action::toggle_play);
     ASSERT_FALSE(reel().playing());
@@ -55,7 +55,7 @@ TEST_F(ControlsTest, play_pause_and_step_announce_the_time) {
   act(Action::step_forward);
   EXPECT_EQ(frame(), 1u);
   EXPECT_EQ(said(), "00:00.100 / 00:02.000   frame 2 of 20");
-  EXPECT_EQ(said(), "") << "it is said once";
+  EXPECT_EQ(said(), "") << "the announcement is made only once";
   act(Action::step_back);
   act(Action::step_back);
   EXPECT_EQ(frame(), 19u) << "the reel loops";
@@ -64,7 +64,7 @@ TEST_F(ControlsTest, play_pause_and_step_announce_the_time) {
 }
 
 TEST_F(ControlsTest, seeks_move_by_the_amounts_of_their_keys) {
-  act(Action::toggle_loop);  // else it begins anew at the end
+  act(Action::toggle_loop);  // otherwise it starts over at the end
   EXPECT_EQ(said(), "no loop");
   act(Action::seek_forward_tenth);
   EXPECT_EQ(reel().position_us(now_), 200'000u);
@@ -83,7 +83,7 @@ TEST_F(ControlsTest, home_goes_to_the_first_frame_and_end_pauses_at_the_last_one
   act(Action::toggle_play);
   act(Action::seek_last);
   EXPECT_EQ(frame(), 19u);
-  EXPECT_FALSE(reel().playing()) << "it would be gone at once";
+  EXPECT_FALSE(reel().playing()) << "the reel would loop and leave the last frame at once";
   EXPECT_EQ(said(), "00:01.900 / 00:02.000   frame 20 of 20");
   act(Action::toggle_play);
   act(Action::seek_start);
@@ -140,7 +140,7 @@ TEST_F(ControlsTest, scrubbing_goes_to_the_frame_under_the_cursor) {
   EXPECT_EQ(frame(), 15u);
   controls_.scrub_end(now_);
   EXPECT_FALSE(controls_.scrubbing());
-  EXPECT_FALSE(reel().playing()) << "as it was before";
+  EXPECT_FALSE(reel().playing()) << "it was paused before";
 }
 
 TEST_F(ControlsTest, drawing_actions_change_and_announce_the_settings) {
@@ -157,11 +157,11 @@ TEST_F(ControlsTest, drawing_actions_change_and_announce_the_settings) {
 
 TEST_F(ControlsTest, input_turns_and_zooms_the_camera_and_reset_view_returns_home) {
   const Camera home = controls_.camera();
-  EXPECT_FALSE(controls_.move({}, {600, 400}, 0.1)) << "nothing was done";
+  EXPECT_FALSE(controls_.move({}, {600, 400}, 0.1)) << "there was no input";
   Input input;
   input.orbit = {200.0, 0.0};
   EXPECT_TRUE(controls_.move(input, {600, 400}, 0.1));
-  EXPECT_NEAR(controls_.camera().yaw, -M_PI / 2, 1e-9) << "half the height is a quarter turn";
+  EXPECT_NEAR(controls_.camera().yaw, -M_PI / 2, 1e-9) << "half the height turns by 90 degrees";
   input = {};
   input.wheel = 2.0;
   input.cursor = {300.0, 200.0};
@@ -199,7 +199,7 @@ TEST_F(ControlsTest, flying_works_only_after_its_key) {
   const Camera before = controls_.camera();
   EXPECT_TRUE(controls_.move(input, {600, 400}, 0.5));
   const glm::dvec3 moved = controls_.camera().eye() - before.eye();
-  EXPECT_LT(glm::dot(moved, before.axes()[2]), 0.0) << "forward is where the camera looks";
+  EXPECT_LT(glm::dot(moved, before.axes()[2]), 0.0) << "forward is along the camera's view";
   input.fast = true;
   const Camera slow = controls_.camera();
   controls_.move(input, {600, 400}, 0.5);
@@ -215,7 +215,7 @@ TEST_F(ControlsTest, leave_closes_one_thing_at_a_time) {
   EXPECT_FALSE(controls_.show_help);
   EXPECT_TRUE(controls_.flying());
   EXPECT_TRUE(act(Action::leave));
-  EXPECT_FALSE(act(Action::leave)) << "nothing is left but full screen";
+  EXPECT_FALSE(act(Action::leave)) << "only full screen is left";
 }
 
 TEST_F(ControlsTest, actions_of_the_window_are_left_to_the_window) {
@@ -232,7 +232,7 @@ TEST_F(ControlsTest, every_bound_action_is_harmless_without_a_stage) {
 }
 
 TEST(LiveControls, pause_and_resume_but_cannot_seek) {
-  // Nobody is there: it is connected to in the background.
+  // No server listens there: the stage opens first and connects in the background.
   auto stage = Stage::open(
       {{"ws://127.0.0.1:9/live/me", {}}}, {}, [](auto&&...) { return Camera{}; }, [](auto&&...) {});
   ASSERT_TRUE(stage) << stage.error().message;

@@ -35,7 +35,7 @@ Svo tree(const PointCloud& cloud, int depth) {
   return build_svo(sort_points(cloud, bounding_cube(bounds(cloud))), depth);
 }
 
-/// Every node's parent and level, and each leaf's emitted ancestors, the slow way.
+/// The parent and level of every node and the emitted ancestors of each leaf, found the slow way.
 struct Ancestry {
   explicit Ancestry(const Svo& svo) : parent(svo.node_count(), 0) {
     for (std::uint32_t i = 0; i < svo.internal_count(); ++i) {
@@ -95,11 +95,11 @@ TEST(Cut, never_culls_a_leaf_that_brute_force_finds_visible) {
       ASSERT_EQ(stats.emitted, cut.nodes().size());
       std::set<std::uint32_t> emitted;
       for (const CutNode& n : cut.nodes()) {
-        ASSERT_TRUE(emitted.insert(n.node).second) << "a node is emitted once";
+        ASSERT_TRUE(emitted.insert(n.node).second) << "the node is emitted twice";
       }
       for (std::uint32_t leaf = 0; leaf < cells.size(); ++leaf) {
         const auto nodes = covering(svo, ancestry, emitted, leaf);
-        ASSERT_LE(nodes.size(), 1u) << "a voxel inside another is drawn";
+        ASSERT_LE(nodes.size(), 1u) << "a voxel inside another voxel is drawn";
         if (leaf_visible(camera, svo, cells[leaf])) {
           ASSERT_EQ(nodes.size(), 1u) << "trial " << trial << " leaf " << leaf;
         }
@@ -139,7 +139,7 @@ TEST(Cut, places_every_node_of_trees_with_one_to_eight_children_a_node) {
     Camera camera;
     camera.frame_bounds({glm::dvec3(0.0), glm::dvec3(32.0)}, 4.0 / 3.0);
     VoxelCut cut;
-    for (const double distance : {1.0, 0.3}) {  // all is inside the frustum, and not all
+    for (const double distance : {1.0, 0.3}) {  // with all and with part of it inside the frustum
       camera.zoom(distance);
       cut.run(svo, camera, kSize, 0.0f);
       ASSERT_FALSE(cut.nodes().empty());
@@ -158,11 +158,11 @@ TEST(Cut, culls_nodes_behind_the_eye_and_outside_the_picture) {
   camera.target = glm::dvec3(0.0, 0.0, 20.0);
   camera.distance = 1.0;
   VoxelCut cut;
-  camera.yaw = 3.14159265358979;  // the eye at z = 19, looking away along +z
+  camera.yaw = 3.14159265358979;  // the eye is at z = 19 and looks away along +z
   CutStats stats = cut.run(svo, camera, kSize, 1.0f);
   EXPECT_EQ(stats.emitted, 0u);
   EXPECT_EQ(stats.visited, 1u);
-  camera.yaw = 0.0;  // the eye at z = 21, looking back at the cloud
+  camera.yaw = 0.0;  // the eye is at z = 21 and looks back at the cloud
   EXPECT_GT(cut.run(svo, camera, kSize, 1.0f).emitted, 100u);
   camera.target.x += 40.0;
   EXPECT_EQ(cut.run(svo, camera, kSize, 1.0f).emitted, 0u);
@@ -179,7 +179,7 @@ TEST(Cut, emits_only_nodes_that_cover_less_than_a_pixel) {
     ASSERT_FALSE(cut.nodes().empty());
     const double focal = 0.5 * kSize.y / std::tan(0.5 * camera.fov_y);
     for (const CutNode& n : cut.nodes()) {
-      // On the axis, and so far away, a cube's mean projected area is 6 half^2 (focal / z)^2.
+      // On the axis and at this distance, a cube's mean projected area is 6 half^2 (focal / z)^2.
       const double z =
           -(glm::transpose(camera.axes()) * (svo.cube.origin + glm::dvec3(n.center) - camera.eye()))
                .z;
@@ -187,7 +187,7 @@ TEST(Cut, emits_only_nodes_that_cover_less_than_a_pixel) {
       if (n.node < svo.internal_count()) {
         EXPECT_LT(area, 1.01);
       }
-      EXPECT_GT(4.0 * area, n.node == 0 ? 0.0 : 0.9) << "its parent would have been small enough";
+      EXPECT_GT(4.0 * area, n.node == 0 ? 0.0 : 0.9) << "the parent would have been small enough";
     }
   }
 }
@@ -197,9 +197,9 @@ TEST(Cut, descends_into_nodes_around_the_eye_or_across_the_near_plane) {
   const Svo svo = tree(cloud, 9);
   VoxelCut cut;
   Camera camera;
-  camera.target = glm::dvec3(0.0, 0.0, -0.5);  // the eye in the middle of the shell
+  camera.target = glm::dvec3(0.0, 0.0, -0.5);  // the eye is in the middle of the shell
   camera.distance = 0.5;
-  // However coarse the wanted pixels, a node around the eye must not be emitted.
+  // A node around the eye must not be emitted, however coarse the wanted pixels are.
   const CutStats stats = cut.run(svo, camera, kSize, 400.0f);
   EXPECT_GT(stats.emitted, 0u);
   for (const CutNode& n : cut.nodes()) {
@@ -284,7 +284,7 @@ TEST(FinestLevel, is_never_coarser_than_a_node_that_a_cut_emits) {
       ASSERT_LE(finest, level) << "trial " << trial;
       near += finest >= std::min(level, svo.depth) - 1;
     }
-    EXPECT_GT(near, 150) << "nor much too fine where all is in the picture";
+    EXPECT_GT(near, 150) << "the level is much too fine although all is in the picture";
   }
 }
 
@@ -294,7 +294,7 @@ TEST(FinestLevel, rises_with_the_height_of_a_person_in_pixels) {
   Camera camera;
   for (const auto& [pixels, level] : {std::pair{100, 7}, {300, 9}, {700, 10}, {1400, 11}}) {
     camera.frame_bounds(person, 1.0);
-    // The person is a little lower than the picture.
+    // The person is slightly smaller than the picture.
     EXPECT_EQ(finest_level(cube, person, camera, glm::ivec2(pixels), 1.0f), level) << pixels;
   }
   EXPECT_EQ(finest_level(cube, person, camera, kSize, 0.0f), kMaxDepth) << "leaves are wanted";

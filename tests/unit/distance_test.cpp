@@ -92,7 +92,7 @@ TEST(Distance, is_an_error_for_a_cloud_without_points) {
 // --- nearest neighbours ---
 
 TEST(NearestPoints, are_exactly_those_that_brute_force_finds) {
-  // On a small lattice almost every point between has several neighbours, up to eight.
+  // On a small lattice, almost every point in between has several nearest neighbours, up to eight.
   std::mt19937 random(5);
   std::vector<glm::dvec3> points, queries;
   for (int i = 0; i < 150; ++i) {
@@ -186,7 +186,7 @@ TEST(PlaneDistance, uses_the_normals_of_the_reference_cloud) {
   EXPECT_EQ(measure(a, b).d2().value(), 0.0625);
   b.normals.clear();
   EXPECT_EQ(measure(a, b).d2().value(), 0.0625);
-  EXPECT_EQ(measure(b, a).d2().value(), 0.0625);  // the only ones there are
+  EXPECT_EQ(measure(b, a).d2().value(), 0.0625);  // only a has normals
   a.normals.clear();
   EXPECT_FALSE(measure(a, b).d2());
 }
@@ -241,9 +241,9 @@ TEST(ColorDistance, uses_the_mean_colour_of_equally_near_points) {
   b.positions = {{-1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 3, 0}};
   b.colors = {glm::u16vec3(40 * 257), glm::u16vec3(50 * 257), glm::u16vec3(70 * 257),
               glm::u16vec3(255 * 257)};
-  // 40 at one place, 60 at the other.
+  // The mean colour is 40 at one place and 60 at the other.
   EXPECT_NEAR(measure(a, b).a_to_b.colors->x, 0.0, 1e-20);
-  // Further away by the last bit of a float, as rounding has it.
+  // This neighbour is farther by the last bit of a float, as rounding can make it.
   b.positions[0].x = std::nextafter(-1.0f, -2.0f);
   EXPECT_NEAR(measure(a, b).a_to_b.colors->x, 0.0, 1e-20);
 }
@@ -288,9 +288,9 @@ TEST(NormalDistance, skips_and_counts_unknown_normals) {
   EXPECT_FALSE(measure(a, b).normals());
 }
 
-// --- the whole of it, the slow way ---
+// --- the whole measure, computed the slow way ---
 
-/// A point of a cloud without duplicates: the mean of those at its place.
+/// A point of a cloud without duplicates: the mean of the points at its place.
 struct Place {
   glm::dvec3 at{0.0}, normal{0.0}, color{0.0};
   double points = 0.0;
@@ -324,14 +324,15 @@ std::vector<std::size_t> nearest_of(const glm::dvec3& p, const std::vector<Place
 }
 
 TEST(Distance, agrees_with_brute_force_in_all_metrics_with_ties_and_duplicates) {
-  // On a lattice, some points twice; b on a coarser one, between the points of a.
+  // Both lie on a lattice, with some points twice. That of b is coarser and lies between the points
+  // of a.
   std::mt19937 random(9);
   const auto lattice = [&random](std::size_t n, float step, float shift) {
     PointCloud cloud;
     for (std::size_t i = 0; i < n; ++i) {
       const auto one = [&] { return step * static_cast<float>(random() % 8) + shift; };
       cloud.positions.emplace_back(one(), one(), one());
-      // About upwards, so that no mean of normals vanishes.
+      // The normals point roughly upwards, so that no mean of them vanishes.
       cloud.normals.push_back(glm::normalize(glm::vec3(0.1f * one(), 3.0f, 0.1f * one())));
       cloud.colors.push_back(glm::u16vec3(random() % 256, random() % 256, random() % 256) *
                              std::uint16_t{257});
@@ -343,7 +344,7 @@ TEST(Distance, agrees_with_brute_force_in_all_metrics_with_ties_and_duplicates) 
   ASSERT_LT(in_a.size(), a.size());
   ASSERT_LT(in_b.size(), b.size());
 
-  // The normals of a at the places of b.
+  // The normals of a, averaged at the places of b.
   std::vector<glm::dvec3> lent(in_b.size(), glm::dvec3(0.0));
   for (const Place& place : in_a) {
     for (const std::size_t k : nearest_of(place.at, in_b)) lent[k] += place.normal;
@@ -386,7 +387,7 @@ TEST(Distance, does_not_depend_on_the_number_of_threads_or_the_order_of_points) 
   PointCloud a = random_cloud(6000, 7, glm::dvec3(0.0)), b = random_cloud(5000, 8, glm::dvec3(0.0));
   for (PointCloud* cloud : {&a, &b}) {
     for (glm::vec3& p : cloud->positions) {
-      p = glm::round(p * 16.0f) / 16.0f;  // duplicates, and several neighbours
+      p = glm::round(p * 16.0f) / 16.0f;  // gives duplicates and several neighbours
       cloud->normals.push_back(glm::normalize(p + glm::vec3(0.01f)));
       cloud->colors.push_back(glm::u16vec3((p + 1.0f) * 30000.0f));
     }

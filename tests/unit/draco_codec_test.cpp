@@ -21,7 +21,7 @@
 namespace pointreel {
 namespace {
 
-/// A sphere's surface with unit normals and random colours, all different.
+/// The surface of a sphere with unit normals and random colours that are all different.
 PointCloud sphere(std::size_t n, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<float> gauss;
@@ -51,7 +51,7 @@ PointCloud permuted(const PointCloud& cloud, unsigned seed) {
   return out;
 }
 
-/// Ways of coding: levels as draco_encoder takes them, and methods at each end of them.
+/// Options to test: levels as draco_encoder takes them, and methods at each end of the range.
 std::vector<DracoOptions> ways() {
   std::vector<DracoOptions> ways;
   for (const int level : {0, 5, 7, 10}) {
@@ -71,7 +71,7 @@ bool is_sequential(const DracoOptions& options) {
          (options.method == DracoMethod::automatic && options.compression_level == 0);
 }
 
-/// How far off a normal may be, radians: draco_payload.h.
+/// The largest allowed error of a normal in radians; see draco_payload.h.
 double normal_bound(const DracoOptions& options) {
   const double steps = (1 << options.normal_bits) - 2;
   return std::asin(std::min(1.0, (is_sequential(options) ? 4.0 : std::sqrt(3.0)) / steps)) + 1e-3;
@@ -99,7 +99,7 @@ PointCloud round_trip(const PointCloud& cloud, const Cube& cube, const DracoOpti
 
 using Cell = std::tuple<int, int, int>;
 
-/// The cell by division, the obvious way.
+/// The cell, computed by division in the obvious way.
 Cell cell_of(const glm::dvec3& world, const Cube& cube, int bits) {
   const double cells = std::ldexp(1.0, bits);
   const glm::dvec3 c = glm::clamp(glm::floor((world - cube.origin) / cube.edge * cells),
@@ -119,7 +119,7 @@ std::vector<Cell> sorted_cells(const PointCloud& cloud, const Cube& cube, int bi
 using ColorKey = std::tuple<int, int, int>;
 ColorKey key(const glm::u16vec3& c) { return {c.x, c.y, c.z}; }
 
-/// The index of the point of each colour; colours are all different.
+/// The index of the point of each colour. All colours are different.
 std::map<ColorKey, std::size_t> by_color(const PointCloud& cloud) {
   std::map<ColorKey, std::size_t> index;
   for (std::size_t i = 0; i < cloud.size(); ++i) index[key(cloud.colors[i])] = i;
@@ -277,7 +277,7 @@ TEST(DracoCodec, level_zero_is_coded_sequentially_unless_a_method_is_requested) 
 
 TEST(DracoCodec, bytes_do_not_depend_on_the_order_of_the_points) {
   PointCloud cloud = sphere(3000);
-  for (std::size_t i = 0; i < 1000; ++i) {  // many in the same place with other attributes
+  for (std::size_t i = 0; i < 1000; ++i) {  // many points at the same place with other attributes
     cloud.positions[i] = cloud.positions[i % 7];
   }
   const Cube cube = cube_of(cloud);
@@ -312,7 +312,7 @@ TEST(DracoCodec, an_empty_cloud_becomes_an_empty_frame) {
 }
 
 TEST(DracoCodec, single_points_and_flat_clouds_are_coded) {
-  for (int axes = 0; axes < 3; ++axes) {  // extent 0 on three, two and one axes
+  for (int axes = 0; axes < 3; ++axes) {  // the extent is 0 on three, two and one axes
     PointCloud cloud;
     for (int i = 0; i < (axes == 0 ? 1 : 100); ++i) {
       glm::vec3 p(5.0f);
@@ -333,7 +333,7 @@ TEST(DracoCodec, duplicates_are_kept_in_any_number) {
     options.method = method;
     const auto payload = encode_draco_payload(cloud, cube, options, true, true);
     ASSERT_TRUE(payload);
-    EXPECT_LT(payload->size(), 5000u) << "padding beyond what the decoder asks for";
+    EXPECT_LT(payload->size(), 5000u) << "there is more padding than the decoder needs";
     const PointCloud decoded = round_trip(cloud, cube, options);
     ASSERT_EQ(decoded.size(), cloud.size());
     EXPECT_EQ(sorted_cells(decoded, cube, 11), sorted_cells(cloud, cube, 11));
@@ -415,7 +415,7 @@ TEST(DracoCodec, truncated_frames_and_flipped_bits_are_errors) {
   }
 }
 
-/// Decodes a copy that ends where its bytes end, so that a sanitiser sees reads beyond.
+/// Decodes a copy whose buffer ends with its bytes, so that a sanitizer sees reads past the end.
 void expect_harmless(const Bytes& bytes, const Cube& cube, std::size_t most_points) {
   const Bytes exact(bytes);
   const auto decoded = decode_draco_payload(exact, cube, 11, DecodeLimits{1u << 16});
@@ -426,7 +426,7 @@ void expect_harmless(const Bytes& bytes, const Cube& cube, std::size_t most_poin
   EXPECT_LE(decoded->size(), most_points);
   for (std::size_t i = 0; i < decoded->size(); ++i) {
     const glm::dvec3 p = decoded->world(i) - cube.origin;
-    EXPECT_TRUE(p.x >= 0 && p.y >= 0 && p.z >= 0) << "not in the cube";
+    EXPECT_TRUE(p.x >= 0 && p.y >= 0 && p.z >= 0) << "a position is outside the cube";
     EXPECT_LE(std::max({p.x, p.y, p.z}), cube.edge * 1.0001);
     if (decoded->has_normals()) {
       EXPECT_LE(glm::length(decoded->normals[i]), 1.001f);

@@ -26,7 +26,7 @@ TEST(Draft, is_the_coarsest_for_the_first_picture) {
   draft.drew(10, 0.1);
   draft.reduction(kNobody, 10);
   draft.drew(10, 1.0);
-  EXPECT_EQ(draft.reduction(kHand, 10), 1) << "it is quick enough as it is";
+  EXPECT_EQ(draft.reduction(kHand, 10), 1) << "whole pictures are fast enough";
   draft = {};
   EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
 }
@@ -65,10 +65,11 @@ TEST(Draft, never_becomes_finer_while_the_hand_still_moves) {
   EXPECT_EQ(draft.reduction(kHand, kMany), 1);
 }
 
-/// A machine that draws whole pictures in so many ms, and smaller ones in proportion.
+/// A machine that draws whole pictures in a given number of ms, and smaller ones in proportion.
 class PlayingDraft : public testing::Test {
  protected:
-  /// The reductions of so many pictures that the clock waits for, in a row.
+  /// Draws the given number of pictures in a row while the clock waits for them. Returns their
+  /// reductions.
   std::vector<int> play(int pictures, double whole_ms) {
     std::vector<int> all;
     for (int i = 0; i < pictures; ++i) all.push_back(draw(kClock, whole_ms));
@@ -118,7 +119,7 @@ TEST_F(PlayingDraft, does_not_become_coarser_for_a_single_slow_picture) {
 TEST_F(PlayingDraft, becomes_finer_again_after_a_while) {
   draw(kNobody, 15.0);
   play(20, 15.0);
-  EXPECT_EQ(play(20, 70.0).back(), 2) << "something else runs";
+  EXPECT_EQ(play(20, 70.0).back(), 2) << "another program takes processor time";
   const std::vector<int> reductions = play(100, 15.0);
   EXPECT_EQ(reductions[10], 2);
   EXPECT_EQ(reductions.back(), 1);
@@ -126,14 +127,14 @@ TEST_F(PlayingDraft, becomes_finer_again_after_a_while) {
 }
 
 TEST_F(PlayingDraft, does_not_flicker_if_smaller_pictures_are_faster_than_estimated) {
-  // At half of the pixels a side they take a tenth of the time.
+  // At half of the pixels per side, a picture takes a tenth of the time.
   int changed = 0, before = 1;
   for (int i = 0; i < 2000; ++i) {
     const int reduction = draft_.reduction(kClock, kMany);
     changed += std::exchange(before, reduction) != reduction;
     draft_.drew(kMany, reduction == 1 ? 40.0 : 4.0);
   }
-  EXPECT_LE(changed, 16) << "in a minute";
+  EXPECT_LE(changed, 16) << "the reduction changed too often in a minute";
 }
 
 TEST_F(PlayingDraft, is_whole_when_playback_is_paused) {

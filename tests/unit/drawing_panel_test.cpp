@@ -12,20 +12,20 @@ namespace {
 
 constexpr glm::vec2 kSize(900.0f, 700.0f);
 
-/// The panel without a window: what it would draw is thrown away.
+/// The panel without a window: the draw commands are discarded.
 class DrawingPanelTest : public testing::Test {
  protected:
   DrawingPanelTest() {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
-    io.ConfigWindowsMoveFromTitleBarOnly = true;  // as Gui has it
+    io.ConfigWindowsMoveFromTitleBarOnly = true;  // as Gui sets it
     io.DisplaySize = {kSize.x, kSize.y};
     io.DeltaTime = 0.02f;
     unsigned char* pixels = nullptr;
     int width = 0, height = 0;
     io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
-    for (int i = 0; i < 3; ++i) build();  // until it has its size
+    for (int i = 0; i < 3; ++i) build();  // until the panel has its size
   }
   ~DrawingPanelTest() override { ImGui::DestroyContext(); }
 
@@ -54,7 +54,7 @@ class DrawingPanelTest : public testing::Test {
     at(x + by, y, true);
     at(x + by, y, false);
   }
-  /// Closes what has popped up.
+  /// Closes any popup.
   void leave() {
     press(3.0f, kSize.y - 3.0f);
     press(3.0f, kSize.y - 3.0f);
@@ -62,7 +62,7 @@ class DrawingPanelTest : public testing::Test {
 
   static ImRect panel() { return ImGui::FindWindowByName("Drawing")->Rect(); }
 
-  /// At places all over what is there, title bar and the button that closes it left out.
+  /// Calls `act` at places all over `part`, except for the title bar and its close button.
   void all_over(const ImRect& part, float step, const std::function<void(float, float)>& act) {
     for (float y = part.Min.y + 24.0f; y < part.Max.y; y += step)
       for (float x = part.Min.x + 4.0f; x < part.Max.x; x += step) act(x, y);
@@ -91,7 +91,7 @@ class DrawingPanelTest : public testing::Test {
 TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
   DrawSettings odd;
   odd.delta = 0.123456789012;
-  odd.draw.scales = {0.01f, 100.0f};  // outside of what the sliders show
+  odd.draw.scales = {0.01f, 100.0f};  // outside the range of the sliders
   odd.draw.edl = 50.0f;
   odd.draw.pixel_size = 900.0f;
   odd.draw.background = {0.123f, 0.456f, 0.789f};
@@ -100,7 +100,7 @@ TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
     settings_.draw.mode = mode;
     const DrawSettings before = settings_;
     for (int i = 0; i < 5; ++i) EXPECT_FALSE(build());
-    // Nor where the mouse only moves over it.
+    // Moving the mouse over it changes nothing either.
     all_over(panel(), 16.0f, [this](float x, float y) { at(x, y, false); });
     EXPECT_EQ(settings_, before);
   }
@@ -160,7 +160,7 @@ TEST_F(DrawingPanelTest, every_splatting_instancing_and_kind_of_drafts_can_be_ch
     press(x, y);
     if (GImGui->OpenPopupStack.empty()) continue;
     leave();
-    // Each of what pops up here.
+    // Press each item of the popup.
     for (float down = -10.0f; down < 160.0f; down += 8.0f) {
       settings_ = {};
       press(x, y);

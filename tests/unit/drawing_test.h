@@ -10,7 +10,8 @@
 
 namespace pointreel {
 
-/// A test that draws. Without any context it fails: software OpenGL is a supported target.
+/// A test that draws. It fails if there is no OpenGL context: software OpenGL is a supported
+/// target.
 class DrawingTest : public testing::Test {
  protected:
   void SetUp() override {

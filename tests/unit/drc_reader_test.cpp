@@ -22,7 +22,7 @@ namespace {
 
 using draco::GeometryAttribute;
 
-/// Adds an attribute from rows of values.
+/// Adds an attribute with the given rows of values.
 template <class T, std::size_t N>
 int add(draco::PointCloud& cloud, GeometryAttribute::Type type, draco::DataType data_type,
         bool normalized, const std::vector<std::array<T, N>>& rows) {
@@ -42,8 +42,8 @@ Bytes encoded(const Geometry& geometry, int method, int position_bits = 0, int s
   encoder.SetSpeedOptions(speed, speed);
   if (position_bits > 0) {
     for (int i = 0; i < geometry.num_attributes(); ++i) {
-      // Quantised texture coordinates would be predicted, for which a hostile count makes Draco
-      // 1.5.5 take up to 256 MiB and some seconds before it fails.
+      // Quantised texture coordinates would be predicted. A hostile count then makes Draco 1.5.5
+      // take up to 256 MiB and some seconds before it fails.
       if (geometry.attribute(i)->data_type() == draco::DT_FLOAT32 &&
           geometry.attribute(i)->attribute_type() != GeometryAttribute::TEX_COORD) {
         encoder.SetAttributeQuantization(i, position_bits);
@@ -78,8 +78,8 @@ std::set<std::tuple<float, float, float>> set_of(const std::vector<glm::vec3>& p
   return set;
 }
 
-/// A bent sheet of n x n vertices, two triangles a cell; each triangle has its own texture
-/// coordinates where `seams`, so that a vertex becomes up to six points.
+/// A bent sheet of n x n vertices with two triangles per cell. With `seams`, each triangle has its
+/// own texture coordinates, so that a vertex becomes up to six points.
 std::unique_ptr<draco::Mesh> sheet(int n, bool seams) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(2 * (n - 1) * (n - 1));
@@ -146,7 +146,7 @@ TEST(DrcReader, reads_the_vertices_of_meshes_of_both_methods) {
 
 TEST(DrcReader, joins_vertices_that_texture_seams_split) {
   const auto mesh = sheet(9, true);
-  ASSERT_GT(mesh->num_points(), 300u) << "the test's mesh has no seams";
+  ASSERT_GT(mesh->num_points(), 300u) << "the mesh of this test has no seams";
   for (int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
     EXPECT_EQ(read_ok(encoded(*mesh, method)).size(), 81u);
     EXPECT_EQ(read_ok(encoded(*mesh, method, 14)).size(), 81u);
@@ -164,7 +164,7 @@ TEST(DrcReader, does_not_join_vertices_with_different_normals_or_colours) {
   mesh.AddFace({draco::PointIndex(0), draco::PointIndex(2), draco::PointIndex(3)});
   const PointCloud cloud = read_ok(encoded(mesh, draco::MESH_SEQUENTIAL_ENCODING));
   const std::vector<glm::u16vec3> expected = {{257, 514, 771}, {257, 514, 771}, {1028, 1285, 1542}};
-  EXPECT_EQ(cloud.colors, expected) << "the first of equal points, in their order";
+  EXPECT_EQ(cloud.colors, expected) << "the first of equal points is kept, and the order too";
 }
 
 TEST(DrcReader, keeps_the_duplicates_of_point_clouds) {
@@ -331,7 +331,7 @@ TEST(DrcReader, refuses_impossible_counts_before_it_allocates_memory) {
 
 TEST(DrcReader, refuses_metadata_that_nest_too_deeply_or_claim_too_much) {
   Bytes bytes = encoded(*corners(), draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
-  bytes[10] |= 0x80;  // announces metadata that are not there
+  bytes[10] |= 0x80;  // announces metadata that is missing
   EXPECT_FALSE(read_drc(bytes));
   Bytes entries(bytes.begin(), bytes.begin() + 11);
   entries.insert(entries.end(), {0, 0xff, 0xff, 0xff, 0xff, 0x0f});  // 2^32 - 1 entries, none there
@@ -339,14 +339,14 @@ TEST(DrcReader, refuses_metadata_that_nest_too_deeply_or_claim_too_much) {
   Bytes nested(bytes.begin(), bytes.begin() + 11);
   nested.push_back(0);  // no attribute metadata
   nested.push_back(0);  // no entries
-  nested.push_back(1);  // one element within
+  nested.push_back(1);  // one nested element
   for (int i = 0; i < 100000; ++i) nested.insert(nested.end(), {0, 0, 1});
   const auto cloud = read_drc(nested);
   ASSERT_FALSE(cloud);
   EXPECT_NE(cloud.error().message.find("truncated"), std::string::npos);
 }
 
-/// Reads a copy that ends where its bytes end, so that a sanitiser sees reads beyond.
+/// Reads a copy whose buffer ends with its bytes, so that a sanitizer sees reads past the end.
 void expect_harmless(const Bytes& bytes) {
   const Bytes exact(bytes);
   const auto cloud = read_drc(exact, DecodeLimits{1u << 12});

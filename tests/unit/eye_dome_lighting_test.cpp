@@ -11,7 +11,8 @@ namespace {
 
 constexpr glm::ivec2 kSize(160, 120);
 
-/// A square sheet of grey surfels that faces the eye, `edge` wide, its middle at `at`.
+/// Adds a square sheet of grey surfels that faces the eye, with edges of length `edge` and its
+/// centre at `at`.
 void add_sheet(PointCloud& cloud, const glm::vec3& at, float edge) {
   constexpr int kPoints = 40;
   for (int i = 0; i < kPoints * kPoints; ++i) {
@@ -49,7 +50,8 @@ class EyeDomeLightingTest : public DrawingTest {
 TEST_F(EyeDomeLightingTest, darkens_only_pixels_that_lie_behind_their_neighbours) {
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
     const Image without = picture(mode, 0.0f), with = picture(mode, 1.0f);
-    // In the middle row, from left to right: background, sheet behind, its rim, sheet in front.
+    // The middle row shows from left to right the background, the sheet behind, its rim and the
+    // sheet in front.
     int darker = 0, same = 0;
     for (int x = 0; x < kSize.x; ++x) {
       const int before = without.at(x, kSize.y / 2).r, after = with.at(x, kSize.y / 2).r;

@@ -52,7 +52,7 @@ TEST(FloorGrid, lines_lie_below_the_scene_at_multiples_of_the_step_within_a_disc
       EXPECT_EQ(up == 'z' ? origin.z : origin.y, (up == 'z' ? middle.z : middle.y) - 1.0);
       const double step = floor_step(grid.bounds), reach = floor_reach(grid.bounds);
       Camera camera = camera_of(grid);
-      camera.zoom(4.0);  // all of it is before the eye
+      camera.zoom(4.0);  // all of it is in front of the eye
       const auto lines = floor_lines(grid, camera);
       EXPECT_NEAR(static_cast<double>(lines.size()), 4.0 * reach / step, 4.0);
       int strong = 0;
@@ -92,7 +92,7 @@ TEST(FloorGrid, lines_end_in_front_of_an_eye_among_them) {
     }
   }
   EXPECT_GT(cut, 5);
-  // None is before an eye that looks away from the floor.
+  // No line is in front of an eye that looks away from the floor.
   camera.fly({0.0, 100.0, 0.0}, 0.0, -3.0);
   EXPECT_TRUE(floor_lines(grid, camera).empty());
 }
@@ -146,7 +146,7 @@ TEST_F(FloorTest, is_hidden_by_the_scene_from_above_and_hides_it_from_below) {
         const Image floor = draw(ball(glm::dvec3(0.0)), camera, kSize, with);
         ASSERT_TRUE(alpha);
         EXPECT_GT(changed(without, floor, *alpha, false), 1000u);
-        // The rims of blended splats let it through.
+        // Blended splats let the floor show through at their rims.
         const bool solid = way.mode != DrawMode::surfel || way.splatting == Splatting::normalized;
         if (pitch_by < 0.0) {
           EXPECT_GT(changed(without, floor, *alpha, true), 200u);

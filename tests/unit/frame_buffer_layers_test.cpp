@@ -1,4 +1,4 @@
-// Frames of several layers, and the time dragged.
+// Frames with several layers, and scrubbing.
 
 #include <algorithm>
 #include <chrono>
@@ -77,7 +77,7 @@ TEST(FrameBuffer, an_unavailable_level_is_requested_only_once) {
   EXPECT_FALSE(fetcher.job());
 }
 
-/// Three layers down to levels 7, 9 and 10, over a network.
+/// Options for three layers that end at levels 7, 9 and 10 and are fetched over a network.
 FrameBuffer::Options layered(std::uint32_t frames, std::uint32_t ahead) {
   FrameBuffer::Options layered = options(frames, ahead, false);
   layered.levels = {7, 9, kWholeFrame};
@@ -116,7 +116,7 @@ std::ostream& operator<<(std::ostream& out, const FrameLayer& one) {
 
 using FrameLayers = std::set<FrameLayer>;
 
-/// All three layers of these frames.
+/// Returns all three layers of these frames.
 FrameLayers whole(std::uint32_t first, std::uint32_t last) {
   FrameLayers layers;
   for (std::uint32_t frame = first; frame <= last; ++frame)
@@ -124,13 +124,13 @@ FrameLayers whole(std::uint32_t first, std::uint32_t last) {
   return layers;
 }
 
-/// In which order layers were asked for, however they were joined into jobs.
+/// The order in which layers were requested, however they were joined into jobs.
 class Turns {
  public:
   void add(const FetchRequest& job) {
     for (std::uint32_t layer = job.first; layer < job.last; ++layer)
       EXPECT_TRUE(turns_.try_emplace({job.frame, layer}, jobs_).second)
-          << FrameLayer{job.frame, layer} << " is asked for twice";
+          << FrameLayer{job.frame, layer} << " is requested twice";
     ++jobs_;
   }
   int jobs() const { return jobs_; }
@@ -142,7 +142,8 @@ class Turns {
     for (const auto& [layer, turn] : turns_) layers.insert(layer);
     return layers;
   }
-  /// Which job, counted from 0, brings this layer of the frame; none: -1.
+  /// The number of the job that brings this layer of the frame, counted from 0. Returns -1 if none
+  /// does.
   int of(std::uint32_t frame, std::uint32_t layer) const {
     const auto found = turns_.find({frame, layer});
     return found == turns_.end() ? -1 : found->second;
@@ -153,15 +154,15 @@ class Turns {
   std::map<FrameLayer, int> turns_;
 };
 
-/// Asks for jobs, as many fetching threads would at the same time, until these layers are on their
-/// way.
+/// Requests jobs until these layers are on their way, as many fetching threads would at the same
+/// time.
 Turns ask_for(FrameBuffer& buffer, const FrameLayers& layers) {
   Turns turns;
   while (!turns.include(layers) && turns.jobs() < 100) turns.add(*buffer.next_fetch());
   return turns;
 }
 
-/// The same as a single thread would, which gets each job's layers before it asks for the next one.
+/// The same with a single thread, which gets a job's layers before it asks for the next job.
 Turns fetch(FrameBuffer& buffer, const FrameLayers& layers) {
   Turns turns;
   while (!turns.include(layers) && turns.jobs() < 100) {
@@ -173,12 +174,12 @@ Turns fetch(FrameBuffer& buffer, const FrameLayers& layers) {
 }
 
 TEST(FrameBuffer, the_base_of_the_playhead_comes_first_and_near_frames_before_far_ones) {
-  FrameBuffer buffer(layered(100, 1));  // frames 0 and 1 are near; 2 to 4 are fetched, too
+  FrameBuffer buffer(layered(100, 1));  // frames 0 and 1 are near; 2 to 4 are fetched too
   const Turns turns = ask_for(buffer, whole(0, 4));
   EXPECT_EQ(turns.layers(), whole(0, 4));
-  EXPECT_EQ(turns.of(0, 0), 0) << "the base of the playhead's frame";
+  EXPECT_EQ(turns.of(0, 0), 0) << "the base of the playhead's frame comes first";
   for (const std::uint32_t near : {0u, 1u}) {
-    EXPECT_LT(turns.of(near, 0), turns.of(near, 1)) << "a base comes by itself: " << near;
+    EXPECT_LT(turns.of(near, 0), turns.of(near, 1)) << "a base is fetched alone: " << near;
     for (const std::uint32_t layer : {0u, 1u, 2u})
       EXPECT_LT(turns.of(near, layer), turns.of(2, 0)) << near << ", layer " << layer;
   }
@@ -243,19 +244,19 @@ TEST(FrameBuffer, an_awaited_frame_is_prepared_from_its_base_and_from_all_at_onc
   options.base_first = false;
   FrameBuffer buffer(options);
   buffer.set_pace({.fetch_ahead = 4, .focus = true, .coarse_first = true});
-  fetch(buffer);  // all of 0
+  fetch(buffer);  // all layers of frame 0
   const auto base = buffer.next_wanted(), rest = buffer.next_wanted();
   EXPECT_EQ(base->layers, 1u);
   EXPECT_EQ(rest->frame, 0u);
   EXPECT_EQ(rest->layers, 3u);
-  EXPECT_EQ(base->fetch_ms, 1.0) << "whichever is shown first";
+  EXPECT_EQ(base->fetch_ms, 1.0) << "both count the fetch, whichever is shown first";
   EXPECT_EQ(rest->fetch_ms, 1.0);
   buffer.deliver(*base, picture_at(0, 7));
   ASSERT_TRUE(buffer.best());
   EXPECT_EQ(buffer.best()->level, 7);
   buffer.deliver(*rest, picture_at(0, kWholeFrame));
   EXPECT_EQ(buffer.best()->level, kWholeFrame);
-  // From then on frames are made whole.
+  // From then on, frames are decoded only once they are complete.
   buffer.set_pace({.fetch_ahead = 4});
   fetch(buffer);
   EXPECT_EQ(buffer.next_wanted()->layers, 3u);
@@ -300,7 +301,7 @@ TEST(FrameBuffer, a_frame_does_without_layers_that_cannot_be_fetched) {
   EXPECT_EQ(asked(*rest), (Asked{0, 1, 3}));
   buffer.fetch_failed(*rest);
   const auto middle = buffer.next_fetch();
-  EXPECT_EQ(asked(*middle), (Asked{0, 1, 2})) << "one of the two may still be there";
+  EXPECT_EQ(asked(*middle), (Asked{0, 1, 2})) << "one of the two layers may still be available";
   buffer.fetch_failed(*middle);
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
   EXPECT_EQ(buffer.best()->level, 7);
@@ -314,7 +315,7 @@ TEST(FrameBuffer, a_frame_does_without_a_layer_that_is_damaged_twice) {
   fetch(buffer);
   EXPECT_TRUE(buffer.broken(*buffer.next_wanted(), 1));
   const auto again = buffer.next_fetch();
-  EXPECT_EQ(asked(*again), (Asked{0, 1, 2})) << "the layer after it is there";
+  EXPECT_EQ(asked(*again), (Asked{0, 1, 2})) << "the layer after it has already been fetched";
   EXPECT_TRUE(again->fresh);
   buffer.fetched(*again, layers_of(*again), 1.0);
   EXPECT_FALSE(buffer.broken(*buffer.next_wanted(), 1));
@@ -337,7 +338,7 @@ TEST(FrameBuffer, only_the_chosen_layers_and_attributes_are_fetched) {
   buffer.choice_changed();
   EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
   const FrameLayers missing = {{0, 0}, {0, 1}};
-  EXPECT_EQ(fetch(buffer, missing).layers(), missing) << "the base again, for its normals";
+  EXPECT_EQ(fetch(buffer, missing).layers(), missing) << "refetch the base for its normals";
   EXPECT_EQ(buffer.next_wanted()->layers, 2u);
 }
 
@@ -345,7 +346,7 @@ TEST(FrameBuffer, only_the_chosen_layers_and_attributes_are_fetched) {
 
 TEST(FrameBuffer, scrubbing_fetches_only_the_base_under_the_cursor) {
   FrameBuffer::Options options = layered(100, 1);
-  options.near = 0;  // as of what is read from a folder
+  options.near = 0;  // as for a reel read from a folder
   FrameBuffer buffer(options);
   buffer.scrub(40);
   EXPECT_EQ(fetch(buffer), (Asked{40, 0, 1}));
@@ -356,7 +357,7 @@ TEST(FrameBuffer, scrubbing_fetches_only_the_base_under_the_cursor) {
   Fetcher fetcher(buffer);
   EXPECT_TRUE(fetcher.waits());
   buffer.seek(40);
-  EXPECT_EQ(fetcher.job()->frame, 40u) << "once the button is released, the frame is refined";
+  EXPECT_EQ(fetcher.job()->frame, 40u) << "the frame is refined once the button is released";
 }
 
 TEST(FrameBuffer, scrubbing_fetches_bases_around_the_cursor_once_its_own_has_arrived) {
@@ -366,14 +367,14 @@ TEST(FrameBuffer, scrubbing_fetches_bases_around_the_cursor_once_its_own_has_arr
   const Turns turns = fetch(buffer, around);
   EXPECT_EQ(turns.layers(), around);
   EXPECT_EQ(turns.of(10, 0), 0);
-  EXPECT_LT(turns.of(11, 0), turns.of(9, 0)) << "a drag goes forward at first";
+  EXPECT_LT(turns.of(11, 0), turns.of(9, 0)) << "a drag is expected to go forward at first";
   const auto request = buffer.next_wanted();
   EXPECT_EQ(request->frame, 10u);
   buffer.deliver(*request, picture_at(10, 7));
   buffer.scrub(9);
-  EXPECT_EQ(buffer.next_wanted()->frame, 9u) << "it is there already";
+  EXPECT_EQ(buffer.next_wanted()->frame, 9u) << "it has already been fetched";
   const FrameLayers before = {{7, 0}, {8, 0}};
-  EXPECT_EQ(fetch(buffer, before).layers(), before) << "where the drag goes now";
+  EXPECT_EQ(fetch(buffer, before).layers(), before) << "the drag goes backward now";
 }
 
 TEST(FrameBuffer, scrubbing_reserves_the_link_for_the_base_under_the_cursor) {
@@ -388,13 +389,13 @@ TEST(FrameBuffer, scrubbing_reserves_the_link_for_the_base_under_the_cursor) {
   EXPECT_EQ(asked(beside[1]), (Asked{12, 0, 1}));
   buffer.scrub(12);
   for (const FetchRequest& job : beside)
-    EXPECT_FALSE(job.stop.stop_requested()) << "one is what is waited for: " << job.frame;
+    EXPECT_FALSE(job.stop.stop_requested()) << "the viewer waits for one of them: " << job.frame;
   Fetcher fetcher(buffer);
-  EXPECT_TRUE(fetcher.waits()) << "two were enough";
+  EXPECT_TRUE(fetcher.waits()) << "two jobs are the limit";
   buffer.scrub(30);
   EXPECT_EQ(asked(*fetcher.job()), (Asked{30, 0, 1}));
   for (const FetchRequest& job : beside)
-    EXPECT_EQ(job.stop.stop_requested(), job.frame != 12) << "where the cursor was: " << job.frame;
+    EXPECT_EQ(job.stop.stop_requested(), job.frame != 12) << "only 12 is kept: " << job.frame;
 }
 
 TEST(FrameBuffer, scrubbing_fetches_the_newest_cursor_and_cancels_all_but_the_one_before) {
@@ -420,7 +421,7 @@ TEST(FrameBuffer, a_fast_drag_shows_frames_that_it_passed_but_never_goes_back) {
   for (int i = 0; i < 2; ++i) fetch(buffer);
   buffer.deliver(*buffer.next_wanted(), picture(0));
   buffer.scrub(10);
-  ASSERT_NE(buffer.best(), nullptr) << "the last picture stays";
+  ASSERT_NE(buffer.best(), nullptr) << "the last picture must stay";
   EXPECT_EQ(buffer.best()->index, 0u);
   fetch(buffer);
   const auto ten = buffer.next_wanted();

@@ -66,7 +66,7 @@ TEST(FrameBuffer, a_seek_requests_the_new_place_first_and_cancels_old_requests) 
   const auto kept_job = buffer.next_fetch();
   buffer.seek(1);
   EXPECT_TRUE(old_job->stop.stop_requested());
-  EXPECT_FALSE(kept_job->stop.stop_requested()) << "frame 1 is still of use";
+  EXPECT_FALSE(kept_job->stop.stop_requested()) << "frame 1 is still wanted";
   buffer.seek(500);
   EXPECT_EQ(buffer.next_fetch()->frame, 500u);
   EXPECT_TRUE(kept_job->stop.stop_requested());
@@ -130,7 +130,7 @@ TEST(FrameBuffer, playback_goes_on_past_a_frame_that_cannot_be_fetched) {
   EXPECT_EQ(buffer.next_fetch()->frame, 2u);
   buffer.advance(1);
   EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::failed);
-  EXPECT_EQ(buffer.best()->index, 0u) << "the last picture is held";
+  EXPECT_EQ(buffer.best()->index, 0u) << "the last picture must stay";
 }
 
 TEST(FrameBuffer, a_failed_frame_is_requested_again_when_the_playhead_returns) {
@@ -171,7 +171,7 @@ TEST(FrameBuffer, a_change_of_mode_drops_prepared_frames_and_keeps_fetched_ones)
   buffer.make_again(DrawMode::surfel);
   EXPECT_EQ(buffer.best(), nullptr);
   EXPECT_EQ(ask(buffer).frame, 0u);
-  EXPECT_EQ(buffer.next_wanted()->frame, 1u) << "what was fetched of it is still there";
+  EXPECT_EQ(buffer.next_wanted()->frame, 1u) << "its fetched layers are kept";
   buffer.deliver(old_request, picture(1));
   EXPECT_EQ(buffer.held(), 0u);
 }
@@ -212,7 +212,8 @@ TEST(FrameBuffer, random_seeks_never_show_a_wrong_frame_or_exceed_the_bounds) {
   random_options.near = 3;
   random_options.store_bytes = 300;
   FrameBuffer buffer(random_options);
-  // Now and then a worker takes a while, so that answers overtake each other and come after jumps.
+  // Now and then a worker takes a while, so that results overtake each other and arrive after
+  // jumps.
   const auto work = [](std::mt19937& random) {
     if (random() % 4 == 0) work_for(std::chrono::microseconds(random() % 300));
   };
@@ -275,7 +276,7 @@ TEST(FrameBuffer, backward_play_requests_and_holds_frames_in_its_own_direction) 
   buffer.advance(9, -1);
   EXPECT_EQ(buffer.best()->index, 9u);
   buffer.advance(7, -1);
-  EXPECT_EQ(buffer.best()->index, 8u) << "the last one in the direction of play";
+  EXPECT_EQ(buffer.best()->index, 8u) << "the most recent frame in the direction of play";
   EXPECT_EQ(serve(buffer, 1), (Frames{7}));
 }
 
@@ -354,7 +355,7 @@ TEST(FrameBuffer, the_newest_passed_frame_is_held_even_if_the_window_covers_the_
   buffer.seek(19);
   EXPECT_THAT(serve(buffer, 3), UnorderedElementsAre(19u, 20u, 21u));
   for (const std::uint32_t frame : {20u, 21u, 22u}) buffer.advance(frame);
-  EXPECT_EQ(buffer.best()->index, 21u) << "22 is not there yet";
+  EXPECT_EQ(buffer.best()->index, 21u) << "frame 22 is not ready yet";
 }
 
 }  // namespace

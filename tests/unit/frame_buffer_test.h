@@ -26,7 +26,7 @@ inline FrameBuffer::Options options(std::uint32_t frames, std::uint32_t ahead, b
   return options;
 }
 
-/// The layers of a job as a source would give them, of ten bytes each.
+/// The layers of a job as a source would deliver them, ten bytes each.
 inline FetchedFrame layers_of(const FetchRequest& job) {
   FetchedFrame fetched;
   for (std::uint32_t i = job.layers.first; i < job.layers.end; ++i)
@@ -34,7 +34,7 @@ inline FetchedFrame layers_of(const FetchRequest& job) {
   return fetched;
 }
 
-/// Asks for the next fetch in a thread of its own.
+/// Requests the next fetch in a thread of its own.
 class Fetcher {
  public:
   explicit Fetcher(FrameBuffer& buffer)
@@ -43,11 +43,11 @@ class Fetcher {
           answered_ = true;
         }) {}
 
-  /// Whether the buffer keeps it waiting, as nothing is wanted.
+  /// Whether the buffer keeps the request waiting because nothing is wanted.
   bool waits() const {
     return !wait_until([this] { return answered_.load(); }, kMoment);
   }
-  /// Waits for the answer, which is none if the buffer was closed.
+  /// Waits for the answer. There is none if the buffer was closed.
   std::optional<FetchRequest> job() {
     thread_.join();
     return job_;
@@ -56,17 +56,17 @@ class Fetcher {
  private:
   std::optional<FetchRequest> job_;
   std::atomic<bool> answered_{false};
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last, since it uses the members above
 };
 
-/// Fetches what is wanted first and says what is to be made first then.
+/// Fetches the job that is wanted first. Returns the frame that is then to be made first.
 inline FrameRequest ask(FrameBuffer& buffer) {
   const auto job = buffer.next_fetch();
   buffer.fetched(*job, layers_of(*job), 1.0);
   return *buffer.next_wanted();
 }
 
-/// Answers `count` requests and says for which frames they were.
+/// Answers `count` requests and returns their frames.
 inline std::vector<std::uint32_t> serve(FrameBuffer& buffer, int count) {
   std::vector<std::uint32_t> frames;
   for (int i = 0; i < count; ++i) {

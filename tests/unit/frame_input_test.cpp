@@ -1,4 +1,4 @@
-// Where a publisher's frames come from.
+// The inputs of a publisher.
 
 #include "server/publish/frame_input.h"
 
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Time that passes while somebody waits for it, and when it is told to.
+/// Time that passes when a test waits on it or advances it.
 struct FakeTime {
   std::atomic<std::uint64_t> now_us = 5'000'000;
 
@@ -40,14 +40,14 @@ struct FakeTime {
 
 class FrameInputTest : public PackTest {
  protected:
-  /// The points of each frame are 101, 102, ...
+  /// Writes frames of 101, 102, ... points.
   std::vector<fs::path> write(std::size_t frames) {
     ::write_frames(frames_, frames, 101);
     return list_cloud_files({frames_}).value();
   }
 };
 
-/// The next frame's points; 0 at the end.
+/// Returns the number of points of the next frame, or 0 at the end.
 std::size_t next_points(FrameInput& input, const std::stop_token& stop = {}) {
   const auto frame = input.next(stop);
   if (!frame || !*frame) return 0;
@@ -120,7 +120,7 @@ TEST_F(FrameInputTest, a_folder_is_followed_from_its_newest_file_on) {
   ASSERT_TRUE(write_ply(frames_ / "frame_4.ply", ellipsoid(60)));
   ASSERT_TRUE(write_ply(frames_ / "frame_5.ply", ellipsoid(70)));
   std::ofstream(frames_ / "notes.txt") << "not a frame";
-  EXPECT_EQ(next_points(*input), 70u) << "the newest of those that came meanwhile";
+  EXPECT_EQ(next_points(*input), 70u) << "the newest of the frames that arrived meanwhile";
   EXPECT_EQ(input->skipped(), 1u);
   std::stop_source stop;
   stop.request_stop();
@@ -227,9 +227,9 @@ TEST(SteadyGrid, stays_the_same_until_a_frame_does_not_fit) {
   EXPECT_EQ(steady.of(Box{}).value().cube, first);
   const Cube second = steady.of({{2, 0, 0}, {3, 2, 1}}).value().cube;
   EXPECT_FALSE(second == first);
-  EXPECT_EQ(steady.of(box).value().cube, second) << "what it held before";
+  EXPECT_EQ(steady.of(box).value().cube, second) << "it held the new box before";
   const Cube far = steady.of({{30, 0, 0}, {31, 2, 1}}).value().cube;
-  EXPECT_LE(far.edge, 2.5) << "not all the way from there";
+  EXPECT_LE(far.edge, 2.5) << "the cube does not reach back to the old place";
 }
 
 TEST(SteadyGrid, keeps_the_requested_voxel_size) {
@@ -241,7 +241,7 @@ TEST(SteadyGrid, keeps_the_requested_voxel_size) {
   EXPECT_NEAR(grid.cube.edge / std::exp2(octree.depth.depth), 0.01, 1e-9);
 }
 
-/// What `publish` says of a command line that it refuses.
+/// The usage error that `publish` prints for a command line it refuses.
 std::string usage_error(std::vector<std::string> arguments) {
   CLI::App app;
   int code = -1;

@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kBudget = 33.0;
 
-/// A machine that takes `ms_at_10` for a frame of depth 10 and `growth` times as much a level.
+/// A machine that takes `ms_at_10` for a frame of depth 10 and `growth` times as much per level.
 struct Machine {
   double ms_at_10 = 10.0, growth = 3.0;
   double operator()(int depth) const { return ms_at_10 * std::pow(growth, depth - 10); }
 };
 
-/// Encodes frames with a clock that only the machine advances; the depths that they had.
+/// Encodes frames with a clock that only the machine advances, and returns their depths.
 std::vector<int> run(FrameTimeControl& control, const Machine& machine, int frames,
                      int asked = 10) {
   std::vector<int> depths;
@@ -76,7 +76,7 @@ TEST(FrameTimeControl, returns_to_the_finest_depth_once_the_machine_is_fast_agai
 }
 
 TEST(FrameTimeControl, does_not_oscillate_between_two_depths) {
-  // Depth 9 takes so little that 10 seems in reach, but is not.
+  // Depth 9 is so fast that depth 10 seems possible, but it is not.
   for (const double growth : {3.0, 4.0, 8.0}) {
     FrameTimeControl control(kBudget, 10);
     const auto depths = run(control, {1.2 * kBudget, growth}, 3000);

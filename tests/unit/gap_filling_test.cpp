@@ -20,7 +20,8 @@ CellSet set_of(const std::vector<glm::uvec3>& cells) {
   return set;
 }
 
-/// What is to be filled, cell by cell: those between two others, and in a node of 4^3 of them.
+/// The cells to be filled, found cell by cell: those between two others, inside a node of 4^3
+/// cells.
 CellSet slowly_filled(const std::vector<glm::uvec3>& cells, int depth, int widest) {
   const CellSet there = set_of(cells);
   CellSet filled, bricks;
@@ -56,7 +57,7 @@ std::vector<glm::uvec3> random_cells(unsigned seed, int depth, std::size_t count
   return cells;
 }
 
-/// The cells of the leaves that were there, and of those that are new.
+/// The cells of the original leaves and of the new ones.
 struct Leaves {
   CellSet before, filled;
 };
@@ -100,7 +101,7 @@ TEST(GapFilling, gives_the_same_tree_as_one_built_from_its_leaves) {
 }
 
 TEST(GapFilling, colours_new_leaves_like_the_leaves_that_touch_them) {
-  // A gap of three cells along x, its middle touched by nothing that was there.
+  // A gap of three cells along x. No original leaf touches the middle one.
   const std::vector<glm::uvec3> cells = {{0, 0, 0}, {4, 0, 0}};
   Svo svo = tree_of_cells(cells, 3);
   NodeAttributes attributes;
@@ -119,7 +120,7 @@ TEST(GapFilling, colours_new_leaves_like_the_leaves_that_touch_them) {
     EXPECT_EQ(attributes.normals[svo.internal_count() + i], glm::i16vec3(32767, 0, 0));
     EXPECT_EQ(filled[svo.internal_count() + i], leaves[i].x % 4 != 0);
   }
-  // The node above the cells 2 and 3 is new, too; the others keep what they had.
+  // The node above cells 2 and 3 is new too. The others keep their attributes.
   const std::uint32_t parent = svo.level_begin[2];
   ASSERT_EQ(svo.node_count(2), 3u);
   EXPECT_TRUE(filled[parent + 1]);
@@ -136,7 +137,7 @@ TEST(GapFilling, leaves_closed_surfaces_and_isolated_leaves_unchanged) {
   Svo single = tree_of_cells({{5, 6, 7}}, 4);
   EXPECT_TRUE(fill_gaps(single, nothing, 3).empty());
   EXPECT_EQ(single.leaf_count(), 1u);
-  // A plane; a net of it; and points so far apart that each has all nodes above it alone.
+  // A plane, a net in that plane, and points so far apart that nodes near the leaves hold one.
   std::vector<glm::uvec3> plane, net, apart;
   for (unsigned x = 0; x < 32; ++x) {
     for (unsigned y = 0; y < 32; ++y) {

@@ -107,7 +107,7 @@ TEST(HardCases, give_octrees_of_the_depth_that_their_manifest_states) {
     SCOPED_TRACE(hard.file);
     if (!hard.expect.reads()) continue;
     const Result<LoadedCloud> loaded = read_cloud_file(write(folder, hard));
-    if (!loaded) continue;  // the test above says so
+    if (!loaded) continue;  // reported by the test above
     const PointCloud& cloud = loaded->cloud;
     const auto sorted =
         sort_to_depth(cloud, bounding_cube(bounds(cloud)), DepthRule::by_delta(0.0));
@@ -140,7 +140,7 @@ Packed pack_command(const std::filesystem::path& from, const std::filesystem::pa
 }
 
 TEST(HardCases, are_packed_if_their_manifest_says_so) {
-  // All in one reel: one after the other they would wait for the disk a hundred times.
+  // All cases go into one reel. One by one they would wait for the disk a hundred times.
   const TemporaryFolder folder, output;
   const std::filesystem::path reel = output.path() / "hard.reel";
   std::size_t count = 0;

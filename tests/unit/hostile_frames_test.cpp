@@ -1,6 +1,6 @@
-// Small frames of every coding, damaged in every place, with checksums as they were and made right
-// again: each gives an error or a sound frame. Every chunk is copied to memory of just its size, so
-// that the sanitizer sees a byte read beyond its end.
+// Small frames of every coding are damaged in every place, with the old checksums and with
+// corrected ones. Each must give an error or a sound frame. Every chunk is copied to memory of
+// exactly its size, so that the sanitizer notices reads past its end.
 
 #include <algorithm>
 #include <memory>
@@ -17,7 +17,7 @@ namespace {
 
 const DecodeLimits kLimits{1u << 16};
 
-/// A chunk that ends where its memory does.
+/// A copy of a chunk in memory of exactly its size.
 class ExactCopy {
  public:
   explicit ExactCopy(ByteView bytes)
@@ -96,8 +96,8 @@ class HostileFrames : public testing::TestWithParam<Coding> {
     return std::move(*frame);
   }
 
-  /// Calls `visit(part, begin)` for each part of the frame that there is: its bytes, which may be
-  /// changed and are put back, and where its chunk begins.
+  /// Calls `visit(part, begin)` for each part that the frame has: its bytes, which `visit` may
+  /// change and which are restored afterwards, and the offset at which its chunk begins.
   template <class Visit>
   static void for_each_part(EncodedFrame& frame, Visit visit) {
     for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {

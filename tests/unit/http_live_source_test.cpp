@@ -24,8 +24,8 @@ using namespace std::chrono_literals;
 
 constexpr auto kLong = std::chrono::milliseconds(60'000);
 
-/// A stream that is published segment by segment: of two frames each, 10 ms apart, whose layers are
-/// of 4 and 6 bytes, all of the frame's number.
+/// A stream that is published segment by segment. Segments have two frames, 10 ms apart, with
+/// layers of 4 and 6 bytes. Every byte is the number of the frame.
 class Stage {
  public:
   Stage() : server_([this](int socket, const std::string& head) { return serve(socket, head); }) {
@@ -50,7 +50,7 @@ class Stage {
     manifest_.live = LiveManifest{session, 0, start_us, false};
   }
 
-  /// The manifest has the newest two segments.
+  /// Publishes a segment. The manifest lists the newest two.
   void publish_segment() {
     const std::lock_guard lock(mutex_);
     const std::uint32_t first = frames_of(manifest_);
@@ -77,7 +77,7 @@ class Stage {
     segment.points = {1, 1};
     manifest_.segments.push_back(std::move(segment));
     if (manifest_.segments.size() > 2) {
-      // Frames and times count from the first one listed.
+      // Frame numbers and times are relative to the first listed frame.
       manifest_.segments.erase(manifest_.segments.begin());
       manifest_.live->first_frame += 2;
       manifest_.live->start_us += 20'000;
@@ -137,7 +137,7 @@ std::unique_ptr<LiveSource> open(const std::string& url) {
   return std::move(*source);
 }
 
-/// The session's frame of that number, past those before it.
+/// Returns the frame of that number in the session and skips those before it.
 std::optional<LiveFrame> await(LiveSource& source, std::uint32_t number) {
   while (auto frame = source.next(kLong))
     if (frame->capture_us >= 5'000'000u + 10'000u * number) return frame;
@@ -238,7 +238,7 @@ TEST(LivePacing, keeps_the_capture_intervals_delayed_by_the_slowest_recent_segme
   EXPECT_EQ(pacing.due(500'000), begin + 900ms);
   EXPECT_EQ(pacing.due(520'000), begin + 920ms);
   for (std::uint64_t i = 2; i < 30; ++i) pacing.arrived(500'000 * i, begin + 500ms * i + 100ms);
-  EXPECT_EQ(pacing.due(15'000'000), begin + 15'100ms) << "what was slow is forgotten";
+  EXPECT_EQ(pacing.due(15'000'000), begin + 15'100ms) << "the slow arrivals are forgotten";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What HTTP means to Pointreel, without a socket: ranges, entity tags, request targets, addresses.
+// Pointreel's use of HTTP without a socket: ranges, entity tags, request targets, addresses.
 
 #include <string>
 #include <vector>
@@ -56,7 +56,7 @@ TEST(RangeHeader, is_answered_according_to_rfc_9110) {
       {"bytes=18446744073709551615-", 100, no},
       {"bytes=0-18446744073709551615", 100, part(0, 100)},
       {"bytes=18446744073709551616-18446744073709551617", 100, no},
-      // Malformed or several: as if there were none.
+      // Malformed or several ranges are ignored, as if the field were missing.
       {"", 100, whole},
       {"bytes", 100, whole},
       {"bytes=", 100, whole},
@@ -176,7 +176,7 @@ TEST(RequestTarget, is_refused_if_it_leaves_the_root_or_names_hidden_files) {
       "/%2e./a",
       "/a/%2e",
       "http://host/../a",
-      // Separators that hide in a segment.
+      // Separators that hide inside a segment.
       "/a%2fb",
       "/a%2F..%2Fb",
       "/..%2f",

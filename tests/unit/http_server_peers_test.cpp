@@ -1,4 +1,4 @@
-// Peers that are many, slow, silent or gone.
+// Clients that are many, slow, silent or gone.
 
 #include <atomic>
 #include <filesystem>
@@ -28,7 +28,7 @@ TEST_F(HttpServerTest, refuses_connections_beyond_its_limit_and_recovers) {
   std::vector<std::unique_ptr<RawHttpClient>> clients;
   for (int i = 0; i < 8; ++i) {
     clients.push_back(std::make_unique<RawHttpClient>(port()));
-    // In the middle of a request, so that none is idle.
+    // Each client is in the middle of a request, so that none is idle.
     ASSERT_TRUE(clients.back()->send("GET /healthz HTTP/1.1\r\n"));
   }
   ASSERT_TRUE(wait_until([&] { return server_->connection_count() == 8; }));
@@ -51,7 +51,7 @@ TEST_F(HttpServerTest, refuses_connections_beyond_its_limit_and_recovers) {
 TEST_F(HttpServerTest, evicts_the_longest_idle_connection_when_it_is_full) {
   HttpServerOptions options;
   options.max_connections = 3;
-  options.threads = 1;  // it takes what comes in the order in which it comes
+  options.threads = 1;  // a single thread handles events in the order of arrival
   start(options);
   RawHttpClient oldest(port()), busy(port()), newest(port());
   ASSERT_EQ(busy.get("/healthz").status, 200);
@@ -156,8 +156,8 @@ TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_still_reads) {
   start(options);
   RawHttpClient slow(port(), 4096);
   ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
-  // Later connections are given up, the first for want of a request, the second for want of
-  // another one: the slow reader has outlasted both timeouts.
+  // Later connections are closed, the first because it sends no request, the second because it
+  // sends no further one. By then the slow reader has outlasted both timeouts.
   RawHttpClient silent(port()), idle(port());
   EXPECT_EQ(idle.get("/healthz").status, 200);
   EXPECT_TRUE(silent.ends());
@@ -179,9 +179,9 @@ TEST_F(HttpServerTest, drops_peers_that_never_complete_a_request) {
   EXPECT_TRUE(silent.ends());
   ASSERT_TRUE(dripping.send("GET / HTTP/1.1\r\nDrops: "));
   EXPECT_TRUE(wait_until([&] { return !dripping.send("."); }))
-      << "a byte now and then does not extend the time for a head";
+      << "occasional bytes do not extend the time limit of a head";
   EXPECT_TRUE(dripping.ends());
-  EXPECT_EQ(idle->get("/healthz").status, 200) << "idle for less than its timeout";
+  EXPECT_EQ(idle->get("/healthz").status, 200) << "it was idle for less than its timeout";
 }
 
 TEST_F(HttpServerTest, drops_connections_that_stay_idle) {
@@ -200,7 +200,7 @@ TEST_F(HttpServerTest, reports_files_that_changed_and_cuts_off_files_that_shrink
   start();
   RawHttpClient slow(port(), 4096);
   ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
-  // The head has left before the file changes under the rest.
+  // The head has been sent before the rest of the file changes.
   ASSERT_TRUE(slow.has_something());
   RawHttpClient second(port());
   ASSERT_EQ(second.get("/walk/0.base.prs").body, base_);
@@ -281,7 +281,7 @@ TEST_F(HttpServerTest, stops_at_once_and_closes_open_connections) {
   const auto begin = Clock::now();
   const std::uint16_t old_port = port();
   server_->stop();
-  EXPECT_LT(Clock::now() - begin, 5min) << "it waits for none of them";
+  EXPECT_LT(Clock::now() - begin, 5min) << "stopping must wait for none of the clients";
   EXPECT_TRUE(idle.ends());
   EXPECT_TRUE(half.ends());
   EXPECT_TRUE(silent.ends());
@@ -289,7 +289,7 @@ TEST_F(HttpServerTest, stops_at_once_and_closes_open_connections) {
   EXPECT_FALSE(RawHttpClient(old_port).connected());
   server_->stop();
   server_.reset();
-  EXPECT_EQ(open_descriptors(), before + 4) << "the four clients' own";
+  EXPECT_EQ(open_descriptors(), before + 4) << "only the sockets of the four clients are left";
 }
 
 TEST_F(HttpServerTest, reports_in_one_line_why_it_cannot_listen) {

@@ -1,4 +1,4 @@
-// What the server answers to whom.
+// The server's responses to all kinds of requests.
 
 #include "tests/unit/http_server_test.h"
 
@@ -118,8 +118,8 @@ TEST_F(HttpServerTest, answers_head_like_get_without_the_body) {
     EXPECT_EQ(fields, expected) << target;
   }
   const Answer ranged = client.request("HEAD", "/walk/0.base.prs", "Range: bytes=0-1\r\n");
-  EXPECT_EQ(ranged.status, 200) << "ranges are for GET alone";
-  EXPECT_EQ(client.get("/healthz").body, "ok\n") << "no byte of a body came in between";
+  EXPECT_EQ(ranged.status, 200) << "ranges apply to GET only";
+  EXPECT_EQ(client.get("/healthz").body, "ok\n") << "no byte of a body was sent in between";
 }
 
 TEST_F(HttpServerTest, answers_preflights_and_refuses_other_methods) {
@@ -245,7 +245,7 @@ TEST_F(HttpServerTest, accepts_requests_that_arrive_byte_by_byte) {
   for (int round = 0; round < 3; ++round) {
     for (const char c : request) {
       ASSERT_TRUE(client.send(std::string_view(&c, 1)));
-      // Bytes that arrive together are read together, and a client cannot see when one was read.
+      // Bytes that arrive together are read together. A client cannot see when a byte was read.
       std::this_thread::sleep_for(100us);
     }
     const Answer answer = client.read_answer();

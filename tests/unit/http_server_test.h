@@ -17,10 +17,10 @@
 
 namespace pointreel {
 
-/// Larger than all socket buffers on the way together.
+/// Larger than all socket buffers between server and client together.
 inline constexpr std::size_t kBig = 16 << 20;
 
-/// The server in this process, and real sockets on 127.0.0.1.
+/// Runs the server in this process with real sockets on 127.0.0.1.
 class HttpServerTest : public testing::Test {
  protected:
   HttpServerTest() { write_package(reel_, base_, full_); }

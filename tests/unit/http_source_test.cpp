@@ -24,7 +24,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-/// Serves the small package; `layer` answers for its layer files.
+/// Serves the small package. `layer` answers the requests for layer files.
 ScriptedHttpServer::Handler serving(ScriptedHttpServer::Handler layer) {
   return [layer](int socket, const std::string& head) {
     if (!head.starts_with("GET /reel/reel.json ")) return layer(socket, head);
@@ -42,7 +42,7 @@ bool serve_range(int socket, const std::string& head) {
   return true;
 }
 
-/// The error of fetching the base of frame 0 where layer files are answered by `layer`.
+/// The error of fetching the base of frame 0 when `layer` answers the requests for layer files.
 std::string fetch_error(ScriptedHttpServer::Handler layer, int* requests = nullptr,
                         const SourceOptions& options = patient()) {
   ScriptedHttpServer server(serving(std::move(layer)));
@@ -215,7 +215,7 @@ TEST(HttpSource, keeps_retrying_a_fetch_until_it_succeeds) {
   std::atomic<int> asked{0};
   EXPECT_EQ(fetch_error([&](int socket, const std::string& head) {
               const int number = ++asked;
-              if (number <= 2) return false;  // closes without a word
+              if (number <= 2) return false;  // closes without a response
               if (number <= 6) {
                 answer(socket, "503 Service Unavailable", "", "later");
                 return true;
@@ -223,7 +223,7 @@ TEST(HttpSource, keeps_retrying_a_fetch_until_it_succeeds) {
               return serve_range(socket, head);
             }),
             "no error");
-  EXPECT_EQ(asked, 7) << "more failures than a source is opened with";
+  EXPECT_EQ(asked, 7) << "there were more failures than opening a source allows";
 }
 
 TEST(HttpSource, resumes_a_download_at_the_byte_where_the_connection_broke) {
@@ -235,7 +235,7 @@ TEST(HttpSource, resumes_a_download_at_the_byte_where_the_connection_broke) {
       const std::lock_guard lock(mutex);
       begun.push_back(range.first);
     }
-    // Four bytes of what is asked for, whatever was promised.
+    // Sends four bytes of the requested range, although more were promised.
     const std::size_t size = range.last - range.first + 1;
     send_text(socket, fmt::format("HTTP/1.1 206 Partial Content\r\nContent-Range: bytes {}-{}/30"
                                   "\r\nContent-Length: {}\r\n\r\n{}",
@@ -288,7 +288,7 @@ TEST(HttpSource, retries_over_a_new_connection_if_an_answer_stalls) {
                     send_text(socket,
                               "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-8/30\r\n"
                               "Content-Length: 9\r\n\r\n");
-                    return true;  // and nothing more
+                    return true;  // nothing follows
                   }
                   return serve_range(socket, head);
                 },
@@ -306,7 +306,7 @@ TEST(HttpSource, fetches_the_layers_of_a_frame_concurrently) {
     ++here;
     both.notify_all();
     const bool met = both.wait_for(lock, std::chrono::seconds(60), [&] { return here == 2; });
-    EXPECT_TRUE(met) << "one waits for the other";
+    EXPECT_TRUE(met) << "the requests are not made in parallel";
     lock.unlock();
     return serve_range(socket, head);
   }));
@@ -333,7 +333,7 @@ TEST(HttpSource, stops_one_fetch_and_not_the_others) {
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
     if (range_of(head).first == 0 && head.find("base") != std::string::npos) {
       asked = true;
-      return true;  // frame 0 never comes
+      return true;  // frame 0 never arrives
     }
     return serve_range(socket, head);
   }));
@@ -369,7 +369,7 @@ TEST(HttpSource, reuses_the_connection_of_a_stopped_fetch_if_little_is_missing) 
   request.stop = stop.get_token();
   EXPECT_THAT((*source)->fetch(request).error().message, HasSubstr("cancelled"));
   given_up = true;
-  // While the answer is still coming a second connection may be made, but no more than that.
+  // While the old response is still arriving, a second connection may be opened, but no third.
   for (int i = 0; i < 5; ++i) EXPECT_TRUE((*source)->fetch({1, {0, 1, false, false}}));
   EXPECT_LE(server.connections, 2);
 }

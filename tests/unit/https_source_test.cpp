@@ -1,4 +1,4 @@
-// Packages over TLS: whom the client trusts.
+// Packages over TLS: which servers the client trusts.
 
 #include <memory>
 #include <string>

@@ -37,7 +37,7 @@ TEST(Psnr, counts_only_pixels_of_the_mask) {
   EXPECT_FALSE(psnr(a, b, Mask{0, 0, 0, 0}).has_value());
 }
 
-/// The definition, pixel by pixel, in double.
+/// The similarity by its definition, pixel by pixel, in double.
 double slow_similarity(const Image& a, const Image& b, int x, int y) {
   const auto luma = [](const glm::u8vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
   const auto each = [&](const auto& visit) {
@@ -116,7 +116,7 @@ TEST(Difference, reports_the_largest_channel_and_the_root_mean_square) {
   EXPECT_EQ(difference(a, b).largest, 6);
   EXPECT_NEAR(difference(a, b).rms, std::sqrt(36.0 / 12.0), 1e-12);
   EXPECT_DOUBLE_EQ(difference(a, b).share, 0.25);
-  b.pixels[1] = {11, 20, 30};  // rounding
+  b.pixels[1] = {11, 20, 30};  // a difference that rounding can cause
   EXPECT_DOUBLE_EQ(difference(a, b).share, 0.25);
   EXPECT_EQ(difference(a, a).largest, 0);
   EXPECT_EQ(difference(a, a).rms, 0.0);

@@ -45,7 +45,7 @@ class Inspect : public testing::Test {
     return report ? report->faults : std::vector<Fault>{};
   }
 
-  /// The path of a layer file, which ends in its checksum, from its beginning.
+  /// Returns the path of the layer file that begins with `beginning`. It ends in a checksum.
   std::string layer_file(const std::string& beginning) const {
     for (const Segment& segment : manifest().segments) {
       for (const LayerFile& file : segment.layers) {
@@ -145,7 +145,7 @@ TEST_F(Verify, names_both_of_two_swapped_files) {
 }
 
 TEST_F(Verify, finds_two_swapped_frames_even_if_the_manifest_agrees) {
-  // Sizes, sums and checksums all fit: only the frames' own tags tell.
+  // Sizes, sums and checksums all agree: only the tags of the frames reveal it.
   Manifest m = manifest();
   LayerFile& file = m.segments[1].layers[2];
   const std::string content = read_text(reel() / file.path);

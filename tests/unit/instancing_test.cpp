@@ -6,7 +6,8 @@
 namespace pointreel {
 namespace {
 
-/// Some facing away, some of unknown orientation, more than a batch of uniform buffers holds.
+/// Some surfels face away and some have unknown orientation. There are more than a batch of uniform
+/// buffers can hold.
 PointCloud prickly_sphere(int points, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
@@ -21,7 +22,7 @@ PointCloud prickly_sphere(int points, unsigned seed) {
   return cloud;
 }
 
-/// Share of the pixels that are not the same but for rounding.
+/// Share of the pixels that differ by more than rounding.
 double share_different(const Image& a, const Image& b, int but_for = 2) {
   std::size_t different = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i)
@@ -58,7 +59,7 @@ TEST_F(RendererTest, every_method_of_instancing_draws_the_same_surfels) {
   }
 }
 
-/// Of a colour that changes slowly, so that pixels at the rims of single surfels do not matter.
+/// Its colour changes slowly, so that pixels at the rims of single surfels do not matter.
 PointCloud smooth_sphere(int points) {
   PointCloud cloud = prickly_sphere(points, 8);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -74,7 +75,7 @@ TEST_F(RendererTest, pulled_points_look_like_quads) {
   const auto frame = frame_of(smooth_sphere(20000));
   auto estimated = frame_of(smooth_sphere(20000));
   estimated->normals_estimated = true;
-  // From mere points to nothing but quads, and some of both.
+  // From points alone to quads alone, and mixtures of both.
   for (const double distance : {12.0, 6.0, 3.0, 1.5, 1.05, 0.5}) {
     Camera camera = front_camera();
     camera.distance = distance;
@@ -131,7 +132,7 @@ TEST_F(RendererTest, skips_voxels_that_others_hide_without_changing_the_picture)
     EXPECT_LT(stats_.drawn, drawn / 2);
     EXPECT_EQ(stats_.drawn + stats_.hidden, drawn);
   }
-  // Surfels of the same tree are all drawn.
+  // The surfels of the same tree are all drawn.
   some->cloud = {};
   picture(some, front_camera(), plain(DrawMode::surfel));
   EXPECT_EQ(stats_.hidden, 0u);

@@ -14,7 +14,7 @@ LayerControl::Situation situation(double now, double fetched) {
   situation.frame_seconds = kFrame;
   situation.fetched = fetched;
   situation.makeable = situation.made = 1.0;
-  // The base without normals, with them; two layers; three.
+  // The base without normals and with them, two layers, and three layers.
   situation.bytes = {6'000, 10'000, 40'000, 90'000};
   return situation;
 }
@@ -23,7 +23,7 @@ LayerDecision chosen(const LayerControl& control, const LayerRange& top, Limit l
   return decide(control.caps(), top, limit);
 }
 
-/// A reel that plays over a link, with a buffer of two seconds, ten milliseconds a step.
+/// A reel that plays over a link with a buffer of two seconds, in steps of ten milliseconds.
 struct Playing {
   LayerControl control{{3, 2, true}};
   double now = 0.0, buffered = 0.0, bits_per_second = 0.0;
@@ -66,7 +66,8 @@ TEST(RungLayers, ranges_from_a_base_without_normals_to_all_layers) {
 
 TEST(RungLayers, never_includes_attributes_or_layers_that_are_not_drawn) {
   EXPECT_EQ(rung_layers(3, {0, 2, true, false}), (LayerRange{0, 2, true, false}));
-  EXPECT_EQ(rung_layers(0, {0, 3, false, true}), (LayerRange{0, 1, false, true})) << "all that there is of it";
+  EXPECT_EQ(rung_layers(0, {0, 3, false, true}), (LayerRange{0, 1, false, true}))
+      << "all that there is of it";
 }
 
 TEST(LayerControl, begins_with_the_base_and_adds_layers_once_the_link_is_known_to_suffice) {
@@ -89,7 +90,7 @@ TEST(LayerControl, chooses_the_most_layers_that_a_link_can_carry) {
       playing.run(bits, 0.1);
       as_expected += chosen(playing.control, kAll, Limit::none).layers.end == layers;
     }
-    EXPECT_GE(as_expected, 70) << bits << ": now and then more is tried";
+    EXPECT_GE(as_expected, 70) << bits << ": a higher rung is tried now and then";
   }
 }
 
@@ -108,7 +109,7 @@ TEST(LayerControl, follows_a_changing_link_within_two_seconds_and_without_a_stal
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 1u);
   playing.changes = 0;
   playing.run(5e6, 18.0);
-  EXPECT_LE(playing.changes, 8) << "a rung more is tried ever more rarely";
+  EXPECT_LE(playing.changes, 8) << "a higher rung is tried ever more rarely";
   playing.run(100e6, 2.0);
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none).layers.end, 3u);
   playing.changes = 0;
@@ -122,7 +123,7 @@ TEST(LayerControl, trusts_a_full_buffer_more_than_a_low_measured_rate) {
   control.carried(1'000'000, 0.1);
   control.update(situation(0.0, 0.5));
   EXPECT_EQ(control.rung(), 3);
-  for (int i = 0; i < 50; ++i) control.carried(20'000, 0.04);  // bound by round trips
+  for (int i = 0; i < 50; ++i) control.carried(20'000, 0.04);  // limited by round trips
   control.update(situation(1.0, 0.95));
   EXPECT_EQ(control.rung(), 3);
   control.update(situation(2.0, 0.6));
@@ -170,7 +171,7 @@ struct Machine {
   LayerControl control{{3, 2, false}};
   double now = 0.0;
 
-  /// Frames that take so long, ready or not.
+  /// Plays frames that take `ms` each, whether they are ready or not.
   void run(std::uint32_t layers, double ms, double made, double seconds) {
     for (const double end = now + seconds; now < end; now += 0.02) {
       control.made(layers, ms);

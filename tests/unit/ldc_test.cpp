@@ -27,7 +27,8 @@ std::vector<SurfacePoint> ldc(const Surface& surface, double spacing, bool reduc
   return sample_ldc(SurfaceGrid::build(surface).value(), {spacing, reduce}).value();
 }
 
-/// How far points are from the nearest sample, in spacings; 2 where it is further than one.
+/// Distances of points to the nearest sample, in spacings. Gives 2 if it is farther than one
+/// spacing.
 class Coverage {
  public:
   Coverage(const std::vector<SurfacePoint>& samples, double spacing) : spacing_(spacing) {
@@ -57,7 +58,8 @@ class Coverage {
   std::unordered_map<std::int64_t, std::vector<glm::dvec3>> cells_;
 };
 
-/// Largest distance of 30,000 points of the surface, and the share that is beyond sqrt(3) / 2.
+/// Largest distance of 30,000 surface points to a sample, and the share beyond sqrt(3) / 2
+/// spacings.
 struct Cover {
   double radius = 0.0, beyond = 0.0;
 };
@@ -91,7 +93,8 @@ TEST(LdcSampler, samples_lie_on_rays_and_on_the_surface) {
 }
 
 TEST(LdcSampler, each_axis_samples_an_equal_share_of_a_ball) {
-  // Rays along an axis see every patch by its projected area: pi r^2 for the ball, in and out.
+  // Rays along an axis hit every patch in proportion to its projected area: pi r^2 for the ball, on
+  // entry and again on exit.
   const double radius = 0.3, spacing = 0.005;
   const auto hits =
       cast_lattice(SurfaceGrid::build(ball(radius)).value(), {glm::dvec3(0.0), spacing}).value();
@@ -102,7 +105,7 @@ TEST(LdcSampler, each_axis_samples_an_equal_share_of_a_ball) {
 }
 
 TEST(LdcSampler, keeps_every_hit_along_a_ray) {
-  // Three balls in a row, 1 m in front of each other: the rays through them have six hits.
+  // Three balls in a row, 1 m apart. A ray through all of them has six hits.
   Surface surface;
   for (int i = 0; i < 3; ++i) {
     surface.primitives.push_back(RoundCone{{0, 0, i}, {0, 0, i}, 0.1, 0.1});
@@ -114,18 +117,19 @@ TEST(LdcSampler, keeps_every_hit_along_a_ray) {
   for (const LatticeHit& hit : hits) {
     if (hit.axis == 2 && hit.cell.x == 0 && hit.cell.y == 0) along_middle.push_back(hit.cell.z);
   }
-  // Hits at -0.1, 0.1, 0.9, 1.1, 1.9, 2.1 m; on lattice points, so either side of them is right.
+  // The hits at -0.1, 0.1, 0.9, 1.1, 1.9 and 2.1 m lie on lattice points, so either side is right.
   ASSERT_EQ(along_middle.size(), 6u);
   const std::array<int, 6> expected{-5, 5, 45, 55, 95, 105};
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(along_middle[i], expected[i], 1);
 }
 
 TEST(LdcSampler, covers_a_ball_within_half_the_diagonal_of_a_cell) {
-  // ERRATA 27. All orientations; curvature adds 1 / (8 * 30) of a spacing at most.
+  // See FORMULAS.md, "Layered depth cube". The ball covers all orientations. Its curvature adds at
+  // most 1 / (8 * 30) of a spacing.
   const double spacing = 0.01;
   const Cover cover = cover_of(ball(0.3), ldc(ball(0.3), spacing), spacing);
   EXPECT_LE(cover.radius, 0.5 * std::sqrt(3.0) + 0.005);
-  EXPECT_GT(cover.radius, 0.6);  // or the measure is wrong: 0.71 where the surface is level
+  EXPECT_GT(cover.radius, 0.6);  // a level surface has 0.71; less would mean a wrong measure
 }
 
 TEST(LdcSampler, covers_the_figure_except_for_tips_between_creases) {
@@ -143,12 +147,12 @@ TEST(LdcSampler, reduced_points_are_a_spacing_apart_and_within_half_of_it_of_the
   for (const SurfacePoint& point : samples) {
     const glm::dvec3 cell = glm::round(point.position / spacing);
     EXPECT_LT(glm::distance(cell * spacing, point.position), 1e-12);
-    EXPECT_TRUE(places.insert({cell.x, cell.y, cell.z}).second) << "twice in one place";
+    EXPECT_TRUE(places.insert({cell.x, cell.y, cell.z}).second) << "two points are at one place";
     EXPECT_LE(std::abs(distance_to(ball(0.3), point.position).distance.value),
               0.5 * spacing + 1e-9);
   }
-  // The paper has it that the longest edge stays sqrt(3), a cover radius of 0.87. Moving the hits
-  // adds half a spacing to the bound; 0.89 is found.
+  // Pfister et al., Surfels, section 6.2, state that the longest edge stays sqrt(3), a cover radius
+  // of 0.87. Moving the hits adds half a spacing to the bound; the measured value is 0.89.
   const Cover cover = cover_of(ball(0.3), samples, spacing);
   EXPECT_LE(cover.radius, 0.95);
   EXPECT_LT(cover.beyond, 1e-3);

@@ -53,7 +53,7 @@ TEST(LeafNeighbors, hide_a_voxel_from_an_octant_if_they_cover_its_three_faces) {
     EXPECT_TRUE(hidden(all, octant));
     EXPECT_FALSE(hidden(0, octant));
     for (unsigned direction = 0; direction < 6; ++direction) {
-      // Without the neighbour on the eye's side of an axis a face shows.
+      // A face is visible if the neighbour on the eye's side of its axis is missing.
       const auto missing = static_cast<NeighborBits>(all & ~(1u << direction));
       const bool towards_eye = (octant >> direction / 2 & 1u) == direction % 2;
       EXPECT_EQ(hidden(missing, octant), !towards_eye);

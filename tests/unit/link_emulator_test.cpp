@@ -35,7 +35,7 @@ sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-/// Sends every byte back.
+/// A server that echoes every byte.
 class EchoServer {
  public:
   EchoServer() {
@@ -85,7 +85,7 @@ class Client {
 
   void send(const std::string& text) { ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL); }
 
-  /// What comes until there are so many bytes, or the connection ends.
+  /// Receives until `size` bytes have arrived or the connection ends.
   std::string receive(std::size_t size) {
     std::string all(size, '\0');
     std::size_t got = 0;
@@ -153,7 +153,7 @@ TEST_F(Link, is_never_faster_than_its_rate_and_delay) {
   const auto start = steady_clock::now();
   Client client(link_->port());
   EXPECT_TRUE(echoed(client, text) == text);
-  // Besides, a round trip until the connection is made and one for the bytes.
+  // Connecting takes another round trip, and so do the bytes.
   EXPECT_GE(steady_clock::now() - start, 100ms + 20ms);
 }
 

@@ -57,7 +57,7 @@ TEST_F(Assembler, gives_a_frame_once_all_of_its_layers_have_arrived) {
   ASSERT_EQ(frame->frame.layers.size(), 3u);
   EXPECT_EQ(frame->frame.layers[1].bytes, Bytes(11, 7));
   EXPECT_EQ(frame->frame.layers[1].sizes.geometry, 11u);
-  EXPECT_FALSE(assembler_.next(kAtOnce)) << "once is enough";
+  EXPECT_FALSE(assembler_.next(kAtOnce)) << "a frame is given only once";
 }
 
 TEST_F(Assembler, gives_an_incomplete_frame_when_the_next_one_begins) {
@@ -96,11 +96,11 @@ TEST(AssemblerInAHurry, gives_the_base_if_the_rest_is_late_and_the_rest_when_it_
 }
 
 TEST_F(Assembler, ignores_and_counts_layers_out_of_order) {
-  layer(5, 1);     // no base
-  layer(5, 0);     // good
-  layer(5, 2);     // a layer is missing
+  layer(5, 1);     // not the base
+  layer(5, 0);     // accepted
+  layer(5, 2);     // layer 1 is missing
   layer(5, 1, 2);  // of a frame of two layers
-  layer(6, 1);     // of a frame that has not begun
+  layer(6, 1);     // frame 6 has not begun
   layer(4, 0);     // older
   layer(9, 0, 4);  // more layers than the stream has
   EXPECT_EQ(assembler_.counts().bad, 6u);
@@ -123,7 +123,7 @@ TEST_F(Assembler, continues_after_a_reconnection) {
   EXPECT_EQ(assembler_.next(kLong)->number, 5u);
   assembler_.reconnected();
   assembler_.add(hello_of(1));
-  whole(5);  // once more
+  whole(5);  // repeated
   EXPECT_FALSE(assembler_.next(kAtOnce));
   whole(6);
   EXPECT_EQ(assembler_.next(kLong)->number, 6u);
@@ -142,7 +142,7 @@ TEST_F(Assembler, starts_over_with_a_restarted_publisher) {
   whole(500);
   assembler_.reconnected();
   assembler_.add(hello_of(2));
-  EXPECT_FALSE(assembler_.next(kAtOnce)) << "of the publisher before";
+  EXPECT_FALSE(assembler_.next(kAtOnce)) << "it belongs to the previous publisher";
   whole(0);
   EXPECT_EQ(assembler_.next(kLong)->number, 0u);
 }

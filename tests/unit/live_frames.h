@@ -8,7 +8,7 @@
 #include "common/stream/live.h"
 #include "server/relay/viewer_queue.h"
 
-/// Live messages whose layers hold no real chunks: for what looks at headers alone.
+/// Live messages whose layers hold no real chunks, for tests that look at headers only.
 namespace pointreel {
 
 inline LiveHello plain_hello(std::uint64_t session = 1) {
@@ -35,7 +35,7 @@ inline LiveMessage layer_message(std::uint32_t frame, std::uint8_t layer, std::u
   return {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_layer(header))};
 }
 
-/// "7.0" is the base of frame 7; a text message is its type.
+/// A message in brief: "7.0" is the base of frame 7, and a text message is given by its type.
 inline std::string brief(const LiveMessage& message) {
   if (message.kind == LiveMessage::Kind::text) {
     const std::string text(message.bytes->begin(), message.bytes->end());

@@ -1,4 +1,4 @@
-// What publishers, relays and viewers say to each other.
+// The messages between publishers, relays and viewers.
 
 #include <string>
 #include <vector>

@@ -23,7 +23,7 @@ using std::chrono::milliseconds;
 
 const Cube kCube{{0.0, 0.0, 0.0}, 4.0};
 
-/// `points` of a grid in the cube's corner, as so many layers of an octree.
+/// A frame with `points` points of a grid in the cube's corner, as an octree with `layers` layers.
 LiveFrame live_frame(std::uint32_t number, int points, std::size_t layers = 3) {
   PointCloud cloud;
   for (int i = 0; i < points; ++i)
@@ -53,7 +53,7 @@ LiveFrame broken_frame(std::uint32_t number) {
   return frame;
 }
 
-/// Gives what the test pushes.
+/// A source that gives what the test pushes.
 class FakeLiveSource : public LiveSource {
  public:
   std::optional<LiveHello> hello(milliseconds) override {
@@ -91,7 +91,7 @@ class FakeLiveSource : public LiveSource {
     }
     changed_.notify_all();
   }
-  /// Whether the playback has dealt with every frame that was pushed and waits for another one.
+  /// Whether the playback has dealt with every pushed frame and waits for another.
   bool idle() const {
     const std::lock_guard lock(mutex_);
     return idle_ && frames_.empty();
@@ -105,7 +105,7 @@ class FakeLiveSource : public LiveSource {
   bool cancelled_ = false, idle_ = false;
 };
 
-/// Of a stream whose z points up.
+/// The hello of a stream whose z axis points up.
 LiveHello hello_of(std::uint64_t session) {
   LiveHello hello = plain_hello(session);
   hello.up = 'z';
@@ -125,7 +125,7 @@ struct LiveTest : testing::Test {
                                               });
   }
 
-  /// The first update for which this is so.
+  /// Returns the first update that satisfies `done`.
   Playback::Update update_until(const std::function<bool(const Playback::Update&)>& done) {
     Playback::Update update;
     EXPECT_TRUE(wait_until([&] { return done(update = playback->update({})); }));
@@ -139,14 +139,14 @@ struct LiveTest : testing::Test {
   FakeLiveSource* source = nullptr;
   std::mutex mutex;
   std::set<std::uint32_t> broken;
-  std::unique_ptr<LivePlayback> playback;  // last: its threads use what is above
+  std::unique_ptr<LivePlayback> playback;  // last, since its threads use the members above
 };
 
 TEST_F(LiveTest, shows_nothing_new_while_paused_and_resumes_with_the_newest_frame) {
   playback->pause();
   source->say(plain_hello(1));
   source->push(live_frame(1, 100));
-  const auto first = wait_for(1).frame;  // there is nothing to stand still at before
+  const auto first = wait_for(1).frame;  // before it, there is no picture to pause on
   for (std::uint32_t number = 2; number < 6; ++number) source->push(live_frame(number, 100));
   EXPECT_TRUE(wait_until([&] { return source->idle(); }));
   EXPECT_EQ(playback->update({}).frame, first);
@@ -191,7 +191,7 @@ TEST_F(LiveTest, reports_a_damaged_frame_and_goes_on) {
   const auto first = wait_for(0).frame;
   source->push(broken_frame(1));
   update_until([this](const auto&) { return playback->errors() == 1; });
-  EXPECT_EQ(playback->update({}).frame, first) << "the last good picture stays";
+  EXPECT_EQ(playback->update({}).frame, first) << "the last good picture must stay";
   source->push(live_frame(2, 100));
   wait_for(2);
   EXPECT_EQ(playback->errors(), 1u);
@@ -209,7 +209,7 @@ TEST_F(LiveTest, refines_a_frame_whose_finer_layers_arrive_later) {
       [](const auto& update) { return update.frame && update.frame->svo.depth == 11; });
   EXPECT_TRUE(fine.refined);
   EXPECT_EQ(fine.frame->index, 5u);
-  EXPECT_FALSE(playback->update({}).refined) << "only once";
+  EXPECT_FALSE(playback->update({}).refined) << "it is reported only once";
   EXPECT_EQ(playback->dropped(), 0u);
 }
 
@@ -228,7 +228,7 @@ TEST_F(LiveTest, never_goes_back_and_counts_the_frames_that_it_dropped) {
   std::atomic<bool> all_pushed{false};
   std::thread pusher([&] {
     for (std::uint32_t i = 1; i <= kFrames; ++i)
-      source->push(live_frame(i, i % 7 == 0 ? 4000 : 40));  // some take longer than the next ones
+      source->push(live_frame(i, i % 7 == 0 ? 4000 : 40));  // some take longer than later frames
     all_pushed = true;
   });
   std::uint32_t last = 0, shown = 0;
@@ -240,7 +240,7 @@ TEST_F(LiveTest, never_goes_back_and_counts_the_frames_that_it_dropped) {
     return last == kFrames;
   });
   pusher.join();
-  // One that was passed may still be in the hands of a thread.
+  // A skipped frame may still be in the hands of a thread.
   update_until([&](const auto&) { return playback->dropped() + shown == kFrames; });
   EXPECT_EQ(playback->errors(), 0u);
 }

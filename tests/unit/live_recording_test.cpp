@@ -43,7 +43,7 @@ LiveHello real_hello(std::uint64_t session = 1) {
   return hello;
 }
 
-/// A frame that decodes, as a publisher makes it.
+/// A frame that decodes, with messages as a publisher sends them.
 std::vector<LiveMessage> real_frame(std::uint32_t number, double along = 0.0) {
   OctreeOptions octree;
   octree.entropy = Entropy::none;
@@ -97,7 +97,7 @@ class RecorderTest : public testing::Test {
   fs::path package(const std::string& name = "stage") const {
     return temporary_.path() / "recordings" / name;
   }
-  /// What is wrong with a package; its frames are counted.
+  /// Returns the faults of a package and counts its frames.
   std::vector<std::string> faults(const fs::path& folder, std::uint32_t& frames) {
     const auto report = verify(folder);
     if (!report) return {report.error().message};
@@ -214,7 +214,7 @@ TEST_F(RecorderTest, an_incomplete_frame_is_recorded_as_far_as_it_arrived) {
   EXPECT_GT(total(manifest.segments[0].layers[cut.size()].frames[1]), 0u);
   EXPECT_TRUE(manifest.partial);
   std::uint32_t frames = 0;
-  EXPECT_THAT(faults(package(), frames), IsEmpty()) << "what is said is no fault";
+  EXPECT_THAT(faults(package(), frames), IsEmpty()) << "a declared gap is not a fault";
 }
 
 TEST_F(RecorderTest, complete_frames_are_not_reported_as_incomplete) {
@@ -277,7 +277,7 @@ TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_reported_once_and_distur
   EXPECT_THAT(said_, ElementsAre(HasSubstr("recording stage has stopped")));
 }
 
-/// What a window has put out.
+/// The files that a window has written.
 struct Files {
   std::map<std::string, std::string> files;
   std::vector<std::string> changed;
@@ -292,7 +292,7 @@ struct Files {
     return output;
   }
   Manifest manifest() const { return parse_manifest(files.at(kManifestName)).value(); }
-  /// Whether each file of the manifest is there, with its size and checksum.
+  /// Whether every file of the manifest exists with its size and checksum.
   bool whole(const Manifest& manifest) const {
     for (const PackageFile* file : manifest.files()) {
       const auto found = files.find(file->path);
@@ -337,9 +337,9 @@ TEST(HttpWindow, keeps_files_of_recent_manifests_within_bounded_memory) {
   give_frames(window, 0, 16);
   const Manifest old = out.manifest();
   give_frames(window, 16, 15);
-  EXPECT_TRUE(out.whole(old)) << "three segments later";
+  EXPECT_TRUE(out.whole(old)) << "the files last for three more segments";
   give_frames(window, 31, 300);
-  EXPECT_LE(out.files.size(), 1u + 2 * 3 * 3) << "twice the manifest's segments, of three layers";
+  EXPECT_LE(out.files.size(), 1u + 2 * 3 * 3) << "at most twice the manifest's segments";
   EXPECT_THAT(out.changed, IsEmpty()) << "a file never changes under its name";
 }
 
@@ -350,7 +350,7 @@ TEST(HttpWindow, reports_that_the_publisher_has_left_and_resumes_when_it_returns
   give_frames(window, 0, 7);
   window.end();
   EXPECT_TRUE(out.manifest().live->ended);
-  EXPECT_EQ(out.manifest().frame_count(), 7u) << "to the last frame";
+  EXPECT_EQ(out.manifest().frame_count(), 7u) << "the last frame is included";
   window.hello(real_hello());
   give_frames(window, 7, 6);
   EXPECT_FALSE(out.manifest().live->ended);
@@ -382,7 +382,7 @@ TEST(HttpWindow, has_fewer_segments_if_they_are_large) {
   EXPECT_THAT(out.manifest().segments, SizeIs(1));
 }
 
-/// A sink that is held up until it is let go.
+/// A sink that blocks until the test releases it.
 class HeldSink : public LiveSink {
  public:
   HeldSink(std::mutex& gate, std::vector<std::string>& notes) : gate_(gate), notes_(notes) {}

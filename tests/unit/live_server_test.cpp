@@ -1,4 +1,5 @@
-// Live streams through the server's sockets: publishers and viewers that behave, and others.
+// Live streams through the server's sockets, with well-behaved and ill-behaved publishers and
+// viewers.
 
 #include <chrono>
 #include <csignal>
@@ -30,7 +31,7 @@ constexpr const char* kUpgrade =
     "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
 
-/// Plain, or over TLS.
+/// The parameter selects plain connections or TLS.
 class LiveServerTest : public testing::TestWithParam<bool> {
  protected:
   LiveServerTest() {
@@ -72,7 +73,7 @@ class LiveServerTest : public testing::TestWithParam<bool> {
   static bool say_hello(WebSocket& socket, std::uint64_t session = 1) {
     return send(socket, text_message(write_hello(plain_hello(session))));
   }
-  /// What came next, in brief; or why nothing does.
+  /// Returns the next message in brief, or the reason why there is none.
   static std::string next(WebSocket& socket) {
     auto message = socket.receive(20s);
     if (!message) return message.error().message;
@@ -142,7 +143,7 @@ TEST_P(LiveServerTest, grants_viewing_and_publishing_by_token) {
   const auto publisher = connected("/live/stage?publish", "show");
   ASSERT_TRUE(publisher && say_hello(*publisher));
   ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
-  EXPECT_EQ(connect("/live/stage", "show").error().status, 401) << "the rights are apart";
+  EXPECT_EQ(connect("/live/stage", "show").error().status, 401) << "the two rights are separate";
   EXPECT_EQ(connect("/live/stage").error().status, 401);
   const auto viewer = connected("/live/stage", "look");
   ASSERT_TRUE(viewer);
@@ -201,45 +202,46 @@ TEST_P(LiveServerTest, never_lets_a_stalled_viewer_delay_others) {
     ASSERT_EQ(next(*prompt), std::to_string(frame) + ".0");
   }
   EXPECT_GT(statistics().drops.frames, 0u);
-  // Once it reads again, it is not long until it is at the newest frame.
+  // Once it reads again, it soon reaches the newest frame.
   std::string last;
   for (int i = 0; i < 60 && last != "59.0"; ++i) last = next(**stalled);
   EXPECT_EQ(last, "59.0");
 }
 
 TEST_P(LiveServerTest, drops_peers_that_show_no_sign_of_life) {
-  if (GetParam()) GTEST_SKIP() << "the same on any transport";
+  if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
   options_.idle_timeout = 800ms;
   start();
   const auto answering = connected("/live/other?publish");
   ASSERT_TRUE(answering && say_hello(*answering));
-  // By the time this one is given up, the other has been silent for longer.
+  // By the time this client is disconnected, the publisher has been silent for longer.
   RawHttpClient silent(server_->port());
   EXPECT_EQ(silent.get("/live/stage?publish", kUpgrade).status, 101);
   EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 1; }));
   EXPECT_TRUE(send(*answering, layer_message(0, 0)));
   EXPECT_TRUE(
       wait_until([&] { return statistics().frames == 1 || relay_.statistics().size() == 2; }));
-  EXPECT_EQ(server_->connection_count(), 1u) << "it answers pings, if it says nothing else";
+  EXPECT_EQ(server_->connection_count(), 1u) << "answering pings keeps it connected";
 }
 
 TEST_P(LiveServerTest, accepts_local_publishers_only_without_origin_and_proxy) {
-  if (GetParam()) GTEST_SKIP() << "the same on any transport";
+  if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
   start();
   const auto status = [&](const std::string& fields) {
     return RawHttpClient(server_->port()).get("/live/stage?publish", kUpgrade + fields).status;
   };
   EXPECT_EQ(status(""), 101);
-  EXPECT_EQ(status("Origin: http://example.org\r\n"), 403) << "a page in somebody's browser";
-  EXPECT_EQ(status("X-Forwarded-For: 192.0.2.7\r\n"), 403) << "through a proxy";
+  EXPECT_EQ(status("Origin: http://example.org\r\n"), 403) << "a web page must not publish";
+  EXPECT_EQ(status("X-Forwarded-For: 192.0.2.7\r\n"), 403) << "it came through a proxy";
   EXPECT_EQ(status("Forwarded: for=192.0.2.7\r\n"), 403);
   EXPECT_EQ(status("Via: 1.1 proxy\r\n"), 403);
 }
 
 TEST_P(LiveServerTest, survives_hostile_websocket_frames) {
-  if (GetParam()) GTEST_SKIP() << "the same on any transport";
+  if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
   start();
-  // Not masked; reserved bits; a length beyond all limits; fragments of a control frame; noise.
+  // Frames without a mask, with reserved bits, with a length beyond all limits, with fragments of a
+  // control frame, and noise.
   const std::vector<std::string> frames = {
       std::string("\x82\x05hello", 7),
       std::string("\xf2\x85\0\0\0\0hello", 11),
@@ -258,7 +260,7 @@ TEST_P(LiveServerTest, survives_hostile_websocket_frames) {
                 .get("/live/stage?publish", "Connection: Upgrade\r\nUpgrade: websocket\r\n")
                 .status,
             400)
-      << "no key, no version";
+      << "the key and the version are missing";
 }
 
 TEST_P(LiveServerTest, stops_at_once_with_open_sessions) {

@@ -36,8 +36,8 @@ PointCloud decoded(const PointCloud& cloud, const Cube& cube, const EncodeOption
   return back ? back->cloud : PointCloud{};
 }
 
-/// From some points of `a`, spread over it, to the nearest of `b`; exact but for a double's last
-/// bits, unlike cloud_distance, which computes in floats.
+/// The largest distance from points of `a`, chosen all over it, to the nearest point of `b`. It is
+/// exact up to the last bits of a double, whereas cloud_distance computes in floats.
 double farthest(const PointCloud& a, const PointCloud& b) {
   const std::size_t step = a.size() / 60 + 1;
   long double most = 0.0L;
@@ -55,8 +55,8 @@ double farthest(const PointCloud& a, const PointCloud& b) {
   return static_cast<double>(std::sqrt(most));
 }
 
-/// The largest distance of a point to the nearest of the other cloud, both ways, in terms of the
-/// codec's bound at this depth.
+/// The largest distance from a point to the nearest of the other cloud, in both directions, as a
+/// share of the codec's bound at this depth.
 double share_of_bound(const PointCloud& cloud, const EncodeOptions& options, int depth) {
   const Cube cube = bounding_cube(bounds(cloud));
   const PointCloud back = decoded(cloud, cube, options);
@@ -76,7 +76,8 @@ void expect_within(const PointCloud& cloud, const std::string& what) {
   }
 }
 
-/// Points everywhere in a cube; at those of its corners that a box has, and near cell faces.
+/// Points everywhere in a cube, at those of its corners that its bounding box includes, and near
+/// the faces of cells.
 PointCloud scattered(const glm::dvec3& origin, double extent, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> anywhere(0.0, extent);
@@ -115,7 +116,7 @@ TEST(MaxGeometryError, holds_far_from_zero_and_for_huge_and_tiny_extents) {
 }
 
 TEST(MaxGeometryError, is_no_larger_than_necessary) {
-  // Points right at the corners of cells are half a diagonal away from the centre.
+  // Points exactly at the corners of cells are half a diagonal away from the centre.
   PointCloud corners = scattered(glm::dvec3(0.0), 4096.0, 3);
   for (const int depth : {2, 7, 12}) {
     EXPECT_GT(share_of_bound(corners, octree(depth), depth), 0.99);

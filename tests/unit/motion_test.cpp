@@ -27,7 +27,7 @@ double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::acos(std::clamp(c, -1.0, 1.0)) * 180.0 / 3.14159265358979;
 }
 
-/// Every motion, one test each.
+/// One test for each motion.
 class EveryMotion : public testing::TestWithParam<std::string> {
  protected:
   const Motion& motion() const { return *find_motion(GetParam()); }
@@ -97,7 +97,7 @@ TEST_P(EveryMotion, turns_bones_without_bending_or_mirroring_them) {
       }
       EXPECT_GT(glm::determinant(frame.axes), 0.0);
     }
-    // A joint that two bones share is at the same place for both.
+    // A joint that two bones share is at the same place for both bones.
     const auto place = [&](Bone bone, Bone joint) {
       return frame_of(now, bone).place(frame_of(now, joint).rest_joint);
     };
@@ -117,7 +117,7 @@ TEST_P(EveryMotion, bends_joints_only_as_people_can) {
   for (int number = 0; number < motion().poses; ++number) {
     const Pose now = pose(number);
     for (const bool left : {true, false}) {
-      // What a knee's and an elbow's turn does to the hanging bone.
+      // Where the turns of knee and elbow take the hanging bone.
       const glm::dvec3 shin = now[left ? Bone::left_shin : Bone::right_shin] * down;
       const glm::dvec3 forearm = now[left ? Bone::left_forearm : Bone::right_forearm] * down;
       EXPECT_LT(shin.z, 0.06) << number << " a knee bends forwards";
@@ -154,7 +154,7 @@ TEST_P(EveryMotion, moves_no_joint_faster_than_people_do) {
   }
 }
 
-/// Heights of the balls of a foot that touch the floor: heel and ball of the foot.
+/// The balls of a foot that touch the floor: the heel and the ball of the foot.
 struct Sole {
   glm::dvec3 heel, ball;  // their lowest points
 };
@@ -173,7 +173,7 @@ TEST_P(EveryMotion, neither_floats_nor_sinks) {
     alone.ball.reset();
     alone.bat.reset();
     const double lowest = bounds(pose_body(alone).surface).min.y;
-    EXPECT_GT(lowest, -0.03) << number;  // the bounds hold fillets: 12 mm too many
+    EXPECT_GT(lowest, -0.03) << number;  // the bounds include fillets, which adds 12 mm
     if (lowest > 0.02) ++in_the_air;
   }
   if (jumps) {
@@ -185,7 +185,7 @@ TEST_P(EveryMotion, neither_floats_nor_sinks) {
 }
 
 TEST_P(EveryMotion, does_not_slide_on_its_feet) {
-  if (GetParam() == "walk") return;  // on the spot: its feet have to
+  if (GetParam() == "walk") return;  // its feet have to slide, as it walks on the spot
   for (int number = 1; number < motion().poses; ++number) {
     const Skeleton before = frames(number - 1), now = frames(number);
     for (const bool left : {true, false}) {
@@ -217,15 +217,15 @@ TEST_P(EveryMotion, lets_its_ball_fly_by_gravity_while_nothing_touches_it) {
       const Body body = pose_body(alone);
       const SurfaceDistance nearest = distance_to(body.surface, now->center);
       const double gap = nearest.distance.value - size;
-      EXPECT_GT(gap, -0.01) << step * kStep << " s: deep in bone "
+      EXPECT_GT(gap, -0.01) << step * kStep << " s: the ball is deep inside bone "
                             << static_cast<int>(body.parts[nearest.primitive].bone);
-      EXPECT_GT(now->center.y, size - 0.001) << step * kStep << " s: in the floor";
+      EXPECT_GT(now->center.y, size - 0.001) << step * kStep << " s: the ball is inside the floor";
       const glm::dvec3 acceleration =
           (after->center - 2.0 * now->center + before->center) / (kStep * kStep);
       if (glm::length(acceleration - glm::dvec3(0, -kGravity, 0)) < 0.05) {
         ++flying;
       } else {
-        // A touch between two steps is up to a step away, at the speed of the ball.
+        // A contact between two steps lies within the distance that the ball moves in one step.
         const double speed = std::max(glm::length(after->center - now->center),
                                       glm::length(now->center - before->center));
         EXPECT_LT(std::min(gap, now->center.y - size), 0.02 + speed) << step * kStep << " s";
@@ -253,7 +253,7 @@ TEST_P(EveryMotion, has_few_enough_parts_to_be_sampled_quickly) {
   for (const int number : {0, motion().poses / 3, motion().poses / 2}) {
     const Body body = pose_body(pose(number));
     EXPECT_LE(body.surface.primitives.size(), 90u);
-    const auto grid = SurfaceGrid::build(body.surface);  // refuses too many in one place
+    const auto grid = SurfaceGrid::build(body.surface);  // fails if too many meet in one place
     EXPECT_TRUE(grid) << grid.error().message;
   }
 }

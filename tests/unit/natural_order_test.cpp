@@ -25,7 +25,7 @@ TEST(NaturalOrder, compares_numbers_too_long_for_any_integer_type) {
 TEST(NaturalOrder, breaks_ties_of_equal_numbers_byte_by_byte) {
   EXPECT_TRUE(natural_less("frame01", "frame1"));
   EXPECT_FALSE(natural_less("frame1", "frame01"));
-  EXPECT_TRUE(natural_less("frame1a", "frame01b"));  // what follows decides first
+  EXPECT_TRUE(natural_less("frame1a", "frame01b"));  // the following characters decide first
 }
 
 TEST(NaturalOrder, treats_bytes_above_127_as_larger_than_ascii) {
@@ -34,7 +34,7 @@ TEST(NaturalOrder, treats_bytes_above_127_as_larger_than_ascii) {
 }
 
 TEST(NaturalOrder, is_a_strict_total_order) {
-  // Every string of up to four characters from an alphabet around the digits.
+  // All strings of up to four characters from an alphabet around the digits.
   std::vector<std::string> names{""};
   for (std::size_t begin = 0, length = 1; length <= 4; ++length) {
     const std::size_t end = names.size();

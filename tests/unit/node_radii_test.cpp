@@ -36,7 +36,7 @@ TEST(NodeRadii, keep_those_of_leaves_and_give_parents_the_area_of_their_children
   ASSERT_EQ(radii.size(), svo.node_count());
   for (int level = 0; level <= 6; ++level) {
     for (std::uint32_t i = 0; i < svo.node_count(level); ++i) {
-      // Four children each: twice the radius.
+      // Each node has four children, so the radius doubles.
       const float expected = radius * static_cast<float>(1 << (6 - level));
       ASSERT_NEAR(radii[svo.level_begin[static_cast<std::size_t>(level)] + i], expected, 1e-5);
     }

@@ -41,7 +41,7 @@ Surface sphere(std::size_t n) {
   return surface;
 }
 
-/// Radii 1 and 0.3 around the y axis, uniform by area.
+/// A torus with radii 1 and 0.3 around the y axis, with points uniform by area.
 Surface torus(std::size_t n) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform;
@@ -58,7 +58,7 @@ Surface torus(std::size_t n) {
 
 struct Quality {
   double median_degrees, p95_degrees;  ///< between the lines of the normals, whatever their sign
-  double outward;                      ///< share with the right sign
+  double outward;                      ///< share of normals with the right sign
 };
 
 Quality compare(const Surface& surface) {
@@ -104,7 +104,7 @@ TEST(Normals, point_outward_on_a_body_with_a_hole) {
 TEST(Normals, stay_close_on_noisy_points) {
   Surface surface = sphere(20000);
   std::mt19937 random(5);
-  // Half the spacing of the points.
+  // The noise is half the spacing of the points.
   std::normal_distribution<float> noise(0.0f, 0.0125f);
   for (glm::vec3& p : surface.cloud.positions) p *= 1.0f + noise(random);
   estimate_normals(surface.cloud);
@@ -175,7 +175,7 @@ TEST(Radii, are_estimated_if_unknown_and_kept_otherwise) {
   EXPECT_EQ(cloud.radii[7], estimated.radii[7]);
   EXPECT_EQ(cloud.radii[8], 0.02f);
   EXPECT_EQ(cloud.radii[11], 1.0f);
-  cloud.radii.assign(cloud.size(), 1e-3f);  // below the spacing: no estimate exceeds what is there
+  cloud.radii.assign(cloud.size(), 1e-3f);  // below the spacing: no estimate exceeds given radii
   cloud.radii[7] = 0.0f;
   estimate_unknown_radii(cloud);
   EXPECT_EQ(cloud.radii[7], 1e-3f);
@@ -185,7 +185,8 @@ TEST(Radii, are_estimated_if_unknown_and_kept_otherwise) {
 }
 
 TEST(Radii, follow_the_local_spacing) {
-  // A plane whose right half has a sixteenth of the points of the left, and a line beside it.
+  // The right half of a plane has a sixteenth of the points of the left half. A line lies beside
+  // it.
   PointCloud cloud;
   for (int x = 0; x < 128; ++x) {
     for (int y = 0; y < 128; ++y) {
@@ -215,7 +216,7 @@ TEST(Radii, do_not_shrink_at_duplicate_points) {
   }
 }
 
-/// Normals are unit or zero, radii finite and positive.
+/// Checks that normals are unit or zero and that radii are finite and positive.
 void expect_sound(const PointCloud& cloud) {
   ASSERT_EQ(cloud.normals.size(), cloud.size());
   ASSERT_EQ(cloud.radii.size(), cloud.size());
@@ -306,7 +307,7 @@ TEST(Openness, counts_the_directions_that_leave_the_grid) {
       const glm::ivec3 cell(random() % static_cast<unsigned>(side),
                             random() % static_cast<unsigned>(side),
                             random() % static_cast<unsigned>(side));
-      // Dense in one corner, so that some cells are shut in.
+      // The cells are dense in one corner, so that some are enclosed.
       if (cell.x + cell.y > side && i % 3 != 0) continue;
       full[at(cell)] = 1;
       cloud.positions.emplace_back(glm::vec3(cell) + 0.5f);

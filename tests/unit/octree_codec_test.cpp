@@ -19,7 +19,7 @@ namespace {
 
 const DecodeLimits kLimits;
 
-/// A bumpy closed surface with normals and colours, all inside the unit cube.
+/// A bumpy closed surface inside the unit cube, with normals and colours.
 PointCloud bumpy_sphere(std::size_t n, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
@@ -108,7 +108,7 @@ TEST_P(OctreeCodec, restores_centres_within_half_a_cell_and_exact_colours) {
   for (std::size_t leaf = 0; leaf < cloud.size(); ++leaf) {
     const std::uint32_t point = sorted.points[leaf].index;
     const glm::dvec3 error = glm::abs(frame->cloud.world(leaf) - cloud.world(point));
-    // Half a cell, and the last bit of a float below one.
+    // Half a cell, plus the last bit of a float below one.
     EXPECT_LE(std::max({error.x, error.y, error.z}), std::ldexp(0.5, -kMaxDepth) + 6e-8);
     EXPECT_EQ(frame->cloud.colors[leaf], cloud.colors[point]);
     EXPECT_LT(degrees_between(frame->cloud.normals[leaf], cloud.normals[point]), 1.0);
@@ -203,7 +203,7 @@ TEST(OctreeCodecAttributes, colours_become_more_accurate_with_quality) {
 TEST(OctreeCodecAttributes, normals_become_more_accurate_with_quality_and_are_unit_or_unknown) {
   PointCloud cloud = bumpy_sphere(20000);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (cloud.positions[i].x > 0.7f) cloud.normals[i] = glm::vec3(0);  // none known around there
+    if (cloud.positions[i].x > 0.7f) cloud.normals[i] = glm::vec3(0);  // normals here are unknown
   }
   double last = HUGE_VAL;
   for (const int quality : {30, 50, 70, 90}) {
@@ -277,7 +277,7 @@ TEST(OctreeCodecAttributes, lossy_16_bit_colours_are_not_rounded_to_8) {
   for (const glm::u16vec3& color : frame->cloud.colors) {
     sum += std::abs(int{color.b} - int{cloud.colors[0].b});
   }
-  EXPECT_LT(sum / static_cast<double>(frame->cloud.size()), 32.0);  // rounded to 8 bits: 125
+  EXPECT_LT(sum / static_cast<double>(frame->cloud.size()), 32.0);  // 8-bit rounding would give 125
 }
 
 TEST(OctreeCodecAttributes, a_tree_limited_to_a_level_equals_the_full_tree_down_to_it) {
@@ -302,7 +302,7 @@ TEST(OctreeCodecAttributes, a_tree_limited_to_a_level_equals_the_full_tree_down_
       const std::size_t nodes = expected.node_count();
       ASSERT_EQ(tree->attributes.colors.size(), nodes);
       ASSERT_EQ(tree->attributes.normals.size(), nodes);
-      // Coded losslessly, a layer's colours are those of its leaves, which are the means of means.
+      // Coded losslessly, the colours of a layer are those of its leaves, which are means of means.
       if (quality == 100 && depth < 10) continue;
       EXPECT_TRUE(std::equal(tree->attributes.colors.begin(), tree->attributes.colors.end(),
                              whole->attributes.colors.begin()));
@@ -361,7 +361,7 @@ TEST(OctreeCodecAttributes, inner_nodes_have_nearly_the_means_of_their_leaves) {
     double angle = 0.0;
     for (std::size_t i = 0; i < nodes.colors.size(); ++i) {
       const glm::ivec3 d = glm::abs(glm::ivec3(nodes.colors[i]) - glm::ivec3(means.colors[i]));
-      // Each layer's nodes weigh the same, however many leaves are below.
+      // All nodes of a layer have the same weight, however many leaves are below them.
       ASSERT_LE(std::max({d.x, d.y, d.z}), i < leaves ? 6 * 257 : 0) << i;
       angle += degrees_between(glm::vec3(nodes.normals[i]), glm::vec3(means.normals[i]));
     }
@@ -418,7 +418,7 @@ TEST(OctreeCodecHardCases, an_invalid_delta_is_refused) {
 
 // --- hostile bytes ---
 
-/// The codings of geometry, with lossless and with lossy colours.
+/// The codings of geometry, each with lossless and with lossy colours.
 class OctreeCodecHostile : public testing::TestWithParam<std::pair<Entropy, int>> {};
 INSTANTIATE_TEST_SUITE_P(Codings, OctreeCodecHostile,
                          testing::Values(std::pair{Entropy::zstd, kLosslessColorQuality},
@@ -468,14 +468,14 @@ TEST(OctreeCodecForged, forged_counts_are_refused_before_memory_is_allocated) {
   EXPECT_FALSE(decodes(forged(small_header(7, 1u << 26), chunk(7, 0xffffffffu), {1})));
   EXPECT_FALSE(
       decodes(forged(small_header(7, 1u << 26), chunk(7, 0xffffffffu, Entropy::zstd), {1})));
-  // Level sizes that disagree with popcounts.
+  // Level sizes that disagree with the popcounts.
   EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(2, 2), {0b11, 1})));
   EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(2, 4), {0b11, 1, 1, 1})));
   EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(2, 3), {0b11, 0, 0b11})));
-  // Leaves that disagree with the header.
+  // A leaf count that disagrees with the header.
   EXPECT_FALSE(decodes(forged(small_header(1, 3), chunk(1, 1), {0b11})));
   EXPECT_FALSE(decodes(forged(small_header(1, 1), chunk(1, 1), {0b11})));
-  // A layer that ends elsewhere; nodes in an empty frame; a level that does not exist.
+  // A layer that ends at another level, nodes in an empty frame, and a level that does not exist.
   EXPECT_FALSE(decodes(forged(small_header(2, 2), chunk(1, 1), {0b11})));
   EXPECT_FALSE(decodes(forged(small_header(0, 0), chunk(0, 1), {1})));
   EXPECT_FALSE(decodes(forged(small_header(5, 0), chunk(5, 0), {})));
@@ -490,13 +490,13 @@ TEST(OctreeCodecForged, damaged_contexts_are_refused) {
   };
   const Bytes zeros(100, 0);
   const Bytes classes = {1, 5, 5, 5, 5, 5, 5, 5};
-  EXPECT_FALSE(decodes(1u << 20, 7, {})) << "no tables";
-  EXPECT_FALSE(decodes(1u << 20, 7, {1})) << "no classes";
-  EXPECT_FALSE(decodes(1u << 20, 7, {2, 5, 5, 5, 5, 5, 5, 5, 0})) << "unknown tables";
-  EXPECT_FALSE(decodes(1u << 20, 0, classes)) << "no masks";
+  EXPECT_FALSE(decodes(1u << 20, 7, {})) << "the tables are missing";
+  EXPECT_FALSE(decodes(1u << 20, 7, {1})) << "the classes are missing";
+  EXPECT_FALSE(decodes(1u << 20, 7, {2, 5, 5, 5, 5, 5, 5, 5, 0})) << "the tables are unknown";
+  EXPECT_FALSE(decodes(1u << 20, 0, classes)) << "the masks are missing";
   EXPECT_FALSE(decodes(1u << 26, 64 * 1024 + 1024 * 8 + 1, classes)) << "more than the bytes allow";
-  EXPECT_FALSE(decodes(1u << 20, 299'593, zeros)) << "unknown tables 0";
-  // Zeros decode to ones, so to a full tree, which these many bytes may not stand for.
+  EXPECT_FALSE(decodes(1u << 20, 299'593, zeros)) << "tables 0 are unknown";
+  // Zeros decode to ones, hence to a full tree, which is too large for this number of bytes.
   EXPECT_FALSE(decodes(1u << 21, 64 * 1024, classes));
 }
 
@@ -518,7 +518,7 @@ TEST(OctreeCodecContext, is_smaller_than_zstd_and_contains_no_second_coding) {
   EXPECT_FALSE(decode_octree_tree(mixed, kLimits));
 }
 
-/// Tables of one leaf for each slot, that stand for what comes with the frames.
+/// Tables with one leaf per slot, in place of tables that come with the frames.
 std::shared_ptr<const ContextTables> plain_tables(std::uint64_t checksum) {
   const std::vector<SlotTables> plain(kLevelClasses * kSlots, {0, {0}, {0x80}});
   auto tables =
@@ -543,7 +543,7 @@ TEST(OctreeCodecContext, decodes_frames_only_with_the_tables_that_they_were_code
   };
   ASSERT_TRUE(decode(*given, tables.get()));
   EXPECT_EQ(decode(*given, tables.get())->svo.masks, decode(*built_in, nullptr)->svo.masks);
-  EXPECT_TRUE(decode(*built_in, tables.get())) << "a frame may name built-in tables all the same";
+  EXPECT_TRUE(decode(*built_in, tables.get())) << "a frame may still name built-in tables";
   EXPECT_THAT(decode(*given, nullptr).error().message, testing::HasSubstr("are not there"));
   EXPECT_THAT(decode(*given, others.get()).error().message, testing::HasSubstr("other"));
 }

@@ -36,12 +36,12 @@ class OpeningTest : public testing::Test {
     EXPECT_TRUE(write_ply(path, ball(200, 1)));
     return path.string();
   }
-  /// The stage, or null with `error_`.
+  /// Waits for the stage. Returns null and sets `error_` if opening fails.
   std::unique_ptr<Stage> wait(Opening& opening) {
     std::optional<Opening::Opened> opened;
     EXPECT_TRUE(wait_until([&] { return (opened = opening.poll()).has_value(); }));
     if (!opened) return nullptr;
-    EXPECT_FALSE(opening.poll()) << "once";
+    EXPECT_FALSE(opening.poll()) << "it is given only once";
     if (*opened) return std::move(**opened);
     error_ = opened->error().message;
     return nullptr;
@@ -136,8 +136,8 @@ TEST_F(OpeningTest, reports_what_it_waits_for_once_that_takes_too_long) {
 }
 
 TEST_F(OpeningTest, calls_nothing_after_its_destruction) {
-  // A hundred openings, each given up a little later than the one before, so that some are caught
-  // in the middle of every call.
+  // A hundred openings are each cancelled a little later than the one before, so that some are
+  // caught in the middle of every call.
   for (int i = 0; i < 100; ++i) {
     auto alive = std::make_unique<std::atomic<bool>>(true);
     const auto* watched = alive.get();

@@ -17,7 +17,7 @@ struct Outcome {
   std::string out, errors;
 };
 
-/// Runs a command line of pointreel-server in this process; 2 where CLI11 refuses it.
+/// Runs a command line of pointreel-server in this process. The exit code is 2 if CLI11 rejects it.
 Outcome run(std::vector<std::string> arguments) {
   Outcome outcome;
   CLI::App app;

@@ -58,7 +58,7 @@ TEST_F(PackControl, keeps_every_segment_within_the_bit_rate_and_close_to_it) {
       EXPECT_GE(segment.bits_per_second, 0.3 * *options.bitrate) << share;
       EXPECT_TRUE(segment.within_rate);
       EXPECT_LE(segment.trials, 12);
-      // Attributes lose no more than twice what the voxels do.
+      // Attributes lose at most twice as much as voxels do.
       const int levels = 10 - static_cast<int>(segment.depth_max);
       EXPECT_GE(octree(segment).color_quality, kDefaultColorQuality - 14 * (levels + 1));
     }
@@ -95,7 +95,7 @@ TEST_F(PackControl, changes_nothing_if_the_bit_rate_is_sufficient) {
 TEST_F(PackControl, rewrites_a_segment_if_its_sampled_frames_were_unusually_small) {
   PackOptions options = this->options(0, 0);
   for (std::size_t i = 0; i < 9; ++i) {
-    // Of nine frames 1, 3, 5 and 7 are tried.
+    // Of nine frames, the trials encode frames 1, 3, 5 and 7.
     const std::size_t points = i % 2 == 1 ? 500 : 6000;
     ASSERT_TRUE(write_ply(folder_.path() / "in" / fmt::format("{}.ply", i), ellipsoid(points)));
   }
@@ -110,7 +110,7 @@ TEST_F(PackControl, rewrites_a_segment_if_its_sampled_frames_were_unusually_smal
   EXPECT_EQ(summary->frames, 9u);
   EXPECT_EQ(ticks, 9);
   EXPECT_THAT(verify(options.output)->faults, IsEmpty());
-  // Nothing is left of the first attempt.
+  // Nothing remains of the first attempt.
   std::uint64_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(options.output)) bytes += entry.file_size();
   EXPECT_EQ(bytes, summary->bytes);
@@ -146,7 +146,7 @@ TEST_F(PackControl, also_controls_draco_voxels_and_a_cube_for_each_frame) {
   EXPECT_LT(segment.depth_max, 11u);
 }
 
-// No time decides: any machine takes longer than the one, and less than the other.
+// The result depends on no clock: any machine takes longer than 1e-9 ms and less than 1e9 ms.
 TEST_F(PackControl, lowers_the_depth_if_frames_take_too_long) {
   PackOptions options = this->options(20, 400);
   options.threads = 1;

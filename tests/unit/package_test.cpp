@@ -16,7 +16,8 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Two segments of two frames and one, two layers; the last frame has a base only and no point.
+/// Two segments with two frames and one frame, and two layers. The last frame has only a base,
+/// without points.
 Manifest example() {
   Manifest m;
   m.name = "läufer 1";
@@ -51,14 +52,14 @@ std::string error_of(const std::string& text) {
   return manifest ? "accepted" : manifest.error().message;
 }
 
-/// The error of the example with `patch` (RFC 7396, arrays whole) laid over it.
+/// The error of the example after `patch` is applied (RFC 7396, arrays as a whole).
 std::string error_with(const json& patch) {
   json root = json::parse(write_manifest(example()));
   root.merge_patch(patch);
   return error_of(root.dump());
 }
 
-/// The error of the example with the value at `pointer` replaced.
+/// The error of the example after the value at `pointer` is replaced.
 std::string error_at(const std::string& pointer, const json& value) {
   json root = json::parse(write_manifest(example()));
   root.at(json::json_pointer(pointer)) = value;
@@ -198,7 +199,7 @@ TEST(Manifest, refuses_every_value_of_another_type) {
   for (const auto& [pointer, value] : flat.items()) {
     for (const json& wrong : {json("?"), json::object(), json::array({json::array()}), json(true),
                               json(-1), json(1e300), json(0.5)}) {
-      // Where a number may be any number, and a text any text, that is what it may be.
+      // A field that may hold any number, text or boolean accepts another value of its type.
       const bool same = wrong.type() == value.type() || (wrong.is_number() && value.is_number());
       if (same && (value.is_number_float() || value.is_string() || value.is_boolean())) continue;
       if (same && (pointer.find("origin") != std::string::npos ||
@@ -365,7 +366,7 @@ TEST(Manifest, is_read_from_a_folder_with_the_path_in_every_error) {
 }
 
 TEST(Checksum, is_the_64_bit_xxh3) {
-  EXPECT_EQ(checksum_of({}), 0x2d06800538d394c2u) << "the published value for no bytes";
+  EXPECT_EQ(checksum_of({}), 0x2d06800538d394c2u) << "the published value for empty input";
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include "server/pack/packer.h"
 #include "tests/unit/packed_reel.h"
 
-/// `n` points of an ellipsoid around `center` on a golden spiral, with colours and normals.
+/// `n` points on an ellipsoid around `center` along a golden spiral, with colours and normals.
 inline pointreel::PointCloud ellipsoid(std::size_t n, const glm::dvec3& center = {}) {
   pointreel::PointCloud cloud;
   for (std::size_t i = 0; i < n; ++i) {
@@ -30,7 +30,7 @@ inline pointreel::PointCloud ellipsoid(std::size_t n, const glm::dvec3& center =
   return cloud;
 }
 
-/// Writes such frames of 100, 101, ... points, each a little further on, as FOLDER/frame_0.ply, ...
+/// Writes such frames of 100, 101, ... points, each moved a little, as FOLDER/frame_0.ply, ...
 inline void write_frames(const std::filesystem::path& folder, std::size_t frames,
                          std::size_t points = 100) {
   std::filesystem::create_directories(folder);
@@ -42,7 +42,7 @@ inline void write_frames(const std::filesystem::path& folder, std::size_t frames
   }
 }
 
-/// Options that pack a folder of files at depth 10, which gives the octree all three layers.
+/// Options that pack a folder of files at depth 10, where the octree has all three layers.
 inline pointreel::PackOptions pack_options(const std::filesystem::path& input,
                                            const std::filesystem::path& output) {
   pointreel::PackOptions options;
@@ -55,7 +55,7 @@ inline pointreel::PackOptions pack_options(const std::filesystem::path& input,
   return options;
 }
 
-/// Whatever lies in a folder, hidden or not.
+/// The names of all entries of a folder, hidden ones included.
 inline std::set<std::string> names_in(const std::filesystem::path& folder) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -64,7 +64,7 @@ inline std::set<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-/// A flat list of a cloud's points in world coordinates, in no order that matters.
+/// All points of a cloud in world coordinates, in arbitrary order.
 inline std::multiset<std::vector<double>> world_points(const pointreel::PointCloud& cloud) {
   std::multiset<std::vector<double>> points;
   for (std::size_t i = 0; i < cloud.size(); ++i) {

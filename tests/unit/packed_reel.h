@@ -19,7 +19,7 @@
 
 namespace pointreel {
 
-/// A coloured ball without two points in one place, turned a little further in each frame.
+/// A coloured ball with no two points at the same place, turned a little further in each frame.
 inline PointCloud ball(std::size_t points, int frame) {
   PointCloud cloud;
   for (std::size_t i = 0; i < points; ++i) {
@@ -39,7 +39,7 @@ inline std::string read_text(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Names and contents of all files of a folder.
+/// Names and contents of all files in a folder.
 inline std::map<std::string, std::string> contents(const std::filesystem::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -49,8 +49,8 @@ inline std::map<std::string, std::string> contents(const std::filesystem::path& 
   return files;
 }
 
-/// Folders in and out for one test; `frames` holds frame1.ply, frame2.ply, ... of 200 points and
-/// one more for each frame.
+/// Input and output folders for one test. `frames` holds frame1.ply, frame2.ply, ... with 200
+/// points and one more in each further frame.
 class PackTest : public testing::Test {
  protected:
   PackTest() { std::filesystem::create_directory(frames_); }
@@ -78,7 +78,7 @@ class PackTest : public testing::Test {
     return draco;
   }
 
-  /// Frames of three layers.
+  /// Options for frames with three layers.
   PackOptions layered_options() const {
     PackOptions layered = options();
     OctreeOptions octree;
@@ -87,7 +87,7 @@ class PackTest : public testing::Test {
     return layered;
   }
 
-  /// What stands beside the inputs: a reel, or nothing, and never anything unfinished.
+  /// The entries beside the inputs: a reel or nothing, but never anything unfinished.
   std::vector<std::string> outputs() const {
     std::vector<std::string> names;
     for (const auto& [name, content] : contents(folder_.path())) {

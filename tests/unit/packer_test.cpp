@@ -42,7 +42,7 @@ std::string error_of(const PackOptions& options, const PackListener& listener = 
   return summary ? "packed" : summary.error().message;
 }
 
-/// All layers of a frame, decoded.
+/// Decodes all layers of a frame.
 DecodedFrame decoded(const fs::path& reel, std::uint32_t frame) {
   const Result<FrameBytes> bytes = read_frame(reel, manifest_of(reel), frame, SIZE_MAX);
   if (!bytes) ADD_FAILURE() << bytes.error().message;
@@ -57,7 +57,7 @@ EncodeOptions draco() {
   return options;
 }
 
-/// The names in a package, layer files without the checksum in theirs.
+/// The names of the files in a package. Those of layer files are given without their checksums.
 std::set<std::string> layers_in(const fs::path& package) {
   std::set<std::string> names;
   for (std::string name : names_in(package)) {
@@ -103,7 +103,7 @@ TEST(Packer, writes_the_same_slabs_on_any_number_of_threads) {
   };
   const auto alone = contents_with(2, 1);
   EXPECT_EQ(contents_with(2, 4), alone);
-  EXPECT_NE(contents_with(1, 4), alone) << "no slabs were made";
+  EXPECT_NE(contents_with(1, 4), alone) << "the frames were coded without slabs";
 }
 
 TEST(Packer, reads_frames_in_natural_order) {
@@ -268,7 +268,7 @@ TEST(Packer, names_a_file_that_cannot_be_read_and_leaves_nothing_behind) {
   const fs::path bad = folder.path() / "in" / "frame_3.ply";
   fs::resize_file(bad, fs::file_size(bad) - 5);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
-  options.segment_frames = 2;  // a segment is complete by then
+  options.segment_frames = 2;  // by then, a segment is complete
   for (const bool cube_per_frame : {false, true}) {
     options.cube_per_frame = cube_per_frame;
     EXPECT_THAT(error_of(options), StartsWith(bad.string() + ": "));

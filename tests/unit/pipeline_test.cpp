@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLong{60'000};
 
-/// A source that needs no link: the test says how long it takes and what fails.
+/// A source that needs no link. The test sets how long it takes and which fetches fail.
 class FakeSource : public Source {
  public:
   explicit FakeSource(std::uint32_t frames) {
@@ -58,7 +58,7 @@ class FakeSource : public Source {
 
   std::set<std::uint32_t> broken;
   bool layered = false;               ///< else files
-  std::uint32_t damaged_layer = ~0u;  ///< comes damaged once, or always
+  std::uint32_t damaged_layer = ~0u;  ///< arrives damaged once, or always
   bool damaged_always = false;
   std::atomic<int> fresh{0};
   std::atomic<std::chrono::microseconds> delay{std::chrono::microseconds(0)};
@@ -109,7 +109,7 @@ TEST(Pipeline, every_frame_is_prepared_once_and_shown_in_order_at_uneven_speeds)
   std::atomic<int> prepared{0};
   Pipeline pipeline(source, buffer,
                     [&](const FrameRequest& request, const FetchedFrame& fetched) {
-                      // Some frames take longer to decode than those after them.
+                      // Some frames take longer to decode than the frames after them.
                       if (request.frame % 7 == 0) work_for(milliseconds(3));
                       ++prepared;
                       return prepare(request, fetched);
@@ -173,7 +173,7 @@ TEST(Pipeline, damaged_frames_are_reported_and_playback_goes_on) {
       ASSERT_EQ(buffer.best()->index, broken ? frame - 1 : frame);
     }
   }
-  // A frame that does not decode is reported just after the buffer knows that it failed.
+  // A frame that does not decode is reported just after the buffer learns that it failed.
   const std::multiset<std::uint32_t> damaged{0, 7, 12};
   EXPECT_TRUE(wait_until([&] { return errors.seen() == damaged; }));
   EXPECT_EQ(pipeline.errors(), 3u);
@@ -226,7 +226,7 @@ TEST(Pipeline, late_frames_are_shown_in_order_on_a_slow_machine) {
   for (int round = 0; round < 20; ++round) {
     ASSERT_TRUE(wait_until([&] { return in_hand != kNone && in_hand >= playhead; }));
     const std::uint32_t frame = in_hand;
-    // By the time that the frame is ready, the playhead and its window have gone past it.
+    // By the time the frame is ready, the playhead and its window have moved past it.
     playhead += 2 * kAhead;
     buffer.advance(playhead);
     late_before = playhead;
@@ -257,7 +257,7 @@ TEST(Pipeline, frames_are_prepared_for_the_current_mode) {
   }
 }
 
-/// Three layers, which end at levels 7, 9 and 10.
+/// Options for three layers that end at levels 7, 9 and 10.
 FrameBuffer::Options layered(std::uint32_t frames, std::uint32_t ahead) {
   FrameBuffer::Options options = once(frames, ahead);
   options.levels = {7, 9, kWholeFrame};
@@ -265,7 +265,7 @@ FrameBuffer::Options layered(std::uint32_t frames, std::uint32_t ahead) {
   return options;
 }
 
-/// A frame as deep as its layers; damaged ones do not decode.
+/// Makes a frame as deep as its layers. Damaged layers do not decode.
 Result<SceneFrame> prepare_layers(const FrameRequest& request, const FetchedFrame& fetched) {
   for (const FetchedLayer& layer : fetched.layers)
     if (layer.bytes.view()[0] != request.frame) return fail("damaged");
@@ -332,7 +332,7 @@ TEST(Pipeline, a_frame_is_shown_without_a_layer_that_stays_damaged) {
     EXPECT_EQ(source.fetched_layers().count(layer), 2u);
     EXPECT_FALSE(wait_until(
         [&] { return source.fetched_layers().count(layer) > 2 || pipeline.errors() > 1; }, kMoment))
-        << "fetched twice, and not again";
+        << "it was fetched more than twice";
   }
 }
 
@@ -369,7 +369,7 @@ TEST(Pipeline, destruction_in_the_middle_of_work_reports_no_error) {
     source.delay = std::chrono::microseconds(200);
     FrameBuffer buffer(once(100, 10));
     Pipeline pipeline(source, buffer, prepare, errors.sink(), {3, 3});
-    // Each pipeline ends a little later, in the middle of something else.
+    // Each pipeline ends a little later, in the middle of some other step.
     std::this_thread::sleep_for(std::chrono::microseconds(150 * i));
   }
   EXPECT_TRUE(errors.seen().empty());

@@ -56,7 +56,7 @@ TEST(PlayOrder, counts_the_steps_to_every_frame_that_follows_and_to_no_other) {
           const Frames frames = from(order, start);
           std::vector<std::optional<std::uint32_t>> expected(6);
           for (std::uint32_t step = 0; step < frames.size(); ++step) {
-            ASSERT_FALSE(expected[frames[step]]) << "no frame comes twice";
+            ASSERT_FALSE(expected[frames[step]]) << "a frame comes twice";
             expected[frames[step]] = step;
           }
           for (std::uint32_t to = 0; to < 6; ++to) EXPECT_EQ(order.steps(start, to), expected[to]);

@@ -40,10 +40,10 @@ TEST(NotFetched, counts_layers_attributes_and_bytes_that_a_frame_did_not_need) {
   EXPECT_TRUE(rest.colors && rest.normals);
   EXPECT_EQ(rest.bytes, 3 * 1230u - 1000u);
   rest = not_fetched(manifest, frame_of(0, 2), {});
-  EXPECT_EQ(rest.layers, 0u) << "it has no third";
+  EXPECT_EQ(rest.layers, 0u) << "it has no third layer";
   EXPECT_EQ(rest.bytes, 0u);
   rest = not_fetched(manifest, frame_of(0, 0), {});
-  EXPECT_EQ(rest.bytes, 0u) << "a file is read whole";
+  EXPECT_EQ(rest.bytes, 0u) << "a file is read as a whole";
 }
 
 TEST(PlayReport, states_what_was_skipped_in_all_frames_and_not_drawn_of_the_last) {
@@ -62,7 +62,7 @@ TEST(PlayReport, states_what_was_skipped_in_all_frames_and_not_drawn_of_the_last
   EXPECT_EQ(json["skipped"]["layers"], 2);
   EXPECT_EQ(json["skipped"]["levels"], 1);
 
-  // The second comes again, with two layers and without its normals.
+  // The second frame comes again, with two layers and without its normals.
   const SceneFrame again = frame_of(1, 2);
   drawn.out_of_view = 7;
   drawn.below_pixel = 5;

@@ -50,7 +50,7 @@ TEST(RecentFrames, give_the_rate_over_the_last_two_seconds) {
   EXPECT_EQ(recent.frames_per_second(kStart), 0.0);
   for (int i = 0; i < 10; ++i) recent.add(frame(0), {}, kStart + milliseconds(1000 * i));
   auto now = kStart + milliseconds(20'000);
-  EXPECT_EQ(recent.frames_per_second(now), 0.0) << "long ago";
+  EXPECT_EQ(recent.frames_per_second(now), 0.0) << "the last frame was shown long ago";
   for (int i = 0; i < 200; ++i) recent.add(frame(0), {}, now += milliseconds(40));
   EXPECT_NEAR(recent.frames_per_second(now), 25.0, 1e-9);
 }

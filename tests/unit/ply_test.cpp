@@ -39,7 +39,7 @@ std::string error_of(std::string_view text) {
   return cloud ? "no error" : cloud.error().message;
 }
 
-/// `value` as the bytes of a T, in either byte order.
+/// Encodes `value` as the bytes of a T in either byte order.
 template <class T>
 std::string bytes_of(double value, bool big_endian) {
   const T typed = static_cast<T>(value);
@@ -112,7 +112,7 @@ TEST(Ply, reads_negative_and_large_integers_exactly) {
 }
 
 TEST(Ply, reads_colours_of_every_type_as_16_bits) {
-  // Each type with the value of full red, of a middle green and of no blue.
+  // Each type, with its values for full red, medium green and no blue.
   struct Case {
     const char* type;
     std::string (*bytes)(double, bool);
@@ -201,7 +201,7 @@ TEST(Ply, skips_lists_and_other_elements_anywhere) {
     const PointCloud binary = read(text);
     ASSERT_EQ(binary.size(), 2u);
     EXPECT_EQ(binary.positions, ascii.positions);
-    // The same without its last byte is cut off within the edges.
+    // Without its last byte, the same file is cut off within the edges.
     EXPECT_THAT(error_of(std::string_view(text).substr(0, text.size() - 1)),
                 HasSubstr("property a of edge 0 of 1"));
   }
@@ -237,12 +237,12 @@ TEST(Ply, names_the_place_and_property_if_the_header_promises_too_much) {
       "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
       "property uchar blue\nend_header\n";
   const std::size_t header_size = binary.size();
-  binary += std::string(15 + 5, '\0');  // one vertex, and the second up to within y
+  binary += std::string(15 + 5, '\0');  // one vertex, and the second up to the middle of y
   EXPECT_EQ(error_of(binary), "byte " + std::to_string(header_size + 20) +
                                   ": the data end within property y of vertex 1 of 2000000000");
   EXPECT_EQ(error_of(ascii_xyz("1 2 3\n4 5\n")),
             "line 10: the data end before property z of vertex 1 of 2");
-  // With a list in the vertex no row has a known size.
+  // With a list in the vertex element, the size of a row is unknown.
   EXPECT_THAT(error_of("ply\nformat binary_big_endian 1.0\nelement vertex 4000000000\n"
                        "property uchar x\nproperty uchar y\nproperty uchar z\n"
                        "property list uint double w\nend_header\nxyz\xff\xff\xff\xff"),
@@ -316,7 +316,8 @@ TEST(Ply, names_the_line_or_byte_of_errors_in_the_data) {
 
 TEST(Ply, keeps_the_origin_at_zero_for_coordinates_near_it) {
   EXPECT_EQ(read(ascii_xyz("-1 0 0\n1 4 0\n")).origin, glm::dvec3(0));
-  // Largest coordinate 4, longest extent 2: exactly twice does not exceed.
+  // The largest coordinate is 4 and the longest extent is 2: exactly twice does not exceed the
+  // limit.
   EXPECT_EQ(read(ascii_xyz("4 0 0\n2 0 0\n")).origin, glm::dvec3(0));
   EXPECT_EQ(read(ascii_xyz("4.5 0 -1\n2.5 0 -1\n")).origin, glm::dvec3(2.5, 0, -1));
 }
@@ -425,7 +426,7 @@ TEST(Ply, writes_files_and_reports_failures) {
 TEST(Ply, reads_or_refuses_every_truncation) {
   const Bytes whole = ply_bytes(random_cloud(20, glm::dvec3(0)));
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    // Copied, so that the sanitizer sees a read past the end.
+    // The bytes are copied, so that the sanitizer notices reads past the end.
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     const Result<PointCloud> cloud = read_ply(part);
     ASSERT_FALSE(cloud.has_value()) << size;

@@ -48,7 +48,7 @@ TEST(Sanitize, zeroes_unusable_and_huge_radii) {
   cloud.radii[1] = -1.0f;
   cloud.radii[2] = kNan;
   cloud.radii[3] = 1e20f;
-  cloud.radii[4] = 2.0f;  // four times the 99th percentile, not beyond it
+  cloud.radii[4] = 2.0f;  // four times the 99th percentile is not beyond it
   EXPECT_EQ(sanitize(cloud).unknown_radii, 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(cloud.radii[i], 0.0f);
   EXPECT_EQ(cloud.radii[4], 2.0f);

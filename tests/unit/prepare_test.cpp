@@ -115,7 +115,7 @@ TEST(PrepareFrame, keeps_the_tree_of_an_octree_frame_and_covers_it_with_surfels)
   EXPECT_EQ(scene->points, 20'000u);
   EXPECT_EQ(scene->level, kWholeFrame);
   EXPECT_EQ(scene->svo.cube, kCube);
-  EXPECT_TRUE(scene->cloud.empty()) << "positions are those of the tree";
+  EXPECT_TRUE(scene->cloud.empty()) << "the tree gives the positions";
   const std::size_t nodes = scene->svo.node_count(), inner = scene->svo.internal_count();
   ASSERT_EQ(scene->radii.size(), nodes);
   const double least = std::sqrt(3.0) / 2.0 * 3.0 / (1 << scene->svo.depth);
@@ -181,7 +181,7 @@ TEST(PrepareFrame, truncates_the_tree_of_voxels_at_the_coarsest_level_within_del
     ASSERT_EQ(cut->attributes.colors[i], full->attributes.colors[node++]);
   }
   const auto points = prepare_frame(manifest, 0, fine, {DrawMode::point, 0.5});
-  EXPECT_EQ(points->svo.depth, full->svo.depth) << "delta is of voxels";
+  EXPECT_EQ(points->svo.depth, full->svo.depth) << "delta applies to voxels only";
 }
 
 TEST(PrepareFrame, fills_gaps_between_voxels_that_do_not_touch) {
@@ -191,7 +191,7 @@ TEST(PrepareFrame, fills_gaps_between_voxels_that_do_not_touch) {
     const auto surfels = prepare_frame(manifest, 0, frame, {DrawMode::surfel});
     ASSERT_TRUE(surfels);
     EXPECT_TRUE(surfels->filled.empty());
-    // With nearly a voxel for each point there is no closing what is between them.
+    // With nearly one voxel per point, the gaps between them cannot be closed.
     const auto fine = prepare_frame(manifest, 0, frame, {DrawMode::voxel, 0.05});
     ASSERT_TRUE(fine);
     EXPECT_TRUE(fine->filled.empty());
@@ -200,7 +200,7 @@ TEST(PrepareFrame, fills_gaps_between_voxels_that_do_not_touch) {
     ASSERT_EQ(voxels->filled.size(), voxels->svo.node_count());
     const double growth =
         voxels->svo.leaf_count() / double(voxels->svo.node_count(voxels->svo.depth - 1));
-    EXPECT_GT(growth, 3.3) << "as many as of a closed surface";
+    EXPECT_GT(growth, 3.3) << "the growth is that of a closed surface";
   }
 }
 
@@ -219,7 +219,7 @@ TEST(PrepareFrame, reports_the_finest_level_that_it_has) {
     frame.layers.resize(1);
     EXPECT_EQ(prepare_frame(manifest, 0, frame, {mode, 0.0})->level, 7);
   }
-  // What is there but not seen is not decoded.
+  // Layers that were fetched but are too fine to be seen are not decoded.
   frame = fetched(cloud, options);
   for (const int level : {5, 7, 8, 10, 12}) {
     const auto scene = prepare_frame(manifest, 0, frame, {DrawMode::point, 0.0, level});
@@ -228,7 +228,7 @@ TEST(PrepareFrame, reports_the_finest_level_that_it_has) {
     EXPECT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
   }
   frame.layers.resize(1);
-  // Voxels lack nothing where what is there satisfies delta.
+  // Voxels are complete if the fetched layers satisfy delta.
   const auto scene = prepare_frame(manifest, 0, frame, {DrawMode::voxel, 0.7});
   EXPECT_EQ(scene->level, kWholeFrame);
   EXPECT_LE(scene->svo.depth, 7);
@@ -301,7 +301,7 @@ TEST(PrepareFrame, estimates_attributes_that_a_file_lacks_and_the_mode_needs) {
   EXPECT_FALSE(surfels->cloud.has_colors());
   const auto voxels = prepare_frame(manifest, 0, file, {DrawMode::voxel, 0.05});
   EXPECT_EQ(voxels->attributes.normals.size(), voxels->svo.node_count());
-  EXPECT_NEAR(voxels->svo.cube.edge, 2.0, 0.05) << "a file's cube is its own";
+  EXPECT_NEAR(voxels->svo.cube.edge, 2.0, 0.05) << "a file has a cube of its own";
   const auto points = prepare_frame(manifest, 0, file, {DrawMode::point, 0.05});
   EXPECT_TRUE(points->cloud.has_normals()) << "the fake colour needs them";
   EXPECT_FALSE(points->cloud.has_radii());

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-/// What `work` prints to standard error while that is a terminal.
+/// Returns what `work` prints to standard error while that is a terminal.
 template <class Work>
 std::string on_a_terminal(const Work& work) {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
@@ -56,7 +56,7 @@ TEST(ProgressLine, never_exceeds_the_width) {
       EXPECT_LE(progress_line("verify", done, 100, 5.0, width).size(), width);
     }
   }
-  EXPECT_EQ(progress_line("pack", 0, 4, 1.0, 14), "pack  0/4");  // no room for a bar
+  EXPECT_EQ(progress_line("pack", 0, 4, 1.0, 14), "pack  0/4");  // there is no room for a bar
 }
 
 TEST(Progress, is_silent_if_standard_error_is_not_a_terminal) {
@@ -100,7 +100,7 @@ TEST(Progress, counts_ticks_from_any_thread) {
       });
     }
     for (std::thread& thread : threads) thread.join();
-    progress.print("a line");  // after which the bar is drawn anew, however soon
+    progress.print("a line");  // after it, the bar is redrawn at once
     progress.tick();
   });
   EXPECT_THAT(text, HasSubstr(" 397/400"));

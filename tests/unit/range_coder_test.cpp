@@ -21,7 +21,7 @@ std::vector<Decision> random_decisions(std::size_t count, unsigned seed) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t extreme[3] = {1, 65535, 1 + static_cast<std::uint32_t>(random() % 65535)};
     const std::uint32_t probability = extreme[random() % 3];
-    // Mostly what is probable, now and then what is not.
+    // Mostly the probable decision, now and then the other.
     const unsigned bit = random() % 65536 < probability ? 1 : 0;
     decisions.push_back({random() % 50 == 0 ? 1 - bit : bit, probability});
   }
@@ -36,14 +36,15 @@ Bytes coded(const std::vector<Decision>& decisions) {
   return bytes;
 }
 
-/// Whether the bytes, in a buffer that ends with them, give these decisions; `complete` at the end.
+/// Whether the bytes, in a buffer of exactly their size, decode to these decisions. Sets `complete`
+/// to what the decoder reports at the end.
 bool decodes(const Bytes& bytes, const std::vector<Decision>& decisions, bool& complete) {
   const auto exact = std::make_unique<std::uint8_t[]>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), exact.get());
   RangeDecoder decoder({exact.get(), bytes.size()});
   bool equal = true, without_branch = false;
   for (const Decision& d : decisions) {
-    // By turns in its two ways, which are to give the same.
+    // Alternates between the two ways of decoding, which must give the same result.
     without_branch = !without_branch;
     equal &= (without_branch ? decoder.decode_without_branch(d.probability)
                              : decoder.decode(d.probability)) == d.bit;
@@ -62,7 +63,7 @@ TEST(RangeCoder, restores_every_decision_and_ends_where_the_encoder_ended) {
     Bytes longer = bytes;
     longer.resize(bytes.size() + 20);
     EXPECT_TRUE(decodes(longer, decisions, complete));
-    EXPECT_TRUE(complete) << "zeros may follow";
+    EXPECT_TRUE(complete) << "trailing zeros may follow";
     longer.back() = 1;
     EXPECT_TRUE(decodes(longer, decisions, complete));
     EXPECT_FALSE(complete);
@@ -70,8 +71,8 @@ TEST(RangeCoder, restores_every_decision_and_ends_where_the_encoder_ended) {
 }
 
 TEST(RangeCoder, propagates_carries_through_bytes_of_all_ones) {
-  // Zeros of tiny probability for a one push `low` up to just below a power of two; what follows
-  // carries. Any such run must come back.
+  // Zeros where a one has a tiny probability push `low` to just below a power of two, and the
+  // decisions after them carry. Every such sequence must decode correctly.
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
     std::vector<Decision> decisions;
@@ -88,7 +89,7 @@ TEST(RangeCoder, needs_as_many_bits_as_the_probabilities_imply) {
   std::mt19937 random(3);
   std::vector<Decision> decisions;
   for (int i = 0; i < 100'000; ++i) decisions.push_back({random() % 16 == 0 ? 1u : 0u, 4096});
-  // The entropy of one in sixteen is 0.3373 bits.
+  // The entropy of a bit with probability one in sixteen is 0.3373 bits.
   EXPECT_NEAR(static_cast<double>(coded(decisions).size()) * 8 / 100'000, 0.337, 0.01);
 }
 

@@ -11,7 +11,8 @@
 namespace pointreel {
 namespace {
 
-/// A scene whose sizes are known: geometry shrinks with the levels, attributes with both.
+/// A scene whose sizes are known. The size of geometry depends on the levels, that of attributes
+/// also on the quality.
 struct Scene {
   int depth = 10;
   double geometry = 1e6, attributes = 1e6;
@@ -25,12 +26,12 @@ struct Scene {
 
 void run(RateControl& control, const Scene& scene) {
   for (int i = 0; control.next(); ++i) {
-    ASSERT_LT(i, 30) << "no end";
+    ASSERT_LT(i, 30) << "the search does not end";
     control.told(scene.bytes(*control.next()), scene.depth);
   }
 }
 
-/// The choice by looking at everything: the fewest levels, then the most quality.
+/// The best choice by exhaustive search: the fewest levels, then the highest quality.
 Coarsening best(const Scene& scene, double budget) {
   if (scene.bytes({0, 0}) <= budget) return {0, 0};
   for (int levels = 0; levels < scene.depth; ++levels) {
@@ -60,7 +61,7 @@ TEST(RateControl, finds_the_finest_choice_within_the_budget_in_few_trials) {
       EXPECT_TRUE(control.within_budget()) << budget;
       EXPECT_LE(scene.bytes(control.choice()), budget);
       EXPECT_EQ(control.choice().levels, wanted.levels) << budget;
-      // Or as good as that.
+      // Another choice is accepted if it uses almost the whole budget.
       if (control.choice() != wanted) {
         EXPECT_GE(scene.bytes(control.choice()), 0.95 * budget);
       }
@@ -110,7 +111,7 @@ TEST(RateControl, cannot_coarsen_a_single_cell) {
 }
 
 TEST(RateControl, coarsens_further_if_the_trials_were_too_optimistic) {
-  // All frames together are a quarter more than the trials' frames told.
+  // All frames together need a quarter more than the frames of the trials suggested.
   const Scene scene;
   for (double budget = 2.2e6; budget > 1e3; budget *= 0.77) {
     RateControl control(budget, true);

@@ -14,12 +14,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/// A connection to 127.0.0.1 that sends exactly the bytes it is told to, well-formed or not, and
-/// never waits longer than its patience.
+/// A connection to 127.0.0.1 that sends exactly the given bytes, well-formed or not, and never
+/// waits longer than its patience.
 class RawHttpClient {
  public:
   struct Answer {
-    int status = 0;  ///< 0: the connection ended, or patience did, before a head was complete
+    int status = 0;  ///< 0 if the connection or the patience ended before a complete head
     std::map<std::string, std::string> fields;  ///< names in lower case
     std::string body;
     std::string field(const std::string& name) const {
@@ -28,7 +28,7 @@ class RawHttpClient {
     }
   };
 
-  /// `receive_buffer` > 0 bounds what the kernel takes for a client that does not read.
+  /// `receive_buffer` > 0 limits what the kernel accepts while the client does not read.
   explicit RawHttpClient(std::uint16_t port, int receive_buffer = 0, int patience_ms = 60'000)
       : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)), patience_ms_(patience_ms) {
     if (receive_buffer > 0) {
@@ -58,13 +58,13 @@ class RawHttpClient {
 
   void end_sending() { ::shutdown(socket_, SHUT_WR); }
 
-  /// Waits until there is something to read, which stays to be read.
+  /// Waits until there is something to read, and leaves it unread.
   bool has_something() {
     pollfd waiting{socket_, POLLIN, 0};
     return holds_bytes() || ::poll(&waiting, 1, patience_ms_) == 1;
   }
 
-  /// The next response on the connection. `no_body`: it answers HEAD.
+  /// Reads the next response on the connection. `no_body` is set if it answers HEAD.
   Answer read_answer(bool no_body = false) {
     Answer answer;
     std::size_t end = std::string::npos;
@@ -79,7 +79,7 @@ class RawHttpClient {
       const std::string line = head.substr(at, line_end - at);
       const std::size_t colon = line.find(": ");
       if (colon == std::string::npos) {
-        ADD_FAILURE() << "no header field: " << line;
+        ADD_FAILURE() << "this is not a header field: " << line;
         break;
       }
       std::string name = line.substr(0, colon);
@@ -106,7 +106,7 @@ class RawHttpClient {
     return request("GET", target, fields);
   }
 
-  /// True if the peer ends the connection, orderly or not, with nothing more to say.
+  /// Whether the peer ends the connection, orderly or not, without sending anything more.
   bool ends() {
     const bool more = receive();
     return !more && !timed_out_ && buffer_.empty();
@@ -118,7 +118,7 @@ class RawHttpClient {
     return ::send(socket_, bytes, size, MSG_NOSIGNAL);
   }
   virtual ssize_t take(char* bytes, std::size_t size) { return ::recv(socket_, bytes, size, 0); }
-  /// Taken from the socket already, but not given by `take` yet.
+  /// Whether bytes were taken from the socket that `take` has not returned yet.
   virtual bool holds_bytes() { return false; }
 
  private:

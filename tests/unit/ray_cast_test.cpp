@@ -37,8 +37,9 @@ double value_at(const Surface& surface, const glm::dvec3& p) {
   return distance_to(surface, p).distance.value;
 }
 
-/// Whether the hits are on the surface and in order, and whether each point of the ray, in steps of
-/// its distance or of `step` where that is more, is on the side of the surface that they say.
+/// Checks that the hits are on the surface and in order, and that points along the ray are on the
+/// side of the surface that the hits imply. Points are taken in steps of their distance, but of at
+/// least `step`.
 void expect_true(const Surface& surface, const Ray& ray, const std::vector<RayHit>& hits,
                  double length, double step) {
   std::size_t passed = 0;
@@ -55,7 +56,7 @@ void expect_true(const Surface& surface, const Ray& ray, const std::vector<RayHi
     while (passed < hits.size() && hits[passed].t < t) ++passed;
     const double value = value_at(surface, ray.at(t));
     const bool inside = passed > 0 ? hits[passed - 1].enters : !hits.empty() && !hits[0].enters;
-    // Within this of the surface, rounding decides.
+    // Within this distance of the surface, rounding decides.
     if (std::abs(value) > 1e-9) {
       EXPECT_EQ(value < 0.0, inside) << "at " << t << " of " << hits.size() << " hits, " << value;
       if ((value < 0.0) != inside) return;
@@ -106,7 +107,7 @@ TEST(RayCast, rays_through_an_ellipsoid_agree_with_the_formula) {
   for (int i = 0; i < 2000; ++i) {
     const Ray ray{ellipsoid.center + random_direction(random), random_direction(random)};
     const Ray aimed{ray.origin, unit(ellipsoid.center + 0.15 * ray.direction - ray.origin)};
-    // In the frame where it is the unit ball.
+    // In the coordinates in which the ellipsoid is the unit ball.
     const glm::dvec3 o = ((aimed.origin - ellipsoid.center) * ellipsoid.axes) / ellipsoid.radii;
     const glm::dvec3 d = (aimed.direction * ellipsoid.axes) / ellipsoid.radii;
     const double dd = glm::dot(d, d), od = glm::dot(o, d), oo = glm::dot(o, o);
@@ -151,7 +152,7 @@ TEST(RayCast, rays_along_axes_and_cell_faces_find_the_same_as_others) {
   std::vector<RayHit> hits;
   for (int i = 0; i < 36; ++i) {
     glm::dvec3 origin = random_point(random, {-0.2, 0.1, -0.08}, {0.2, 1.7, 0.08});
-    // Some exactly along the faces and edges of cells.
+    // Some rays run exactly along the faces and edges of cells.
     if (i % 3 > 0) origin.x = grid.origin().x + SurfaceGrid::kCell * grid.cell_at(origin).x;
     if (i % 3 > 1) origin.y = grid.origin().y + SurfaceGrid::kCell * grid.cell_at(origin).y;
     glm::dvec3 direction(0.0);

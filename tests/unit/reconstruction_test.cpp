@@ -20,7 +20,7 @@ constexpr glm::u16vec3 kRed(0xffff, 0, 0), kGreen(0, 0xffff, 0), kBlue(0, 0, 0xf
 constexpr glm::u8vec3 kRed8(255, 0, 0), kGreen8(0, 255, 0), kBackground(51, 102, 153);
 constexpr glm::ivec2 kSize(241, 181);
 
-/// The points of a sphere, evenly on a spiral, that `keep` wants; the argument is the direction
+/// Adds the points of a sphere, evenly spaced on a spiral, that `keep` selects by their direction
 /// from its centre.
 void add_sphere(PointCloud& cloud, const glm::vec3& center, float radius, const glm::u16vec3& color,
                 const std::function<bool(const glm::vec3&)>& keep) {
@@ -38,7 +38,7 @@ void add_sphere(PointCloud& cloud, const glm::vec3& center, float radius, const 
   }
 }
 bool all(const glm::vec3&) { return true; }
-/// But for a patch that faces the eye.
+/// Omits a patch that faces the eye.
 bool but_the_front(const glm::vec3& n) { return n.z < 0.9f; }
 
 std::shared_ptr<const SceneFrame> frame_of(PointCloud cloud) {
@@ -65,7 +65,7 @@ class ReconstructionTest : public DrawingTest {
   }
   Image picture(PointCloud cloud) { return picture(frame_of(std::move(cloud))); }
 
-  /// In the middle of the picture and at a share of its height to the right of it.
+  /// The pixel at the middle of the picture, or a share of its height to the right of it.
   static const glm::u8vec3& middle(const Image& image, double right = 0.0) {
     return image.at(kSize.x / 2 + static_cast<int>(right * kSize.y), kSize.y / 2);
   }
@@ -78,7 +78,7 @@ TEST_F(ReconstructionTest, a_hole_in_a_closed_surface_is_filled_with_the_surroun
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, but_the_front);
   const Image image = picture(cloud);
-  // The hole's rim is 0.44 from the middle.
+  // The rim of the hole is 0.44 from the middle.
   const int rim = static_cast<int>(0.44 / 3.0 / std::tan(0.5 * camera_.fov_y) * 0.5 * kSize.y);
   for (int x = -rim; x <= rim; ++x) {
     ASSERT_TRUE(near(image.at(kSize.x / 2 + x, kSize.y / 2), kRed8)) << x;
@@ -98,7 +98,7 @@ TEST_F(ReconstructionTest, objects_behind_a_hole_do_not_show_through_it) {
   add_sphere(cloud, glm::vec3(0.0f), 0.5f, kRed, but_the_front);
   add_sphere(cloud, {0.0f, 0.0f, -3.0f}, 1.0f, kGreen, all);
   const Image image = picture(cloud);
-  EXPECT_GT(middle(image).r, middle(image).g);  // colours of what is beside it count as well
+  EXPECT_GT(middle(image).r, middle(image).g);  // colours beside the hole count as well
   options_.fill_holes = false;
   EXPECT_TRUE(near(middle(picture(cloud)), kGreen8));
 }
@@ -114,7 +114,7 @@ TEST_F(ReconstructionTest, an_opening_between_surfaces_stays_open) {
     return std::count_if(of.pixels.begin(), of.pixels.end(),
                          [](const glm::u8vec3& p) { return p != kBackground; });
   };
-  // No wider than it was, or hardly.
+  // The silhouette is no wider than before, or hardly so.
   EXPECT_LE(static_cast<double>(covered(image)), 1.02 * static_cast<double>(covered(without)));
 }
 
@@ -129,7 +129,7 @@ TEST_F(ReconstructionTest, a_one_sided_surface_is_invisible_from_behind) {
     }
   }
   for (const glm::u8vec3& pixel : picture(cloud).pixels) ASSERT_EQ(pixel, kBackground);
-  // Nor with something of another colour far from it in the picture.
+  // Nor are they with something of another colour that is far away in the picture.
   add_sphere(cloud, {1.6f, 0.0f, 0.0f}, 0.1f, kRed, all);
   const Image image = picture(cloud);
   EXPECT_EQ(middle(image), kBackground);
@@ -151,7 +151,7 @@ TEST_F(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_s
   const auto frame = frame_of(cloud);
   const Image image = picture(frame);
   EXPECT_TRUE(near(middle(image), kGreen8));
-  // Its outline is where it was.
+  // Its outline does not move.
   options_.fill_holes = false;
   const Image without = picture(frame);
   EXPECT_EQ(middle(without), kBackground);

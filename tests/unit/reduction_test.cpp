@@ -9,7 +9,7 @@
 namespace pointreel {
 namespace {
 
-constexpr glm::ivec2 kSize{97, 61};  // no multiple of anything
+constexpr glm::ivec2 kSize{97, 61};  // not a multiple of anything
 constexpr int kReduction = 4;
 constexpr glm::ivec2 kSmaller{25, 16};
 
@@ -54,7 +54,7 @@ TEST_F(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glGetTextureImage(color.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                       static_cast<GLsizei>(pixels.size() * sizeof(glm::u8vec4)), pixels.data());
-    // Where the point is, and how large.
+    // The position and the size of the point.
     glm::dvec2 sum(0.0);
     double count = 0.0;
     for (int y = 0; y < kSize.y; ++y)

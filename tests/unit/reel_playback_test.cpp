@@ -65,10 +65,10 @@ class GatedSource : public Source {
   std::condition_variable changed_;
   bool open_ = true, cancelled_ = false;
   int stopped_ = 0;
-  std::multiset<std::uint32_t> layers_;  ///< that each fetch ended with
+  std::multiset<std::uint32_t> layers_;  ///< the last layer of each fetch
 };
 
-/// Thirty frames of a ball at ten a second, in three layers, looked at from near.
+/// Thirty frames of a ball at ten frames per second, in three layers, viewed from near.
 class ReelPlaybackTest : public PackTest {
  protected:
   static constexpr std::uint32_t kFrames = 30;
@@ -84,7 +84,7 @@ class ReelPlaybackTest : public PackTest {
     EXPECT_TRUE(pack(packing));
   }
 
-  /// Until its first frame.
+  /// Begins, and waits for the first frame.
   void start(bool loop = true, double speed = 1.0, std::uint64_t start_us = 0) {
     begin(loop, speed, start_us);
     until([&](const auto& update) { return update.frame && playback_->playing(); });
@@ -109,9 +109,9 @@ class ReelPlaybackTest : public PackTest {
   }
 
   ReelPlayback::Update update() { return playback_->update(now_); }
-  /// Time stands still until it is as `done` says.
+  /// Waits until `done` holds, while time stands still.
   void until(const std::function<bool(const ReelPlayback::Update&)>& done) {
-    if (HasFatalFailure()) return;  // this test has waited for long enough
+    if (HasFatalFailure()) return;  // this test has waited long enough
     ASSERT_TRUE(wait_until([&] {
       now_ += std::chrono::microseconds(1);
       return done(last_ = update());
@@ -128,7 +128,7 @@ class ReelPlaybackTest : public PackTest {
   void pass(milliseconds time) { now_ += time; }
 
   Clock::TimePoint now_{std::chrono::hours(1)};
-  bool held_back_ = false;  ///< nothing comes until the source is opened
+  bool held_back_ = false;  ///< nothing arrives until the source is opened
   GatedSource* source_ = nullptr;
   std::unique_ptr<ReelPlayback> playback_;
   ReelPlayback::Update last_;
@@ -177,14 +177,14 @@ TEST_F(ReelPlaybackTest, reverses_where_it_is) {
 TEST_F(ReelPlaybackTest, can_be_paused_stepped_and_dragged_before_its_first_frame_arrives) {
   held_back_ = true;
   begin();
-  EXPECT_TRUE(playback_->playing()) << "as soon as it can";
+  EXPECT_TRUE(playback_->playing()) << "it plays as soon as it can";
   playback_->pause(now_);
   EXPECT_FALSE(playback_->playing());
   playback_->play(now_);
   EXPECT_TRUE(playback_->playing());
   playback_->scrub_to(700'000, now_);
   playback_->scrub_end(now_);
-  EXPECT_TRUE(playback_->playing()) << "as before the drag";
+  EXPECT_TRUE(playback_->playing()) << "it played before the drag";
   playback_->step(1, now_);
   EXPECT_FALSE(playback_->playing());
   source_->open(true);
@@ -215,7 +215,7 @@ TEST_F(ReelPlaybackTest, stalls_while_the_link_is_down_and_drops_no_frame) {
   start();
   until_shown(0);
   source_->open(false);
-  // What was fetched ahead, without a gap, is played.
+  // The frames that were fetched ahead without a gap are played.
   until([&](const auto& update) {
     pass(milliseconds(20));
     return playback_->statistics().buffered_seconds == 0.0 &&
@@ -248,7 +248,7 @@ TEST_F(ReelPlaybackTest, shows_the_base_under_a_drag_and_refines_it_on_release) 
     pass(milliseconds(500));
     until_shown(frame);
   }
-  EXPECT_TRUE(playback_->playing()) << "goes on afterwards";
+  EXPECT_TRUE(playback_->playing()) << "playback goes on afterwards";
   playback_->scrub_end(now_);
   until_shown(5);
   pass(milliseconds(100));
@@ -262,7 +262,7 @@ TEST_F(ReelPlaybackTest, requests_only_bases_during_a_drag) {
   until_shown(0);
   playback_->pause(now_);
   until_whole(0);
-  // All that it wants is there, so that nothing more is asked for.
+  // Everything that it wants has arrived, so nothing more is requested.
   until(
       [&](const auto&) { return playback_->buffered() == std::vector<BufferedRange>{{0, 20, 3}}; });
   playback_->scrub_begin(now_);
@@ -270,7 +270,7 @@ TEST_F(ReelPlaybackTest, requests_only_bases_during_a_drag) {
   playback_->scrub_to(2'550'000, now_);
   until_shown(25);
   EXPECT_EQ(last_.frame->layers, 1u);
-  // Its own and those of half a second on each side: 21 to 29.
+  // The frame itself and half a second on each side: 21 to 29.
   until([&](const auto&) { return source_->layers().count(1) == before.count(1) + 9; });
   EXPECT_EQ(source_->layers().count(3), before.count(3));
   playback_->scrub_end(now_);
@@ -342,7 +342,7 @@ TEST_F(ReelPlaybackTest, has_the_start_of_a_loop_range_ready_before_its_end) {
       return range.first <= frame && frame <= range.last;
     });
   };
-  // They are fetched side by side: that the last of them is there says nothing of the others.
+  // They are fetched in parallel, so the arrival of the last implies nothing about the others.
   const std::vector<std::uint32_t> next{14, 2, 3, 4, 5};
   until([&](const auto&) { return std::all_of(next.begin(), next.end(), ready); });
   source_->open(false);
@@ -371,7 +371,7 @@ TEST_F(ReelPlaybackTest, reports_the_buffered_frames) {
   start();
   until_shown(0);
   playback_->pause(now_);
-  // Two seconds ahead, at ten frames a second.
+  // Two seconds ahead at ten frames per second.
   until(
       [&](const auto&) { return playback_->buffered() == std::vector<BufferedRange>{{0, 20, 3}}; });
   source_->open(false);
@@ -401,7 +401,7 @@ TEST_F(ReelPlaybackTest, gives_thumbnails_of_any_frame) {
     const auto frame = playback_->thumbnail(25);
     return frame && frame->index == 25 && frame->layers == 1;
   });
-  source_->open(false);  // what is there already needs no link
+  source_->open(false);  // frames that have arrived need no link
   until([&](const auto&) { return playback_->thumbnail(3) != nullptr; });
   EXPECT_EQ(playback_->thumbnail(kFrames), nullptr);
   EXPECT_GT(playback_->statistics().frame_bytes, 0u);
@@ -435,7 +435,7 @@ TEST_F(ReelPlaybackTest, fetches_fewer_or_more_layers_for_another_pixel_size) {
   camera.frame_bounds(playback_->manifest().bounds, 1.0);
   playback_->set_prepare_options({.pixel_size = 100.0f});
   playback_->look(camera, glm::ivec2(2000));
-  playback_->seek(2'900'000, now_);  // not there yet
+  playback_->seek(2'900'000, now_);  // not fetched yet
   until_shown(29);
   EXPECT_LT(last_.frame->level, 10);
   playback_->set_prepare_options({.pixel_size = 0.1f});

@@ -61,7 +61,7 @@ TEST(Relay, a_viewer_is_woken_once_when_new_messages_wait) {
   int woken = 0;
   const auto viewer = relay.join("stage", [&] { ++woken; }).value();
   publish_frame(*publication, 0);
-  EXPECT_EQ(woken, 0) << "it has not asked yet";
+  EXPECT_EQ(woken, 0) << "the viewer has not taken anything yet";
   take_all(*viewer);
   publish_frame(*publication, 1);
   EXPECT_EQ(woken, 1);
@@ -128,9 +128,9 @@ TEST(Relay, a_publisher_that_reconnects_replaces_its_old_connection) {
   ASSERT_TRUE(anew->message(hello_message(1)));
   EXPECT_THAT(refusal(*old, layer_message(1, 0)), HasSubstr("anew"));
   old.reset();
-  publish_frame(*anew, 0);  // the newest it has: nobody sees it twice
+  publish_frame(*anew, 0);  // the viewer already has frame 0 and does not get it again
   publish_frame(*anew, 1);
-  EXPECT_THAT(refusal(*anew, layer_message(0, 0)), HasSubstr("after")) << "numbers go on";
+  EXPECT_THAT(refusal(*anew, layer_message(0, 0)), HasSubstr("after")) << "numbers must increase";
   EXPECT_THAT(take_all(*viewer), ElementsAre("hello", "1.0", "1.1", "1.2"));
 }
 
@@ -203,7 +203,7 @@ TEST(Relay, a_new_stream_beyond_the_limit_replaces_the_one_that_ended_first) {
   EXPECT_FALSE(relay.join("b", [] {}));
 }
 
-/// Keeps what it is told, in a word each.
+/// Records each call in a word.
 class Notes : public LiveSink {
  public:
   explicit Notes(std::vector<std::string>& notes) : notes_(notes) {}

@@ -33,7 +33,7 @@ TEST_F(RendererTest, presents_the_same_bytes_that_it_reads_back) {
       }
     }
   };
-  // Large and small, and partly out of the picture.
+  // Large and small points, some partly outside the picture.
   Camera near = front_camera();
   near.distance *= 0.3;
   Camera far = front_camera();
@@ -98,7 +98,8 @@ TEST_F(RendererTest, finds_the_world_position_of_a_pixel) {
         for (std::size_t i = 0; i < frame->cloud.size(); ++i) {
           const glm::dvec3 world = frame->cloud.world(i);
           const glm::ivec2 at = pixel_of(camera, world);
-          // Half a voxel's diagonal, or what surfels are pushed back by; both are about 0.1.
+          // Half a voxel's diagonal, or the distance by which surfels are pushed back: both are
+          // about 0.1.
           const auto found = renderer_->point_at(glm::dvec2(at) + 0.5);
           ASSERT_TRUE(found) << name(options.splatting);
           EXPECT_LT(glm::distance(*found, world), 0.21) << name(options.splatting);
@@ -127,7 +128,7 @@ TEST_F(RendererTest, finds_the_nearest_drawn_pixel_for_one_beside_it) {
     EXPECT_NEAR(found->z, 0.1, 1e-5);
   }
   EXPECT_FALSE(renderer_->point_at(glm::dvec2(at) + 30.0));
-  // Of the last picture, whatever its size; and nothing outside of it.
+  // The point is that of the last picture, whatever its size, and there is none outside of it.
   picture(frame, front_camera(), options, {100, 400});
   EXPECT_TRUE(
       renderer_->point_at(glm::dvec2(pixel_of(front_camera(), cloud.world(0), {100, 400})) + 0.5));
@@ -193,7 +194,8 @@ TEST_F(RendererTest, names_a_missing_shader) {
   const Result<gl::Program> program = program_of("absent.glsl");
   ASSERT_FALSE(program);
   EXPECT_NE(program.error().message.find("absent.glsl"), std::string::npos);
-  // What all stages share comes first, so this is there twice; the compiler's words come through.
+  // The source shared by all stages comes first, so this includes it twice. The compiler's message
+  // is passed on.
   const Result<gl::Program> wrong = program_of("shaders/common.glsl");
   ASSERT_FALSE(wrong);
   EXPECT_NE(wrong.error().message.find("common.glsl does not compile: "), std::string::npos)

@@ -156,7 +156,7 @@ TEST_F(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orient
   options.scales = {1.0f, 1.0f};
   Camera camera = front_camera();
   const double f = 0.5 * kSize.y / std::tan(0.5 * camera.fov_y) / camera.distance;
-  // Looking down at 0.7 rad; the first normal is the pole of the surfel's frame.
+  // The camera looks down at 0.7 rad. The first normal is the pole of the surfel frame.
   camera.orbit(0.0, 0.7);
   for (const glm::vec3& n : {glm::vec3(0, 1, 0), kFront, glm::normalize(glm::vec3(0.5f, 1, 1)),
                              glm::normalize(glm::vec3(-0.8f, 0.3f, 0.6f))}) {
@@ -172,7 +172,7 @@ TEST_F(RendererTest, blends_splats_by_weight_in_linear_light) {
   PointCloud cloud;
   add(cloud, {-0.1f, 0.0f, 0.0f}, kFront, kRed, 0.2f);
   add(cloud, {0.1f, 0.0f, 0.0f}, kFront, kGreen, 0.2f);
-  const glm::ivec2 size(241, 181);  // a pixel's centre in the middle of both
+  const glm::ivec2 size(241, 181);  // both odd, so that a pixel is in the middle
   const Image image = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel), size);
   EXPECT_LE(difference(image.at(120, 90), glm::u8vec3(188, 188, 0)), 1);
 }
@@ -213,7 +213,8 @@ TEST_F(RendererTest, orders_depths_a_hundred_thousand_near_plane_distances_away)
     const auto frame = frame_of(cloud);
     Image image = picture(frame, camera, plain(DrawMode::point));
     EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y / 2), glm::u8vec3(255, 0, 0)), 1);
-    // Surfels need more than the tolerance of the visibility pass, twice the radius, between them.
+    // Surfels must be further apart than the tolerance of the visibility pass, which is twice the
+    // radius.
     frame->cloud.positions[front_first ? 1 : 0].z = 1.0f - far * 1.03f;
     frame->cloud.radii[front_first ? 1 : 0] = 1.0f;
     image = picture(frame_of(frame->cloud), camera, plain(DrawMode::surfel));
@@ -262,7 +263,7 @@ TEST_F(RendererTest, draws_voxels_in_the_size_of_their_level_without_gaps) {
   }
   Camera camera = front_camera();
   const Image image = picture(frame_of(cloud), camera, plain(DrawMode::voxel));
-  // The front faces lie at z = one cell (z = 0 is a boundary between cells, the upper one counts).
+  // The front faces lie at z = one cell: z = 0 is a boundary and belongs to the cell above it.
   const double f = 0.5 * kSize.y / std::tan(0.5 * camera.fov_y) / (camera.distance - cell);
   const double side = 8.0 * cell * f;
   EXPECT_NEAR(static_cast<double>(count_near(image, {255, 0, 0})), side * side, 0.04 * side * side);
@@ -286,7 +287,7 @@ TEST_F(RendererTest, shows_the_faces_of_a_cube_towards_the_eye_from_every_side) 
     camera.distance = 8.0;
     camera.orbit(0.785 + 1.5708 * (octant & 3), octant & 4 ? 0.6 : -0.6);
     const Image image = picture(frame, camera, options);
-    // White, dimmed by the light on a face: light from the left and above in the eye's space.
+    // White, dimmed by the light on the face, which comes from the upper left in eye space.
     const glm::dvec3 light = camera.axes() * glm::normalize(glm::dvec3(-0.35, 0.45, 1.0));
     const glm::dvec3 sign = glm::sign(camera.eye() - camera.target);
     for (int axis = 0; axis < 3; ++axis) {
@@ -342,7 +343,7 @@ TEST_F(RendererTest, draws_the_leaves_of_a_tree_as_surfels_and_points_and_reuses
     EXPECT_EQ(stats_.cut_ms, 0.0);
     EXPECT_EQ(stats_.visited, tree->svo.node_count());
 
-    // From far away they are one, and from beside the picture none.
+    // From far away the voxels are one node, and beside the picture there is none.
     Camera far = front_camera();
     far.distance = 1e4;
     picture(tree, far, plain(mode));
@@ -362,7 +363,7 @@ TEST_F(RendererTest, changes_colours_by_at_most_one_step_with_the_order_of_surfe
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
   PointCloud cloud, shuffled;
-  // So many that holes are found by some of the backs only.
+  // There are so many surfels that holes are found by only some of the backs.
   for (int i = 0; i < 40000; ++i) {
     const glm::vec3 n = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
     add(cloud, n, n, glm::u16vec3(random(), random(), random()), 0.012f);

@@ -48,15 +48,15 @@ inline void add(PointCloud& cloud, const glm::vec3& p, const glm::vec3& n,
 inline std::shared_ptr<SceneFrame> frame_of(PointCloud cloud, int depth = 5) {
   auto frame = std::make_shared<SceneFrame>();
   frame->cloud = std::move(cloud);
-  // One cube for all of them, so that a voxel's place does not depend on the other points.
+  // All voxels share one cube, so that the place of a voxel does not depend on the other points.
   const SortedPoints sorted = sort_points(frame->cloud, {frame->cloud.origin - 1.5, 3.0});
   frame->svo = build_svo(sorted, depth);
   frame->attributes = mean_attributes(frame->svo, frame->cloud, sorted);
   return frame;
 }
 
-/// Four colours, none of them on the boundary of a voxel, no two of them where a mirrored axis or a
-/// rotation would put another.
+/// Four colours, none on the boundary of a voxel. A mirrored axis or a rotation would put no colour
+/// at the place of another.
 inline PointCloud asymmetric_cloud() {
   PointCloud cloud;
   add(cloud, {0.8f, 0.14f, 0.04f}, kFront, kRed, 0.1f);
@@ -72,7 +72,7 @@ inline Camera front_camera() {
   return camera;
 }
 
-/// The pixel in which a world point lies, by arithmetic of its own.
+/// The pixel in which a world point lies, computed independently of the renderer.
 inline glm::ivec2 pixel_of(const Camera& camera, const glm::dvec3& world, glm::ivec2 size = kSize) {
   const glm::dvec3 e = glm::transpose(camera.axes()) * (world - camera.eye());
   const double f = 0.5 * size.y / std::tan(0.5 * camera.fov_y);

@@ -17,7 +17,7 @@ constexpr double kPi = 3.14159265358979;
 
 Surface alone(const Primitive& primitive) { return {{primitive}, {{0, 0, 0.0}}}; }
 
-/// Pearson's statistic of counts that are expected to be equal.
+/// Pearson's chi-squared statistic of counts that should be equal.
 double chi_square(const std::vector<int>& counts, double total) {
   const double expected = total / static_cast<double>(counts.size());
   double sum = 0.0;
@@ -56,7 +56,7 @@ TEST(UniformSampler, normals_agree_with_finite_differences_except_in_creases) {
 }
 
 TEST(UniformSampler, slices_of_a_ball_of_equal_height_hold_equally_many_points) {
-  // Archimedes: the area of a slice of a sphere is in proportion to its height.
+  // Archimedes: the area of a slice of a sphere is proportional to its height.
   const auto points =
       sample_uniform(alone(RoundCone{{0.3, 0.1, 0}, {0.3, 0.1, 0}, 0.25, 0.25}), 100000, 3);
   for (int axis = 0; axis < 3; ++axis) {
@@ -70,7 +70,7 @@ TEST(UniformSampler, slices_of_a_ball_of_equal_height_hold_equally_many_points) 
 }
 
 TEST(UniformSampler, points_on_a_thin_capsule_are_shared_by_area) {
-  // As thin as a finger, where the shell's curvature tells most.
+  // As thin as a finger, where the curvature of the shell matters most.
   const double radius = 0.012, length = 0.08;
   const auto points =
       sample_uniform(alone(RoundCone{{0, 0, 0}, {0, length, 0}, radius, radius}), 100000, 4);
@@ -83,9 +83,9 @@ TEST(UniformSampler, points_on_a_thin_capsule_are_shared_by_area) {
 }
 
 TEST(UniformSampler, points_are_as_dense_on_fillets_as_elsewhere) {
-  // Two capsules that cross and grow together: the density in small balls around points of the
-  // surface, per area, must not depend on where they lie. The area in each ball comes from
-  // counting cells of a regular grid near the surface (the coarea formula).
+  // Two capsules that cross and blend: the density per area in small balls around points of the
+  // surface must not depend on where they lie. The area in each ball is found by counting the cells
+  // of a regular grid near the surface (the coarea formula).
   const Surface surface{{RoundCone{{-0.1, 0, 0}, {0.1, 0, 0}, 0.03, 0.03},
                          RoundCone{{0, -0.1, 0}, {0, 0.1, 0}, 0.03, 0.03}},
                         {{0, 1, 0.03}}};
@@ -97,7 +97,7 @@ TEST(UniformSampler, points_are_as_dense_on_fillets_as_elsewhere) {
     }
     return inside / 200000;
   };
-  // Volume of the shell |distance| < kHalf, weighted by the gradient, per thickness.
+  // The volume of the shell |distance| < kHalf, weighted by the gradient, divided by its thickness.
   const auto area = [&](const glm::dvec3& from, const glm::dvec3& to, const auto& holds) {
     constexpr double kStep = 0.001, kHalf = 0.002;
     double sum = 0.0;
@@ -112,7 +112,7 @@ TEST(UniformSampler, points_are_as_dense_on_fillets_as_elsewhere) {
     }
     return sum * kStep * kStep * kStep / (2.0 * kHalf);
   };
-  // The eight octants are alike.
+  // The eight octants are equal.
   const double all =
       8.0 * area({0, 0, 0}, {0.14, 0.14, 0.05}, [](const glm::dvec3&) { return true; });
   for (const glm::dvec3& center :

@@ -18,7 +18,7 @@
 namespace pointreel {
 namespace {
 
-/// Coarse enough to be quick.
+/// Options coarse enough for a fast test.
 ScanOptions coarse() {
   ScanOptions options;
   options.curve_spacing = 0.06;
@@ -35,7 +35,8 @@ double value_at(const Surface& surface, const glm::dvec3& p) {
   return distance_to(surface, p).distance.value;
 }
 
-/// Whether the straight way between two points outside is free, by steps of the whole distance.
+/// Whether nothing blocks the straight line between two points outside, by steps of the full
+/// distance.
 bool clear(const Surface& surface, const glm::dvec3& from, const glm::dvec3& to) {
   const glm::dvec3 way = to - from;
   const double length = glm::length(way);
@@ -60,13 +61,13 @@ TEST(ScanRig, places_its_devices_around_the_scene_and_points_them_at_it) {
       EXPECT_NEAR(target.z, glm::length(view.position - glm::dvec3(0, 0.9, 0)), 1e-9);
       EXPECT_GT(view.project({0, 1.9, 0}).y, 0.2);  // upright
       EXPECT_NEAR(glm::determinant(glm::dmat3(view.right, view.up, -view.forward)), 1.0, 1e-12);
-      // What is towards (x, y) is seen at (x, y).
+      // A point in the direction (x, y) is seen at (x, y).
       const glm::dvec3 back = view.project(view.position + 2.5 * view.toward(0.3, -0.2));
       EXPECT_LT(glm::length(back - glm::dvec3(0.3, -0.2, 2.5)), 1e-9);
     }
   }
   for (const Rig::Pair& pair : rig.pairs) {
-    // The cameras of a projector are its neighbours.
+    // The cameras of a projector are next to it.
     for (const Pinhole& other : rig.cameras) {
       EXPECT_LE(
           glm::distance(rig.projectors[pair.projector].position, rig.cameras[pair.camera].position),
@@ -117,7 +118,7 @@ TEST(Scan, points_without_errors_lie_on_lit_and_visible_parts_of_the_surface) {
       hidden += !clear(surface, outside, device);
     }
   }
-  // The curve is followed in steps: between two of them something thin may stand in the way.
+  // The curve is followed in steps, and something thin may lie between two of them.
   EXPECT_LE(hidden, checked / 500);
 }
 
@@ -158,7 +159,7 @@ TEST(Scan, errors_follow_the_options) {
     const glm::dvec3 error = point.position - point.truth;
     const glm::dvec3 way = rig.cameras[rig.pairs[point.pair].camera].position - point.truth;
     const glm::dvec3 ray = way / glm::length(way);
-    // Along the camera's ray, nowhere else.
+    // The error is along the ray of the camera only.
     EXPECT_NEAR(std::abs(glm::dot(error, ray)), glm::length(error), 1e-12);
     if (point.outlier) {
       ++outliers;
@@ -179,7 +180,7 @@ TEST(Scan, errors_follow_the_options) {
   const double total = static_cast<double>(count);
   EXPECT_NEAR(std::sqrt(squares / total), 1.0, 0.05);
   EXPECT_NEAR(static_cast<double>(outliers) / total, 0.01, 0.004);
-  EXPECT_GT(along / total, 0.3);  // neighbours on a curve err alike
+  EXPECT_GT(along / total, 0.3);  // neighbours on a curve have similar errors
   EXPECT_LT(along / total, 0.65);
 }
 
@@ -209,7 +210,7 @@ TEST(Scan, calibration_errors_shift_each_device_as_a_whole_and_stay_constant) {
 TEST(Scan, points_are_close_along_curves_and_far_across) {
   ScanOptions options = coarse();
   const auto points = scan_walk(options);
-  // In one pair and family: the next point of the curve, and the nearest of the next curve.
+  // Within a pair and family: the next point of the curve, and the nearest point of the next curve.
   std::vector<double> along, across;
   for (std::size_t i = 0; i + 1 < points.size(); i += 13) {
     const ScanPoint& point = points[i];

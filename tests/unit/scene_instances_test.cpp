@@ -15,10 +15,10 @@ namespace {
 
 constexpr glm::ivec2 kSize(240, 180);
 constexpr DrawMode kModes[] = {DrawMode::surfel, DrawMode::voxel, DrawMode::point};
-/// A whole number of cells of the cubes below, so that a voxel moves to where one could be.
+/// A whole number of cells of the cubes below, so that moved voxels lie on the same lattice.
 constexpr double kShift = 0.75;
 
-/// A tile of 6x6 coloured points about a place, in a cube that holds them all.
+/// Adds a 6 x 6 tile of coloured points around `center`. All tiles fit into the cubes below.
 void add_tile(PointCloud& cloud, const glm::vec3& center, const glm::u16vec3& color) {
   for (int i = 0; i < 36; ++i) {
     cloud.positions.push_back(center + 0.09375f * glm::vec3(i % 6 - 3, i / 6 - 3, 0.0f) + 0.02f);
@@ -28,7 +28,7 @@ void add_tile(PointCloud& cloud, const glm::vec3& center, const glm::u16vec3& co
   }
 }
 
-/// `with_cloud`: drawn as points, else as a tree in every mode.
+/// `with_cloud`: drawn as points. Otherwise it is drawn as a tree in every mode.
 std::shared_ptr<SceneFrame> frame_of(PointCloud cloud, bool with_cloud) {
   auto frame = std::make_shared<SceneFrame>();
   const SortedPoints sorted = sort_points(cloud, {glm::dvec3(-1.5), 3.0});
@@ -43,7 +43,7 @@ DrawOptions plain(DrawMode mode) {
   options.mode = mode;
   options.lighting = false;
   options.pixel_size = 0.0f;
-  options.point_size = 12.0f;  // no gaps in a tile
+  options.point_size = 12.0f;  // leaves no gaps in a tile
   return options;
 }
 
@@ -139,7 +139,7 @@ TEST_F(SceneInstancesTest, gaps_between_voxels_are_filled_or_left_by_the_options
     EXPECT_EQ(different_pixels(left, expected), 0u) << pixel_size;
     if (pixel_size > 0.0f) continue;
     EXPECT_GT(different_pixels(left, closed), 1000u);
-    // In the middle of the net nothing is open.
+    // There are no open gaps in the middle of the net.
     for (int y = 70; y < 110; ++y) {
       for (int x = 100; x < 140; ++x) ASSERT_GT(closed.at(x, y).x, 200) << x << ", " << y;
     }

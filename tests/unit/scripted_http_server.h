@@ -16,8 +16,8 @@
 
 namespace pointreel {
 
-/// An HTTP server of raw sockets on loopback, one thread a connection. The handler gets the head of
-/// each request and the socket, and says whether the connection lives on.
+/// An HTTP server of raw sockets on loopback with one thread per connection. The handler gets the
+/// head of each request and the socket, and returns whether the connection is kept open.
 class ScriptedHttpServer {
  public:
   using Handler = std::function<bool(int socket, const std::string& head)>;

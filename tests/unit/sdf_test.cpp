@@ -27,8 +27,8 @@ RoundCone some_cone() { return {{0.1, -0.2, 0.05}, {0.3, 0.25, -0.1}, 0.12, 0.05
 
 Ellipsoid some_ellipsoid() { return {{0.05, 0.1, -0.02}, some_rotation(), {0.3, 0.12, 0.06}}; }
 
-/// Signed distance to the hull of two balls from the definition: it is the union of the balls whose
-/// centre and radius go evenly from one to the other.
+/// Signed distance to the hull of two balls by definition: the hull is the union of the balls whose
+/// centre and radius are interpolated between the two.
 double slow_distance(const RoundCone& cone, const glm::dvec3& p) {
   constexpr int kSteps = 200000;
   double nearest = std::numeric_limits<double>::infinity();
@@ -60,7 +60,7 @@ void for_points_on(const Ellipsoid& ellipsoid, const Function& function) {
   }
 }
 
-/// Unsigned distance to an ellipsoid from points spread over its surface.
+/// Unsigned distance to an ellipsoid, from points all over its surface.
 double slow_distance(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
   double nearest = std::numeric_limits<double>::infinity();
   for_points_on(ellipsoid, [&](const glm::dvec3& on) {

@@ -17,7 +17,7 @@
 namespace pointreel {
 namespace {
 
-/// Cells in pairs at a fixed offset, as no surface has them, so that there is something to learn.
+/// Cells in pairs at a fixed offset, which no surface has, so that there is something to learn.
 Svo patterned_tree(int depth, std::size_t count, unsigned seed) {
   std::mt19937 random(seed);
   const std::uint32_t side = 1u << depth;
@@ -76,7 +76,7 @@ TEST(SequenceTables, save_more_in_a_longer_sequence) {
 TEST(SequenceTables, are_not_written_if_they_would_not_pay_off) {
   const std::vector<Svo> tiny = {patterned_tree(3, 2, 1)};
   EXPECT_TRUE(learn_tables(tiny, 1)->file.empty());
-  EXPECT_TRUE(learn_tables(tiny, 100)->file.empty()) << "one frame cannot judge itself";
+  EXPECT_TRUE(learn_tables(tiny, 100)->file.empty()) << "one frame alone cannot be cross-checked";
   EXPECT_TRUE(learn_tables({}, 0)->file.empty());
   const std::vector<Svo> empty(2);
   EXPECT_TRUE(learn_tables(empty, 2)->file.empty());

@@ -1,4 +1,4 @@
-// `pointreel-server serve` as a process: what it prints, how it fails and how it ends.
+// Runs `pointreel-server serve` as a process: its output, its failures and its end.
 
 #include <array>
 #include <chrono>
@@ -30,14 +30,14 @@ using namespace std::chrono_literals;
 using pointreel::wait_until;
 using testing::HasSubstr;
 
-/// A run of the server's executable; ended, if need be, with the test.
+/// A run of the server's executable, which is ended with the test at the latest.
 class ServerProcess {
  public:
-  /// `descriptors` > 0 bounds how many it may have open.
+  /// `descriptors` > 0 limits how many file descriptors it may have open.
   explicit ServerProcess(const std::vector<std::string>& arguments, rlim_t descriptors = 0) {
     std::array<int, 2> out{}, err{};
     if (::pipe2(out.data(), O_CLOEXEC) != 0 || ::pipe2(err.data(), O_CLOEXEC) != 0) {
-      ADD_FAILURE() << "no pipe";
+      ADD_FAILURE() << "the pipe cannot be made";
       return;
     }
     std::vector<std::string> words{POINTREEL_BIN_DIR "/pointreel-server", "serve"};
@@ -70,7 +70,7 @@ class ServerProcess {
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
 
-  /// The port of the line that says where it listens; 0 if that does not come.
+  /// Returns the port from the line that announces the address, or 0 if there is no such line.
   std::uint16_t port() {
     const std::string start = "listening on http://127.0.0.1:";
     const std::string line = read(out_, true);
@@ -80,19 +80,20 @@ class ServerProcess {
     }
     return static_cast<std::uint16_t>(std::atoi(line.c_str() + start.size()));
   }
-  /// All of standard error, when the process has ended.
+  /// Returns all of standard error once the process has ended.
   std::string errors() { return read(err_, false); }
-  /// Of all its threads, from its start.
+  /// Returns the processor time of all its threads since its start.
   std::chrono::milliseconds processor_time() const {
     std::ifstream file("/proc/" + std::to_string(child_) + "/stat");
     std::string word;
     long ticks = 0, value = 0;
-    for (int i = 1; i <= 13; ++i) file >> word;  // its name, the second, has no space
+    for (int i = 1; i <= 13; ++i) file >> word;  // its name, the second field, has no space
     for (int i = 0; i < 2 && file >> value; ++i) ticks += value;
     return std::chrono::milliseconds(ticks * 1000 / ::sysconf(_SC_CLK_TCK));
   }
   void signal(int number) { ::kill(child_, number); }
-  /// The exit code; 128 and the signal's number if one ended it; -1 if it goes on.
+  /// Returns the exit code, 128 plus the signal number if a signal ended it, or -1 if it still
+  /// runs.
   int exit_code() {
     int status = 0;
     if (!wait_until([&] { return ::waitpid(child_, &status, WNOHANG) == child_; })) return -1;
@@ -119,7 +120,7 @@ class ServeCommandTest : public testing::Test {
  protected:
   ServeCommandTest() { write_package(reel_, "base", patterned(16 << 20)); }
 
-  /// The one line on standard error of a run that must fail with code 1.
+  /// Returns the single line on standard error of a run that must fail with exit code 1.
   std::string failure_of(const std::vector<std::string>& arguments) {
     ServerProcess server(arguments);
     EXPECT_EQ(server.exit_code(), 1);
@@ -156,7 +157,7 @@ TEST_F(ServeCommandTest, survives_readers_that_disconnect_in_the_middle) {
     RawHttpClient leaving(port);
     leaving.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
     if (i % 2 == 1) continue;
-    EXPECT_TRUE(leaving.has_something()) << "every other one leaves after the answer has begun";
+    EXPECT_TRUE(leaving.has_something()) << "no response has begun before the client leaves";
   }
   EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
 }
@@ -168,7 +169,8 @@ TEST_F(ServeCommandTest, recovers_from_running_out_of_file_descriptors) {
   {
     std::vector<std::unique_ptr<RawHttpClient>> many;
     for (int i = 0; i < 60; ++i) many.push_back(std::make_unique<RawHttpClient>(port));
-    // The first was accepted while there were some; soon there is none left for its file.
+    // The first connection was accepted while descriptors were left. Soon there is none for its
+    // file.
     int status = 200;
     wait_until([&] { return (status = many.front()->get("/walk/0.base.prs").status) != 200; });
     EXPECT_EQ(status, 503);
@@ -180,7 +182,7 @@ TEST_F(ServeCommandTest, recovers_from_running_out_of_file_descriptors) {
     };
     bool quiet = false;
     for (int i = 0; i < 20 && !quiet; ++i) quiet = is_quiet();
-    EXPECT_TRUE(quiet) << "it waits and does not spin";
+    EXPECT_TRUE(quiet) << "the server spins instead of waiting";
   }
   EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
 }

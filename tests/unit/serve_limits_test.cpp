@@ -1,4 +1,4 @@
-// Who may connect, ask and see, and what is written about it, without a socket.
+// Who may connect, request and view, and what is logged about it, without a socket.
 
 #include <array>
 #include <chrono>
@@ -33,7 +33,7 @@ Peer v4(std::uint8_t a, std::uint8_t d) {
   return peer_of({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, a, 0, 0, d});
 }
 
-/// A table, and what it closed.
+/// A connection table and the connections that it closed.
 struct Connections {
   ConnectionTable table;
   std::vector<int> closed;
@@ -89,7 +89,7 @@ TEST(ConnectionTable, evicts_the_longest_idle_connection_and_never_a_busy_one) {
   auto five = all.admit(5, 5);
   ASSERT_TRUE(five);
   EXPECT_THAT(all.closed, testing::ElementsAre(2, 1));
-  EXPECT_EQ(all.admit(6, 6).error(), Refusal::kFull) << "all others are busy";
+  EXPECT_EQ(all.admit(6, 6).error(), Refusal::kFull) << "all other connections are busy";
   EXPECT_EQ(all.table.evicted(), 2u);
 }
 
@@ -136,7 +136,7 @@ TEST(RateLimiter, remembers_a_bounded_number_of_addresses) {
   EXPECT_EQ(limiter.size(), RateLimiter::kMost);
   network[3] = 1;
   EXPECT_TRUE(limiter.allow(network, kTime + 1s));
-  EXPECT_EQ(limiter.size(), 1u) << "those that have not asked lately are forgotten";
+  EXPECT_EQ(limiter.size(), 1u) << "addresses without recent requests are forgotten";
 }
 
 TEST(Access, separates_the_rights_to_view_and_to_publish) {
@@ -153,7 +153,7 @@ TEST(Access, separates_the_rights_to_view_and_to_publish) {
   EXPECT_EQ(both.check(Right::kPublish, "Bearer show", false), Verdict::kGranted);
   EXPECT_EQ(both.check(Right::kPublish, "Bearer look", true), Verdict::kNoToken);
   EXPECT_EQ(both.check(Right::kPublish, "", true), Verdict::kNoToken)
-      << "with a token, this machine needs it too";
+      << "with a token set, this machine needs it too";
 }
 
 TEST(Log, writes_one_json_object_a_line_for_any_content) {

@@ -13,7 +13,7 @@ inline void write_file(const std::filesystem::path& path, const std::string& con
   std::ofstream(path, std::ios::binary) << content;
 }
 
-/// Bytes that differ at every offset by a period that is prime to every buffer size.
+/// Bytes with a period that is coprime to every buffer size, so that misplaced bytes are noticed.
 inline std::string patterned(std::size_t size) {
   std::string text(size, '\0');
   for (std::size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i % 251);
@@ -24,7 +24,7 @@ inline std::uint64_t checksum_of_text(const std::string& text) {
   return pointreel::checksum_of({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-/// The manifest of a reel of one frame with two layers of the given contents.
+/// The manifest of a reel with one frame of two layers with the given contents.
 inline pointreel::Manifest small_manifest(const std::string& base, const std::string& full) {
   using namespace pointreel;
   Manifest manifest;
@@ -50,7 +50,7 @@ inline pointreel::Manifest small_manifest(const std::string& base, const std::st
   return manifest;
 }
 
-/// Writes such a package. The contents are no frames: the server never looks into them.
+/// Writes such a package. The contents are not real frames: the server never reads them.
 inline void write_package(const std::filesystem::path& folder, const std::string& base,
                           const std::string& full) {
   std::filesystem::create_directories(folder);

@@ -26,7 +26,7 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Of an environment variable, which is as before at the end.
+/// Sets an environment variable and restores it at the end.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {
@@ -91,7 +91,7 @@ TEST(Settings, only_changes_are_written_and_unknown_keys_are_kept) {
   const fs::path file =
       folder.write("player.json", R"({"edl": 0.5, "of_a_newer_version": [1, 2]})");
   PlayOptions begun;
-  begun.draw.mode = DrawMode::voxel;  // by the command line
+  begun.draw.mode = DrawMode::voxel;  // set on the command line
   PlayOptions ended = begun;
   ended.draw.pixel_size = 0.1f;
   ASSERT_TRUE(write_settings(file, begun, ended));
@@ -104,7 +104,7 @@ TEST(Settings, no_file_is_written_without_changes) {
   ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), PlayOptions()));
   EXPECT_FALSE(fs::exists(folder / "player.json"));
   PlayOptions ended;
-  ended.loop = true;  // as it is in a window anyway
+  ended.loop = true;  // the default in a window
   ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), ended));
   EXPECT_FALSE(fs::exists(folder / "player.json"));
 }
@@ -202,7 +202,7 @@ TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
   EXPECT_GT(taken, 20);
   const std::string deep = "{\"a\":" + std::string(30'000, '[') + std::string(30'000, ']') + "}";
   PlayOptions options;
-  EXPECT_TRUE(parse_settings(deep, nothing_given, options)) << "nobody reads \"a\"";
+  EXPECT_TRUE(parse_settings(deep, nothing_given, options)) << "the unknown key \"a\" is ignored";
 }
 
 TEST(Settings, the_default_path_follows_xdg) {

@@ -20,14 +20,14 @@
 namespace pointreel {
 namespace {
 
-/// One thread a call, begun in reverse.
+/// Runs each call in a thread of its own, started in reverse order.
 void on_threads(int count, const std::function<void(int)>& body) {
   std::vector<std::thread> threads;
   for (int i = count; i-- > 0;) threads.emplace_back(body, i);
   for (std::thread& thread : threads) thread.join();
 }
 
-/// Curved sheets, three cells for each place of a plane, of which `longest` is the longer side.
+/// Curved sheets with three cells for each place of a plane. `longest` selects its longer side.
 Svo sheets(int depth, int longest) {
   const std::uint32_t side = 1u << depth;
   std::vector<glm::uvec3> cells;
@@ -77,7 +77,7 @@ Result<Bytes> decode(const Svo& svo, const std::vector<Bytes>& layers, const std
   Bytes masks;
   int begin = 0;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    // A buffer of its own that ends with the payload, so that a read past the end is noticed.
+    // The buffer ends with the payload, so that reads past the end are noticed.
     const auto exact = std::make_unique<std::uint8_t[]>(layers[i].size());
     std::copy(layers[i].begin(), layers[i].end(), exact.get());
     const auto done = decoder.decode_layer({exact.get(), layers[i].size()}, begin, ends[i],
@@ -101,7 +101,7 @@ TEST(Slabs, restore_every_tree_and_give_the_same_bytes_on_any_number_of_threads)
           ASSERT_TRUE(masks) << masks.error().message;
           EXPECT_EQ(*masks, svo.masks);
         }
-        // The last layer: its levels' classes, then the number of slabs.
+        // The last layer begins with the classes of its levels, followed by the number of slabs.
         const int begin = ends[ends.size() - 2];
         const std::size_t most = masks_of_layer(svo, begin, svo.depth) / kLeastMasksOfSlab;
         EXPECT_EQ(layers.back()[static_cast<std::size_t>(svo.depth - begin)],
@@ -167,7 +167,7 @@ TEST(Slabs, divide_the_longer_axis_into_about_equal_shares) {
 }
 
 TEST(Slabs, merge_to_the_statistics_that_a_single_slab_would_have) {
-  // A leaf that has seen a mean of 1/2, then three slabs with ones alone.
+  // A leaf that has seen a mean of 1/2, then three slabs with only ones.
   const Leaf before{32768, 20};
   std::vector<std::vector<Leaf>> slabs(3, std::vector<Leaf>{before});
   Leaf alone = before;
@@ -182,7 +182,7 @@ TEST(Slabs, merge_to_the_statistics_that_a_single_slab_would_have) {
   EXPECT_NEAR(leaves[0].probability, alone.probability, 100);
   EXPECT_EQ(leaves[0].count, alone.count);
 
-  // Where all have stopped counting, they do not add up to more than any has seen.
+  // Counts that have reached their limit do not add up to more than any single count.
   leaves = {{32768, 255}};
   for (auto& slab : slabs) slab[0] = {50000, 255};
   merge_leaves(slabs, {0, 1}, leaves);
@@ -197,11 +197,11 @@ TEST(Slabs, have_a_default_number_that_depends_only_on_the_leaves) {
   EXPECT_EQ(default_slabs(1u << 30), kMostSlabs);
 }
 
-/// Layers that end at 3 and 7, the second one in three slabs.
+/// Layers that end at levels 3 and 7. The second has three slabs.
 struct Forged {
   Svo svo = sheets(7, 1);
   std::vector<Bytes> layers = encode(svo, {3, 7}, 3);
-  /// Where the second layer's slabs begin: their number, axis, two u16, two u32.
+  /// Where the slabs of the second layer begin: their number, the axis, two u16 and two u32.
   static constexpr std::size_t kHeader = 4, kSize = 1 + 1 + 2 * 2 + 2 * 4;
 
   bool decodes() const { return decode(svo, layers, {3, 7}).has_value(); }
@@ -222,12 +222,12 @@ TEST(Slabs, are_refused_if_their_number_or_axis_is_invalid) {
     EXPECT_FALSE(good.decodes_with(1, static_cast<std::uint8_t>(axis))) << axis;
   }
   const std::uint8_t second = good.layers[1][Forged::kHeader + 4];
-  EXPECT_FALSE(good.decodes_with(2, 0)) << "an empty first slab";
-  EXPECT_FALSE(good.decodes_with(2, second)) << "not in order";
-  EXPECT_FALSE(good.decodes_with(4, 8)) << "outside of the level";
-  EXPECT_FALSE(good.decodes_with(5, 1)) << "outside of the level";
-  EXPECT_FALSE(good.decodes_with(8, 1)) << "a slab longer than the payload";
-  EXPECT_FALSE(good.decodes_with(13, 0x80)) << "a slab longer than the payload";
+  EXPECT_FALSE(good.decodes_with(2, 0)) << "the first slab is empty";
+  EXPECT_FALSE(good.decodes_with(2, second)) << "the slabs are not in order";
+  EXPECT_FALSE(good.decodes_with(4, 8)) << "a slab lies outside the level";
+  EXPECT_FALSE(good.decodes_with(5, 1)) << "a slab lies outside the level";
+  EXPECT_FALSE(good.decodes_with(8, 1)) << "a slab is longer than the payload";
+  EXPECT_FALSE(good.decodes_with(13, 0x80)) << "a slab is longer than the payload";
 }
 
 TEST(Slabs, stay_the_same_in_all_layers_after_the_first) {
@@ -236,7 +236,7 @@ TEST(Slabs, stay_the_same_in_all_layers_after_the_first) {
   auto layers = encode(svo, ends, 1);
   const auto parted = encode(svo, ends, 2);
   ASSERT_EQ(parted[2][1], 2);
-  ASSERT_EQ(parted[1][3], 1) << "too few masks for slabs";
+  ASSERT_EQ(parted[1][3], 1) << "there are too few masks for slabs";
   ASSERT_TRUE(decode(svo, parted, ends));
   EXPECT_FALSE(
       decode(svo, {layers[0], layers[1], Bytes(parted[2].begin(), parted[2].end() - 9)}, ends));
@@ -267,7 +267,7 @@ TEST(Slabs, do_no_harm_if_truncated_or_changed_in_any_byte_of_the_header) {
   }
 }
 
-/// What the heap holds, where the allocator tells it; 0 elsewhere.
+/// The bytes in use on the heap if the allocator tells, otherwise 0.
 std::size_t heap_in_use() {
   const auto info = mallinfo2();
   return info.uordblks + info.hblkhd;

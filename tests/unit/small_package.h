@@ -10,8 +10,8 @@
 
 namespace pointreel {
 
-/// Two frames, two layers. Every byte of a layer's file is its own offset, so a test sees at once
-/// from where bytes came.
+/// Two frames with two layers. Every byte of a layer's file is its own offset, so that tests can
+/// tell where bytes came from.
 inline Manifest small_manifest() {
   Manifest manifest;
   manifest.name = "small";
@@ -41,7 +41,7 @@ inline Bytes offsets(std::size_t from, std::size_t size) {
 
 inline std::string text_of(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// Tries again at once where something fails, and takes no slowness for a failure.
+/// Options that retry at once after a failure and never take slowness for a failure.
 inline SourceOptions patient() {
   SourceOptions options;
   options.connect_timeout = options.stall_timeout = std::chrono::minutes(10);

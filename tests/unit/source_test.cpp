@@ -39,7 +39,7 @@ TEST(Ranges, cover_a_prefix_of_the_stored_order) {
             (Chunks<std::uint32_t>{10, 0, 0}));
   EXPECT_EQ((*ranges_of(manifest, 1, {0, kAllLayers, false, true}))[0].sizes,
             (Chunks<std::uint32_t>{10, 6, 5}))
-      << "normals lie behind the colours";
+      << "the normals follow the colours";
   EXPECT_EQ(ranges_of(manifest, 1, {0, 1, true, true})->size(), 1u);
 }
 

@@ -20,7 +20,7 @@ void wait_for(const std::stop_token& stop) {
   wait_until([&] { return stop.stop_requested(); });
 }
 
-/// Packs in a process of its own, which signals itself after the first frame.
+/// Packs in a process of its own, which sends itself a signal after the first frame.
 [[noreturn]] void pack_and_signal(const PackOptions& options, int signal) {
   const StopSignal stop;
   PackListener listener;
@@ -45,7 +45,7 @@ void wait_for(const std::stop_token& stop) {
 
 class StopSignals : public PackTest {
  protected:
-  // Started afresh, the process has no thread that would take the signal's default action.
+  // A process started afresh has no thread that would take the signal's default action.
   StopSignals() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
 };
 

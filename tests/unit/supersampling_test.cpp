@@ -6,7 +6,8 @@ namespace pointreel {
 namespace {
 
 TEST(Supersampling, averages_squares_in_linear_light) {
-  // Four squares of two by two: black; half white, half black; one quarter red; one colour.
+  // Four blocks of 2 x 2 pixels: black; half white and half black; one quarter red; a single
+  // colour.
   const glm::u8vec3 black(0), white(255), red(255, 0, 0), some(10, 120, 250);
   const Image image{4,
                     4,
@@ -16,8 +17,8 @@ TEST(Supersampling, averages_squares_in_linear_light) {
   ASSERT_EQ(small.width, 2);
   ASSERT_EQ(small.height, 2);
   EXPECT_EQ(small.at(0, 0), black);
-  EXPECT_EQ(small.at(1, 0), glm::u8vec3(188));        // sRGB of 0.5
-  EXPECT_EQ(small.at(0, 1), glm::u8vec3(137, 0, 0));  // of 0.25
+  EXPECT_EQ(small.at(1, 0), glm::u8vec3(188));        // 0.5 in sRGB
+  EXPECT_EQ(small.at(0, 1), glm::u8vec3(137, 0, 0));  // 0.25 in sRGB
   EXPECT_EQ(small.at(1, 1), some);
 }
 

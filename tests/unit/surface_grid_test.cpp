@@ -50,13 +50,14 @@ TEST(SurfaceGrid, finds_each_of_its_cells_by_position) {
     EXPECT_EQ(grid.cells()[number].min, cell.min);
     found.insert(number);
     blends += cell.blend_count;
-    // The true distance, and near enough for the surface to pass through or just beside it.
+    // It is the true distance, and so small that the surface passes through the cell or just beside
+    // it.
     EXPECT_NEAR(cell.distance, distance_to(grid.surface(), center).distance.value, 1e-12);
     EXPECT_LE(std::abs(cell.distance),
               0.5 * std::sqrt(3.0) * SurfaceGrid::kCell + SurfaceGrid::kShell);
   }
   EXPECT_EQ(found.size(), grid.cells().size());
-  EXPECT_LT(blends, 6 * grid.cells().size());  // few of all 50
+  EXPECT_LT(blends, 6 * grid.cells().size());  // on average, few of the 50 blends reach a cell
 }
 
 TEST(SurfaceGrid, reports_space_far_from_the_surface_as_empty) {

@@ -45,7 +45,7 @@ TEST(SurfelFrame, is_orthonormal_and_right_handed_for_every_normal) {
     ASSERT_NEAR(glm::dot(u, v), 0.0, 1e-6);
     ASSERT_NEAR(glm::dot(u, w), 0.0, 1e-6);
     ASSERT_NEAR(glm::dot(v, w), 0.0, 1e-6);
-    ASSERT_LT(glm::length(glm::cross(u, v) - w), 2e-6) << "left-handed";
+    ASSERT_LT(glm::length(glm::cross(u, v) - w), 2e-6) << "the frame is left-handed";
   }
 }
 

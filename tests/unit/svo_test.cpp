@@ -43,7 +43,7 @@ int depth_for(const PointCloud& cloud, double delta) {
 
 TEST(Svo, equals_the_recursive_build_of_the_paper_for_every_delta) {
   const PointCloud cloud = random_shell(20000, 1);
-  // An edge that is a power of two, so that the reference's halved centres are exact.
+  // The edge is a power of two, so that the reference's halved centres are exact.
   const Cube cube{glm::dvec3(-1.0), 2.0};
   for (const double delta : {0.02, 0.05, 0.1, 0.5, 0.9}) {
     const reference::RecursiveOctree slow(cloud, cube, delta, kMaxDepth);
@@ -91,7 +91,7 @@ TEST(Svo, round_trips_within_half_a_cell_at_level_21_and_an_offset_of_a_million)
   const Cube cube = bounding_cube(bounds(cloud));
   const SortedPoints sorted = sort_points(cloud, cube);
   const double cell = std::ldexp(cube.edge, -kMaxDepth);
-  // Half a cell, and what a double loses at this offset.
+  // Half a cell, plus the precision of a double at this offset.
   const double tolerance = 0.5 * cell + 4e-9;
   for (const KeyIndex& point : sorted.points) {
     const glm::dvec3 center = cube.origin + (glm::dvec3(morton_decode(point.key)) + 0.5) * cell;
@@ -142,7 +142,7 @@ TEST(Svo, is_the_same_from_points_sorted_to_fewer_levels) {
 }
 
 TEST(Svo, divides_as_deep_as_necessary_to_separate_points) {
-  // Apart at level 20 only, deeper than what is sorted at first.
+  // The points separate at level 20 only, deeper than the first sort goes.
   const PointCloud cloud = cloud_of({{0, 0, 0}, {1.5f / (1 << 20), 0, 0}, {1, 1, 1}});
   EXPECT_EQ(depth_for(cloud, 0.0), 20);
   EXPECT_EQ(depth_for(cloud, 0.3), 20);
@@ -216,9 +216,9 @@ TEST(Svo, cannot_be_indexed_from_masks_that_form_no_tree) {
   };
   EXPECT_TRUE(indexes(0, {}));
   EXPECT_TRUE(indexes(2, {0b11, 1, 0b10}));
-  EXPECT_FALSE(indexes(2, {0b11, 1}));        // too few
-  EXPECT_FALSE(indexes(2, {0b11, 1, 1, 1}));  // too many
-  EXPECT_FALSE(indexes(2, {0b11, 0, 1}));     // a childless internal node
+  EXPECT_FALSE(indexes(2, {0b11, 1}));        // too few masks
+  EXPECT_FALSE(indexes(2, {0b11, 1, 1, 1}));  // too many masks
+  EXPECT_FALSE(indexes(2, {0b11, 0, 1}));     // an internal node without children
   EXPECT_FALSE(indexes(1, {}));               // a root without children
   EXPECT_FALSE(indexes(0, {1}));              // a single cell with children
 }

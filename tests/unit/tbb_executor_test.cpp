@@ -26,7 +26,7 @@ TEST(TbbExecutor, does_every_job_once_and_waits_for_all) {
 }
 
 TEST(TbbExecutor, begins_no_unrelated_work_while_it_waits_for_its_jobs) {
-  // Threads sleep, so that there may be more of them than processors.
+  // The threads sleep, so there may be more of them than processors.
   const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
   tbb::task_arena arena(4);
   std::atomic<int> nested{0};
@@ -37,7 +37,7 @@ TEST(TbbExecutor, begins_no_unrelated_work_while_it_waits_for_its_jobs) {
       busy = true;
       const auto caller = std::this_thread::get_id();
       tbb_executor()(3, [&](int) {
-        // A helper takes longer than the caller, who then has to wait.
+        // A helper takes longer than the caller, which then has to wait.
         const bool helps = std::this_thread::get_id() != caller;
         work_for(std::chrono::microseconds(helps ? 2000 : 200));
       });

@@ -74,7 +74,7 @@ TEST(Texture, a_person_has_as_many_colours_as_a_photograph_and_they_move_with_th
     const glm::dvec3 elsewhere = frame.place(body.in_rest(point.primitive, point.position));
     const glm::dvec3 difference =
         glm::dvec3(color_at(moved, point.primitive, elsewhere)) - glm::dvec3(c);
-    EXPECT_LE(std::abs(difference.x), 1.0);  // but for rounding
+    EXPECT_LE(std::abs(difference.x), 1.0);  // rounding only
   }
   EXPECT_GT(colours.size(), 450u);
 }

@@ -14,7 +14,7 @@ namespace {
 
 using Frames = std::vector<std::uint32_t>;
 
-/// Tells what is asked for, and lets it through when the test says so.
+/// Records the requests, and lets them through when the test says so.
 class WatchedSource : public Source {
  public:
   explicit WatchedSource(std::unique_ptr<Source> source) : source_(std::move(source)) {}
@@ -74,7 +74,7 @@ TEST_F(ThumbnailsTest, are_coarse_frames_that_appear_when_they_are_ready) {
   EXPECT_LE(frame->svo.depth, Thumbnails::kLevel);
   EXPECT_FALSE(frame->attributes.colors.empty());
   EXPECT_EQ(thumbnails.get(7), frame);
-  EXPECT_EQ(source_->asked(), Frames{7}) << "once";
+  EXPECT_EQ(source_->asked(), Frames{7}) << "it is fetched only once";
 }
 
 TEST_F(ThumbnailsTest, are_prepared_one_at_a_time_newest_request_first) {
@@ -115,7 +115,7 @@ TEST_F(ThumbnailsTest, keep_the_most_recently_used_within_their_budget_of_bytes)
   const std::size_t asked = source_->asked().size();
   for (const std::uint32_t frame : {0u, 2u, 3u}) EXPECT_NE(thumbnails.get(frame), nullptr);
   EXPECT_EQ(source_->asked().size(), asked);
-  EXPECT_EQ(thumbnails.get(1), nullptr) << "used longest ago";
+  EXPECT_EQ(thumbnails.get(1), nullptr) << "the least recently used thumbnail is dropped";
 }
 
 TEST_F(ThumbnailsTest, keep_one_however_large_it_is) {

@@ -8,7 +8,7 @@
 
 #include "tests/unit/raw_http_client.h"
 
-/// The same over TLS, with a server whose certificate it checks.
+/// The same over TLS. The server's certificate is verified.
 class TlsHttpClient : public RawHttpClient {
  public:
   TlsHttpClient(std::uint16_t port, const std::filesystem::path& authority, int receive_buffer = 0)

@@ -1,4 +1,4 @@
-// The server over TLS: the same answers, and peers that do not speak it.
+// The server over TLS: the same responses, and peers that do not speak TLS.
 
 #include <chrono>
 #include <csignal>
@@ -27,7 +27,7 @@ using Answer = RawHttpClient::Answer;
 class TlsServerTest : public testing::Test {
  protected:
   TlsServerTest() {
-    // OpenSSL writes to sockets whose peer is gone.
+    // OpenSSL writes to sockets even if the peer has closed them.
     std::signal(SIGPIPE, SIG_IGN);
     write_package(reel_, base_, full_);
     options_.certificate = certificate_.certificate;
@@ -82,8 +82,8 @@ TEST_F(TlsServerTest, answers_pipelined_requests_and_waits_for_slow_readers) {
       peer->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"
                  "GET /walk/0.base.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
   ASSERT_TRUE(peer->has_something());
-  // The server is stuck in the middle of a record. A later connection is given up for its silence:
-  // by then, the reader's timeouts would have passed, too.
+  // The server is stuck in the middle of a record. A later connection is closed because it is
+  // silent: by then, the reader's timeouts would have passed too.
   EXPECT_TRUE(RawHttpClient(server_->port()).ends());
   EXPECT_TRUE(peer->read_answer().body == full_);
   EXPECT_EQ(peer->read_answer().body, base_);

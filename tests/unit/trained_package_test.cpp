@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Points in pairs at a fixed offset, as no surface has them, so that there is something to learn.
+/// Points in pairs at a fixed offset, which no surface has, so that there is something to learn.
 PointCloud pairs(std::size_t count, unsigned seed) {
   std::mt19937 random(seed);
   PointCloud cloud;
@@ -153,7 +153,7 @@ TEST_F(TrainedPackage, is_refused_if_its_tables_are_lost_or_changed) {
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_FALSE(report->faults.empty());
     EXPECT_EQ(report->faults.front().file, tables.filename().string());
-    EXPECT_GT(report->faults.size(), 8u) << "no frame decodes either";
+    EXPECT_GT(report->faults.size(), 8u) << "every frame fails to decode too";
     EXPECT_FALSE(open_source(reel().string()));
     UnpackOptions unpacking;
     unpacking.input = reel();

@@ -11,7 +11,7 @@
 
 namespace pointreel {
 
-/// The octree of these cells of level `depth`, in any order.
+/// The octree of the given cells at level `depth`. The cells may be in any order.
 inline Svo tree_of_cells(const std::vector<glm::uvec3>& cells, int depth) {
   SortedPoints sorted;
   sorted.levels = depth;

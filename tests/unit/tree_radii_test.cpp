@@ -56,8 +56,8 @@ TEST(LeafRadii, bridge_the_gaps_between_sparse_leaves) {
 }
 
 TEST(LeafRadii, reach_across_the_gaps_between_curves) {
-  // A grid of curves on a plane, as a scanner's pattern draws it: 24 gaps of 1/24, and 40 points on
-  // the way from one crossing to the next.
+  // A grid of curves on a plane, as the pattern of a scanner draws it: 24 gaps of 1/24, and 40
+  // points from one crossing to the next.
   constexpr int kGaps = 24, kPoints = 40 * kGaps;
   PointCloud cloud;
   for (int curve = 0; curve <= kGaps; ++curve) {
@@ -70,7 +70,7 @@ TEST(LeafRadii, reach_across_the_gaps_between_curves) {
   }
   const Svo svo = build_svo(sort_points(cloud, Cube{glm::dvec3(0.0), 1.0}, 11), 11);
   const auto radii = leaf_radii(svo);
-  // Enlarged twice, as they are drawn, they close the middle of a mesh.
+  // Drawn at twice the size, they close the middle of a mesh.
   EXPECT_GT(2.0f * *std::min_element(radii.begin(), radii.end()), 0.5f / kGaps);
   EXPECT_LT(*std::max_element(radii.begin(), radii.end()), 1.0f / kGaps);
 }

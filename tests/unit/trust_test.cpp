@@ -1,4 +1,4 @@
-// Whoever calls a decoder must know what it makes of hostile bytes: its header says so.
+// The header of every decoder must say how it treats hostile bytes.
 
 #include <filesystem>
 #include <fstream>

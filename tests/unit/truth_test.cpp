@@ -17,7 +17,7 @@ namespace {
 
 constexpr glm::ivec2 kSize(180, 120);
 
-/// A ball of skin and a small one of hair before its middle.
+/// A skin-coloured ball with a small ball of hair in front of its centre.
 TruthScene balls() {
   Body body;
   const glm::dvec3 center(0.1, 0.9, -0.2), small(0.1, 0.9, 0.3);
@@ -38,7 +38,7 @@ Camera camera_at(double distance, double yaw, double pitch) {
 
 TEST(Truth, misses_no_ray_that_meets_the_surface) {
   const TruthScene scene = balls();
-  for (const double distance : {1.2, 0.5, 0.33, 0.1}) {  // the last is inside
+  for (const double distance : {1.2, 0.5, 0.33, 0.1}) {  // the last distance is inside the ball
     const Camera camera = camera_at(distance, 0.4, -0.3);
     const TruthPicture picture = cast_truth(scene, camera, kSize, {});
     const double half = std::tan(0.5 * camera.fov_y);
@@ -70,8 +70,8 @@ Image moved(const Image& image, const glm::ivec2& by) {
   return result;
 }
 
-/// Lit and unlit, textured and not: what the renderer draws of points of the surface is the same
-/// picture, at the same place.
+/// Lit or unlit, textured or not, the renderer must draw points of the surface as the same picture
+/// at the same place.
 TEST(Truth, agrees_with_the_picture_of_very_many_points) {
   const auto context = OffscreenContext::create();
   ASSERT_TRUE(context) << context.error().message;
@@ -88,14 +88,14 @@ TEST(Truth, agrees_with_the_picture_of_very_many_points) {
     for (const bool lighting : {true, false}) {
       DrawOptions options;
       options.lighting = lighting;
-      options.fill_holes = false;  // that widens outlines
+      options.fill_holes = false;  // filling would widen outlines
       options.background = {0.2f, 0.6f, 0.4f};
       const Camera camera = camera_at(0.9, 0.7, 0.4);
       ASSERT_TRUE(renderer->draw(frame, camera, kSize, options));
       const Image drawn = renderer->read_pixels().value();
       const TruthPicture truth =
           cast_truth(scene, camera, kSize, {texture, lighting, options.background});
-      // Off the edges, where a pixel more or less is covered.
+      // Away from the edges, where coverage may differ by a pixel.
       Mask inner(truth.mask.size(), 0);
       for (int y = 2; y + 2 < kSize.y; ++y) {
         for (int x = 2; x + 2 < kSize.x; ++x) {
@@ -110,8 +110,8 @@ TEST(Truth, agrees_with_the_picture_of_very_many_points) {
       }
       EXPECT_GT(*psnr(truth.image, drawn, inner), texture ? 34.0 : 40.0) << texture << lighting;
       EXPECT_GT(*psnr(truth.image, drawn), 28.0);
-      // Moved by a pixel it is as wrong one way as the other. Of half a pixel to begin with, one
-      // way would be better by 10 dB.
+      // Moving the picture by a pixel makes it equally wrong in both directions. With an offset of
+      // half a pixel, one direction would be better by 10 dB.
       for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
         EXPECT_NEAR(*psnr(truth.image, moved(drawn, step)), *psnr(truth.image, moved(drawn, -step)),
                     1.0);
@@ -125,11 +125,11 @@ TEST(Truth, distinguishes_hidden_points) {
   const glm::dvec3 eye(0.1, 0.9, 3.0);
   const std::vector<bool> hidden =
       hidden_points(scene, eye,
-                    {{0.1, 0.9, 0.34},     // front of the small ball
-                     {0.1, 0.9, 0.338},    // noise: just below its surface
-                     {0.1, 0.9, 0.0},      // front of the large one, behind the small one
-                     {0.22, 0.9, -0.041},  // beside it
-                     {0.1, 0.9, -0.4}},    // the back
+                    {{0.1, 0.9, 0.34},     // the front of the small ball
+                     {0.1, 0.9, 0.338},    // noise just below its surface
+                     {0.1, 0.9, 0.0},      // the front of the large ball, behind the small one
+                     {0.22, 0.9, -0.041},  // beside the small ball
+                     {0.1, 0.9, -0.4}},    // the back of the large ball
                     0.01);
   EXPECT_EQ(hidden, (std::vector<bool>{false, false, true, false, true}));
 }
@@ -151,10 +151,10 @@ TEST(EvenCloud, keeps_points_apart_and_leaves_no_gap) {
   };
   for (std::size_t i = 0; i < cloud.size(); i += 7) {
     EXPECT_GE(nearest(cloud.positions[i], i), 0.999 * least);
-    // Beside it there is one everywhere.
+    // Away from the small ball, every point has a close neighbour.
     const glm::vec3 center(0.1f, 0.9f, -0.2f);
     const glm::vec3 n = cloud.normals[i];
-    if (glm::dot(cloud.positions[i] - center, n) < 0.15f) continue;  // of the small ball
+    if (glm::dot(cloud.positions[i] - center, n) < 0.15f) continue;  // part of the small ball
     const glm::vec3 aside = glm::normalize(glm::cross(n, glm::vec3(0.3f, 0.9f, 0.2f)));
     const glm::vec3 p = center + 0.2f * glm::normalize(n + 0.1f * aside);
     EXPECT_LT(nearest(p, cloud.size()), 1.3 * least);

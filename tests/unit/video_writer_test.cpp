@@ -34,7 +34,7 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-/// A picture whose colour says which it is.
+/// A picture whose colour encodes its number.
 Image numbered(glm::ivec2 size, int number) {
   const auto gray = static_cast<std::uint8_t>(10 + 7 * (number % 32));
   Image image{size.x, size.y, {}};
@@ -42,7 +42,7 @@ Image numbered(glm::ivec2 size, int number) {
   return image;
 }
 
-/// What ffprobe and ffmpeg find in a file.
+/// The properties that ffprobe and ffmpeg report of a file.
 struct Video {
   explicit Video(const fs::path& file) {
     const auto json = nlohmann::json::parse(
@@ -133,7 +133,7 @@ TEST_F(VideoWriterTest, writes_unevenly_spaced_pictures_at_exactly_their_times) 
     ASSERT_EQ(video.times.size(), times.size());
     for (std::size_t i = 0; i < times.size(); ++i)
       EXPECT_NEAR(video.times[i], static_cast<double>(times[i]) / 1e6, 0.51 * resolution) << i;
-    // It does not end before its last picture.
+    // The video does not end before its last picture.
     if (video.stream.contains("duration")) {
       EXPECT_GT(std::stod(video.stream["duration"].get<std::string>()), 2.0);
     }
@@ -197,7 +197,7 @@ TEST_F(VideoWriterTest, reports_why_a_place_cannot_be_written) {
   EXPECT_THAT(ended.error().message, HasSubstr("No such file or directory"));
 }
 
-/// A program that does this instead of ffmpeg.
+/// Makes a script that runs these commands in place of ffmpeg.
 std::string script(const TemporaryFolder& folder, const std::string& commands) {
   const fs::path file = folder.write("ffmpeg", "#!/bin/sh\n" + commands + "\n");
   fs::permissions(file, fs::perms::owner_all);

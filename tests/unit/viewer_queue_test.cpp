@@ -1,4 +1,4 @@
-// What waits for a viewer, and what goes when it is too slow.
+// The messages that wait for a viewer, and those dropped when the viewer is too slow.
 
 #include "server/relay/viewer_queue.h"
 
@@ -58,7 +58,7 @@ TEST(ViewerQueue, a_viewer_that_falls_behind_skips_to_the_newest_frame_and_is_to
   for (std::uint32_t frame = 0; frame < 3; ++frame) push_frame(queue, frame);
   EXPECT_EQ(queue.drops(), LiveDrops{});
   push_frame(queue, 3);
-  // Three frames of three layers are gone, and the newest one's finest layer.
+  // Three frames of three layers were dropped, and the finest layer of the newest frame.
   EXPECT_EQ(queue.drops(), (LiveDrops{3, 10}));
   EXPECT_THAT(take_all(queue), ElementsAre("drops 3 10", "3.0", "3.1"));
 }
@@ -99,7 +99,7 @@ TEST(ViewerQueue, a_stall_of_any_length_leaves_one_frame_and_a_bounded_queue) {
 
 TEST(ViewerQueue, slow_viewers_get_fewer_layers_of_every_frame_and_later_more_again) {
   ViewerQueue queue({.frames = 2});
-  // The link carries four messages while two frames of three come.
+  // The link carries four messages in the time in which two frames of three layers arrive.
   std::vector<std::string> taken;
   for (std::uint32_t frame = 0; frame < 60; frame += 2) {
     push_frame(queue, frame);

@@ -27,7 +27,7 @@ Body ball() {
   return body_of({{RoundCone{center, center, 0.25, 0.25}}, {{0, 0, 0.0}}});
 }
 
-/// Two balls that have grown together, an ellipsoid that stands askew, and one that is apart.
+/// A ball and a round cone that blend, and a tilted ellipsoid without a blend.
 Body group() {
   const glm::dmat3 turned(0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1);
   return body_of({{RoundCone{{0, 0, 0}, {0, 0, 0}, 0.2, 0.2},
@@ -60,7 +60,7 @@ Voxelized voxelized(const Body& body, int bits) {
   return result;
 }
 
-/// Whether the surface passes between two points, by looking at it in 16 places.
+/// Whether the surface passes between two points, tested at 16 places in between.
 bool edge_meets(const Surface& surface, const glm::dvec3& a, const glm::dvec3& b) {
   const bool inside = distance_to(surface, a).distance.value < 0.0;
   for (int i = 1; i <= 16; ++i) {
@@ -108,7 +108,7 @@ TEST(Voxelize, contains_every_voxel_that_dense_samples_hit_except_at_tips) {
   for (const auto& cell : hit) missing += !result.cells.contains(cell);
   for (const auto& cell : result.cells) unseen += !hit.contains(cell);
   EXPECT_LE(missing, hit.size() / 100);
-  EXPECT_LE(unseen, hit.size() / 10);  // voxels of which the surface cuts off a corner
+  EXPECT_LE(unseen, hit.size() / 10);  // voxels of which the surface only cuts off a corner
 }
 
 TEST(Voxelize, gives_one_point_a_voxel_at_integer_coordinates_that_fill_the_cube) {
@@ -128,7 +128,7 @@ TEST(Voxelize, gives_one_point_a_voxel_at_integer_coordinates_that_fill_the_cube
   EXPECT_EQ(result.cloud.origin, glm::dvec3(0.0));
 }
 
-/// Numbers of cells that a walk from cell to cell reaches in turn, until none is left.
+/// The sizes of the connected components of the cells.
 std::vector<std::size_t> components(Cells cells) {
   std::vector<std::size_t> sizes;
   while (!cells.empty()) {
@@ -160,7 +160,7 @@ TEST(Voxelize, gives_voxels_as_connected_as_the_surface) {
 TEST(Voxelize, leaves_no_hole_into_the_inside) {
   const Body body = pose_body(walk(0.4));
   const Voxelized result = voxelized(body, 6);
-  // From outside through the faces of empty voxels, one layer around the grid included.
+  // Flood from outside through the faces of empty voxels, with a layer of cells around the grid.
   std::vector<char> reached(66 * 66 * 66, 0);
   const auto at = [](const glm::ivec3& c) {
     return static_cast<std::size_t>(c.x + 1 + 66 * (c.y + 1 + 66 * (c.z + 1)));

@@ -32,7 +32,7 @@ using PeerStream = beast::websocket::stream<tcp::socket>;
 
 constexpr auto kLong = 20s;
 
-/// Serves one connection in a thread: reads the upgrade's request, then does as it is told.
+/// Serves one connection in a thread: reads the upgrade request, then runs the script.
 class Peer {
  public:
   using Script =
@@ -53,7 +53,7 @@ class Peer {
           }
         }) {}
   ~Peer() {
-    // A connection that nobody made ends the wait.
+    // If no client ever connected, this connection ends the wait.
     boost::system::error_code ignored;
     tcp::socket(context_).connect(acceptor_.local_endpoint(), ignored);
     thread_.join();
@@ -69,7 +69,7 @@ class Peer {
   std::thread thread_;
 };
 
-/// A peer that upgrades and then runs `script`.
+/// A peer that accepts the upgrade and then runs `script`.
 Peer::Script upgraded(std::function<void(PeerStream&)> script) {
   return [script](tcp::socket& socket, http::request<http::string_body>& upgrade) {
     PeerStream stream(std::move(socket));
@@ -177,7 +177,7 @@ TEST(WebSocket, the_reason_of_a_server_for_closing_is_reported) {
   }));
   const auto socket = WebSocket::connect(peer.url());
   ASSERT_TRUE(socket);
-  EXPECT_EQ(must_receive(**socket).bytes.size(), 4u) << "what came before is not lost";
+  EXPECT_EQ(must_receive(**socket).bytes.size(), 4u) << "the message before it is not lost";
   EXPECT_THAT(how_it_ended(**socket), HasSubstr("somebody else publishes stage"));
   EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
 }
@@ -257,7 +257,7 @@ TEST(WebSocket, closing_ends_a_wait_in_another_thread) {
 TEST(WebSocket, connecting_can_be_stopped) {
   std::promise<void> over;
   std::stop_source stop;
-  // It never answers the upgrade.
+  // This peer never answers the upgrade request.
   const Peer peer([&](tcp::socket&, http::request<http::string_body>&) {
     stop.request_stop();
     over.get_future().wait();

@@ -77,8 +77,9 @@ TEST(WriteSequence, chooses_a_grid_that_contains_every_frame) {
     const Box box = bounds(voxels);
     EXPECT_GE(std::min({box.min.x, box.min.y, box.min.z}), 0.0);
     EXPECT_LE(std::max({box.max.x, box.max.y, box.max.z}), 63.0);
-    EXPECT_GE(box.extent().y, 60.0) << "the figure stands in a cube of its own height";
-    // In the same place as the points of a sample, which knows nothing of the grid.
+    EXPECT_GE(box.extent().y, 60.0) << "the figure fills the height of its cube";
+    // The voxels lie at the same place as the points of a sample, which does not depend on the
+    // grid.
     options.voxels.reset();
     options.sampler = Sampler::uniform;
     options.points = 2000;

@@ -1,4 +1,4 @@
-// Paths of the camera, recorded in the window and followed there.
+// Camera paths, recorded in the window and followed there.
 
 #include "client/scene/camera_path.h"
 
@@ -53,7 +53,8 @@ TEST_F(CameraPathWindow, the_k_key_records_a_camera_path_that_the_player_follows
   EXPECT_EQ(path->keys[1].yaw, 0.0);
   EXPECT_NEAR(static_cast<double>(path->keys[1].time_us - path->keys[0].time_us), 5e6, 2e5);
 
-  // Behind the last key it is the first view; near the first one it has turned most of the way.
+  // Behind the last key, the view is the first one. Near the first key, it has turned most of the
+  // way.
   open({"--camera", file, "--at", "9"});
   pause();
   const int late = frame();

@@ -17,7 +17,7 @@ using std::chrono::steady_clock;
 
 constexpr long kVersion = 5;
 
-/// One drag. https://www.freedesktop.org/wiki/Specifications/XDND
+/// A single drag. See https://www.freedesktop.org/wiki/Specifications/XDND
 class Drag {
  public:
   Drag(Display* display, Window target, std::string list)
@@ -77,7 +77,7 @@ class Drag {
     XFlush(display_);
   }
 
-  /// Gives the list to whoever asks for it, until this message comes.
+  /// Sends the list to any client that requests it, until this message arrives.
   std::optional<XClientMessageEvent> answer(const char* message) const {
     const Atom wanted = atom(message);
     const auto deadline = steady_clock::now() + std::chrono::seconds(60);

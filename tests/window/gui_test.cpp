@@ -1,4 +1,4 @@
-// The interface in a window of the test's own: what depends on when it is asked.
+// The interface in a window of the test's own, for behaviour that depends on when it is called.
 
 #include <chrono>
 #include <cstdlib>
@@ -86,10 +86,10 @@ TEST_F(GuiWindow, help_longer_than_the_window_is_scrolled_by_the_seek_keys) {
     interface.build(view, controls);
     interface.build(view, controls);
   };
-  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "there is none";
+  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "the help is not shown yet";
   controls.show_help = true;
   build({1280, 720});
-  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "all of it is to be seen";
+  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "all of the help is visible";
   build({420, 400});
   interface.draw();
   EXPECT_FALSE(interface.changed());
@@ -106,7 +106,7 @@ TEST_F(GuiWindow, help_longer_than_the_window_is_scrolled_by_the_seek_keys) {
   EXPECT_TRUE(interface.changed());
   controls.show_help = false;
   build({420, 400});
-  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "it is closed";
+  EXPECT_FALSE(interface.scroll_help(Action::seek_back_far)) << "the help is closed";
 }
 
 }  // namespace

@@ -18,16 +18,16 @@ constexpr int kFrames = MovingPlate::kFrames;
 
 class InterfaceWindow : public WindowTest {
  protected:
-  /// Of the timeline, which has 14 pixels beside it.
+  /// A pixel on the timeline, which has a margin of 14 pixels on each side.
   glm::ivec2 on_timeline(double share) {
     const glm::ivec2 size = player().size();
     return {static_cast<int>(std::lround(14.0 + share * (size.x - 28.0))), size.y - 45};
   }
-  /// The middle of a button below it: 0 is a step back, 1 play, 2 a step on, 3 the loop.
+  /// The middle of a button below the timeline: 0 steps back, 1 plays, 2 steps forward, 3 loops.
   glm::ivec2 button(int number) {
     return {static_cast<int>(9.0 + 26.0 * (number + 0.5)), player().size().y - 18};
   }
-  /// How many pixels of these rows are unlike the upper left corner of the window.
+  /// The number of pixels in these rows that differ from the upper left corner of the window.
   std::size_t drawn(int top, int bottom) {
     const e2e::Picture picture = player().picture();
     if (picture.pixels.empty()) return 0;
@@ -36,11 +36,11 @@ class InterfaceWindow : public WindowTest {
                       picture.pixels.begin() + std::ptrdiff_t{bottom} * picture.size.x,
                       [&](const glm::u8vec3& pixel) { return pixel != picture.pixels.front(); }));
   }
-  /// As a hand does: moves there, sees the bar, and presses.
+  /// Moves there, waits for the bar, and presses, as a hand does.
   void press(glm::ivec2 pixel) {
     player().move_to(pixel - glm::ivec2(3, 0));
     player().move_to(pixel);
-    EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar";
+    EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar must appear";
     player().press(pixel);
   }
   std::size_t bar() { return drawn(player().size().y - 60, player().size().y); }
@@ -66,7 +66,7 @@ TEST_F(InterfaceWindow, dragging_the_timeline_goes_to_the_time_under_the_cursor)
   player().move_to(on_timeline(0.755));
   EXPECT_TRUE(wait_for_frame(kFrames * 3 / 4)) << frame();
   keep("timeline dragged");
-  // Far above it, it is still held.
+  // The timeline is still held by a cursor far above it.
   player().move_to(on_timeline(0.505) - glm::ivec2(0, 300));
   EXPECT_TRUE(wait_for_frame(kFrames / 2)) << frame();
   player().release();
@@ -81,7 +81,7 @@ TEST_F(InterfaceWindow, playback_resumes_from_the_end_of_a_drag) {
   ASSERT_TRUE(wait_for_next_frame());
   press(on_timeline(0.505));
   EXPECT_TRUE(wait_for_frame(kFrames / 2)) << frame();
-  EXPECT_EQ(paused_frame(), kFrames / 2) << "while it is held";
+  EXPECT_EQ(paused_frame(), kFrames / 2) << "it must pause while held";
   player().release();
   EXPECT_TRUE(wait_until([&] { return frame() > kFrames / 2; }));
   quit();
@@ -91,10 +91,10 @@ TEST_F(InterfaceWindow, the_buttons_act_like_their_keys) {
   open({"--at", "4"});
   ASSERT_TRUE(wait_for_next_frame());
   player().move_to(button(1));
-  EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar";
+  EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar must appear";
   player().click(button(1));
   const int from = paused_frame();
-  ASSERT_GE(from, 0) << "paused";
+  ASSERT_GE(from, 0) << "playback must pause";
   player().click(button(2));
   EXPECT_TRUE(wait_for_frame(from + 1)) << frame();
   player().click(button(0));
@@ -122,7 +122,7 @@ TEST_F(InterfaceWindow, the_question_mark_in_the_bar_opens_the_help) {
   pause();
   const glm::ivec2 size = player().size(), mark(size.x - 100, size.y - 18);
   player().move_to(mark - glm::ivec2(3, 0));
-  EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar";
+  EXPECT_TRUE(wait_until([&] { return bar() > 1000; })) << "the bar must appear";
   player().click(mark);
   EXPECT_TRUE(wait_until([&] { return drawn(0, size.y / 2) > 20'000; }));
   EXPECT_TRUE(quit()["window"]["shown"]["help"].get<bool>());
@@ -146,7 +146,7 @@ TEST_F(InterfaceWindow, the_timeline_shows_a_thumbnail_of_the_time_under_the_cur
   EXPECT_TRUE(wait_until([&] {
     return e2e::find_hue(player().picture(), {1, 0, 0}).pixels >
            MovingPlate::plate(player().picture()).pixels + 50;
-  })) << "of the plate in it";
+  })) << "the thumbnail must show the plate";
   keep("thumbnail");
   quit();
 }

@@ -1,4 +1,4 @@
-// How it is drawn, from where, and how large.
+// The drawing modes, the camera and the size of the window.
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 class LookingWindow : public WindowTest {
  protected:
-  /// How many pixels the plate has, of so many.
+  /// The number of pixels of the plate, relative to `first`.
   double times(const e2e::Patch& first) {
     return static_cast<double>(patch().pixels) / static_cast<double>(first.pixels);
   }
@@ -21,7 +21,7 @@ class LookingWindow : public WindowTest {
 
 TEST_F(LookingWindow, the_m_key_cycles_through_surfels_voxels_and_points) {
   for (const auto& [times, mode] : {std::pair{1, "voxel"}, {2, "point"}, {3, "surfel"}}) {
-    open({"--mode", "surfel"});  // it remembers the last one
+    open({"--mode", "surfel"});  // the player remembers the last mode
     pause();
     const e2e::Picture before = player().picture();
     for (int i = 0; i < times; ++i) player().key("m");
@@ -41,7 +41,7 @@ TEST_F(LookingWindow, the_mouse_turns_moves_and_zooms_and_the_0_key_resets) {
   const auto first = patch();
 
   player().drag(middle, middle + glm::ivec2(150, 0));
-  EXPECT_TRUE(wait_until([&] { return times(first) < 0.95; })) << "turned";
+  EXPECT_TRUE(wait_until([&] { return times(first) < 0.95; })) << "the camera must turn";
   player().key("0");
   EXPECT_TRUE(wait_for_frame(from));
 
@@ -55,9 +55,9 @@ TEST_F(LookingWindow, the_mouse_turns_moves_and_zooms_and_the_0_key_resets) {
 
   player().move_to(middle);
   player().scroll(3);
-  EXPECT_TRUE(wait_until([&] { return times(first) > 1.4; })) << "nearer";
+  EXPECT_TRUE(wait_until([&] { return times(first) > 1.4; })) << "the camera must come nearer";
   player().scroll(-3);
-  EXPECT_TRUE(wait_until([&] { return times(first) < 1.1; })) << "farther";
+  EXPECT_TRUE(wait_until([&] { return times(first) < 1.1; })) << "the camera must move away";
   quit();
 }
 
@@ -72,7 +72,7 @@ TEST_F(LookingWindow, a_view_turned_there_and_back_looks_as_before) {
     for (std::size_t i = 0; i < now.pixels.size(); ++i) other += now.pixels[i] != before.pixels[i];
     return other * 1000 < now.pixels.size();
   };
-  // However coarse it was while the hand moved.
+  // However coarse the picture was while the mouse moved.
   player().press(middle);
   player().move_to(middle + glm::ivec2(40, 0));
   EXPECT_TRUE(wait_until([&] { return !as_before(); }));
@@ -88,7 +88,7 @@ TEST_F(LookingWindow, a_double_click_centres_the_point_under_the_cursor) {
   pause();
   const auto first = patch();
   ASSERT_GT(std::abs(first.center.x - player().size().x / 2), 100);
-  // The rows of the patch begin at a quarter of the picture.
+  // The rows of the patch begin at a quarter of the picture's height.
   player().double_click(glm::ivec2(first.center) + glm::ivec2(0, player().size().y / 4));
   EXPECT_TRUE(wait_until([&] { return std::abs(patch().center.x - player().size().x / 2) < 10; }))
       << patch().center.x;
@@ -113,7 +113,7 @@ TEST_F(LookingWindow, the_w_and_d_keys_fly_forward_and_right) {
   const auto first = patch();
   player().key("Tab");
   player().key_down("w");
-  EXPECT_TRUE(wait_until([&] { return times(first) > 1.3; })) << "forward";
+  EXPECT_TRUE(wait_until([&] { return times(first) > 1.3; })) << "the camera must fly forward";
   player().key_up("w");
   player().key_down("d");
   EXPECT_TRUE(wait_until([&] { return patch().center.x < first.center.x - 60; })) << "to the right";
@@ -144,7 +144,7 @@ TEST_F(LookingWindow, a_resized_window_shows_the_same_frame) {
   open({"--at", "4"});
   pause();
   const int from = frame();
-  // All that plays is seen in each, so the plate is not where it was.
+  // The whole reel is visible at either size, so the plate changes its place.
   for (const glm::ivec2 size : {glm::ivec2(800, 600), glm::ivec2(1500, 500)}) {
     player().resize(size);
     EXPECT_TRUE(wait_until([&] { return player().size() == size && patch().pixels > 500; }))
@@ -153,7 +153,7 @@ TEST_F(LookingWindow, a_resized_window_shows_the_same_frame) {
   keep("resized");
   const auto report = quit();
   EXPECT_EQ(report["size"], nlohmann::json({1500, 500}));
-  // The one that was asked for may have come after the one before it was looked at.
+  // The requested frame may have arrived after the previous one was looked at.
   EXPECT_NEAR(report["window"]["frame"].get<int>(), from, 2);
 }
 
@@ -162,7 +162,7 @@ TEST_F(LookingWindow, a_narrow_window_shows_the_whole_scene_until_the_camera_is_
   pause();
   const auto first = patch();
   player().resize({420, 700});
-  // There is a moment at which nothing is in the window.
+  // For a moment there is nothing in the window.
   const auto smaller = [&] { return times(first) > 0.01 && times(first) < 0.6; };
   EXPECT_TRUE(wait_until(smaller)) << times(first);
   keep("narrow");

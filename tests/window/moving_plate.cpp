@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 PointCloud plate(int frame) {
   PointCloud cloud;
   const float left = 2.0f * static_cast<float>(frame) / (MovingPlate::kFrames - 1);
-  constexpr int kSide = 24;  // and frames are farther apart than voxels of the base layer
+  constexpr int kSide = 24;  // neighbouring frames are farther apart than voxels of the base layer
   for (int i = 0; i < kSide * kSide; ++i) {
     cloud.positions.emplace_back(left + 0.02f * static_cast<float>(i % kSide),
                                  0.02f * static_cast<float>(i / kSide), 0.0f);
@@ -25,7 +25,8 @@ PointCloud plate(int frame) {
   return cloud;
 }
 
-/// Right of the middle, in heights of the picture: the same in pictures of all sizes.
+/// The distance to the right of the middle in picture heights, which is the same for all picture
+/// sizes.
 double place(const e2e::Picture& picture, const e2e::Patch& patch) {
   return (patch.center.x - 0.5 * picture.size.x) / picture.size.y;
 }

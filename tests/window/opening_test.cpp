@@ -1,4 +1,4 @@
-// What is opened: by the command line, and by dropping it; and what cannot be.
+// Opening sources from the command line and by dropping them, and sources that cannot be opened.
 
 #include <algorithm>
 #include <chrono>
@@ -31,14 +31,14 @@ class OpeningWindow : public WindowTest {
   bool wait_for_err(const std::string& part) {
     return wait_until([&] { return player().err().find(part) != std::string::npos; });
   }
-  /// Pixels of the window that are as bright as text.
+  /// The number of pixels in the window that are as bright as text.
   std::ptrdiff_t bright() {
     const e2e::Picture picture = player().picture();
     return std::count_if(picture.pixels.begin(), picture.pixels.end(),
                          [](const glm::u8vec3& c) { return std::min({c.r, c.g, c.b}) > 140; });
   }
 
-  /// From the first to the last column that has some.
+  /// The width from the first to the last column with such pixels.
   int bright_width() {
     const e2e::Picture picture = player().picture();
     int first = picture.size.x, last = 0;
@@ -52,10 +52,11 @@ class OpeningWindow : public WindowTest {
     return last - first;
   }
 
-  /// The window says it, and standard error does, in one line; "q" ends it with an error.
+  /// Expects the message in the window and as one line on standard error. Then "q" ends the player
+  /// with an error.
   void expect_error(const std::string& part) {
     EXPECT_TRUE(wait_for_err(part)) << player().err();
-    EXPECT_TRUE(wait_until([&] { return bright() > 200; })) << "a line in the window";
+    EXPECT_TRUE(wait_until([&] { return bright() > 200; })) << "the window must show a line";
     const auto report = player().quit();
     EXPECT_EQ(player().exit_code(), 1);
     const std::string err = player().err();
@@ -98,7 +99,7 @@ TEST_F(OpeningWindow, an_unplayable_drop_is_reported_and_the_current_reel_plays_
   ASSERT_TRUE(player().drop({folder_.write("notes.ply", "not a cloud at all")}));
   EXPECT_TRUE(wait_for_err("notes.ply")) << player().err();
   keep("dropped what is no cloud");
-  EXPECT_TRUE(wait_for_title(": plate")) << "what plays is told again, not " << player().title();
+  EXPECT_TRUE(wait_for_title(": plate")) << "the title must return, not " << player().title();
   ASSERT_TRUE(player().drop({plate().reel()}));
   EXPECT_TRUE(wait_for_title(": plate"));
   EXPECT_TRUE(wait_for_next_frame());
@@ -133,9 +134,9 @@ TEST_F(OpeningWindow, a_window_stays_usable_while_a_host_does_not_answer) {
   ASSERT_TRUE(link) << link.error().message;
   open_sources({"http://" + (*link)->address() + "/slow-reel"});
   EXPECT_TRUE(wait_for_title("slow-reel")) << player().title();
-  EXPECT_TRUE(wait_until([&] { return bright() > 200; })) << "what is loading";
+  EXPECT_TRUE(wait_until([&] { return bright() > 200; })) << "the source must be named";
   keep("loading");
-  // Something else can be played meanwhile, at once.
+  // Meanwhile another reel can be played at once.
   ASSERT_TRUE(player().drop({plate().reel()}));
   EXPECT_TRUE(wait_for_next_frame());
   quit();
@@ -148,9 +149,9 @@ TEST_F(OpeningWindow, a_silent_host_is_reported_and_escape_stops_waiting) {
   const auto link = LinkEmulator::start({.target = "127.0.0.1:9", .conditions = {.cut = true}});
   ASSERT_TRUE(link) << link.error().message;
   open_sources({"http://" + (*link)->address() + "/slow-reel"});
-  EXPECT_TRUE(wait_until([&] { return bright_width() > 50; })) << "what is loading";
+  EXPECT_TRUE(wait_until([&] { return bright_width() > 50; })) << "the source must be named";
   const int loading = bright_width();
-  EXPECT_TRUE(wait_until([&] { return bright_width() > 2 * loading; })) << "what is waited for";
+  EXPECT_TRUE(wait_until([&] { return bright_width() > 2 * loading; })) << "no reason for waiting";
   keep("silent host");
   player().key("Escape");
   expect_error("slow-reel: loading was given up");

@@ -1,4 +1,4 @@
-// The panels, by mouse, at both scales.
+// The panels, used with the mouse, at both scales.
 
 #include <chrono>
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Of pixels: the first corner is in it, the last one not.
+/// In pixels; the first corner is inside the rectangle, the last is not.
 struct Rectangle {
   glm::ivec2 first{1 << 20}, last{0};
 
@@ -21,7 +21,7 @@ struct Rectangle {
   bool operator==(const Rectangle&) const = default;
 };
 
-/// Around all pixels that are not the same.
+/// The bounding rectangle of all pixels that differ.
 Rectangle difference(const e2e::Picture& one, const e2e::Picture& other) {
   Rectangle all;
   if (one.size != other.size) return all;
@@ -38,7 +38,7 @@ Rectangle difference(const e2e::Picture& one, const e2e::Picture& other) {
 
 class PanelsWindow : public WindowTest, public testing::WithParamInterface<int> {
  protected:
-  /// Points, paused, with nothing over the picture.
+  /// Opens the player in point mode, paused, with nothing over the picture.
   void open_still(std::vector<std::string> arguments = {}) {
     arguments.insert(arguments.end(),
                      {"--mode", "point", "--at", "6", "--ui-scale", std::to_string(scale())});
@@ -49,13 +49,13 @@ class PanelsWindow : public WindowTest, public testing::WithParamInterface<int> 
     ASSERT_FALSE(before_.pixels.empty());
   }
 
-  /// The picture once it has not changed for a while.
+  /// The picture, once it has not changed for a while.
   e2e::Picture still() {
     return wait_until_still([&] { return player().picture(); }, milliseconds(1200))
         .value_or(e2e::Picture{});
   }
 
-  /// Where the panel is that a key opens: where the picture is not as it was before.
+  /// Opens a panel with its key and returns its place, where the picture has changed.
   Rectangle open_panel(const std::string& key) {
     player().key(key);
     const auto panel =
@@ -65,7 +65,7 @@ class PanelsWindow : public WindowTest, public testing::WithParamInterface<int> 
     return panel.value_or(Rectangle{});
   }
 
-  /// By the cross in its corner, which is all that is pressed.
+  /// Clicks on the cross in the corner of the panel and on nothing else.
   void close_panel(const Rectangle& panel) {
     player().click({panel.last.x - 12 * scale(), panel.first.y + 10 * scale()});
     player().move_to(player().size() - 1);
@@ -84,11 +84,11 @@ TEST_P(PanelsWindow, dragging_a_slider_of_the_drawing_panel_does_not_move_the_ca
   const double first = red();
   const Rectangle panel = open_panel("d");
   keep("drawing panel");
-  // "Point size", below the title and the modes: 1 to 16 pixels over 150.
+  // "Point size", below the title and the modes: 1 to 16 pixels over a width of 150.
   const auto slider = [&](int x) { return panel.first + glm::ivec2(8 + x, 62) * scale(); };
   player().drag(slider(12), slider(140));
   EXPECT_TRUE(wait_until([&] { return red() > 1.2 * first; })) << red() / first;
-  EXPECT_EQ(frame(), from) << "the camera turned";
+  EXPECT_EQ(frame(), from) << "the camera must not turn";
   keep("point size dragged");
   player().drag(slider(140), slider(2));
   EXPECT_TRUE(wait_until([&] { return red() < first; })) << red() / first;

@@ -12,7 +12,7 @@ namespace {
 std::vector<std::string> arguments(const PlayerWindow::Options& options) {
   std::vector<std::string> all = {"play"};
   all.insert(all.end(), options.arguments.begin(), options.arguments.end());
-  // Whoever runs the test may be killed: the player does not stay for ever.
+  // The limit ends the player even if the test that started it is killed.
   all.insert(all.end(), {"--json", (options.folder / "play.json").string(), "--duration", "300"});
   return all;
 }
@@ -82,8 +82,8 @@ void PlayerWindow::press(glm::ivec2 pixel, int button) {
 void PlayerWindow::release(int button) { display_.xdotool({"mouseup", std::to_string(button)}); }
 
 void PlayerWindow::click(glm::ivec2 pixel, int button) {
-  // A button counts as pressed only if the mouse is on it in one picture and pressed in another,
-  // and nothing outside the player tells when it has drawn those. So this is as slow as a hand.
+  // A button counts as pressed only if the mouse is over it in one picture and pressed in another,
+  // and nothing outside the player shows when it has drawn those. So this is as slow as a hand.
   constexpr std::chrono::milliseconds kHand{80};
   move_to(pixel);
   std::this_thread::sleep_for(kHand);

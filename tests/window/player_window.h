@@ -19,30 +19,30 @@
 
 namespace pointreel::window {
 
-/// `pointreel play` in a real window, with somebody at its keys and its mouse.
+/// `pointreel play` in a real window, with a simulated user at its keys and mouse.
 class PlayerWindow {
  public:
   struct Options {
-    std::vector<std::string> arguments;  ///< of `pointreel play`
-    /// A folder to be in and to write to: figures, what is on standard error, settings.
+    std::vector<std::string> arguments;  ///< for `pointreel play`
+    /// The working folder, also for output: figures, standard error, settings.
     std::filesystem::path folder;
     std::vector<std::string> environment;  ///< "NAME=VALUE"
   };
 
-  /// Once the window is there. An error if there is none within a minute.
+  /// Starts the player and waits for its window. Fails if there is none within a minute.
   static Result<std::unique_ptr<PlayerWindow>> open(VirtualDisplay& display,
                                                     const Options& options);
 
-  /// Names of keys as in xdotool: "space", "Right", "question", "shift+Left".
+  /// Takes names of keys as in xdotool: "space", "Right", "question", "shift+Left".
   void key(const std::string& name);
   void move_to(glm::ivec2 pixel);
   void click(glm::ivec2 pixel, int button = 1);
   void double_click(glm::ivec2 pixel);
   void press(glm::ivec2 pixel, int button = 1);
   void release(int button = 1);
-  /// Presses, moves there in some steps, and lets go.
+  /// Presses the button, moves there in some steps, and releases it.
   void drag(glm::ivec2 from, glm::ivec2 to, int button = 1);
-  void scroll(int notches);  ///< positive away from the user
+  void scroll(int notches);  ///< positive: away from the user
   void key_down(const std::string& name);
   void key_up(const std::string& name);
   void resize(glm::ivec2 size);
@@ -51,15 +51,15 @@ class PlayerWindow {
   e2e::Picture picture() const { return display_.picture(window_); }
   glm::ivec2 size() const { return display_.size(window_); }
   std::string title() const { return display_.title(window_); }
-  /// What it has written on standard error so far.
+  /// Returns what it has written to standard error so far.
   std::string err() const;
   bool running() const { return process_.running(); }
   pid_t pid() const { return process_.pid(); }
 
-  /// Waits until it ends by itself, for at most a minute, after "q" was pressed; what the player
-  /// tells in --json, which is discarded if it ended with an error.
+  /// Presses "q" and waits for at most a minute until the player ends. Returns what it reports in
+  /// --json, or a discarded value if it ended with an error.
   nlohmann::json quit();
-  /// The same after the window was closed as by a window manager.
+  /// The same, but closes the window as a window manager does.
   nlohmann::json close();
   int exit_code() const { return exit_code_; }  ///< after quit or close
 
@@ -74,16 +74,16 @@ class PlayerWindow {
   int exit_code_ = -1;
 };
 
-/// As pointreel::wait_until, but with longer pauses: looking at the display takes processor time
-/// that the player needs to draw.
+/// As pointreel::wait_until, but with longer pauses, since looking at the display takes processor
+/// time that the player needs to draw.
 template <class Condition>
 bool wait_until(Condition&& condition,
                 std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
   return pointreel::wait_until(condition, timeout, std::chrono::milliseconds(5));
 }
 
-/// What there is to see once it has been the same for `time`, and `good`; nothing if it does not
-/// come to that within a minute.
+/// Returns the value of `look` once it has not changed for `time` and is `good`, or nothing if that
+/// does not happen within a minute.
 template <class Look, class Good>
 auto wait_until_still(const Look& look, std::chrono::milliseconds time, const Good& good)
     -> std::optional<decltype(look())> {

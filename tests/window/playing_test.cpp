@@ -1,4 +1,4 @@
-// Playing, pausing and seeking, by key and by mouse.
+// Playing, pausing and seeking, with keys and with the mouse.
 
 #include <algorithm>
 
@@ -38,7 +38,7 @@ TEST_F(PlayingWindow, no_picture_is_a_draft_if_drafts_are_disabled) {
 }
 
 TEST_F(PlayingWindow, drafts_are_drawn_if_time_is_short) {
-  // So many frames a second that no machine draws each of them.
+  // So many frames per second that no machine can draw each of them.
   open_sources({Stand::get().folder / "in", "--fps", "1000"});
   EXPECT_TRUE(wait_for_next_frame());
   EXPECT_TRUE(wait_for_next_frame());
@@ -82,7 +82,7 @@ TEST_F(PlayingWindow, other_keys_seek_by_a_second_a_minute_a_tenth_and_to_the_en
   player().key("shift+Left");
   EXPECT_TRUE(wait_for_frame(from)) << from << " to " << frame();
   player().key("Up");
-  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames - 1)) << "not beyond the end: " << frame();
+  EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames - 1)) << "it must stop at the end: " << frame();
   player().key("Home");
   EXPECT_TRUE(wait_for_frame(0)) << frame();
   player().key("Prior");
@@ -91,7 +91,7 @@ TEST_F(PlayingWindow, other_keys_seek_by_a_second_a_minute_a_tenth_and_to_the_en
   EXPECT_TRUE(wait_for_frame(0)) << frame();
   player().key("space");
   player().key("End");
-  EXPECT_EQ(paused_frame(), MovingPlate::kFrames - 1) << "paused, too";
+  EXPECT_EQ(paused_frame(), MovingPlate::kFrames - 1) << "it must also pause";
   quit();
 }
 
@@ -155,7 +155,7 @@ TEST_F(PlayingWindow, dragging_with_shift_seeks_to_the_time_under_the_cursor) {
   EXPECT_TRUE(wait_for_frame(MovingPlate::kFrames * 3 / 4)) << frame();
   player().release();
   player().key_up("shift");
-  EXPECT_EQ(paused_frame(), MovingPlate::kFrames * 3 / 4) << "it was paused before";
+  EXPECT_EQ(paused_frame(), MovingPlate::kFrames * 3 / 4) << "it must stay paused";
   quit();
 }
 

@@ -1,4 +1,4 @@
-// What the window remembers.
+// The settings that the window remembers.
 
 #include <algorithm>
 #include <string>

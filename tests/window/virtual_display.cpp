@@ -16,7 +16,7 @@
 namespace pointreel::window {
 namespace {
 
-/// Where a program is that PATH has; empty if it has none.
+/// Returns the path of a program on PATH, or an empty string if there is none.
 std::string find_program(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path != nullptr ? path : "/usr/bin");
@@ -27,13 +27,13 @@ std::string find_program(const std::string& name) {
   return {};
 }
 
-/// Windows vanish while one looks at them: that is no reason to end the test, as Xlib would.
+/// Windows may vanish while they are examined. Xlib would end the test then, which is not wanted.
 int ignore_error(Display*, XErrorEvent*) { return 0; }
 
 }  // namespace
 
 struct VirtualDisplay::Server {
-  // It ends when the last program that is connected to it does, so it outlives no test.
+  // It ends when the last connected program ends, so it cannot outlive a test.
   Server(const std::string& program, glm::ivec2 size)
       : process(program,
                 {"-displayfd", "1", "-screen", "0", fmt::format("{}x{}x24", size.x, size.y),
@@ -116,7 +116,7 @@ e2e::Picture VirtualDisplay::picture(WindowId window) const {
                             static_cast<unsigned>(extent.y), AllPlanes, ZPixmap);
   if (image == nullptr) return {};
   e2e::Picture picture;
-  // Xvfb's, on the machines that we run on: four bytes a pixel, blue first.
+  // The format of Xvfb on the machines that the tests run on: four bytes per pixel, blue first.
   if (image->bits_per_pixel == 32 && image->byte_order == LSBFirst) {
     picture.size = extent;
     picture.pixels.reserve(static_cast<std::size_t>(extent.x) * static_cast<std::size_t>(extent.y));

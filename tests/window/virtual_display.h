@@ -13,35 +13,36 @@
 
 namespace pointreel::window {
 
-using WindowId = unsigned long;  ///< Xlib's Window; 0 is none
+using WindowId = unsigned long;  ///< Xlib's Window; 0 means none
 
-/// An X server without a screen: Xvfb, on a display that nobody else has. There is no window
-/// manager: windows lie in the upper left corner, without a frame.
+/// An X server without a screen: Xvfb, on a display that nobody else uses. There is no window
+/// manager: windows lie in the upper left corner and have no frame.
 class VirtualDisplay {
  public:
-  /// What has to be installed and is not: "xvfb", "xdotool"; empty where all is there.
+  /// The names of required programs that are not installed: "xvfb", "xdotool". Empty if none is
+  /// missing.
   static std::string missing();
 
   static Result<std::unique_ptr<VirtualDisplay>> start(glm::ivec2 size = {1600, 1000});
 
   ~VirtualDisplay();
 
-  const std::string& name() const;  ///< ":7", for DISPLAY
+  const std::string& name() const;  ///< for DISPLAY, such as ":7"
 
-  /// The window that can be seen, of those of the only program that has any; 0 where there is none.
+  /// The visible window of the only program that has any, or 0 if there is none.
   WindowId window() const;
   std::string title(WindowId window) const;
   glm::ivec2 size(WindowId window) const;
-  /// What is in the window now, as it is on the screen; empty if it is gone.
+  /// The current contents of the window as on the screen. Empty if the window is gone.
   e2e::Picture picture(WindowId window) const;
-  /// Asks it to close, as a window manager does.
+  /// Asks the window to close, as a window manager does.
   void close(WindowId window) const;
 
-  /// Gives real events: xdotool's commands and their arguments, one after the other.
+  /// Generates real events: xdotool's commands and their arguments, one after the other.
   void xdotool(const std::vector<std::string>& commands) const;
 
-  /// Drops files on the middle of a window, as a file manager does, by XDND. False if the window
-  /// does not take them within ten seconds.
+  /// Drops files on the middle of a window by XDND, as a file manager does. Returns false if the
+  /// window does not accept them within ten seconds.
   bool drop(WindowId window, const std::vector<std::filesystem::path>& files) const;
 
  private:

@@ -34,7 +34,7 @@ void WindowTest::open(std::vector<std::string> arguments) {
 
 void WindowTest::open_sources(std::vector<std::string> arguments) {
   player_.reset();
-  // Out of the way of whatever appears under it.
+  // Moves the mouse away from where windows appear.
   display().xdotool({"mousemove", "1599", "999"});
   auto opened = PlayerWindow::open(display(), {std::move(arguments), folder_.path(), {}});
   ASSERT_TRUE(opened) << opened.error().message;
@@ -65,7 +65,7 @@ bool WindowTest::wait_for_next_frame() const {
 void WindowTest::pause() {
   ASSERT_TRUE(wait_until([&] { return frame() >= 0; })) << player_->err();
   player_->key("space");
-  ASSERT_GE(paused_frame(), 0) << "it does not pause";
+  ASSERT_GE(paused_frame(), 0) << "playback must pause";
 }
 
 void WindowTest::keep(const std::string& name) const {

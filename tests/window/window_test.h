@@ -24,14 +24,14 @@ struct Stand {
   TemporaryFolder folder;
 };
 
-/// Somebody uses the player. Skipped where Xvfb or xdotool are not installed. With
-/// POINTREEL_WINDOW_PICTURES=FOLDER in the environment, the pictures that tests name are kept
-/// there.
+/// A test that uses the player as a user does. It is skipped if Xvfb or xdotool is not installed.
+/// If POINTREEL_WINDOW_PICTURES=FOLDER is set in the environment, the pictures that tests name are
+/// kept in that folder.
 class WindowTest : public testing::Test {
  protected:
   void SetUp() override;
 
-  /// `pointreel play REEL ARGUMENTS...`.
+  /// Opens `pointreel play REEL ARGUMENTS...`.
   void open(std::vector<std::string> arguments = {});
   /// The same with these sources.
   void open_sources(std::vector<std::string> arguments);
@@ -40,18 +40,18 @@ class WindowTest : public testing::Test {
   const MovingPlate& plate() const { return Stand::get().plate; }
   VirtualDisplay& display() const { return *Stand::get().display; }
 
-  /// Which frame is to be seen; -1 where there is none.
+  /// The visible frame, or -1 if there is none.
   int frame() const;
   bool wait_for_frame(int number) const;
-  /// Until the same frame has been to be seen for a while; -1 if it does not come to that.
+  /// Waits until the same frame has been visible for a while. Returns -1 if that does not happen.
   int paused_frame() const;
   bool wait_for_next_frame() const;
   void pause();
 
-  /// Keeps the picture, if that is wanted.
+  /// Keeps the picture under this name if pictures are wanted.
   void keep(const std::string& name) const;
 
-  /// Ends it by "q": without complaint, and by itself.
+  /// Ends the player with "q" and expects that it exits without complaint.
   nlohmann::json quit();
 
   TemporaryFolder folder_;

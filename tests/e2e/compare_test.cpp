@@ -1,4 +1,4 @@
-// pointreel-bench compare, as a user runs it, on clouds whose errors are known.
+// pointreel-bench compare, run as a user runs it, on clouds whose errors are known.
 
 #include <filesystem>
 #include <fstream>
@@ -20,7 +20,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A square of 32 x 32 points at height z that faces up, one unit apart.
+/// A square of 32 x 32 points one unit apart, at height z, which faces up.
 PointCloud plane(float z, int red) {
   PointCloud cloud;
   for (int i = 0; i < 1024; ++i) {
@@ -75,7 +75,7 @@ TEST_F(Compare, reports_known_errors_in_units_voxels_and_decibels) {
 TEST_F(Compare, writes_an_infinite_psnr_as_null_in_json) {
   const Outcome outcome = compare({path("a.ply"), path("a.ply"), "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const json report = json::parse(outcome.out);  // and no table
+  const json report = json::parse(outcome.out);  // without a table
   EXPECT_EQ(report.at("peak"), 31.0);
   EXPECT_FALSE(report.contains("voxel"));
   EXPECT_EQ(report.at("symmetric").at("d1"), 0.0);
@@ -87,7 +87,7 @@ TEST_F(Compare, takes_integer_coordinates_for_voxels_if_the_bits_are_given) {
   const Outcome whole = compare({path("a.ply"), path("b.ply"), "--bits", "6", "--json", "-"});
   EXPECT_EQ(json::parse(whole.out).at("peak"), 63.0);
   EXPECT_EQ(json::parse(whole.out).at("voxel"), 1.0);
-  // At half heights they are none: the largest extent, 31, is 63 voxels.
+  // Coordinates at half heights are not voxels: the largest extent, 31, is divided into 63 voxels.
   const Outcome parts = compare({path("b.ply"), path("a.ply"), "--bits", "6", "--json", "-"});
   EXPECT_EQ(json::parse(parts.out).at("peak"), 31.0);
   EXPECT_NEAR(json::parse(parts.out).at("voxel").get<double>(), 31.0 / 63.0, 1e-12);

@@ -1,4 +1,4 @@
-// What a user can choose between size, time and accuracy, through the command lines.
+// The trade-offs between size, time and accuracy that a user can choose on the command lines.
 
 #include <algorithm>
 #include <cmath>
@@ -27,13 +27,13 @@ using nlohmann::json;
 
 constexpr int kFrames = 3;
 
-/// A wavy sheet whose colour changes from one side to the other, far from the origin.
+/// A wavy sheet far from the origin, whose colour changes from one side to the other.
 PointCloud sheet(int frame) {
   PointCloud cloud;
   cloud.origin = {3e5, -1e5, 50.0};
   constexpr int kSide = 140;
   for (int i = 0; i < kSide * kSide; ++i) {
-    // In pairs that only depth 11 tells apart for certain.
+    // The points lie in pairs that only depth 11 is certain to separate.
     const int column = i % kSide;
     const float x = (static_cast<float>(column) - 0.9f * static_cast<float>(column % 2)) / kSide;
     const float y = static_cast<float>(i / kSide) / kSide;
@@ -94,7 +94,7 @@ class Control : public testing::Test {
 
 using Place = std::tuple<double, double, double>;
 
-/// Points by their place, to a micrometre.
+/// The index of each point by its place, rounded to a micrometre.
 std::map<Place, std::size_t> by_place(const PointCloud& cloud) {
   std::map<Place, std::size_t> places;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -120,7 +120,7 @@ TEST_F(Control, fewer_layers_give_a_coarser_octree_with_mean_attributes) {
     for (const auto& [place, i] : places) {
       const auto found = expected.find(place);
       ASSERT_NE(found, expected.end());
-      // A mean of means: voxels count, not the points in them.
+      // The colour is a mean of means: it weighs voxels, not the points in them.
       const glm::ivec3 difference(glm::ivec3(coarse->colors[i]) -
                                   glm::ivec3(packed_so.colors[found->second]));
       EXPECT_LE(glm::length(glm::vec3(difference)), 2.0 * 257.0);
@@ -133,7 +133,7 @@ TEST_F(Control, playing_fewer_layers_fetches_fewer_bytes_and_draws_a_coarser_oct
   pack({"--depth", "10"});
   json before;
   for (const int layers : {1, 2, 3}) {
-    // Not as voxels, which fill the gaps between them.
+    // Point mode, because voxel mode would fill the gaps between voxels.
     const json report = played({"--layers", std::to_string(layers), "--mode", "point", "--delta",
                                 "0", "--pixel-size", "0"});
     EXPECT_EQ(report["layers"], layers);
@@ -156,7 +156,7 @@ TEST_F(Control, playing_fetches_only_what_the_mode_and_view_show_and_reports_the
     const json fine = played({"--mode", mode, "--delta", "0", "--pixel-size", "0"});
     const json small = played({"--mode", mode, "--delta", "0"});
     EXPECT_EQ(fine["layers"], 3);
-    EXPECT_EQ(small["layers"], 1) << "in so small a picture";
+    EXPECT_EQ(small["layers"], 1) << "a small picture needs one layer";
     EXPECT_EQ(fine["skipped"]["layers"], 0);
     EXPECT_EQ(small["skipped"]["layers"], 2);
     EXPECT_EQ(small["skipped"]["levels"], 3);

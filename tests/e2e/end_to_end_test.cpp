@@ -45,8 +45,8 @@ void add_ball(PointCloud& cloud, const glm::vec3& center, float radius, const gl
   }
 }
 
-/// A scene in which every axis and every frame looks different: seen from the front (along -z), red
-/// is on the right, green on top, blue on the left; yellow moves from left to right below.
+/// A scene in which every axis and every frame looks different. Seen from the front (along -z), red
+/// is on the right, green at the top and blue on the left. Yellow moves from left to right below.
 PointCloud scene(int frame) {
   PointCloud cloud;
   cloud.origin = {500'000.0, -20.0, 0.25};
@@ -62,7 +62,7 @@ class EndToEnd : public testing::TestWithParam<const char*> {
   void SetUp() override {
     fs::create_directories(folder_ / "in");
     for (int i = 0; i < kFrames; ++i) {
-      // Natural order: frame2 comes before frame10.
+      // The order is natural: frame2 comes before frame10.
       ASSERT_TRUE(write_ply(folder_ / fmt::format("in/frame{}.ply", i * 5), scene(i)));
     }
   }
@@ -108,8 +108,8 @@ TEST_P(EndToEnd, unpacking_restores_every_voxel_at_its_original_place) {
       run("pointreel-server", {"unpack", "-i", reel().string(), "-o", (folder_ / "out").string()});
   ASSERT_EQ(unpacked.exit_code, 0) << unpacked.err;
 
-  // As pack reads them: a file's coordinates are rounded relative to another origin than the
-  // scene's.
+  // The originals as pack reads them: the coordinates in a file are rounded relative to another
+  // origin than those of the scene.
   std::vector<PointCloud> originals;
   Box box;
   for (int i = 0; i < kFrames; ++i) {
@@ -128,7 +128,7 @@ TEST_P(EndToEnd, unpacking_restores_every_voxel_at_its_original_place) {
     ASSERT_TRUE(frame) << frame.error().message;
     const PointCloud& original = originals[static_cast<std::size_t>(i)];
     EXPECT_TRUE(cells_of(frame->cloud, cube) == cells_of(original, cube)) << "frame " << i;
-    // Half a voxel's diagonal; the least bit is what a double loses at this origin.
+    // Half a voxel's diagonal, plus the precision of a double at this origin.
     const auto distance = cloud_distance(original, frame->cloud);
     ASSERT_TRUE(distance);
     EXPECT_LE(distance->max(), 0.5 * std::sqrt(3.0) * cell + 1e-9);
@@ -165,8 +165,8 @@ TEST_P(EndToEnd, a_reel_over_http_shows_the_right_frame_upright_and_in_colour) {
       EXPECT_LT(green.center.y + 30, red.center.y);
       EXPECT_LT(red.center.y + 30, yellow.center.y);
       EXPECT_NEAR(green.center.x, 160, 8);
-      // Each frame has the moving ball further right, by 0.6 of the 2.7 units that the scene is
-      // wide.
+      // In each frame, the moving ball is further to the right, by 0.6 of the 2.7 units of the
+      // scene's width.
       if (frame > 0) {
         EXPECT_GT(yellow.center.x, yellow_before + 15);
       }

@@ -1,5 +1,5 @@
-// Live streams by the real programs: published from a folder, relayed, viewed and recorded, with a
-// server that is killed meanwhile.
+// Live streams with the real programs: published from a folder, relayed, viewed and recorded, while
+// a server is killed in between.
 
 #include "common/stream/live.h"
 
@@ -38,7 +38,7 @@ constexpr int kFrames = 3;
 constexpr int kDepth = 8;
 constexpr auto kLong = 60s;
 
-/// A spiral that turns from frame to frame; each has points of its own number.
+/// A spiral that turns from frame to frame. Each frame has its own number of points.
 PointCloud spiral(int frame) {
   PointCloud cloud;
   for (int i = 0; i < 3000 + frame; ++i) {
@@ -65,7 +65,7 @@ std::unique_ptr<Background> serve(const fs::path& record, const std::string& lis
       std::vector<std::string>{"serve", "--live", "--record", record.string(), "--listen", listen});
 }
 
-/// Connects again and again until there is a stream.
+/// Connects again and again until the stream exists.
 std::unique_ptr<WebSocket> join(const std::string& address) {
   std::unique_ptr<WebSocket> joined;
   wait_until([&] {
@@ -76,14 +76,14 @@ std::unique_ptr<WebSocket> join(const std::string& address) {
   return joined;
 }
 
-/// What a viewer has got.
+/// The messages that a viewer has received.
 struct View {
   LiveHello hello;
   std::uint32_t frame = 0;
-  std::vector<Chunks<Bytes>> layers;  ///< of a whole frame
+  std::vector<Chunks<Bytes>> layers;  ///< of a complete frame
 };
 
-/// Waits for a whole frame.
+/// Waits for a complete frame.
 bool see(WebSocket& socket, View& view) {
   for (const auto end = Clock::now() + kLong; Clock::now() < end;) {
     const auto message = socket.receive(1s);
@@ -115,7 +115,7 @@ bool see(WebSocket& socket, View& view) {
   return false;
 }
 
-/// The frame of the folder that this is, exactly; -1: none.
+/// The number of the source frame that this equals exactly, or -1 if there is none.
 int which(const View& view) {
   const auto decoded = decode_frame(layer_views(view.layers));
   if (!decoded) return -1;
@@ -160,7 +160,7 @@ TEST(Live, published_frames_are_viewed_and_recorded_exactly_across_a_killed_serv
   const std::uint64_t session = view.hello.session;
   const std::uint32_t seen = view.frame;
 
-  // A recording of a second at least, and then nobody has time to end anything in order.
+  // The recording has at least a second. Then the server is killed without a chance to clean up.
   const fs::path recording = record / "stage";
   ASSERT_TRUE(wait_until([&] { return fs::exists(recording / kManifestName); }));
   server->end(SIGKILL);
@@ -168,10 +168,10 @@ TEST(Live, published_frames_are_viewed_and_recorded_exactly_across_a_killed_serv
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
   const auto manifest = read_manifest(recording);
   ASSERT_TRUE(manifest) << manifest.error().message;
-  EXPECT_TRUE(manifest->live) << "it was growing";
+  EXPECT_TRUE(manifest->live) << "the recording was still growing";
   EXPECT_GE(manifest->frame_count(), 5u);
 
-  // The publisher finds the server again, and goes on where it is.
+  // The publisher finds the server again and continues.
   server = serve(record, address);
   ASSERT_FALSE(server_address(*server).empty());
   const auto viewer = join(address);
@@ -181,7 +181,7 @@ TEST(Live, published_frames_are_viewed_and_recorded_exactly_across_a_killed_serv
   EXPECT_GT(view.frame, seen);
   EXPECT_GE(which(view), 0);
 
-  // Ended in order, the second recording is a reel like any other.
+  // Ended properly, the second recording is an ordinary reel.
   EXPECT_EQ(publisher.end(SIGINT), 0);
   EXPECT_EQ(server->end(SIGTERM), 0);
   const auto second = read_manifest(record / "stage-2");

@@ -1,4 +1,4 @@
-// Packages behind nginx, as server/nginx/*.conf say, play as they do from their folder.
+// Packages behind nginx, configured as in server/nginx/*.conf, play as they do from their folder.
 
 #include "tests/nginx/nginx.h"
 
@@ -37,7 +37,7 @@ std::string content(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The number behind `name` in a page of metrics.
+/// The value of the metric `name` in a page of metrics.
 double metric(const std::string& page, const std::string& name) {
   const auto at = page.find("\n" + name + " ");
   return at == std::string::npos ? -1.0 : std::stod(page.substr(at + name.size() + 2));
@@ -149,10 +149,10 @@ TEST_F(NginxTest, nginx_caches_packages_and_forwards_live_streams) {
     EXPECT_TRUE(answer.body == bytes.substr(i, 101));
     EXPECT_EQ(answer.field("x-cache"), "HIT");
   }
-  EXPECT_EQ(asked(), before) << "nginx needs to ask the server for nothing more";
+  EXPECT_EQ(asked(), before) << "nginx must not ask the server again";
   EXPECT_EQ(client.get("/metrics").status, 403);
 
-  // Live: the publisher goes to the server, viewers come through nginx.
+  // Live: the publisher connects to the server, and viewers connect through nginx.
   Background publisher("pointreel-server", {"publish", "-i", (folder_ / "in").string(), "--to",
                                             fmt::format("ws://127.0.0.1:{}/live/stage", port),
                                             "--fps", "10", "--loop"});
@@ -172,9 +172,9 @@ TEST_F(NginxTest, nginx_caches_packages_and_forwards_live_streams) {
   EXPECT_GT(layers, 10);
   const auto denied = WebSocket::connect(url + "2?publish", options);
   ASSERT_FALSE(denied);
-  EXPECT_EQ(denied.error().status, 403) << "who comes through nginx is not from this machine";
+  EXPECT_EQ(denied.error().status, 403) << "clients behind nginx are not local";
 
-  // Live over HTTP: a manifest that grows, and files that nginx keeps for whoever comes next.
+  // Live over HTTP: a growing manifest, and files that nginx caches for other viewers.
   const std::string manifest = fmt::format("http://127.0.0.1:{}/live/stage/reel.json", front);
   const auto many = [](const nlohmann::json& report) { return report["frames_shown"] > 5; };
   for (int time = 0; time < 2; ++time) {

@@ -9,7 +9,7 @@
 
 namespace pointreel::e2e {
 
-/// An 8-bit RGB picture; row 0 on top. Empty if the file cannot be read.
+/// An 8-bit RGB picture with row 0 at the top. It is empty if the file cannot be read.
 struct Picture {
   glm::ivec2 size{0};
   std::vector<glm::u8vec3> pixels;
@@ -23,16 +23,17 @@ struct Picture {
 
 Picture read_picture(const std::filesystem::path& png);
 
-/// Those from `top` on, without `bottom`; both within the picture.
+/// The rows from `top` up to, but not including, `bottom`. Both must be within the picture.
 Picture rows(const Picture& picture, int top, int bottom);
 
-/// Where a colour is in a picture: how many pixels have it, and their mean place.
+/// A colour's place in a picture: the number of its pixels and their mean position.
 struct Patch {
   std::size_t pixels = 0;
   glm::dvec2 center{0.0};
 };
 
-/// Pixels in which the channels marked 1 are bright and those marked 0 dark, whatever the light.
+/// Finds the pixels whose channels are bright where `bright` is 1 and dark where it is 0, whatever
+/// the light.
 Patch find_hue(const Picture& picture, const glm::ivec3& bright);
 
 }  // namespace pointreel::e2e

@@ -8,10 +8,10 @@
 
 namespace pointreel::e2e {
 
-/// What `pointreel play ARGUMENTS... --duration SECONDS --json -` tells, as soon as that is
-/// `enough`: it plays for a second, and then for twice as long each time, since how much comes in a
-/// second is the machine's affair. Gives up after a minute of playing, with what was told last;
-/// discarded if that is no JSON.
+/// Runs `pointreel play ARGUMENTS... --duration SECONDS --json -` and returns its report once that
+/// is `enough`. The player runs for a second and then twice as long each time, because how much
+/// arrives in a second depends on the machine. Gives up after a minute of playing and returns the
+/// last report. The result is discarded if the report is not JSON.
 nlohmann::json play_until(const std::vector<std::string>& arguments,
                           const std::function<bool(const nlohmann::json&)>& enough);
 

@@ -65,7 +65,7 @@ pid_t spawn(const std::string& program, std::vector<std::string> arguments, int 
 
 int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
-/// Appends what is there; false at the end of the stream.
+/// Appends the available bytes. Returns false at the end of the stream.
 bool drain(int fd, std::string& to) {
   char buffer[4096];
   const ssize_t n = read(fd, buffer, sizeof(buffer));

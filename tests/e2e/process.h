@@ -7,26 +7,26 @@
 
 namespace pointreel::e2e {
 
-/// What a program printed and how it ended: its exit code, or 128 + the signal that ended it.
+/// The output of a program and its exit code, or 128 + the number of the signal that ended it.
 struct Outcome {
   int exit_code = -1;
   std::string out, err;
-  double peak_mib = 0.0;  ///< resident memory
+  double peak_mib = 0.0;  ///< of resident memory
 };
 
-/// Runs one of Pointreel's executables to its end, at most `seconds` long.
+/// Runs one of Pointreel's executables until it ends, for at most `seconds`.
 Outcome run(const std::string& program, const std::vector<std::string>& arguments,
             int seconds = 120);
 
-/// What a program is started with, beside its arguments.
+/// The conditions under which a program starts, besides its arguments.
 struct Surroundings {
-  std::vector<std::string> environment;  ///< "NAME=VALUE", before the test's own of that name
-  std::string err;                       ///< a file for its standard error; empty: the test's
-  std::string folder;                    ///< to be in; empty: the test's
+  std::vector<std::string> environment;  ///< "NAME=VALUE"; overrides the test's own value
+  std::string err;                       ///< a file for standard error; empty: the test's
+  std::string folder;                    ///< the working folder; empty: the test's
 };
 
-/// A server in the background, ended with SIGTERM at the latest by the destructor. `program` is one
-/// of Pointreel's executables, or any other by its whole path.
+/// A program in the background. The destructor ends it with SIGTERM if it still runs. `program` is
+/// one of Pointreel's executables, or any other by its full path.
 class Background {
  public:
   Background(const std::string& program, const std::vector<std::string>& arguments,
@@ -35,14 +35,15 @@ class Background {
   Background(const Background&) = delete;
   Background& operator=(const Background&) = delete;
 
-  /// The first line that it printed on standard output; empty if it ended without one.
+  /// Returns the first line on standard output, or an empty string if the program ended without
+  /// one.
   std::string first_line();
 
   pid_t pid() const { return pid_; }
   bool running() const;
 
-  /// Sends the signal, 0 for none, and waits; the exit code as in Outcome. A minute later it is
-  /// killed.
+  /// Sends the signal, or none if it is 0, and waits. Returns the exit code as in Outcome. The
+  /// program is killed after a minute.
   int end(int signal);
 
  private:

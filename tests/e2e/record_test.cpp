@@ -1,4 +1,4 @@
-// Recordings, as a user makes them.
+// Recordings, made as a user makes them.
 
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ using testing::HasSubstr;
 
 constexpr int kFrames = 6;
 
-/// A red cube that goes from left to right between green ones, which stand still.
+/// A red cube that moves from left to right between green ones, which stand still.
 PointCloud scene(int frame) {
   PointCloud cloud;
   const auto add_cube = [&](const glm::vec3& center, const glm::u8vec3& color) {
@@ -47,7 +47,7 @@ PointCloud scene(int frame) {
 class Record : public testing::Test {
  protected:
   void SetUp() override {
-    // No display: nothing of this may need one.
+    // Nothing here may need a display.
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
     fs::create_directories(folder_ / "in");
@@ -65,7 +65,7 @@ class Record : public testing::Test {
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// The pictures of a video, each as often as it is there.
+  /// The pictures of a video, each as often as the video contains it.
   std::vector<Picture> pictures_of(const std::string& video) const {
     fs::create_directories(folder_ / "frames");
     const std::string command = "ffmpeg -v error -i '" + path(video) +
@@ -89,7 +89,7 @@ TEST_F(Record, a_video_has_every_frame_once_in_order) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   const Outcome played = play({"--camera", "front", "--record", path("out.mp4"), "--json", "-"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
-  EXPECT_EQ(played.err, "");  // no bar where no terminal is
+  EXPECT_EQ(played.err, "");  // no progress bar without a terminal
   const auto report = nlohmann::json::parse(played.out, nullptr, false);
   EXPECT_EQ(report["frames_shown"], kFrames);
   const std::vector<Picture> pictures = pictures_of("out.mp4");
@@ -116,13 +116,13 @@ TEST_F(Record, the_camera_follows_its_path_frame_by_frame) {
                                "--screenshot", path("last.png")});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   EXPECT_FALSE(fs::exists(folder_ / fmt::format("out-{}.png", kFrames)));
-  // From the front it goes to the right, from the back to the left.
+  // Seen from the front it moves to the right, from the back to the left.
   const auto x = [&](int i) { return red_x(read_picture(folder_ / fmt::format("out-{}.png", i))); };
   EXPECT_GT(x(1), x(0) + 8);
   EXPECT_GT(x(2), x(1) + 8);
   EXPECT_LT(x(5), x(4) - 8);
   EXPECT_EQ(read_file(folder_ / "last.png"), read_file(folder_ / "out-5.png"));
-  // One frame of it is the same picture.
+  // A screenshot of a single frame is the same picture.
   ASSERT_EQ(play({"--camera", path("path.json"), "--at", "0.3", "--screenshot", path("one.png")})
                 .exit_code,
             0);

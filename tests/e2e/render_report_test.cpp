@@ -1,5 +1,5 @@
-// Pictures and times of drawing as a user measures them, small: complete, readable, and true to
-// what is known of every setting. No speed decides anything here.
+// Pictures and drawing times, measured as a user measures them but on a small scene: complete,
+// readable, and consistent with what is known of every setting. No test here depends on speed.
 
 #include <filesystem>
 #include <map>
@@ -99,7 +99,7 @@ TEST_F(RenderReport, times_every_method_and_finds_that_their_pictures_agree) {
     ASSERT_EQ(times["methods"].size(), 5u);
     for (const json& method : times["methods"]) EXPECT_GT(method["ms"]["median"], 0.0);
     EXPECT_EQ(times["paper"].size(), what == std::string("voxels") ? 5u : 4u);
-    // Rounding may decide differently on a pixel of an edge: it does so on hardly any.
+    // Rounding may decide differently for a pixel at an edge, which affects hardly any pixels.
     for (const json& method : times["methods"]) {
       EXPECT_NEAR(method["psnr_mask"], times["methods"]["attribute"]["psnr_mask"].get<double>(),
                   0.01);
@@ -131,7 +131,7 @@ TEST_F(RenderReport, names_the_machine_and_states_whether_each_bar_holds) {
 }
 
 TEST_F(RenderReport, fails_if_a_graphics_card_is_required_and_missing) {
-  if (report_["stopwatch"] == "gpu") GTEST_SKIP() << "there is one";
+  if (report_["stopwatch"] == "gpu") GTEST_SKIP() << "there is a GPU";
   const Outcome outcome =
       run("pointreel-bench", {"render", "--quick", "--gpu", "-o", folder_->path()});
   EXPECT_EQ(outcome.exit_code, 1);

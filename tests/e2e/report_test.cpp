@@ -1,5 +1,5 @@
-// The report as a user makes it, with few figures: complete, readable, and true to what it says of
-// itself. No speed decides anything here.
+// The report, made as a user makes it but with few figures: complete, readable, and consistent with
+// itself. No test here depends on speed.
 
 #include <filesystem>
 #include <optional>
@@ -46,7 +46,7 @@ TEST_F(Report, covers_every_dataset_and_codec) {
       EXPECT_GT(row["pack_mib"], 1.0);
       EXPECT_GT(row["truth"]["mean"], 0.0);
       EXPECT_GE(row["max_cells"], 0.0);
-      EXPECT_LE(row["max_cells"], 0.9);  // half the diagonal of a cell, and rounding
+      EXPECT_LE(row["max_cells"], 0.9);  // half the diagonal of a cell, plus rounding
     }
     EXPECT_GE(codecs.size(), 3u);
   }

@@ -16,7 +16,7 @@
 namespace pointreel::e2e {
 namespace {
 
-/// A square plate that faces the front, of one colour.
+/// A square plate of a single colour that faces the front.
 PointCloud plate(const glm::u8vec3& color) {
   PointCloud cloud;
   for (int i = 0; i < 60 * 60; ++i) {
@@ -44,8 +44,8 @@ class SceneOfSources : public testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Plays until more than two frames of each were shown; red must be on the left and blue on the
-  /// right.
+  /// Plays until more than two frames of each reel were shown. Red must be on the left and blue on
+  /// the right.
   nlohmann::json play(const std::string& red, const std::string& blue) {
     const auto report = play_until(
         {red, blue, "--at-position", "-0.5,0,0", "--at-position", "0.5,0,0", "--mode", "point",

@@ -8,14 +8,14 @@
 
 namespace pointreel::e2e {
 
-/// HOST:PORT of a server without TLS that has just been started, which says it in its first line;
-/// empty if it says something else.
+/// Returns the HOST:PORT that a server without TLS announces in its first line. Empty if that line
+/// says something else.
 inline std::string server_address(Background& server) {
   const std::string line = server.first_line(), begin = "listening on http://";
   return line.starts_with(begin) ? line.substr(begin.size()) : std::string();
 }
 
-/// 0 if there is none.
+/// Returns 0 if there is none.
 inline std::uint16_t port_of(const std::string& address) {
   return static_cast<std::uint16_t>(std::atoi(address.c_str() + address.rfind(':') + 1));
 }

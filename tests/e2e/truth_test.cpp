@@ -1,5 +1,4 @@
-// pointreel-bench truth, as a user runs it: where the figure is drawn beside the truth, the two are
-// alike.
+// pointreel-bench truth, run as a user runs it: the drawn figure must be similar to the truth.
 
 #include <cmath>
 #include <string>

@@ -8,7 +8,7 @@
 
 namespace pointreel {
 
-/// The ball's reel and its truth, made once for all tests.
+/// The reel of the ball and its truth, made once for all tests.
 class FaultReel {
  public:
   static const FaultReel& get() {

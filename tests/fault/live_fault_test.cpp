@@ -1,5 +1,5 @@
-// A live stream is watched over a link, and by a server, that fail in every way: what is seen is
-// what was published, and the newest of it as soon as the link is back.
+// A live stream is watched over a link and from a server that fail in every way. The viewer must
+// see what was published, and the newest frames as soon as the link is back.
 
 #include <algorithm>
 #include <csignal>
@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/// `scheme` and `end` tell how the stream is watched.
+/// `scheme` and `end` say how the stream is watched.
 class LiveFault : public testing::Test {
  protected:
   explicit LiveFault(const char* scheme = "ws", const char* end = "") {
@@ -43,14 +43,14 @@ class LiveFault : public testing::Test {
     std::size_t wrong = 0, back = 0;
     for (std::size_t i = 0; i < shown.size(); ++i) {
       wrong += !shown[i].right;
-      // The same frame may come again with more layers.
+      // The same frame may be shown again with more layers.
       if (i > 0 && i != began_again_) back += shown[i].frame < shown[i - 1].frame;
     }
     EXPECT_EQ(wrong, 0u) << "of " << shown.size() << " pictures";
-    EXPECT_EQ(back, 0u) << "older than what was shown before them";
+    EXPECT_EQ(back, 0u) << "pictures are older than those before them";
   }
 
-  /// What comes next is of now, not of when the link went down.
+  /// Expects that the next pictures are current, not from the time at which the link went down.
   void expect_to_be_live() {
     const std::uint64_t newest = publisher_->newest_us();
     const std::size_t before = watcher_->shown().size();
@@ -67,8 +67,8 @@ class LiveFault : public testing::Test {
   std::unique_ptr<LinkEmulator> link_;
   std::unique_ptr<StagePublisher> publisher_;
   std::unique_ptr<LiveWatcher> watcher_;
-  std::ptrdiff_t behind_ = 3;    ///< so many frames are no delay
-  std::size_t began_again_ = 0;  ///< number of the first picture of another publisher
+  std::ptrdiff_t behind_ = 3;    ///< this many frames are not a delay
+  std::size_t began_again_ = 0;  ///< the number of the first picture from another publisher
 };
 
 TEST_F(LiveFault, playback_resumes_after_the_server_is_killed_and_restarted) {
@@ -139,7 +139,7 @@ TEST_F(LiveFault, many_viewers_are_served_over_websocket_and_http) {
   }
 }
 
-/// The same by a manifest that grows and its segments.
+/// The same with a growing manifest and its segments.
 class LiveOverHttpFault : public LiveFault {
  protected:
   LiveOverHttpFault() : LiveFault("http", "/reel.json") { behind_ = 90; }

@@ -89,7 +89,7 @@ void StagePublisher::run() {
                  ->send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
                         WebSocket::Kind::text)
                  .has_value();
-    // Capturing goes on whether it is connected or not.
+    // Capturing continues whether the publisher is connected or not.
     do {
       const EncodedFrame& frame = LiveReel::get().frame(++number);
       const std::uint64_t captured = LiveReel::get().capture_us(unix_time_us(), number);
@@ -108,7 +108,7 @@ void StagePublisher::run() {
       }
       newest_us_ = captured;
       due += std::chrono::microseconds(33'333);
-      std::this_thread::sleep_until(due);  // a camera takes a picture when it is due
+      std::this_thread::sleep_until(due);  // a camera captures a frame when it is due
     } while (open && !ending_);
   }
 }

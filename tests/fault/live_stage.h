@@ -17,33 +17,33 @@
 
 namespace pointreel {
 
-/// Frames of a live stream, which come again and again, and what each decodes to.
+/// The frames of a live stream, which repeat, and the content to which each decodes.
 class LiveReel {
  public:
   static const LiveReel& get();  ///< made once for all tests
   const EncodedFrame& frame(std::uint32_t number) const { return frames_[number % frames_.size()]; }
-  /// So that a frame's time tells which of the frames it is.
+  /// The capture time encodes which of the frames it is.
   std::uint64_t capture_us(std::uint64_t now_us, std::uint32_t number) const {
     return now_us - now_us % 1000 + number % frames_.size();
   }
-  /// Whether this is what the layers of that frame decode to; nothing if they do not decode.
+  /// Whether the layers of that frame decode to this. Returns nothing if they do not decode.
   std::optional<bool> is_right(const LiveFrame& frame) const;
 
  private:
   LiveReel();
   std::vector<EncodedFrame> frames_;
-  std::vector<std::vector<std::uint64_t>> truth_;  ///< of each frame, for each number of layers
+  std::vector<std::vector<std::uint64_t>> truth_;  ///< by frame and by number of layers
 };
 
-/// Publishes LiveReel at 30 frames a second, connecting again with the same session. Each has a
-/// session of its own.
+/// Publishes LiveReel at 30 frames per second and reconnects with the same session. Each publisher
+/// has a session of its own.
 class StagePublisher {
  public:
   explicit StagePublisher(std::string url);
   ~StagePublisher();
   StagePublisher(const StagePublisher&) = delete;
   StagePublisher& operator=(const StagePublisher&) = delete;
-  std::uint64_t newest_us() const { return newest_us_; }  ///< when the newest frame was captured
+  std::uint64_t newest_us() const { return newest_us_; }  ///< the capture time of the newest frame
 
  private:
   void run();
@@ -53,7 +53,7 @@ class StagePublisher {
   std::thread thread_;
 };
 
-/// Takes every frame that a live source gives, and keeps what it saw.
+/// Takes every frame that a live source gives, and records what it saw.
 class LiveWatcher {
  public:
   struct Shown {
@@ -64,7 +64,7 @@ class LiveWatcher {
     bool right = false;
   };
 
-  /// `url` is that of a live source.
+  /// `url` must be that of a live source.
   explicit LiveWatcher(const std::string& url);
   ~LiveWatcher();
   LiveWatcher(const LiveWatcher&) = delete;
@@ -75,7 +75,7 @@ class LiveWatcher {
   std::optional<std::string> trouble() const { return source_->trouble(); }
   LiveCounts counts() const { return source_->counts(); }
 
-  // Each waits for at most two minutes; false if it did not happen.
+  // Each waits for at most two minutes and returns false if it did not happen.
 
   bool sees(std::size_t more);
   bool sees_what_is_as_new_as(std::uint64_t capture_us);

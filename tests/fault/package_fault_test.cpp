@@ -1,5 +1,5 @@
-// A package is played over a link, and by a server, that fail in every way: the last picture stays,
-// one line says what is wrong, playback goes on where it was, and no picture is ever a wrong one.
+// A package is played over a link and from a server that fail in every way. The last picture stays,
+// one line says what is wrong, playback continues where it was, and no picture is ever wrong.
 
 #include <memory>
 
@@ -24,7 +24,7 @@ class PackageFault : public testing::Test {
     auto link = LinkEmulator::start({server_.address()});
     if (!link) throw std::runtime_error(link.error().message);
     link_ = std::move(*link);
-    // A link that is hardly faster than the reel leaves a player little to fall back on.
+    // A link that is hardly faster than the reel leaves a player little buffer.
     link_->set(normal());
   }
   ~PackageFault() override {
@@ -50,8 +50,8 @@ class PackageFault : public testing::Test {
     ASSERT_TRUE(watcher_->sees(5)) << watcher_->trouble().value_or("");
   }
 
-  /// What is shown from the `from`th picture on comes in order, beginning near what was shown
-  /// before it.
+  /// Expects that the pictures from number `from` on come in order, beginning near the picture
+  /// before.
   void expect_in_order(std::size_t from) {
     const auto shown = watcher_->shown();
     const auto frames = static_cast<std::uint32_t>(FaultReel::get().truth().size());

@@ -10,17 +10,17 @@
 
 namespace pointreel {
 
-/// Packs a ball that turns, eight seconds of it: long enough that no player has all of it soon.
-/// Gives the bits a second that playing it takes.
+/// Packs eight seconds of a turning ball: so long that no player has all of it soon. Returns the
+/// bits per second that are needed to play it.
 Result<double> make_ball_reel(const std::filesystem::path& folder);
 
 /// pointreel-server in a process of its own.
 class ServerProcess {
  public:
-  /// `port` 0: any that is free. `options` of pointreel-server serve.
+  /// Starts on any free port if `port` is 0. `options` are those of pointreel-server serve.
   ServerProcess(const std::filesystem::path& reel, int port = 0,
                 const std::vector<std::string>& options = {});
-  /// As if the machine had lost its power.
+  /// Ends the server as a power failure would.
   void kill();
   int port() const { return port_; }  ///< 0 if it did not start
   std::string address() const;        ///< host:port

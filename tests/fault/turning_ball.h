@@ -4,7 +4,7 @@
 
 namespace pointreel {
 
-/// A ball that turns, of 1500 coloured points; of 256 frames no two are alike.
+/// A turning ball of 1500 coloured points. Of 256 frames, no two are equal.
 PointCloud turning_ball(int frame);
 
 }  // namespace pointreel

@@ -20,13 +20,13 @@ ByteView bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Plays the package at `url` in a loop.
+/// Opens the package at `url` for playing in a loop.
 Result<std::unique_ptr<Playback>> playing(const std::string& url, const SourceOptions& reading) {
   auto source = open_source(url, reading);
   if (!source) return tl::unexpected(source.error());
   ReelPlayback::Options options;
   options.prepare.mode = DrawMode::point;
-  options.prepare.pixel_size = 1e-4f;  // everything is seen
+  options.prepare.pixel_size = 1e-4f;  // every detail is visible
   options.remote = true;
   Camera camera;
   camera.frame_bounds((*source)->manifest().bounds, 1.0);

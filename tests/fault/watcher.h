@@ -18,16 +18,16 @@
 
 namespace pointreel {
 
-/// What a frame was decoded to: its voxels and their colours.
+/// A hash of what a frame was decoded to: its voxels and their colours.
 std::uint64_t content_of(const SceneFrame& frame);
 
-/// What each frame of a reel may look like: once for each number of its layers.
+/// The valid contents of each frame of a reel: one for each number of layers.
 using Truth = std::map<std::uint32_t, std::set<std::uint64_t>>;
 
-/// Truth of a package in a folder, as point mode shows it from near.
+/// The truth of a package in a folder, as point mode shows it from near.
 Result<Truth> truth_of(const std::string& folder);
 
-/// Plays in a thread as a player does, a hundred looks a second, and keeps what it saw.
+/// Plays in a thread as a player does, with a hundred updates per second, and records what it saw.
 class Watcher {
  public:
   using Clock = std::chrono::steady_clock;
@@ -36,31 +36,31 @@ class Watcher {
     Clock::time_point at;
     std::uint32_t frame = 0;
     std::uint32_t layers = 0;
-    bool right = false;  ///< what it looks like is in the truth
+    bool right = false;  ///< its content is in the truth
   };
 
-  /// Plays the package at `url` in a loop. `truth` outlives the watcher.
+  /// Plays the package at `url` in a loop. `truth` must outlive the watcher.
   Watcher(std::string url, const Truth& truth);
   ~Watcher();
   Watcher(const Watcher&) = delete;
   Watcher& operator=(const Watcher&) = delete;
 
-  /// All that was shown so far, each frame once as long as it stayed.
+  /// All frames shown so far. A frame counts once for as long as it stayed.
   std::vector<Shown> shown() const;
-  /// Looks at which there was no picture, although there had been one.
+  /// The number of updates without a picture although there had been one before.
   std::uint64_t blank() const;
-  std::optional<std::string> trouble() const;  ///< also that the package cannot be opened
+  std::optional<std::string> trouble() const;  ///< also if the package cannot be opened
   std::uint64_t errors() const;
 
-  // Each waits for at most two minutes; false if it did not happen.
+  // Each waits for at most two minutes and returns false if it did not happen.
 
-  /// So many more frames are shown than are now.
+  /// Waits until this many more frames have been shown.
   bool sees(std::size_t more);
-  /// Nothing new is shown for so long a time.
+  /// Waits until nothing new has been shown for this time.
   bool stands_still(std::chrono::milliseconds time);
   bool hears_of_trouble();
   bool hears_of_no_trouble();
-  /// There was trouble at any time, however soon it had passed.
+  /// Whether there was trouble at any time, however short.
   bool heard_of_trouble();
 
  private:

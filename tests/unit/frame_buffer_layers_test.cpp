@@ -128,7 +128,7 @@ FrameLayers whole(std::uint32_t first, std::uint32_t last) {
 class Turns {
  public:
   void add(const FetchRequest& job) {
-    for (std::uint32_t layer = job.first; layer < job.last; ++layer)
+    for (std::uint32_t layer = job.layers.first; layer < job.layers.end; ++layer)
       EXPECT_TRUE(turns_.try_emplace({job.frame, layer}, jobs_).second)
           << FrameLayer{job.frame, layer} << " is requested twice";
     ++jobs_;

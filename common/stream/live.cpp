@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <xxhash.h>
 
 #include "common/base/byte_io.h"
 #include "common/stream/json_fields.h"
@@ -19,7 +18,7 @@ constexpr std::uint32_t kMagic = 0x314c5250;  // "PRL1"
 constexpr std::size_t kMaxStreamName = 64;
 
 std::uint32_t header_checksum(ByteView header) {
-  return static_cast<std::uint32_t>(XXH3_64bits(header.data(), header.size()));
+  return static_cast<std::uint32_t>(checksum_of(header));
 }
 
 Result<LiveHello> hello_of(const json& root) {

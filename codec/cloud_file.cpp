@@ -13,6 +13,7 @@
 
 #include "codec/draco/drc_reader.h"
 #include "common/base/natural_order.h"
+#include "common/base/try.h"
 #include "common/cloud/ply.h"
 #include "common/surface/normals.h"
 
@@ -52,13 +53,15 @@ std::vector<std::string> warnings_of(const SanitizeReport& report) {
 Result<Bytes> read_bytes(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
-  if (!fs::exists(status)) return fail("no such file");
+  if (!fs::exists(status)) return fail(ErrorCode::not_found, "no such file");
   if (fs::is_directory(status)) return fail("is a folder, not a point cloud file");
   std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(fmt::format("cannot be opened: {}", std::strerror(errno)));
+  if (!file) {
+    return fail(ErrorCode::io, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  }
   try {
     Bytes bytes;
-    // Read by blocks: the size that a file system states may be wrong (pipes, /proc).
+    // Read in blocks, because the size that the file system states may be wrong (pipes, /proc).
     constexpr std::size_t kBlock = std::size_t{1} << 20;
     const std::uintmax_t size = fs::is_regular_file(status) ? fs::file_size(path, code) : 0;
     if (!code && size > 0) bytes.reserve(static_cast<std::size_t>(size));
@@ -68,10 +71,10 @@ Result<Bytes> read_bytes(const fs::path& path) {
       file.read(reinterpret_cast<char*>(bytes.data() + at), static_cast<std::streamsize>(kBlock));
       bytes.resize(at + static_cast<std::size_t>(file.gcount()));
     }
-    if (file.bad()) return fail("cannot be read to its end");
+    if (file.bad()) return fail(ErrorCode::io, "cannot be read to its end");
     return bytes;
   } catch (const std::bad_alloc&) {
-    return fail("too large to be read into memory");
+    return fail(ErrorCode::limit, "is too large for the memory");
   }
 }
 
@@ -89,13 +92,19 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
   std::vector<fs::path> files;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     const fs::path& path = it->path();
-    std::error_code ignored;  // a dangling link is no frame
+    std::error_code ignored;  // a dangling link is not a frame
     if (!hidden(path) && has_cloud_extension(path) && fs::is_regular_file(path, ignored)) {
       files.push_back(path);
     }
   }
-  if (code) return fail(fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
-  if (files.empty()) return fail(fmt::format("{}: has no .ply or .drc files", folder.string()));
+  if (code) {
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
+  }
+  if (files.empty()) {
+    return fail(ErrorCode::not_found,
+                fmt::format("{}: has no .ply or .drc files", folder.string()));
+  }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });
@@ -105,29 +114,24 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
 }  // namespace
 
 Result<LoadedCloud> read_cloud(ByteView bytes) {
-  Result<PointCloud> cloud;
+  LoadedCloud loaded;
   if (begins_with(bytes, "DRACO")) {
-    cloud = read_drc(bytes);
+    loaded.cloud = TRY(read_drc(bytes));
   } else if (begins_with(bytes, "ply")) {
-    cloud = read_ply(bytes);
+    loaded.cloud = TRY(read_ply(bytes));
   } else if (bytes.empty()) {
     return fail("the file is empty");
   } else {
     return fail("neither a PLY nor a Draco file: it begins with neither \"ply\" nor \"DRACO\"");
   }
-  if (!cloud) return tl::unexpected(cloud.error());
-  LoadedCloud loaded{std::move(*cloud), {}};
   loaded.warnings = warnings_of(sanitize(loaded.cloud));
   estimate_unknown_radii(loaded.cloud);
   return loaded;
 }
 
 Result<LoadedCloud> read_cloud_file(const fs::path& path) {
-  const Result<Bytes> bytes = read_bytes(path);
-  if (!bytes) return fail_at(path.string(), bytes.error());
-  Result<LoadedCloud> loaded = read_cloud(*bytes);
-  if (!loaded) return fail_at(path.string(), loaded.error());
-  return loaded;
+  const Bytes bytes = TRY(at_place(path.string(), read_bytes(path)));
+  return at_place(path.string(), read_cloud(bytes));
 }
 
 Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs) {
@@ -135,16 +139,19 @@ Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inpu
   for (const fs::path& input : inputs) {
     std::error_code code;
     const fs::file_status status = fs::status(input, code);
-    if (!fs::exists(status)) return fail(fmt::format("{}: no such file or folder", input.string()));
+    if (!fs::exists(status)) {
+      return fail(ErrorCode::not_found, fmt::format("{}: no such file or folder", input.string()));
+    }
     if (!fs::is_directory(status)) {
       files.push_back(input);
       continue;
     }
-    const Result<std::vector<fs::path>> listed = list_folder(input);
-    if (!listed) return tl::unexpected(listed.error());
-    files.insert(files.end(), listed->begin(), listed->end());
+    const std::vector<fs::path> listed = TRY(list_folder(input));
+    files.insert(files.end(), listed.begin(), listed.end());
   }
-  if (files.empty()) return fail("no input: name a folder or .ply and .drc files");
+  if (files.empty()) {
+    return fail(ErrorCode::argument, "no input: name a folder or .ply and .drc files");
+  }
   return files;
 }
 

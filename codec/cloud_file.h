@@ -10,25 +10,25 @@
 
 namespace pointreel {
 
-/// A cloud from a file, fit for use (see `sanitize`; unusable radii estimated), and what had to be
-/// mended to make it so.
+/// A cloud from a file that is safe to use (see `sanitize`; unusable radii are estimated), and what
+/// was repaired for that.
 struct LoadedCloud {
   PointCloud cloud;
-  std::vector<std::string> warnings;  ///< one line each, without the file's name
+  std::vector<std::string> warnings;  ///< lines without the file's name
 };
 
-/// Reads a .ply or .drc file (point cloud or mesh: its vertices), told apart by its first bytes,
-/// not its name. The error does not repeat the file's name.
+/// Reads the points of a .ply or .drc file, which may also be a mesh. The format is recognised by
+/// the file's first bytes, not by its name. The error does not contain the file's name.
 ///
-/// Trust: the bytes may be hostile; memory is bounded by them, for meshes of Draco's as
-/// drc_reader.h says.
+/// Trust: the bytes may be hostile. Memory is bounded by their number; drc_reader.h describes an
+/// exception for meshes.
 Result<LoadedCloud> read_cloud(ByteView bytes);
 
-/// The same from a path; the error begins with it.
+/// Reads a file. The error begins with the path.
 Result<LoadedCloud> read_cloud_file(const std::filesystem::path& path);
 
-/// The frames that `inputs` name, in order: each folder gives its .ply and .drc files in natural
-/// order (frame2 before frame10), each file itself. An error if that is none.
+/// The files that `inputs` name, in order: a folder stands for its .ply and .drc files in natural
+/// order (frame2 before frame10), a file for itself. Fails if there are none.
 Result<std::vector<std::filesystem::path>> list_cloud_files(
     const std::vector<std::filesystem::path>& inputs);
 

@@ -16,10 +16,9 @@ Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
 
 Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
                                   const DecodeLimits& limits) {
-  if (layers.empty()) return fail("a frame has at least its base layer");
-  const auto parsed = TRY(read_frame_header(layers.front().geometry));
-  return parsed.header.codec == Codec::octree ? decode_octree(layers, limits)
-                                              : decode_draco(layers, limits);
+  if (layers.empty()) return fail(ErrorCode::argument, "a frame needs at least its base layer");
+  const Codec codec = TRY(read_frame_header(layers.front().geometry)).header.codec;
+  return codec == Codec::octree ? decode_octree(layers, limits) : decode_draco(layers, limits);
 }
 
 }  // namespace pointreel

@@ -1,9 +1,9 @@
 #include "codec/frame_header.h"
 
 #include <cmath>
-#include <string>
 
 #include "common/base/byte_io.h"
+#include "common/base/concat.h"
 #include "pointreel/octree.h"
 
 #define XXH_INLINE_ALL
@@ -23,7 +23,7 @@ enum Flags : std::uint8_t {
   kNormalsTransformed = 16
 };
 
-/// A checksum over the header's bytes before the checksum itself, then the payload.
+/// The checksum of a header up to the checksum itself, and of its payload.
 std::uint64_t checksum(ByteView header, ByteView payload) {
   return XXH3_64bits_withSeed(payload.data(), payload.size(),
                               XXH3_64bits(header.data(), header.size()));
@@ -63,8 +63,9 @@ Result<ParsedFrameHeader> read_frame_header(ByteView bytes) {
   if (reader.get<std::uint32_t>() != kFrameMagic) return fail("not a Pointreel frame");
   const auto version = reader.get<std::uint8_t>();
   if (version != kFrameVersion) {
-    return fail("frame version " + std::to_string(version) + " is not supported, only " +
-                std::to_string(kFrameVersion) + " is: update Pointreel");
+    return fail(ErrorCode::unsupported,
+                concat("frame has format version ", version, ", but only version ", kFrameVersion,
+                       " is supported: update Pointreel"));
   }
   const auto codec = reader.get<std::uint8_t>();
   ParsedFrameHeader parsed;
@@ -86,7 +87,8 @@ Result<ParsedFrameHeader> read_frame_header(ByteView bytes) {
   }
   if (codec != static_cast<std::uint8_t>(Codec::octree) &&
       codec != static_cast<std::uint8_t>(Codec::draco)) {
-    return fail("frame has unknown codec " + std::to_string(codec));
+    return fail(ErrorCode::unsupported,
+                concat("frame has unknown codec ", codec, ": update Pointreel"));
   }
   if (header.depth > kMaxDepth ||
       flags > (kColors | kNormals | kColors16 | kTransformed | kNormalsTransformed) || layers < 1 ||
@@ -134,12 +136,12 @@ Result<ParsedChunk> read_chunk(ByteView bytes, ChunkKind kind, std::uint8_t laye
   }
   const unsigned entropy = kind_and_entropy >> 4;
   if ((kind_and_entropy & 15u) != static_cast<unsigned>(kind) || stored_layer != layer) {
-    return fail("chunk is another part of the frame than the one asked for");
+    return fail("chunk is of another kind or layer than expected");
   }
   if (stored_tag != tag) return fail("chunk belongs to another frame");
   if (entropy > static_cast<unsigned>(Entropy::context)) {
-    return fail("chunk has unknown entropy coding " + std::to_string(entropy) +
-                ": update Pointreel");
+    return fail(ErrorCode::unsupported,
+                concat("chunk has unknown entropy coding ", entropy, ": update Pointreel"));
   }
   if (last_level > kMaxDepth) return fail("chunk header has a field out of range");
   ParsedChunk chunk;

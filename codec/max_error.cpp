@@ -13,8 +13,8 @@ double max_geometry_error(const Cube& cube, int depth) {
   }
   const double half_cell = std::ldexp(cube.edge, -depth - 1);
   const double to_float = std::ldexp(cube.edge, -24);
-  // A handful of operations, each half a unit in the last place off: the difference of two origins,
-  // its sum with a position, the product with cells a unit, and the way back.
+  // A few operations, each off by half a unit in the last place: the difference of two origins, its
+  // sum with a position, the product with the number of cells per unit, and the way back.
   const double in_double = std::ldexp(farthest, -50);
   return std::sqrt(3.0) * (half_cell + to_float + in_double);
 }

@@ -6,6 +6,8 @@
 
 namespace pointreel {
 
+namespace {
+
 Chunks<std::size_t> octree_part_sizes(const EncodedFrame& frame) {
   Chunks<std::size_t> sizes;
   for (const Chunks<Bytes>& layer : frame.layers) {
@@ -15,6 +17,8 @@ Chunks<std::size_t> octree_part_sizes(const EncodedFrame& frame) {
   }
   return sizes;
 }
+
+}  // namespace
 
 Result<Chunks<std::size_t>> measure_part_sizes(const EncodedFrame& frame, const PointCloud& cloud,
                                                const Cube& cube, const EncodeOptions& options) {

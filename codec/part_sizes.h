@@ -7,14 +7,13 @@
 
 namespace pointreel {
 
-/// Bytes of the geometry, the colours and the normals of an octree frame, headers included. They
-/// add up to frame.size().
-Chunks<std::size_t> octree_part_sizes(const EncodedFrame& frame);
-
-/// The same of a frame of either codec, which was encoded from these arguments. Draco interleaves
-/// attributes, so its parts are measured by encoding positions alone, then with colours; what
-/// remains is the normals'. This takes as long as two more encodes. The headers count as geometry,
-/// and a part that makes the frame no larger counts as 0.
+/// The sizes of the geometry, the colours and the normals of a frame, including headers, in bytes.
+/// They add up to frame.size(). The other arguments are those that the frame was encoded from.
+///
+/// Draco interleaves attributes, so the sizes of its parts are measured by encoding positions
+/// alone, and then positions with colours; the rest is due to the normals. This takes up to two
+/// more encodes. Headers count as geometry, and a part that does not make the frame larger counts
+/// as 0.
 Result<Chunks<std::size_t>> measure_part_sizes(const EncodedFrame& frame, const PointCloud& cloud,
                                                const Cube& cube, const EncodeOptions& options);
 

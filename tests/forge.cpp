@@ -32,16 +32,10 @@ void mend_chunk(Bytes& part, std::size_t begin) {
 void mend(EncodedFrame& frame) {
   for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
     for (const ChunkKind kind : {ChunkKind::geometry, ChunkKind::colors, ChunkKind::normals}) {
-      mend_chunk(part_of(frame.layers[layer], kind), chunk_begin(layer, kind));
+      mend_chunk(chunk_of(frame.layers[layer], kind), chunk_begin(layer, kind));
     }
   }
   if (!frame.layers.empty()) mend_frame_header(frame.layers.front().geometry);
-}
-
-Bytes& part_of(Chunks<Bytes>& layer, ChunkKind kind) {
-  return kind == ChunkKind::geometry ? layer.geometry
-         : kind == ChunkKind::colors ? layer.colors
-                                     : layer.normals;
 }
 
 std::size_t chunk_begin(std::size_t layer, ChunkKind kind) {

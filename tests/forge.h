@@ -7,23 +7,21 @@
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 
-/// Frames that no encoder writes: bytes of good ones are changed, and then all checksums made right
-/// again, so that what comes behind them is tested and not only they.
+/// Makes frames that no encoder writes: after bytes of a good frame were changed, these functions
+/// correct all checksums, so that tests get past them.
 namespace pointreel {
 
 /// Recomputes the checksum at the end of the frame header that `geometry` begins with, if it is
 /// long enough to have one.
 void mend_frame_header(Bytes& geometry);
 
-/// The same of the chunk that begins at `begin`.
+/// The same for the chunk that begins at offset `begin`.
 void mend_chunk(Bytes& part, std::size_t begin);
 
-/// All checksums of a frame.
+/// Recomputes all checksums of a frame.
 void mend(EncodedFrame& frame);
 
-Bytes& part_of(Chunks<Bytes>& layer, ChunkKind kind);
-
-/// Where the chunk of this part begins: behind the frame header in the first layer's geometry.
+/// The offset at which a chunk begins: in the first layer's geometry, after the frame header.
 std::size_t chunk_begin(std::size_t layer, ChunkKind kind);
 
 /// Overwrites little-endian bytes at an offset.

@@ -9,7 +9,7 @@ namespace pointreel {
 
 /// Splat radii from an octree that is there anyway: the edge of a square of the surface that holds
 /// one point, so that discs of this radius overlap about threefold. A hundredth of the time that
-/// looking at each point's neighbours takes (estimate_radii), and one radius for a whole block of
+/// looking at each point's neighbours takes (surface/normals.h), and one radius for a whole block of
 /// points instead of one for each.
 ///
 /// A tree that was divided until nearly every point has a leaf of its own (the delta criterion) has

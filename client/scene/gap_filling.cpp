@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "common/octree/build.h"
+
 namespace pointreel {
 namespace {
 

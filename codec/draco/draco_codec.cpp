@@ -9,6 +9,7 @@
 #include "codec/draco/draco_payload.h"
 #include "codec/frame_header.h"
 #include "common/base/concat.h"
+#include "common/base/try.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 
@@ -25,8 +26,7 @@ FrameTag tag_of(ByteView payload, const Cube& cube) {
 
 Result<EncodedFrame> encode_draco(const PointCloud& cloud, const Cube& cube,
                                   const DracoOptions& options, bool normals, bool colors) {
-  const Result<Bytes> payload = encode_draco_payload(cloud, cube, options, normals, colors);
-  if (!payload) return tl::unexpected(payload.error());
+  const Bytes payload = TRY(encode_draco_payload(cloud, cube, options, normals, colors));
 
   FrameHeader header;
   header.codec = Codec::draco;
@@ -41,47 +41,43 @@ Result<EncodedFrame> encode_draco(const PointCloud& cloud, const Cube& cube,
   frame.source_points = frame.coded_points = header.coded_points;
   frame.depth = header.depth;
   Bytes& out = frame.layers.emplace_back().geometry;
-  const FrameTag tag = tag_of(*payload, cube);
+  const FrameTag tag = tag_of(payload, cube);
   write_frame_header(header, tag, out);
   ChunkHeader chunk;
-  chunk.raw_size = static_cast<std::uint32_t>(payload->size());
-  write_chunk(chunk, tag, *payload, out);
+  chunk.raw_size = static_cast<std::uint32_t>(payload.size());
+  write_chunk(chunk, tag, payload, out);
   return frame;
 }
 
 Result<DecodedFrame> decode_draco(const std::vector<Chunks<ByteView>>& layers,
                                   const DecodeLimits& limits) {
-  if (layers.empty()) return fail("a frame has at least its base layer");
-  const auto parsed = read_frame_header(layers.front().geometry);
-  if (!parsed) return tl::unexpected(parsed.error());
-  const FrameHeader& header = parsed->header;
+  if (layers.empty()) return fail(ErrorCode::argument, "a frame needs at least its base layer");
+  const ParsedFrameHeader parsed = TRY(read_frame_header(layers.front().geometry));
+  const FrameHeader& header = parsed.header;
   if (header.codec != Codec::draco) return fail("not a Draco frame");
   if (header.layers != 1 || header.depth < 1 || header.coded_points != header.source_points ||
       (header.colors_16_bit && !header.has_colors)) {
     return fail("frame header has a field out of range");
   }
   if (header.coded_points > limits.max_points) {
-    return fail(concat("frame has ", header.coded_points, " points, more than the ",
-                       limits.max_points, " allowed"));
+    return fail(ErrorCode::limit, concat("frame has ", header.coded_points,
+                                         " points, more than the ", limits.max_points, " allowed"));
   }
-  const auto chunk = read_chunk(parsed->rest, ChunkKind::geometry, 0, parsed->tag);
-  if (!chunk) return tl::unexpected(chunk.error());
-  if (chunk->header.entropy != Entropy::none || chunk->header.last_level != 0 ||
-      chunk->header.raw_size != chunk->payload.size()) {
+  const ParsedChunk chunk = TRY(read_chunk(parsed.rest, ChunkKind::geometry, 0, parsed.tag));
+  if (chunk.header.entropy != Entropy::none || chunk.header.last_level != 0 ||
+      chunk.header.raw_size != chunk.payload.size()) {
     return fail("chunk header has a field out of range");
   }
-  // No more points than the header says: where there are fewer, the check below finds out.
-  auto cloud = decode_draco_payload(chunk->payload, header.cube, header.depth,
-                                    DecodeLimits{header.coded_points});
-  if (!cloud) return tl::unexpected(cloud.error());
-  const bool some = !cloud->empty();
-  if (cloud->size() != header.coded_points ||
-      (some &&
-       (cloud->has_normals() != header.has_normals || cloud->has_colors() != header.has_colors))) {
+  // Decodes at most as many points as the header has. The check below notices if there are fewer.
+  DecodedFrame frame;
+  frame.cloud = TRY(decode_draco_payload(chunk.payload, header.cube, header.depth,
+                                         DecodeLimits{header.coded_points}));
+  const PointCloud& cloud = frame.cloud;
+  if (cloud.size() != header.coded_points ||
+      (!cloud.empty() &&
+       (cloud.has_normals() != header.has_normals || cloud.has_colors() != header.has_colors))) {
     return fail("the Draco data disagree with the frame header on points or attributes");
   }
-  DecodedFrame frame;
-  frame.cloud = std::move(*cloud);
   frame.cube = header.cube;
   frame.source_points = header.source_points;
   return frame;

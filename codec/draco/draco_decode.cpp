@@ -11,7 +11,7 @@
 namespace pointreel {
 namespace {
 
-/// The bytes without metadata and without the flag that announces them.
+/// The bytes without metadata, and without the flag that announces metadata.
 Bytes without_metadata(ByteView bytes, const DrcHeader& header) {
   Bytes stripped(bytes.begin(), bytes.begin() + DrcHeader::kFixedSize);
   stripped[DrcHeader::kFixedSize - 1] &= 0x7f;
@@ -37,16 +37,17 @@ Result<std::unique_ptr<draco::PointCloud>> run_draco_decoder(ByteView bytes,
     auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
     if (!decoded.ok()) {
       return fail(concat("Draco cannot decode the data (", decoded.status().error_msg_string(),
-                         "); the file is damaged"));
+                         "): it is damaged"));
     }
     std::unique_ptr<draco::PointCloud> cloud = std::move(decoded).value();
     if (cloud->num_points() > limits.max_points) {
-      return fail(concat("the Draco data hold ", cloud->num_points(), " points; at most ",
+      return fail(ErrorCode::limit,
+                  concat("the Draco data hold ", cloud->num_points(), " points, but at most ",
                          limits.max_points, " are accepted"));
     }
     return cloud;
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory to decode the Draco data");
+    return fail(ErrorCode::limit, "not enough memory to decode the Draco data");
   } catch (const std::exception& error) {
     return fail(concat("Draco cannot decode the data (", error.what(), ")"));
   }

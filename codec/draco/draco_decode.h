@@ -8,16 +8,17 @@
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
-/// What the package codec and the reader of user files share: Draco's decoder behind our errors.
+/// Draco's decoder behind our errors, for frames and for the files of users.
 namespace pointreel {
 
-/// Runs Draco on bytes whose header has been parsed and accepted, without their metadata. Draco's
-/// exceptions (no memory) become errors; the result has no more points than `limits`.
+/// Runs Draco on bytes whose header has been parsed and accepted, without their metadata.
+/// Exceptions, such as for lack of memory, become errors. The result has no more points than
+/// `limits`.
 Result<std::unique_ptr<draco::PointCloud>> run_draco_decoder(ByteView bytes,
                                                              const DrcHeader& header,
                                                              const DecodeLimits& limits);
 
-/// True if every point maps to a value that lies in the attribute's buffer.
+/// True if the values of all points are inside the attribute's buffer.
 bool is_readable(const draco::PointAttribute& attribute, std::uint32_t points);
 
 }  // namespace pointreel

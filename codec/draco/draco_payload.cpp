@@ -16,6 +16,7 @@
 #include "codec/draco/drc_header.h"
 #include "codec/frame_header.h"
 #include "common/base/concat.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "common/octree/morton.h"
 #include "pointreel/draco.h"
@@ -31,26 +32,29 @@ constexpr std::size_t kMaxPoints = std::size_t{1} << 26;
 Result<void> check(const PointCloud& cloud, const Cube& cube, const DracoOptions& options) {
   const auto in_range = [](int value, int low, int high) { return value >= low && value <= high; };
   if (!in_range(options.position_bits, 1, kMaxDepth)) {
-    return fail(concat("--qp ", options.position_bits, " is not between 1 and ", kMaxDepth));
+    return fail(ErrorCode::argument,
+                concat("--qp ", options.position_bits, " is not between 1 and ", kMaxDepth));
   }
   if (!in_range(options.normal_bits, 2, 16)) {
-    return fail(concat("--qn ", options.normal_bits, " is not between 2 and 16"));
+    return fail(ErrorCode::argument,
+                concat("--qn ", options.normal_bits, " is not between 2 and 16"));
   }
   if (!in_range(options.compression_level, 0, 10)) {
-    return fail(concat("--cl ", options.compression_level, " is not between 0 and 10"));
+    return fail(ErrorCode::argument,
+                concat("--cl ", options.compression_level, " is not between 0 and 10"));
   }
   if (!is_codable(cube)) {
-    return fail(
-        concat("a cube with edge ", cube.edge, " cannot be coded by Draco; scale the points"));
+    return fail(ErrorCode::argument,
+                concat("a cube with the edge ", cube.edge, " cannot be coded: scale the points"));
   }
   if (cloud.size() > kMaxPoints) {
-    return fail(concat(cloud.size(), " points are more than Draco frames hold (", kMaxPoints,
-                       "); thin them out"));
+    return fail(ErrorCode::limit, concat(cloud.size(), " points are more than the ", kMaxPoints,
+                                         " that a Draco frame can hold: thin them out"));
   }
   return {};
 }
 
-/// Normals on a grid of 2^bits values with 0 and +-1 among them: -1 + i / steps.
+/// Quantises normals to multiples of 1 / steps, so that 0 and +-1 are among the values.
 struct NormalGrid {
   explicit NormalGrid(int normal_bits) : bits(normal_bits), steps((1 << (normal_bits - 1)) - 1) {}
   int bits, steps;
@@ -64,13 +68,13 @@ struct NormalGrid {
   glm::vec3 value(const glm::ivec3& q) const {
     return glm::vec3(glm::dvec3(q) / static_cast<double>(steps));
   }
-  /// Draco divides its range into 2^bits - 1 steps.
+  /// The range of values to give Draco, which divides it into 2^bits - 1 steps.
   float range() const {
     return static_cast<float>(static_cast<double>((1 << bits) - 1) / static_cast<double>(steps));
   }
 };
 
-/// What the options and the cloud make of a frame.
+/// How to code a frame, as the options and the cloud determine it.
 struct Plan {
   bool sequential = false, normals = false, colors = false, wide_colors = false;
 };
@@ -86,11 +90,12 @@ Plan plan_for(const PointCloud& cloud, const DracoOptions& options, bool normals
   return plan;
 }
 
-/// A point as it will be coded: cell, then what tells points in the same cell apart.
+/// A point as it will be coded: its cell, and the attributes by which points in a cell are ordered.
 struct CodedPoint {
   std::uint64_t key = 0;
-  glm::ivec3 normal{
-      0};  ///< on the grid; for the sequential coder, which has its own, the floats' bits
+  /// Quantised for the kd-tree; the bits of the floats for the sequential coder, which quantises
+  /// normals itself.
+  glm::ivec3 normal{0};
   glm::u16vec3 color{0};
 
   auto order() const {
@@ -98,7 +103,7 @@ struct CodedPoint {
   }
 };
 
-/// The points in an order that only the set of them decides.
+/// Quantises the points and puts them in an order that depends only on their set.
 std::vector<CodedPoint> quantise_and_sort(const PointCloud& cloud, const Cube& cube,
                                           const DracoOptions& options, const Plan& plan) {
   const SortedPoints sorted = sort_points(cloud, cube, options.position_bits);
@@ -123,7 +128,7 @@ std::vector<CodedPoint> quantise_and_sort(const PointCloud& cloud, const Cube& c
   return points;
 }
 
-/// Adds an attribute of `n` components; `component(i, c)` is component c of point i.
+/// Adds an attribute with `n` components, where `component(i, c)` is component c of point i.
 template <class T, int n, class Component>
 int add_attribute(draco::PointCloud& cloud, GeometryAttribute::Type type, draco::DataType data_type,
                   bool normalized, Component component) {
@@ -150,7 +155,8 @@ void add_colors(draco::PointCloud& cloud, const std::vector<CodedPoint>& points,
   }
 }
 
-/// Says which normals are known, where not all are: the octahedron has no place for others.
+/// Adds an attribute that says which normals are known, unless all are, because the octahedron
+/// cannot represent unknown ones.
 void add_known(draco::PointCloud& cloud, const std::vector<glm::vec3>& normals) {
   const auto known = [&normals](std::size_t i, int = 0) {
     return static_cast<std::uint8_t>(normals[i] != glm::vec3(0.0f) ? 1 : 0);
@@ -192,8 +198,9 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const DracoOptions& 
   encoder.SetSpeedOptions(speed, speed);
   encoder.SetEncodingMethod(plan.sequential ? draco::POINT_CLOUD_SEQUENTIAL_ENCODING
                                             : draco::POINT_CLOUD_KD_TREE_ENCODING);
-  // In cells Draco's steps are 1, its arithmetic is exact, and the range is too: the library passes
-  // it on as text of six decimals, in which a small cube's own edge would be lost.
+  // Positions are in units of cells, so that Draco's steps are 1 and its arithmetic is exact. So is
+  // the range, which the library passes on as text with six decimals: a small cube's own edge would
+  // be lost there.
   const std::array<float, 3> first_center = {0.5f, 0.5f, 0.5f};
   encoder.SetAttributeExplicitQuantization(position_id, options.position_bits, 3,
                                            first_center.data(),
@@ -220,7 +227,7 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const DracoOptions& 
   return bytes;
 }
 
-/// Whether an attribute is one of those that `encode` writes.
+/// True if the attribute is one of those that `encode` writes.
 bool is_ours(const DrcAttribute& attribute) {
   switch (attribute.type) {
     case GeometryAttribute::POSITION:
@@ -238,13 +245,13 @@ bool is_ours(const DrcAttribute& attribute) {
   }
 }
 
-/// Whether the header describes what `encode` writes.
+/// True if the header is one that `encode` writes.
 bool is_ours(const DrcHeader& header) {
   if (header.mesh || header.metadata || header.version != 2 * 256 + 3 ||
       header.attribute_decoders != 1 || header.attributes.empty()) {
     return false;
   }
-  int last_type = -1;  // POSITION < NORMAL < COLOR < GENERIC: each at most once, in this order
+  int last_type = -1;  // POSITION < NORMAL < COLOR < GENERIC, in this order and each at most once
   bool normals = false;
   for (const DrcAttribute& attribute : header.attributes) {
     if (!is_ours(attribute) || attribute.type <= last_type) return false;
@@ -256,7 +263,7 @@ bool is_ours(const DrcHeader& header) {
          (last_type != GeometryAttribute::GENERIC || (sequential && normals));
 }
 
-/// The values of an attribute that `is_ours` and `is_readable` have accepted.
+/// The value of point i in an attribute that `is_ours` and `is_readable` have accepted.
 template <class T, int n = 3>
 glm::vec<n, T> read(const draco::PointAttribute& attribute, std::uint32_t i) {
   glm::vec<n, T> v;
@@ -291,7 +298,7 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube, i
     cloud.normals.resize(n);
     for (std::uint32_t i = 0; i < n; ++i) {
       const glm::vec3 v = read<float>(*normals, i);
-      // Quantised unit vectors are longer than this, and unknown normals are 0 but for rounding.
+      // Quantised unit vectors are longer than this, and unknown normals are 0 up to rounding.
       const float length = glm::length(v);
       const bool usable = length > 0.5f && std::isfinite(length) &&
                           (known == nullptr || read<std::uint8_t, 1>(*known, i).x != 0);
@@ -313,14 +320,13 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, const Cube& cube, i
 
 Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
                                    const DracoOptions& options, bool normals, bool colors) {
-  const Result<void> checked = check(cloud, cube, options);
-  if (!checked) return tl::unexpected(checked.error());
+  TRY(check(cloud, cube, options));
   if (cloud.empty()) return Bytes{};
   const Plan plan = plan_for(cloud, options, normals, colors);
   try {
     return encode(quantise_and_sort(cloud, cube, options, plan), options, plan);
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory to encode the frame with Draco");
+    return fail(ErrorCode::limit, "not enough memory to encode the frame with Draco");
   } catch (const std::exception& error) {
     return fail(concat("Draco cannot encode the frame (", error.what(), ")"));
   }
@@ -334,17 +340,15 @@ Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int 
     none.origin = cube.origin;
     return none;
   }
-  const Result<DrcHeader> header = parse_drc_header(payload, kPointsPerFrameByte, limits);
-  if (!header) return tl::unexpected(header.error());
-  if (!is_ours(*header)) {
+  const DrcHeader header = TRY(parse_drc_header(payload, kPointsPerFrameByte, limits));
+  if (!is_ours(header)) {
     return fail("the Draco frame is not a point cloud of positions, normals and colours");
   }
-  const auto decoded = run_draco_decoder(payload, *header, limits);
-  if (!decoded) return tl::unexpected(decoded.error());
+  const auto decoded = TRY(run_draco_decoder(payload, header, limits));
   try {
-    return convert(**decoded, cube, position_bits);
+    return convert(*decoded, cube, position_bits);
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory for the points of the Draco frame");
+    return fail(ErrorCode::limit, "not enough memory for the points of the Draco frame");
   }
 }
 

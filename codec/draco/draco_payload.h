@@ -9,44 +9,47 @@
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
 
-/// Point clouds as Draco codes them: what a Draco frame carries besides the common headers.
+/// Point clouds coded by Draco: the payload of a Draco frame.
 ///
 /// A payload is a complete .drc file (bitstream 2.3, kd-tree or sequential, no metadata), which any
-/// Draco decoder reads, with float positions in cells from the cube's minimum corner, optionally
-/// float normals, and colours of 8 bits where all of them fit, else 16.
+/// Draco decoder reads. It has float positions in units of cells from the cube's minimum corner,
+/// float normals if the frame has any, and colours of 8 bits if that is enough, otherwise 16.
 ///
-/// - Positions are the centres of the cells that the cube has at octree level `position_bits`, a
-///   cell being 1: at most half a cell off on each axis, the same cells in every frame that shares
-///   the cube, and the same as the octree codec's at that depth. Points outside the cube clamp to
-///   its boundary cells (ERRATA 12).
-/// - Normals of a kd-tree are quantised to `normal_bits` on each axis with 0 among the values, so
-///   that unknown normals stay unknown. Off by at most asin(sqrt(3) / (2^bits - 2)): 0.4 degrees at
-///   8 bits.
-/// - The sequential coder folds normals onto an octahedron of `normal_bits` on each of two axes,
-///   which has no place for unknown ones: where a frame has some, a generic attribute of one byte a
-///   point, 1 or 0, says which are known. Off by at most asin(4 / (2^bits - 2)): 0.9 degrees.
+/// - Positions are the centres of the cube's cells at octree level `position_bits`, where a cell
+/// has
+///   the edge 1. They are off by at most half a cell on each axis, and are the same cells in every
+///   frame that shares the cube, and in the octree codec at that depth. Points outside the cube
+///   move to the cells at its boundary (FORMULAS.md, "Cube of a frame").
+/// - The kd-tree coder quantises normals to `normal_bits` on each axis. 0 is among the values, so
+///   that unknown normals stay unknown. Normals are off by at most asin(sqrt(3) / (2^bits - 2)),
+///   which is 0.4 degrees for 8 bits.
+/// - The sequential coder folds normals onto an octahedron with `normal_bits` on each of its two
+///   axes, which cannot represent unknown normals. If a frame has any, a generic attribute of one
+///   byte for each point is 1 where the normal is known and 0 elsewhere. Normals are off by at most
+///   asin(4 / (2^bits - 2)), which is 0.9 degrees for 8 bits.
 /// - Colours are exact.
-/// - Duplicates are kept; the order of the points is not: they come in Morton order to the coder.
-///   Radii are not coded.
-/// - As with draco_encoder, a level of 0 means the sequential coder unless a method is asked for.
-/// - Zero bytes follow the .drc where it would otherwise be so short for its points that the
-///   decoder's bound (drc_header.h) refused it: many points in very few cells.
-/// - No points: no bytes.
+/// - Duplicates are kept, but the order of the points is not: they are coded in Morton order. Radii
+///   are not coded.
+/// - As with draco_encoder, level 0 means the sequential coder unless a method is chosen.
+/// - Zero bytes follow the .drc file if it is too short for its number of points to pass the
+///   decoder's bound (drc_header.h). This happens with many points in very few cells.
+/// - The payload of a frame without points is empty.
 namespace pointreel {
 
-/// Options must lie in the ranges that DracoOptions states; the cube's edge between 1e-30 and
-/// 1e30; at most 2^26 points. The bytes depend on the set of the points and nothing else.
+/// Encodes a cloud. The bytes depend on the set of points only. Errors: `argument` if an option is
+/// outside the range that DracoOptions states, or the cube's edge is not between 1e-30 and 1e30;
+/// `limit` for more than 2^26 points.
 Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
                                    const DracoOptions& options, bool normals, bool colors);
 
-/// Decodes what was encoded with these `position_bits`, 1 to 21, into a cloud whose origin is the
-/// cube's.
+/// Decodes a payload that was encoded with the same cube and `position_bits` (1 to 21). The origin
+/// of the cloud is the cube's.
 ///
-/// Trust: the payload may be hostile. Only what the encoder writes is accepted: a point cloud of
+/// Trust: the payload may be hostile. Only what the encoder writes is accepted: a point cloud with
 /// the attributes above, in that order. Counts are bounded by `limits` and by kFreePoints +
-/// kPointsPerFrameByte * payload.size() before Draco takes memory (about 100 bytes a point);
-/// positions that decode to a place outside the cube, and NaN, are refused; nothing is thrown. The
-/// decoding itself is Draco's and as memory-safe as the installed libdraco.
+/// kPointsPerFrameByte * payload.size() before Draco allocates memory, which is about 100 bytes for
+/// each point. Positions outside the cube and NaN are refused, and nothing is thrown. Decoding
+/// itself is as memory-safe as the installed libdraco.
 Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int position_bits,
                                         const DecodeLimits& limits = {});
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -19,7 +21,7 @@ constexpr std::uint16_t kNewestMesh = version(2, 2);
 constexpr std::uint16_t kMetadataFlag = 0x8000;
 constexpr int kDataTypes = 12;  // 1 to 11 are valid, draco/core/draco_types.h
 
-/// The parts of Draco's encoding that ByteReader does not know.
+/// Reads values in Draco's encoding, which has more types than ByteReader.
 class DrcReader {
  public:
   explicit DrcReader(ByteView bytes) : bytes_(bytes), reader_(bytes) {}
@@ -29,7 +31,7 @@ class DrcReader {
     return reader_.get<T>();
   }
 
-  /// LEB128; Draco reads at most five bytes of a 32-bit value and drops bits beyond.
+  /// LEB128. Draco reads at most five bytes of a 32-bit value and drops excess bits.
   std::uint32_t varint() {
     std::uint32_t value = 0;
     for (int shift = 0; shift < 35; shift += 7) {
@@ -41,14 +43,14 @@ class DrcReader {
     return 0;
   }
 
-  /// A count: four bytes before the bitstream version in which it became a varint.
+  /// A count, which takes four bytes in files older than the version that made it a varint.
   std::uint32_t count(std::uint16_t file_version, std::uint16_t varint_since) {
     return file_version < varint_since ? get<std::uint32_t>() : varint();
   }
 
   void skip(std::size_t n) {
     if (!ok() || reader_.rest().size() < n) {
-      bad_ = true;  // for good: a new reader would forget that the old one failed
+      bad_ = true;  // kept here, because the new reader does not know that the old one failed
       reader_ = ByteReader({});
       return;
     }
@@ -64,10 +66,10 @@ class DrcReader {
   bool bad_ = false;
 };
 
-/// Steps over one metadata element: entries, then named elements within it. The counts need no
-/// bound of their own, since every entry and element takes bytes.
+/// Steps over a metadata element: its entries, and then the named elements in it. The counts need
+/// no bounds, since every entry and element takes at least one byte.
 void skip_metadata_element(DrcReader& in) {
-  std::vector<std::uint32_t> open = {1};  // elements left to read, innermost last
+  std::vector<std::uint32_t> open = {1};  // numbers of elements left to read, innermost last
   while (!open.empty() && in.ok()) {
     if (open.back() == 0) {
       open.pop_back();
@@ -86,17 +88,17 @@ void skip_metadata_element(DrcReader& in) {
 
 void skip_metadata(DrcReader& in) {
   for (std::uint32_t left = in.varint(); left > 0 && in.ok(); --left) {
-    in.varint();  // which attribute
+    in.varint();  // the attribute that the element belongs to
     skip_metadata_element(in);
   }
   skip_metadata_element(in);
 }
 
-constexpr const char* kTruncated = "the Draco data end within their header; the file is truncated";
+constexpr const char* kTruncated = "the Draco data end within their header: the file is truncated";
 
 Result<DrcHeader> parse_fixed(DrcReader& in, ByteView bytes) {
   if (bytes.size() < 5 || std::memcmp(bytes.data(), "DRACO", 5) != 0) {
-    return fail("not Draco data: they do not begin with DRACO");
+    return fail("not Draco data: does not begin with DRACO");
   }
   in.skip(5);
   DrcHeader header;
@@ -107,14 +109,18 @@ Result<DrcHeader> parse_fixed(DrcReader& in, ByteView bytes) {
   header.method = in.get<std::uint8_t>();
   const auto flags = in.get<std::uint16_t>();
   if (!in.ok()) return fail(kTruncated);
-  if (geometry > 1) return fail(concat("unknown Draco geometry type ", geometry));
+  if (geometry > 1)
+    return fail(ErrorCode::unsupported, concat("unknown Draco geometry type ", geometry));
   header.mesh = geometry == 1;
   const std::uint16_t newest = header.mesh ? kNewestMesh : kNewestCloud;
   if (major < 1 || header.version > newest) {
-    return fail(concat("Draco bitstream version ", major, ".", minor,
-                       " is not supported; encode it again with Draco 1.5 or older"));
+    return fail(ErrorCode::unsupported,
+                concat("Draco bitstream version ", major, ".", minor,
+                       " is not supported: encode the file again with Draco 1.5 or older"));
   }
-  if (header.method > 1) return fail(concat("unknown Draco method ", header.method));
+  if (header.method > 1) {
+    return fail(ErrorCode::unsupported, concat("unknown Draco method ", header.method));
+  }
   header.metadata = header.version >= version(1, 3) && (flags & kMetadataFlag) != 0;
   return header;
 }
@@ -125,7 +131,8 @@ std::uint64_t component_sum(const std::vector<DrcAttribute>& attributes) {
   return sum;
 }
 
-/// The attributes' descriptions, and what follows them where it is again a count.
+/// Reads the number of points and the descriptions of the attributes. For kd-trees, also checks the
+/// number of points that is repeated after them.
 Result<void> parse_cloud(DrcReader& in, DrcHeader& header) {
   const auto points = in.get<std::uint32_t>();
   header.points = points;
@@ -153,49 +160,50 @@ Result<void> parse_cloud(DrcReader& in, DrcHeader& header) {
       }
       header.attributes.push_back(attribute);
       if (component_sum(header.attributes) > kMaxComponents) {
-        return fail(
-            concat("the Draco attributes have more than ", kMaxComponents, " components together"));
+        return fail(ErrorCode::limit, concat("the Draco attributes have more than ", kMaxComponents,
+                                             " components together"));
       }
     }
-    // Sequential encoders: how each attribute is coded, before the next decoder's attributes.
+    // With sequential coding, one byte for each attribute says how it is coded.
     if (header.method == 0) in.skip(count);
     if (!in.ok()) return fail(kTruncated);
   }
   if (header.method == 1 && header.attribute_decoders > 0) {
-    if (header.attribute_decoders > 1) return fail("a Draco kd-tree has one attribute decoder");
+    if (header.attribute_decoders > 1)
+      return fail("a Draco kd-tree has more than one attribute decoder");
     if (header.version < version(2, 3)) in.get<std::uint8_t>();    // kd-tree of floats or integers
     in.get<std::uint8_t>();                                        // compression level
     if (header.version >= version(2, 3)) in.get<std::uint32_t>();  // bit length
     const auto again = in.get<std::uint32_t>();
     if (!in.ok()) return fail(kTruncated);
     if (again != points) {
-      return fail(concat("the Draco header says ", points, " points, its kd-tree ", again));
+      return fail(concat("the Draco header has ", points, " points, but its kd-tree has ", again));
     }
   }
   return {};
 }
 
-/// Counts that Draco takes memory for before it reads a face. The attributes follow the coded
-/// connectivity and cannot be reached from here.
+/// Reads the counts for which Draco allocates memory before it reads a face. The attributes come
+/// after the coded connectivity, so their descriptions cannot be read here.
 Result<void> parse_mesh(DrcReader& in, DrcHeader& header, std::uint64_t max_points) {
   if (header.method == 0) {
     header.faces = in.count(header.version, version(2, 2));
     header.points = in.count(header.version, version(2, 2));
     return {};
   }
-  in.get<std::uint8_t>();  // how the traversal is coded
+  in.get<std::uint8_t>();  // the coding of the traversal
   std::uint64_t new_vertices = 0;
   if (header.version < version(2, 2)) new_vertices = in.count(header.version, version(2, 0));
   header.points = in.count(header.version, version(2, 0));
   header.faces = in.count(header.version, version(2, 0));
-  in.get<std::uint8_t>();  // attributes with seams
+  in.get<std::uint8_t>();  // the number of attributes with seams
   const std::uint64_t symbols = in.count(header.version, version(2, 0));
   const std::uint64_t splits = in.count(header.version, version(2, 0));
   if (in.ok() && (symbols > header.faces || splits > symbols ||
                   header.points + splits > max_points || new_vertices > max_points)) {
     return fail(concat("the Draco mesh has counts that do not fit together (", header.points,
                        " vertices, ", header.faces, " faces, ", symbols, " symbols, ", splits,
-                       " of them splits)"));
+                       " splits)"));
   }
   return {};
 }
@@ -205,25 +213,24 @@ Result<void> parse_mesh(DrcReader& in, DrcHeader& header, std::uint64_t max_poin
 Result<DrcHeader> parse_drc_header(ByteView bytes, std::uint64_t points_per_byte,
                                    const DecodeLimits& limits) {
   DrcReader in(bytes);
-  Result<DrcHeader> header = parse_fixed(in, bytes);
-  if (!header) return header;
-  if (header->metadata) skip_metadata(in);
+  DrcHeader header = TRY(parse_fixed(in, bytes));
+  if (header.metadata) skip_metadata(in);
   if (!in.ok()) return fail(kTruncated);
-  header->body = in.offset();
+  header.body = in.offset();
 
   const std::uint64_t most =
       std::min<std::uint64_t>(limits.max_points, kFreePoints + points_per_byte * bytes.size());
-  const Result<void> parsed =
-      header->mesh ? parse_mesh(in, *header, most) : parse_cloud(in, *header);
-  const bool too_many = header->points > most || header->faces > kFacesPerPoint * most;
-  if (too_many) {
-    return fail(header->mesh ? concat("the Draco header declares ", header->points,
-                                      " vertices and ", header->faces, " faces in ", bytes.size(),
-                                      " bytes; at most ", most, " vertices are accepted")
-                             : concat("the Draco header declares ", header->points, " points in ",
-                                      bytes.size(), " bytes; at most ", most, " are accepted"));
+  const Result<void> parsed = header.mesh ? parse_mesh(in, header, most) : parse_cloud(in, header);
+  // Checked first, because too large a count also makes the rest of the header fail.
+  if (header.points > most || header.faces > kFacesPerPoint * most) {
+    const std::string counts = header.mesh
+                                   ? concat(header.points, " vertices and ", header.faces, " faces")
+                                   : concat(header.points, " points");
+    return fail(ErrorCode::limit, concat("the Draco header declares ", counts, " in ", bytes.size(),
+                                         " bytes, but at most ", most,
+                                         header.mesh ? " vertices" : " points", " are accepted"));
   }
-  if (!parsed) return tl::unexpected(parsed.error());
+  TRY(parsed);
   if (!in.ok()) return fail(kTruncated);
   return header;
 }

@@ -11,6 +11,7 @@
 
 #include "codec/draco/draco_decode.h"
 #include "codec/draco/drc_header.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -24,7 +25,7 @@ double load(const std::uint8_t* bytes) {
   return static_cast<double>(number);
 }
 
-/// One component. Draco's own conversion would read hostile bytes as bool.
+/// Reads a component. Draco's own conversion would read hostile bytes as bool, which is undefined.
 double component(const std::uint8_t* bytes, draco::DataType type) {
   switch (type) {
     case draco::DT_INT8:
@@ -54,7 +55,7 @@ double component(const std::uint8_t* bytes, draco::DataType type) {
   }
 }
 
-/// What stands for 1 where the type's values are fractions.
+/// The value that represents 1 in a type whose values are fractions.
 double one_of(draco::DataType type) {
   switch (type) {
     case draco::DT_INT8:
@@ -78,7 +79,7 @@ double one_of(draco::DataType type) {
   }
 }
 
-/// The value of point i of an attribute that `is_readable`; components that it lacks are 0.
+/// The value of point i in an attribute that `is_readable`. Missing components are 0.
 glm::dvec3 value(const draco::PointAttribute& attribute, std::uint32_t i) {
   const std::uint8_t* bytes = attribute.GetAddressOfMappedIndex(draco::PointIndex(i));
   const draco::DataType type = attribute.data_type();
@@ -132,7 +133,7 @@ void read_colors(const draco::PointAttribute& attribute, std::uint32_t n, PointC
   }
 }
 
-/// Position, normal and colour of a point as bits, so that any value equals itself.
+/// The position, normal and colour of a point as bits, so that even NaN equals itself.
 using PointBits = std::array<std::uint32_t, 9>;
 
 PointBits bits_of(const PointCloud& cloud, std::size_t i) {
@@ -152,7 +153,7 @@ void keep(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
   values.resize(kept.size());
 }
 
-/// Keeps the first of equal points, in their order.
+/// Keeps the first of each group of equal points. The order stays the same.
 void drop_duplicates(PointCloud& cloud) {
   std::vector<std::pair<PointBits, std::uint32_t>> points(cloud.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = {bits_of(cloud, i), i};
@@ -181,7 +182,7 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, bool mesh) {
   }
   for (const auto* attribute : {positions, normals, colors}) {
     if (attribute != nullptr && !is_readable(*attribute, n)) {
-      return fail("the Draco data map points to values that do not exist; the file is damaged");
+      return fail("the Draco data map points to values that do not exist: the file is damaged");
     }
   }
   read_positions(*positions, n, cloud);
@@ -194,14 +195,12 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, bool mesh) {
 }  // namespace
 
 Result<PointCloud> read_drc(ByteView bytes, const DecodeLimits& limits) {
-  const Result<DrcHeader> header = parse_drc_header(bytes, kPointsPerFileByte, limits);
-  if (!header) return tl::unexpected(header.error());
-  const auto decoded = run_draco_decoder(bytes, *header, limits);
-  if (!decoded) return tl::unexpected(decoded.error());
+  const DrcHeader header = TRY(parse_drc_header(bytes, kPointsPerFileByte, limits));
+  const auto decoded = TRY(run_draco_decoder(bytes, header, limits));
   try {
-    return convert(**decoded, header->mesh);
+    return convert(*decoded, header.mesh);
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory for the points of the Draco data");
+    return fail(ErrorCode::limit, "not enough memory for the points of the Draco data");
   }
 }
 

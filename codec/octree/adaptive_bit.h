@@ -7,7 +7,7 @@
 
 #include "codec/octree/range_coder.h"
 
-/// Binary decisions whose probability is learnt while they are coded. FORMAT.md, "Adaptive bits".
+/// Binary decisions whose probability is learned while they are coded. FORMAT.md, "Adaptive bits".
 namespace pointreel {
 
 namespace adaptive_bit {
@@ -16,7 +16,7 @@ namespace adaptive_bit {
 inline constexpr auto kCosts = [] {
   std::array<std::uint8_t, 256> costs{};
   for (std::uint32_t i = 0; i < 256; ++i) {
-    // By squaring: one binary digit of the logarithm each time, one more than is kept.
+    // Squaring yields one binary digit of the logarithm at a time, one more than is kept.
     std::uint64_t inverse = (std::uint64_t{512} << 20) / (2 * i + 1);
     unsigned log = 0;
     for (int digit = 0; digit <= 5; ++digit) {
@@ -33,15 +33,15 @@ inline constexpr auto kCosts = [] {
 
 }  // namespace adaptive_bit
 
-/// The mean of two estimates, one that follows the last 8 or so decisions and one that remembers
-/// some 128: nearly the better of both. The first decisions count more. Never certain: 67 to 65468
-/// of 65536.
+/// A probability that is the mean of two estimates, which follow about the last 8 and the last 128
+/// decisions. It is nearly as good as the better of the two. The first decisions count more. The
+/// probability is never 0 or 1, but between 67 and 65468 of 65536.
 class AdaptiveBit {
  public:
-  /// That the next decision is one, out of 65536.
+  /// The probability that the next decision is 1, out of 65536.
   std::uint32_t probability() const { return (std::uint32_t{fast_} + slow_) >> 1; }
 
-  /// About how many 1/16 bits it takes to code a decision.
+  /// The approximate cost of coding a decision, in 1/16 of a bit.
   std::int32_t cost(unsigned bit) const {
     return adaptive_bit::kCosts[(probability() ^ ((bit - 1u) & 0xffffu)) >> 8];
   }
@@ -60,7 +60,7 @@ class AdaptiveBit {
   static constexpr std::uint16_t kEnough = 127;
 
   void follow(unsigned bit, int fast_shift, int slow_shift) {
-    // As if the decision were zero, mirrored if it is one.
+    // Written for a decision of 0, and mirrored for a decision of 1.
     const unsigned mirror = (0u - bit) & 0xffffu;
     const unsigned fast = fast_ ^ mirror, slow = slow_ ^ mirror;
     fast_ = static_cast<std::uint16_t>((fast - (fast >> fast_shift)) ^ mirror);
@@ -68,7 +68,7 @@ class AdaptiveBit {
   }
 
   std::uint16_t fast_ = 0x8000, slow_ = 0x8000;
-  std::uint16_t seen_ = 0;  ///< decisions, at most kEnough
+  std::uint16_t seen_ = 0;  ///< number of decisions, at most kEnough
 };
 
 }  // namespace pointreel

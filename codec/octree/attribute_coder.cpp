@@ -13,7 +13,8 @@
 namespace pointreel {
 namespace {
 
-/// Numbers of nodes at a layer's last level below each node of the levels before it; at most 2^26.
+/// The weights of the nodes of a layer: the number of their descendants at the layer's last level,
+/// at most 2^26.
 class Weights {
  public:
   Weights(const Svo& svo, int first_level, int last_level)
@@ -43,7 +44,7 @@ class Weights {
   std::vector<std::uint32_t> weights_;
 };
 
-/// Finds the scales of nodes' pairs in one layer.
+/// Finds the scales of the pairs of nodes in a layer.
 class Scales {
  public:
   Scales(const Svo& svo, const Weights& weights, const CoefficientSteps& steps)
@@ -58,7 +59,7 @@ class Scales {
     }
   }
 
-  /// `unit`: the node's children are of the layer's last level.
+  /// `unit`: whether the node's children are at the layer's last level, where all weigh 1.
   const NodeScales& operator()(std::uint32_t node, bool unit) {
     const std::uint8_t mask = svo_.masks[node];
     if (unit) return of_units_[mask];
@@ -87,29 +88,29 @@ class Scales {
   const Svo& svo_;
   const Weights& weights_;
   PairScales table_;
-  std::vector<NodeScales> of_units_;  ///< by mask
+  std::vector<NodeScales> of_units_;  ///< by mask, where all children weigh 1
   NodeScales found_;
 };
 
-/// A difference is at most 2^16 either way, whatever the bytes say.
+/// The result is bounded by 2^16, whatever the bytes say.
 std::int32_t dequantize(std::int32_t q, std::int32_t step) {
   const std::int64_t magnitude = (std::int64_t{std::abs(q)} * step + 128) >> 8;
   const auto bounded = static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, 65536));
   return q < 0 ? -bounded : bounded;
 }
 
-/// What the encoder is given: values of inner nodes and leaves.
+/// The values that are encoded, of inner nodes and leaves.
 struct SourceValues {
   const std::vector<Short4>& inner;
   const std::vector<Short4>& leaves;
 
-  /// Of a node and those that follow it on its level.
+  /// The values of a node and of those that follow it on its level.
   const Short4* at(std::uint32_t node) const {
     return node < inner.size() ? inner.data() + node : leaves.data() + (node - inner.size());
   }
 };
 
-/// Codes the levels of one layer, in either direction. The encoder needs no decoded leaves.
+/// Encodes or decodes the levels of a layer. The encoder does not compute decoded leaves.
 template <class Coder>
 class LayerCoder {
  public:
@@ -128,7 +129,7 @@ class LayerCoder {
         source_(source),
         decoded_(decoded) {}
 
-  /// Up to the layer's last level, or to an earlier one.
+  /// Codes up to the layer's last level, or up to `stop`.
   void run(int stop = kMaxDepth) {
     for (int level = first_level_; level < std::min(last_level_, stop); ++level) {
       unit_ = level == last_level_ - 1;
@@ -241,13 +242,13 @@ class LayerCoder {
     }
   }
 
-  /// How much the expected luma of a node's children varies, in terms of the quantisation.
+  /// The class of how much the expected luma of a node's children varies, relative to the step.
   int gradient_class(std::int32_t range) const {
     return (8 * range >= luma_step_) + (4 * range >= luma_step_) + (2 * range >= luma_step_) +
            (range >= luma_step_);
   }
 
-  /// How much there was to code in the neighbours of a node.
+  /// The class of how much there was to code in the neighbours of a node.
   static int activity_class(std::int32_t activity, std::int32_t weight) {
     if (activity == 0) return 0;
     if (2 * activity < weight) return 1;
@@ -257,7 +258,7 @@ class LayerCoder {
     return activity < 12 * weight ? 5 : 6;
   }
 
-  /// 0 to kMostActivity.
+  /// How much there is to code in a node, 0 to kMostActivity.
   static std::int32_t activity_of(const MergeOrder& order, const std::array<Triple, 7>& q) {
     std::int32_t sum = 0;
     for (std::size_t i = 0; i < order.pairs; ++i) {
@@ -266,7 +267,8 @@ class LayerCoder {
     return std::min(4 * sum / order.pairs, kMostActivity);
   }
 
-  /// Codes what q holds if `any` of it is not zero, or fills it; false if all of it is zero.
+  /// Encodes q, which `any` says is not all zero, or decodes it. Returns false if all of q is zero;
+  /// q is then not set.
   template <bool kPredicts>
   bool code_coefficients(const MergeOrder& order, int gradient, int activity, bool any,
                          std::array<Triple, 7>& q) {
@@ -299,18 +301,18 @@ class LayerCoder {
   Coder& coder_;
   const SourceValues* source_;
   Short4* decoded_;
-  /// Of the node coded last; what contexts go by without a neighbourhood.
+  /// The activity of the node coded last. Contexts depend on it where neighbours are not known.
   std::int32_t last_activity_ = 0;
   ValueBlock block_;
-  std::array<Int4, 7> expected_differences_;  ///< of the pairs of the node that is coded
+  std::array<Int4, 7> expected_differences_;  ///< for the pairs of the current node
 };
 
 constexpr std::uint8_t kPredictionFlag = 1;
 constexpr std::size_t kParametersSize = 5;
 constexpr std::size_t kRootSize = 6;
 
-/// Means of the nodes of one layer, from those of its last level. (As exact as need be: what
-/// differs from the transform's own mean is coded with the children.)
+/// Computes the means of the nodes of a layer from those of its last level. They need not be exact,
+/// since a deviation from the transform's own mean is coded with the children.
 void fill_means(const Svo& svo, int first_level, int last_level, const SourceValues& source,
                 std::vector<Short4>& means) {
   const Weights weights(svo, first_level, last_level);
@@ -357,8 +359,8 @@ TransformEncoder::TransformEncoder(const Svo& svo, const std::vector<Short4>& le
   }
 }
 
-/// Whether prediction makes differences of luma smaller by a twentieth: what it costs in time, it
-/// must save in bits. Looks at the children of a few hundred nodes of the level above.
+/// Prediction takes time, so it must make the differences of luma smaller by a twentieth. This is
+/// estimated from the children of a few hundred nodes of the level above.
 bool TransformEncoder::prediction_pays(int level) {
   while (neighborhoods_.level() < level - 1) neighborhoods_.descend();
   neighborhoods_.set_values(means_.data());
@@ -463,6 +465,9 @@ std::span<const Short4> TransformDecoder::values() const {
   return {decoded_.get(), svo_.level_begin[static_cast<std::size_t>(level_) + 1]};
 }
 
+namespace {
+
+/// The step for a quality, in units of CoefficientSteps.
 std::uint32_t coefficient_step(int quality) {
   // 256 * 2^(i / 14), rounded.
   constexpr std::array<std::uint32_t, 14> kFractions = {256, 269, 283, 297, 312, 328, 345,
@@ -470,6 +475,8 @@ std::uint32_t coefficient_step(int quality) {
   const auto below = static_cast<std::uint32_t>(99 - quality);
   return kFractions[below % 14] << below / 14;
 }
+
+}  // namespace
 
 CoefficientSteps color_steps(int quality) {
   const std::uint32_t luma = coefficient_step(quality);
@@ -485,7 +492,7 @@ CoefficientSteps normal_steps(int quality) {
 CoefficientSteps layer_steps(const CoefficientSteps& steps, std::uint32_t leaves,
                              std::uint32_t nodes) {
   const auto scaled = [&](std::uint64_t step) {
-    // Twice the step, to round it to nearest.
+    // Computes twice the step, so that it can be rounded to nearest.
     const std::uint32_t twice = square_root(4 * step * step * nodes / leaves);
     return static_cast<std::uint16_t>(std::max((twice + 1) / 2, 1u));
   };

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-/// Gathering the bits of a word that a mask selects, lowest first, as the instruction PEXT of BMI2
-/// does. Two forms with equal results; which one runs is chosen where the program runs.
+/// Gathers the bits of a word that a mask selects, lowest first, as the instruction PEXT of BMI2
+/// does. There are two forms with equal results; the one to use is chosen at run time.
 namespace pointreel {
 
 struct PortableExtract {
@@ -20,7 +20,8 @@ struct PortableExtract {
 
 #if defined(__x86_64__)
 struct HardwareExtract {
-  /// As assembly, so that it can stand in code that is compiled for processors without it.
+  /// Written in assembly, so that code compiled for processors without the instruction can contain
+  /// it.
   static std::uint64_t extract(std::uint64_t word, std::uint64_t mask) {
     std::uint64_t bits;
     __asm__("pextq %2, %1, %0" : "=r"(bits) : "r"(word), "rm"(mask));

@@ -1,8 +1,8 @@
 #include "codec/octree/chunk_payload.h"
 
-#include <string>
-
 #include <zstd.h>
+
+#include "common/base/concat.h"
 
 namespace pointreel {
 namespace {
@@ -28,15 +28,14 @@ void pack_chunk(ChunkHeader header, FrameTag tag, ByteView raw, Bytes& out) {
 
 Result<Bytes> unpack_chunk(const ParsedChunk& chunk, std::size_t expected_size) {
   if (chunk.header.entropy == Entropy::context) {
-    return fail("chunk has entropy coding context where it is none or zstd");
+    return fail("chunk has entropy coding context, but only none and zstd are allowed here");
   }
   const bool stored = chunk.header.entropy == Entropy::none;
   const std::size_t most = stored ? chunk.payload.size() : max_raw_size(chunk.payload.size());
   if (chunk.header.raw_size != expected_size || expected_size > most ||
       (stored && expected_size != chunk.payload.size())) {
-    return fail("chunk holds " + std::to_string(chunk.header.raw_size) + " bytes in " +
-                std::to_string(chunk.payload.size()) + " where " + std::to_string(expected_size) +
-                " are needed");
+    return fail(concat("chunk holds ", chunk.header.raw_size, " bytes in ", chunk.payload.size(),
+                       ", but ", expected_size, " are needed"));
   }
   if (stored) return Bytes(chunk.payload.begin(), chunk.payload.end());
   Bytes raw(expected_size);

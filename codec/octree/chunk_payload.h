@@ -4,21 +4,21 @@
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
-/// The payload of a chunk: raw bytes as they are, or zstd.
+/// The payload of a chunk whose entropy coding is none or zstd.
 namespace pointreel {
 
-/// The most raw bytes that a payload of this size may stand for: what a few hostile bytes can make
-/// a reader allocate.
+/// The largest raw size that a payload of `stored` bytes may have. It bounds the memory that a few
+/// hostile bytes can make a reader allocate.
 inline std::size_t max_raw_size(std::size_t stored) { return 64 * 1024 + 1024 * stored; }
 
-/// Appends a chunk that holds `raw`. Falls back to Entropy::none where zstd would gain nothing or
-/// break max_raw_size. The entropy is one of these two.
+/// Appends a chunk that holds `raw`, coded as header.entropy says, which is none or zstd. Uses none
+/// where zstd would gain nothing or would exceed max_raw_size.
 void pack_chunk(ChunkHeader header, FrameTag tag, ByteView raw, Bytes& out);
 
-/// Undoes the entropy coding. `expected_size` is what the caller knows the raw bytes must be.
+/// Undoes the entropy coding of a chunk whose raw size must be `expected_size`.
 ///
-/// Trust: the payload may be hostile; the size is compared with the header and with the bound on
-/// expansion before memory is taken for it.
+/// Trust: the payload may be hostile. The size is compared with the header and with max_raw_size
+/// before memory is taken for it.
 Result<Bytes> unpack_chunk(const ParsedChunk& chunk, std::size_t expected_size);
 
 }  // namespace pointreel

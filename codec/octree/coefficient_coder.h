@@ -9,11 +9,11 @@
 #include "codec/octree/adaptive_bit.h"
 #include "codec/octree/range_coder.h"
 
-/// Quantised coefficients as binary decisions, written once for both directions: Coder is
-/// CoefficientWriter or CoefficientReader. FORMAT.md, "Coefficients".
+/// Codes quantised coefficients as binary decisions. The functions are written once for both
+/// directions: Coder is CoefficientWriter or CoefficientReader. FORMAT.md, "Coefficients".
 namespace pointreel {
 
-/// Codes what it is given.
+/// Encodes the bits that it is given.
 class CoefficientWriter {
  public:
   static constexpr bool kEncodes = true;
@@ -34,7 +34,7 @@ class CoefficientWriter {
   RangeEncoder range_;
 };
 
-/// Gives what was coded, whatever it is given.
+/// Returns decoded bits, and ignores those that it is given.
 class CoefficientReader {
  public:
   static constexpr bool kEncodes = false;
@@ -52,12 +52,12 @@ class CoefficientReader {
   RangeDecoder range_;
 };
 
-/// The quantised coefficients of one pair: luma, two chroma.
+/// The quantised coefficients of a pair: luma and two chroma.
 using Triple = std::array<std::int32_t, 3>;
 
 inline bool is_zero(const Triple& q) { return (q[0] | q[1] | q[2]) == 0; }
 
-/// What is learnt of a layer's coefficients.
+/// The adaptive probabilities of a frame's coefficients.
 struct CoefficientContexts {
   static constexpr int kActivities = 7, kGradients = 5;
   AdaptiveBit node[kGradients][kActivities][4];
@@ -68,21 +68,22 @@ struct CoefficientContexts {
   AdaptiveBit sign[3][9][3];
 };
 
-/// What is known before a pair's triple is coded.
+/// What is known before the triple of a pair is coded.
 struct TripleContext {
-  int gradient = 0, activity = 0;  ///< classes, of the node
-  int place = 0;                   ///< 0 to 2: last pair, last but one, others
-  int stage = 0;                   ///< 0 to 2: triples of the node that are not zero so far
-  std::array<int, 3> expected{};   ///< by component: the sign of the expected difference; 2: minus
+  int gradient = 0, activity = 0;  ///< the node's classes
+  int place = 0;                   ///< 0 for the last pair, 1 for the last but one, 2 for others
+  int stage = 0;                   ///< the number of the node's nonzero triples so far, at most 2
+  /// For each component, the sign of the expected difference: 0 none, 1 plus, 2 minus.
+  std::array<int, 3> expected{};
 };
 
-/// A magnitude of 1 or more.
+/// Codes a magnitude of 1 or more.
 template <class Coder>
 std::int32_t code_magnitude(Coder& coder, CoefficientContexts& contexts, int component,
                             int activity, std::int32_t magnitude) {
   if (coder.code(contexts.above_one[component][activity], magnitude > 1) == 0) return 1;
   if (coder.code(contexts.above_two[component][activity], magnitude > 2) == 0) return 2;
-  // Exponential Golomb: the number of binary digits of what is left, then all but the first.
+  // The rest is an exponential Golomb code: the number of binary digits, then all but the first.
   const auto rest = static_cast<std::uint32_t>(magnitude - 2);
   int digits = Coder::kEncodes ? static_cast<int>(std::bit_width(rest)) : 16;
   for (int i = 1;; ++i) {
@@ -101,11 +102,11 @@ std::int32_t code_magnitude(Coder& coder, CoefficientContexts& contexts, int com
   return static_cast<std::int32_t>(decoded) + 2;
 }
 
-/// A triple that may be zero only if `may_be_zero`.
+/// Codes a triple, which is not zero unless `may_be_zero`.
 template <class Coder>
 void code_triple(Coder& coder, CoefficientContexts& contexts, const TripleContext& context,
                  bool may_be_zero, Triple& q) {
-  if constexpr (!Coder::kEncodes) q = {};  // the coder ignores it, but it must be something
+  if constexpr (!Coder::kEncodes) q = {};  // ignored by the reader, but must be initialised
   const int activity = context.activity;
   AdaptiveBit& any = contexts.triple[context.gradient][context.stage][activity][context.place];
   if (may_be_zero && coder.code(any, !is_zero(q)) == 0) {

@@ -7,15 +7,16 @@
 namespace pointreel {
 namespace {
 
-/// Fractions of steps are of 1/128; numbers of bits in 1/16.
+/// Fractions of a step are in units of 1/128, and numbers of bits in units of 1/16.
 constexpr std::int32_t kStep = 128, kBit = 16;
 
-/// How a difference is rounded to a multiple of its step: up from 1 - kRounding / 128 of it on.
-/// Less than a half, since smaller numbers take fewer bits.
+/// A difference is rounded up to the next multiple of its step from a fraction of 1 - kRounding /
+/// 128 on. This is more than a half, since smaller numbers take fewer bits.
 constexpr std::int32_t kRounding = 56;
 
-/// The squared error that a bit is worth, in 1/128 of a squared step, for one coefficient of 1 and
-/// for all of a node's. What a node leaves out spoils what its descendants are predicted from.
+/// The squared error that a bit is worth, in 1/128 of a squared step, for a single coefficient of 1
+/// and for all coefficients of a node. It is smaller for a node, because its descendants are
+/// predicted from it.
 constexpr std::int32_t kWorthOfOne = 22, kWorthOfNode = 8;
 
 /// |difference| is at most 2^16.
@@ -24,18 +25,18 @@ std::int32_t steps_in(std::int32_t difference, std::int32_t step) {
                                    static_cast<std::uint32_t>(step));
 }
 
-/// Whether no component of a difference rounds to more than zero.
+/// True if all components of a difference round to zero.
 bool rounds_to_zero(const Int4& difference, const Int4& steps) {
   const Int4 above = (abs(difference) << 8) + (steps >> 7) * kRounding >= steps;
   return (above[0] | above[1] | above[2]) == 0;
 }
 
-/// What the error grows by if `x` steps are coded as 0 instead of q, in squared steps.
+/// By how much the squared error grows if `x` steps are coded as 0 instead of q.
 std::int64_t gain(std::int32_t x, std::int32_t q) {
   return std::int64_t{q} * (2 * std::int64_t{x} - std::int64_t{kStep} * q);
 }
 
-/// The bits that a magnitude and its sign take.
+/// The number of bits that a magnitude and its sign take.
 std::int32_t bits_of(const CoefficientContexts& contexts, int k, int activity, std::int32_t q) {
   if (q == 1) return kBit + contexts.above_one[k][activity].cost(0);
   return kBit * (2 + std::bit_width(static_cast<std::uint32_t>(q)));
@@ -51,7 +52,7 @@ bool quantize_node(const MergeOrder& order, const NodeScales& scales, std::array
     least = min(least, values[c]);
     most = max(most, values[c]);
   }
-  // No difference of means is larger than the largest of values.
+  // No difference of means is larger than the largest difference of values.
   if (rounds_to_zero(most - least, scales.least_steps)) return false;
 
   std::array<Int4, 7> differences;

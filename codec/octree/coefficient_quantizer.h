@@ -7,12 +7,13 @@
 
 namespace pointreel {
 
-/// What the encoder makes of the differences of one node: multiples of their steps, weighing errors
-/// against bits, of which the contexts tell how many a coefficient takes (J. Ramkumar and M.
-/// Orchard's rate-distortion optimised thresholding, greedy: a coefficient, then the whole node).
+/// Quantises the differences of a node to multiples of their steps. Weighs errors against the
+/// number of bits that coefficients take, which the contexts tell: J. Ramkumar and M. Orchard's
+/// rate-distortion optimised thresholding, applied greedily to each coefficient and then to the
+/// whole node.
 ///
-/// `values`: of the node's children, less what is expected of them; of no use afterwards. Fills q,
-/// one triple for each pair, or leaves it and returns false if all of it is zero.
+/// `values`: the values of the node's children minus the expected ones; they are overwritten. Fills
+/// q with a triple for each pair. Returns false if all of them are zero; q is then unspecified.
 bool quantize_node(const MergeOrder& order, const NodeScales& scales, std::array<Int4, 8>& values,
                    const CoefficientContexts& contexts, int gradient, int activity,
                    std::array<Triple, 7>& q);

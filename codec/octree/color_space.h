@@ -5,17 +5,17 @@
 
 #include "codec/octree/neighbor_prediction.h"
 
-/// The colours that the transform works on: Y', Cb, Cr of ITU-R BT.709 from R'G'B' as they are
-/// stored (sRGB), full range, in steps of 1/64 of an 8-bit value, in integers. FORMAT.md, "Colour
-/// space".
+/// The colour space of the transform: Y', Cb and Cr of ITU-R BT.709, computed from R'G'B' as they
+/// are stored (sRGB), full range, as integers in units of 1/64 of an 8-bit value. FORMAT.md,
+/// "Colour space".
 namespace pointreel {
 
-/// Steps of the transform's values in one of an 8-bit colour.
+/// The number of the transform's steps in one step of an 8-bit colour.
 inline constexpr int kValuesPerStep = 64;
 
-/// Y' is 0 to 16320, Cb and Cr -8160 to 8160; the fourth lane is 0.
+/// Y' is 0 to 16320, and Cb and Cr are -8160 to 8160. The fourth lane is 0.
 inline Int4 ycbcr_from_rgb(const glm::u16vec3& color) {
-  // 16 bits to 1/64 of 8 bits: exact where the colour is 257 times an 8-bit value.
+  // From 16 bits to 1/64 of 8 bits. Exact if the colour is 257 times an 8-bit value.
   const auto scaled = [](int v) { return (v * 255 + 512) >> 10; };
   const Int4 sum = scaled(color.r) * Int4{13933, -7509, 32768, 0} +
                    scaled(color.g) * Int4{46871, -25259, -29763, 0} +
@@ -27,7 +27,8 @@ inline Short4 value_from_color(const glm::u16vec3& color) {
   return stored_value(ycbcr_from_rgb(color) + fourth_lane(0));
 }
 
-/// Rounded to 8 bits, times 257. Values that no colour has are clamped; |v| <= 2^14.
+/// The colour rounded to 8 bits, times 257. Values outside the range of colours are clamped;
+/// |v| <= 2^14.
 inline glm::u16vec3 rgb_from_ycbcr(const Int4& v) {
   const Int4 sum = (v[0] << 14) + v[1] * Int4{0, -3069, 30402, 0} + v[2] * Int4{25802, -7670, 0, 0};
   const Int4 rgb = clamp((sum + (1 << 19)) >> 20, 0, 255) * 257;
@@ -37,7 +38,8 @@ inline glm::u16vec3 rgb_from_ycbcr(const Int4& v) {
 
 inline glm::u16vec3 color_from_value(const Short4& value) { return rgb_from_ycbcr(load(value)); }
 
-/// Of a frame whose colours have 16 bits: not rounded to 8, with the 14 that values have.
+/// The same for frames with 16-bit colours: not rounded to 8 bits, but with all 14 that values
+/// have.
 inline glm::u16vec3 color_16_from_value(const Short4& value) {
   const Int4 v = load(value);
   const Int4 sum = (v[0] << 14) + v[1] * Int4{0, -3069, 30402, 0} + v[2] * Int4{25802, -7670, 0, 0};

@@ -6,25 +6,28 @@
 #include <numeric>
 #include <optional>
 #include <span>
-#include <string>
 #include <utility>
 
 #include "codec/octree/bit_extract.h"
 #include "codec/octree/range_coder.h"
 #include "codec/octree/slabs.h"
 #include "common/base/byte_io.h"
+#include "common/base/concat.h"
+#include "common/base/for_each.h"
+#include "common/base/try.h"
 #include "pointreel/cpu.h"
 
 namespace pointreel {
 namespace {
 
 #if defined(__x86_64__)
-/// Compiles all that a function calls for processors with BMI2, whose shifts take fewer steps too.
+/// Compiles a function and everything that it calls for processors with BMI2, whose shifts are
+/// faster too.
 #define POINTREEL_BMI2 [[gnu::flatten, gnu::target("bmi2")]]
 #endif
 
-/// Rank of each node's first child, the masks being those of one level in Morton order. Returns the
-/// number of all children.
+/// Computes the rank of each node's first child from the masks of a level in Morton order. Returns
+/// the number of all children.
 std::size_t number_children(ByteView masks, std::vector<std::uint32_t>& first_child) {
   first_child.resize(masks.size());
   std::uint32_t next = 0;
@@ -35,10 +38,10 @@ std::size_t number_children(ByteView masks, std::vector<std::uint32_t>& first_ch
   return next;
 }
 
-/// A decision to code: 2 leaf + bit.
+/// A decision to be coded: 2 * leaf + bit.
 using Decision = std::uint32_t;
 
-/// Not inlined: alone the loop's state fits the registers.
+/// Not inlined, so that the state of the loop fits into registers.
 [[gnu::noinline]] void code_decisions(std::span<const Decision> decisions, Leaf* leaves,
                                       RangeEncoder& shared_encoder) {
   RangeEncoder encoder = shared_encoder;
@@ -50,14 +53,15 @@ using Decision = std::uint32_t;
   shared_encoder = encoder;
 }
 
-/// Unlike a decoder, an encoder knows what follows. It first gathers the decisions of some nodes,
-/// whose look-ups do not wait for each other, and then codes them, each of which waits for the one
-/// before.
+/// Unlike a decoder, an encoder knows the decisions beforehand. It first collects those of some
+/// nodes, whose look-ups are independent of each other, and then codes them, where each step has to
+/// wait for the one before.
 template <class Extract>
 void encode_nodes(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves,
                   const RasterLevel& level, LevelWalk& walk, std::size_t count,
                   RangeEncoder& encoder) {
-  constexpr std::size_t kNodes = 64, kMostDecisions = 9;  // at a time; of a node
+  constexpr std::size_t kNodes = 64;         // to collect at a time
+  constexpr std::size_t kMostDecisions = 9;  // of a node
   const ContextLookup<Extract> lookup(tables, level_class, leaves);
   const bool only_child_first = codes_only_child(level_class);
   const std::uint8_t* masks = level.masks.data();
@@ -89,12 +93,13 @@ POINTREEL_BMI2 void encode_nodes_bmi2(const ContextTables& tables, int level_cla
 }
 #endif
 
-/// One node's mask. Where the next decision's context depends on the bit that is being decoded,
-/// both leaves are looked up beforehand: the look-ups then take place while the bit is decoded.
+/// Decodes the mask of a node. Where the context of the next decision depends on the bit that is
+/// being decoded, the leaves for both values are looked up beforehand, so that the look-ups overlap
+/// with decoding the bit.
 template <class Lookup>
 [[gnu::always_inline]] inline std::uint32_t decode_node(const Lookup& lookup, bool only_child_first,
                                                         std::uint64_t word, RangeDecoder& decoder) {
-  // A branch on the bit, rightly guessed as a rule, lets the leaf go on without waiting for it.
+  // A branch on the bit, which is usually predicted correctly, lets the leaf adapt without waiting.
   const auto decode = [&decoder](Leaf& leaf) {
     if (decoder.decode(leaf.probability) != 0) {
       adapt(leaf, 1);
@@ -110,7 +115,7 @@ template <class Lookup>
       position[static_cast<std::size_t>(slot)] = lookup.number(kPositionSlot + slot, word);
     }
     if (decode(lookup(kOnlyChildSlot, word)) != 0) {
-      // Where the only child is can hardly be guessed: no branch may depend on it.
+      // The number of the only child is hard to predict, so no branch depends on it.
       const auto choose = [](unsigned bit, std::uint32_t zero, std::uint32_t one) {
         return zero ^ ((zero ^ one) & (0u - bit));
       };
@@ -148,7 +153,7 @@ template <class Lookup>
   return own | decode(bit != 0 ? with : without) << 7;
 }
 
-/// Into level.masks; the number of all children.
+/// Decodes masks into level.masks. Returns the number of all children.
 template <class Extract>
 std::size_t decode_nodes(const ContextTables& tables, int level_class, std::vector<Leaf>& leaves,
                          const RasterLevel& level, LevelWalk& walk, std::size_t count,
@@ -177,7 +182,8 @@ POINTREEL_BMI2 std::size_t decode_nodes_bmi2(const ContextTables& tables, int le
 }
 #endif
 
-/// Codes the level at hand: `code(slab, leaves, walk, count)` goes on to `count` nodes of the slab.
+/// Codes the current level. `code(slab, leaves, walk, count)` continues with a slab until `count`
+/// of its nodes are coded in all.
 template <class Code>
 void code_level(ContextState& state, int level_class, const Executor& executor, Code&& code) {
   const int slabs = static_cast<int>(state.slabs.size());
@@ -211,8 +217,8 @@ void code_level(ContextState& state, int level_class, const Executor& executor, 
   }
 }
 
-/// Of each node of a level, in Morton order: how many nodes there are below it on the last level
-/// above the leaves.
+/// For each node of a level in Morton order, the number of its descendants at the last level above
+/// the leaves.
 std::vector<std::uint32_t> weights_of_nodes(const Svo& svo, int level) {
   std::vector<std::uint32_t> weights(svo.node_count(level));
   std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(svo.depth) - 1];
@@ -231,8 +237,7 @@ std::vector<std::uint32_t> weights_of_nodes(const Svo& svo, int level) {
 
 }  // namespace
 
-// --- State
-// ----------------------------------------------------------------------------------------
+// --- State ---
 
 ContextState::ContextState(std::shared_ptr<const ContextTables> from)
     : tables(std::move(from)),
@@ -266,8 +271,7 @@ void ContextState::begin_level(int level_class, std::size_t nodes) {
   }
 }
 
-// --- Encoder
-// --------------------------------------------------------------------------------------
+// --- Encoder ---
 
 ContextEncoder::ContextEncoder(std::shared_ptr<const ContextTables> tables, int slabs)
     : state_(std::move(tables)), wanted_slabs_(slabs) {}
@@ -344,8 +348,7 @@ void ContextEncoder::encode_layer(const Svo& svo, int first_level, int last_leve
   }
 }
 
-// --- Decoder
-// --------------------------------------------------------------------------------------
+// --- Decoder ---
 
 ContextDecoder::ContextDecoder(std::shared_ptr<const ContextTables> tables)
     : state_(std::move(tables)) {}
@@ -356,7 +359,7 @@ Result<std::vector<RangeDecoder>> ContextDecoder::read_slabs(ByteReader& reader,
   if (slabs != state_.slabs.size()) {
     if (state_.slabs.size() > 1 || slabs == 0 || slabs > kMostSlabs ||
         slabs * kLeastMasksOfSlab > mask_count) {
-      return fail("chunk has " + std::to_string(slabs) + " slabs, which it cannot");
+      return fail(concat("chunk cannot have ", slabs, " slabs"));
     }
     SlabCuts cuts;
     cuts.axis = reader.get<std::uint8_t>();
@@ -397,7 +400,7 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
   const ByteView classes = payload.first(levels);
   for (const std::uint8_t level_class : classes) {
     if (level_class >= kLevelClasses) {
-      return fail("chunk has unknown level class " + std::to_string(level_class));
+      return fail(concat("chunk has unknown level class ", level_class));
     }
   }
   const auto descend = [&] {
@@ -406,8 +409,7 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
   };
   if (first_level > 0) descend();
   ByteReader reader(payload.subspan(levels));
-  auto decoders = read_slabs(reader, mask_count);
-  if (!decoders) return tl::unexpected(decoders.error());
+  std::vector<RangeDecoder> decoders = TRY(read_slabs(reader, mask_count));
   std::size_t left = mask_count;
   for (int level = first_level; level < last_level; ++level) {
     if (level > first_level) descend();
@@ -422,13 +424,12 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
 #if defined(__x86_64__)
           if (state_.hardware) {
             children[slab] += decode_nodes_bmi2(*state_.tables, level_class, leaves,
-                                                state_.slabs[slab], walk, count, (*decoders)[slab]);
+                                                state_.slabs[slab], walk, count, decoders[slab]);
             return;
           }
 #endif
-          children[slab] +=
-              decode_nodes<PortableExtract>(*state_.tables, level_class, leaves, state_.slabs[slab],
-                                            walk, count, (*decoders)[slab]);
+          children[slab] += decode_nodes<PortableExtract>(
+              *state_.tables, level_class, leaves, state_.slabs[slab], walk, count, decoders[slab]);
         });
     children_ = std::accumulate(children.begin(), children.end(), std::size_t{0});
     if (children_ > most_nodes) return fail("more nodes than the header has points");
@@ -440,8 +441,8 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
   }
   if (left != 0) return fail("level sizes disagree with the masks");
   const auto complete = [](const RangeDecoder& decoder) { return decoder.complete(); };
-  if (!std::all_of(decoders->begin(), decoders->end(), complete)) {
-    return fail("chunk's range coded data is damaged");
+  if (!std::all_of(decoders.begin(), decoders.end(), complete)) {
+    return fail("chunk's range-coded data are damaged");
   }
   return {};
 }

@@ -1,7 +1,6 @@
 #include "codec/octree/context_model.h"
 
 #include <cmath>
-#include <string>
 
 #include "common/base/byte_io.h"
 
@@ -11,8 +10,8 @@ namespace {
 constexpr std::uint32_t kMaxCells = 1u << 18, kMaxLeaves = 1u << 20;
 constexpr int kMaxMaskBits = 20;
 
-/// 65536 / (1 + exp(-x)) for 64 values of x from -7.2 to 7.2, rounded: listed, since they decide
-/// bytes and exp does not give the same everywhere.
+/// 65536 / (1 + exp(-x)) for 64 values of x from -7.2 to 7.2, rounded. They are listed because the
+/// encoded bytes depend on them, and exp does not return the same everywhere.
 constexpr std::array<std::uint16_t, 64> kProbabilities = {
     49,    61,    77,    97,    122,   153,   192,   241,   303,   381,   478,   599,   751,
     941,   1179,  1475,  1843,  2299,  2864,  3559,  4412,  5451,  6707,  8214,  10001, 12096,
@@ -20,7 +19,7 @@ constexpr std::array<std::uint16_t, 64> kProbabilities = {
     55535, 57322, 58829, 60085, 61124, 61977, 62672, 63237, 63693, 64061, 64357, 64595, 64785,
     64937, 65058, 65155, 65233, 65295, 65344, 65383, 65414, 65439, 65459, 65475, 65487};
 
-/// How many decisions a leaf stands for at the beginning, by confidence.
+/// The number of decisions that a leaf reflects at the beginning, by confidence.
 constexpr std::array<std::uint16_t, 4> kCounts = {1, 3, 8, 16};
 
 constexpr std::array<double, kLevelClasses - 1> kBranching = {1.15, 1.5, 2.0, 2.6, 3.2};
@@ -44,7 +43,7 @@ Leaf unpack_leaf(std::uint8_t packed) {
 std::uint8_t pack_leaf(double probability, double decisions) {
   const double scaled = probability * 65536.0;
   std::size_t best = 0;
-  // Nearest in log odds: the first whose geometric mean with the next lies above.
+  // The nearest in log odds is the first whose geometric mean with the next is larger.
   while (best + 1 < kProbabilities.size()) {
     const double a = kProbabilities[best], b = kProbabilities[best + 1];
     const double odds = scaled / (65536.0 - scaled);
@@ -61,7 +60,7 @@ Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
   };
   ByteReader reader(bytes);
   ContextTables tables;
-  /// Where a slot is the base's: that one; else null.
+  // For a slot that is taken from the base, the base's slot; otherwise null.
   std::array<const ContextTables::Slot*, kLevelClasses * kSlots> of_base{};
   std::uint32_t cells = 0, own_cells = 0, leaves = 0;
   for (std::size_t i = 0; i < of_base.size(); ++i) {
@@ -75,7 +74,7 @@ Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
     slot.first_cell = cells;
     cells += 1u << std::popcount(slot.mask);
     if (of_base[i] == nullptr) own_cells += 1u << std::popcount(slot.mask);
-    if (cells > kMaxCells) return fail("context tables have too many cells");
+    if (cells > kMaxCells) return fail(ErrorCode::limit, "context tables have too many cells");
   }
   if (reader.rest().size() < own_cells * sizeof(std::uint64_t)) {
     return fail("context tables are cut short");
@@ -93,7 +92,9 @@ Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
       const std::uint32_t count = 1u << std::popcount(cell.mask);
       cell.first_leaf = leaves;
       leaves += count;
-      if (leaves > kMaxLeaves) return fail("context tables have too many leaves");
+      if (leaves > kMaxLeaves) {
+        return fail(ErrorCode::limit, "context tables have too many leaves");
+      }
       if (theirs != nullptr) {
         const auto from = base->leaves.begin() + theirs->first_leaf;
         tables.leaves.insert(tables.leaves.end(), from, from + count);
@@ -106,7 +107,7 @@ Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
       packed = packed.subspan(count);
     }
   }
-  if (!packed.empty()) return fail("context tables have too many leaves");
+  if (!packed.empty()) return fail("context tables have bytes after their last leaf");
   return tables;
 }
 

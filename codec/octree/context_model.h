@@ -11,35 +11,36 @@
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
-/// Which probability a decision about a node's children has: its slot and the node's neighbourhood
-/// word lead through two tables to a leaf, which adapts as decisions are coded. FORMAT.md,
-/// "Contexts".
+/// The probabilities of decisions about a node's children. The slot of a decision and the node's
+/// neighbourhood word lead through two tables to a leaf, which adapts as decisions are coded.
+/// FORMAT.md, "Contexts".
 namespace pointreel {
 
-/// Levels of one class share tables. Classes go by the branching factor: children a node.
+/// Levels of the same class share tables. The class depends on the average number of children of a
+/// node.
 inline constexpr int kLevelClasses = 6;
-/// Slots 0 to 7: whether the node has that child. 8: whether it has exactly one. 9 to 15: which one
-/// that is, as a path down a binary tree: 9 for bit 2 of the child's number, 10 + bit 2 for bit 1,
-/// 12 + 2 bit 2 + bit 1 for bit 0.
+/// Slots 0 to 7 decide whether the node has that child, and slot 8 whether it has exactly one
+/// child. Slots 9 to 15 decide the number of that child, as a path down a binary tree: 9 decides
+/// bit 2 of the number, 10 + bit 2 decides bit 1, and 12 + 2 bit 2 + bit 1 decides bit 0.
 inline constexpr int kSlots = 16;
 inline constexpr int kOnlyChildSlot = 8;
 inline constexpr int kPositionSlot = 9;
 
-/// The class that an encoder gives a level; a decoder is told it.
+/// The class that the encoder chooses for a level. It is stored for the decoder.
 int level_class(std::size_t nodes, std::size_t children);
 
-/// In the classes of few children a node's first decision is whether it has exactly one.
+/// In the classes with few children, the first decision is whether a node has exactly one child.
 inline bool codes_only_child(int level_class) { return level_class < 3; }
 
-/// Probability of a one, and how much is known of it.
+/// An adaptive probability that a decision is 1.
 struct Leaf {
   std::uint16_t probability = 32768;  ///< of 65536; kLeastProbability to 65536 - kLeastProbability
-  std::uint16_t count = 0;            ///< of the decisions that it stands for, up to kCountLimit
+  std::uint16_t count = 0;            ///< of the decisions that it reflects, up to kCountLimit
 };
 inline constexpr int kLeastProbability = 32;
 inline constexpr std::uint32_t kCountLimit = 255;
 
-/// How far a leaf moves towards a decision, of 65536: after n decisions about 1 / (n + 1.6).
+/// How far a leaf moves towards a decision, out of 65536: about 1 / (n + 1.6) after n decisions.
 inline constexpr auto kAdaptationRates = [] {
   std::array<std::uint16_t, kCountLimit + 1> rates{};
   for (std::uint32_t n = 0; n < rates.size(); ++n) {
@@ -51,7 +52,7 @@ inline constexpr auto kAdaptationRates = [] {
 inline void adapt(Leaf& leaf, unsigned bit) {
   const std::int32_t probability = leaf.probability;
   const std::uint32_t count = leaf.count;
-  const std::int32_t aim = static_cast<std::int32_t>((0u - bit) & 65535u);  // without a branch
+  const std::int32_t aim = static_cast<std::int32_t>((0u - bit) & 65535u);  // avoids a branch
   std::int32_t moved = probability + ((aim - probability) * kAdaptationRates[count] >> 16);
   moved = moved < kLeastProbability ? kLeastProbability : moved;
   moved = moved > 65536 - kLeastProbability ? 65536 - kLeastProbability : moved;
@@ -59,8 +60,8 @@ inline void adapt(Leaf& leaf, unsigned bit) {
   leaf.count = static_cast<std::uint16_t>(count + (count < kCountLimit ? 1u : 0u));
 }
 
-/// Trained tables: cell = first_cell + extract(word, mask) of the slot, leaf = first_leaf +
-/// extract(word, mask) of the cell.
+/// Trained tables. With the fields of the slot, cell = first_cell + extract(word, mask); with those
+/// of the cell, leaf = first_leaf + extract(word, mask).
 struct ContextTables {
   struct Slot {
     std::uint64_t mask = 0;
@@ -72,35 +73,37 @@ struct ContextTables {
   };
   std::array<std::array<Slot, kSlots>, kLevelClasses> slots;
   std::vector<Cell> cells;
-  std::vector<Leaf> leaves;  ///< as they are when a frame begins
-  /// Of tables that are not part of the codec: what their frames name them by.
+  std::vector<Leaf> leaves;  ///< their state at the beginning of a frame
+  /// Identifies a package's own tables in its frames; 0 for the tables of the format.
   std::uint64_t checksum = 0;
 };
 
-/// A leaf as tables store it: six bits of log odds, two of confidence.
+/// Unpacks a leaf as it is stored in tables: six bits of log odds and two of confidence.
 Leaf unpack_leaf(std::uint8_t packed);
-/// The nearest that can be stored, to a share of ones and the number of decisions it comes from.
+/// The stored leaf that is nearest to a share of ones among a number of decisions.
 std::uint8_t pack_leaf(double probability, double decisions);
 
-/// One slot's part of tables as they are stored.
+/// The part of stored tables that belongs to a slot.
 struct SlotTables {
   std::uint64_t mask = 0;
-  std::vector<std::uint64_t> cells;  ///< masks, 2^(ones in `mask`)
-  Bytes leaves;                      ///< packed, 2^(ones in a cell's mask) for each cell in order
+  std::vector<std::uint64_t> cells;  ///< the masks of 2^(number of bits in `mask`) cells
+  Bytes leaves;  ///< for each cell in order, 2^(number of bits in its mask) packed leaves
 };
-/// As a slot's mask: the slot is as in the tables that these are based on, and nothing of it
-/// stored.
+/// A mask that stands for a slot of the tables that these are based on; nothing else is stored for
+/// the slot.
 inline constexpr std::uint64_t kBaseSlot = std::uint64_t{1} << 63;
 
-/// FORMAT.md, "Tables". `base`: what slots of mask kBaseSlot are taken from; null: there are none.
-/// Trust: takes hostile bytes (a package's own tables). Masks and counts are bounded (2^18 cells,
-/// 2^20 leaves) and compared with the bytes that are there before memory is taken.
+/// Parses stored tables: FORMAT.md, "Tables". `base`: the tables that slots with the mask kBaseSlot
+/// are taken from; null if there are none.
+///
+/// Trust: the bytes may be hostile, since packages may have their own tables. Masks and counts are
+/// bounded (2^18 cells, 2^20 leaves) and compared with the size of the data before memory is taken.
 Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base = nullptr);
 
-/// `slots`: all of class 0, then all of class 1, and so on.
+/// The stored form of tables. `slots`: those of class 0, then those of class 1, and so on.
 Bytes write_tables(std::span<const SlotTables, kLevelClasses * kSlots> slots);
 
-/// Looks contexts up, with leaves of its own.
+/// Looks up the leaves of contexts. The leaves are separate from the tables, since they adapt.
 template <class Extract>
 class ContextLookup {
  public:
@@ -112,7 +115,7 @@ class ContextLookup {
   Leaf& operator()(int slot, std::uint64_t word) const { return leaves_[number(slot, word)]; }
   Leaf& leaf(std::uint32_t number) const { return leaves_[number]; }
 
-  /// The leaf's number.
+  /// The index of the leaf for a slot and a neighbourhood word.
   std::uint32_t number(int slot, std::uint64_t word) const {
     const ContextTables::Slot& s = slots_[slot];
     const ContextTables::Cell& cell = cells_[s.first_cell + Extract::extract(word, s.mask)];
@@ -125,8 +128,7 @@ class ContextLookup {
   Leaf* leaves_;
 };
 
-/// Says what there is to decide about a node with this (non-zero) mask: `code(slot, word, bit)`
-/// for each decision in order.
+/// Calls `code(slot, word, bit)` for each decision about a node with this mask (not 0), in order.
 template <class Code>
 [[gnu::always_inline]] inline void for_each_decision(bool only_child_first, std::uint64_t word,
                                                      std::uint32_t mask, Code&& code) {
@@ -141,7 +143,7 @@ template <class Code>
       return;
     }
   }
-  // The last children are known where without them there would be too few.
+  // The last children need no decision if the node must have them to have enough.
   const int least = only_child_first ? 2 : 1;
   std::uint32_t own = 0;
 #pragma GCC unroll 8

@@ -1,15 +1,16 @@
 #include "codec/octree/context_tables.h"
 
-#include <string>
 #include <utility>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 #include <zstd.h>
+
+#include "common/base/concat.h"
+#include "common/base/try.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
-/// The file tables/1.zst, put here by the build.
+/// The file tables/1.zst, which the build turns into a source file.
 extern const unsigned char kTables1[];
 extern const std::size_t kTables1Size;
 
@@ -19,7 +20,8 @@ constexpr std::size_t kMostUnpacked = std::size_t{1} << 22;
 
 Result<ContextTables> unpack(ByteView packed, const ContextTables* base) {
   const auto size = ZSTD_getFrameContentSize(packed.data(), packed.size());
-  if (size > kMostUnpacked) return fail("context tables are no zstd frame of a known size");
+  if (size > kMostUnpacked)
+    return fail("context tables are not a zstd frame of a known size up to 4 MiB");
   Bytes bytes(static_cast<std::size_t>(size));
   if (ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size()) != size) {
     return fail("context tables are damaged");
@@ -28,16 +30,16 @@ Result<ContextTables> unpack(ByteView packed, const ContextTables* base) {
 }
 
 Result<std::shared_ptr<const ContextTables>> shared(Result<ContextTables> tables) {
-  if (!tables) return tl::unexpected(tables.error());
-  return std::make_shared<const ContextTables>(std::move(*tables));
+  return std::make_shared<const ContextTables>(TRY(std::move(tables)));
 }
 
 }  // namespace
 
 Result<std::shared_ptr<const ContextTables>> tables_of_number(std::uint8_t number) {
   if (number != 1) {
-    return fail("frame needs context tables " + std::to_string(number) +
-                ", which this version does not have: update Pointreel");
+    return fail(ErrorCode::unsupported,
+                concat("frame needs context tables ", number,
+                       ", which this version does not have: update Pointreel"));
   }
   static const auto tables = shared(unpack({kTables1, kTables1Size}, nullptr));
   return tables;
@@ -55,13 +57,13 @@ Result<Bytes> write_table_file(ByteView tables) {
 
 Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file) {
   if (file.empty()) return fail("context tables are cut short");
-  if (file.size() > kMaxTableFile) return fail("context tables are larger than 1 MiB");
-  const auto base = tables_of_number(file.front());
-  if (!base) return tl::unexpected(base.error());
-  auto tables = unpack(file.subspan(1), base->get());
-  if (!tables) return tl::unexpected(tables.error());
-  tables->checksum = XXH3_64bits(file.data(), file.size());
-  return shared(std::move(tables));
+  if (file.size() > kMaxTablesBytes) {
+    return fail(ErrorCode::limit, "context tables are larger than 1 MiB");
+  }
+  const auto base = TRY(tables_of_number(file.front()));
+  ContextTables tables = TRY(unpack(file.subspan(1), base.get()));
+  tables.checksum = checksum_of(file);
+  return std::make_shared<const ContextTables>(std::move(tables));
 }
 
 }  // namespace pointreel

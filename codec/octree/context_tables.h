@@ -8,20 +8,21 @@
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 
-/// Tables as they are stored: the trained ones that are part of the format, and a package's own. A
-/// frame names its tables by number, and a number stands for the same tables for good: better ones
-/// get the next number. tables/README.md tells how they were trained.
+/// Stored context tables: those that are part of the format, and those of a package. A frame names
+/// tables of the format by number. A number always stands for the same tables; better ones will get
+/// the next number. tables/README.md describes how they were trained.
 namespace pointreel {
 
-/// What an encoder uses. Known numbers are 1 to this.
+/// The tables that encoders use by default. Numbers from 1 up to this are known.
 inline constexpr std::uint8_t kNewestTables = 1;
-/// Stands for tables that come with the frames; their checksum follows it.
+/// The number that stands for a package's own tables. Their checksum follows it.
 inline constexpr std::uint8_t kGivenTables = 255;
 
-/// A package's own tables as a file; read_table_file is the way back. FORMAT.md, "Tables of a
-/// package". `tables`: as write_tables makes them, based on the newest numbered ones.
+/// Makes the file of a package's own tables, which read_table_file reads. FORMAT.md, "Tables of a
+/// package". `tables`: the result of write_tables, based on the tables of number kNewestTables.
 Result<Bytes> write_table_file(ByteView tables);
-/// Unpacked when first asked for, and shared from then on; safe from any thread.
+/// The tables of the format with that number; `unsupported` if there are none. They are unpacked
+/// once and then shared. Safe to call from any thread.
 Result<std::shared_ptr<const ContextTables>> tables_of_number(std::uint8_t number);
 
 }  // namespace pointreel

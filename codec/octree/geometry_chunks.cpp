@@ -1,11 +1,12 @@
 #include "codec/octree/geometry_chunks.h"
 
 #include <bit>
-#include <string>
 
 #include "codec/octree/chunk_payload.h"
 #include "codec/octree/context_tables.h"
 #include "common/base/byte_io.h"
+#include "common/base/concat.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 
@@ -21,10 +22,8 @@ Result<GeometryEncoder> GeometryEncoder::create(Entropy entropy,
     encoder.context_.emplace(tables, slabs);
     return encoder;
   }
-  auto newest = tables_of_number(kNewestTables);
-  if (!newest) return tl::unexpected(newest.error());
   name.put(kNewestTables);
-  encoder.context_.emplace(std::move(*newest), slabs);
+  encoder.context_.emplace(TRY(tables_of_number(kNewestTables)), slabs);
   return encoder;
 }
 
@@ -41,7 +40,7 @@ void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader 
   Bytes payload;
   if (header.layer == 0) payload = tables_name_;
   context_->encode_layer(svo, first_level, header.last_level, payload, executor);
-  // Zeros behind what is coded keep the bound on expansion that readers rely on.
+  // Appends zeros where the payload would expand further than readers accept.
   while (max_raw_size(payload.size()) < masks.size()) {
     payload.resize((masks.size() - max_raw_size(0) + 1023) / 1024);
   }
@@ -58,13 +57,11 @@ Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_l
   }
   const std::size_t begin = masks.size();
   if (chunk.header.entropy == Entropy::context) {
-    const auto decoded = decode_context(chunk, first_level, executor, masks);
-    if (!decoded) return decoded;
+    TRY(decode_context(chunk, first_level, executor, masks));
   } else {
     if (context_) return fail("chunk has another entropy coding than the layers before it");
-    const auto raw = unpack_chunk(chunk, chunk.header.raw_size);
-    if (!raw) return tl::unexpected(raw.error());
-    masks.insert(masks.end(), raw->begin(), raw->end());
+    const Bytes raw = TRY(unpack_chunk(chunk, chunk.header.raw_size));
+    masks.insert(masks.end(), raw.begin(), raw.end());
   }
   return count_nodes(ByteView(masks).subspan(begin), levels);
 }
@@ -73,13 +70,11 @@ Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first
                                              const Executor& executor, Bytes& masks) {
   ByteView payload = chunk.payload;
   if (chunk.header.raw_size == 0 || chunk.header.raw_size > max_raw_size(payload.size())) {
-    return fail("chunk holds " + std::to_string(chunk.header.raw_size) + " masks in " +
-                std::to_string(payload.size()) + " bytes: no number that it can");
+    return fail(concat("chunk cannot hold ", chunk.header.raw_size, " masks in ", payload.size(),
+                       " bytes"));
   }
   if (chunk.header.layer == 0) {
-    auto tables = take_tables(payload);
-    if (!tables) return tl::unexpected(tables.error());
-    context_.emplace(std::move(*tables));
+    context_.emplace(TRY(take_tables(payload)));
   }
   if (!context_) return fail("chunk has another entropy coding than the layers before it");
   return context_->decode_layer(payload, first_level, chunk.header.last_level,
@@ -94,7 +89,8 @@ Result<std::shared_ptr<const ContextTables>> GeometryDecoder::take_tables(ByteVi
   payload = reader.rest();
   if (number != kGivenTables) return tables_of_number(number);
   if (given_tables_ == nullptr) {
-    return fail("frame needs the context tables of its package, which are not there");
+    return fail(ErrorCode::not_found,
+                "frame needs the context tables of its package, which are not there");
   }
   if (given_tables_->checksum != checksum) {
     return fail("frame needs other context tables than those of its package");

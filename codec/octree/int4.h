@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <cstring>
 
-/// Four integers at once: the three components of a colour and one lane for the caller. Vector
-/// extensions of GCC and Clang, so that one source serves every processor, WebAssembly included.
+/// Four integers in one vector: the three components of an attribute, and a lane for other uses.
+/// The vector extensions of GCC and Clang work on all processors, and in WebAssembly.
 namespace pointreel {
 
 typedef std::int32_t Int4 __attribute__((vector_size(16)));
 
-/// What is stored of an Int4 whose lanes fit 16 bits.
+/// The stored form of an Int4 whose lanes fit into 16 bits.
 struct Short4 {
   std::int16_t lanes[4];
 };

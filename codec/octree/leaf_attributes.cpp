@@ -15,7 +15,7 @@ std::uint16_t modulo(int value, int bits) {
 
 float sign_not_zero(float v) { return v >= 0.0f ? 1.0f : -1.0f; }
 
-/// The octahedron's lower half folded over its upper half's corners, and back.
+/// Folds the octahedron's lower half over the corners of its upper half, or back.
 glm::vec2 fold(const glm::vec2& v) {
   return {(1.0f - std::abs(v.y)) * sign_not_zero(v.x), (1.0f - std::abs(v.x)) * sign_not_zero(v.y)};
 }

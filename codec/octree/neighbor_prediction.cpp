@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::size_t kPlaces = 19;
 
-/// From a cell to its neighbour at each place: itself, faces, edges.
+/// The step from a cell to its neighbour at a place. Places are the cell itself, its faces, and its
+/// edges.
 struct Step {
   int x = 0, y = 0, z = 0;
   constexpr int cells() const { return x + 4 * y + 16 * z; }
@@ -28,8 +29,8 @@ constexpr std::array<Step, kPlaces> make_steps() {
 
 constexpr std::array<Step, kPlaces> kSteps = make_steps();
 
-/// One octant, or two along x, at a place around a node: of those that touch the node. `cell`:
-/// where they lie in the 4 x 4 x 4 cells around its own.
+/// One octant, or two along x, of the node at a place around another node, which they touch.
+/// `cell`: the index of the first among the 4 x 4 x 4 cells around the other node.
 struct Run {
   std::uint8_t place, octant, length, cell;
 };
@@ -79,8 +80,8 @@ std::vector<Neighborhoods::Group<T>> Neighborhoods::groups(Get get) const {
   return groups;
 }
 
-/// Fills the 56 cells that touch a node's octants, edges included. Without branches, which could
-/// not be foreseen.
+/// Fills the 56 cells that touch a node's octants across faces and edges, including its own. It
+/// does so without branches, which would be unpredictable.
 template <class T, std::size_t... kRun>
 void Neighborhoods::gather(const Around& around, const std::vector<Group<T>>& groups, T* cells,
                            std::index_sequence<kRun...>) {

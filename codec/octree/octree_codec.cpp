@@ -16,6 +16,9 @@
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/slabs.h"
+#include "common/base/concat.h"
+#include "common/base/for_each.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "pointreel/chunks.h"
 #include "pointreel/octree.h"
@@ -34,7 +37,7 @@ FrameTag tag_of(const Svo& svo) {
                            XXH3_64bits(&svo.cube, sizeof(svo.cube)) + svo.leaf_count()));
 }
 
-/// Encodes one attribute of all layers, each against the layer before.
+/// Encodes an attribute that is stored exactly, each layer as differences from the layer before.
 class AttributeEncoder {
  public:
   AttributeEncoder(ChunkKind kind, CodeShape shape) : kind_(kind), shape_(shape) {}
@@ -57,12 +60,12 @@ class AttributeEncoder {
   int level_ = 0;
 };
 
-/// Decodes one attribute of the layers that are there, from the base on.
+/// Decodes an attribute that is stored exactly, layer by layer from the base on.
 class AttributeDecoder {
  public:
   AttributeDecoder(ChunkKind kind, CodeShape shape) : kind_(kind), shape_(shape) {}
 
-  /// `bytes` is empty where the layer was fetched without the attribute.
+  /// `bytes`: the layer's chunk, or nothing if it was left out.
   Result<void> decode_layer(const Svo& svo, ByteView bytes, int layer, int last_level,
                             FrameTag tag) {
     if (layer == 0) {
@@ -73,12 +76,10 @@ class AttributeDecoder {
     }
     level_ = last_level;
     if (bytes.empty() || !present_) return {};
-    const auto chunk = read_chunk(bytes, kind_, static_cast<std::uint8_t>(layer), tag);
-    if (!chunk) return tl::unexpected(chunk.error());
-    if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
-    const auto raw = unpack_chunk(*chunk, shape_.bytes(codes_.size()));
-    if (!raw) return tl::unexpected(raw.error());
-    codes_ = add_differences(*raw, codes_, shape_);
+    const ParsedChunk chunk = TRY(read_chunk(bytes, kind_, static_cast<std::uint8_t>(layer), tag));
+    if (chunk.header.last_level != last_level) return fail("layer ends at an unexpected level");
+    const Bytes raw = TRY(unpack_chunk(chunk, shape_.bytes(codes_.size())));
+    codes_ = add_differences(raw, codes_, shape_);
     return {};
   }
 
@@ -92,10 +93,10 @@ class AttributeDecoder {
   Codes codes_;
 };
 
-/// Encodes one transformed attribute of all layers into the chunks that `part` names.
+/// Encodes a transformed attribute of all layers into their chunks.
 void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, ChunkKind kind,
                         const CoefficientSteps& frame_steps, FrameTag tag,
-                        Bytes Chunks<Bytes>::* part, std::vector<Chunks<Bytes>>& layers) {
+                        std::vector<Chunks<Bytes>>& layers) {
   std::vector<int> ends;
   for (int layer = 0; layer < static_cast<int>(layers.size()); ++layer) {
     ends.push_back(last_level_of_layer(layer, svo.depth));
@@ -106,29 +107,26 @@ void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, Chunk
                              static_cast<std::uint8_t>(ends[layer]), 0};
     const CoefficientSteps steps =
         layer_steps(frame_steps, svo.leaf_count(), svo.node_count(ends[layer]));
-    pack_chunk(header, tag, encoder.encode_layer(steps), layers[layer].*part);
+    pack_chunk(header, tag, encoder.encode_layer(steps), chunk_of(layers[layer], kind));
   }
 }
 
-/// Decodes a transformed attribute of the layers that are there, from the base to the first that
-/// lacks it, and down to `depth` at most; null if the base does.
+/// Decodes a transformed attribute from the base down to the first layer that lacks it, or to level
+/// `depth`. Returns null if the base lacks it.
 Result<std::unique_ptr<TransformDecoder>> decode_transformed(
     const Svo& svo, const std::vector<Chunks<ByteView>>& layers,
-    const std::vector<int>& last_levels, int depth, ChunkKind kind,
-    ByteView Chunks<ByteView>::* part, FrameTag tag) {
-  if ((layers.front().*part).empty()) return nullptr;
+    const std::vector<int>& last_levels, int depth, ChunkKind kind, FrameTag tag) {
+  if (chunk_of(layers.front(), kind).empty()) return nullptr;
   auto decoder = std::make_unique<TransformDecoder>(svo);
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
-    const ByteView bytes = layers[layer].*part;
+    const ByteView bytes = chunk_of(layers[layer], kind);
     if (bytes.empty()) break;
-    const auto chunk = read_chunk(bytes, kind, static_cast<std::uint8_t>(layer), tag);
-    if (!chunk) return tl::unexpected(chunk.error());
-    if (chunk->header.entropy != Entropy::none || chunk->header.raw_size != chunk->payload.size() ||
-        chunk->header.last_level != last_levels[layer]) {
+    const ParsedChunk chunk = TRY(read_chunk(bytes, kind, static_cast<std::uint8_t>(layer), tag));
+    if (chunk.header.entropy != Entropy::none || chunk.header.raw_size != chunk.payload.size() ||
+        chunk.header.last_level != last_levels[layer]) {
       return fail("chunk header has a field out of range");
     }
-    const auto decoded = decoder->decode_layer(chunk->payload, last_levels[layer], depth);
-    if (!decoded) return tl::unexpected(decoded.error());
+    TRY(decoder->decode_layer(chunk.payload, last_levels[layer], depth));
   }
   decoder->inherit(std::min(depth, last_levels.back()));
   return decoder;
@@ -174,37 +172,38 @@ void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, Oc
   }
 }
 
-/// The colours of a frame that has transformed ones, into the frame.
+/// Decodes the colours of a frame if they are transformed.
 Result<void> decode_colors(const std::vector<Chunks<ByteView>>& layers,
                            const std::vector<int>& last_levels, int depth,
                            const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                            OctreeFrame& frame) {
   if (!parsed.header.colors_transformed) return {};
-  const auto decoder = decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::colors,
-                                          &Chunks<ByteView>::colors, parsed.tag);
-  if (!decoder) return fail_at("colors", decoder.error());
-  if (*decoder != nullptr && parsed.header.colors_16_bit) {
-    set_colors(**decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
-  } else if (*decoder != nullptr) {
-    set_colors(**decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
+  const auto decoder =
+      TRY(at_place("colors", decode_transformed(frame.svo, layers, last_levels, depth,
+                                                ChunkKind::colors, parsed.tag)));
+  if (decoder == nullptr) return {};
+  if (parsed.header.colors_16_bit) {
+    set_colors(*decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
+  } else {
+    set_colors(*decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
   }
   return {};
 }
 
-/// The same of normals.
+/// The same for normals.
 Result<void> decode_normals(const std::vector<Chunks<ByteView>>& layers,
                             const std::vector<int>& last_levels, int depth,
                             const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                             OctreeFrame& frame) {
   if (!parsed.header.normals_transformed) return {};
-  const auto decoder = decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::normals,
-                                          &Chunks<ByteView>::normals, parsed.tag);
-  if (!decoder) return fail_at("normals", decoder.error());
-  if (*decoder != nullptr) set_normals(**decoder, limits, frame);
+  const auto decoder =
+      TRY(at_place("normals", decode_transformed(frame.svo, layers, last_levels, depth,
+                                                 ChunkKind::normals, parsed.tag)));
+  if (decoder != nullptr) set_normals(*decoder, limits, frame);
   return {};
 }
 
-/// Of the tree that a caller gets who wants no leaves.
+/// Cuts the tree and its attributes off at `depth`, for callers that do not need the leaves.
 void cut_off(OctreeFrame& frame, int depth) {
   frame.svo = truncate(frame.svo, depth);
   const std::size_t nodes = frame.svo.node_count();
@@ -214,7 +213,7 @@ void cut_off(OctreeFrame& frame, int depth) {
   frame.normals.clear();
 }
 
-/// The means of those attributes that were coded for the leaves alone.
+/// Adds the nodes' means of those attributes that were coded for the leaves alone.
 void add_means(OctreeFrame& frame) {
   PointCloud leaves;
   if (frame.nodes.colors.empty()) leaves.colors.swap(frame.colors);
@@ -230,7 +229,7 @@ void add_means(OctreeFrame& frame) {
   }
 }
 
-/// Decodes the geometry of the layers that are there; the last level of each.
+/// Decodes the geometry of the layers that are given. Returns the last level of each.
 Result<std::vector<int>> decode_geometry(const std::vector<Chunks<ByteView>>& layers,
                                          const ParsedFrameHeader& frame, const DecodeLimits& limits,
                                          Svo& svo) {
@@ -243,23 +242,44 @@ Result<std::vector<int>> decode_geometry(const std::vector<Chunks<ByteView>>& la
                            : number < layers.size() ? layers[number].geometry
                                                     : ByteView{};
     if (bytes.empty() && layer > 0) break;  // a prefix of the layers is a valid coarser frame
-    const auto chunk =
-        read_chunk(bytes, ChunkKind::geometry, static_cast<std::uint8_t>(layer), frame.tag);
-    if (!chunk) return tl::unexpected(chunk.error());
+    const ParsedChunk chunk =
+        TRY(read_chunk(bytes, ChunkKind::geometry, static_cast<std::uint8_t>(layer), frame.tag));
     const int last_level = last_level_of_layer(layer, header.depth);
-    if (chunk->header.last_level != last_level) return fail("layer ends at an unexpected level");
+    if (chunk.header.last_level != last_level) return fail("layer ends at an unexpected level");
     const int first_level = last_levels.empty() ? 0 : last_levels.back();
     if (layer > 0 && !limits.leaves && first_level >= limits.depth) break;
-    const auto masks = geometry.decode_layer(*chunk, first_level, limits.executor, svo.masks);
-    if (!masks) return tl::unexpected(masks.error());
+    TRY(geometry.decode_layer(chunk, first_level, limits.executor, svo.masks));
     last_levels.push_back(last_level);
   }
   svo.depth = last_levels.back();
   if (svo.depth == header.depth && geometry.level_nodes() != header.coded_points) {
     return fail("the number of leaves disagrees with the header");
   }
-  if (!index_svo(svo, header.coded_points > 0)) return fail("the masks are no octree");
+  if (!index_svo(svo, header.coded_points > 0)) return fail("the masks do not form an octree");
   return last_levels;
+}
+
+Result<void> check(const PointCloud& cloud, const Cube& cube, const OctreeOptions& options) {
+  const auto refused = [](std::string message) {
+    return fail(ErrorCode::argument, std::move(message));
+  };
+  if (cloud.size() >= std::size_t{1} << 31) {
+    return fail(ErrorCode::limit, "a frame can hold fewer than 2^31 points: thin them out");
+  }
+  if (options.color_quality < 1 || options.color_quality > kLosslessColorQuality) {
+    return refused(concat("colour quality ", options.color_quality, " is not between 1 and 100"));
+  }
+  if (options.normal_quality < 1 || options.normal_quality > kBestNormalQuality) {
+    return refused(concat("normal quality ", options.normal_quality, " is not between 1 and 100"));
+  }
+  if (options.slabs < 0 || options.slabs > kMostSlabs) {
+    return refused(concat(options.slabs, " slabs are not between 0 and ", kMostSlabs));
+  }
+  if (!is_codable(cube)) {
+    return refused(
+        concat("a cube with the edge ", cube.edge, " cannot be coded: scale the points"));
+  }
+  return {};
 }
 
 }  // namespace
@@ -277,20 +297,9 @@ int layer_count(int depth) {
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
                                    const OctreeOptions& options, bool normals, bool colors,
                                    const Executor& executor) {
-  if (cloud.size() >= std::size_t{1} << 31) return fail("a frame holds fewer than 2^31 points");
-  if (options.color_quality < 1 || options.color_quality > kLosslessColorQuality) {
-    return fail("the quality of colours is 1 to 100");
-  }
-  if (options.normal_quality < 1 || options.normal_quality > kBestNormalQuality) {
-    return fail("the quality of normals is 1 to 100");
-  }
-  if (options.slabs < 0 || options.slabs > kMostSlabs) {
-    return fail("a frame has 1 to " + std::to_string(kMostSlabs) + " slabs, or 0 to choose");
-  }
-  if (!is_codable(cube)) return fail("the edge of the cube is not between 1e-30 and 1e30");
-  const auto points = sort_to_depth(cloud, cube, options.depth);
-  if (!points) return tl::unexpected(points.error());
-  const Svo svo = build_svo(points->sorted, cloud.empty() ? 0 : points->depth);
+  TRY(check(cloud, cube, options));
+  const SortedToDepth points = TRY(sort_to_depth(cloud, cube, options.depth));
+  const Svo svo = build_svo(points.sorted, cloud.empty() ? 0 : points.depth);
 
   FrameHeader frame;
   frame.codec = Codec::octree;
@@ -315,12 +324,11 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   const bool exact_colors = frame.has_colors && !frame.colors_transformed;
   const bool exact_normals = frame.has_normals && !frame.normals_transformed;
   std::vector<glm::u16vec3> node_colors;
-  if (exact_colors) node_colors = mean_colors(svo, cloud, points->sorted);
+  if (exact_colors) node_colors = mean_colors(svo, cloud, points.sorted);
   std::vector<glm::i16vec3> node_normals;
-  if (exact_normals) node_normals = mean_normals(svo, cloud, points->sorted);
+  if (exact_normals) node_normals = mean_normals(svo, cloud, points.sorted);
   const int slabs = options.slabs > 0 ? options.slabs : default_slabs(svo.leaf_count());
-  auto geometry = GeometryEncoder::create(options.entropy, options.tables, slabs);
-  if (!geometry) return tl::unexpected(geometry.error());
+  auto geometry = TRY(GeometryEncoder::create(options.entropy, options.tables, slabs));
   AttributeEncoder color_encoder(ChunkKind::colors, shape);
   AttributeEncoder normal_encoder(ChunkKind::normals, kNormalShape);
   int first_level = 0;
@@ -330,7 +338,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
     const ChunkHeader header{ChunkKind::geometry, options.entropy, static_cast<std::uint8_t>(layer),
                              static_cast<std::uint8_t>(last_level), 0};
     if (layer == 0) write_frame_header(frame, tag, out.geometry);
-    geometry->encode_layer(svo, first_level, header, tag, executor, out.geometry);
+    geometry.encode_layer(svo, first_level, header, tag, executor, out.geometry);
 
     const std::size_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
     const std::size_t count = svo.node_count(last_level);
@@ -346,25 +354,22 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   }
   if (frame.colors_transformed) {
     encode_transformed(svo,
-                       values_of(mean_leaf_colors(svo, cloud, points->sorted), value_from_color),
-                       ChunkKind::colors, color_steps(options.color_quality), tag,
-                       &Chunks<Bytes>::colors, encoded.layers);
+                       values_of(mean_leaf_colors(svo, cloud, points.sorted), value_from_color),
+                       ChunkKind::colors, color_steps(options.color_quality), tag, encoded.layers);
   }
   if (frame.normals_transformed) {
-    encode_transformed(svo,
-                       values_of(mean_leaf_normals(svo, cloud, points->sorted), value_from_normal),
-                       ChunkKind::normals, normal_steps(options.normal_quality), tag,
-                       &Chunks<Bytes>::normals, encoded.layers);
+    encode_transformed(
+        svo, values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal),
+        ChunkKind::normals, normal_steps(options.normal_quality), tag, encoded.layers);
   }
   return encoded;
 }
 
 Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& layers,
                                        const DecodeLimits& limits) {
-  if (layers.empty()) return fail("a frame has at least its base layer");
-  const auto parsed = read_frame_header(layers.front().geometry);
-  if (!parsed) return tl::unexpected(parsed.error());
-  const FrameHeader& header = parsed->header;
+  if (layers.empty()) return fail(ErrorCode::argument, "a frame needs at least its base layer");
+  const ParsedFrameHeader parsed = TRY(read_frame_header(layers.front().geometry));
+  const FrameHeader& header = parsed.header;
   if (header.codec != Codec::octree) return fail("not an octree frame");
   if (header.layers != layer_count(header.depth) ||
       (header.coded_points == 0 && header.depth != 0) ||
@@ -373,43 +378,40 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& laye
     return fail("frame header has a field out of range");
   }
   if (header.coded_points > limits.max_points) {
-    return fail("frame has " + std::to_string(header.coded_points) + " points, more than the " +
-                std::to_string(limits.max_points) + " allowed");
+    return fail(ErrorCode::limit, concat("frame has ", header.coded_points,
+                                         " points, more than the ", limits.max_points, " allowed"));
   }
 
   OctreeFrame frame;
   frame.header = header;
   frame.svo.cube = header.cube;
-  const auto last_levels = decode_geometry(layers, *parsed, limits, frame.svo);
-  if (!last_levels) return tl::unexpected(last_levels.error());
+  const std::vector<int> last_levels = TRY(decode_geometry(layers, parsed, limits, frame.svo));
 
   const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
   AttributeDecoder normals(ChunkKind::normals, kNormalShape);
-  for (std::size_t layer = 0; layer < last_levels->size(); ++layer) {
-    const int number = static_cast<int>(layer), level = (*last_levels)[layer];
+  for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
+    const int number = static_cast<int>(layer), level = last_levels[layer];
+    const Chunks<ByteView>& chunks = layers[layer];
     if (header.has_colors && !header.colors_transformed) {
-      const auto done =
-          colors.decode_layer(frame.svo, layers[layer].colors, number, level, parsed->tag);
-      if (!done) return fail_at("colors", done.error());
+      TRY(at_place("colors",
+                   colors.decode_layer(frame.svo, chunks.colors, number, level, parsed.tag)));
     }
     if (header.has_normals && !header.normals_transformed) {
-      const auto done =
-          normals.decode_layer(frame.svo, layers[layer].normals, number, level, parsed->tag);
-      if (!done) return fail_at("normals", done.error());
+      TRY(at_place("normals",
+                   normals.decode_layer(frame.svo, chunks.normals, number, level, parsed.tag)));
     }
   }
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
-  // Each needs the tree alone.
+  // They need only the tree, not each other, and so can run in parallel.
   std::array<Result<void>, 2> transformed;
   for_each(limits.executor, 2, [&](int i) {
     transformed[static_cast<std::size_t>(i)] =
-        i == 0 ? decode_colors(layers, *last_levels, depth, *parsed, limits, frame)
-               : decode_normals(layers, *last_levels, depth, *parsed, limits, frame);
+        i == 0 ? decode_colors(layers, last_levels, depth, parsed, limits, frame)
+               : decode_normals(layers, last_levels, depth, parsed, limits, frame);
   });
-  for (const Result<void>& done : transformed)
-    if (!done) return tl::unexpected(done.error());
+  for (const Result<void>& done : transformed) TRY(done);
   if (limits.inner_nodes) add_means(frame);
   if (depth < frame.svo.depth) cut_off(frame, depth);
   return frame;
@@ -417,19 +419,18 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& laye
 
 Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
                                    const DecodeLimits& limits) {
-  auto tree = decode_octree_tree(layers, limits);
-  if (!tree) return tl::unexpected(tree.error());
+  OctreeFrame tree = TRY(decode_octree_tree(layers, limits));
   DecodedFrame frame;
-  frame.cube = tree->header.cube;
-  frame.depth = tree->header.depth;
-  frame.source_points = tree->header.source_points;
+  frame.cube = tree.header.cube;
+  frame.depth = tree.header.depth;
+  frame.source_points = tree.header.source_points;
   if (limits.leaves) {
-    frame.cloud = leaf_centers(tree->svo);
-    frame.cloud.colors = std::move(tree->colors);
-    frame.cloud.normals = std::move(tree->normals);
+    frame.cloud = leaf_centers(tree.svo);
+    frame.cloud.colors = std::move(tree.colors);
+    frame.cloud.normals = std::move(tree.normals);
   }
-  frame.attributes = std::move(tree->nodes);
-  frame.svo = std::move(tree->svo);
+  frame.attributes = std::move(tree.nodes);
+  frame.svo = std::move(tree.svo);
   return frame;
 }
 

@@ -10,7 +10,7 @@ constexpr std::array<MergeOrder, 256> make_orders() {
   std::array<MergeOrder, 256> orders{};
   for (unsigned mask = 1; mask < 256; ++mask) {
     MergeOrder& order = orders[mask];
-    // For each octant that still has a value: the child that holds it, and its weight.
+    // For each octant that still has a value, the child that holds it, and its weight.
     int child[8] = {}, weight[8] = {};
     for (int octant = 0, count = 0; octant < 8; ++octant) {
       if ((mask >> octant & 1) == 0) continue;
@@ -41,7 +41,7 @@ constexpr std::array<MergeOrder, 256> make_orders() {
   return orders;
 }
 
-/// A difference finer than 1/32 of a colour step is not worth a bit.
+/// In 1/256 of a value. A step below 1/32 of an 8-bit colour value is not worth its bits.
 constexpr std::uint64_t kLeastStep = 2 * 256;
 constexpr std::uint64_t kMostStep = std::uint64_t{1} << 24;
 
@@ -50,7 +50,8 @@ constexpr std::uint64_t kMostStep = std::uint64_t{1} << 24;
 constinit const std::array<MergeOrder, 256> kMergeOrders = make_orders();
 
 std::uint32_t square_root(std::uint64_t v) {
-  // IEEE 754 rounds square roots alike everywhere; what rounding did to v is put right.
+  // IEEE 754 roots are the same everywhere. The loops correct for the rounding of v and of the
+  // root.
   auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(v)));
   while (root > 0xffffffff || root * root > v) --root;
   while (root < 0xffffffff && (root + 1) * (root + 1) <= v) ++root;

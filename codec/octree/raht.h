@@ -12,45 +12,47 @@
 /// 2016) in integers, one octree node at a time. FORMAT.md, "Transform".
 ///
 /// Children are merged in pairs along x, then y, then z. A pair of values v0, v1 with weights w0,
-/// w1 becomes their difference d = v1 - v0 and their weighted mean. The paper's coefficient is d *
-/// sqrt(w0 w1 / (w0 + w1)), which makes the transform orthonormal: here that factor goes into the
-/// quantisation step of the difference, so that values stay small integers and means are means.
-///
-/// Values are small integers (colours: in steps of 1/64 of an 8-bit value); means of nodes come out
-/// of the transform.
+/// w1 is replaced by their difference d = v1 - v0 and their weighted mean. The coefficient of de
+/// Queiroz and Chou is d * sqrt(w0 w1 / (w0 + w1)), which makes the transform orthonormal. Here,
+/// the quantisation step of the difference contains that factor instead, so that values are small
+/// integers (for colours, in units of 1/64 of an 8-bit value) and the values of inner nodes are
+/// means.
 namespace pointreel {
 
 /// The largest r with r * r <= v.
 std::uint32_t square_root(std::uint64_t v);
 
-/// In what order the children of a node with a given mask are merged: their number in the node, not
-/// their octant. The mean of a pair takes the place of its first.
+/// The order in which the children of a node with a given mask are merged. Children are identified
+/// by their number within the node, not by their octant. The mean of a pair replaces its first
+/// child.
 struct MergeOrder {
   struct Pair {
     std::uint8_t first, second;
   };
-  std::uint8_t pairs = 0;       ///< one fewer than children
-  std::uint8_t size_class = 0;  ///< 0 to 3: one, two, three or four, more pairs
+  std::uint8_t pairs = 0;       ///< one fewer than the number of children
+  std::uint8_t size_class = 0;  ///< 0 for up to one pair, 1 for two, 2 for three or four, else 3
   std::array<Pair, 7> pair{};
-  /// Weights of the halves where all children weigh 1, 1 to 4.
+  /// The weights of the two values of a pair if all children weigh 1; they are 1 to 4.
   std::array<Pair, 7> unit_weights{};
 };
 extern const std::array<MergeOrder, 256> kMergeOrders;
 
-/// What the weights of a pair mean for its difference.
+/// The constants of a pair, which follow from its weights.
 struct PairScale {
-  /// Weight of the second over both, in 1/2^14: the mean is v0 + d * ratio.
+  /// The weight of the second value divided by that of both, in 1/2^14: the mean is v0 + d * ratio.
   std::int32_t ratio;
-  /// Quantisation steps of the components' differences, in 1/256 of a value; fourth lane 2^24.
+  /// The quantisation steps of the components' differences, in 1/256 of a value. The fourth lane is
+  /// 2^24.
   Int4 steps;
 };
 
-/// Scales for one layer's quantisation steps. A weight is at most 2^29.
+/// The scales of pairs for the quantisation steps of a layer. Weights are at most 2^29.
 class PairScales {
  public:
-  /// Steps of orthonormal coefficients, in 1/256 of an 8-bit colour value, 1 to 65535.
+  /// The steps of orthonormal coefficients, in 1/256 of an 8-bit colour value, 1 to 65535.
   PairScales(std::uint32_t luma_step, std::uint32_t chroma_step);
 
+  /// The scale for two weights. Computes it into `made` if it is not in the table.
   const PairScale& operator()(std::uint32_t w0, std::uint32_t w1, PairScale& made) const {
     if (w0 <= kTabled && w1 <= kTabled) return table_[(w0 - 1) * kTabled + w1 - 1];
     made = make(w0, w1);
@@ -65,20 +67,20 @@ class PairScales {
   std::vector<PairScale> table_;
 };
 
-/// Where a pair's mean lies, from its first value.
+/// The difference between a pair's mean and its first value.
 inline Int4 mean_offset(const Int4& difference, std::int32_t ratio) {
   return (difference * ratio + (1 << 13)) >> 14;
 }
 
-/// The scales of all pairs of one node, in the order of merging.
+/// The scales of all pairs of a node, in the order of merging.
 struct NodeScales {
   std::array<const PairScale*, 7> pair;
-  std::array<PairScale, 7> made;  ///< those that no table holds
+  std::array<PairScale, 7> made;  ///< those that are not in a table
   Int4 least_steps;               ///< the least steps of all pairs
 };
 
-/// Merges values[0 .. pairs] in place: values[0] becomes the mean; the difference of each pair goes
-/// to `differences`.
+/// Merges values[0 .. pairs] in place, so that values[0] becomes the mean, and stores the
+/// difference of each pair in `differences`.
 inline void merge(const MergeOrder& order, const NodeScales& scales, Int4* values,
                   Int4* differences) {
   for (int i = 0; i < order.pairs; ++i) {
@@ -89,7 +91,7 @@ inline void merge(const MergeOrder& order, const NodeScales& scales, Int4* value
   }
 }
 
-/// Undoes merge: values[0] is the mean.
+/// Undoes merge, from the mean in values[0] and the differences.
 inline void split(const MergeOrder& order, const NodeScales& scales, Int4* values,
                   const Int4* differences) {
   for (int i = order.pairs - 1; i >= 0; --i) {

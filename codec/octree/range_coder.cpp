@@ -5,7 +5,7 @@
 namespace pointreel {
 
 void RangeEncoder::add_carry(Bytes& out, std::size_t begin, std::size_t end) {
-  // It never runs past the first byte: the number coded so far is below one.
+  // This never runs past the first byte, because the number coded so far is below one.
   while (end > begin && ++out[--end] == 0) {
   }
 }
@@ -13,7 +13,7 @@ void RangeEncoder::add_carry(Bytes& out, std::size_t begin, std::size_t end) {
 void RangeEncoder::grow(Bytes& out) { out.resize(2 * out.size() + 4096); }
 
 void RangeEncoder::finish() {
-  // The range is at least 2^32, so it holds a number whose low half is zero.
+  // The range is at least 2^32, so it contains a number whose low half is zero.
   const std::uint64_t value = low_ + (range_coder::kLeastRange - 1);
   carry_ += value < low_ ? 1u : 0u;
   append_word(static_cast<std::uint32_t>(value >> 32));

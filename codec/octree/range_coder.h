@@ -9,17 +9,17 @@
 /// A binary range coder (Martin, "Range encoding", 1979): 64 bits of range, 16 bits of probability,
 /// four bytes at a time. FORMAT.md, "Range coder".
 ///
-/// Trust: the decoder reads hostile bytes. It never reads past their end: beyond it stand zeros,
-/// and `complete` tells whether there were as many as the decisions that were asked for take.
+/// Trust: the decoder takes hostile bytes. It never reads past their end but continues with zeros;
+/// `complete` tells whether the bytes were those of the decoded decisions.
 namespace pointreel {
 
 namespace range_coder {
 
 inline constexpr int kProbabilityBits = 16;
-/// The range never gets below this: four bytes are shifted out first.
+/// The range never falls below this, because four bytes are shifted out first.
 inline constexpr std::uint64_t kLeastRange = std::uint64_t{1} << 32;
 
-/// The part of the range that stands for a one, at the range's lower end.
+/// The width of the lower part of the range, which stands for a one.
 inline std::uint64_t width_of_one(std::uint64_t range, std::uint64_t probability) {
   return (range >> kProbabilityBits) * probability;
 }
@@ -28,11 +28,11 @@ inline std::uint64_t width_of_one(std::uint64_t range, std::uint64_t probability
 
 class RangeEncoder {
  public:
-  /// Appends to `out`, which nobody else touches before `finish`.
+  /// Appends to `out`, which must not be used otherwise until `finish`.
   explicit RangeEncoder(Bytes& out) : out_(&out), begin_(out.size()), end_(out.size()) {}
 
-  /// Codes a bit whose probability of being one is probability / 65536, 1 to 65535. Without a
-  /// branch on the bit, which would often be guessed wrong.
+  /// Codes a bit that is one with probability / 65536, where probability is 1 to 65535. Does not
+  /// branch on the bit, since the processor would often mispredict it.
   void encode(unsigned bit, std::uint32_t probability) {
     using namespace range_coder;
     const std::uint64_t zero = std::uint64_t{bit} - 1;  // all ones if the bit is zero
@@ -50,7 +50,7 @@ class RangeEncoder {
   void finish();
 
  private:
-  /// Appends four bytes, highest first, after adding the carry to those that are there.
+  /// Adds the carry to the bytes written so far and appends four bytes, highest first.
   void append_word(std::uint32_t word) {
     if (__builtin_expect(carry_ != 0, 0)) add_carry(*out_, begin_, end_);
     carry_ = 0;
@@ -60,15 +60,15 @@ class RangeEncoder {
     end_ += 4;
   }
 
-  // Without `this`, so that an encoder can stay in registers.
+  // Static, so that an encoder can be kept in registers.
   static void add_carry(Bytes& out, std::size_t begin, std::size_t end);
   static void grow(Bytes& out);
 
   Bytes* out_;
-  std::size_t begin_, end_;  ///< of what is written; `out` may be longer until `finish`
+  std::size_t begin_, end_;  ///< of the bytes written; `out` may be longer until `finish`
   std::uint64_t low_ = 0;
   std::uint64_t range_ = ~std::uint64_t{0};
-  unsigned carry_ = 0;  ///< 1 if the bytes written are to be one higher
+  unsigned carry_ = 0;  ///< 1 if the bytes written so far must be increased by one
 };
 
 class RangeDecoder {
@@ -91,7 +91,7 @@ class RangeDecoder {
     return bit;
   }
 
-  /// The same for bits that are as good as random: nothing is guessed, so nothing wrongly.
+  /// The same for bits that are nearly random: without a branch, which would be mispredicted.
   unsigned decode_without_branch(std::uint32_t probability) {
     using namespace range_coder;
     const std::uint64_t one = width_of_one(range_, probability);
@@ -105,12 +105,12 @@ class RangeDecoder {
     return static_cast<unsigned>(zero + 1);
   }
 
-  /// Whether these are all the bytes that an encoder made for the decisions so far, but for zeros
-  /// behind them.
+  /// True if the bytes are exactly those that an encoder makes for the decisions so far, apart from
+  /// zeros at the end.
   bool complete() const;
 
  private:
-  static constexpr std::size_t kAhead = 4;  ///< bytes that the decoder is ahead of the encoder
+  static constexpr std::size_t kAhead = 4;  ///< bytes by which the decoder is ahead of the encoder
 
   std::uint32_t next_word() {
     const std::size_t at = next_;

@@ -20,7 +20,7 @@ void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child
   children.level = level.level + 1;
   children.slab = {level.slab.axis, 2 * level.slab.begin, 2 * level.slab.end};
   children.rows.clear();
-  // Two spare entries: both children of a row are written, whether or not they are there.
+  // With two spare entries, because both children of a node in a row are always written.
   children.x.resize(child_count + 2);
   children.rank.resize(child_count + 2);
   children.parents.resize(child_count + 2);
@@ -78,8 +78,7 @@ RowRange rows_in_slab(const RasterLevel& level, std::size_t begin, std::size_t e
   return {begin, end};
 }
 
-// --- Bit planes
-// -----------------------------------------------------------------------------------
+// --- Bit planes ---
 
 PlaneNeighbors::PlaneNeighbors(const RasterLevel& level) : level_(level) {
   const std::size_t side = std::size_t{1} << level.level;
@@ -107,7 +106,7 @@ PlaneNeighbors::Rows PlaneNeighbors::next_slice(Rows rows) const {
 }
 
 void PlaneNeighbors::begin_slice(std::size_t first_row, std::size_t end_row) {
-  // The slice before has marked this one already where it is its neighbour.
+  // This slice is already marked if the one before was next to it.
   slice_ = {first_row, end_row};
   if (after_.begin == after_.end) mark(nodes_, slice_);
   after_ = next_slice(slice_);
@@ -156,7 +155,7 @@ void PlaneNeighbors::mark(std::uint8_t* plane, Rows rows) {
   }
 }
 
-// Rows are short as a rule: byte by byte is faster than a call for each.
+// Rows are usually short, so that clearing them byte by byte is faster than calling memset.
 void PlaneNeighbors::clear_nodes(std::uint8_t* plane, Rows rows) {
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
     std::uint8_t* row = plane + (level_.rows[r].y + 1) * node_stride_;
@@ -177,8 +176,7 @@ void PlaneNeighbors::clear_cells(std::uint8_t* plane, Rows rows) {
   }
 }
 
-// --- Searching
-// ------------------------------------------------------------------------------------
+// --- Searching ---
 
 void SearchNeighbors::begin_slice(std::size_t first_row, std::size_t end_row) {
   const std::uint32_t z = level_.rows[first_row].z;
@@ -207,7 +205,7 @@ SearchNeighbors::Row SearchNeighbors::row(std::size_t number) {
   row.level_ = &level_;
   for (std::size_t slice = 0; slice < 3; ++slice) {
     for (std::uint32_t dy = 0; dy < 3; ++dy) {
-      // Row -1 wraps to one that is nowhere.
+      // y - 1 may wrap around; no row has that number.
       row.rows_[slice * 3 + dy] = find(slices_[slice], slices_[slice + 1], y + dy - 1);
     }
   }
@@ -216,7 +214,7 @@ SearchNeighbors::Row SearchNeighbors::row(std::size_t number) {
 
 std::uint64_t SearchNeighbors::Row::word(std::uint32_t x, std::uint32_t left_mask) {
   using namespace neighborhood;
-  // Masks of the nodes at x - 1, x, x + 1 of each row.
+  // The masks of the nodes at x - 1, x and x + 1 in each row.
   std::array<std::array<std::uint32_t, 3>, 9> masks{};
   std::uint32_t nodes = 0;
   for (std::uint32_t r = 0; r < 9; ++r) {
@@ -228,7 +226,7 @@ std::uint64_t SearchNeighbors::Row::word(std::uint32_t x, std::uint32_t left_mas
       nodes |= 1u << (3 * r + column);
     }
   }
-  // Four cells of a row: of the children `child` and `child` + 1 of three nodes.
+  // Four cells of a row: the children `child` and `child` + 1 of three nodes.
   const auto cells_of = [&masks](std::size_t r, int child) {
     return (masks[r][0] >> (child + 1) & 1u) | (masks[r][1] >> child & 3u) << 1 |
            (masks[r][2] >> child & 1u) << 3;

@@ -11,66 +11,66 @@
 
 #include "pointreel/bytes.h"
 
-/// The nodes of one level of an octree in raster order (by z, then y, then x), and the walk over
-/// them in that order that shows each node what of its neighbourhood a decoder knows by then.
-/// FORMAT.md, "Neighbourhood". Nothing here trusts the tree to be an encoder's: any masks will do.
+/// The nodes of a level of an octree in raster order (by z, then y, then x), and the walk over them
+/// that shows, for each node, the part of its neighbourhood that a decoder knows at that time.
+/// FORMAT.md, "Neighbourhood". Any masks are safe, also those that no encoder would make.
 namespace pointreel {
 
-/// Raster order is what the neighbourhood needs, Morton order what the SVO has: each node carries
-/// its number in Morton order along.
+/// A level in raster order, which the neighbourhood needs. The SVO is in Morton order, so each node
+/// keeps its number in that order.
 struct RasterLevel {
-  /// Nodes of the same y and z; they end where the next row begins.
+  /// Nodes with the same y and z. They end where the next row begins.
   struct Row {
     std::uint32_t y, z, begin;
   };
-  /// The part of a level that is walked: begin <= coordinate < end along y (axis 1) or z (axis 2).
-  /// Nodes beyond it are only seen around those in it.
+  /// The part of the level that is walked: begin <= coordinate < end along y (axis 1) or z (axis
+  /// 2). Nodes outside it only serve as neighbours of those inside.
   struct Slab {
     int axis = 2;
     std::uint32_t begin = 0, end = 1;
   };
   int level = 0;
   Slab slab;
-  std::vector<Row> rows;            ///< and one behind the last, which only begins
-  std::vector<std::uint32_t> x;     ///< of each node
-  std::vector<std::uint32_t> rank;  ///< number of each node in its level in Morton order
-  Bytes masks;                      ///< of each node, once known
-  /// Of each node: the 26 nodes around it, as in its neighbourhood word; known once walked.
+  std::vector<Row> rows;            ///< with one more at the end, of which only `begin` is valid
+  std::vector<std::uint32_t> x;     ///< for each node
+  std::vector<std::uint32_t> rank;  ///< for each node, its number in the level in Morton order
+  Bytes masks;                      ///< for each node, once it is known
+  /// For each node, the 26 nodes around it, as in its neighbourhood word. Set by the walk.
   std::vector<std::uint32_t> around;
-  /// Of each node: its parent's `around`, and from bit 26 on which child of it the node is.
+  /// For each node, its parent's `around`, and from bit 26 on its own number among the children.
   std::vector<std::uint32_t> parents;
 
   std::size_t size() const { return x.size(); }
 };
 
-/// For a walk's `count`.
+/// Makes a walk visit all nodes.
 inline constexpr std::size_t kAllNodes = ~std::size_t{0};
 
-/// Level 0 of a tree that is not empty.
+/// Level 0 of a nonempty tree.
 RasterLevel root_level();
 
-/// The level below. `first_child` gives for each node, by rank, the rank of its first child.
-/// `children` is made anew; its masks are zero.
+/// Replaces `children` by the level below, with masks that are zero. `first_child`: for each node,
+/// by rank, the rank of its first child.
 void expand(const RasterLevel& level, std::span<const std::uint32_t> first_child,
             std::size_t child_count, RasterLevel& children);
 
-// --- Neighbourhood word
-// ---------------------------------------------------------------------------
+// --- Neighbourhood word ---
 
-/// The 63 bits that a node's decisions see. "Cells" are those of the level below. Bits 28 to 34
-/// hold the node's own children 0 to 6 as far as they are known: the walk leaves them zero.
+/// The 63 bits on which decisions about a node depend. "Cells" are those of the level below. Bits
+/// 28 to 34 hold the node's own children 0 to 6 as far as they are known; the walk leaves them
+/// zero.
 namespace neighborhood {
 
-inline constexpr int kBelow = 0;     ///< 4 x 4 cells of plane 2z-1, from (2x-1, 2y-1) on, x fastest
-inline constexpr int kNearRow = 16;  ///< 4 cells of plane 2z, row 2y-1, from 2x-1 on
-inline constexpr int kFarRow = 20;   ///< the same of plane 2z+1
+inline constexpr int kBelow = 0;     ///< 4 x 4 cells in plane 2z-1, from (2x-1, 2y-1) on, x fastest
+inline constexpr int kNearRow = 16;  ///< 4 cells in plane 2z, row 2y-1, from 2x-1 on
+inline constexpr int kFarRow = 20;   ///< the same in plane 2z+1
 inline constexpr int kLeft = 24;     ///< children 1, 3, 5, 7 of the node at x-1
 inline constexpr int kOwn = 28;
-inline constexpr int kNodes = 35;    ///< the 26 nodes around, z slowest, without the node itself
-inline constexpr int kDensity = 61;  ///< how many of those there are: 0-2, 3-5, 6-9, 10 or more
+inline constexpr int kNodes = 35;    ///< the 26 nodes around the node, z slowest
+inline constexpr int kDensity = 61;  ///< class of the number of these: 0-2, 3-5, 6-9, 10 or more
 inline constexpr int kBits = 63;
 
-/// `cells` are bits 0 to 27; `nodes` are 27 bits, of which the 14th is the node itself.
+/// `cells`: bits 0 to 27. `nodes`: 27 bits, of which the 14th is the node itself.
 inline std::uint64_t word(std::uint32_t cells, std::uint32_t nodes) {
   const std::uint32_t around = (nodes & 0x1fffu) | (nodes >> 14 << 13);
   const unsigned count = static_cast<unsigned>(std::popcount(around));
@@ -91,19 +91,21 @@ constexpr std::uint32_t on_side(int axis, int side) {
   return bits;
 }
 
-/// To which side most of the nodes of `around` lie: 1 up, 2 down, and 4 if by more than two.
+/// The side on which most of the nodes of `around` are: 1 for up, 2 for down, plus 4 if the sides
+/// differ by more than two.
 template <int axis>
 std::uint64_t lean(std::uint32_t around) {
   constexpr std::uint32_t up = on_side(axis, 1), down = on_side(axis, -1);
-  // By how much the nodes above outnumber those below: -9 to 9.
+  // Indexed by the number of nodes above minus that of nodes below, -9 to 9, plus 9.
   static constexpr std::array<std::uint8_t, 19> kLean = {6, 6, 6, 6, 6, 6, 6, 2, 2, 0,
                                                          1, 1, 5, 5, 5, 5, 5, 5, 5};
   return kLean[static_cast<std::size_t>(9 + std::popcount(around & up) -
                                         std::popcount(around & down))];
 }
 
-/// The word as decisions in sparse levels see it: only the 12 cells that touch the node's faces,
-/// and instead of the others what is around its parent. Where nodes are few, a surface shows there.
+/// The word for decisions in sparse levels. It has only the 12 cells that touch the node's faces,
+/// and the surroundings of the node's parent instead of the other cells: where nodes are few, these
+/// show more of the surface.
 inline std::uint64_t sparse_word(std::uint64_t word, std::uint32_t parent) {
   constexpr std::uint64_t cells = (std::uint64_t{1} << kOwn) - 1;
   const std::uint64_t faces = (word >> (kBelow + 5) & 3u) | (word >> (kBelow + 9) & 3u) << 2 |
@@ -124,15 +126,14 @@ inline std::uint32_t right_half(std::uint32_t mask) {
 
 }  // namespace neighborhood
 
-// --- Neighbours from bit planes
-// -------------------------------------------------------------------
+// --- Neighbours from bit planes ---
 
-/// Rolling bit planes: three of the nodes' level (the slice and those before and after it) and
-/// three of the cells' (below the slice and its own two). Constant time for a node; memory is
-/// quadratic in the side of the level.
+/// Finds neighbours in rolling bit planes: three of the nodes' level (the current slice, and those
+/// before and after it) and three of the cells' level (below the slice, and the slice's two). Takes
+/// constant time for each node. Memory is quadratic in the side of the level.
 class PlaneNeighbors {
  public:
-  /// Bytes that the planes take at a level.
+  /// The size of the planes for a level, in bytes.
   static std::size_t memory(int level) { return (std::size_t{15} << (2 * level)) / 8; }
 
   explicit PlaneNeighbors(const RasterLevel& level);
@@ -140,10 +141,10 @@ class PlaneNeighbors {
   void begin_slice(std::size_t first_row, std::size_t end_row);
   void end_slice();
 
-  /// The nodes of one row, from left to right.
+  /// Gives the words of the nodes of a row, from left to right.
   class Row {
    public:
-    /// `left_mask` is the mask of the node at x - 1, zero if none is there.
+    /// `left_mask`: the mask of the node at x - 1, zero if there is none.
     std::uint64_t word(std::uint32_t x, std::uint32_t left_mask) const {
       using namespace neighborhood;
       std::uint32_t cells = from(near_above_, 2 * x, 15) << kNearRow |
@@ -173,7 +174,7 @@ class PlaneNeighbors {
 
    private:
     friend class PlaneNeighbors;
-    /// The bits from column x - 1 on, the lowest first, as many as the mask has.
+    /// The bits from column x - 1 on, the lowest first, as many as `mask` has.
     static std::uint32_t from(const std::uint8_t* row, std::uint32_t x, std::uint32_t mask) {
       const std::uint32_t at = x + kMargin - 1;
       std::uint16_t bits;
@@ -189,7 +190,7 @@ class PlaneNeighbors {
   Row row(std::size_t number);
 
  private:
-  static constexpr std::uint32_t kMargin = 8;  ///< columns to the left of a plane
+  static constexpr std::uint32_t kMargin = 8;  ///< columns left of the first cell
 
   struct Rows {
     std::size_t begin = 0, end = 0;
@@ -200,19 +201,18 @@ class PlaneNeighbors {
   Rows next_slice(Rows rows) const;
 
   const RasterLevel& level_;
-  Rows before_, slice_, after_;            ///< whose marks lie in the planes
-  std::size_t node_stride_, cell_stride_;  ///< bytes of a row
+  Rows before_, slice_, after_;            ///< the rows whose nodes are marked in the planes
+  std::size_t node_stride_, cell_stride_;  ///< the size of a row in bytes
   std::vector<std::uint8_t> bytes_;
-  /// Of each plane the row -1, which is there, as are some rows behind the last.
+  /// Row -1 of each plane. The planes contain this row, and some rows after the last.
   std::uint8_t *nodes_before_, *nodes_, *nodes_after_;
   std::uint8_t *cells_below_, *cells_near_, *cells_far_;
 };
 
-// --- Neighbours by searching
-// ----------------------------------------------------------------------
+// --- Neighbours by searching ---
 
-/// The same from the sorted rows themselves: for levels whose planes would be too large. Takes no
-/// memory; time for a node does not depend on the side of the level.
+/// Finds neighbours by searching the sorted rows, for levels whose planes would be too large. Takes
+/// no memory. The time for a node does not depend on the side of the level.
 class SearchNeighbors {
  public:
   explicit SearchNeighbors(const RasterLevel& level) : level_(level) {}
@@ -222,7 +222,7 @@ class SearchNeighbors {
 
   class Row {
    public:
-    /// As of PlaneNeighbors, but for one x after the other.
+    /// As in PlaneNeighbors, but x must increase from call to call.
     std::uint64_t word(std::uint32_t x, std::uint32_t left_mask);
     void set(std::uint32_t, std::uint32_t) {}
 
@@ -232,7 +232,7 @@ class SearchNeighbors {
       std::uint32_t next = 0, end = 0;
     };
     const RasterLevel* level_ = nullptr;
-    std::array<Range, 9> rows_;  ///< around, z slowest
+    std::array<Range, 9> rows_;  ///< the rows around this one and itself, z slowest
   };
   Row row(std::size_t number);
 
@@ -240,13 +240,12 @@ class SearchNeighbors {
   Row::Range find(std::size_t begin, std::size_t end, std::uint32_t y) const;
 
   const RasterLevel& level_;
-  std::array<std::size_t, 4> slices_{};  ///< rows where the slices z-1, z, z+1 begin and end
+  std::array<std::size_t, 4> slices_{};  ///< the rows at which slices z-1, z, z+1 begin and end
 };
 
-// --- Walk
-// -----------------------------------------------------------------------------------------
+// --- Walk ---
 
-/// Calls `visit(row, node, x, word)` for each node of these rows; it returns the node's mask.
+/// Calls `visit(row, node, x, word)`, which returns the node's mask, for each node of these rows.
 template <class Neighbors, class Visit>
 [[gnu::always_inline]] inline void for_each_node(RasterLevel& level, Neighbors& neighbors,
                                                  std::size_t first_row, std::size_t end_row,
@@ -266,13 +265,13 @@ template <class Neighbors, class Visit>
   }
 }
 
-/// Of the rows of one slice (nodes of one z), those that lie in the level's slab.
+/// The rows of a slice (the nodes with the same z) that are inside the level's slab.
 struct RowRange {
   std::size_t begin, end;
 };
 RowRange rows_in_slab(const RasterLevel& level, std::size_t begin, std::size_t end);
 
-/// A walk that can be interrupted between slices. The level outlives it.
+/// A walk that can be interrupted between slices. The level must outlive it.
 template <class Neighbors>
 class SliceWalk {
  public:
@@ -280,9 +279,9 @@ class SliceWalk {
   SliceWalk(const SliceWalk&) = delete;
   SliceWalk& operator=(const SliceWalk&) = delete;
 
-  /// Goes on until `count` nodes of the slab or more have been walked in all, or it ends. Calls
-  /// `visit(node, word)` for each in raster order; it returns the node's mask, which is stored in
-  /// `level.masks` and seen by the nodes that follow.
+  /// Continues until at least `count` nodes of the slab have been walked in all, or it ends. Calls
+  /// `visit(node, word)` for each node in raster order. This returns the node's mask, which is
+  /// stored in `level.masks` and seen by the nodes after it.
   template <class Visit>
   void visit(std::size_t count, Visit&& visit) {
     visit_slices(count, [&](const RowRange& rows) {
@@ -296,9 +295,9 @@ class SliceWalk {
     });
   }
 
-  /// The same where `level.masks` of the slab is known beforehand (and zero around it):
-  /// `visit(first node, words)` is called for all nodes of one slice after the other. No word waits
-  /// for the one before.
+  /// The same if `level.masks` is known beforehand inside the slab, and zero around it. Calls
+  /// `visit(first node, words)` for the nodes of a slice at a time. Words can then be computed
+  /// independently of each other, which is faster.
   template <class Visit>
   void visit_known(std::size_t count, Visit&& visit) {
     visit_slices(count, [&](const RowRange& rows) {
@@ -321,7 +320,7 @@ class SliceWalk {
   }
 
  private:
-  /// Calls `visit_rows(rows)` for the slab's rows of one slice after the other.
+  /// Calls `visit_rows(rows)` for the slab's rows of each slice.
   template <class VisitRows>
   void visit_slices(std::size_t count, VisitRows&& visit_rows) {
     const std::size_t rows = level_.rows.size() - 1;
@@ -342,8 +341,8 @@ class SliceWalk {
   std::vector<std::uint64_t> words_;
 };
 
-/// The walk that suits a level: with planes where they take no more memory than some bytes a node,
-/// or where they are not huge and searching would take longer than clearing them.
+/// The fastest walk for a level. It uses planes if they take only a few bytes for each node, or if
+/// they are not huge and searching would take longer than clearing them.
 class LevelWalk {
  public:
   static constexpr std::size_t kHugePlanes = std::size_t{8} << 20, kManyNodes = 4096;

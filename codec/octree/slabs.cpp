@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeavesOfSlab = std::size_t{1} << 19;
 
-/// Of the row along the axis of slabs.
+/// The row's coordinate along the axis of the slabs.
 std::uint32_t coordinate(const RasterLevel::Row& row, int axis) {
   return axis == 1 ? row.y : row.z;
 }
@@ -27,7 +27,7 @@ Extent extent(const RasterLevel& level, int axis) {
   return extent;
 }
 
-/// Calls visit(first node, end) for each row in the slab, or for each row around it.
+/// Calls visit(first node, end) for each row inside the slab, or for each row around it.
 template <class Visit>
 void for_each_row(const RasterLevel& level, bool in_slab, Visit visit) {
   for (std::size_t r = 0; r + 1 < level.rows.size(); ++r) {
@@ -37,12 +37,14 @@ void for_each_row(const RasterLevel& level, bool in_slab, Visit visit) {
   }
 }
 
-/// In tenths of decisions, as in kAdaptationRates: after n of them a leaf's probability is the mean
-/// of n decisions and of what it began with, which counts as 0.6.
+/// The weight of a leaf's probability in tenths of a decision, as kAdaptationRates implies it:
+/// after n decisions, the probability is the mean of these and of the initial one, which counts as
+/// 0.6.
 std::int64_t weight(const Leaf& leaf) { return 10 * std::int64_t{leaf.count} + 6; }
 
-/// The mean of all decisions that the slabs have coded with leaf `i`, and of what it was before.
-/// Where a slab has stopped counting, it is no further from that than the slabs' own means are.
+/// The mean of leaf `i` before the phase and of all decisions that the slabs have coded with it. If
+/// a slab has stopped counting, the result is limited to the range of the leaf's values before and
+/// in the slabs.
 Leaf merged_leaf(const Leaf& before, std::span<const std::vector<Leaf>> slabs, std::size_t i) {
   std::int64_t sum = weight(before) * before.probability, weights = weight(before);
   int count = before.count;
@@ -89,8 +91,8 @@ SlabCuts choose_cuts(const RasterLevel& level, std::span<const std::uint32_t> we
   SlabCuts cuts{axis, {}};
   std::uint64_t before = 0;
   for (std::uint32_t c = 0; c < along.size(); ++c) {
-    // A cut lies where it parts the weights best: rather before than behind the coordinate at whose
-    // middle its share would be reached.
+    // A cut is placed in front of the first coordinate whose middle reaches the cut's share of the
+    // weights, which divides them best.
     const auto number = static_cast<std::uint64_t>(cuts.begins.size()) + 1;
     const bool reached = 2 * before + at[c] >= 2 * total * number / static_cast<unsigned>(slabs);
     if (c > 0 && number < static_cast<unsigned>(slabs) && reached) {
@@ -158,7 +160,7 @@ void merge_leaves(std::span<const std::vector<Leaf>> slabs, LeafRange range,
   constexpr std::size_t kBlock = 16;
   for (std::size_t block = range.begin; block < range.end; block += kBlock) {
     const std::size_t end = std::min(block + kBlock, range.end);
-    // Most leaves are those of no node of the phase.
+    // Most leaves were not used in the phase.
     bool same = true;
     for (const std::vector<Leaf>& slab : slabs) {
       same = same && std::memcmp(slab.data() + block, leaves.data() + block,

@@ -17,7 +17,7 @@ namespace {
 using Samples = std::span<std::uint64_t>;
 constexpr int kOutcome = 63;
 
-/// n log2 n, and half of log2 (n + 1).
+/// Tables of n log2 n and of log2(n + 1) / 2.
 class Logarithms {
  public:
   Logarithms() {
@@ -37,18 +37,18 @@ class Logarithms {
   std::vector<double> half_log_ = std::vector<double>(kTabled);
 };
 
-/// Ones and all of the decisions that share a context.
+/// The number of ones, and of all decisions, that share a context.
 struct Counts {
   std::uint32_t ones = 0, all = 0;
 };
 
-/// How often each bit of the word is set among decisions for one, and among all.
+/// How often each bit of the word is set among the decisions with each outcome.
 struct BitCounts {
   std::array<std::array<std::uint32_t, 64>, 2> set{};  ///< by outcome
   std::array<std::uint32_t, 2> total{};
 };
 
-/// Byte -> eight bytes of its bits.
+/// For each byte, eight bytes with one of its bits each.
 std::array<std::uint64_t, 256> make_spread() {
   std::array<std::uint64_t, 256> spread{};
   for (std::size_t byte = 0; byte < 256; ++byte) {
@@ -85,14 +85,14 @@ class GreedyMask {
  public:
   GreedyMask(const Logarithms& logs, double leaf_cost) : logs_(logs), leaf_cost_(leaf_cost) {}
 
-  /// Bits of a decision with adaptive probabilities, and of describing its leaf.
+  /// The number of bits for coding a leaf's decisions adaptively, and for describing the leaf.
   double cost(std::uint32_t ones, std::uint32_t all) const {
     if (all == 0) return 0.25 * leaf_cost_;
     return logs_.n_log_n(all) - logs_.n_log_n(ones) - logs_.n_log_n(all - ones) +
            logs_.half_log(all) + leaf_cost_;
   }
 
-  /// The best mask of at most `most_bits` of `allowed`. Reorders the samples.
+  /// The best mask with at most `most_bits` of the `allowed` bits. Reorders the samples.
   std::uint64_t choose(Samples samples, std::uint64_t allowed, int most_bits) const {
     std::vector<Samples> groups{samples};
     std::uint64_t mask = 0, best_mask = 0;
@@ -156,7 +156,7 @@ std::uint64_t gather(std::uint64_t word, std::uint64_t mask) {
   return bits;
 }
 
-/// What a slot's decisions may look at: not at children that are coded later.
+/// The bits that a slot's decisions may depend on: all but those of children that are coded later.
 std::uint64_t allowed_bits(int slot) {
   std::uint64_t allowed = (std::uint64_t{1} << neighborhood::kBits) - 1;
   const int known = slot < kOnlyChildSlot ? slot : 0;
@@ -198,7 +198,7 @@ TrainedSlot train_slot(std::vector<std::uint64_t> samples, int slot, const Train
         counts->ones += static_cast<std::uint32_t>(word >> kOutcome);
       }
     }
-    // A leaf with few samples leans on its cell, a cell with few on its slot.
+    // A leaf with few samples is drawn towards its cell, and a cell with few towards its slot.
     const double cell_share = (whole.ones + 2.0 * share) / (whole.all + 2.0);
     for (const Counts& leaf : leaves) {
       const double probability = (leaf.ones + cell_share) / (leaf.all + 1.0);

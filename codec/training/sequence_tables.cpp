@@ -10,20 +10,23 @@
 #include "codec/octree/context_model.h"
 #include "codec/octree/context_tables.h"
 #include "codec/training/context_trainer.h"
+#include "common/base/try.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 namespace {
 
 constexpr std::size_t kSlotCount = kLevelClasses * kSlots;
-/// What a leaf takes in a table file, its share of the masks included, in bits: measured.
+/// The measured size of a leaf in a table file, including its share of the masks, in bits.
 constexpr double kStoredLeafBits = 10.0;
-/// What a leaf must save beyond that: with fewer, tables fit the samples and no other frame.
+/// The number of bits that a leaf must save beyond that. With fewer, tables would fit the samples
+/// and no other frame.
 constexpr double kLeafMargin = 3.0;
 
-/// Bits that decisions take, by slot.
+/// The number of bits that decisions take, by slot.
 using SlotBits = std::array<double, kSlotCount>;
 
-/// Bits of coding a zero of each probability.
+/// The cost in bits of coding a decision with each probability.
 std::vector<float> make_costs() {
   std::vector<float> costs(65537);
   for (int p = 1; p <= 65536; ++p) {
@@ -32,7 +35,7 @@ std::vector<float> make_costs() {
   return costs;
 }
 
-/// Adds what coding the tree takes.
+/// Adds the cost of coding the tree.
 void add_cost(const Svo& svo, const ContextTables& tables, const std::vector<float>& costs,
               SlotBits& bits) {
   std::vector<Leaf> leaves = tables.leaves;
@@ -53,8 +56,7 @@ Result<SequenceTables> learn_tables(std::span<const Svo> samples, std::uint64_t 
   const auto learns = [all](std::size_t i) { return all || i % 4 != 1; };
   const auto judges = [all](std::size_t i) { return all || i % 4 == 1; };
   if (samples.empty() || (!all && samples.size() < 2)) return SequenceTables{};
-  const auto built_in = tables_of_number(kNewestTables);
-  if (!built_in) return tl::unexpected(built_in.error());
+  const auto built_in = TRY(tables_of_number(kNewestTables));
 
   ContextTrainer trainer;
   double learnt = 0.0, judged = 0.0;
@@ -63,19 +65,19 @@ Result<SequenceTables> learn_tables(std::span<const Svo> samples, std::uint64_t 
     trainer.add(samples[i]);
     learnt += 1.0;
   }
-  // A leaf is stored once, but saves in every frame what it saves in the few that are seen here.
+  // A leaf is stored once, but saves as much in every frame as it does in the few samples.
   const double total = static_cast<double>(frames);
   TrainingOptions options;
   options.leaf_cost = kLeafMargin + kStoredLeafBits * std::min(1.0, learnt / total);
   ContextTrainer::Result trained = trainer.train(options);
   const auto own = parse_tables(write_tables(trained.slots));
-  if (!own) return SequenceTables{};  // more leaves than tables may have
+  if (!own) return SequenceTables{};  // they have more leaves than tables may have
 
   const std::vector<float> costs = make_costs();
   SlotBits built_in_bits{}, own_bits{};
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!judges(i)) continue;
-    add_cost(samples[i], **built_in, costs, built_in_bits);
+    add_cost(samples[i], *built_in, costs, built_in_bits);
     add_cost(samples[i], *own, costs, own_bits);
     judged += 1.0;
   }
@@ -91,12 +93,11 @@ Result<SequenceTables> learn_tables(std::span<const Svo> samples, std::uint64_t 
     }
   }
   SequenceTables result;
-  auto file = write_table_file(write_tables(trained.slots));
-  if (!file) return tl::unexpected(file.error());
+  Bytes file = TRY(write_table_file(write_tables(trained.slots)));
   // Each frame names the tables by a checksum of eight bytes.
-  result.saved_bytes = saved_bits / 8.0 - static_cast<double>(file->size()) - 8.0 * total;
-  if (result.saved_bytes > 0.0 && file->size() <= kMaxTableFile) {
-    result.file = std::move(*file);
+  result.saved_bytes = saved_bits / 8.0 - static_cast<double>(file.size()) - 8.0 * total;
+  if (result.saved_bytes > 0.0 && file.size() <= kMaxTablesBytes) {
+    result.file = std::move(file);
   } else {
     result.saved_bytes = 0.0;
   }

@@ -7,21 +7,21 @@
 #include "pointreel/error.h"
 #include "pointreel/octree.h"
 
-/// Context tables of a sequence's own, learnt from some of its frames: what a sensor, a scanner or
-/// a mesh does to its points is much the same in all of them. A slot of the tables
-/// (context_model.h) is replaced only where that saves more than it takes to store it.
+/// Context tables for a sequence, trained on some of its frames: the traits that a sensor, a
+/// scanner or a mesh leaves in its points are much the same in all of them. A slot of the built-in
+/// tables (context_model.h) is replaced only if this saves more than storing the slot takes.
 namespace pointreel {
 
 struct SequenceTables {
-  Bytes file;              ///< as read_table_file reads it; empty if the built-in tables do as well
-  double saved_bytes = 0;  ///< expected of the whole sequence, the file's own bytes taken off
+  Bytes file;              ///< for read_table_file; empty if the built-in tables are as good
+  double saved_bytes = 0;  ///< expected for the whole sequence, minus the size of the file
 };
 
-/// `samples`: trees of some of the `frames` frames of a sequence, or of all. Where they are some, a
-/// quarter of them (two or more are needed) tells what the others' tables are worth, and the saving
-/// is an estimate; where they are all, it is what coding them takes but for rounding. Takes about
-/// 40 bytes and a microsecond for each node. The same for the same trees, on any machine and with
-/// any number of threads.
+/// `samples`: the trees of some or all of the `frames` frames of a sequence. If they are some (at
+/// least two), the tables are trained on three quarters of them and the saving is estimated on the
+/// rest. If they are all, the saving is exact up to rounding. Takes about 40 bytes and a
+/// microsecond for each node. The same trees give the same tables on any machine and with any
+/// number of threads.
 Result<SequenceTables> learn_tables(std::span<const Svo> samples, std::uint64_t frames);
 
 }  // namespace pointreel

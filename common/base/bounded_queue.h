@@ -9,8 +9,8 @@
 
 namespace pointreel {
 
-/// A first-in, first-out queue between threads that holds at most `capacity` values, so that a fast
-/// stage waits for a slow one instead of filling the memory. Closing it ends everybody's wait.
+/// A first-in, first-out queue between threads. It holds at most `capacity` values, so that a fast
+/// producer waits for a slow consumer instead of filling the memory. Closing it ends every wait.
 template <class T>
 class BoundedQueue {
  public:
@@ -20,7 +20,7 @@ class BoundedQueue {
   BoundedQueue(const BoundedQueue&) = delete;
   BoundedQueue& operator=(const BoundedQueue&) = delete;
 
-  /// Waits while the queue is full. False, and the value is gone, if the queue is closed.
+  /// Waits while the queue is full. Returns false, and drops the value, if the queue is closed.
   bool push(T value) {
     std::unique_lock lock(mutex_);
     has_room_.wait(lock, [&] { return closed_ || values_.size() < capacity_; });
@@ -31,7 +31,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits while the queue is empty. Nothing once it is closed and what it held is taken.
+  /// Waits while the queue is empty. Returns nothing once the queue is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     has_value_.wait(lock, [&] { return closed_ || !values_.empty(); });
@@ -43,7 +43,7 @@ class BoundedQueue {
     return value;
   }
 
-  /// No value goes in any more; those inside can still be taken.
+  /// Accepts no more values. Those already in the queue can still be popped.
   void close() {
     {
       const std::lock_guard lock(mutex_);

@@ -8,7 +8,7 @@
 namespace pointreel {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-              "Pointreel's formats are little endian and so are the machines it is built for");
+              "Pointreel's formats are little endian, and so must be the machine");
 
 /// Appends little-endian values to a byte string.
 class ByteWriter {
@@ -27,8 +27,8 @@ class ByteWriter {
   Bytes& out_;
 };
 
-/// Reads little-endian values from untrusted bytes. Past the end every value is zero and `ok()` is
-/// false for good, so a parser checks once, after its last field.
+/// Reads little-endian values from untrusted bytes. Past the end, every value is zero and `ok()`
+/// stays false, so that a parser needs to check only once, after its last field.
 class ByteReader {
  public:
   explicit ByteReader(ByteView bytes) : rest_(bytes) {}

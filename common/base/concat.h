@@ -7,9 +7,8 @@
 
 namespace pointreel {
 
-/// The parts in one string; numbers are written in decimal, as short as
-/// they can be read back. For the rooms that the codec
-/// library is built of, which do without fmt.
+/// Joins the parts to one string. Numbers are written in decimal, with as few digits as it takes to
+/// read them back exactly. For the rooms of the codec library, which do without fmt.
 template <class... Parts>
 std::string concat(const Parts&... parts) {
   std::string text;

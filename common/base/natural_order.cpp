@@ -8,7 +8,7 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Takes the run of digits at the front of `text` and returns it without leading zeros.
+/// Removes the run of digits at the front of `text` and returns it without leading zeros.
 std::string_view take_number(std::string_view& text) {
   const auto end =
       static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_digit) - text.begin());
@@ -29,8 +29,8 @@ bool natural_less(std::string_view a, std::string_view b) {
       if (const int order = number_a.compare(number_b); order != 0) return order < 0;
       continue;
     }
-    // A digit against another character compares the same whatever the digit is, so the order stays
-    // transitive.
+    // How a digit compares with a character that is not one does not depend on the digit, so the
+    // order stays transitive.
     const auto byte_a = static_cast<unsigned char>(rest_a.front());
     const auto byte_b = static_cast<unsigned char>(rest_b.front());
     if (byte_a != byte_b) return byte_a < byte_b;

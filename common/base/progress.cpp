@@ -69,7 +69,7 @@ void Progress::print(const std::string& line) {
 
 void Progress::draw() {
   const std::chrono::duration<double> passed = Clock::now() - start_;
-  // One column stays free, so that no terminal wraps the line.
+  // The last column stays free, since some terminals would wrap the line.
   const std::string line =
       progress_line(label_, done_, total_, passed.count(), terminal_width() - 1);
   std::fputs(("\r\x1b[K" + line).c_str(), stderr);

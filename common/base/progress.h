@@ -7,21 +7,21 @@
 
 namespace pointreel {
 
-/// A bar with the time left on standard error if that is a terminal; otherwise silent. Any thread
-/// may tick it. The bar's line is wiped when the progress ends, so that what is printed next stands
-/// alone.
+/// A progress bar with the time left, on standard error. Draws nothing if that is not a terminal.
+/// Any thread may call it. The destructor wipes the bar, so that it does not stay above what is
+/// printed next.
 class Progress {
  public:
-  /// `label` says what is being done, in a word or two.
+  /// `label`: the current activity, in a word or two.
   Progress(std::string label, std::size_t total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// One more of the total is done.
+  /// Advances by one of the total.
   void tick();
 
-  /// Prints a line to standard error, terminal or not, without tearing the bar.
+  /// Prints a line to standard error, terminal or not, without garbling the bar.
   void print(const std::string& line);
 
  private:
@@ -34,14 +34,14 @@ class Progress {
   const std::size_t total_;
   const bool terminal_;
   const Clock::time_point start_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  ///< guards the members below
   std::size_t done_ = 0;
   bool drawn_ = false;
   Clock::time_point last_drawn_;
 };
 
-/// The line that the bar shows, at most `width` characters: label, bar, count, and time left once
-/// there is something to judge it by.
+/// The line of the bar, at most `width` characters: label, bar, count and, once the first part is
+/// done, the time left.
 std::string progress_line(const std::string& label, std::size_t done, std::size_t total,
                           double seconds, std::size_t width);
 

@@ -22,7 +22,7 @@ StopSignal::StopSignal() {
     sigwait(&any, &signal);
     if (signal == SIGRTMIN) return;
     source_.request_stop();
-    // From here on this thread, and so the process, takes the signals' default action.
+    // From now on this thread receives the signals, whose default action ends the process.
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
     sigwait(&ended, &signal);
   });

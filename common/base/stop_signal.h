@@ -7,10 +7,10 @@
 
 namespace pointreel {
 
-/// Turns the first SIGINT or SIGTERM into a stop request while it lives; a second one ends the
-/// process, even one that a shell has started in the background, with SIGINT ignored. Make it
-/// before any thread is started that should not be killed by the first: threads inherit that the
-/// signals are blocked.
+/// During its lifetime, turns the first SIGINT or SIGTERM into a stop request; the second one ends
+/// the process, even if a shell started it in the background with SIGINT ignored. Construct it
+/// before starting threads: they inherit the blocked signals, and a thread without them would be
+/// killed by the first signal.
 class StopSignal {
  public:
   StopSignal();

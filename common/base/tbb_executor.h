@@ -4,9 +4,9 @@
 
 namespace pointreel {
 
-/// Lends the threads of the caller's TBB arena, as far as they have nothing else to do. While the
-/// caller waits for them it begins no other work of the arena, such as another frame: what it does
-/// takes no longer than alone, and no more frames are in memory than there would be otherwise.
+/// Runs work on the idle threads of the caller's TBB arena. While the caller waits, it does not
+/// begin other work of the arena, such as another frame: that would delay the work at hand and keep
+/// more frames in memory.
 Executor tbb_executor();
 
 }  // namespace pointreel

@@ -26,7 +26,7 @@ void resize(PointCloud& cloud, std::size_t n) {
   if (radii) cloud.radii.resize(n);
 }
 
-/// Zeroes unusable radii; returns how many.
+/// Sets unusable radii to zero and returns their number.
 std::size_t clear_unusable(std::vector<float>& radii) {
   std::vector<float> usable;
   for (const float r : radii) {
@@ -79,7 +79,8 @@ SanitizeReport sanitize(PointCloud& cloud) {
   resize(cloud, kept);
 
   for (glm::vec3& n : cloud.normals) {
-    // In double, so that the square of a tiny or a huge component neither vanishes nor overflows.
+    // In double, so that the square of a tiny component does not vanish and that of a huge one does
+    // not overflow.
     const double length = glm::length(glm::dvec3(n));
     if (std::isfinite(length) && length > 0.0) {
       n = glm::vec3(glm::dvec3(n) / length);

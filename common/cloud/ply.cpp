@@ -16,21 +16,23 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "common/cloud/ply_header.h"
 
 namespace pointreel {
 namespace {
 
-/// Vertices pass through columns of doubles, a block of rows at a time: every format and type is
-/// converted by the same code, and memory grows only with rows that are really there.
+/// Vertices pass through columns of doubles, a block of rows at a time, so that all formats and
+/// types share the code that builds the cloud, and memory grows only with the rows that the data
+/// hold.
 constexpr std::size_t kBlockRows = 512;
 
-/// The values that a vertex may have; three consecutive ones for each vector.
+/// The values that a vertex may have. A vector takes three consecutive numbers.
 enum Role : std::size_t { kPosition = 0, kNormal = 3, kColor = 6, kRadius = 9, kRoles = 10 };
 
 using Block = std::array<std::array<double, kBlockRows>, kRoles>;
 
-/// Which property of element vertex gives each value; -1 where none does.
+/// For each value, the index of the vertex's property that it is read from, or -1.
 using RoleProperties = std::array<int, kRoles>;
 
 int find_scalar(const PlyElement& element, const char* name) {
@@ -38,7 +40,7 @@ int find_scalar(const PlyElement& element, const char* name) {
   return at >= 0 && !element.properties[static_cast<std::size_t>(at)].is_list ? at : -1;
 }
 
-/// Assigns the first of `spellings` of which the element has all three.
+/// Assigns the first of the `spellings` of which the element has all three properties.
 void assign_vector(const PlyElement& element, Role role, RoleProperties& properties,
                    std::initializer_list<std::array<const char*, 3>> spellings) {
   for (const auto& names : spellings) {
@@ -69,7 +71,7 @@ Result<RoleProperties> assign_roles(const PlyElement& vertex) {
   return properties;
 }
 
-/// The inverse: the value that each property of an element gives; kRoles where it gives none.
+/// The inverse: for each property, the value that it is read into, or kRoles if it is not read.
 std::vector<Role> roles_by_property(const PlyElement& element, const RoleProperties* roles) {
   std::vector<Role> by_property(element.properties.size(), kRoles);
   for (std::size_t role = 0; roles != nullptr && role < kRoles; ++role) {
@@ -79,7 +81,7 @@ std::vector<Role> roles_by_property(const PlyElement& element, const RolePropert
   return by_property;
 }
 
-/// A colour value of the given type on the scale 0 to 65535.
+/// Converts a colour component of the given type to the range 0 to 65535.
 std::uint16_t color_value(PlyType type, double v) {
   if (!(v == v)) return 0;
   switch (type) {
@@ -96,7 +98,7 @@ std::uint16_t color_value(PlyType type, double v) {
   }
 }
 
-/// Gathers blocks of rows into a cloud.
+/// Collects blocks of rows in a cloud.
 class CloudBuilder {
  public:
   CloudBuilder(const PlyElement& vertex, const RoleProperties& properties, std::size_t max_rows)
@@ -154,7 +156,7 @@ class CloudBuilder {
     constexpr double kLargest = std::numeric_limits<float>::max();
     Box box;
     for (const glm::dvec3& p : positions_) {
-      // False for NaN and for infinity, and for what would become infinite as a float.
+      // The comparisons are false for NaN, infinity, and values that would be infinite as floats.
       const glm::dvec3 size = glm::abs(p);
       if (size.x <= kLargest && size.y <= kLargest && size.z <= kLargest) box.grow(p);
     }
@@ -172,11 +174,11 @@ class CloudBuilder {
   bool has_normals_, has_colors_, has_radii_;
 };
 
-/// The smallest number of bytes that a row can take, lists empty.
+/// The smallest possible number of bytes of a row, which is that of a row whose lists are empty.
 std::size_t min_row_size(const PlyElement& element, PlyFormat format) {
   std::size_t size = 0;
   for (const PlyProperty& property : element.properties) {
-    // Ascii: one character and a blank or line break behind it.
+    // In ascii, a value takes at least one character and a separator.
     size += format == PlyFormat::ascii ? 2
             : property.is_list         ? size_of(property.count_type)
                                        : size_of(property.type);
@@ -196,7 +198,7 @@ T load(const std::uint8_t* at) {
   return std::bit_cast<T>(bytes);
 }
 
-/// Calls `f` with a value of the C++ type that `type` stands for.
+/// Calls `f` with a value of the C++ type that corresponds to `type`.
 template <class F>
 auto with_type(PlyType type, F&& f) {
   switch (type) {
@@ -219,7 +221,7 @@ auto with_type(PlyType type, F&& f) {
   }
 }
 
-/// Reads the elements of a binary file in their order.
+/// Reads the elements of a binary file one after another.
 template <bool kSwap>
 class BinaryBody {
  public:
@@ -233,15 +235,14 @@ class BinaryBody {
   Result<void> read(const PlyElement& vertex, const RoleProperties& roles, CloudBuilder& builder) {
     if (has_lists(vertex)) return walk(vertex, &roles, &builder);
     const std::size_t row_size = min_row_size(vertex, PlyFormat::little_endian);
-    const Result<const std::uint8_t*> rows = take_rows(vertex, row_size);
-    if (!rows) return tl::unexpected(rows.error());
+    const std::uint8_t* const rows = TRY(take_rows(vertex, row_size));
     Block block;
     for (std::uint64_t row = 0; row < vertex.count; row += kBlockRows) {
       const std::size_t n = std::min<std::uint64_t>(kBlockRows, vertex.count - row);
       for (std::size_t role = 0; role < kRoles; ++role) {
         if (roles[role] < 0) continue;
         const auto property = static_cast<std::size_t>(roles[role]);
-        const std::uint8_t* from = *rows + row * row_size + offset(vertex, property);
+        const std::uint8_t* from = rows + row * row_size + offset(vertex, property);
         double* column = block[role].data();
         with_type(vertex.properties[property].type, [=](auto type) {
           for (std::size_t i = 0; i < n; ++i) {
@@ -272,7 +273,7 @@ class BinaryBody {
                             printable(property.name), name_row(element, row)));
   }
 
-  /// Takes all rows of an element without lists; their first byte.
+  /// Steps over all rows of an element without lists and returns their first byte.
   Result<const std::uint8_t*> take_rows(const PlyElement& element, std::size_t row_size) {
     const std::uint8_t* begin = bytes_.data() + at_;
     const std::size_t rest = bytes_.size() - at_;
@@ -290,7 +291,7 @@ class BinaryBody {
     return begin;
   }
 
-  /// Goes through an element row by row, handing its values to `builder` unless that is null.
+  /// Reads an element row by row and passes its values to `builder`, unless that is null.
   Result<void> walk(const PlyElement& element, const RoleProperties* roles, CloudBuilder* builder) {
     const std::vector<Role> role_of = roles_by_property(element, roles);
     Block block;
@@ -334,8 +335,8 @@ class BinaryBody {
   std::size_t at_;
 };
 
-/// Reads the elements of an ascii file in their order. Numbers are apart by blanks or line breaks;
-/// which of them does not matter.
+/// Reads the elements of an ascii file one after another. Values may be separated by blanks or line
+/// breaks alike.
 class AsciiBody {
  public:
   AsciiBody(ByteView bytes, const PlyHeader& header)
@@ -360,12 +361,12 @@ class AsciiBody {
         const PlyProperty& property = element.properties[i];
         std::string_view word = take_word();
         if (word.empty()) return ends_within(element, row, property);
-        // Values that nobody wants are skipped unread; a list's length is always wanted.
+        // Values that are not needed are skipped unparsed. The length of a list is always needed.
         if (role_of[i] == kRoles && !property.is_list) continue;
         double value = 0.0;
         if (!parse(word, value)) {
-          return fail(fmt::format("line {}: property {} of {} is '{}', which is no number", line_,
-                                  printable(property.name), name_row(element, row),
+          return fail(fmt::format("line {}: property {} of {} is '{}', which is not a number",
+                                  line_, printable(property.name), name_row(element, row),
                                   printable(word)));
         }
         if (property.is_list) {
@@ -412,7 +413,7 @@ class AsciiBody {
     const char* const word_end = word.data() + word.size();
     const auto [end, error] = std::from_chars(word.data(), word_end, value);
     if (error == std::errc::result_out_of_range && end == word_end) {
-      // Infinity or zero, as the same number would be in a binary file.
+      // Becomes infinity or zero, as the number would be in a binary file.
       value = std::strtod(std::string(word).c_str(), nullptr);
       return true;
     }
@@ -428,19 +429,16 @@ template <class Body>
 Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t data_size) {
   Result<PointCloud> cloud = fail("the header declares no element vertex");
   for (const PlyElement& element : header.elements) {
-    Result<void> done;
     if (element.name == "vertex") {
-      const Result<RoleProperties> roles = assign_roles(element);
-      if (!roles) return tl::unexpected(roles.error());
-      // The last number of an ascii file needs no line break behind it.
+      const RoleProperties roles = TRY(assign_roles(element));
+      // Plus one, because the last value of an ascii file needs no separator.
       const std::size_t rows = (data_size + 1) / min_row_size(element, header.format);
-      CloudBuilder builder(element, *roles, std::min<std::uint64_t>(element.count, rows));
-      done = body.read(element, *roles, builder);
-      if (done) cloud = builder.finish();
+      CloudBuilder builder(element, roles, std::min<std::uint64_t>(element.count, rows));
+      TRY(body.read(element, roles, builder));
+      cloud = builder.finish();
     } else {
-      done = body.skip(element);
+      TRY(body.skip(element));
     }
-    if (!done) return tl::unexpected(done.error());
   }
   return cloud;
 }
@@ -448,16 +446,15 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
 }  // namespace
 
 Result<PointCloud> read_ply(ByteView bytes) {
-  const Result<PlyHeader> header = parse_ply_header(bytes);
-  if (!header) return tl::unexpected(header.error());
-  const std::size_t data_size = bytes.size() - header->size;
-  switch (header->format) {
+  const PlyHeader header = TRY(parse_ply_header(bytes));
+  const std::size_t data_size = bytes.size() - header.size;
+  switch (header.format) {
     case PlyFormat::ascii:
-      return read_body(AsciiBody(bytes, *header), *header, data_size);
+      return read_body(AsciiBody(bytes, header), header, data_size);
     case PlyFormat::little_endian:
-      return read_body(BinaryBody<false>(bytes, *header), *header, data_size);
+      return read_body(BinaryBody<false>(bytes, header), header, data_size);
     default:
-      return read_body(BinaryBody<true>(bytes, *header), *header, data_size);
+      return read_body(BinaryBody<true>(bytes, header), header, data_size);
   }
 }
 

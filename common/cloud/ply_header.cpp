@@ -30,7 +30,7 @@ constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{
     {"float64", PlyType::float64},
 }};
 
-/// Far more than any real file has; keeps the search for names declared twice short.
+/// Far more than any real file has. They bound the time of searching for duplicate names.
 constexpr std::size_t kMaxElements = 256;
 constexpr std::size_t kMaxProperties = 4096;
 
@@ -75,7 +75,7 @@ Result<void> parse_format(const Words& words, PlyHeader& header) {
 Result<void> parse_element(const Words& words, PlyHeader& header) {
   if (words.size() < 3) return fail("an element needs a name and a count");
   if (header.elements.size() == kMaxElements) {
-    return fail(fmt::format("more than {} elements", kMaxElements));
+    return fail(ErrorCode::limit, fmt::format("more than {} elements", kMaxElements));
   }
   PlyElement element;
   element.name = words[1];
@@ -83,7 +83,7 @@ Result<void> parse_element(const Words& words, PlyHeader& header) {
   const auto [end, error] =
       std::from_chars(count.data(), count.data() + count.size(), element.count);
   if (error != std::errc() || end != count.data() + count.size()) {
-    return fail(fmt::format("element {} has the count '{}', which is no number of rows",
+    return fail(fmt::format("element {} has the count '{}', which is not a number of rows",
                             printable(words[1]), printable(count)));
   }
   for (const PlyElement& other : header.elements) {
@@ -99,8 +99,8 @@ Result<void> parse_property(const Words& words, PlyHeader& header) {
   if (header.elements.empty()) return fail("a property stands before the first element");
   PlyElement& element = header.elements.back();
   if (element.properties.size() == kMaxProperties) {
-    return fail(fmt::format("element {} has more than {} properties", printable(element.name),
-                            kMaxProperties));
+    return fail(ErrorCode::limit, fmt::format("element {} has more than {} properties",
+                                              printable(element.name), kMaxProperties));
   }
   PlyProperty property;
   property.is_list = words.size() > 1 && words[1] == "list";
@@ -116,8 +116,9 @@ Result<void> parse_property(const Words& words, PlyHeader& header) {
   }
   if (property.is_list &&
       (!parse_type(words[2], property.count_type) || property.count_type >= PlyType::float32)) {
-    return fail(fmt::format("list property {} counts its entries in '{}', which is no integer type",
-                            printable(property.name), printable(words[2])));
+    return fail(
+        fmt::format("list property {} counts its entries in '{}', which is not an integer type",
+                    printable(property.name), printable(words[2])));
   }
   if (element.find(property.name) >= 0) {
     return fail(fmt::format("property {} of element {} is declared twice", printable(property.name),
@@ -157,7 +158,7 @@ Result<PlyHeader> parse_ply_header(ByteView bytes) {
   bool has_format = false;
   while (true) {
     const std::size_t end = text.find('\n', header.size);
-    // The last line may lack its line break, where no data follow it.
+    // The last line may lack a line break if no data follow it.
     const Words words = split(text.substr(header.size, end - header.size));
     header.size = end == std::string_view::npos ? text.size() : end + 1;
     ++header.lines;

@@ -12,7 +12,7 @@
 namespace pointreel {
 namespace {
 
-/// True if the world coordinates of all finite points are floats.
+/// True if floats hold the world coordinates of all finite points exactly.
 bool world_fits_float(const PointCloud& cloud) {
   if (cloud.origin == glm::dvec3(0.0)) return true;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -82,7 +82,8 @@ Bytes ply_bytes(const PointCloud& cloud) {
 Result<void> write_ply(const std::filesystem::path& path, const PointCloud& cloud) {
   const Bytes bytes = ply_bytes(cloud);
   const auto failed = [&path] {
-    return fail(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
   };
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return failed();
@@ -92,7 +93,7 @@ Result<void> write_ply(const std::filesystem::path& path, const PointCloud& clou
     std::fclose(file);
     return error;
   }
-  // A full disk may show only here.
+  // A full disk may not be reported before this.
   if (std::fclose(file) != 0) return failed();
   return {};
 }

@@ -35,16 +35,16 @@ using boost::system::error_code;
 using Plain = websocket::stream<beast::tcp_stream>;
 using Secure = websocket::stream<beast::ssl_stream<beast::tcp_stream>>;
 
-/// For the closing handshake.
+/// The time allowed for the closing handshake.
 constexpr std::chrono::milliseconds kCloseTime{500};
 constexpr std::size_t kWriteBuffer = 64u << 10;
-/// Bytes that the system may hold beyond what is in flight: who sends is told early that the link
-/// is slow, and can choose what to send.
+/// Bytes that the system may buffer beyond those in flight. It is small, so that the sender soon
+/// notices a slow link and can choose what to send.
 constexpr int kUnsentLimit = 64 << 10;
-/// Of the body of an answer that is no upgrade, in an error.
+/// The number of bytes of a refusal's body that are quoted in an error.
 constexpr std::size_t kMostExcuse = 200;
 
-/// The first line of a server's explanation, fit for an error.
+/// The first line of a server's explanation, in a form that fits into an error message.
 std::string excuse(const std::string& body) {
   std::string line = body.substr(0, std::min(body.find_first_of("\r\n"), kMostExcuse));
   std::replace_if(
@@ -73,7 +73,10 @@ class Connection : public WebSocket {
       asio::post(context_, [this] { beast::get_lowest_layer(stream_).close(); });
     });
     const auto failed = [this](const std::string& what) {
-      return tl::unexpected(ConnectError{{fmt::format("{}: {}", place_, what)}, 0});
+      const bool stopped = options_.stop.stop_requested();
+      return tl::unexpected(ConnectError{
+          {fmt::format("{}: {}", place_, what), stopped ? ErrorCode::cancelled : ErrorCode::io},
+          0});
     };
     const auto timed_out = std::chrono::steady_clock::now() + options_.connect_timeout;
     error_code error = asio::error::timed_out;
@@ -104,7 +107,7 @@ class Connection : public WebSocket {
       if (error) return failed("TLS: " + error.message());
     }
 
-    // The stream's own timeouts do not hold before the handshake ends.
+    // tcp's timeout covers the handshake, since the stream's own timeouts begin after it.
     stream_.set_option(websocket::stream_base::decorator([this](websocket::request_type& request) {
       request.set(beast::http::field::user_agent, "pointreel");
       if (!options_.token.empty()) {
@@ -115,9 +118,11 @@ class Connection : public WebSocket {
     stream_.async_handshake(response, place_, url.target, [&](error_code e) { error = e; });
     run();
     if (error == websocket::error::upgrade_declined) {
-      return tl::unexpected(ConnectError{
-          {fmt::format("{}: answers {}{}", place_, response.result_int(), excuse(response.body()))},
-          static_cast<int>(response.result_int())});
+      const auto status = static_cast<int>(response.result_int());
+      return tl::unexpected(
+          ConnectError{{fmt::format("{}: answers {}{}", place_, status, excuse(response.body())),
+                        status == 404 ? ErrorCode::not_found : ErrorCode::io},
+                       status});
     }
     if (error) return failed(error.message());
     tcp.expires_never();
@@ -155,17 +160,17 @@ class Connection : public WebSocket {
                           [&](error_code e, std::size_t) { finish(done, error, e); });
     });
     std::unique_lock lock(mutex_);
-    // The end of the thread is the end of all handlers, those that never ran among them.
+    // When the thread has stopped, no handler will run any more, so `done` may never be set.
     changed_.wait(lock, [&] { return done || stopped_; });
     if (done && !error) return {};
-    return fail(how_it_ended(error));
+    return tl::unexpected(how_it_ended(error));
   }
 
   Result<std::optional<WebSocketMessage>> receive(std::chrono::milliseconds timeout) override {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, timeout, [&] { return !inbox_.empty() || end_ || stopped_; });
     if (inbox_.empty()) {
-      if (end_ || stopped_) return fail(how_it_ended({}));
+      if (end_ || stopped_) return tl::unexpected(how_it_ended({}));
       return std::optional<WebSocketMessage>();
     }
     std::optional<WebSocketMessage> message = std::move(inbox_.front());
@@ -193,7 +198,7 @@ class Connection : public WebSocket {
   }
 
  private:
-  /// Runs what was begun to its end.
+  /// Runs the pending operations to completion.
   void run() {
     context_.restart();
     context_.run();
@@ -245,32 +250,37 @@ class Connection : public WebSocket {
     if (ended_) return;
     ended_ = true;
     beast::get_lowest_layer(stream_).close();
-    // The stream's own timer would keep the thread for a while. Handlers that are ready go first.
+    // Otherwise the stream's own timer would keep the thread running for a while. Posted, so that
+    // handlers that are ready run first.
     asio::post(context_, [this] { context_.stop(); });
     std::string how;
+    ErrorCode code = ErrorCode::io;
     if (error == websocket::error::closed) {
       const auto reason = excuse(stream_.reason().reason.c_str());
       how = reason.empty() ? ": the server has closed the connection" : reason;
     } else if (error == beast::error::timeout) {
-      how = ": nothing comes any more";
+      how = ": the peer has fallen silent";
     } else if (error == websocket::error::message_too_big) {
       how = fmt::format(": sent a message of more than {} bytes", options_.max_message);
+      code = ErrorCode::limit;
     } else if (error == asio::error::eof || error == asio::error::connection_reset) {
       how = ": the connection is lost";
     } else if (closed_) {
       how = ": the connection was closed";
+      code = ErrorCode::cancelled;
     } else {
       how = ": " + error.message();
     }
     const std::lock_guard lock(mutex_);
-    end_ = place_ + how;
+    end_ = Error{place_ + how, code};
     changed_.notify_all();
   }
 
-  /// With the lock. `error`: of the call that failed.
-  std::string how_it_ended(error_code error) const {
+  /// To be called with the lock held. `error`: that of the call that failed.
+  Error how_it_ended(error_code error) const {
     if (end_) return *end_;
-    return fmt::format("{}: {}", place_, error ? error.message() : "the connection was closed");
+    if (error) return {fmt::format("{}: {}", place_, error.message()), ErrorCode::io};
+    return {place_ + ": the connection was closed", ErrorCode::cancelled};
   }
 
   const std::string place_;
@@ -278,22 +288,22 @@ class Connection : public WebSocket {
   asio::io_context context_{1};
   Stream stream_;
   asio::steady_timer closing_;
-  // Of the connection's thread.
+  // Used by the connection's thread alone.
   Bytes incoming_;
   std::optional<asio::dynamic_vector_buffer<std::uint8_t, std::allocator<std::uint8_t>>> buffer_;
   std::size_t last_size_ = 0;
   bool ended_ = false, closed_ = false;
 
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  ///< guards the members below
   std::condition_variable changed_;
   std::deque<WebSocketMessage> inbox_;
   std::size_t waiting_ = 0;
   bool paused_ = false, stopped_ = false;
-  std::optional<std::string> end_;
+  std::optional<Error> end_;  ///< why the connection has ended
   std::thread thread_;
 };
 
-/// Opens what was made.
+/// Opens a connection that was made for the URL.
 template <class Stream>
 tl::expected<std::unique_ptr<WebSocket>, ConnectError> opened(
     std::unique_ptr<Connection<Stream>> connection, const Url& url) {
@@ -329,11 +339,14 @@ tl::expected<std::unique_ptr<WebSocket>, ConnectError> WebSocket::connect(
   }
   if (error) {
     return tl::unexpected(
-        ConnectError{{fmt::format("{}: holds no certificates to trust", options.ca_file)}, 0});
+        ConnectError{{fmt::format("{}: holds no certificates in PEM form", options.ca_file),
+                      ErrorCode::argument},
+                     0});
   }
   return opened(std::make_unique<Connection<Secure>>(place, options, tls), *url);
 } catch (const std::exception& error) {
-  return tl::unexpected(ConnectError{{fmt::format("{}: {}", text, error.what())}, 0});
+  return tl::unexpected(
+      ConnectError{{fmt::format("{}: {}", text, error.what()), ErrorCode::io}, 0});
 }
 
 }  // namespace pointreel

@@ -20,17 +20,19 @@ namespace pointreel {
 Result<Url> parse_websocket_url(const std::string& url);
 
 struct WebSocketOptions {
-  std::string token;    ///< sent as `Authorization: Bearer`, unless empty
-  std::string ca_file;  ///< wss: certificates to trust in PEM, instead of the system's
-  std::chrono::milliseconds connect_timeout{5'000};  ///< until the upgrade is answered
-  /// Without anything from the peer, which is asked by pings, the connection counts as lost.
+  std::string token;    ///< sent as `Authorization: Bearer` unless empty
+  std::string ca_file;  ///< wss: a PEM file of certificates to trust instead of the system's
+  std::chrono::milliseconds connect_timeout{5'000};  ///< for everything up to the upgrade
+  /// The connection counts as lost if the peer sends nothing for this long, not even the answer to
+  /// a ping.
   std::chrono::milliseconds silence_timeout{2'000};
-  /// The same without the peer taking any of what was sent. 0: for as long as the system tries.
+  /// The connection counts as lost if the peer acknowledges none of the sent data for this long. 0
+  /// leaves it to the system.
   std::chrono::milliseconds stall_timeout{0};
   std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< a longer one ends the connection
-  /// Bytes of messages that wait for receive(); then nothing is read until some are taken.
+  /// In bytes. If more messages than this wait for receive(), reading pauses until some are taken.
   std::size_t max_waiting = 64u << 20;
-  std::stop_token stop;  ///< connecting fails soon
+  std::stop_token stop;  ///< makes connecting fail soon, with `cancelled`
 };
 
 struct WebSocketMessage {
@@ -40,33 +42,36 @@ struct WebSocketMessage {
 };
 
 struct ConnectError : Error {
-  int status = 0;  ///< of HTTP, if the server answered, but with something else than 101
+  int status = 0;  ///< the HTTP status, if the server answered but refused the upgrade
 };
 
-/// One connection. It has a thread of its own; one thread may send while another receives.
+/// A connection, with a thread of its own. One thread may send while another receives.
 ///
-/// Trust: the peer is not trusted. A message is bounded by max_message before memory is taken for
-/// it, and what waits by max_waiting; anything that is no WebSocket ends the connection.
+/// Trust: the peer may be hostile. The size of a message is bounded by max_message before memory is
+/// taken for it, and waiting messages are bounded by max_waiting. Data that are not valid WebSocket
+/// frames end the connection.
 class WebSocket {
  public:
   using Kind = WebSocketMessage::Kind;
 
-  /// Errors begin with HOST:PORT.
+  /// Errors begin with HOST:PORT. Their codes are `argument` for a bad URL or certificate file,
+  /// `not_found` if the server answers 404, `cancelled`, and otherwise `io`.
   static tl::expected<std::unique_ptr<WebSocket>, ConnectError> connect(
       const std::string& url, const WebSocketOptions& options = {});
 
-  /// As `close`, at most half a second.
+  /// Closes the connection and waits for that, at most half a second.
   virtual ~WebSocket() = default;
 
-  /// Returns when the system has taken the message. An error if the connection has ended.
+  /// Returns once the message is handed to the system. Fails if the connection has ended.
   virtual Result<void> send(ByteView message, Kind kind) = 0;
 
-  /// The next message, or nothing after the timeout. Once the connection has ended, and what came
-  /// before is taken, an error that says how: with the peer's reason, if it gave one.
+  /// The next message, or nothing after the timeout. Once the connection has ended and all messages
+  /// are taken, fails with the reason, which is the peer's if it gave one: `cancelled` after
+  /// close(), `limit` if a message was too long, otherwise `io`.
   virtual Result<std::optional<WebSocketMessage>> receive(std::chrono::milliseconds timeout) = 0;
 
-  /// From any thread: ends the connection. What was sent still goes, if that is soon. Calls under
-  /// way and later ones fail.
+  /// Ends the connection; callable from any thread. Sent messages are still delivered if that does
+  /// not take long. Pending and later calls fail.
   virtual void close() = 0;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kUnit = 32767.0;
 
-/// Half away from zero, as llround, which compilers call out of line.
+/// Rounds half away from zero, as llround does, but inline.
 std::int64_t round_to_int(double v) {
   return static_cast<std::int64_t>(v < 0.0 ? v - 0.5 : v + 0.5);
 }
@@ -28,17 +28,17 @@ glm::i16vec3 direction(const glm::i64vec3& sum) {
   return glm::i16vec3(round_to_int(scaled.x), round_to_int(scaled.y), round_to_int(scaled.z));
 }
 
-/// As a mean: a direction has no use for the number of vectors.
+/// `direction` in the form of `mean`: the number of vectors does not matter.
 glm::i16vec3 mean_direction(const glm::i64vec3& sum, std::uint32_t) { return direction(sum); }
 
-/// Sum over count, rounded. In double: exact, because the sum is below 2^48, and much faster than
-/// dividing 64-bit integers.
+/// The sum divided by the count, rounded. Computed in double, which is exact because the sum is
+/// below 2^48, and much faster than dividing 64-bit integers.
 glm::u16vec3 mean(const glm::i64vec3& sum, std::uint32_t count) {
   if (count == 1) return glm::u16vec3(sum);
   return glm::u16vec3(glm::dvec3(sum + std::int64_t{count / 2}) / static_cast<double>(count));
 }
 
-/// Fills the leaves of a tree from the points in each. Get gives a point's value as a Sum.
+/// Fills the leaves of a tree from the points in each. `get` returns a point's value as a Sum.
 template <class Sum, class Value, class Get, class Average>
 void fill_leaves(const Svo& svo, const SortedPoints& sorted, Value* leaf, Get get,
                  Average average) {
@@ -71,7 +71,7 @@ void fill_leaf_normals(const Svo& svo, const PointCloud& cloud, const SortedPoin
 }
 
 /// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
-/// the leaves below each node. Average makes a value of a sum and the number of leaves in it.
+/// the leaves below each node. `average` turns a sum and the number of leaves in it into a value.
 template <class Sum, class Value, class Average>
 void fill_inner(const Svo& svo, std::vector<Value>& values, Average average) {
   struct Below {

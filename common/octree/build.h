@@ -14,58 +14,69 @@
 
 namespace pointreel {
 
-/// The points of a cloud sorted into the cells of a cube: what the choice of depth, the tree and
-/// the attributes all start from.
+/// The points of a cloud, sorted into the cells of a cube. Choosing the depth, building the tree
+/// and averaging the attributes all start from this.
 struct SortedPoints {
   Cube cube;
-  int levels = kMaxDepth;        ///< the keys are those of this level
-  std::vector<KeyIndex> points;  ///< by Morton key; index into the cloud
-  /// oct(h) of the paper: occupied cells at level h, for h = 0 to `levels`.
+  int levels = kMaxDepth;        ///< the level of the keys
+  std::vector<KeyIndex> points;  ///< by Morton key, with the index into the cloud
+  /// The number of occupied cells at each level from 0 to `levels`; oct(h) in FORMULAS.md, "Depth
+  /// from delta".
   std::vector<std::uint32_t> occupied;
 };
 
-/// Quantises and sorts. Points outside the cube clamp to its boundary cells (ERRATA 12). O(n).
-/// The cloud holds fewer than 2^31 points. Fewer levels than kMaxDepth take less time.
+/// Quantises and sorts the points, of which there are fewer than 2^31. Points outside the cube move
+/// to the cells at its boundary (FORMULAS.md, "Cube of a frame"). Fewer levels take less time.
+/// O(n).
 SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels = kMaxDepth);
 
-/// The smallest h with oct(h) / n >= 1 - delta, at most the level at which all distinct points are
-/// apart (ERRATA 4); or the fixed depth; but never more than rule.most. `occupied` holds oct(h) of
-/// every level that there is; `n` is the number of points that the delta refers to: the input
-/// points, duplicates included. Refuses a NaN or negative delta and depths out of range.
+/// The depth that the rule asks for, at most rule.most. For a delta that is the smallest h with
+/// oct(h) / n >= 1 - delta, at most the level that tells all distinct points apart (FORMULAS.md,
+/// "Depth from delta").
+///
+/// `occupied`: as in SortedPoints, for the levels that are known. `n`: the number of points that
+/// the delta refers to, which is that of the source, duplicates included. Error: `argument` if the
+/// delta is negative or NaN, or a depth is out of range.
 Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule);
 
-/// Points sorted to at least the depth that a rule gives them.
+/// Points sorted to at least the depth that a rule asks for.
 struct SortedToDepth {
   SortedPoints sorted;
   int depth = 0;
 };
 
-/// sort_points and choose_depth in one, for the cloud's own number of points: sorts no more levels
-/// than it takes to decide. Refuses what choose_depth refuses.
+/// sort_points and choose_depth in one, with the delta referring to the cloud's own points. Sorts
+/// no more levels than it takes to decide. Errors: as choose_depth.
 Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
                                     const DepthRule& rule);
 
-/// Builds the tree of the given depth (0 to sorted.levels). An empty cloud gives an empty tree.
+/// Builds the tree of the given depth, 0 to sorted.levels. An empty cloud gives an empty tree.
 Svo build_svo(const SortedPoints& sorted, int depth);
 
-/// Mean attributes of the leaves from the points in them, and of the inner nodes from their leaves,
-/// each leaf counting once. Integer sums: the result does not depend on the order of the points.
+/// Fills in `level_begin` and `first_child` of a tree whose `depth` and `masks` are set. Returns
+/// false if the masks do not form such a tree: if an internal node has no child, or there are too
+/// few or too many masks. Without masks, the tree is a single cell if `depth` is 0 and `occupied`,
+/// otherwise it is empty.
+bool index_svo(Svo& svo, bool occupied);
+
+/// The mean attributes of the leaves, from the points in each, and of the inner nodes, from their
+/// leaves, each of which counts once. The sums are integers, so the result does not depend on the
+/// order of the points.
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted);
 
-/// Either of them alone; the cloud has it.
+/// One of the two attributes alone. The cloud has it.
 std::vector<glm::u16vec3> mean_colors(const Svo& svo, const PointCloud& cloud,
                                       const SortedPoints& sorted);
 std::vector<glm::i16vec3> mean_normals(const Svo& svo, const PointCloud& cloud,
                                        const SortedPoints& sorted);
-/// Those of the leaves only, in their order.
+/// The same for the leaves alone, in their order.
 std::vector<glm::u16vec3> mean_leaf_colors(const Svo& svo, const PointCloud& cloud,
                                            const SortedPoints& sorted);
-
 std::vector<glm::i16vec3> mean_leaf_normals(const Svo& svo, const PointCloud& cloud,
                                             const SortedPoints& sorted);
 
-/// mean_attributes where the cloud holds exactly one point for each leaf, in the order of the
+/// mean_attributes of a cloud that holds exactly one point for each leaf, in the order of the
 /// leaves.
 NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves);
 

@@ -3,7 +3,7 @@
 namespace pointreel {
 namespace {
 
-/// Gathers every third bit, lowest first.
+/// Moves bit 3i to bit i and drops all others.
 std::uint32_t compact(std::uint64_t v) {
   v &= 0x1249249249249249u;
   v = (v | v >> 2) & 0x10c30c30c30c30c3u;

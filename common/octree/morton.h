@@ -9,8 +9,8 @@ namespace pointreel {
 
 namespace morton {
 
-// Seven bits at a time: look-ups are faster than five rounds of shift and mask, and need no
-// instruction-set extension.
+// Keys are made from tables of seven bits: this is faster than five rounds of shift and mask, and
+// needs no instruction-set extension.
 inline constexpr int kDigitBits = 7;
 inline constexpr std::uint32_t kDigitMask = (1u << kDigitBits) - 1;
 
@@ -22,11 +22,12 @@ inline constexpr auto kSpread = [] {
   return table;
 }();
 
-/// Bit i becomes bit 3i, for numbers of up to two digits.
+/// Moves bit i to bit 3i. v < 2^14.
 inline std::uint64_t spread_short(std::uint32_t v) {
   return kSpread[v & kDigitMask] | std::uint64_t{kSpread[v >> kDigitBits]} << (3 * kDigitBits);
 }
 
+/// The same for v < 2^21.
 inline std::uint64_t spread(std::uint32_t v) {
   return spread_short(v & ((1u << 2 * kDigitBits) - 1)) |
          std::uint64_t{kSpread[v >> (2 * kDigitBits) & kDigitMask]} << (6 * kDigitBits);
@@ -34,9 +35,9 @@ inline std::uint64_t spread(std::uint32_t v) {
 
 }  // namespace morton
 
-/// Interleaves three coordinates below 2^21: bit i of x, y, z becomes bit 3i, 3i + 1, 3i + 2 of the
-/// key. The child of a node that a key enters at the next level is therefore the key's next three
-/// bits, x lowest, which is also the bit that the child has in its parent's mask.
+/// Interleaves three coordinates below 2^21: bit i of x, y and z becomes bit 3i, 3i + 1 and 3i + 2
+/// of the key. Each level of the tree therefore takes three bits of the key, x lowest, and they are
+/// the number of the child that contains the cell, which is also its bit in the parent's mask.
 inline std::uint64_t morton_encode(const glm::uvec3& cell) {
   using namespace morton;
   if ((cell.x | cell.y | cell.z) >> (2 * kDigitBits) == 0) {

@@ -13,7 +13,7 @@ std::size_t digit(std::uint64_t key, int place) {
   return static_cast<std::size_t>(key >> (place * kDigitBits)) & (kBuckets - 1);
 }
 
-/// The number of digits is known when this is compiled: so are then all shifts.
+/// The number of digits is a template parameter so that all shifts are constants.
 template <int kDigits, class Item, class Key>
 void sort_digits(std::vector<Item>& items, Key key_of) {
   const auto by_key = [&key_of](const Item& a, const Item& b) { return key_of(a) < key_of(b); };

@@ -5,20 +5,21 @@
 
 namespace pointreel {
 
-/// A Morton key and the number of the point that it belongs to.
+/// A Morton key and the index of the point that it belongs to.
 struct KeyIndex {
   std::uint64_t key;
   std::uint32_t index;
 };
 
-/// Sorts by the lowest `bits` bits of the keys, which have no others, keeping the order of equal
-/// keys: least significant digit first, at most 11 bits at a time, digits that are the same in all
-/// keys skipped; nothing is done to what is sorted. O(n); takes as much memory again as `items`.
+/// Sorts by the keys, which are below 2^bits, and keeps the order of equal keys. A radix sort with
+/// digits of 11 bits, least significant first; digits that all keys share are skipped, and sorted
+/// items are left alone. O(n); takes as much memory again as `items`.
 void radix_sort(std::vector<KeyIndex>& items, int bits = 63);
 
-/// A key of up to 33 bits and a number of 31 bits in one: half as much to move.
+/// A key of up to 33 bits above an index of 31 bits. Packed into one word, they are half as much to
+/// move.
 inline constexpr int kPackedIndexBits = 31;
-/// Sorts such by the lowest `bits` bits of their keys.
+/// The same for items that are packed in this way. The keys are below 2^bits.
 void radix_sort(std::vector<std::uint64_t>& items, int bits);
 
 }  // namespace pointreel

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <string>
 
+#include "common/base/concat.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "common/octree/morton.h"
 #include "pointreel/octree.h"
@@ -10,12 +11,12 @@
 namespace pointreel {
 namespace {
 
-/// Scanned frames are rarely divided deeper than this: what sort_to_depth tries before all levels.
-/// Three digits of the radix sort.
+/// sort_to_depth tries this many levels first, since scanned frames are rarely divided deeper. They
+/// take three digits of the radix sort.
 constexpr int kCommonLevels = 11;
 
-/// Calls visit(i, key) for each point, in order. In blocks, all coordinates alike, so that
-/// coordinates become cells in vector instructions.
+/// Calls visit(i, key) for each point, in order. Works on blocks of coordinates, x, y and z alike,
+/// so that the compiler can turn them into cells with vector instructions.
 template <class Visit>
 void for_each_key(const PointCloud& cloud, const Cube& cube, int levels, Visit&& visit) {
   constexpr std::size_t kBlock = 64;
@@ -30,7 +31,7 @@ void for_each_key(const PointCloud& cloud, const Cube& cube, int levels, Visit&&
     const std::size_t count = std::min(kBlock, cloud.size() - begin);
     const float* const coordinates = &cloud.positions[begin].x;
     for (std::size_t i = 0; i < 3 * count; ++i) {
-      // Clamped while it is a double: a point far outside would overflow the integer.
+      // Clamped before the conversion, since a point far outside would overflow the integer.
       const double cell = (static_cast<double>(coordinates[i]) + offset[i]) * cells_per_unit;
       const double at_least_0 = cell > 0.0 ? cell : 0.0;
       cells[i] = static_cast<std::int32_t>(at_least_0 < kLast ? at_least_0 : kLast) >> drop;
@@ -45,9 +46,9 @@ bool meets(const DepthRule& rule, std::uint32_t cells, std::uint64_t n) {
   return static_cast<double>(cells) >= (1.0 - rule.delta) * static_cast<double>(n);
 }
 
-/// Masks of the parents of `keys` (the distinct keys of one level, sorted, not none), appended to
-/// `masks`; `keys` becomes the parents' keys. Without a branch on the data, which would be guessed
-/// wrong at every other node.
+/// Appends the masks of the parents of `keys` to `masks`, and replaces `keys` by the keys of the
+/// parents. `keys` are the distinct keys of one level, sorted, at least one. There is no branch on
+/// the data, since the processor would mispredict it at every other node.
 void reduce_level(std::vector<std::uint64_t>& keys, std::vector<std::uint8_t>& masks) {
   const std::size_t begin = masks.size();
   masks.resize(begin + keys.size());
@@ -65,11 +66,12 @@ void reduce_level(std::vector<std::uint64_t>& keys, std::vector<std::uint8_t>& m
   masks.resize(begin + last + 1);
 }
 
-/// oct(h) for every h up to `levels`. A new cell is occupied at level h wherever two neighbours
-/// differ at level h or above, so one histogram of the widths of their differences gives them all.
+/// Counts the occupied cells of every level at once. In sorted order, a key begins a new cell of
+/// level h if it differs from the key before at level h or above, so a histogram of the widths of
+/// these differences gives the counts of all levels.
 class OccupiedCounter {
  public:
-  /// The keys of all points, in order.
+  /// To be called for the keys of all points, in order.
   void add(std::uint64_t key) {
     ++widths_[static_cast<std::size_t>(std::bit_width(previous_ ^ key))];
     previous_ = key;
@@ -79,7 +81,7 @@ class OccupiedCounter {
     std::vector<std::uint32_t> occupied;
     std::uint32_t cells = widths_[kFirst];
     for (int level = 0; level <= levels; ++level) {
-      // Keys that part at this level differ in one of the three bits that it adds.
+      // Keys that separate at this level first differ in one of the three bits that it adds.
       const int width = 3 * (levels - level);
       for (int bit = width + 1; bit <= width + 3 && level > 0; ++bit) {
         cells += widths_[static_cast<std::size_t>(bit)];
@@ -90,10 +92,16 @@ class OccupiedCounter {
   }
 
  private:
-  static constexpr std::size_t kFirst = 64;  ///< of the first key, which differs in the highest bit
+  /// The width counted for the first key, which differs from `previous_` in the highest bit.
+  static constexpr std::size_t kFirst = 64;
   std::array<std::uint32_t, kFirst + 1> widths_{};
   std::uint64_t previous_ = ~std::uint64_t{0};
 };
+
+Result<void> check_depth(int depth) {
+  if (depth >= 0 && depth <= kMaxDepth) return {};
+  return fail(ErrorCode::argument, concat("depth ", depth, " is not between 0 and ", kMaxDepth));
+}
 
 }  // namespace
 
@@ -130,20 +138,17 @@ SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels) 
 
 Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule) {
-  if (rule.most < 0 || rule.most > kMaxDepth) {
-    return fail("depth " + std::to_string(rule.most) + " is not between 0 and " +
-                std::to_string(kMaxDepth));
-  }
+  TRY(check_depth(rule.most));
   if (rule.kind == DepthRule::Kind::fixed) {
-    if (rule.depth < 0 || rule.depth > kMaxDepth) {
-      return fail("depth " + std::to_string(rule.depth) + " is not between 0 and " +
-                  std::to_string(kMaxDepth));
-    }
+    TRY(check_depth(rule.depth));
     return std::min(rule.depth, rule.most);
   }
-  if (!(rule.delta >= 0.0)) return fail("delta must be a number of at least 0");
-  // ERRATA 4: the criterion alone never ends where points coincide, so it also stops at the level
-  // that tells all distinct points apart. A level like the one above it is no reason to stop.
+  if (!(rule.delta >= 0.0)) {
+    return fail(ErrorCode::argument, "delta must be a number of at least 0");
+  }
+  // Where points coincide the criterion may never be met, so the search also ends at the level that
+  // tells all distinct points apart. It must not end at a level merely because it has as many cells
+  // as the one above.
   std::size_t depth = 0;
   const auto most = static_cast<std::size_t>(rule.most);
   while (depth < most && depth + 1 < occupied.size() && occupied[depth] < occupied.back() &&
@@ -156,19 +161,16 @@ Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t 
 Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
                                     const DepthRule& rule) {
   if (rule.kind == DepthRule::Kind::fixed) {
-    const auto depth = choose_depth({}, 0, rule);
-    if (!depth) return tl::unexpected(depth.error());
-    return SortedToDepth{sort_points(cloud, cube, *depth), *depth};
+    const int depth = TRY(choose_depth({}, 0, rule));
+    return SortedToDepth{sort_points(cloud, cube, depth), depth};
   }
   for (int levels = kCommonLevels;; levels = kMaxDepth) {
     SortedPoints sorted = sort_points(cloud, cube, levels);
-    const auto depth = choose_depth(sorted.occupied, cloud.size(), rule);
-    if (!depth) return tl::unexpected(depth.error());
-    // A depth that does not meet the rule was only the last at which these levels tell points
-    // apart.
-    const std::uint32_t cells = sorted.occupied[static_cast<std::size_t>(*depth)];
-    if (levels == kMaxDepth || *depth == rule.most || meets(rule, cells, cloud.size())) {
-      return SortedToDepth{std::move(sorted), *depth};
+    const int depth = TRY(choose_depth(sorted.occupied, cloud.size(), rule));
+    // If this depth does not meet the rule, it is only where the levels sorted so far end.
+    const std::uint32_t cells = sorted.occupied[static_cast<std::size_t>(depth)];
+    if (levels == kMaxDepth || depth == rule.most || meets(rule, cells, cloud.size())) {
+      return SortedToDepth{std::move(sorted), depth};
     }
   }
 }
@@ -188,7 +190,7 @@ Svo build_svo(const SortedPoints& sorted, int depth) {
   }
   keys.resize(distinct);
   if (!keys.empty()) {
-    // From the leaves up, each level behind the one below it; then turned round level by level.
+    // Masks are made from the leaves upwards; then the order of the levels is reversed.
     std::vector<std::uint8_t> upward;
     std::vector<std::size_t> begin;
     for (int level = depth; level > 0; --level) {
@@ -215,9 +217,9 @@ bool index_svo(Svo& svo, bool occupied) {
     if (occupied && svo.depth == 0) svo.level_begin[1] = 1;
     return !occupied || svo.depth == 0;
   }
-  // Up to 2^28 masks of at most 8 children each, node numbers fit 32 bits.
+  // With up to 2^28 masks of at most 8 children each, the numbers of nodes fit into 32 bits.
   if (!occupied || svo.masks.size() > (std::size_t{1} << 28)) return false;
-  std::uint32_t next = 1;  // the root is node 0; children follow in order
+  std::uint32_t next = 1;  // the root is node 0, and the children follow in order
   for (std::size_t i = 0; i < svo.masks.size(); ++i) {
     if (svo.masks[i] == 0) return false;
     svo.first_child[i] = next;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/concat.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -15,13 +16,13 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-/// A manifest nests six deep; what nests deeper is not built.
+/// Far above the nesting of a manifest, which is six.
 constexpr int kMaxNesting = 16;
-/// The one name in a package's folder that is taken.
+/// The name that no other file of a package may have.
 constexpr std::string_view kManifest = "reel.json";
 
-/// Sees every token before it becomes a value: values that nest too deep are not built, and keys
-/// that come twice in one object, which a plain parser would let pass, are found.
+/// Checks every token before it becomes a value: values that are nested too deep are not built, and
+/// an object with the same key twice, which the parser alone would accept, is noticed.
 class TokenGuard {
  public:
   bool operator()(int depth, json::parse_event_t event, const json& parsed) {
@@ -46,8 +47,8 @@ class TokenGuard {
   }
 
   const char* fault() const {
-    if (too_deep_) return "nests too deep";
-    return duplicate_ ? "has a key twice in one object" : nullptr;
+    if (too_deep_) return "is nested too deep";
+    return duplicate_ ? "has an object with the same key twice" : nullptr;
   }
 
  private:
@@ -71,6 +72,11 @@ std::string dump(const ordered_json& value) {
 
 Fields::Fields(const json& object) : object_(object) {
   if (!object.is_object()) error_ = Error{"is not a JSON object"};
+}
+
+Result<void> Fields::check() const {
+  if (error_) return tl::unexpected(*error_);
+  return {};
 }
 
 void Fields::refuse(std::string_view key, std::string_view what) {
@@ -163,12 +169,12 @@ std::optional<std::uint64_t> parse_hex(std::string_view text) {
 
 Result<std::vector<std::string>> parse_layer_names(const json& entries) {
   if (entries.empty() || entries.size() > kMaxLayers) {
-    return fail(concat(entries.size(), ", not 1 to ", kMaxLayers));
+    return fail(concat("has ", entries.size(), " names, not 1 to ", kMaxLayers));
   }
   std::vector<std::string> names;
   for (const json& entry : entries) {
     if (!entry.is_string() || !is_file_name(entry.get_ref<const std::string&>())) {
-      return fail("a name has letters, digits, '.', '_' and '-' only");
+      return fail("a name may have only letters, digits, '.', '_' and '-'");
     }
     const std::string& layer = entry.get_ref<const std::string&>();
     if (std::find(names.begin(), names.end(), layer) != names.end()) {
@@ -190,25 +196,23 @@ void read_reel_head(Fields& fields, ReelHead& head) {
   if (head.codec == "octree") {
     head.entropy = fields.text("entropy");
     if (head.entropy != "none" && head.entropy != "zstd" && head.entropy != "context") {
-      fields.refuse("entropy", "is none of \"none\", \"zstd\" and \"context\"");
+      fields.refuse("entropy", "is not \"none\", \"zstd\" or \"context\"");
     }
   } else if (head.codec != "draco") {
     fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
   } else if (fields.has("entropy")) {
-    fields.refuse("entropy", "only the octree codec has one");
+    fields.refuse("entropy", "is given, but only the octree codec has one");
   }
   if (!is_title(head.name)) {
-    fields.refuse("name",
-                  concat("has more than ", kMaxTitle, " bytes or a control character in it"));
+    fields.refuse("name", concat("has more than ", kMaxTitle, " bytes, or a control character"));
   }
   if (!(head.fps > 0.0 && head.fps <= 1e6)) {
-    fields.refuse("fps", "is not above 0 and at most 1000000");
+    fields.refuse("fps", "is not a number above 0 and at most 1000000");
   }
   if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
   if (fields.error()) return;
   head.up = up.front();
-  Result<std::vector<std::string>> names = parse_layer_names(layers);
-  if (names)
+  if (auto names = parse_layer_names(layers))
     head.layer_names = std::move(*names);
   else
     fields.refuse("layers", names.error().message);
@@ -218,7 +222,7 @@ Result<Box> parse_box(const json& value) {
   if (value.is_null()) return Box{};
   Fields fields(value);
   const Box box{fields.vector("min"), fields.vector("max")};
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
   if (!(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z)) {
     return fail("min is beyond max");
   }

@@ -13,15 +13,16 @@
 #include "pointreel/geometry.h"
 #include "pointreel/package.h"
 
-/// What the JSON of packages and of live streams has in common. Included by their parsers alone.
+/// Reads and writes the JSON of packages, live streams and camera paths.
 ///
-/// Trust: the texts may be hostile. What nests deeper than 16 is not built, a key that comes twice
-/// is refused, and memory is bounded by the text's length.
+/// Trust: the texts may be hostile. Values that are nested deeper than 16 are not built, an object
+/// with the same key twice is refused, and memory is bounded by the length of the text.
 namespace pointreel {
 
-/// Whole numbers stay exact in readers that hold every number as a double, as JavaScript does.
+/// The largest whole number that is exact in readers that hold every number as a double, as
+/// JavaScript does.
 inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
-/// Bytes of a name, of a file as of a reel.
+/// The length in bytes of a name, of a file or of a reel, at most.
 inline constexpr std::size_t kMaxTitle = 255;
 inline constexpr std::size_t kMaxLayers = 8;
 /// The value of "format" in reel.json.
@@ -29,16 +30,21 @@ inline constexpr const char* kPackageFormat = "pointreel";
 
 Result<nlohmann::json> parse_json(std::string_view text);
 
-/// On one line. Bytes that are no UTF-8, in a name, are replaced: it never throws.
+/// Writes the value on one line. Bytes that are not valid UTF-8, which names may contain, are
+/// replaced; nothing is thrown.
 std::string dump(const nlohmann::ordered_json& value);
 
-/// The members of one JSON object. The first thing that is not as it should be is kept as the
-/// error, and every value after it is zero, so that a parser checks once, after the last member.
+/// Reads the members of one JSON object. The first one that is not as expected is kept as the
+/// error, and all values after it are zero, so that a parser needs to check only once, after the
+/// last member.
 class Fields {
  public:
   explicit Fields(const nlohmann::json& object);
 
   const std::optional<Error>& error() const { return error_; }
+  /// The error, if there is one, for TRY.
+  Result<void> check() const;
+  /// Records an error about a member, unless there already is an error.
   void refuse(std::string_view key, std::string_view what);
 
   bool has(const char* key) const { return !error_ && object_.contains(key); }
@@ -47,7 +53,7 @@ class Fields {
   double number(const char* key);
   bool boolean(const char* key);
   std::string text(const char* key);
-  /// Empty where it is no array.
+  /// Empty if the member is not an array.
   const nlohmann::json& array(const char* key);
   /// Three finite numbers.
   glm::dvec3 vector(const char* key);
@@ -57,22 +63,22 @@ class Fields {
   std::optional<Error> error_;
 };
 
-/// A name that is a plain file in the package's own folder on every system.
+/// True if the name is that of a plain file in the package's own folder on every system.
 bool is_file_name(std::string_view path);
 
-/// What may be shown to people: at most kMaxTitle bytes and no control character.
+/// True if the text may be shown to people: at most kMaxTitle bytes without control characters.
 bool is_title(std::string_view text);
 
-/// 16 lowercase hexadecimal digits, the highest first.
+/// Reads 16 lowercase hexadecimal digits, the most significant first.
 std::optional<std::uint64_t> parse_hex(std::string_view text);
 
-/// 1 to kMaxLayers names, made like file names, no two alike.
+/// Reads 1 to kMaxLayers names made of the same characters as file names, no two alike.
 Result<std::vector<std::string>> parse_layer_names(const nlohmann::json& entries);
 
-/// What packages and live streams both begin with; what is wrong with it is the fields' error.
+/// Reads the members that packages and live streams have in common. An error is left in `fields`.
 void read_reel_head(Fields& fields, ReelHead& head);
 
-/// `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box.
+/// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box; box_json writes it.
 Result<Box> parse_box(const nlohmann::json& value);
 nlohmann::ordered_json box_json(const Box& box);
 nlohmann::ordered_json vector_json(const glm::dvec3& v);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/byte_io.h"
+#include "common/base/try.h"
 #include "common/stream/json_fields.h"
 
 namespace pointreel {
@@ -26,17 +27,16 @@ Result<LiveHello> hello_of(const json& root) {
   LiveHello hello;
   const std::uint64_t version = fields.integer("version", kMaxInteger);
   if (!fields.error() && version != kPackageVersion) {
-    return fail(fmt::format("version {}: this program understands {}", version, kPackageVersion));
+    return fail(ErrorCode::unsupported, fmt::format("version {}, but this program reads only {}",
+                                                    version, kPackageVersion));
   }
   read_reel_head(fields, hello);
   const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
   if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
   const json* bounds = fields.value("bounds");
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
   hello.session = *session;
-  const Result<Box> box = parse_box(*bounds);
-  if (!box) return fail_at("bounds", box.error());
-  hello.bounds = *box;
+  hello.bounds = TRY(at_place("bounds", parse_box(*bounds)));
   return hello;
 }
 
@@ -65,17 +65,14 @@ std::string write_drops(const LiveDrops& drops) {
 std::string write_end() { return dump({{"type", "end"}}); }
 
 Result<LiveText> parse_live_text(std::string_view text) {
-  if (text.size() > kMaxLiveText) return fail(fmt::format("is longer than {} bytes", kMaxLiveText));
-  const Result<json> root = parse_json(text);
-  if (!root) return tl::unexpected(root.error());
-  Fields fields(*root);
-  const std::string type = fields.text("type");
-  if (fields.error()) return tl::unexpected(*fields.error());
-  if (type == "hello") {
-    Result<LiveHello> hello = hello_of(*root);
-    if (!hello) return fail_at("hello", hello.error());
-    return LiveText(std::move(*hello));
+  if (text.size() > kMaxLiveText) {
+    return fail(ErrorCode::limit, fmt::format("is longer than {} bytes", kMaxLiveText));
   }
+  const json root = TRY(parse_json(text));
+  Fields fields(root);
+  const std::string type = fields.text("type");
+  TRY(fields.check());
+  if (type == "hello") return LiveText(TRY(at_place("hello", hello_of(root))));
   if (type == "drops") {
     const LiveDrops drops{fields.integer("frames", kMaxInteger),
                           fields.integer("layers", kMaxInteger)};
@@ -84,14 +81,6 @@ Result<LiveText> parse_live_text(std::string_view text) {
   }
   if (type == "end") return LiveText(LiveEnd{});
   return LiveText(LiveUnknown{});
-}
-
-Result<LiveHello> parse_hello(std::string_view text) {
-  Result<LiveText> parsed = parse_live_text(text);
-  if (!parsed) return tl::unexpected(parsed.error());
-  LiveHello* hello = std::get_if<LiveHello>(&*parsed);
-  if (hello == nullptr) return fail("type: is not \"hello\"");
-  return std::move(*hello);
 }
 
 Bytes write_live_layer(const LiveLayer& layer) {
@@ -115,7 +104,7 @@ Bytes write_live_layer(const LiveLayer& layer) {
 
 Result<LiveLayer> parse_live_layer(ByteView message) {
   if (message.size() > kMaxLiveLayer) {
-    return fail(fmt::format("layer: has more than {} bytes", kMaxLiveLayer));
+    return fail(ErrorCode::limit, fmt::format("layer: has more than {} bytes", kMaxLiveLayer));
   }
   ByteReader in(message);
   LiveLayer layer;
@@ -137,14 +126,14 @@ Result<LiveLayer> parse_live_layer(ByteView message) {
   }
   if (reserved != 0) return fail("layer: reserved bytes are not 0");
   if (layer.layers == 0 || layer.layers > kMaxLayers || layer.layer >= layer.layers) {
-    return fail(fmt::format("layer: number {} of {}", layer.layer, layer.layers));
+    return fail(fmt::format("layer: its number is {} of {}", layer.layer, layer.layers));
   }
-  if (layer.capture_us > kMaxInteger) return fail("layer: its time is no time");
+  if (layer.capture_us > kMaxInteger) return fail("layer: its capture time is out of range");
   layer.bytes = in.rest();
   if (layer.sizes.geometry == 0) return fail("layer: has no geometry");
   if (total(layer.sizes) != layer.bytes.size()) {
-    return fail(
-        fmt::format("layer: {} bytes, its chunks take {}", layer.bytes.size(), total(layer.sizes)));
+    return fail(fmt::format("layer: has {} bytes, but its chunks take {}", layer.bytes.size(),
+                            total(layer.sizes)));
   }
   return layer;
 }

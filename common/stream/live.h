@@ -12,57 +12,58 @@
 #include "pointreel/geometry.h"
 #include "pointreel/package.h"
 
-/// The messages of live streams, as a publisher sends them and as a viewer gets them: PROTOCOL.md,
-/// "Live". Text messages are JSON objects with a "type"; a binary message is one layer of a frame.
+/// The messages of live streams, which publishers send and viewers receive: PROTOCOL.md, "Live".
+/// Text messages are JSON objects with a "type"; a binary message is one layer of a frame.
 ///
-/// Trust: these parse hostile bytes. Every number is checked against its range and every size
-/// against the bytes that are there; binary messages are not copied, and memory for text is bounded
-/// by its length. What a layer's chunks hold is for the codec to find out.
+/// Trust: the parsers take hostile bytes. They check the range of every number, and every size
+/// against the bytes that arrived. Binary messages are not copied, and memory for text is bounded
+/// by its length. The content of a layer's chunks is not checked here but by the codec.
 namespace pointreel {
 
-/// Longer messages are refused, whoever sends them.
+/// The longest messages that are accepted, in bytes.
 inline constexpr std::size_t kMaxLiveText = 64u << 10;
 inline constexpr std::size_t kMaxLiveLayer = 64u << 20;
-/// Of the header of a binary message.
+/// The size of the header of a binary message.
 inline constexpr std::size_t kLiveHeaderSize = 40;
 
-/// What a stream is. The first message; it comes again when something in it changes, and what it
-/// says then counts from the next frame on.
+/// Describes the stream. It is the first message, and is sent again when something in it changes;
+/// it then applies from the next frame on.
 struct LiveHello : ReelHead {
-  /// Chosen at random by the publisher when it starts: while it stays, frame numbers and times go
-  /// on, whoever has lost a connection meanwhile. With another one they begin anew.
+  /// Chosen at random by the publisher when it starts. As long as it stays the same, frame numbers
+  /// and times continue, even after a lost connection; with a new session they begin again.
   std::uint64_t session = 0;
-  Box bounds;  ///< of all points so far; may be empty
+  Box bounds;  ///< the bounds of all points so far; may be empty
 
   bool operator==(const LiveHello&) const = default;
 };
 
-/// One layer of one frame. Frames come in order, and so do the layers of each, base first; frames
-/// and layers may be missing, but no layer below one that comes.
+/// One layer of one frame. Frames come in order, and so do the layers of each frame, base first.
+/// Frames and fine layers may be missing, but never a layer that is coarser than one that comes.
 struct LiveLayer {
-  std::uint32_t frame = 0;       ///< its number since the session began, which rises
+  std::uint32_t frame = 0;       ///< counts the frames of the session; increases
   std::uint8_t layer = 0;        ///< 0 is the base
-  std::uint8_t layers = 1;       ///< that the frame has, 1 to 8
-  std::uint64_t capture_us = 0;  ///< Unix time in microseconds, by the publisher's clock; rises
-  std::uint32_t points = 0;      ///< of the source's frame
-  Chunks<std::uint32_t> sizes;   ///< of the chunks in `bytes`: geometry, colours, normals
+  std::uint8_t layers = 1;       ///< the number of layers that the frame has, 1 to 8
+  std::uint64_t capture_us = 0;  ///< Unix time in microseconds, by the publisher's clock; increases
+  std::uint32_t points = 0;      ///< the number of points before encoding
+  Chunks<std::uint32_t> sizes;   ///< the sizes of the chunks in `bytes`
   ByteView bytes;                ///< not owned
 };
 
-/// From a relay to one viewer: what it could not take in time and did not get, since it joined.
+/// From a relay to one viewer: how much the viewer has missed since it joined, because it could not
+/// receive it in time.
 struct LiveDrops {
-  std::uint64_t frames = 0;  ///< of which nothing came
-  std::uint64_t layers = 0;  ///< of all frames
+  std::uint64_t frames = 0;  ///< frames that were dropped entirely
+  std::uint64_t layers = 0;  ///< layers that were dropped, including those of such frames
 
   bool operator==(const LiveDrops&) const = default;
 };
 
-/// From a relay: the publisher has gone. It may come back, with a hello.
+/// From a relay: the publisher has disconnected. If it comes back, a hello follows.
 struct LiveEnd {
   bool operator==(const LiveEnd&) const = default;
 };
 
-/// A text message of a type that this version does not know, which is to be ignored.
+/// A text message of a type that this version does not know and ignores.
 struct LiveUnknown {
   bool operator==(const LiveUnknown&) const = default;
 };
@@ -71,17 +72,17 @@ using LiveText = std::variant<LiveHello, LiveDrops, LiveEnd, LiveUnknown>;
 std::string write_hello(const LiveHello& hello);
 std::string write_drops(const LiveDrops& drops);
 std::string write_end();
+/// Errors: `unsupported` for a hello of another version, `limit` for more than kMaxLiveText bytes,
+/// otherwise `invalid`.
 Result<LiveText> parse_live_text(std::string_view text);
-/// A text that must be a hello.
-Result<LiveHello> parse_hello(std::string_view text);
 
-/// Header and bytes. `sizes` add up to `bytes`.
+/// A binary message: header and bytes. `sizes` add up to `bytes`.
 Bytes write_live_layer(const LiveLayer& layer);
-/// `bytes` of the result point into the message.
+/// `bytes` of the result point into the message. Errors: `limit` for more than kMaxLiveLayer bytes,
+/// otherwise `invalid`.
 Result<LiveLayer> parse_live_layer(ByteView message);
 
-/// Whether a stream may be called so: 1 to 64 letters, digits, '.', '_' and '-', not beginning with
-/// '.'.
+/// True for 1 to 64 letters, digits, '.', '_' and '-' that do not begin with '.'.
 bool is_stream_name(std::string_view name);
 
 }  // namespace pointreel

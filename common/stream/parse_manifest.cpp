@@ -23,16 +23,16 @@ bool is_uint32(const json& v) {
   return v.is_number_unsigned() && v.get<std::uint64_t>() <= kMaxUint32;
 }
 
-/// What all files have.
+/// Parses the members that all files have.
 Result<PackageFile> parse_file(const json& object, std::uint64_t max_bytes) {
   Fields fields(object);
   PackageFile file;
   file.path = fields.text("path");
   file.bytes = fields.integer("bytes", max_bytes);
   const std::string checksum = fields.text("xxh3");
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
 
-  if (!is_file_name(file.path)) return fail("path: is not a plain file name of the package");
+  if (!is_file_name(file.path)) return fail("path: is not a plain file name");
   const std::optional<std::uint64_t> value = parse_hex(checksum);
   if (!value) return fail("xxh3: is not 16 lowercase hexadecimal digits");
   file.checksum = *value;
@@ -43,7 +43,7 @@ Result<LayerFile> parse_layer(const json& object, std::uint32_t frame_count) {
   LayerFile file{TRY(parse_file(object, kMaxInteger)), {}};
   Fields fields(object);
   const json& frames = fields.array("frames");
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
   if (frames.size() != frame_count) {
     return fail(concat("frames: ", frames.size(), " entries for ", frame_count, " frames"));
   }
@@ -65,8 +65,8 @@ Result<LayerFile> parse_layer(const json& object, std::uint32_t frame_count) {
   return file;
 }
 
-/// Which chunks a frame may have: geometry in the base and wherever there is anything; no finer
-/// layer above a missing one; no attribute that the reel does not have.
+/// Checks that each frame has geometry in its base layer and in every layer where it has anything,
+/// that none of its layers refines a missing one, and that it has no attribute that the reel lacks.
 Result<void> check_chunks(const Manifest& manifest, const Segment& segment) {
   for (std::size_t layer = 0; layer < segment.layers.size(); ++layer) {
     for (std::uint32_t i = 0; i < segment.frame_count(); ++i) {
@@ -88,10 +88,11 @@ Result<void> check_chunks(const Manifest& manifest, const Segment& segment) {
   return {};
 }
 
-/// `segment` has as many frames as `times`; `last_time` is that of the frame before.
+/// Parses the times and numbers of points of a segment's frames. `last_time`: the time of the frame
+/// before.
 Result<void> parse_frames(const json& times, const json& points, std::uint64_t last_time,
                           Segment& segment) {
-  if (times.empty()) return fail("times_us: is empty, a segment has at least one frame");
+  if (times.empty()) return fail("times_us: is empty, but a segment has at least one frame");
   if (points.size() != times.size()) {
     return fail(concat("points: ", points.size(), " entries for ", times.size(), " frames"));
   }
@@ -122,7 +123,7 @@ Result<void> parse_frames(const json& times, const json& points, std::uint64_t l
 Result<Cube> parse_cube(const json& object) {
   Fields fields(object);
   const Cube cube{fields.vector("origin"), fields.number("edge")};
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
   const glm::dvec3 far = cube.origin + cube.edge;
   if (!(cube.edge > 0.0) || !std::isfinite(far.x + far.y + far.z)) {
     return fail("edge: is not a finite number above 0");
@@ -130,7 +131,7 @@ Result<Cube> parse_cube(const json& object) {
   return cube;
 }
 
-/// `manifest` holds all that stands before the segments and the segments before this one.
+/// `manifest` already holds everything but the segments, and the segments before this one.
 Result<Segment> parse_segment(const json& object, const Manifest& manifest, std::uint32_t first,
                               std::uint64_t last_time) {
   Fields fields(object);
@@ -140,23 +141,21 @@ Result<Segment> parse_segment(const json& object, const Manifest& manifest, std:
   const json& times = fields.array("times_us");
   const json& points = fields.array("points");
   const json& files = fields.array("files");
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
 
   if (segment.first_frame != first) {
     return fail(concat("first_frame: ", segment.first_frame, ", but frames are consecutive and ",
                        first, " comes next"));
   }
-  Result<Cube> cube = parse_cube(*cube_value);
-  if (!cube) return fail_at("cube", cube.error());
-  segment.cube = *cube;
+  segment.cube = TRY(at_place("cube", parse_cube(*cube_value)));
   TRY(parse_frames(times, points, last_time, segment));
   if (files.size() != manifest.layer_names.size()) {
-    return fail(concat("files: ", files.size(), " for ", manifest.layer_names.size(), " layers"));
+    return fail(
+        concat("files: ", files.size(), " entries for ", manifest.layer_names.size(), " layers"));
   }
   for (const json& entry : files) {
-    Result<LayerFile> file = parse_layer(entry, segment.frame_count());
-    if (!file) return fail_at(concat("files[", segment.layers.size(), "]"), file.error());
-    segment.layers.push_back(std::move(*file));
+    const std::string place = concat("files[", segment.layers.size(), "]");
+    segment.layers.push_back(TRY(at_place(place, parse_layer(entry, segment.frame_count()))));
   }
   TRY(check_chunks(manifest, segment));
   return segment;
@@ -169,26 +168,26 @@ Result<void> parse_segments(const json& entries, Manifest& manifest) {
   bool any_point = false;
   for (const json& entry : entries) {
     const std::string place = concat("segments[", manifest.segments.size(), "]");
-    Result<Segment> segment =
-        parse_segment(entry, manifest, static_cast<std::uint32_t>(frames), last_time);
-    if (!segment) return fail_at(place, segment.error());
-    frames += segment->frame_count();
-    if (frames > kMaxUint32) return fail_at(place, {"a reel has fewer than 2^32 frames"});
-    for (const LayerFile& file : segment->layers) {
+    const auto first = static_cast<std::uint32_t>(frames);
+    Segment segment = TRY(at_place(place, parse_segment(entry, manifest, first, last_time)));
+    frames += segment.frame_count();
+    if (frames > kMaxUint32)
+      return fail_at(place, {"a reel has fewer than 2^32 frames", ErrorCode::limit});
+    for (const LayerFile& file : segment.layers) {
       if (!paths.insert(file.path).second) {
         return fail_at(place, {concat("\"", file.path, "\" is used twice")});
       }
     }
-    last_time = segment->times_us.back();
-    for (const std::uint32_t count : segment->points) any_point = any_point || count > 0;
-    manifest.segments.push_back(std::move(*segment));
+    last_time = segment.times_us.back();
+    for (const std::uint32_t count : segment.points) any_point = any_point || count > 0;
+    manifest.segments.push_back(std::move(segment));
   }
   if (manifest.duration_us < last_time) {
     return fail(concat("duration_us: ", manifest.duration_us, ", but the last frame is shown at ",
                        last_time));
   }
   if (any_point == manifest.bounds.empty()) {
-    return fail("bounds: a box if any frame has a point, otherwise null");
+    return fail("bounds: must be a box if any frame has a point, otherwise null");
   }
   return {};
 }
@@ -201,17 +200,17 @@ Result<LiveManifest> parse_live(const json& object) {
   live.first_frame = static_cast<std::uint32_t>(fields.integer("first_frame", kMaxUint32));
   live.start_us = fields.integer("start_us", kMaxInteger);
   live.ended = fields.boolean("ended");
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
   live.session = *session;
   return live;
 }
 
-/// What must hold before a single other member is looked at.
+/// Checks the members that say whether the others can be understood.
 Result<void> check_format(const json& root) {
   Fields fields(root);
   const std::string format = fields.text("format");
   const std::uint64_t version = fields.integer("version", kMaxInteger);
-  if (fields.error()) return tl::unexpected(*fields.error());
+  TRY(fields.check());
   if (format != kPackageFormat) return fail(concat("format: is not \"", kPackageFormat, "\""));
   if (version > kPackageVersion) {
     return fail(ErrorCode::unsupported,
@@ -235,21 +234,15 @@ Result<Manifest> parse_root(const json& root) {
   const json* bounds = fields.value("bounds");
   const json& segments = fields.array("segments");
   if (manifest.depth_min > manifest.depth_max) fields.refuse("depth_min", "is above depth_max");
-  if (fields.error()) return tl::unexpected(*fields.error());
-  const Result<Box> box = parse_box(*bounds);
-  if (!box) return fail_at("bounds", box.error());
-  manifest.bounds = *box;
+  TRY(fields.check());
+  manifest.bounds = TRY(at_place("bounds", parse_box(*bounds)));
   if (fields.has("tables")) {
-    if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\"");
-    Result<PackageFile> tables = parse_file(*fields.value("tables"), kMaxTablesBytes);
-    if (!tables) return fail_at("tables", tables.error());
-    manifest.tables = std::move(*tables);
+    if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\" alone");
+    manifest.tables = TRY(at_place("tables", parse_file(*fields.value("tables"), kMaxTablesBytes)));
   }
   if (fields.has("partial")) manifest.partial = fields.boolean("partial");
   if (fields.has("live")) {
-    const Result<LiveManifest> live = parse_live(*fields.value("live"));
-    if (!live) return fail_at("live", live.error());
-    manifest.live = *live;
+    manifest.live = TRY(at_place("live", parse_live(*fields.value("live"))));
   }
   TRY(parse_segments(segments, manifest));
   return manifest;

@@ -5,8 +5,8 @@
 namespace pointreel {
 namespace {
 
-/// Where the neighbours of a child are: for each octant and each of the 27 offsets, which node of
-/// the parent's block holds it and which octant of that node it is.
+/// Where to find a neighbour of a child: the node in the parent's block that contains it, and its
+/// octant in that node. There is one for each octant of the child and each of the 27 offsets.
 struct Step {
   std::uint8_t parent;
   std::uint8_t octant;
@@ -21,7 +21,8 @@ constexpr Steps make_steps() {
       const unsigned offset[3] = {i % 3, i / 3 % 3, i / 9};
       const unsigned scale[3] = {1, 3, 9};
       for (unsigned axis = 0; axis < 3; ++axis) {
-        // 1 to 4: in halves of the parent's block, whose three nodes are 0-1, 2-3, 4-5.
+        // 1 to 4: the position in units of children, where the block's three nodes take 0-1, 2-3
+        // and 4-5.
         const unsigned at = 2 + (octant >> axis & 1u) + offset[axis] - 1;
         parent += at / 2 * scale[axis];
         child |= (at % 2) << axis;
@@ -42,8 +43,8 @@ std::vector<NodeBlock> node_blocks(const Svo& svo) {
   blocks[0][13] = 0;
   for (std::uint32_t node = 0; node < svo.internal_count(); ++node) {
     const NodeBlock& around = blocks[node];
-    // The block's 6 x 6 x 6 octants are among the children of 27 nodes; a number for each octant
-    // of each, so that the up to eight children of this node only look theirs up.
+    // All neighbours of this node's children are children of the 27 nodes around it. Number those
+    // first, so that each child only has to look its neighbours up.
     std::array<std::array<std::uint32_t, 8>, 27> numbers;
     for (std::size_t i = 0; i < 27; ++i) {
       const unsigned mask = around[i] == kNoNode ? 0 : svo.masks[around[i]];

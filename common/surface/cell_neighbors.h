@@ -10,12 +10,12 @@ namespace pointreel {
 
 inline constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
 
-/// The 27 nodes of one level in the 3 x 3 x 3 block around a node, x fastest, itself in the middle
-/// (number 13); kNoNode where nothing is.
+/// The 27 nodes of a level in the 3 x 3 x 3 block around a node, x fastest, with the node itself in
+/// the middle (index 13); kNoNode where there is no node.
 using NodeBlock = std::array<std::uint32_t, 27>;
 
-/// The block of every node of the tree. Blocks of children follow from those of their parents, so
-/// nothing is searched. O(nodes).
+/// The block around every node of the tree. The blocks of children are derived from those of their
+/// parents, without any search. O(nodes).
 std::vector<NodeBlock> node_blocks(const Svo& svo);
 
 }  // namespace pointreel

@@ -17,14 +17,17 @@
 namespace pointreel {
 namespace {
 
-/// Points a cell that the choice of level aims at: a block then holds about 25.
+/// The number of points in a cell that the choice of level aims at. A cell and its neighbours then
+/// contain about 25.
 constexpr double kPointsPerCell = 2.0;
-/// A block with fewer points is replaced by the one around the cell's parent, up to this often.
+/// If a cell and its neighbours contain fewer points, those of its parent are used instead, up to
+/// kMaxCoarser times.
 constexpr double kMinPoints = 8;
 constexpr int kMaxCoarser = 3;
-/// Points that are not apart this many levels below the cells count as one.
+/// Points that share a cell this many levels further down count as one.
 constexpr int kDuplicateLevels = 6;
-/// Points a cell of the openness grid: so many that a surface has no holes in it by chance.
+/// The number of points in a cell of the openness grid: enough that no cell of a surface is empty
+/// by chance.
 constexpr double kPointsPerOpenCell = 6.0;
 
 /// Sums over points p: their number, p, and the upper triangle of p p^T.
@@ -48,16 +51,17 @@ struct Moments {
   }
 };
 
-/// A plane through points, and how they spread: variances along the principal axes, ascending.
+/// A plane through points, and their variances along the principal axes, in ascending order.
 struct Plane {
   glm::dvec3 center{0.0};
   glm::dvec3 normal{0.0};  ///< zero if the points do not span a plane
   glm::dvec3 variances{0.0};
 };
 
-/// cos(acos(c) / 3) for c in [-1, 1], from roots and divisions alone: libm's last bit differs
-/// between machines. It is the x in [1/2, 1] with 4 x^3 - 3 x = c, which is (2 x - 1)^2 (x + 1) =
-/// c + 1; Newton's method on x = (1 + sqrt((c + 1) / (x + 1))) / 2 has no double root to slow it.
+/// cos(acos(c) / 3) for c in [-1, 1], computed from roots and divisions only, because the last bit
+/// of libm's functions differs between machines. It is the x in [1/2, 1] with 4 x^3 - 3 x = c, that
+/// is, with (2 x - 1)^2 (x + 1) = c + 1. Newton's method is applied to x = (1 + sqrt((c + 1) / (x +
+/// 1))) / 2, which has no double root that would slow it down.
 double cosine_of_third(double c) {
   double x = 0.75;
   for (int step = 0; step < 5; ++step) {
@@ -67,8 +71,9 @@ double cosine_of_third(double c) {
   return std::clamp(x, 0.5, 1.0);
 }
 
-/// Eigenvalues in closed form (O. K. Smith, "Eigenvalues of a symmetric 3x3 matrix", CACM 4(4),
-/// 1961); the normal is the longest cross product of two rows of the matrix less the smallest.
+/// Computes the eigenvalues in closed form (O. K. Smith, "Eigenvalues of a symmetric 3x3 matrix",
+/// CACM 4(4), 1961). The normal is the longest cross product of two rows of the matrix from whose
+/// diagonal the smallest eigenvalue is subtracted.
 Plane fit_plane(const Moments& sums) {
   Plane plane;
   if (sums.n < 1.0) return plane;
@@ -77,7 +82,7 @@ Plane fit_plane(const Moments& sums) {
   glm::dvec3 diagonal = sums.diagonal / sums.n - c * c;
   glm::dvec3 mixed = sums.mixed / sums.n - glm::dvec3(c.y * c.z, c.x * c.z, c.x * c.y);
   const double scale = diagonal.x + diagonal.y + diagonal.z;
-  // What is left of the subtraction above is noise below this share.
+  // Below this share, the difference above consists of rounding errors.
   if (!(scale > 1e-14 * (sums.diagonal.x + sums.diagonal.y + sums.diagonal.z) / sums.n)) {
     return plane;
   }
@@ -96,7 +101,7 @@ Plane fit_plane(const Moments& sums) {
   const double smallest = mean - root * (third + std::sqrt(3.0 * (1.0 - third) * (1.0 + third)));
   const double middle = 1.0 - largest - smallest;
   plane.variances = glm::max(scale * glm::dvec3(smallest, middle, largest), 0.0);
-  // On a line: the middle variance is no more than rounding or a wobble.
+  // The points are on a line if the middle variance is within rounding errors or noise.
   if (middle < 1e-4 * largest || middle - smallest < 1e-6) return plane;
 
   const glm::dvec3 e = diagonal - smallest;
@@ -109,21 +114,22 @@ Plane fit_plane(const Moments& sums) {
   return plane;
 }
 
-/// What is known of the surface in one leaf cell, in single precision: this is what the loops over
-/// neighbours read.
+/// The surface in a leaf cell, in single precision, because the loops over neighbours read much of
+/// it.
 struct CellSurface {
-  glm::vec3 center;  ///< of the points that the plane was fitted to; relative to the cube's centre
-  glm::vec3 normal;  ///< unit or zero
-  float spacing;     ///< 0 where unknown
+  glm::vec3 center;  ///< of the points that the plane was fitted to, relative to the cube's centre
+  glm::vec3 normal;  ///< of unit length, or zero
+  float spacing;     ///< of the points; 0 if unknown
 };
 
-/// As a float > 0 and finite, whatever the scale of the coordinates.
+/// Converts a radius to a finite float > 0, whatever the scale of the coordinates.
 float finite_radius(double radius) {
   using Limits = std::numeric_limits<float>;
   return static_cast<float>(std::clamp<double>(radius, Limits::denorm_min(), Limits::max()));
 }
 
-/// The finest level, at most `limit`, whose cells hold at least that many distinct points each.
+/// The finest level, at most `limit`, whose cells contain at least that many distinct points on
+/// average.
 int choose_level(const SortedPoints& sorted, double points_per_cell, int limit) {
   const double cells = sorted.occupied.back() / points_per_cell;
   int level = 0;
@@ -131,16 +137,16 @@ int choose_level(const SortedPoints& sorted, double points_per_cell, int limit) 
   return level;
 }
 
-/// The points sorted into the leaves of an octree whose cells hold kPointsPerCell points on
+/// Sorts the points into the leaves of an octree whose cells contain kPointsPerCell points on
 /// average.
 SortedPoints sort_into_cells(const PointCloud& cloud, int& level) {
   const Cube tight = bounding_cube(bounds(cloud));
-  // Levels enough to tell most points apart: the fewer, the faster.
+  // Few levels are faster to sort, and usually tell most points apart.
   SortedPoints sorted = sort_points(cloud, tight, 12);
   if (sorted.occupied.back() < cloud.size() / 2) sorted = sort_points(cloud, tight);
   level = choose_level(sorted, kPointsPerCell, sorted.levels - 1);
-  // Cells of this level may be up to twice as large as they should be. In a cube enlarged by the
-  // right factor those of the next level are what is wanted.
+  // Cells of this level may be up to twice as large as they should be. Enlarging the cube by the
+  // right factor gives those of the next level the right size.
   const double per_cell = static_cast<double>(sorted.occupied.back()) /
                           sorted.occupied[static_cast<std::size_t>(level) + 1];
   const double factor = std::clamp(std::sqrt(kPointsPerCell / per_cell), 1.0, 2.0);
@@ -168,7 +174,7 @@ class SurfaceEstimate {
     const float step = static_cast<float>(openness.cell_size());
     std::vector<float> votes(cells_.size());
     for (std::size_t i = 0; i < cells_.size(); ++i) votes[i] = vote(openness, step, cells_[i]);
-    // Each cell asks its neighbours, so that a wrong vote here and there is outvoted.
+    // Each cell takes over the votes of its neighbours, so that single wrong votes are outvoted.
     std::vector<float> before;
     for (int round = 0; round < 2; ++round) {
       before = votes;
@@ -189,8 +195,8 @@ class SurfaceEstimate {
     normals.resize(cloud_.size());
     const float reach = 1.5f * static_cast<float>(svo_.cell_size(svo_.depth));
     const float per_square = 1.0f / (reach * reach);
-    // The cells around one, in groups of four for vector instructions. Places that nothing fills
-    // have no normal and so no effect.
+    // The cells around a cell, in groups of four for vector instructions. Unused places have no
+    // normal and therefore no effect.
     constexpr std::size_t kLanes = 4;
     using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
     struct Group {
@@ -207,7 +213,7 @@ class SurfaceEstimate {
         group.x[lane] = other.center.x;
         group.y[lane] = other.center.y;
         group.z[lane] = other.center.z;
-        // The other side of a thin sheet has no say: the next one takes its place.
+        // A cell on the other side of a thin sheet is ignored: the next one takes its place.
         const bool same_side = glm::dot(other.normal, own) > 0.0f;
         group.nx[lane] = same_side ? other.normal.x : 0.0f;
         group.ny[lane] = same_side ? other.normal.y : 0.0f;
@@ -253,7 +259,7 @@ class SurfaceEstimate {
   }
 
  private:
-  /// The neighbours of each leaf without the gaps of its block.
+  /// Lists the neighbours of each leaf without the gaps that its block has.
   void list_neighbors() {
     const std::uint32_t leaves = svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
     const std::uint32_t count = svo_.leaf_count();
@@ -325,13 +331,14 @@ class SurfaceEstimate {
     }
   }
 
-  /// The edge of a square with one point, from a patch whose points have these variances: a
-  /// rectangle of sides a and b has a^2 / 12 and b^2 / 12, and a disc nearly the same for its area.
+  /// The edge of a square that contains one point, in a patch of n points with these variances. A
+  /// rectangle with sides a and b has the variances a^2 / 12 and b^2 / 12, and those of a disc of
+  /// the same area are nearly the same.
   static float spacing(const Plane& plane, double n) {
     const double area = 12.0 * std::sqrt(plane.variances.y * plane.variances.z);
     const double length = std::sqrt(12.0 * plane.variances.z);
     if (n < 2.0 || !(length > 0.0)) return 0.0f;
-    // At least as far apart as points on a line of the patch's length would be, for thin patches.
+    // In a thin patch, at least the spacing of as many points on a line of the same length.
     return finite_radius(std::max(std::sqrt(area / n), length / n));
   }
 
@@ -346,7 +353,7 @@ class SurfaceEstimate {
     return sum;
   }
 
-  /// The leaves around a leaf, itself among them.
+  /// The leaves around a leaf, including itself.
   std::span<const std::uint32_t> neighbors(std::size_t cell) const {
     return {neighbors_.data() + neighbor_begin_[cell],
             neighbors_.data() + neighbor_begin_[cell + 1]};
@@ -369,12 +376,12 @@ class SurfaceEstimate {
   Svo svo_;
   std::vector<glm::vec3> positions_;  ///< sorted, relative to the cube's centre
   std::vector<NodeBlock> blocks_;
-  std::vector<std::uint32_t> neighbor_begin_;  ///< of every leaf, and the end
+  std::vector<std::uint32_t> neighbor_begin_;  ///< for each leaf, with one entry more at the end
   std::vector<std::uint32_t> neighbors_;       ///< leaves, numbered from 0
-  std::vector<Moments> moments_;               ///< of every node, relative to the cube's centre
-  std::vector<std::uint32_t> parents_;         ///< of every node
-  std::vector<std::uint32_t> leaf_begin_;      ///< places in sorted_.points, one more than leaves
-  std::vector<CellSurface> cells_;             ///< of every leaf
+  std::vector<Moments> moments_;               ///< for each node, relative to the cube's centre
+  std::vector<std::uint32_t> parents_;         ///< for each node
+  std::vector<std::uint32_t> leaf_begin_;      ///< index into sorted_.points, one more at the end
+  std::vector<CellSurface> cells_;             ///< for each leaf
 };
 
 }  // namespace
@@ -385,12 +392,6 @@ void estimate_normals(PointCloud& cloud) {
   SurfaceEstimate estimate(cloud);
   estimate.orient();
   estimate.write_normals(cloud.normals);
-}
-
-void estimate_radii(PointCloud& cloud) {
-  cloud.radii.clear();
-  if (cloud.empty()) return;
-  SurfaceEstimate(cloud).write_radii(cloud.radii);
 }
 
 void estimate_unknown_radii(PointCloud& cloud) {

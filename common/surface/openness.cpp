@@ -8,8 +8,8 @@ namespace {
 
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
-/// The bits of a row moved by one cell to higher (dx = 1) or lower (dx = -1) x; what enters at the
-/// border is open.
+/// A word of a row that is moved by one cell to higher (dx = 1) or lower (dx = -1) x. Cells that
+/// enter at the border are open.
 inline std::uint64_t moved(const std::uint64_t* row, std::size_t word, std::size_t words, int dx) {
   if (dx > 0) return row[word] << 1 | (word > 0 ? row[word - 1] >> 63 : 1u);
   if (dx < 0) return row[word] >> 1 | (word + 1 < words ? row[word + 1] << 63 : kAll << 63);
@@ -58,7 +58,7 @@ void Openness::sweep(const glm::ivec3& direction, std::vector<std::uint64_t>& op
       const std::uint64_t* empty = empty_.data() + row_at(y, z);
       std::uint64_t* to = open.data() + row_at(y, z);
       if (direction.y == 0 && direction.z == 0) {
-        // Along the row itself: everything before the first occupied cell is open.
+        // The direction runs along the row: all cells before the first occupied one are open.
         bool clear = true;
         for (std::size_t j = 0; j < words_; ++j) {
           const std::size_t word = direction.x > 0 ? j : words_ - 1 - j;

@@ -8,12 +8,12 @@
 #include "codec/octree/normal_space.h"
 #include "codec/octree/octree_codec.h"
 #include "common/octree/build.h"
-#include "common/surface/distance.h"
 #include "common/surface/normals.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/voxelize.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
+#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

@@ -11,11 +11,11 @@
 #include "codec/cloud_file.h"
 #include "codec/part_sizes.h"
 #include "common/base/try.h"
-#include "common/surface/distance.h"
 #include "pointreel/draco.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/report/datasets.h"
+#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

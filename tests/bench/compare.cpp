@@ -11,8 +11,8 @@
 
 #include "codec/cloud_file.h"
 #include "common/base/try.h"
-#include "common/surface/distance.h"
 #include "tests/bench/output.h"
+#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

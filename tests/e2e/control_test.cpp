@@ -15,7 +15,7 @@
 
 #include "codec/cloud_file.h"
 #include "common/cloud/ply.h"
-#include "common/surface/distance.h"
+#include "tests/distance/distance.h"
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 

@@ -100,7 +100,7 @@ void change(EncodedFrame& frame, Input& input) {
     const std::uint8_t where = input.byte();
     const auto kind = static_cast<ChunkKind>(where % 3);
     const std::size_t layer = where / 3 % frame.layers.size();
-    Bytes& part = part_of(frame.layers[layer], kind);
+    Bytes& part = chunk_of(frame.layers[layer], kind);
     const std::size_t at = input.word();
     const std::uint8_t value = input.byte();
     if (where >= 224) {

@@ -35,8 +35,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (const auto* hello = std::get_if<LiveHello>(&*text)) {
     const std::string written = write_hello(*hello);
-    const auto again = parse_hello(written);
-    if (!again || write_hello(*again) != written) std::abort();
+    const auto again = parse_live_text(written);
+    if (!again || write_hello(std::get<LiveHello>(*again)) != written) std::abort();
   } else if (const auto* drops = std::get_if<LiveDrops>(&*text)) {
     if (!(std::get<LiveDrops>(parse_live_text(write_drops(*drops)).value()) == *drops)) {
       std::abort();

@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/try.h"
 #include "tests/forge.h"
 #include "tests/golden/streams.h"
 
@@ -11,7 +12,7 @@ namespace {
 
 using enum ChunkKind;
 
-// Offsets in FORMAT.md, "Frame header" and "Chunk".
+// Offsets of fields: FORMAT.md, "Frame header" and "Chunk".
 enum FrameField : std::size_t {
   kVersion = 4,
   kCodec = 5,
@@ -32,12 +33,12 @@ enum ChunkField : std::size_t {
   kRawSize = 12
 };
 
-/// A frame that is being changed. What is changed behind `mended` is behind right checksums.
+/// A frame that is being changed.
 class Forger {
  public:
   explicit Forger(EncodedFrame frame) : frame_(std::move(frame)) {}
 
-  Bytes& part(std::size_t layer, ChunkKind kind) { return part_of(frame_.layers[layer], kind); }
+  Bytes& part(std::size_t layer, ChunkKind kind) { return chunk_of(frame_.layers[layer], kind); }
   Bytes& header() { return part(0, geometry); }
 
   template <class T>
@@ -48,14 +49,15 @@ class Forger {
   void set(std::size_t layer, ChunkKind kind, std::size_t field, T value) {
     put_at(part(layer, kind), chunk_begin(layer, kind) + field, value);
   }
-  /// Offset of the payload within its part.
+  /// The offset of the payload in its chunk.
   static std::size_t payload(std::size_t layer, ChunkKind kind) {
     return chunk_begin(layer, kind) + kChunkHeaderSize;
   }
   std::size_t payload_size(std::size_t layer, ChunkKind kind) {
     return part(layer, kind).size() - payload(layer, kind);
   }
-  /// Makes the payload longer or shorter, and, where it is stored as it is, the raw size with it.
+  /// Makes the payload longer or shorter; resize_raw also changes the raw size, as payloads that
+  /// are stored uncompressed need.
   void resize(std::size_t layer, ChunkKind kind, std::size_t size, std::uint8_t fill = 0) {
     part(layer, kind).resize(payload(layer, kind) + size, fill);
   }
@@ -84,7 +86,7 @@ class Collection {
     return good_.front().frame;
   }
 
-  /// A change whose checksums are wrong where it does not mend them.
+  /// A change that leaves the checksums wrong.
   void damaged(const std::string& name, const std::string& from, const Change& change,
                bool odd = false) {
     Forger forger(good(from));
@@ -92,7 +94,7 @@ class Collection {
     streams_.push_back({(odd ? "odd_" : "bad_") + name, std::move(forger.frame())});
   }
 
-  /// A change behind right checksums.
+  /// A change with correct checksums.
   void forged(const std::string& name, const std::string& from, const Change& change) {
     damaged(name, from, [&](Forger& forger) {
       change(forger);
@@ -100,7 +102,7 @@ class Collection {
     });
   }
 
-  /// A change that leaves the frame good.
+  /// A change with correct checksums that leaves the frame valid.
   void odd(const std::string& name, const std::string& from, const Change& change) {
     const auto mended = [&](Forger& forger) {
       change(forger);
@@ -270,7 +272,8 @@ void add_contexts(Collection& all) {
 }
 
 void add_slabs(Collection& all) {
-  // Of the second layer, of one level: class, number of slabs, axis, where all but the first begin.
+  // The second layer has one level, so its payload begins with: class, number of slabs, axis, and
+  // where all slabs but the first begin.
   const std::size_t begin = Forger::payload(1, geometry), count = begin + 1, axis = begin + 2,
                     cuts = begin + 3;
   const auto slabs = [&](const char* name, const Change& change) {
@@ -364,7 +367,7 @@ void add_draco(Collection& all) {
   draco("called_octree", [](Forger& f) { f.set(kCodec, std::uint8_t{1}); });
 }
 
-/// What no encoder of ours makes and every decoder must read.
+/// Frames that our encoders do not make but every decoder must read.
 void add_odd(Collection& all) {
   all.odd("zeros_behind_context", "context_three_layers", [](Forger& f) {
     f.resize(0, geometry, f.payload_size(0, geometry) + 3);
@@ -389,9 +392,8 @@ void add_odd(Collection& all) {
 }  // namespace
 
 Result<std::vector<Stream>> changed_streams() {
-  const auto good = good_streams();
-  if (!good) return tl::unexpected(good.error());
-  Collection all(*good);
+  const std::vector<Stream> good = TRY(good_streams());
+  Collection all(good);
   add_headers(all);
   add_chunks(all);
   add_masks(all);

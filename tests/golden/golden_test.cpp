@@ -1,8 +1,9 @@
-// The streams of tests/golden/streams, as README.md beside this tells.
+// Tests the streams of tests/golden/streams. README.md describes them.
 //
 //   pointreel_golden               tests them
-//   pointreel_golden --portable    the same as on a processor without BMI2
-//   pointreel_golden --make DIR    writes what today's encoders make and decoders give
+//   pointreel_golden --portable    tests them with the portable code, as on a processor without
+//   BMI2 pointreel_golden --make DIR    writes the streams that today's encoders make, and their
+//   outcomes
 
 #include <fstream>
 #include <iterator>
@@ -73,7 +74,7 @@ TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_o
       reference::read_tables(read(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst"));
   for (const auto& [name, frame] : stored_frames()) {
     if (name.find("draco") != std::string::npos) continue;
-    // Of a bad one the whole; of others, each prefix.
+    // A bad frame is decoded as a whole; of other frames, every prefix is decoded.
     const std::size_t least = name.starts_with("bad_") ? frame.layers.size() : 1;
     for (std::size_t layers = least; layers <= frame.layers.size(); ++layers) {
       auto views = layer_views(frame.layers);
@@ -117,7 +118,7 @@ int main(int argc, char** argv) {
     return written ? 0 : 1;
   }
   if (option == "--portable") {
-    // The reference decoder has no such paths.
+    // The reference decoder has only portable code, so its test is left out.
     testing::GTEST_FLAG(filter) = "Golden.every_*:Golden.the_encoders_*";
     pointreel::set_cpu_feature_mask(0);
   }

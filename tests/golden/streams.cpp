@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "common/base/byte_io.h"
+#include "common/base/try.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
@@ -19,7 +20,7 @@ std::string hash(const std::vector<T>& values) {
   return fmt::format("{:016x}", XXH3_64bits(values.data(), values.size() * sizeof(T)));
 }
 
-/// Of an octree the cells of the leaves, of Draco those that the points are in the middle of.
+/// The cells of an octree's leaves, or those in whose centres Draco's points are.
 std::vector<glm::uvec3> cells_of(const DecodedFrame& frame, int depth) {
   if (frame.svo) return leaf_cells(*frame.svo);
   std::vector<glm::uvec3> cells;
@@ -32,7 +33,7 @@ nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {
   auto views = layer_views(encoded.layers);
   views.resize(layers);
   const auto frame = decode_frame(views);
-  if (!frame) return {{"error", frame.error().message}};
+  if (!frame) return {{"error", name(frame.error().code)}};
   const int depth = frame->svo ? frame->svo->depth : encoded.layers.front().geometry[6];
   nlohmann::json out = {
       {"depth", depth}, {"points", frame->cloud.size()}, {"cells", hash(cells_of(*frame, depth))}};
@@ -46,7 +47,7 @@ Result<void> write(const std::filesystem::path& file, ByteView bytes) {
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));
   out.close();
-  if (!out) return fail(file.string() + ": cannot be written");
+  if (!out) return fail(ErrorCode::io, file.string() + ": cannot be written");
   return {};
 }
 
@@ -68,9 +69,9 @@ Bytes file_of(const EncodedFrame& frame) {
   ByteWriter writer(file);
   writer.put(static_cast<std::uint32_t>(frame.layers.size()));
   for (const Chunks<Bytes>& layer : frame.layers) {
-    for (const Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
-      writer.put(static_cast<std::uint32_t>(part->size()));
-      file.insert(file.end(), part->begin(), part->end());
+    for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals}) {
+      writer.put(static_cast<std::uint32_t>(chunk->size()));
+      file.insert(file.end(), chunk->begin(), chunk->end());
     }
   }
   return file;
@@ -82,32 +83,29 @@ Result<EncodedFrame> frame_of(ByteView file) {
   const auto layers = reader.get<std::uint32_t>();
   for (std::uint32_t i = 0; i < layers && reader.ok(); ++i) {
     Chunks<Bytes>& layer = frame.layers.emplace_back();
-    for (Bytes* part : {&layer.geometry, &layer.colors, &layer.normals}) {
+    for (Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals}) {
       const auto size = reader.get<std::uint32_t>();
       const ByteView rest = reader.rest();
-      if (size > rest.size()) return fail("file of a stream is cut short");
-      part->assign(rest.begin(), rest.begin() + size);
+      if (size > rest.size()) return fail("the file is cut short");
+      chunk->assign(rest.begin(), rest.begin() + size);
       reader = ByteReader(rest.subspan(size));
     }
   }
-  if (!reader.ok() || !reader.rest().empty()) return fail("no file of a stream");
+  if (!reader.ok() || !reader.rest().empty()) return fail("the file does not hold a stream");
   return frame;
 }
 
 Result<void> write_streams(const std::filesystem::path& folder) {
   nlohmann::json outcomes;
   for (const auto make : {good_streams, changed_streams}) {
-    const auto streams = make();
-    if (!streams) return tl::unexpected(streams.error());
-    for (const Stream& stream : *streams) {
+    const std::vector<Stream> streams = TRY(make());
+    for (const Stream& stream : streams) {
       outcomes[stream.name] = outcome(stream.frame);
       const bool bad = stream.name.starts_with("bad_");
       if (outcomes[stream.name].contains("error") != bad) {
-        return fail(stream.name +
-                    (bad ? ": decodes" : ": " + outcomes[stream.name]["error"].get<std::string>()));
+        return fail(stream.name + (bad ? ": decodes" : ": does not decode"));
       }
-      const auto written = write(folder / (stream.name + ".frame"), file_of(stream.frame));
-      if (!written) return written;
+      TRY(write(folder / (stream.name + ".frame"), file_of(stream.frame)));
     }
   }
   const std::string text = outcomes.dump(1) + "\n";

@@ -9,8 +9,8 @@
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 
-/// Frames whose bytes are kept in the repository, with what they decode to or the error that they
-/// must give: README.md.
+/// Frames that are kept in the repository, each with what it must decode to, or with the code of
+/// the error that it must give: README.md.
 namespace pointreel::golden {
 
 struct Stream {
@@ -18,19 +18,19 @@ struct Stream {
   EncodedFrame frame;
 };
 
-/// What today's encoders make of small clouds with every feature of the format.
+/// Makes frames of small clouds with today's encoders, using every feature of the format.
 Result<std::vector<Stream>> good_streams();
 
-/// Good streams, each changed in one way: "bad_..." are damaged or forged, "odd_..." are good, but
-/// not what the encoders make.
+/// Good streams, each with one change: "bad_..." are damaged or forged; "odd_..." are valid, but no
+/// encoder makes them.
 Result<std::vector<Stream>> changed_streams();
 
-/// Of each prefix of the layers: the depth, the number of points, and hashes of cells, colours and
-/// normals; of a frame that does not decode the error.
+/// For each prefix of the layers, the depth, the number of points, and hashes of cells, colours and
+/// normals; for a frame that does not decode, the error's code.
 nlohmann::json outcome(const EncodedFrame& frame);
 
-/// A file of a frame: the number of layers, then of each layer geometry, colours and normals, each
-/// behind its size; numbers are u32, little endian.
+/// The file of a frame: the number of layers, and for each layer its geometry, colours and normals,
+/// each after its size. Numbers are u32, little endian.
 Bytes file_of(const EncodedFrame& frame);
 Result<EncodedFrame> frame_of(ByteView file);
 

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
-#include "common/surface/distance.h"
 #include "datasets_synthetic/hard_case.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
+#include "tests/distance/distance.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

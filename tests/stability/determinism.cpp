@@ -7,7 +7,6 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "common/surface/distance.h"
 #include "common/surface/normals.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
@@ -15,6 +14,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
+#include "tests/distance/distance.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

@@ -304,7 +304,7 @@ TEST(ContextTables, package_tables_are_refused_if_they_are_damaged) {
   other.front() = kNewestTables + 1;
   EXPECT_FALSE(read_table_file(other)) << "the file is based on unknown tables";
   other = *file;
-  other.resize(kMaxTableFile + 1);
+  other.resize(kMaxTablesBytes + 1);
   EXPECT_FALSE(read_table_file(other));
   const auto huge = write_table_file(Bytes((std::size_t{1} << 22) + 1));
   EXPECT_FALSE(read_table_file(*huge)) << "the file unpacks to more than the limit";

@@ -1,4 +1,4 @@
-#include "common/surface/distance.h"
+#include "tests/distance/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include "common/surface/nearest.h"
+#include "tests/distance/nearest.h"
 
 namespace pointreel {
 namespace {

@@ -102,7 +102,7 @@ class HostileFrames : public testing::TestWithParam<Coding> {
   static void for_each_part(EncodedFrame& frame, Visit visit) {
     for (std::size_t layer = 0; layer < frame.layers.size(); ++layer) {
       for (const ChunkKind kind : {ChunkKind::geometry, ChunkKind::colors, ChunkKind::normals}) {
-        Bytes& part = part_of(frame.layers[layer], kind);
+        Bytes& part = chunk_of(frame.layers[layer], kind);
         const Bytes whole = part;
         if (!part.empty()) visit(part, chunk_begin(layer, kind));
         part = whole;

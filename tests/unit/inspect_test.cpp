@@ -11,7 +11,7 @@
 
 #include "codec/cloud_file.h"
 #include "common/stream/manifest.h"
-#include "common/surface/distance.h"
+#include "tests/distance/distance.h"
 #include "tests/unit/packed_clouds.h"
 
 namespace pointreel {

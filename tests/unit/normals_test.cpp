@@ -155,7 +155,7 @@ TEST(Normals, do_not_depend_on_the_order_of_the_points_or_their_origin) {
 
 TEST(Radii, equal_the_edge_of_a_square_that_holds_one_point) {
   Surface surface = sphere(20000);
-  estimate_radii(surface.cloud);
+  estimate_normals_and_radii(surface.cloud);
   std::vector<float> radii = surface.cloud.radii;
   std::sort(radii.begin(), radii.end());
   const double expected = std::sqrt(2.0 * kTau / 20000.0);
@@ -167,7 +167,7 @@ TEST(Radii, equal_the_edge_of_a_square_that_holds_one_point) {
 TEST(Radii, are_estimated_if_unknown_and_kept_otherwise) {
   PointCloud cloud = sphere(20000).cloud;
   PointCloud estimated = cloud;
-  estimate_radii(estimated);
+  estimate_normals_and_radii(estimated);
   cloud.radii.assign(cloud.size(), 0.02f);
   cloud.radii[7] = 0.0f;
   cloud.radii[11] = 1.0f;
@@ -193,7 +193,7 @@ TEST(Radii, follow_the_local_spacing) {
       if (x < 64 || (x % 4 == 0 && y % 4 == 0)) cloud.positions.emplace_back(x, y, 0);
     }
   }
-  estimate_radii(cloud);
+  estimate_normals_and_radii(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::vec3 p = cloud.positions[i];
     if (p.x < 50) {
@@ -209,8 +209,8 @@ TEST(Radii, do_not_shrink_at_duplicate_points) {
   PointCloud twice = once.cloud;
   twice.positions.insert(twice.positions.end(), once.cloud.positions.begin(),
                          once.cloud.positions.end());
-  estimate_radii(once.cloud);
-  estimate_radii(twice);
+  estimate_normals_and_radii(once.cloud);
+  estimate_normals_and_radii(twice);
   for (std::size_t i = 0; i < once.cloud.size(); ++i) {
     EXPECT_FLOAT_EQ(twice.radii[i], once.cloud.radii[i]);
   }

@@ -9,10 +9,10 @@
 #include "codec/cloud_file.h"
 #include "codec/max_error.h"
 #include "common/stream/manifest.h"
-#include "common/surface/distance.h"
 #include "pointreel/draco.h"
 #include "server/pack/inspect.h"
 #include "server/pack/packer.h"
+#include "tests/distance/distance.h"
 #include "tests/unit/packed_clouds.h"
 
 namespace pointreel {

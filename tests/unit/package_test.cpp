@@ -339,11 +339,11 @@ TEST(Manifest, refuses_duplicate_keys) {
 }
 
 TEST(Manifest, survives_deeply_nested_json) {
-  EXPECT_EQ(error_of(std::string(10'000'000, '[')), "nests too deep");
+  EXPECT_EQ(error_of(std::string(10'000'000, '[')), "is nested too deep");
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
-  EXPECT_EQ(error_of(objects), "nests too deep");
-  EXPECT_EQ(error_of(std::string(1000, '[') + std::string(1000, ']')), "nests too deep");
+  EXPECT_EQ(error_of(objects), "is nested too deep");
+  EXPECT_EQ(error_of(std::string(1000, '[') + std::string(1000, ']')), "is nested too deep");
   EXPECT_THAT(error_of(std::string(kMaxManifestBytes + 1, ' ')), HasSubstr("longer"));
 }
 

@@ -278,9 +278,9 @@ TEST(Ply, names_the_line_of_errors_in_the_header) {
   EXPECT_EQ(error_of(header("property float x\n")),
             "line 3: a property stands before the first element");
   EXPECT_EQ(error_of(header("element vertex -1\n")),
-            "line 3: element vertex has the count '-1', which is no number of rows");
+            "line 3: element vertex has the count '-1', which is not a number of rows");
   EXPECT_EQ(error_of(header("element vertex 18446744073709551616\n")),
-            "line 3: element vertex has the count '18446744073709551616', which is no number of "
+            "line 3: element vertex has the count '18446744073709551616', which is not a number of "
             "rows");
   EXPECT_EQ(error_of(header("element vertex 1\nelement vertex 1\n")),
             "line 4: element vertex is declared twice");
@@ -289,7 +289,7 @@ TEST(Ply, names_the_line_of_errors_in_the_header) {
   EXPECT_EQ(error_of(header("element vertex 1\nproperty float x\nproperty int x\n")),
             "line 5: property x of element vertex is declared twice");
   EXPECT_EQ(error_of(header("element face 1\nproperty list float int i\n")),
-            "line 4: list property i counts its entries in 'float', which is no integer type");
+            "line 4: list property i counts its entries in 'float', which is not an integer type");
   EXPECT_EQ(error_of(header("element vertex 1\nproperty float\n")),
             "line 4: a property of element vertex lacks its type or name");
   EXPECT_EQ(error_of(header("element vertex 1\nproperty float x\nproperty float z\n")),
@@ -302,9 +302,9 @@ TEST(Ply, names_the_line_of_errors_in_the_header) {
 
 TEST(Ply, names_the_line_or_byte_of_errors_in_the_data) {
   EXPECT_EQ(error_of(ascii_xyz("1 2 3\n4 five 6\n")),
-            "line 9: property y of vertex 1 of 2 is 'five', which is no number");
+            "line 9: property y of vertex 1 of 2 is 'five', which is not a number");
   EXPECT_EQ(error_of(ascii_xyz("1 2 3x\n4 5 6\n")),
-            "line 8: property z of vertex 0 of 2 is '3x', which is no number");
+            "line 8: property z of vertex 0 of 2 is '3x', which is not a number");
   const std::string lists =
       " 1.0\nelement face 1\nproperty list char uchar i\nelement vertex 0\nproperty float x\n"
       "property float y\nproperty float z\nend_header\n";

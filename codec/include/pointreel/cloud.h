@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -12,13 +11,13 @@
 namespace pointreel {
 
 /// One frame of points, as a structure of arrays. `positions` are relative to `origin`, so that
-/// coordinates far from zero (maps, millimetres) keep their precision in float. Every other array
-/// is either empty, when the source has no such attribute, or as long as `positions`: an absent
-/// attribute is absent and nobody invents it silently.
+/// coordinates far from zero (maps, millimetres) keep their precision in float. Each of the other
+/// arrays is as long as `positions`, or empty if the source does not have the attribute: no
+/// function fills in an attribute that is missing unless it says so.
 struct PointCloud {
   glm::dvec3 origin{0.0};            ///< world coordinates of the local zero
   std::vector<glm::vec3> positions;  ///< local, finite
-  std::vector<glm::vec3> normals;    ///< unit length, or zero where the point's normal is unknown
+  std::vector<glm::vec3> normals;    ///< of unit length, or zero where the normal is unknown
   std::vector<glm::u16vec3> colors;  ///< sRGB, 0 to 65535; an 8-bit value v is stored as 257 v
   std::vector<float> radii;          ///< splat radius > 0, in the units of the positions
 
@@ -28,16 +27,17 @@ struct PointCloud {
   bool has_colors() const { return !colors.empty(); }
   bool has_radii() const { return !radii.empty(); }
 
+  /// World coordinates of point i.
   glm::dvec3 world(std::size_t i) const { return origin + glm::dvec3(positions[i]); }
 };
 
-/// World-space bounds of all points. O(n).
+/// The bounds of all points in world coordinates. O(n).
 Box bounds(const PointCloud& cloud);
 
-/// True if every colour is an 8-bit value times 257, so that 8 bits hold all there is.
+/// True if every colour is an 8-bit value times 257, so that 8 bits lose nothing.
 bool colors_fit_8_bits(const PointCloud& cloud);
 
-/// What `sanitize` found and mended.
+/// What `sanitize` found and repaired.
 struct SanitizeReport {
   std::size_t dropped_positions = 0;  ///< points with a NaN or infinite coordinate, removed
   std::size_t unknown_normals = 0;    ///< zero, NaN or infinite normals, set to zero
@@ -46,11 +46,10 @@ struct SanitizeReport {
   bool clean() const { return dropped_positions + unknown_normals + unknown_radii == 0; }
 };
 
-/// Makes a cloud that came from outside fit for use: drops points that have no finite position
-/// (they must never reach a bounding box), normalises normals and zeroes those that have no
-/// direction, and zeroes unusable radii, those beyond four times the 99th percentile of the others
-/// included (`estimate_unknown_radii` takes them from the neighbours). If no radius is usable, the
-/// attribute is removed.
+/// Makes a cloud from an untrusted source safe to use. Removes points without a finite position,
+/// which would spoil every bounding box. Normalises normals, and sets those without a direction to
+/// zero. Sets unusable radii to zero, including those above four times the 99th percentile of the
+/// usable ones; if no radius is usable, removes the attribute.
 SanitizeReport sanitize(PointCloud& cloud);
 
 }  // namespace pointreel

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,51 +14,58 @@
 #include "pointreel/executor.h"
 #include "pointreel/octree.h"
 
-/// The octree codec, and what frames of every codec have in common. Each encoded frame stands
-/// alone: it needs no frame before it. FORMAT.md describes the format byte by byte.
+/// The octree codec, and what it shares with the Draco codec (draco.h). Every encoded frame stands
+/// alone: decoding it needs no other frame. FORMAT.md describes the format byte by byte.
 namespace pointreel {
 
-/// Trained tables of Entropy::context: codec/octree/context_model.h.
+/// Trained probability tables for Entropy::context. read_table_file reads them.
 struct ContextTables;
 
 enum class Codec : std::uint8_t { octree = 1, draco = 2 };
+
+/// How the octree codec compresses geometry: not at all, with zstd, or with trained contexts, which
+/// give by far the smallest frames.
 enum class Entropy : std::uint8_t { none = 0, zstd = 1, context = 2 };
 
-/// A quality of colours whose error is seen on a second look: luma at about 41 dB on a dense human.
+/// A quality at which errors of colour show only at a close look: luma at about 41 dB on a dense
+/// scan of a person.
 inline constexpr int kDefaultColorQuality = 50;
 inline constexpr int kLosslessColorQuality = 100;
-/// A quality of normals of about one degree on a dense human, two on a sparse one.
+/// A quality at which normals are off by about one degree on a dense scan, two on a sparse one.
 inline constexpr int kDefaultNormalQuality = 43;
 inline constexpr int kBestNormalQuality = 100;
 
 struct OctreeOptions {
   Entropy entropy = Entropy::context;
   DepthRule depth;
-  /// 1 to 100. Below 100 colours are transformed and quantised by 2^((99 - quality) / 14) 8-bit
-  /// steps: 14 more halve the step (QUALITY.md: dB and bits of each). Colours of 16 bits keep 14.
-  /// 100 keeps them as they are.
+  /// 1 to 100. Below 100, colours are transformed and quantised in steps of
+  /// 2^((99 - quality) / 14), in units of 8-bit colour values: every +14 halves the step. Colours
+  /// of 16 bits then keep at most 14 of them. At 100, colours are lossless.
   int color_quality = kDefaultColorQuality;
-  /// The same of normals, a step being 1/127.5 of their length. At 100 they are rounded to half a
-  /// degree.
+  /// The same for normals, in units of 1/127.5 of their length. At 100, normals are not transformed
+  /// but rounded to half a degree.
   int normal_quality = kDefaultNormalQuality;
-  /// Of entropy context; null: the newest that are part of the codec. Given ones have a checksum,
-  /// and whoever decodes must be given the same.
+  /// For Entropy::context: tables that were trained for the sequence; null for the newest that are
+  /// built into the codec. A frame names its tables by their checksum, and the decoder must be
+  /// given the same ones (DecodeLimits::tables).
   std::shared_ptr<const ContextTables> tables = nullptr;
-  /// Of entropy context: parts of a frame that are coded at the same time, 1 to 16 along the longer
-  /// of y and z; each adds about one percent to a dense frame. 0: chosen from the number of leaves.
+  /// For Entropy::context: the number of slabs of a frame that are coded in parallel, 1 to 16; 0
+  /// chooses it by the number of leaves. Each additional slab adds about one percent to the size of
+  /// a dense frame.
   int slabs = 0;
 };
 
-/// An encoded frame. Octree frames have up to three layers, base, middle and full, each a prefix's
-/// refinement; Draco frames have one.
+/// An encoded frame. Octree frames have up to three layers, from coarse to fine: any number of them
+/// from the first on decodes. Draco frames have a single layer.
 struct EncodedFrame {
-  /// Each chunk has its own header and checksum. `geometry` is never empty; a layer decodes without
-  /// its other chunks.
+  /// Each chunk has its own header and checksum. `geometry` is never empty; a layer also decodes
+  /// without its other chunks.
   std::vector<Chunks<Bytes>> layers;
-  std::uint32_t source_points = 0;  ///< points given to the encoder
-  std::uint32_t coded_points = 0;   ///< points that decoding all layers gives
-  int depth = 0;                    ///< octree: level of the leaves; Draco: position bits
+  std::uint32_t source_points = 0;  ///< the number of points that the encoder was given
+  std::uint32_t coded_points = 0;   ///< the number of points that all layers decode to
+  int depth = 0;                    ///< octree: level of the leaves; Draco: bits of a position
 
+  /// The size of all chunks, in bytes.
   std::size_t size() const {
     std::size_t bytes = 0;
     for (const Chunks<Bytes>& layer : layers) bytes += total(layer);
@@ -65,60 +73,67 @@ struct EncodedFrame {
   }
 };
 
-/// The chunks of encoded layers, which must outlive the views.
+/// Views of the chunks of encoded layers, which must outlive them.
 std::vector<Chunks<ByteView>> layer_views(std::span<const Chunks<Bytes>> layers);
 
-/// Bounds on what a decoder may be made to produce, whatever the bytes claim, and what it may use.
+/// What decoding may use and produce, however large the numbers in the frame are.
 struct DecodeLimits {
-  std::uint32_t max_points = 1u << 26;
-  /// The context tables that come with the frames, if any do; they outlive the call.
+  std::uint32_t max_points = 1u << 26;  ///< a frame with more points is refused: ErrorCode::limit
+  /// The sequence's own context tables, if it has any. They must outlive the call.
   const ContextTables* tables = nullptr;
-  Executor executor = {};  ///< lends threads for slabs, and for colours beside normals
-  /// Octree: also gives the attributes of all nodes.
+  Executor executor = {};  ///< decodes slabs, and colours and normals, in parallel
+  /// Octree: whether to produce the attributes of all nodes (DecodedFrame::attributes).
   bool inner_nodes = false;
-  /// Octree: gives the leaves as a cloud. Without it, and with `inner_nodes`, there is the tree
-  /// with its nodes' attributes alone, and nothing is made that is only in the cloud.
+  /// Octree: whether to produce the leaves as a cloud. Without them, decoding makes only the tree
+  /// and, with `inner_nodes`, the attributes of its nodes.
   bool leaves = true;
-  /// Octree, without `leaves`: cuts the tree off at this level. Attributes that the encoder
-  /// transformed are not decoded any further, and what is wrong with the rest is not found out.
+  /// Octree, only without `leaves`: cuts the tree off at this level. Transformed attributes are not
+  /// decoded any further, so damage in the rest of them goes unnoticed.
   int depth = kMaxDepth;
 };
 
 struct DecodedFrame {
-  PointCloud cloud;        ///< octree: centres of the leaves, in the order of the leaves
+  PointCloud cloud;        ///< octree: the centres of the leaves, in the order of the leaves
   std::optional<Svo> svo;  ///< octree only: the tree whose leaves `cloud` holds
-  /// Of all nodes of that tree, if DecodeLimits asks for them: what came out of decoding where the
-  /// encoder transformed them, which is nearly mean_attributes, else mean_attributes.
+  /// The attributes of all nodes of that tree, if DecodeLimits::inner_nodes asks for them. For
+  /// transformed attributes these are the decoded values, which are close to the means of the
+  /// leaves; for others they are the means.
   NodeAttributes attributes;
   Cube cube;
   int depth = 0;  ///< octree: level of the leaves of the whole frame, however much was decoded
-  std::uint32_t source_points = 0;  ///< what the delta criterion refers to
+  std::uint32_t source_points = 0;  ///< the number of points that the encoder was given
 };
 
-/// Encodes `cloud` within `cube`, as an octree. The bytes depend on the set of points and on
-/// nothing else: not on their order, nor on threads, compiler or machine. `normals`, `colors`:
-/// whether to encode them where the cloud has them. `executor` lends threads for large frames.
+/// Encodes `cloud` as an octree of `cube`; points outside the cube move to its faces. The bytes
+/// depend on the set of points only: not on their order, the executor, the compiler or the machine.
+/// `normals` and `colors` say whether to encode these where the cloud has them.
+///
+/// Errors: `argument` if an option or the cube is out of range, `limit` from 2^31 points on.
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
                                    const OctreeOptions& options = {}, bool normals = true,
                                    bool colors = true, const Executor& executor = {});
 
-/// Decodes a prefix of a frame's layers (at least the first). In each layer, chunks other than the
-/// geometry may be empty: the attribute is then that of the layer above, or absent.
+/// Decodes the first layers of a frame, one or more. In each layer, all chunks but the geometry may
+/// be empty: the points then have the attribute of the layer before, or do not have it at all.
 ///
-/// Trust: decoding takes hostile bytes. Memory is bounded before it is taken: by the size of the
-/// payload (a zstd payload may expand 1024 times plus 64 KiB, no more), by the header's point count
-/// and by DecodeLimits. Masks that are not a tree, sizes that disagree with the masks and counts
-/// that disagree with the header are errors. Decoding gives the encoder's voxels exactly, or an
-/// error.
+/// Errors: `invalid` if the bytes are damaged, `unsupported` if they need a newer version of the
+/// codec, `limit` if the frame exceeds `limits`, `not_found` if it needs tables that were not
+/// given.
+///
+/// Trust: the bytes may be hostile. The memory that decoding takes is bounded beforehand by the
+/// size of the payload (zstd may expand 1024 times plus 64 KiB and no more), by the number of
+/// points in the header, and by `limits`. Masks that do not form a tree, sizes that disagree with
+/// the masks, and counts that disagree with the header are errors. The result is exactly the
+/// encoder's voxels, or an error.
 Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
                                    const DecodeLimits& limits = {});
 
-/// A package's context tables, from the bytes of its file of tables: DecodeLimits::tables.
+/// Reads a package's file of context tables (Manifest::tables in package.h), for
+/// DecodeLimits::tables and OctreeOptions::tables.
 ///
-/// Trust: takes hostile bytes. A file of more than kMaxTableFile bytes is refused, as is one that
-/// unpacks to more than 4 MiB or does not hold tables.
+/// Trust: the bytes may be hostile. A file of more than kMaxTablesBytes (package.h) is refused, and
+/// so is one that unpacks to more than 4 MiB.
 Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file);
-inline constexpr std::size_t kMaxTableFile = std::size_t{1} << 20;
 
 /// "octree", "draco", "none", "zstd", "context".
 const char* name(Codec codec);

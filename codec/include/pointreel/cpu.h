@@ -4,14 +4,15 @@
 
 namespace pointreel {
 
-/// Instruction sets that the codec uses where the processor has them. Results never depend on them.
+/// Instruction sets that the codec uses where the processor has them. They make it faster and never
+/// change a result.
 enum CpuFeature : std::uint32_t {
   kCpuBmi2 = 1u << 0,
 };
 
-/// Uses only those features of the processor that the mask allows; ~0u, the default, allows all,
-/// and 0 leaves the portable code. For tests and benchmarks. Takes effect in calls that begin
-/// later; safe from any thread.
+/// Restricts the codec to those features of the processor that are in the mask: ~0u, the default,
+/// allows all of them, and 0 leaves the portable code. Meant for tests and benchmarks. Applies to
+/// frames whose coding begins after the call; safe to call from any thread.
 void set_cpu_feature_mask(std::uint32_t mask);
 
 /// The features that the processor has and the mask allows.

@@ -11,44 +11,48 @@
 #include "pointreel/error.h"
 #include "pointreel/executor.h"
 
-/// The Draco codec, and encoding and decoding with whichever codec a frame has. Link
+/// The Draco codec, and functions that encode and decode frames of either codec. Link
 /// pointreel::draco.
 namespace pointreel {
 
-/// The order in which Draco codes points: one after another along the Morton curve, or as a
-/// kd-tree. `automatic` chooses as draco_encoder does: sequential at level 0, otherwise the
-/// kd-tree.
+/// The order in which Draco codes points: along the Morton curve, or as a kd-tree. `automatic`
+/// chooses as draco_encoder does: sequential at compression level 0, otherwise the kd-tree.
 enum class DracoMethod : std::uint8_t { automatic, sequential, kd_tree };
 
-/// Names and defaults of draco_encoder.
+/// The options of draco_encoder, with its defaults.
 struct DracoOptions {
-  int position_bits = 11;     ///< --qp, 1 to 21, relative to the edge of the cube
+  int position_bits = 11;     ///< --qp, 1 to 21: divides the edge of the cube into 2^bits cells
   int normal_bits = 8;        ///< --qn, 2 to 16
-  int generic_bits = 8;       ///< --qg; Pointreel has no generic attribute today
+  int generic_bits = 8;       ///< --qg; has no effect, since frames have no generic attributes
   int compression_level = 7;  ///< --cl, 0 (fastest) to 10 (smallest)
   DracoMethod method = DracoMethod::automatic;
 };
 
-/// The codec, with its options, and what applies to every codec.
+/// Which codec to encode with, its options, and the options that apply to both codecs.
 struct EncodeOptions {
   std::variant<OctreeOptions, DracoOptions> codec;
-  bool normals = true;     ///< encode normals where the cloud has them
-  bool colors = true;      ///< encode colours where the cloud has them
-  Executor executor = {};  ///< lends threads for large frames; no byte depends on it
+  bool normals = true;     ///< whether to encode normals where the cloud has them
+  bool colors = true;      ///< whether to encode colours where the cloud has them
+  Executor executor = {};  ///< speeds up large frames; the bytes do not depend on it
 
   Codec id() const { return codec.index() == 0 ? Codec::octree : Codec::draco; }
 };
 
-/// Encodes with the codec that the options name: as encode_octree, or with Draco as a frame of one
-/// layer, whose geometry chunk holds all attributes.
+/// Encodes with the codec that the options name: like encode_octree, or with Draco, as a frame with
+/// a single layer whose geometry chunk holds all attributes.
+///
+/// Errors: `argument` if an option or the cube is out of range, `limit` if there are too many
+/// points (2^31 for octrees, 2^26 for Draco).
 Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
                                   const EncodeOptions& options);
 
-/// Decodes a frame of either codec, by its header: as decode_octree, or, for Draco, into points in
-/// no particular order, duplicates included, without a tree.
+/// Decodes a frame of either codec, which its header names: like decode_octree, or with Draco, into
+/// points in no particular order, duplicates included, and without a tree.
 ///
-/// Trust: takes hostile bytes. Headers and checksums are checked first; Draco is given no payload
-/// whose counts its bytes cannot pay for.
+/// Errors: as decode_octree.
+///
+/// Trust: the bytes may be hostile. Headers and checksums are checked first, and Draco is given no
+/// payload that declares more points than its size can justify.
 Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
                                   const DecodeLimits& limits = {});
 

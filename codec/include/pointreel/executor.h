@@ -4,17 +4,10 @@
 
 namespace pointreel {
 
-/// Calls body(0) to body(count - 1), in any order, perhaps at the same time, and returns when all
-/// of them have returned. How code that starts no threads of its own is lent some; without one (an
-/// empty function) it does one after another. Results never depend on it.
+/// Calls body(0) to body(count - 1), in any order and possibly in parallel, and returns when all of
+/// the calls have returned. The codec starts no threads; it lets an executor spread its work over
+/// the caller's. An empty function stands for no executor: the work is then done in the calling
+/// thread. Results never depend on the executor.
 using Executor = std::function<void(int count, const std::function<void(int)>& body)>;
-
-inline void for_each(const Executor& executor, int count, const std::function<void(int)>& body) {
-  if (executor && count > 1) {
-    executor(count, body);
-  } else {
-    for (int i = 0; i < count; ++i) body(i);
-  }
-}
 
 }  // namespace pointreel

@@ -4,10 +4,9 @@
 
 #include <glm/glm.hpp>
 
-
 namespace pointreel {
 
-/// Axis-aligned box in world coordinates (the source's units, double). Empty until it is grown.
+/// An axis-aligned box in world coordinates, in the units of the source. Empty until it is grown.
 struct Box {
   glm::dvec3 min{std::numeric_limits<double>::infinity()};
   glm::dvec3 max{-std::numeric_limits<double>::infinity()};
@@ -26,25 +25,26 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-/// The cube that an octree divides: its minimum corner and its edge (> 0, finite), in world
-/// coordinates.
+/// The cube that an octree divides, in world coordinates.
 struct Cube {
-  glm::dvec3 origin{0.0};
-  double edge = 1.0;
+  glm::dvec3 origin{0.0};  ///< the corner with the smallest coordinates
+  double edge = 1.0;       ///< > 0, finite
 
   bool operator==(const Cube&) const = default;
 };
 
-/// The smallest cube that holds `box`, anchored at its minimum corner; edge 1 where the box has no
-/// extent. Paper 2, section VI-A, leaves the anchor open; this is ERRATA 12's choice.
+/// The smallest cube that holds `box` and shares its minimum corner; its edge is 1 if the box has
+/// no extent. FORMULAS.md, "Cube of a frame".
 Cube bounding_cube(const Box& box);
 
-/// The cube whose cells at the returned depth have the size `voxel` and are centred on multiples of
-/// it, so that input which lies on that grid comes back exactly.
+/// A cube and the depth at which its cells have a given size.
 struct VoxelCube {
   Cube cube;
-  int depth = 0;  ///< may exceed kMaxDepth (morton.h) where the voxel is too small: check it
+  int depth = 0;  ///< above kMaxDepth (octree.h) if the voxels are too small for an octree
 };
+
+/// The cube that holds `box` and whose cells at the returned depth have the size `voxel` (> 0) and
+/// are centred on multiples of it: points that lie on that grid decode to themselves.
 VoxelCube voxel_cube(const Box& box, double voxel);
 
 }  // namespace pointreel

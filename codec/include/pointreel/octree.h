@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -12,22 +11,23 @@
 
 namespace pointreel {
 
-/// The finest level of an octree: 21 bits an axis, so that a Morton key fits 63 bits.
+/// The finest level of an octree: 21 bits for each axis, so that a Morton key fits into 63 bits.
 inline constexpr int kMaxDepth = 21;
 
-/// A sparse voxel octree, paper 2, section VI. All leaves lie at level `depth`; level 0 is the
-/// root. Nodes are numbered breadth-first, each level in Morton order, so `masks` alone, one byte
-/// for each internal node, is the whole tree (ERRATA 6), and `first_child` is what makes it
-/// traversable at random (ERRATA 8).
+/// A sparse voxel octree (Slomp et al., Geometry Instancing, section VI). Level 0 is the root, and
+/// all leaves are at level `depth`. Nodes are numbered breadth-first, each level in Morton order,
+/// so that `masks`, one byte for each internal node, describes the whole tree (FORMULAS.md,
+/// "Breadth-first stream"). `first_child` gives random access to it ("Child index").
 struct Svo {
   Cube cube;
   int depth = 0;
-  /// depth + 2 entries: level l is the nodes [level_begin[l], level_begin[l + 1]). An empty tree
-  /// has no nodes on any level.
+  /// depth + 2 entries: the nodes of level l are [level_begin[l], level_begin[l + 1]). An empty
+  /// tree has no nodes on any level.
   std::vector<std::uint32_t> level_begin = {0, 0};
-  /// Bit c of masks[i]: internal node i has child c (Morton order, x lowest).
+  /// Bit c of masks[i] is set if internal node i has child c (in Morton order, x lowest).
   std::vector<std::uint8_t> masks;
-  /// The children of internal node i are consecutive nodes from first_child[i] on, in bit order.
+  /// The children of internal node i are consecutive nodes, in the order of the mask's bits, and
+  /// begin at first_child[i].
   std::vector<std::uint32_t> first_child;
 
   std::uint32_t node_count() const { return level_begin.back(); }
@@ -37,40 +37,38 @@ struct Svo {
   }
   std::uint32_t leaf_count() const { return node_count(depth); }
   std::uint32_t internal_count() const { return static_cast<std::uint32_t>(masks.size()); }
+  /// The edge of a cell, in world units.
   double cell_size(int level) const;
 };
 
-/// Mean attributes of every node, in the order of the nodes; each array is empty where the cloud
-/// has no such attribute. Normals are unit vectors times 32767, or zero where unknown.
+/// Mean attributes of every node, in the order of the nodes. An array is empty if the cloud does
+/// not have the attribute.
 struct NodeAttributes {
-  std::vector<glm::u16vec3> colors;
-  std::vector<glm::i16vec3> normals;
+  std::vector<glm::u16vec3> colors;   ///< as PointCloud::colors
+  std::vector<glm::i16vec3> normals;  ///< unit vectors times 32767, or zero where unknown
 };
 
-/// How deep to divide. Exactly one rule applies.
+/// How deep to divide: either to a fixed depth, or until few enough points share a cell.
 struct DepthRule {
   enum class Kind { delta, fixed };
   Kind kind = Kind::delta;
-  double delta = 0.05;  ///< acceptable share of points lost to merging; 0.05 is the paper's default
-  int depth = 10;       ///< 0 to kMaxDepth
-  int most = kMaxDepth;  ///< whatever the rule says, no deeper than this; 0 to kMaxDepth
+  /// With Kind::delta, the share of points that may be lost because they fall into the same cell as
+  /// another. FORMULAS.md, "Depth from delta".
+  double delta = 0.05;
+  int depth = 10;        ///< with Kind::fixed, 0 to kMaxDepth
+  int most = kMaxDepth;  ///< an upper bound on the depth in both cases, 0 to kMaxDepth
 
   static DepthRule by_delta(double delta) { return {Kind::delta, delta, 0}; }
   static DepthRule fixed(int depth) { return {Kind::fixed, 0.0, depth}; }
 };
 
-/// Makes `level_begin` and `first_child` of a tree whose `depth` and `masks` are set; false if the
-/// masks are no such tree (an internal node without a child, too few or too many masks). Without
-/// masks the tree is a single cell if `depth` is 0 and `occupied`, otherwise empty.
-bool index_svo(Svo& svo, bool occupied);
-
-/// The same tree cut off at a coarser level; depth <= svo.depth.
+/// The same tree cut off at level `depth`; unchanged if it is no deeper than that.
 Svo truncate(const Svo& svo, int depth);
 
-/// Cells of the leaves, in order: local integer coordinates at level `svo.depth`.
+/// The integer coordinates of the leaves' cells at level `svo.depth`, in the order of the leaves.
 std::vector<glm::uvec3> leaf_cells(const Svo& svo);
 
-/// Their centres, in order, relative to the cube's origin.
+/// The centres of the leaves in their order, as a cloud whose origin is the cube's.
 PointCloud leaf_centers(const Svo& svo);
 
 }  // namespace pointreel

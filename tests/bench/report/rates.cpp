@@ -13,12 +13,12 @@
 #include "codec/part_sizes.h"
 #include "common/base/try.h"
 #include "common/octree/build.h"
-#include "common/surface/distance.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 #include "tests/bench/measure.h"
+#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/surface/nearest.h"
+#include "tests/distance/nearest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,9 @@ namespace pointreel {
 namespace {
 
 constexpr std::size_t kLeafSize = 10;
-constexpr std::size_t kBlock = 4096;  // queries that one task answers
+constexpr std::size_t kBlock = 4096;  // queries of a task
 
-/// What nanoflann asks of a set of points.
+/// The interface that nanoflann requires of a set of points.
 struct PointSet {
   std::span<const glm::dvec3> points;
 
@@ -33,7 +33,7 @@ struct PointSet {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointSet>,
                                                  PointSet, 3, std::uint32_t>;
 
-/// What nanoflann reports points to: keeps those as near as the nearest one.
+/// nanoflann reports points to this. It keeps those that are as near as the nearest one.
 class Nearest {
  public:
   using DistanceType = double;
@@ -46,11 +46,13 @@ class Nearest {
   }
 
   bool addPoint(double squared, std::uint32_t point) {
-    if (!(squared < limit_)) return true;  // nanoflann asks for the limit once for each leaf
+    // nanoflann reads the limit only once for each leaf, so points beyond it are reported too.
+    if (!(squared < limit_)) return true;
     if (squared < best_) {
       best_ = squared;
       const double reach = std::sqrt(squared) + tolerance_;
-      // nanoflann skips what is not below the limit, and rounds on its way to a branch.
+      // Slightly larger, because nanoflann skips points exactly at the limit, and rounds distances
+      // to branches.
       limit_ = std::max(reach * reach, squared) * (1.0 + 1e-12) +
                std::numeric_limits<double>::denorm_min();
       std::erase_if(found_, [this](const Found& f) { return f.squared >= limit_; });

@@ -11,11 +11,11 @@
 
 namespace pointreel {
 
-/// The distinct positions of a cloud, in an order that depends on their set alone and in which
-/// neighbours stand close together: what searches ask for and search in.
+/// The distinct positions of a cloud, in an order that depends only on their set, and in which
+/// neighbours are close to each other, which makes searches fast.
 struct DistinctPoints {
   std::vector<glm::dvec3> positions;   ///< relative to the cube's origin
-  std::vector<std::uint32_t> begin;    ///< one more than positions
+  std::vector<std::uint32_t> begin;    ///< has one entry more than `positions`
   std::vector<std::uint32_t> members;  ///< the cloud's points at i: members[begin[i], begin[i + 1])
 
   std::size_t size() const { return positions.size(); }
@@ -24,13 +24,13 @@ struct DistinctPoints {
   }
 };
 
-/// `cube` holds the cloud; the same cube for two clouds that are compared.
+/// `cube` contains the cloud. Two clouds that are compared need the same cube.
 DistinctPoints distinct_points(const PointCloud& cloud, const Cube& cube);
 
-/// For each query the points that are nearest to it: commonly one, several where it lies between.
+/// For each query, the points that are nearest to it. There are several if they are equally near.
 struct NearestPoints {
   std::vector<double> squared_distances;  ///< to the nearest, exact
-  std::vector<std::uint32_t> begin;       ///< one more than queries
+  std::vector<std::uint32_t> begin;       ///< has one entry more than there are queries
   std::vector<std::uint32_t> points;
 
   std::span<const std::uint32_t> of(std::size_t query) const {
@@ -38,12 +38,13 @@ struct NearestPoints {
   }
 };
 
-/// How many points may be equally near: the first ones that the search comes to.
+/// At most this many equally near points are returned: the first that the search finds.
 inline constexpr std::size_t kMaxEquallyNear = 64;
 
-/// The nearest of `points` (not empty) to each query, and all others whose distance is no more than
-/// `tolerance` larger, in ascending order of their number. Exact: a k-d tree. The same whatever the
-/// number of threads (TBB's, of the caller's arena). O((n + m) log m).
+/// The nearest of `points` (at least one) to each query, and all points whose distance is larger by
+/// no more than `tolerance`, in ascending order of their indices. The search is exact; it uses a
+/// k-d tree and the threads of the caller's TBB arena, on whose number the result does not depend.
+/// O((n + m) log m).
 NearestPoints nearest_points(std::span<const glm::dvec3> queries,
                              std::span<const glm::dvec3> points, double tolerance);
 

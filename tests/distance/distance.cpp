@@ -1,4 +1,4 @@
-#include "common/surface/distance.h"
+#include "tests/distance/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,15 +8,15 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
-#include "common/surface/nearest.h"
+#include "tests/distance/nearest.h"
 
 namespace pointreel {
 namespace {
 
 using Vectors = std::vector<glm::dvec3>;
 
-/// The value of which `share` of all are no larger, by nearest rank. Reorders `values`, which are
-/// not empty.
+/// The value that is not exceeded by `share` of the values, by nearest rank. Reorders `values`,
+/// which must not be empty.
 double percentile(std::vector<double>& values, double share) {
   const double rank = std::ceil(share * static_cast<double>(values.size()));
   const auto nth =
@@ -25,7 +25,7 @@ double percentile(std::vector<double>& values, double share) {
   return *nth;
 }
 
-/// A unit vector, or zero where there is no direction.
+/// The unit vector along v, or zero if v has no direction.
 glm::dvec3 direction(const glm::dvec3& v) {
   const double length = glm::length(v);
   return length > 1e-6 ? v / length : glm::dvec3(0.0);
@@ -44,8 +44,8 @@ glm::dvec3 to_ycbcr(const glm::dvec3& color) {
 struct Side {
   const PointCloud& cloud;
   DistinctPoints distinct;
-  Vectors colors;   ///< Y', Cb, Cr; mean of each distinct position
-  Vectors normals;  ///< direction of each distinct position, or zero
+  Vectors colors;   ///< mean Y', Cb, Cr of each distinct position
+  Vectors normals;  ///< mean direction of each distinct position, or zero
 
   Side(const PointCloud& source, const Cube& cube)
       : cloud(source), distinct(distinct_points(source, cube)) {
@@ -79,7 +79,7 @@ glm::dvec3 sum(const Vectors& values, std::span<const std::uint32_t> which) {
   return total;
 }
 
-/// The normals of `from` handed on to the points of `to`, as pc_error does, but of unit length.
+/// Normals for the points of `to`, taken from `from` as pc_error does, but of unit length.
 Vectors transferred_normals(const Side& from, const Side& to, const NearestPoints& from_to,
                             const NearestPoints& to_from) {
   Vectors normals(to.size(), glm::dvec3(0.0));
@@ -93,12 +93,12 @@ Vectors transferred_normals(const Side& from, const Side& to, const NearestPoint
   return normals;
 }
 
-/// What one direction needs.
+/// The input for comparing in one direction.
 struct Way {
   const Side& from;
   const Side& to;
   const NearestPoints& nearest;
-  const Vectors& plane_normals;  ///< of `to`; empty if there are none
+  const Vectors& plane_normals;  ///< the normals of `to`; empty if there are none
 };
 
 void compare_geometry(const Way& way, OneWayDistance& result) {
@@ -181,8 +181,8 @@ OneWayDistance compare(const Way& way) {
   return result;
 }
 
-/// The distance that two points may differ by and still be equally near: each coordinate is a float
-/// of up to the extent's size, rounded.
+/// By how much the distances to equally near points may differ, because coordinates are rounded to
+/// float.
 double rounding(const PointCloud& a, const PointCloud& b) {
   float largest = 0.0f;
   for (const PointCloud* cloud : {&a, &b}) {
@@ -226,7 +226,8 @@ glm::dvec3 color_psnr(const ColorError& mean_squared) {
 }
 
 Result<CloudDistance> cloud_distance(const PointCloud& a, const PointCloud& b) {
-  if (a.empty() || b.empty()) return fail("a cloud without points has no distance to another");
+  if (a.empty() || b.empty())
+    return fail(ErrorCode::argument, "a cloud without points cannot be compared");
   // The clouds may have different origins, both far from zero.
   Box box = bounds(a);
   box.grow(bounds(b));

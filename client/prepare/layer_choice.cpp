@@ -14,8 +14,8 @@ bool draws_normals(DrawMode mode, bool colored, bool shown) {
 
 int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size) {
   int level = 0;
-  // Frames may have cubes of their own within the bounds' (--cube frame): the larger the cube, the
-  // more levels it takes.
+  // Frames may have cubes of their own within that of the bounds (--cube frame). The larger the
+  // cube, the more levels are needed.
   for (const Segment& segment : manifest.segments) {
     level = std::max(level, finest_level(segment.cube, manifest.bounds, camera, size, pixel_size));
   }
@@ -40,7 +40,7 @@ LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level, bool
 
 void VoxelDepth::learn(const SceneFrame& frame) {
   if (frame.svo.node_count() == 0) return;
-  // A frame that lacks levels has said only that it needs more than it has.
+  // A frame that lacks levels only tells that it needs more than it has.
   const int least = frame.level == kWholeFrame ? frame.svo.depth : frame.level + 1;
   int depth = depth_;
   while (depth < least && !depth_.compare_exchange_weak(depth, least)) {

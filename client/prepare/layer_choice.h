@@ -30,15 +30,15 @@ std::uint32_t layers_down_to(int level, int depth);
 LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level,
                         bool show_normals = false);
 
-/// How deep the trees of voxels have been by the delta rule, which only whole trees can tell: the
-/// frames after them are not fetched any deeper. A frame that should be deeper than what was
-/// fetched raises it, and is fetched again. From any thread.
+/// How deep the delta rule has made the trees of voxels so far. Only whole trees can tell; later
+/// frames are not fetched any deeper. A frame that ought to be deeper than what was fetched of it
+/// raises the depth, and is fetched again. May be used from any thread.
 class VoxelDepth {
  public:
   void learn(const SceneFrame& frame);
   /// kWholeFrame while nothing is known.
   int get() const;
-  /// The rule has changed.
+  /// Call this when the rule has changed.
   void forget() { depth_ = -1; }
 
  private:

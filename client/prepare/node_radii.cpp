@@ -8,9 +8,10 @@
 namespace pointreel {
 namespace {
 
-constexpr float kDiscAroundCell = 0.75f;  // of the square of its edge: half its diagonal, squared
-/// Less keeps surfels as small as their largest child, and pictures get holes: with 1.4, 0.6 % more
-/// of a player 300 pixels high, and 0.25 % of one of 700.
+/// The square of half a cell's diagonal, in squares of its edge.
+constexpr float kDiscAroundCell = 0.75f;
+/// With less, surfels stay as small as their largest child, and pictures get holes: 1.4 adds holes
+/// of 0.6 % in a picture 300 pixels high, and of 0.25 % in one of 700.
 constexpr float kMostGrowth = 2.0f;
 
 }  // namespace

@@ -22,7 +22,7 @@ namespace {
 
 class Stopwatch {
  public:
-  /// Milliseconds since it was made or last asked.
+  /// Milliseconds since it was made or last called.
   double lap() {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
@@ -32,10 +32,11 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// A tree pays for surfels and points if it has at most this share of the points.
+/// A tree is worth building for surfels and points if it has no more leaves than this share of the
+/// points.
 constexpr double kWorthATree = 0.7;
-/// Of the square of a level's cells along an edge: no surface in a cube that is worth drawing fills
-/// fewer of its cells, if it has the points to do so.
+/// The fewest cells of a level that any surface worth drawing fills if it has the points to do so,
+/// as a share of the square of the cells along the cube's edge.
 constexpr double kLeastFilled = 0.25;
 
 Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int level) {
@@ -63,7 +64,7 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int l
   return frame;
 }
 
-/// Adds the normals that the mode needs, and takes away those that it does not, so that a reel
+/// Adds the normals that the mode needs, and removes those that it does not need, so that a reel
 /// looks the same wherever it comes from.
 void derive_normals(SceneFrame& scene, const PrepareOptions& options) {
   PointCloud& cloud = scene.cloud;
@@ -75,7 +76,7 @@ void derive_normals(SceneFrame& scene, const PrepareOptions& options) {
   }
 }
 
-/// The same of a tree.
+/// The same for a tree.
 void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
   NodeAttributes& attributes = scene.attributes;
   if (!draws_normals(options.mode, !attributes.colors.empty(), options.show_normals)) {
@@ -98,21 +99,21 @@ Result<void> coarsen(SceneFrame& scene, double delta) {
   const double leaves = occupied[static_cast<std::size_t>(depth)];
   if (leaves >= (1.0 - delta) * scene.points) scene.level = kWholeFrame;
   if (depth < scene.svo.depth) scene.svo = truncate(scene.svo, depth);
-  // Nodes are numbered from the root down: a coarser tree's attributes are the first ones.
+  // Nodes are numbered from the root down, so that a coarser tree's attributes come first.
   const std::size_t nodes = scene.svo.node_count();
   if (scene.attributes.colors.size() > nodes) scene.attributes.colors.resize(nodes);
   if (scene.attributes.normals.size() > nodes) scene.attributes.normals.resize(nodes);
   return {};
 }
 
-/// A frame that is drawn from a tree of its cloud.
+/// Replaces the cloud by a tree of it.
 void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
   scene.svo = build_svo(sorted, depth);
   scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted);
   scene.cloud = {};
 }
 
-/// What voxels draw of a cloud.
+/// Prepares a cloud to be drawn as voxels.
 Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
   DepthRule rule = DepthRule::by_delta(options.delta);
   rule.most = options.level;
@@ -122,8 +123,8 @@ Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptio
   return {};
 }
 
-/// What surfels and points draw of a cloud: its points, or a tree as deep as the view shows it, if
-/// that is much less.
+/// Prepares a cloud to be drawn as surfels or points: its points, or a tree as deep as the view
+/// shows, if that has much fewer elements.
 Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
   const auto points = static_cast<double>(scene.cloud.size());
   const bool with_radii = options.mode == DrawMode::surfel;

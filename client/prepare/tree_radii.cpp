@@ -9,20 +9,22 @@
 namespace pointreel {
 namespace {
 
-/// Four on a closed surface; random samples of one fall below this where a cell holds about one.
+/// How many times more nodes a level has. It is four on a closed surface, and falls below this
+/// where a cell holds about one random sample.
 constexpr double kClosedGrowth = 2.8;
 constexpr double kCellsPerFace = 1.5;
 constexpr int kBlockLevels = 2;
-/// Of the radius that the whole surface has on average: a block with a corner of the surface, or
-/// one stray point, would otherwise get discs that stick out.
+/// The most that a radius may exceed the mean of the whole surface: a block with a corner of the
+/// surface, or with one stray point, would otherwise get discs that stick out.
 constexpr double kMaxRadius = 3.0;
-/// Of the edge of a cell of the closed level. Points along curves lie denser than their gaps are
-/// wide, and it is the gaps that discs must close: they are about as wide as the finest cells that
-/// none of them leaves empty. Random points have no smaller radius than this anyway.
+/// The least radius, in edges of a cell of the closed level. Points along curves lie denser than
+/// the gaps between the curves are wide, and discs must close these gaps, which are about as wide
+/// as the finest cells of which none is empty. Random points have no smaller radius than this
+/// anyway.
 constexpr double kLeastOfClosedCell = 0.3;
 
-/// The level above the finest that still looks like a closed surface, because in that one up to a
-/// third of the cells may be missing already; the leaves' if none looks so.
+/// The level above the finest level that still looks like a closed surface: up to a third of the
+/// cells of the finest may be missing already. The level of the leaves if none looks closed.
 int closed_level(const Svo& svo) {
   for (int level = svo.depth; level > 0; --level) {
     if (svo.node_count(level) >= kClosedGrowth * svo.node_count(level - 1)) return level - 1;
@@ -30,13 +32,13 @@ int closed_level(const Svo& svo) {
   return svo.depth;
 }
 
-/// How many nodes of `level` lie before the first descendant of a node at `from`.
+/// How many nodes of `level` come before the first descendant of a node on level `from`.
 std::uint32_t first_descendant(const Svo& svo, std::uint32_t node, int from, int level) {
   for (int l = from; l < level; ++l) node = svo.first_child[node];
   return node - svo.level_begin[static_cast<std::size_t>(level)];
 }
 
-/// A part of the tree: its leaves [begin, end) and the area of the surface in it.
+/// A part of the tree with leaves [begin, end) and the area of the surface in it.
 struct Block {
   std::uint32_t begin, end;
   double area;
@@ -46,7 +48,7 @@ double radius_of(double area, std::size_t points) {
   return std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, points)));
 }
 
-/// The largest radius for `points` on all blocks.
+/// The largest radius allowed, for `points` on all blocks.
 double cap_of(const std::vector<Block>& blocks, std::size_t points) {
   double area = 0.0;
   for (const Block& block : blocks) area += block.area;
@@ -96,9 +98,9 @@ std::vector<float> point_radii(const Svo& svo, const SortedPoints& sorted) {
   std::vector<float> radii(sorted.points.size());
   const int shift = 3 * (sorted.levels - svo.depth);
   std::size_t begin = 0;
-  std::uint32_t leaf = 0;  // of the point before `end`
+  std::uint32_t leaf = 0;  // the leaf of the point before `end`
   for (const Block& block : blocks) {
-    // The block's points are those of its leaves; points and leaves have the same order.
+    // The block's points are those of its leaves, and points and leaves have the same order.
     std::size_t end = begin;
     std::uint32_t distinct = 0;
     for (; end < sorted.points.size(); ++end) {

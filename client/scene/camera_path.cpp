@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "common/stream/json_fields.h"
 
 namespace pointreel {
@@ -25,7 +26,7 @@ constexpr double kMinFov = 1.0 * kDegree, kMaxFov = 170.0 * kDegree;
 constexpr std::size_t kMaxFileBytes = std::size_t{4} << 20;
 constexpr std::uint64_t kVersion = 1;
 
-/// What is interpolated: target, logarithm of the distance, yaw, pitch, field of view.
+/// The values that are interpolated: target, logarithm of the distance, yaw, pitch, field of view.
 constexpr std::size_t kYaw = 4;
 using Values = std::array<double, 7>;
 
@@ -40,15 +41,16 @@ Values values_of(const CameraKey& key, const Camera& framed) {
           key.fov_y.value_or(framed.fov_y)};
 }
 
-/// The slope of the cubics that meet at a key with these slopes before and after it, which are so
-/// long.
+/// The slope of the cubics at a key, from the slopes of the intervals before and after it and from
+/// their lengths.
 double inner_slope(double before, double after, double before_length, double after_length) {
   if (!(before * after > 0.0)) return 0.0;
   const double w1 = 2.0 * after_length + before_length, w2 = after_length + 2.0 * before_length;
   return (w1 + w2) / (w1 / before + w2 / after);
 }
 
-/// That of the first or last key, from the slope next to it and the one beyond.
+/// The same at the first or last key, from the slope of the interval beside it and of the one
+/// beyond.
 double end_slope(double near, double far, double near_length, double far_length) {
   const double slope =
       ((2.0 * near_length + far_length) * near - near_length * far) / (near_length + far_length);
@@ -56,7 +58,7 @@ double end_slope(double near, double far, double near_length, double far_length)
   return near * far <= 0.0 && std::abs(slope) > 3.0 * std::abs(near) ? 3.0 * near : slope;
 }
 
-/// Between a and b with these slopes there, t from 0 to 1.
+/// The cubic from a to b with these slopes at its ends, for t from 0 to 1.
 double hermite(double a, double b, double a_slope, double b_slope, double length, double t) {
   const double u = 1.0 - t;
   const double value = a * (1.0 + 2.0 * t) * u * u + b * (3.0 - 2.0 * t) * t * t +
@@ -116,7 +118,7 @@ void CameraPath::set(const CameraKey& key) {
 }
 
 Camera CameraPath::at(std::uint64_t time_us, const Camera& framed) const {
-  // The keys of the interval, and one more on each side of it: first <= a < b <= last.
+  // The keys of the interval and one more on each side: first <= a < b <= last.
   const auto after =
       std::upper_bound(keys.begin(), keys.end(), time_us,
                        [](std::uint64_t time, const CameraKey& k) { return time < k.time_us; });
@@ -129,7 +131,7 @@ Camera CameraPath::at(std::uint64_t time_us, const Camera& framed) const {
     const auto seconds = [&](std::size_t from, std::size_t to) {
       return static_cast<double>(keys[to].time_us - keys[from].time_us) / 1e6;
     };
-    std::array<Values, 4> v;  // of first, a, b, last
+    std::array<Values, 4> v;  // the values of first, a, b and last
     const std::array<std::size_t, 4> index = {first, a, b, last};
     for (std::size_t i = 0; i < 4; ++i) v[i] = values_of(keys[index[i]], framed);
     const auto near = [](double yaw, double to) { return to + std::remainder(yaw - to, kTurn); };
@@ -168,14 +170,14 @@ Camera CameraPath::at(std::uint64_t time_us, const Camera& framed) const {
 }
 
 Result<CameraPath> parse_camera_path(std::string_view text) {
-  const auto root = parse_json(text);
-  if (!root) return tl::unexpected(root.error());
-  Fields fields(*root);
+  const auto root = TRY(parse_json(text));
+  Fields fields(root);
   const std::uint64_t version = fields.integer("pointreel_camera_path", kMaxInteger);
-  if (fields.error()) return fail_at("is no camera path", *fields.error());
+  if (fields.error()) return fail_at("is not a camera path", *fields.error());
   if (version != kVersion)
-    return fail(fmt::format("is a camera path of format {}; this player reads format {}", version,
-                            kVersion));
+    return fail(ErrorCode::unsupported,
+                fmt::format("is a camera path of format {}, but this player reads format {}",
+                            version, kVersion));
   CameraPath path;
   if (fields.has("up")) {
     const std::string up = fields.text("up");
@@ -184,14 +186,14 @@ Result<CameraPath> parse_camera_path(std::string_view text) {
   }
   const nlohmann::json& keys = fields.array("keys");
   if (keys.empty() || keys.size() > kMaxCameraKeys)
-    fields.refuse("keys", fmt::format("are not 1 to {}", kMaxCameraKeys));
+    fields.refuse("keys", fmt::format("must be a list of 1 to {}", kMaxCameraKeys));
   if (fields.error()) return tl::unexpected(*fields.error());
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const std::string place = fmt::format("keys[{}]", i);
     const auto key = parse_key(keys[i]);
     if (!key) return fail_at(place, key.error());
     if (i > 0 && key->time_us <= path.keys.back().time_us)
-      return fail(place + ": seconds: are not after those of the key before");
+      return fail(place + ": seconds: must be greater than those of the key before");
     path.keys.push_back(*key);
   }
   return path;
@@ -217,12 +219,15 @@ std::string write_camera_path(const CameraPath& path) {
 
 Result<CameraPath> load_camera_path(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) return fail(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
+  if (!in)
+    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io,
+                fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
   std::string text(kMaxFileBytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad()) return fail(file + ": cannot be read");
+  if (in.bad()) return fail(ErrorCode::io, file + ": cannot be read");
   text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kMaxFileBytes) return fail(file + ": is no camera path: larger than 4 MiB");
+  if (text.size() > kMaxFileBytes)
+    return fail(ErrorCode::limit, file + ": is not a camera path: it is larger than 4 MiB");
   auto path = parse_camera_path(text);
   if (!path) return fail_at(file, path.error());
   return path;
@@ -236,7 +241,7 @@ Result<void> save_camera_path(const std::string& file, const CameraPath& path) {
   if (out && std::rename(part.c_str(), file.c_str()) == 0) return {};
   const int why = errno;
   std::remove(part.c_str());
-  return fail(fmt::format("{}: cannot be written: {}", file, std::strerror(why)));
+  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", file, std::strerror(why)));
 }
 
 }  // namespace pointreel

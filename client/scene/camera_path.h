@@ -13,11 +13,11 @@
 
 namespace pointreel {
 
-/// Where the camera is at one time. Units are Camera's; what is absent is as the scene is framed,
-/// so that a path of angles alone fits any scene.
+/// Where the camera is at one time. Units are Camera's. Absent values are those with which the
+/// scene is framed, so that a path of angles alone fits any scene.
 struct CameraKey {
   std::uint64_t time_us = 0;         ///< of playback, from the reel's start on
-  std::optional<glm::dvec3> target;  ///< each within +-1e12
+  std::optional<glm::dvec3> target;  ///< each coordinate within +-1e12
   std::optional<double> distance;    ///< 1e-9 to 1e12
   double yaw = 0.0;                  ///< any number of turns within +-1e6 radians
   double pitch = 0.0;                ///< -pi/2 to pi/2
@@ -28,19 +28,19 @@ struct CameraKey {
 
 CameraKey key_of(const Camera& camera, std::uint64_t time_us);
 
-/// A camera that moves through its keys, smoothly: by a cubic between any two (Fritsch and Butland,
-/// "A method for constructing local monotone piecewise cubic interpolants", 1984), which passes no
-/// key's value on its way to the next, stands still between keys that are alike, and turns at a
-/// constant rate where the keys do. Distances are interpolated as logarithms, so that a zoom looks
-/// even; yaw goes the shorter way around. Before its first key and after its last it stands still.
+/// A camera that moves smoothly through its keys, on a cubic between any two (Fritsch and Butland,
+/// "A method for constructing local monotone piecewise cubic interpolants", 1984). It never
+/// overshoots a key's value, stands still between keys that are alike, and turns at a constant rate
+/// where the keys do. Distances are interpolated as logarithms, so that a zoom looks even. Yaw
+/// takes the shorter way round. Before its first key and after its last it stands still.
 struct CameraPath {
-  std::optional<char> up;       ///< the axis that the angles are about; absent: the scene's
-  std::vector<CameraKey> keys;  ///< at least one to be asked `at`; each later than the one before
+  std::optional<char> up;       ///< the axis that the angles refer to; absent: the scene's
+  std::vector<CameraKey> keys;  ///< each later than the one before; `at` needs at least one
 
-  /// Adds a key, in place of one at the same time.
+  /// Adds a key. It replaces a key at the same time.
   void set(const CameraKey& key);
 
-  /// `framed`, moved to where the path is then.
+  /// `framed`, moved to where the path is at this time.
   Camera at(std::uint64_t time_us, const Camera& framed) const;
 
   bool operator==(const CameraPath&) const = default;
@@ -53,17 +53,17 @@ inline constexpr std::size_t kMaxCameraKeys = 10'000;
 ///     {"pointreel_camera_path": 1, "up": "y", "keys": [
 ///       {"seconds": 0, "target": [0, 0.9, 0], "distance": 3, "yaw": 0, "pitch": 10, "fov": 40}]}
 ///
-/// Only version, keys and a key's seconds must be there; yaw and pitch are 0 where they are not.
+/// Only the version, the keys and each key's seconds must be there; yaw and pitch default to 0.
 ///
-/// Trust: the text may be hostile. What it gives is within the bounds of CameraKey, and memory is
+/// Trust: the text may be hostile. The result is within the bounds of CameraKey, and memory is
 /// bounded by the text's length.
 Result<CameraPath> parse_camera_path(std::string_view text);
 /// One line for each key. Angles are rounded to 1e-9 degrees.
 std::string write_camera_path(const CameraPath& path);
 
-/// Files of at most 4 MiB. Errors name the file.
+/// Reads a file of at most 4 MiB. Errors name the file.
 Result<CameraPath> load_camera_path(const std::string& file);
-/// Replaces the file as a whole or not at all.
+/// Replaces the whole file or leaves it as it is.
 Result<void> save_camera_path(const std::string& file, const CameraPath& path);
 
 }  // namespace pointreel

@@ -38,7 +38,7 @@ class View {
               plane(glm::normalize(-axes[1] - ty * axes[2]), eye, 0.0)};
     slope_ = glm::vec2(static_cast<float>(tx), static_cast<float>(ty));
     eye_ = glm::vec3(eye);
-    // A few roundings of numbers up to the eye's distance.
+    // Enough for a few roundings of numbers as large as the eye's distance.
     slack_ = static_cast<float>(1e-6 * (1.0 + glm::length(eye)));
     focal_ = static_cast<float>(0.5 * size.y / ty / std::max(pixel_size, 1e-6f));
   }
@@ -50,9 +50,9 @@ class View {
     return least < -r ? Side::outside : least > r ? Side::inside : Side::crossing;
   }
 
-  /// Projected area below the pixel's. The ellipse to which a sphere of radius s at depth z and
-  /// distance d projects has the area pi f^2 s^2 sqrt(d^2 - s^2) / (z^2 - s^2)^(3/2); compared
-  /// squared, so there is neither a root nor a division.
+  /// Whether the projected area is below the pixel's. The ellipse to which a sphere of radius s at
+  /// depth z and distance d projects has the area pi f^2 s^2 sqrt(d^2 - s^2) / (z^2 - s^2)^(3/2);
+  /// it is compared squared, which needs neither a root nor a division.
   bool small(const glm::vec3& center, float half) const {
     const float z = forward_.distance(center);
     if (!(z > kSqrt3 * half + near_ + slack_)) return false;
@@ -71,8 +71,8 @@ class View {
   }
 
   /// True only if `small` is true for every node of this size that is not culled and whose centre
-  /// is at least so deep: the area falls with depth, and its distance from the eye is at most that
-  /// of the frustum's edge plus the node's radius.
+  /// has at least this depth: the area falls with depth, and the centre is no farther from the eye
+  /// than the frustum's edge plus the node's radius.
   bool all_small(float half, float z) const {
     const float radius = kSqrt3 * half + 2.0f * slack_;
     if (!(z > radius + near_)) return false;
@@ -98,7 +98,7 @@ class View {
   Plane forward_{};
   std::array<Plane, 4> sides_{};
   glm::vec3 eye_{};
-  glm::vec2 slope_{};  ///< of the frustum's sides
+  glm::vec2 slope_{};  ///< the slopes of the frustum's sides
   float near_ = 0.0f, slack_ = 0.0f, focal_ = 1.0f;
 };
 
@@ -120,9 +120,9 @@ constexpr auto kOctants = [] {
 constexpr Int4 kCorners[8] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
                               {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0}};
 
-/// Calls write(k, corner) for the k-th child, and for some k behind the last. How many children a
-/// node has cannot be guessed, and guessing wrong costs more than writing what the next node's
-/// children overwrite.
+/// Calls write(k, corner) for the k-th child, and for some k beyond the last. The processor cannot
+/// predict how many children a node has, and a wrong prediction costs more than writing elements
+/// that the next node's children overwrite.
 template <class Write>
 inline void write_children(unsigned mask, unsigned count, const Write& write) {
   const std::array<std::uint8_t, 8>& octants = kOctants[mask];
@@ -136,12 +136,12 @@ inline void write_children(unsigned mask, unsigned count, const Write& write) {
   for (int k = 4; k < 8; ++k) write_one(k);
 }
 
-/// So many elements behind those that count may be written.
+/// How many elements beyond those that count may be written.
 constexpr std::size_t kOverwritten = 8;
 
 Int4 load(const std::array<std::int32_t, 4>& lanes) { return std::bit_cast<Int4>(lanes); }
 
-/// Writes a node's place and size, of which the first three lanes are the centre.
+/// Writes a node's place and size. The first three lanes are the centre.
 void store(CutNode* out, std::uint32_t node, const Float4& place) {
   static_assert(offsetof(CutNode, half) == offsetof(CutNode, center) + 3 * sizeof(float));
   out->node = node;
@@ -199,7 +199,7 @@ CutStats VoxelCut::run(const Svo& svo, const Camera& camera, glm::ivec2 size, fl
     const bool may_be_small = view.any_small(half);
     next_crossing_.clear();
     Item* inside = next_inside_.data();
-    // Of a node on this level, and of its children: half an edge in the source's units.
+    // Half the edge of a node on this level, and of its children, in the source's units.
     const float world_half = half * static_cast<float>(svo.cube.edge);
     const float child_half = 0.5f * world_half;
 

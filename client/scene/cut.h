@@ -21,49 +21,50 @@ struct CutNode {
 };
 
 struct CutStats {
-  std::uint32_t visited = 0;  ///< nodes that the traversal came to, culled ones included
+  std::uint32_t visited = 0;  ///< nodes that the traversal reached, culled ones included
   std::uint32_t emitted = 0;
-  std::uint32_t out_of_view = 0;  ///< leaves of the nodes that were culled
+  std::uint32_t out_of_view = 0;  ///< leaves below the nodes that were culled
 };
 
-/// The finest level at which a cut can emit nodes, whatever the tree: all nodes of this level that
-/// hold a point within `bounds` and are not culled are too small to be divided. 0 to kMaxDepth,
-/// which it also is where no level is too fine (an eye within the bounds, a pixel size of 0).
-/// `cube` is the tree's. Never too coarse; finer than need be where what is nearest is not in the
-/// picture.
+/// The finest level at which a cut can emit nodes, for any tree in this cube: all nodes of this
+/// level that hold a point within `bounds` and are not culled are too small to be divided. 0 to
+/// kMaxDepth; kMaxDepth also if no level is too fine (an eye within the bounds, a pixel size of 0).
+/// The result is never too coarse. It is finer than necessary if the nearest part of the bounds is
+/// not in the picture.
 int finest_level(const Cube& cube, const Box& bounds, const Camera& camera, glm::ivec2 size,
                  float pixel_size);
 
-/// The potentially visible voxels of an octree at the resolution of the picture: paper 2, section
-/// VI-B. From the root down, a node whose bounding sphere lies outside the frustum is dropped, and
-/// a node is emitted when it has no children or when its projection is too small to matter.
+/// The potentially visible voxels of an octree at the resolution of the picture (Slomp et al.,
+/// Geometry Instancing, section VI-B). Going down from the root, a node whose bounding sphere lies
+/// outside the frustum is dropped, and a node is emitted if it has no children or if its projection
+/// is too small to matter.
 ///
-/// Too small means, as in the paper, that the projected *area* is below that of a pixel. The area
-/// is that of the sphere whose silhouette equals the cube's mean silhouette (6 half^2, a quarter of
-/// its surface), exact off the axis too; a node that reaches the near plane never stops (ERRATA
-/// 13).
+/// As in the paper, too small means that the projected *area* is below that of a pixel. The area is
+/// that of the sphere whose silhouette equals the cube's mean silhouette (6 half^2, a quarter of
+/// its surface), exact off the axis too. A node that reaches the near plane is always divided
+/// (common/FORMULAS.md, "Projected size" and "Frustum test").
 ///
-/// No node of which a point is visible is ever culled: spheres are widened by the rounding error of
-/// the arithmetic. A node whose sphere lies inside the frustum passes that on to its descendants,
-/// which are tested no more.
+/// A node with a visible point is never culled: spheres are widened by the rounding error of the
+/// arithmetic. Once a node's sphere lies inside the frustum, its descendants are not tested again.
 ///
 /// Keeps its buffers between calls.
 class VoxelCut {
  public:
-  /// `size`: of the picture in pixels, both > 0. `pixel_size`: edge in pixels of the square whose
-  /// area stops the descent; 1 is the paper's criterion, 0 descends to the leaves.
+  /// `size`: of the picture in pixels, both > 0. `pixel_size`: a node whose projection is smaller
+  /// than a square with this edge in pixels is not divided; 1 is the paper's criterion, 0 goes down
+  /// to the leaves.
   CutStats run(const Svo& svo, const Camera& camera, glm::ivec2 size, float pixel_size);
 
-  /// What the last run emitted, coarser levels first; valid until the next run.
+  /// The nodes that the last run emitted, coarser levels first; valid until the next run.
   std::span<const CutNode> nodes() const { return {nodes_.data(), emitted_}; }
 
  private:
-  /// The cell's coordinates on its level, and the node.
+  /// A cell's coordinates on its level, and its node.
   using Item = std::array<std::int32_t, 4>;
 
-  /// Written without growing: no cut has more nodes than the tree has leaves, no list of a level
-  /// more than the level, plus what is written ahead. So these only ever become larger, and
-  /// `emitted_` counts.
+  /// These are written without growing, because no cut has more nodes than the tree has leaves, and
+  /// no list of a level has more than the level, plus what is written ahead. So their sizes only
+  /// ever grow, and `emitted_` counts.
   std::vector<CutNode> nodes_;
   std::size_t emitted_ = 0;
   std::vector<Item> inside_, next_inside_;

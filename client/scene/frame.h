@@ -14,7 +14,7 @@
 
 namespace pointreel {
 
-/// The level of a frame to which nothing could be added by fetching or preparing more of it.
+/// The level of a frame that fetching or preparing more of it would not make finer.
 inline constexpr int kWholeFrame = kMaxDepth;
 
 /// A decoded frame, ready to draw. Immutable once the pipeline has made it.
@@ -24,43 +24,44 @@ inline constexpr int kWholeFrame = kMaxDepth;
 struct SceneFrame {
   std::uint32_t index = 0;    ///< in the reel
   std::uint64_t time_us = 0;  ///< from the reel's start
-  /// What surfels and points draw where it is not empty; else they draw the tree, as voxels do.
+  /// Surfels and points draw the cloud if it is not empty, else the tree, as voxels do.
   PointCloud cloud;
   Svo svo;
-  // Of the cloud and of the tree's nodes alike: colours are present only if the source has them,
-  // normals in surfel mode and where there are no colours (estimated from neighbours where the
-  // source has none; zero where unknown), radii in surfel mode.
+  // The cloud and the tree's nodes have the same attributes: colours only if the source has them;
+  // normals in surfel mode, where there are no colours, and where they are shown (estimated from
+  // neighbours if the source has none; zero where unknown); radii in surfel mode.
   NodeAttributes attributes;
   std::vector<float> radii;  ///< of the nodes
-  /// Of the nodes, in voxel mode where there were gaps between voxels (gap_filling.h); else empty.
+  /// Which nodes fill gaps between voxels (gap_filling.h); empty if none do.
   FilledNodes filled;
-  /// Of the leaves, in voxel mode where enough voxels hide others (worth_hiding); else empty.
+  /// One entry for each leaf, in voxel mode if enough voxels hide others (worth_hiding); else
+  /// empty.
   std::vector<NeighborBits> neighbors;
-  /// The normals were estimated from neighbours: their line is right, their sign may be wrong, so
-  /// the side that they point to is no reason to cull.
+  /// The normals were estimated from neighbours. Their line is right but their sign may be wrong,
+  /// so that surfels must not be culled by the side that they face.
   bool normals_estimated = false;
 
-  /// The finest level of the tree that would be drawn if everything was in it. A cut that ends
-  /// below it needs the frame to be fetched or prepared again.
+  /// The finest level of the tree that can be drawn from this frame. A view that shows finer levels
+  /// needs the frame to be fetched or prepared again.
   int level = kWholeFrame;
-  std::uint32_t points = 0;  ///< that the source had, as far as the frame tells
-  std::uint32_t layers = 0;  ///< that it was made of; 0: a file
-  /// What it took to make, in the order of the stages; normals: where estimated.
+  std::uint32_t points = 0;  ///< of the source, as far as the frame tells
+  std::uint32_t layers = 0;  ///< that the frame was made of; 0 for a file
+  /// How long each stage took, in their order; normals only if they were estimated.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };
 
-/// Bytes that it takes, of what grows with its points.
+/// The bytes that a frame takes in memory.
 std::uint64_t memory_of(const SceneFrame& frame);
 
-/// A frame and where it stands in the world.
+/// A frame and its place in the world.
 struct PlacedFrame {
   std::shared_ptr<const SceneFrame> frame;  ///< null: nothing
-  glm::dvec3 place{0.0};                    ///< is added to its coordinates
+  glm::dvec3 place{0.0};                    ///< added to its coordinates
 
   bool operator==(const PlacedFrame&) const = default;
 };
 
-/// What is seen at a time: a frame of each source.
+/// What is seen at one time: a frame of each source.
 using Scene = std::vector<PlacedFrame>;
 
 }  // namespace pointreel

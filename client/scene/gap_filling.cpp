@@ -12,10 +12,10 @@
 namespace pointreel {
 namespace {
 
-/// Leaves for each node above them, of a surface whose gaps are worth filling. A closed one has
-/// four; random points, two of them a cell, 3.5. Below the least, gaps are many cells wide.
+/// How many leaves a parent has on a surface whose gaps are worth filling. A closed surface has
+/// four; random points, two to a cell, have 3.5. Below the least, gaps are many cells wide.
 constexpr double kClosedGrowth = 3.4, kLeastGrowth = 1.7;
-/// Where the leaves are coarser than the delta rule wants them, for a view from afar, gaps are as
+/// If the leaves are coarser than the delta rule wants them, for a view from afar, the gaps are as
 /// wide as before but have fewer cells.
 constexpr double kCoarsePointsPerLeaf = 5.0;
 constexpr int kWidest = 3, kWidestOfCoarse = 1;
@@ -27,14 +27,14 @@ constexpr unsigned cell_number(int x, int y, int z) {
   return static_cast<unsigned>(x + 4 * y + 16 * z);
 }
 
-/// The cells of a node's first child, all of them. The next child's are two further along an axis.
+/// All cells of a node's first child. Those of the next child are two further along an axis.
 constexpr Cells kChild = 0x330033;
 constexpr unsigned child_shift(unsigned child) {
   return cell_number(2 * static_cast<int>(child & 1u), 2 * static_cast<int>(child >> 1 & 1u),
                      2 * static_cast<int>(child >> 2));
 }
 
-/// The cells of that child that its mask names, and back.
+/// The cells of that child that its mask names, and the mask from the cells.
 constexpr auto kSpread = [] {
   std::array<Cells, 256> spread{};
   for (unsigned mask = 0; mask < 256; ++mask) {
@@ -49,7 +49,7 @@ constexpr unsigned mask_of(Cells cells) {
                                (cells >> 20 & 3u) << 6);
 }
 
-/// Where each cell comes in the order of the leaves, and cells in that order.
+/// The position of each cell in the order of the leaves, and the cells in that order.
 constexpr auto kOrder = [] {
   std::array<std::uint8_t, 64> order{};
   for (unsigned i = 0; i < 64; ++i) {
@@ -65,17 +65,17 @@ constexpr Cells in_order(Cells cells) {
   return ordered;
 }
 
-/// Numbers of the nodes around one on its level, and its own, or a number behind the last where
-/// there is none: 1 + x + 3 (1 + y) + 9 (1 + z), each of them -1 to 1.
+/// The numbers of a node and of the nodes around it on its level, at 1 + x + 3 (1 + y) + 9 (1 + z)
+/// with each coordinate from -1 to 1. Where there is no node, a number beyond the last.
 using Around = std::array<std::uint32_t, 27>;
 constexpr std::size_t kMiddle = 13;
 
-/// The cells that lie `distance` further along a line, seen from each of a brick's: parts of up to
-/// eight bricks around it, moved.
+/// For each cell of a brick, the cell that lies `distance` further along a line. Together these are
+/// parts of up to eight bricks around it, moved.
 struct Move {
   struct Part {
-    std::uint8_t brick;  ///< of Around
-    std::int8_t ahead;   ///< cell i is seen from i - ahead, if that is one of those
+    std::uint8_t brick;  ///< its index in Around
+    std::int8_t ahead;   ///< cell i is seen from cell i - ahead, if the mask has that
     Cells seen_from;
   };
   std::array<Part, 8> parts{};
@@ -84,7 +84,7 @@ struct Move {
   constexpr Move() = default;
   constexpr Move(const std::array<int, 3>& line, int distance) {
     for (unsigned crossing = 0; crossing < 8; ++crossing) {
-      // Per axis: whether the cells that are seen lie in the next brick.
+      // For each axis, whether the cells that are seen lie in the next brick.
       std::array<int, 3> step{}, brick{};
       bool possible = true;
       for (unsigned axis = 0; axis < 3; ++axis) {
@@ -110,8 +110,8 @@ struct Move {
   }
 };
 
-/// Of the cells of a part's brick, those that are seen, where they are seen from. What is shifted
-/// out comes in again on the other side, where nothing is seen from.
+/// Moves the cells of a part's brick to the cells that they are seen from. Bits that are shifted
+/// out come in on the other side, where the mask drops them.
 constexpr Cells seen(const Move::Part& part, Cells cells) {
   const auto ahead = static_cast<unsigned>(part.ahead) & 63u;
   return (cells >> ahead | cells << (-ahead & 63u)) & part.seen_from;
@@ -138,8 +138,7 @@ constexpr auto kMoves = [] {
   return lines;
 }();
 
-/// What surrounds each node of a level: neighbours of a level's nodes follow from those of the
-/// level above.
+/// The nodes around each node of a level. They follow from those of the level above.
 std::vector<Around> nodes_around(const Svo& svo, int level) {
   std::vector<Around> around(1), below;
   around[0].fill(1);
@@ -154,7 +153,7 @@ std::vector<Around> nodes_around(const Svo& svo, int level) {
       for (unsigned mask = svo.masks[first + i]; mask != 0; mask &= mask - 1, ++child_number) {
         const int child = std::countr_zero(mask);
         for (int n = 0; n < 27; ++n) {
-          // In cells of the parent's 2^3, of which one more lies on each side.
+          // Counted in cells of the parent's 2^3, with one more on each side.
           const int x = (child & 1) + n % 3 - 1, y = (child >> 1 & 1) + n / 3 % 3 - 1,
                     z = (child >> 2) + n / 9 - 1;
           const int parent = 1 + (x >> 1) + 3 * (1 + (y >> 1)) + 9 * (1 + (z >> 1));
@@ -174,7 +173,7 @@ std::vector<Around> nodes_around(const Svo& svo, int level) {
   return around;
 }
 
-/// The cells between two of those that are there, `widest` apart at most.
+/// The empty cells between two occupied ones that are no more than `widest` cells apart.
 Cells cells_between(const std::array<Cells, 27>& there, int widest) {
   const auto see = [&there](const Move& move) {
     Cells cells = 0;
@@ -186,7 +185,8 @@ Cells cells_between(const std::array<Cells, 27>& there, int widest) {
   };
   Cells between = 0;
   for (const Line& line : kMoves) {
-    // Backwards, up to a distance; the nearer the one ahead, the farther the one behind may be.
+    // Cells within a distance backwards: the nearer the leaf ahead, the farther the leaf behind may
+    // be.
     std::array<Cells, kWidest> behind{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(widest); ++i)
       behind[i] = see(line.moves[1][i]) | (i > 0 ? behind[i - 1] : 0);
@@ -198,14 +198,14 @@ Cells cells_between(const std::array<Cells, 27>& there, int widest) {
 
 /// The cells of a node two levels above the leaves.
 struct Brick {
-  Cells before = 0, after = 0;   ///< without and with what fills gaps
-  Cells ordered = 0;             ///< the latter in the order of the leaves
-  std::uint32_t first_leaf = 0;  ///< of the tree afterwards, counted from its first leaf
+  Cells before = 0, after = 0;   ///< without and with the cells that fill gaps
+  Cells ordered = 0;             ///< `after` in the order of the leaves
+  std::uint32_t first_leaf = 0;  ///< its index among the leaves of the new tree
 };
 
 std::vector<Brick> find_bricks(const Svo& svo, const std::vector<Around>& around, int widest) {
   const std::uint32_t first = svo.level_begin[static_cast<std::size_t>(svo.depth) - 2];
-  std::vector<Cells> cells(around.size() + 1, 0);  // the last: of a brick that is not there
+  std::vector<Cells> cells(around.size() + 1, 0);  // the last stands for a missing brick
   for (std::size_t i = 0; i < around.size(); ++i) {
     std::uint32_t child = svo.first_child[first + i];
     for (unsigned mask = svo.masks[first + i]; mask != 0; mask &= mask - 1, ++child) {
@@ -225,7 +225,7 @@ std::vector<Brick> find_bricks(const Svo& svo, const std::vector<Around>& around
   return bricks;
 }
 
-/// The tree with those leaves, and which of its nodes are new.
+/// The tree with these leaves, and which of its nodes are new.
 std::pair<Svo, FilledNodes> tree_of(const Svo& before, std::span<const Brick> bricks) {
   Svo svo;
   svo.cube = before.cube;
@@ -269,8 +269,8 @@ std::uint32_t leaf_at(const Brick& brick, unsigned cell) {
   return brick.first_leaf + static_cast<std::uint32_t>(std::popcount(brick.ordered & lower));
 }
 
-/// Gives the `wanted` leaves of a brick the means of what is `known` and touches them: which are
-/// touched by anything.
+/// Gives the `wanted` leaves of a brick the means of the `known` leaves that touch them. Returns
+/// those that any touches.
 template <class Value>
 Cells fill_cells(std::span<Value> leaves, std::span<const Brick> bricks, const Around& around,
                  std::span<const Cells> known, Cells wanted, const Brick& brick) {
@@ -302,8 +302,8 @@ Cells fill_cells(std::span<Value> leaves, std::span<const Brick> bricks, const A
   return found;
 }
 
-/// Gives new leaves values, from those that were there outwards. Those that cannot be reached get
-/// that of their brick.
+/// Gives new leaves values, outwards from the old ones. Leaves that are not reached that way get
+/// the value of their brick.
 template <class Value>
 void fill_leaves(std::span<Value> leaves, std::span<const Value> brick_values,
                  std::span<const Brick> bricks, const std::vector<Around>& around) {
@@ -324,7 +324,7 @@ void fill_leaves(std::span<Value> leaves, std::span<const Value> brick_values,
   }
 }
 
-/// Gives new nodes of a tree values. `values` are those of the nodes that were there, in order.
+/// Gives the new nodes of a tree values. `values` are those of the old nodes, in order.
 template <class Value>
 void fill_values(std::vector<Value>& values, const Svo& svo, const FilledNodes& filled,
                  std::span<const Brick> bricks, const std::vector<Around>& around) {

@@ -10,11 +10,11 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr double kClosedGrowth = 3.0;
 
-/// The nodes beside a node on its level, by direction as in NeighborBits.
+/// The nodes beside a node on its level, in the directions of NeighborBits.
 using Beside = std::array<std::uint32_t, 6>;
 
-/// Towards a direction, the neighbour of a parent's child lies in the same parent or in the one
-/// beside that; there it is the child across the axis.
+/// The neighbour of a child lies in the same parent or in the parent beside it. There it is the
+/// child across the axis.
 struct Place {
   std::uint32_t parent;  ///< or kNone
   unsigned child;

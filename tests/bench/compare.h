@@ -1,9 +1,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
-#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 

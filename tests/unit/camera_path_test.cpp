@@ -177,17 +177,17 @@ TEST(CameraPathFile, names_the_problem_and_its_place_in_an_invalid_file) {
     return error(R"({"pointreel_camera_path": 1, "keys": [)" + list + "]}");
   };
   EXPECT_EQ(error("ply\nformat"), "is not valid JSON");
-  EXPECT_EQ(error("[]"), "is no camera path: is not a JSON object");
-  EXPECT_EQ(error("{}"), "is no camera path: pointreel_camera_path: is missing");
+  EXPECT_EQ(error("[]"), "is not a camera path: is not a JSON object");
+  EXPECT_EQ(error("{}"), "is not a camera path: pointreel_camera_path: is missing");
   EXPECT_EQ(error(R"({"pointreel_camera_path": 2})"),
-            "is a camera path of format 2; this player reads format 1");
+            "is a camera path of format 2, but this player reads format 1");
   EXPECT_EQ(error(R"({"pointreel_camera_path": 1, "up": "x", "keys": [{"seconds": 0}]})"),
             "up: is neither \"y\" nor \"z\"");
-  EXPECT_EQ(keys(""), "keys: are not 1 to 10000");
+  EXPECT_EQ(keys(""), "keys: must be a list of 1 to 10000");
   EXPECT_EQ(keys("{}"), "keys[0]: seconds: is missing");
   EXPECT_EQ(keys(R"({"seconds": -1})"), "keys[0]: seconds: is not from 0 to 1e+09");
   EXPECT_EQ(keys(R"({"seconds": 1}, {"seconds": 1})"),
-            "keys[1]: seconds: are not after those of the key before");
+            "keys[1]: seconds: must be greater than those of the key before");
   EXPECT_EQ(keys(R"({"seconds": 0, "pitch": 90.5})"), "keys[0]: pitch: is not from -90 to 90");
   EXPECT_EQ(keys(R"({"seconds": 0, "distance": 0})"),
             "keys[0]: distance: is not from 1e-09 to 1e+12");
@@ -204,7 +204,7 @@ TEST(CameraPathFile, names_the_file_in_every_error) {
   EXPECT_EQ(load_camera_path(missing).error().message,
             missing + ": cannot be opened: No such file or directory");
   const std::string bad = folder.write("bad.json", "{}").string();
-  EXPECT_TRUE(load_camera_path(bad).error().message.starts_with(bad + ": is no camera path"));
+  EXPECT_TRUE(load_camera_path(bad).error().message.starts_with(bad + ": is not a camera path"));
   EXPECT_TRUE(load_camera_path(folder.path().string())
                   .error()
                   .message.starts_with(folder.path().string() + ": "));

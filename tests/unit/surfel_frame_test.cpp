@@ -1,10 +1,10 @@
-#include "client/render/surfel_frame.h"
-
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/stability/surfel_frames.h"
 
 namespace pointreel {
 namespace {
@@ -14,7 +14,8 @@ std::vector<glm::vec3> normals() {
   for (const float y : {1.0f, -1.0f}) {
     all.push_back({0.0f, y, 0.0f});
     all.push_back({0.0f, std::nextafter(y, 0.0f), 0.0f});
-    // One ulp beside the pole, the smallest numbers beside it, and both sides of the tolerance.
+    // One ulp beside the pole, the smallest numbers beside it, and both sides of the tolerance of
+    // surfel.glsl.
     for (const float beside :
          {std::nextafter(0.0f, 1.0f), 1.2e-38f, 6e-8f, 0.99e-6f, 1.01e-6f, 1e-4f}) {
       for (const float sign : {1.0f, -1.0f}) {
@@ -37,9 +38,13 @@ std::vector<glm::vec3> normals() {
 }
 
 TEST(SurfelFrame, is_orthonormal_and_right_handed_for_every_normal) {
-  for (const glm::vec3& n : normals()) {
-    const SurfelFrame frame = surfel_frame(n);
-    const glm::dvec3 u(frame.u), v(frame.v), w(n);
+  const std::vector<glm::vec3> all = normals();
+  const auto frames = surfel_frames(all);
+  ASSERT_TRUE(frames) << frames.error().message;
+  ASSERT_EQ(frames->size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const glm::vec3& n = all[i];
+    const glm::dvec3 u((*frames)[i].u), v((*frames)[i].v), w(n);
     ASSERT_NEAR(glm::length(u), 1.0, 1e-6) << n.x << " " << n.y << " " << n.z;
     ASSERT_NEAR(glm::length(v), 1.0, 1e-6) << n.x << " " << n.y << " " << n.z;
     ASSERT_NEAR(glm::dot(u, v), 0.0, 1e-6);

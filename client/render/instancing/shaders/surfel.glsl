@@ -1,12 +1,13 @@
-// A surfel as an oriented quad: paper 2, section V-A, with ERRATA 1 to 3.
-// What the vertices have in common, for every scale; clip coordinates.
+// A surfel as an oriented quad: Slomp et al., Geometry Instancing, section V-A, corrected as
+// FORMULAS.md says under "Surfel frame" and "Surfel transform". An Element holds what the vertices
+// have in common, for every scale.
 struct Element {
-  vec4 center, u, v;
-  vec3 color;  // linear
-  float away;  // radius in distances from the eye
+  vec4 center, u, v;  // clip coordinates
+  vec3 color;         // linear
+  float away;         // radius divided by the distance from the eye
 };
 
-// The same as surfel_frame.h.
+// The tangents of a unit normal; (u, v, n) is orthonormal and right-handed.
 void surfel_frame(vec3 n, out vec3 u, out vec3 v) {
   bool at_pole = n.x * n.x + n.z * n.z < 1e-12;
   vec3 a = at_pole ? vec3(0.0, 0.0, -1.0) : vec3(0.0, 1.0, 0.0);
@@ -14,7 +15,7 @@ void surfel_frame(vec3 n, out vec3 u, out vec3 v) {
   v = cross(n, u);
 }
 
-// The normal as it is drawn: a surfel of unknown orientation faces the eye.
+// The normal with which a surfel is drawn. A surfel of unknown orientation faces the eye.
 vec3 surfel_normal(Instance surfel, vec3 to_eye) {
   bool known = dot(surfel.normal, surfel.normal) > 0.25;
   return known ? normalize(oriented(surfel.normal, to_eye)) : to_eye;

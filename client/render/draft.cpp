@@ -7,18 +7,22 @@
 namespace pointreel {
 namespace {
 
-/// A hand notices no delay below it.
+/// Shorter delays are not noticed by hand.
 constexpr double kHandMs = 16.0;
-/// Of the time between two frames: they are decoded meanwhile.
+/// The share of the frame interval that drawing may take. Frames are decoded at the same time.
 constexpr double kShareOfClock = 0.75;
-/// Of a whole picture's time, by level: 916,000 surfels on software OpenGL.
+/// How long a picture takes at each level, as a share of level 0. Measured with 916,000 surfels on
+/// software OpenGL.
 constexpr std::array<double, Draft::kCoarsest + 1> kShare = {1.0, 0.3, 0.12};
-constexpr int kUnknown = 2;  ///< level while nothing is known
-/// Of what the first picture took: it is the one that shaders are compiled for.
+constexpr int kUnknown = 2;  ///< the level before anything was measured
+/// The share of the first picture's time that is taken for drawing. The rest is the compilation of
+/// shaders.
 constexpr double kTrustInFirst = 0.25;
 
-constexpr int kLate = 3;  ///< pictures that take too long, or fewer that take much too long
-/// Of the time that there is: what is finer is to leave some.
+/// The level becomes coarser after this many pictures that take too long, or after fewer that take
+/// much too long.
+constexpr int kLate = 3;
+/// The share of the time that a finer level may be predicted to take.
 constexpr double kRoom = 0.7;
 constexpr int kPatience = 30, kMostPatience = 16 * kPatience;
 
@@ -56,13 +60,13 @@ int Draft::level_at_clock(double ms) {
     return finest_within(drawn_ > 1 ? ms : ms / kTrustInFirst);
   }
   ++since_finer_;
-  // One that is late now and then is the machine's doing.
+  // A single late picture now and then may be due to anything else on the machine.
   const double share = predicted(level_) / std::max(ms, 1e-3);
   late_ = share > 1.0 ? late_ + static_cast<int>(std::min<double>(share, kLate))
                       : std::max(0, late_ - 1);
   in_time_ = level_ > 0 && predicted(level_ - 1) < kRoom * ms ? in_time_ + 1 : 0;
   if (late_ >= kLate && level_ < kCoarsest) {
-    // What was tried in vain is tried again after twice the time.
+    // The last attempt at a finer level failed: wait twice as long before the next.
     if (since_finer_ < patience_) patience_ = std::min(2 * patience_, kMostPatience);
     late_ = in_time_ = 0;
     return std::max(level_ + 1, finest_within(ms));

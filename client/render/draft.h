@@ -6,27 +6,27 @@
 
 namespace pointreel {
 
-/// Who waits for a picture.
+/// Why a picture is urgent.
 struct Haste {
   enum class Of {
-    nobody,
-    clock,  ///< there is another one after `frame_ms`
-    hand,   ///< that moves the camera or the time; or the first one is to be seen
+    nobody,  ///< it is not
+    clock,   ///< frames play, and the next one is due after `frame_ms`
+    hand,    ///< the user moves the camera or drags the time, or waits for the first picture
   };
   Of of = Of::nobody;
   double frame_ms = 0.0;
 };
 
-/// How much smaller than it is shown to draw a picture that is waited for.
+/// Decides how many fewer pixels an urgent picture is drawn with than it is shown with.
 class Draft {
  public:
-  static constexpr int kCoarsest = 2;  ///< level, each of half as many pixels a side
+  static constexpr int kCoarsest = 2;  ///< the last level; each has half as many pixels per side
 
-  /// The DrawOptions::reduction of the next picture, of so many elements. So that nothing flickers,
-  /// it only becomes coarser while a hand moves, and while the clock runs, finer only after many
-  /// pictures that left time for it.
+  /// The DrawOptions::reduction for the next picture, which has this many elements. To avoid
+  /// flicker, pictures only become coarser while a hand moves, and while frames play they become
+  /// finer only after many pictures that left enough time.
   int reduction(const Haste& haste, std::uint64_t elements);
-  /// Drawing so many, with the last reduction, took so long.
+  /// Reports how long it took to draw this many elements with the last reduction.
   void drew(std::uint64_t elements, double ms);
 
  private:
@@ -35,18 +35,18 @@ class Draft {
   double predicted(int level) const;
 
   std::uint64_t elements_ = 1;   ///< of the next picture
-  double ms_per_element_ = 0.0;  ///< at level 0, roughly
-  int drawn_ = 0;                ///< pictures, counted up to the second
-  int level_ = 0;                ///< of the last one
-  // While the clock runs.
+  double ms_per_element_ = 0.0;  ///< an estimate for level 0
+  int drawn_ = 0;                ///< pictures drawn; stops at two
+  int level_ = 0;                ///< of the last picture
+  // While frames play:
   bool at_clock_ = false;
-  int late_ = 0;     ///< how often and how much pictures took too long
-  int in_time_ = 0;  ///< pictures in a row, for which a finer level would have done as well
-  int since_finer_ = 0;
-  int patience_ = 0;  ///< how many of them make it finer
+  int late_ = 0;         ///< weighs how many of the last pictures took too long, and by how much
+  int in_time_ = 0;      ///< pictures in a row for which the next finer level was fast enough
+  int since_finer_ = 0;  ///< pictures since the level last became finer
+  int patience_ = 0;     ///< value of in_time_ at which the level becomes finer
 };
 
-/// Leaves and points that could be drawn.
+/// The number of leaves and points that a scene has.
 std::uint64_t element_count(const Scene& scene);
 
 }  // namespace pointreel

@@ -1,5 +1,5 @@
 # cmake -D OUTPUT=shaders.cpp -D ROOT=FOLDER -D SHADERS=a.glsl,b/c.glsl -P embed_shaders.cmake
-# Writes a C++ source that holds the given files of ROOT as text (see shaders.h).
+# Writes a C++ source that contains the given files of ROOT as text (see shaders.h).
 string(REPLACE "," ";" shaders "${SHADERS}")
 set(source "// Made by embed_shaders.cmake.\n#include \"client/render/shaders.h\"\n\n")
 string(APPEND source "namespace pointreel {\n\nstd::string_view shader_source(std::string_view file) {\n")

@@ -1,6 +1,6 @@
 #include "client/render/eye_dome_lighting.h"
 
-#include <utility>
+#include "common/base/try.h"
 
 namespace pointreel {
 
@@ -9,22 +9,20 @@ EyeDomeLighting::EyeDomeLighting()
                 {GL_FRAGMENT_SHADER, {"shaders/eye_dome.frag.glsl"}}}) {}
 
 Result<void> EyeDomeLighting::resize(const gl::Texture& color, const gl::Texture& depth) {
-  auto picture = gl::make_framebuffer(color);
-  if (!picture) return fail(picture.error().message);
-  picture_ = std::move(*picture);
+  picture_ = TRY(gl::make_framebuffer(color));
   depth_ = depth.name();
   return {};
 }
 
 Result<void> EyeDomeLighting::draw(float strength, const gl::Texture* sums) {
-  if (auto used = program_.use(); !used) return used;
+  TRY(program_.use());
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glBindTextureUnit(0, depth_);
   glBindTextureUnit(1, sums ? sums->name() : 0);
   glUniform1f(0, strength);
   glUniform1i(1, sums ? 1 : 0);
   glDisable(GL_DEPTH_TEST);
-  // The shader gives a factor of the colours that are there, in linear light.
+  // The shader's result multiplies the colours of the picture, in linear light.
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
   glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);

@@ -4,27 +4,27 @@
 
 namespace pointreel {
 
-/// Darkens what lies behind its neighbours in the picture, by how far it does: C. Boucheny,
-/// "Visualisation scientifique interactive de grands volumes de données", 2009. It shows shape from
-/// depth alone, so it suits clouds without normals and colours.
+/// Darkens each pixel by how far it lies behind its neighbours: C. Boucheny, "Visualisation
+/// scientifique interactive de grands volumes de données", 2009. It shows shape from depth alone,
+/// so it suits clouds without normals and colours.
 class EyeDomeLighting {
  public:
   EyeDomeLighting();
 
-  /// For pictures whose colours, encoded as sRGB when they are written, and depths are in these
-  /// textures, which stay the caller's.
+  /// Sets the colours (encoded as sRGB when they are written) and the depths of the pictures to
+  /// come. The caller keeps the textures.
   Result<void> resize(const gl::Texture& color, const gl::Texture& depth);
 
-  /// Of a drawn picture. strength > 0: at 1, what lies a hundredth farther than all that is around
-  /// it keeps 40 % of its light. `sums` are those of splats, if they were drawn by their means: a
-  /// pixel without any was filled, and its depth is none of a surface. Depth test and blending are
-  /// off afterwards.
+  /// Darkens the picture that was drawn. `strength` is above 0; at 1, a pixel that is a hundredth
+  /// farther away than all its neighbours keeps 40 % of its light. `sums` are Splatter::sums if the
+  /// picture was drawn with Splatting::normalized, else null: pixels without a sum were filled, and
+  /// their depth is not that of a surface. Depth test and blending are off afterwards.
   Result<void> draw(float strength, const gl::Texture* sums);
 
  private:
   gl::LateProgram program_;
-  gl::Framebuffer picture_;  ///< colour alone: the depth is read
-  GLuint depth_ = 0;         ///< the caller's
+  gl::Framebuffer picture_;  ///< without depth, which the shader reads
+  GLuint depth_ = 0;
   gl::VertexArray no_attributes_ = gl::VertexArray::create();
 };
 

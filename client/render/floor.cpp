@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "client/render/srgb.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 Floor::Floor()
@@ -24,7 +25,7 @@ Floor::Floor()
 Result<void> Floor::draw(const FloorGrid& grid, const Camera& camera, const glm::vec3& background) {
   const std::vector<FloorLine> lines = floor_lines(grid, camera);
   if (lines.empty()) return {};
-  if (auto used = program_.use(); !used) return used;
+  TRY(program_.use());
   const auto bytes = static_cast<GLsizeiptr>(lines.size() * sizeof(FloorLine));
   if (lines.size() > capacity_) {
     capacity_ = lines.size();
@@ -38,7 +39,7 @@ Result<void> Floor::draw(const FloorGrid& grid, const Camera& camera, const glm:
   const float luminance = 0.2126f * linear_from_srgb(background.x) +
                           0.7152f * linear_from_srgb(background.y) +
                           0.0722f * linear_from_srgb(background.z);
-  // In linear light a little white on black is much, a little black on white is not.
+  // In linear light, a little white is conspicuous on black, but a little black is not on white.
   const bool is_dark = luminance < 0.18f;
   const float light = is_dark ? 1.0f : 0.0f, opacity = is_dark ? 0.16f : 0.5f;
   glUniform4f(0, light, light, light, opacity);

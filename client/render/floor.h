@@ -27,7 +27,7 @@ class Floor {
  private:
   gl::LateProgram program_;
   gl::Buffer lines_;
-  std::size_t capacity_ = 0;  ///< of the buffer, in lines
+  std::size_t capacity_ = 0;  ///< of lines_, in lines
   gl::VertexArray array_;
 };
 

@@ -26,7 +26,7 @@ bool has_extension(const char* list, const char* name) {
   return false;
 }
 
-/// Every display that needs no screen, the most likely to be fast first.
+/// All EGL displays that need no screen. Devices come first because they may be hardware.
 std::vector<EGLDisplay> screenless_displays() {
   std::vector<EGLDisplay> displays;
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -78,6 +78,10 @@ std::string glfw_error() {
   return reason ? reason : "no reason given";
 }
 
+tl::unexpected<Error> cannot_open() {
+  return fail(ErrorCode::unsupported, "cannot open a window: " + glfw_error());
+}
+
 }  // namespace
 
 std::string describe_opengl() {
@@ -102,9 +106,10 @@ Result<OffscreenContext> OffscreenContext::create() {
       destroy_current(display, context);
     }
   }
-  return fail("OpenGL 4.5 is needed to draw, but EGL offers " +
-              (found.empty() ? std::string("no OpenGL at all") : "only " + found) +
-              "; install a graphics driver, or libgl1-mesa-dri for software rendering");
+  return fail(ErrorCode::unsupported,
+              "OpenGL 4.5 is needed to draw, but EGL offers " +
+                  (found.empty() ? std::string("no OpenGL at all") : "only " + found) +
+                  "; install a graphics driver, or libgl1-mesa-dri for software rendering");
 }
 
 OffscreenContext::OffscreenContext(OffscreenContext&& other) noexcept
@@ -119,7 +124,7 @@ OffscreenContext& OffscreenContext::operator=(OffscreenContext&& other) noexcept
 
 OffscreenContext::~OffscreenContext() {
   if (!context_) return;
-  // Another context may have become current since: that one is not ours to release.
+  // Another context may have become current since, and must stay so.
   if (eglGetCurrentContext() == context_) {
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
@@ -127,11 +132,11 @@ OffscreenContext::~OffscreenContext() {
 }
 
 Result<WindowContext> WindowContext::create(const std::string& title, int width, int height) {
-  if (!glfwInit()) return fail("cannot open a window: " + glfw_error());
+  if (!glfwInit()) return cannot_open();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  // On X11 by EGL first: Mesa's takes half as long to load as its GLX.
+  // On X11, EGL comes first: Mesa's EGL loads in half the time of its GLX.
   glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
   GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window) {
@@ -148,7 +153,7 @@ Result<WindowContext> WindowContext::create(const std::string& title, int width,
       glfwDestroyWindow(any);
     }
     glfwTerminate();
-    return fail(std::move(reason));
+    return fail(ErrorCode::unsupported, std::move(reason));
   }
   glfwMakeContextCurrent(window);
   glfwSwapInterval(1);
@@ -157,12 +162,13 @@ Result<WindowContext> WindowContext::create(const std::string& title, int width,
 
 Result<WindowContext> WindowContext::create_of_any_version(const std::string& title, int width,
                                                            int height) {
-  if (!glfwInit()) return fail("cannot open a window: " + glfw_error());
+  if (!glfwInit()) return cannot_open();
   glfwDefaultWindowHints();
   GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window) {
+    auto failure = cannot_open();  // GLFW forgets the reason when it ends
     glfwTerminate();
-    return fail("cannot open a window: " + glfw_error());
+    return failure;
   }
   glfwMakeContextCurrent(window);
   return WindowContext(window);

@@ -10,16 +10,16 @@ struct GLFWwindow;
 
 namespace pointreel {
 
-/// The OpenGL that a context has: "OpenGL 4.5 (Core Profile) Mesa 22.3.6 on llvmpipe (...)". A
-/// context must be current.
+/// Describes the OpenGL of the current context: "OpenGL 4.5 (Core Profile) Mesa 22.3.6 on llvmpipe
+/// (...)".
 std::string describe_opengl();
 
-/// An OpenGL 4.5 core context without any window or display: by EGL, on the first device that has
-/// one, else on Mesa's surfaceless platform. It has no default framebuffer.
+/// An OpenGL 4.5 core context without a window or a display. EGL makes it on the first device that
+/// can, otherwise on Mesa's surfaceless platform. It has no default framebuffer.
 class OffscreenContext {
  public:
-  /// Creates the context and makes it current on the calling thread, where it must stay. The error
-  /// says what was found instead.
+  /// Creates the context and makes it current on the calling thread, where it must stay. Fails with
+  /// ErrorCode::unsupported; the message says which OpenGL was found instead.
   static Result<OffscreenContext> create();
 
   OffscreenContext(OffscreenContext&& other) noexcept;
@@ -29,19 +29,21 @@ class OffscreenContext {
  private:
   OffscreenContext(void* display, void* context) : display_(display), context_(context) {}
 
-  void* display_ = nullptr;  ///< EGLDisplay; shared by the process, so it is never terminated
+  void* display_ = nullptr;  ///< EGLDisplay; the whole process shares it, so it is not terminated
   void* context_ = nullptr;  ///< EGLContext
 };
 
-/// A window with an OpenGL 4.5 core context, by GLFW. One at a time in a process, on the main
+/// A GLFW window with an OpenGL 4.5 core context. A process may have one at a time, on its main
 /// thread.
 class WindowContext {
  public:
-  /// Opens the window and makes its context current; the picture changes with the display's
-  /// refresh. The error says whether there is no display or not enough OpenGL.
+  /// Opens the window and makes its context current. Pictures change with the refresh of the
+  /// display. Fails with ErrorCode::unsupported; the message says whether the display is missing or
+  /// its OpenGL is too old.
   static Result<WindowContext> create(const std::string& title, int width, int height);
 
-  /// With whatever OpenGL there is: enough for a few words, where create() has failed.
+  /// Opens a window with any version of OpenGL. If create() has failed, that is enough to show a
+  /// message.
   static Result<WindowContext> create_of_any_version(const std::string& title, int width,
                                                      int height);
 
@@ -49,16 +51,16 @@ class WindowContext {
   WindowContext& operator=(WindowContext&& other) noexcept;
   ~WindowContext();
 
-  /// For input and its callbacks; the window stays this object's.
+  /// For input and its callbacks. This object keeps ownership of the window.
   GLFWwindow* handle() const { return window_; }
-  /// Of what is written in the window, by the display: 1 for 96 pixels an inch.
+  /// The scale that the display wants for text: 1 for 96 pixels per inch.
   float content_scale() const;
 
-  /// Fills framebuffer 0 with an sRGB colour.
+  /// Fills the window's framebuffer with an sRGB colour.
   void clear(const glm::vec3& color);
-  /// Waits until everything has been drawn.
+  /// Waits until all submitted commands are complete.
   void finish();
-  /// Shows what was drawn into framebuffer 0.
+  /// Shows the contents of the window's framebuffer.
   void swap();
 
  private:

@@ -1,6 +1,7 @@
 #include "client/render/gl_objects.h"
 
 #include "client/render/shaders.h"
+#include "common/base/try.h"
 
 namespace pointreel::gl {
 namespace {
@@ -10,7 +11,7 @@ struct ShaderKind {
 };
 using Shader = Object<ShaderKind>;
 
-/// One line: the rest only repeats it.
+/// Drivers repeat themselves in the lines after the first.
 std::string first_line(const std::string& log) {
   const std::size_t end = log.find_first_of("\n\0", 0, 2);
   return log.substr(0, end);
@@ -20,16 +21,15 @@ Result<Shader> compile(const Stage& stage) {
   std::string text = "#version 450 core\n";
   auto append = [&text, number = 0](std::string_view file) mutable -> Result<void> {
     const std::string_view source = shader_source(file);
-    if (source.empty()) return fail("there is no shader " + std::string(file));
+    if (source.empty())
+      return fail(ErrorCode::not_found, "there is no shader " + std::string(file));
     text += "#line 1 " + std::to_string(number++) + '\n';
     text += source;
     text += '\n';
     return {};
   };
-  if (const auto common = append("shaders/common.glsl"); !common)
-    return fail(common.error().message);
-  for (const std::string_view file : stage.files)
-    if (const auto appended = append(file); !appended) return fail(appended.error().message);
+  TRY(append("shaders/common.glsl"));
+  for (const std::string_view file : stage.files) TRY(append(file));
   const GLchar* const pointer = text.c_str();
   Shader shader(glCreateShader(stage.type));
   glShaderSource(shader.name(), 1, &pointer, nullptr);
@@ -39,8 +39,8 @@ Result<Shader> compile(const Stage& stage) {
   if (ok == GL_TRUE) return shader;
   std::string log(4096, '\0');
   glGetShaderInfoLog(shader.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail("shader " + std::string(stage.files.back()) +
-              " does not compile: " + first_line(log));
+  return fail(ErrorCode::unsupported, "shader " + std::string(stage.files.back()) +
+                                          " does not compile: " + first_line(log));
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ Texture make_texture(GLenum format, int width, int height) {
 
 Texture view_texture(const Texture& texture, GLenum format) {
   GLuint name = 0;
-  glGenTextures(1, &name);  // a view must not be of any kind yet
+  glGenTextures(1, &name);  // glTextureView needs a name that has no target yet
   Texture view(name);
   glTextureView(name, GL_TEXTURE_2D, texture.name(), format, 0, 1, 0, 1);
   glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -108,39 +108,22 @@ Result<Framebuffer> make_framebuffer(const Texture& color) { return make_framebu
 Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth) {
   Framebuffer framebuffer = Framebuffer::create();
   glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, color.name(), 0);
-  // The name 0 attaches nothing.
+  // Without a depth texture the name is 0, which attaches nothing.
   glNamedFramebufferTexture(framebuffer.name(), GL_DEPTH_ATTACHMENT, depth.name(), 0);
   const GLenum status = glCheckNamedFramebufferStatus(framebuffer.name(), GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
-    return fail("the graphics driver refuses a framebuffer, status " + std::to_string(status));
+    return fail(ErrorCode::unsupported,
+                "the graphics driver refuses a framebuffer, status " + std::to_string(status));
   }
   return framebuffer;
-}
-
-Fence::~Fence() {
-  if (sync_) glDeleteSync(sync_);
-}
-
-Fence Fence::create() {
-  Fence fence;
-  fence.sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  return fence;
-}
-
-void Fence::wait() const {
-  constexpr GLuint64 kNanoseconds = 100'000'000;
-  while (sync_ &&
-         glClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, kNanoseconds) == GL_TIMEOUT_EXPIRED) {
-  }
 }
 
 Result<Program> make_program(std::span<const Stage> stages) {
   Program program(glCreateProgram());
   std::string files;
   for (const Stage& stage : stages) {
-    const Result<Shader> shader = compile(stage);
-    if (!shader) return fail(shader.error().message);
-    glAttachShader(program.name(), shader->name());
+    const Shader shader = TRY(compile(stage));
+    glAttachShader(program.name(), shader.name());
     files += (files.empty() ? "" : " and ") + std::string(stage.files.back());
   }
   glLinkProgram(program.name());
@@ -149,22 +132,12 @@ Result<Program> make_program(std::span<const Stage> stages) {
   if (ok == GL_TRUE) return program;
   std::string log(4096, '\0');
   glGetProgramInfoLog(program.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail("shaders " + files + " do not link: " + first_line(log));
-}
-
-Result<GLuint> LateProgram::name() {
-  if (program_.name() == 0) {
-    auto made = make_program(stages_);
-    if (!made) return tl::unexpected(made.error());
-    program_ = std::move(*made);
-  }
-  return program_.name();
+  return fail(ErrorCode::unsupported, "shaders " + files + " do not link: " + first_line(log));
 }
 
 Result<void> LateProgram::use() {
-  const auto program = name();
-  if (!program) return tl::unexpected(program.error());
-  glUseProgram(*program);
+  if (program_.name() == 0) program_ = TRY(make_program(stages_));
+  glUseProgram(program_.name());
   return {};
 }
 

@@ -12,8 +12,8 @@
 
 namespace pointreel::gl {
 
-/// Owns the name of an OpenGL object. The context in which it was made must be current when it is
-/// destroyed. Kind says how to make and to delete one.
+/// Owns an OpenGL object. The context in which it was created must be current when it is destroyed.
+/// `Kind` knows how objects of its kind are created and deleted.
 template <class Kind>
 class Object {
  public:
@@ -66,56 +66,37 @@ using BufferTexture = Object<BufferTextureKind>;
 using Framebuffer = Object<FramebufferKind>;
 using Program = Object<ProgramKind>;
 
-/// A texture of one level, sampled without filtering.
+/// A texture with one level that is sampled without filtering.
 Texture make_texture(GLenum format, int width, int height);
 
-/// The same texels, read as another format. Opaque, and sampled between texels.
+/// A view of the same texels in another format. It reads as opaque and is filtered linearly.
 Texture view_texture(const Texture& texture, GLenum format);
 
-/// A framebuffer of a colour texture, or of that and a depth texture; an error where the driver
-/// refuses them.
+/// A framebuffer with a colour texture, and optionally a depth texture. Fails with
+/// ErrorCode::unsupported if the driver refuses them.
 Result<Framebuffer> make_framebuffer(const Texture& color);
 Result<Framebuffer> make_framebuffer(const Texture& color, const Texture& depth);
 
-/// Tells when the commands before it are done.
-class Fence {
- public:
-  Fence() = default;  ///< nothing to wait for
-  Fence(Fence&& other) noexcept : sync_(std::exchange(other.sync_, nullptr)) {}
-  Fence& operator=(Fence&& other) noexcept {
-    std::swap(sync_, other.sync_);
-    return *this;
-  }
-  ~Fence();
-
-  static Fence create();
-  void wait() const;
-
- private:
-  GLsync sync_ = nullptr;
-};
-
-/// A stage of a program: embedded files (shaders.h) that are compiled one after the other as one
-/// text, behind shaders/common.glsl.
+/// A stage of a program: embedded files (shaders.h) that are compiled as one text in their order,
+/// with shaders/common.glsl before them.
 struct Stage {
   GLenum type;
   std::vector<std::string_view> files;
 };
 
-/// Compiles and links. The error names the stage's last file and holds the compiler's first
-/// message, which numbers lines as "FILE:LINE": file 0 is common.glsl, 1 the first of the stage.
+/// Compiles and links a program. Fails with ErrorCode::unsupported; the message names the last file
+/// of the stage and quotes the first message of the driver's compiler, which gives places as
+/// "FILE:LINE". File 0 is common.glsl, file 1 the first file of the stage.
 Result<Program> make_program(std::span<const Stage> stages);
 
-/// A program that is compiled when it is first used: a picture takes but a few of those that a
-/// renderer has, and each takes the driver milliseconds.
+/// A program that is compiled when it is first used. A picture needs only a few of the programs of
+/// a renderer, and compiling each takes the driver milliseconds.
 class LateProgram {
  public:
-  LateProgram() = default;  ///< none
+  LateProgram() = default;  ///< must not be used
   explicit LateProgram(std::vector<Stage> stages) : stages_(std::move(stages)) {}
 
-  /// Compiles and links it, if that is still to be done. Errors are make_program's.
-  Result<GLuint> name();
-  /// The same, and makes it current.
+  /// Makes the program current, and compiles it before if necessary. Fails as make_program does.
   Result<void> use();
 
  private:

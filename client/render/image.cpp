@@ -10,10 +10,10 @@ Result<void> write_png(const std::string& path, const Image& image) {
   png.width = static_cast<png_uint_32>(image.width);
   png.height = static_cast<png_uint_32>(image.height);
   png.format = PNG_FORMAT_RGB;
-  // A recording must not wait for the best compression.
+  // Recording many pictures should not wait for the best compression.
   png.flags = PNG_IMAGE_FLAG_FAST;
   if (!png_image_write_to_file(&png, path.c_str(), 0, image.pixels.data(), 0, nullptr)) {
-    return fail("cannot write " + path + ": " + png.message);
+    return fail(ErrorCode::io, path + ": cannot be written: " + png.message);
   }
   return {};
 }

@@ -11,7 +11,7 @@
 
 namespace pointreel {
 
-/// A picture: 8-bit sRGB, rows from top to bottom, pixels from left to right.
+/// A picture in 8-bit sRGB. Rows run from top to bottom, pixels from left to right.
 struct Image {
   int width = 0;
   int height = 0;
@@ -23,7 +23,7 @@ struct Image {
   }
 };
 
-/// Writes a PNG file; an existing one is replaced. The error names the file.
+/// Writes a PNG file, and replaces a file of that name. Fails with ErrorCode::io.
 Result<void> write_png(const std::string& path, const Image& image);
 
 }  // namespace pointreel

@@ -11,8 +11,8 @@ namespace pointreel {
 namespace {
 
 glm::i16vec4 pack_normal(const glm::vec3& n) {
-  // Not normalised here: sanitize and the estimators keep normals at unit length or zero. What is
-  // neither, a NaN above all, counts as unknown.
+  // sanitize and the estimators keep normals at unit length or zero. Anything else, above all a
+  // NaN, counts as unknown.
   const float l2 = glm::dot(n, n);
   if (!(l2 > 0.5f && l2 < 2.0f)) return glm::i16vec4(0);
   const glm::vec3 scaled = glm::clamp(n * 32767.0f, -32767.0f, 32767.0f);
@@ -21,7 +21,7 @@ glm::i16vec4 pack_normal(const glm::vec3& n) {
           static_cast<std::int16_t>(std::lrint(scaled.z)), 0};
 }
 
-/// Linear light as half floats, of every 16-bit sRGB value.
+/// Linear light, as half floats, for every 16-bit sRGB value.
 std::vector<std::uint16_t> make_linear_table() {
   std::vector<std::uint16_t> table(65536);
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -36,7 +36,7 @@ glm::u16vec4 pack_color(const glm::u16vec3& c) {
   return {kLinear[c.x], kLinear[c.y], kLinear[c.z], 0};
 }
 
-/// Of everything, where nothing has a colour of its own; sRGB.
+/// The colour of every element with ColorSource::plain, sRGB.
 constexpr glm::u16vec3 kPlain(0xd0d0);
 
 glm::u16vec3 color_of(ColorSource source, const std::vector<glm::u16vec3>& colors, std::size_t i,
@@ -45,7 +45,7 @@ glm::u16vec3 color_of(ColorSource source, const std::vector<glm::u16vec3>& color
   return source == ColorSource::normals || colors.empty() ? fake_color(normal) : colors[i];
 }
 
-/// Bit a: the eye's coordinate a is the higher one.
+/// Bit a is set if coordinate a of the eye is higher than that of the centre.
 unsigned octant_of(const glm::vec3& eye, const glm::vec3& center) {
   return (eye.x > center.x ? 1u : 0u) | (eye.y > center.y ? 2u : 0u) | (eye.z > center.z ? 4u : 0u);
 }
@@ -77,7 +77,7 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
   const NodeAttributes& attributes = frame.attributes;
   const bool halves = style.mode == DrawMode::voxel || frame.radii.empty();
   const bool unfilled = !style.fill_holes && !frame.filled.empty();
-  // What fills gaps hides nothing where it is not drawn.
+  // Voxels that fill gaps would hide others although they are not drawn.
   const bool hiding = style.mode == DrawMode::voxel && !frame.neighbors.empty() && !unfilled;
   const std::uint32_t first_leaf =
       hiding ? frame.svo.level_begin[static_cast<std::size_t>(frame.svo.depth)] : 0;

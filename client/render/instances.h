@@ -14,30 +14,32 @@
 
 namespace pointreel {
 
-/// Colours that are absent are made from the normals: 0.5 + 0.5 n, read as sRGB. The paper, section
-/// III, only says that its fake colour is "based on their normal vectors". Middle grey where the
-/// normal is unknown too.
+/// The colour of an element that has none of its own: 0.5 + 0.5 n, read as sRGB, and middle grey if
+/// the normal is unknown. Slomp et al., Geometry Instancing, section III only says that its fake
+/// colour is "based on their normal vectors".
 glm::u16vec3 fake_color(const glm::i16vec4& normal);
 
-/// What is drawn of a scene, and in which colours.
+/// Which elements of a scene are drawn, and in which colours.
 struct ElementStyle {
   DrawMode mode = DrawMode::surfel;
   ColorSource color = ColorSource::colors;
-  bool fill_holes = true;  ///< else without the voxels that fill gaps (gap_filling.h)
+  bool fill_holes = true;  ///< false: leave out the voxels that fill gaps (gap_filling.h)
 
   bool operator==(const ElementStyle&) const = default;
 };
 
-/// Surfels or points of a frame's cloud, relative to its cloud's origin and moved by `offset`;
-/// `out` has one for each point. Radii are those of the cloud; where it has none (a frame that was
-/// prepared for another mode), half the diagonal of the octree's leaves. `bounds` grows by them.
+/// Packs the points of a frame's cloud into `out`, an instance for each. Centres are relative to
+/// the cloud's origin and moved by `offset`. Radii are those of the cloud; if it has none (because
+/// the frame was prepared for another mode), half the diagonal of the octree's leaves. Grows
+/// `bounds`.
 void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
                  std::span<Instance> out, InstanceBounds& bounds);
 
-/// Nodes of a cut through a frame's tree with their mean attributes, relative to the cube's origin
-/// and moved by `offset`; `out` has room for all. The radii of voxels are half their edges, those
-/// of others the frame's. Voxels that their neighbours hide from `eye`, which is relative to the
-/// cube's origin too, are left out where the frame knows the neighbours: how many are there.
+/// Packs the nodes of a cut through a frame's tree, with their mean attributes, into `out`, which
+/// has room for all of them. Centres are relative to the cube's origin and moved by `offset`. The
+/// radii of voxels are half their edges; other radii are the frame's. If the frame knows the
+/// neighbours of its leaves, voxels that these hide from `eye` (also relative to the cube's origin)
+/// are left out. Returns the number of instances packed. Grows `bounds`.
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        std::span<Instance> out, InstanceBounds& bounds);

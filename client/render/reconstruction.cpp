@@ -7,26 +7,28 @@
 #include <utility>
 
 #include "client/render/instancing/instance_array.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-/// Of large clouds the backs of one surfel in a few suffice, down to about so many; which ones,
-/// their places decide and not their order, so that the picture does not depend on that. Fewer
-/// would have to be larger, and widen the outlines of dense clouds.
+/// Large clouds need the backs of only a part of their surfels: about this many backs are drawn,
+/// and at least one surfel in kFewest keeps its back. Positions decide which, not the order of the
+/// surfels, so that the picture does not depend on it. Fewer backs would have to be larger, which
+/// would widen the outlines of dense clouds.
 constexpr std::size_t kBacks = 16384;
 constexpr std::size_t kFewest = 4;
-/// Half the edge of a back in its radii, where none is left out. Less leaves holes between a
-/// scanner's curves, more widens outlines.
+/// Half the edge of a back in its radii if all backs are drawn. Smaller backs leave holes between
+/// the curves of a scanner, larger ones widen outlines.
 constexpr float kReach = 1.2f;
-/// How far backs are moved away from the eye, in their radii: those of a thin sheet stay behind its
-/// front.
+/// How far backs are moved away from the eye, in their radii, so that the back of a thin sheet
+/// stays behind its front.
 constexpr float kBackTolerance = 1.0f;
-/// Gaps between surfels are about so many of their radii wide, at most.
+/// Gaps between surfels are at most about this many of their radii wide.
 constexpr float kGap = 6.5f;
-/// Edge of the squares of the finest means, in pixels (pull_sums.frag.glsl).
+/// Edge of the finest squares, in pixels (pull_sums.frag.glsl).
 constexpr int kFinest = 4;
-/// No hole is filled that is farther from all colours than this share of the picture's height.
+/// A hole that is farther from all colours than the picture's height divided by this is not filled.
 constexpr int kFarthest = 8;
 
 gl::LateProgram picture_program(std::vector<std::string_view> fragment_files) {
@@ -34,8 +36,8 @@ gl::LateProgram picture_program(std::vector<std::string_view> fragment_files) {
                           {GL_FRAGMENT_SHADER, std::move(fragment_files)}});
 }
 
-/// The texels of a level `times` as coarse that a part touches, and one more on each side, which
-/// sampling between texels touches.
+/// The texels of a level that is `times` as coarse that overlap `part`, and one more on each side,
+/// which linear filtering reads.
 PixelRect coarser_part(const PixelRect& part, int times, glm::ivec2 coarser_size) {
   return {glm::max(part.min / times - 1, glm::ivec2(0)),
           glm::min((part.max + times - 1) / times + 1, coarser_size)};
@@ -59,9 +61,7 @@ Result<Reconstruction::Level> Reconstruction::make_level(glm::ivec2 size) {
     glTextureParameteri(level.texture.name(), filter, GL_LINEAR);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     glTextureParameteri(level.texture.name(), wrap, GL_CLAMP_TO_EDGE);
-  auto framebuffer = gl::make_framebuffer(level.texture);
-  if (!framebuffer) return fail(framebuffer.error().message);
-  level.framebuffer = std::move(*framebuffer);
+  level.framebuffer = TRY(gl::make_framebuffer(level.texture));
   return level;
 }
 
@@ -69,13 +69,9 @@ Result<void> Reconstruction::resize(glm::ivec2 size) {
   std::vector<Level> pulled, pushed;
   glm::ivec2 texels = (size + kFinest - 1) / kFinest;
   for (int edge = kFinest;; edge *= 2, texels = (texels + 1) / 2) {
-    auto level = make_level(texels);
-    if (!level) return fail(level.error().message);
-    pulled.push_back(std::move(*level));
+    pulled.push_back(TRY(make_level(texels)));
     if (edge * kFarthest >= size.y || texels == glm::ivec2(1)) break;
-    auto filled = make_level(texels);
-    if (!filled) return fail(filled.error().message);
-    pushed.push_back(std::move(*filled));
+    pushed.push_back(TRY(make_level(texels)));
   }
   for (const Level& level : pulled) {
     const std::array<GLfloat, 4> nothing{};
@@ -89,7 +85,7 @@ Result<void> Reconstruction::resize(glm::ivec2 size) {
 }
 
 Result<void> Reconstruction::draw_backs(const InstanceBuffer& instances) {
-  if (auto used = back_.use(); !used) return used;
+  TRY(back_.use());
   const std::size_t one_in = std::clamp<std::size_t>(instances.size() / kBacks, 1, kFewest);
   bind_instance_array(points_, instances);
   glEnable(GL_PROGRAM_POINT_SIZE);
@@ -110,7 +106,7 @@ void Reconstruction::draw(const Level& level, const PixelRect& part) {
 
 Result<Reconstruction::Filling> Reconstruction::fill(const gl::Texture& sums,
                                                      const PixelRect& region, float radius) {
-  // What the last picture left behind becomes 0 again.
+  // Where only the last picture had colours, the levels become 0 again.
   PixelRect to_pull = around(pulled_region_, region);
   pulled_region_ = region;
   std::vector<PixelRect> to_push;
@@ -125,13 +121,13 @@ Result<Reconstruction::Filling> Reconstruction::fill(const gl::Texture& sums,
   const gl::Texture* finer = &sums;
   for (const Level& level : pulled_) {
     const bool finest = finer == &sums;
-    if (auto used = (finest ? pull_sums_ : pull_).use(); !used) return tl::unexpected(used.error());
+    TRY((finest ? pull_sums_ : pull_).use());
     glBindTextureUnit(0, finer->name());
     to_pull = coarser_part(to_pull, finest ? kFinest : 2, level.size);
     draw(level, to_pull);
     finer = &level.texture;
   }
-  if (auto used = push_.use(); !used) return tl::unexpected(used.error());
+  TRY(push_.use());
   const gl::Texture* filled = finer;
   for (std::size_t i = pushed_.size(); i-- > 0;) {
     glBindTextureUnit(0, pulled_[i].texture.name());

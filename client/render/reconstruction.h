@@ -10,40 +10,43 @@
 
 namespace pointreel {
 
-/// Fills the holes of a splatted surface from what is around them, by pull and push (paper 1,
-/// section 7.6): the colours are averaged over larger and larger squares, and a hole gets those of
-/// the smallest squares around it in which there are any.
+/// Fills the holes of a splatted surface with the colours around them by pull and push (Pfister et
+/// al., Surfels, section 7.6): colours are averaged over larger and larger squares, and a hole
+/// takes the colours of the smallest squares around it that have any.
 ///
-/// What is a hole? Surfaces are closed, so where the eye sees the inside of one something is
-/// missing in front of it. The backs of surfels therefore go into the depth buffer too, and hide
-/// what is behind them: a pixel that is covered by a back and by no front before it is a hole,
-/// however large; one that is covered by neither is an opening, between arm and body, and stays.
-/// Far from any front, backs are those of a surface that has but one side. And where no back was
-/// seen, pixels are closed around which something was seen on all sides, or that are covered for
-/// the most part all around, as far as gaps between surfels reach.
+/// Pixels count as holes by the rule of FORMULAS.md, "Hole filling". Surfaces are closed, so where
+/// the eye sees the inside of one, a piece in front of it is missing. For that reason the backs of
+/// surfels are drawn into the depth buffer too, where they hide everything behind them. A pixel
+/// that shows a back and no front before it is a hole, however large the hole is. A pixel that
+/// shows neither is an opening, for example between arm and body, and stays open. Backs that are
+/// far from any front belong to a surface with only one side, and are not filled. Where no back is
+/// visible, a pixel is also closed if the pixels on all sides show something, or if most of the
+/// area around it is covered, within the width of gaps between surfels.
 class Reconstruction {
  public:
   Reconstruction();
 
-  /// For pictures of this size.
+  /// Sets the size of the pictures to come.
   Result<void> resize(glm::ivec2 size);
 
-  /// Draws the backs of some of the surfels into the depth of the bound framebuffer.
+  /// Draws the backs of some of the surfels into the depth buffer of the bound framebuffer.
   Result<void> draw_backs(const InstanceBuffer& instances);
 
-  /// Textures to be sampled between texels; they stay this object's, until the next call.
+  /// Textures that are sampled with linear filtering. This object owns them; they are valid until
+  /// the next call.
   struct Filling {
-    GLuint colors;   ///< of a quarter of the picture's size; alpha is 0 where no colour is near
-    GLuint crowd;    ///< alpha: how much of a square of the picture is covered
-    int crowd_edge;  ///< of the square in pixels
+    GLuint colors;   ///< a quarter of the picture's size; alpha is 0 where no colour is near
+    GLuint crowd;    ///< alpha: the share of a square of the picture that is covered
+    int crowd_edge;  ///< edge of that square in pixels
   };
-  /// `sums` holds the sums of weighted colours and of weights, all 0 outside of `region`, and only
-  /// there is the result of any use. `radius`: of a surfel in pixels. Binds framebuffers of its
-  /// own; depth test and blending are off.
+  /// `sums` holds the sums of weighted colours and of weights. They are 0 outside of `region`, and
+  /// the result is valid only inside. `radius` is that of a typical surfel in pixels. Binds
+  /// framebuffers of its own. The caller has switched off depth test and blending.
   Result<Filling> fill(const gl::Texture& sums, const PixelRect& region, float radius);
 
  private:
-  /// Means of squares, from an edge of four pixels on; premultiplied by how much is covered.
+  /// Mean colours of squares of the picture, multiplied by the share of the square that is covered.
+  /// The finest squares have an edge of four pixels.
   struct Level {
     gl::Texture texture;
     gl::Framebuffer framebuffer;
@@ -55,8 +58,8 @@ class Reconstruction {
   gl::LateProgram back_, pull_sums_, pull_, push_;
   gl::VertexArray points_, no_attributes_ = gl::VertexArray::create();
   glm::ivec2 size_{0};
-  std::vector<Level> pulled_, pushed_;  ///< the coarsest is not pushed
-  PixelRect pulled_region_;             ///< outside of it, what was pulled is 0
+  std::vector<Level> pulled_, pushed_;  ///< finest first; the coarsest level is not pushed
+  PixelRect pulled_region_;             ///< outside of it, the pulled levels are 0
 };
 
 }  // namespace pointreel

@@ -28,17 +28,17 @@ PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& 
   const glm::vec3 low = bounds.min - scale * bounds.radius,
                   high = bounds.max + scale * bounds.radius;
   const PixelRect whole{glm::ivec2(0), size};
-  glm::vec2 least(1.0f), most(-1.0f);  // of the picture, -1 to 1
+  glm::vec2 least(1.0f), most(-1.0f);  // normalised device coordinates
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec4 clip =
         to_clip * glm::vec4(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
                             corner & 4 ? high.z : low.z, 1.0f);
-    // Negated, so that a NaN is not taken for something in view.
+    // The comparison is negated so that a NaN gives the whole picture.
     if (!(clip.w > 1e-6f * (glm::length(high - low) + bounds.radius))) return whole;
     least = glm::min(least, glm::vec2(clip) / clip.w);
     most = glm::max(most, glm::vec2(clip) / clip.w);
   }
-  // A pixel more: sprites are never smaller than one.
+  // One pixel more, because no sprite is smaller than a pixel.
   const float more = static_cast<float>(pixels) + 1.0f;
   const glm::vec2 half = 0.5f * glm::vec2(size);
   const glm::vec2 from = glm::floor((glm::max(least, -1.0f) + 1.0f) * half) - more;

@@ -23,51 +23,53 @@
 
 namespace pointreel {
 
-/// Draws frames into a framebuffer of its own: surfels by splatting, voxels as cubes, both by any
-/// of the methods of instancing (paper 2, section IV); points.
+/// Draws scenes into a framebuffer of its own, as points, as surfels by splatting, or as voxels.
+/// Surfels and voxels are drawn with any of the methods of instancing (Slomp et al., Geometry
+/// Instancing, section IV).
 ///
-/// Needs a current OpenGL 4.5 context, always the same one, from construction to destruction, and
-/// does not know whether that is a window's. Sets all state that it depends on when it draws, and
-/// restores none. Depth is reversed, in 32-bit float. Colours come in and go out as sRGB; lighting
-/// and the blending of splats happen in linear light, with 32-bit float sums.
+/// Needs the same current OpenGL 4.5 context from construction to destruction, whether of a window
+/// or offscreen. Sets all OpenGL state that it depends on, and restores none. Depth is reversed, in
+/// 32-bit float. Colours come in and go out as sRGB; lighting and blending happen in linear light,
+/// with sums in 32-bit float.
 class Renderer {
  public:
-  /// Cheap: programs are compiled when a picture first needs them, so that a renderer which only
-  /// draws points makes one. The error says that there is not enough OpenGL.
+  /// Fails with ErrorCode::unsupported if the context has an older OpenGL. Cheap: programs are
+  /// compiled when a picture first needs them.
   static Result<Renderer> create();
 
-  /// Draws `scene` (empty: the background alone) as a picture of `size` pixels, both > 0. Keeps
-  /// hold of its frames: points are uploaded when scene or mode change, nodes when the cuts do, and
-  /// those are used again while scene, camera and size stay as they are.
+  /// Draws `scene` as a picture of `size` pixels, each above 0, and waits until it is complete. An
+  /// empty scene shows only the background. Shares ownership of the frames until the next call:
+  /// points are uploaded again only if the scene or its style changes, trees also if the camera or
+  /// the size changes. Fails with ErrorCode::argument for sizes that the driver cannot draw,
+  /// ErrorCode::limit if its memory does not suffice, and ErrorCode::unsupported if it rejects a
+  /// program.
   Result<DrawStats> draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
                          const DrawOptions& options);
-  /// One frame, where it lies.
+  /// Draws a scene of one frame, in the coordinates of that frame.
   Result<DrawStats> draw(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                          glm::ivec2 size, const DrawOptions& options);
 
-  /// Copies the last picture into a framebuffer, 0 for a window's, in the size that it was to have;
-  /// lower left corners coincide, and what is farther out becomes background.
+  /// Copies the last picture into a framebuffer (0 for that of the window), in the size that was
+  /// passed to draw(). The lower left corners coincide; the rest of the framebuffer becomes
+  /// background.
   void present(GLuint framebuffer) const;
 
-  /// The last picture as a texture of GL_RGBA8 whose bytes are sRGB, for what draws without
-  /// converting colours (Dear ImGui); opaque, its first row is the lowest, and sampled between
-  /// texels. 0 before the first picture; another one when the size changes.
+  /// The last picture as an opaque GL_RGBA8 texture with linear filtering, whose first row is the
+  /// lowest. Its bytes are sRGB, for code that draws without converting colours (Dear ImGui). 0
+  /// before the first picture; the texture changes with the size.
   GLuint texture() const { return view_.name(); }
 
-  /// Where in the world lies what the last picture shows at a pixel, counted from the upper left
-  /// corner of what is shown? Nothing where neither that pixel nor any within a few around it shows
-  /// more than the background and the floor; else of the pixel that is the nearest to it. Surfels
-  /// are taken for up to a radius farther away than they are.
+  /// The position in the world of what the last picture shows at `pixel`, counted from the upper
+  /// left corner of the picture as it is shown. If that pixel shows only background or floor, the
+  /// nearest one that shows more is taken, up to a few pixels away. Empty if there is none. The
+  /// position of a surfel may be too far away by up to its radius.
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const;
 
-  /// The last picture; an error before the first one.
+  /// Reads the last picture. Fails with ErrorCode::not_found before the first one.
   Result<Image> read_pixels() const;
-  /// How much of each pixel of the last picture is covered: 0 where nothing was drawn, 255 where
-  /// the background does not show. Rows from top to bottom.
-  Result<std::vector<std::uint8_t>> read_alpha() const;
 
  private:
-  /// The view of a scene whose zero is the instances' origin; the layout of common.glsl.
+  /// The View block of common.glsl.
   struct ViewBlock {
     glm::mat4 to_clip;
     glm::vec4 eye;
@@ -82,17 +84,16 @@ class Renderer {
   InstancingMethod& method_for(Instancing instancing);
   glm::mat4 clip_from(const Camera& camera, const glm::dvec3& origin) const;
   void set_view(const Camera& camera, const glm::dvec3& origin, bool lighting) const;
-  /// Where in the picture they can show.
+  /// The part of the picture in which instances may be visible.
   PixelRect instances_region(const DrawOptions& options) const;
   Result<void> draw_instances(const Camera& camera, const DrawOptions& options);
   Result<void> draw_surfels(const Camera& camera, const DrawOptions& options);
   Result<void> draw_voxels(const DrawOptions& options);
   Result<void> draw_points(const DrawOptions& options);
   Result<void> draw_floor(const FloorGrid& grid, const Camera& camera, const DrawOptions& options);
-  Result<std::vector<glm::u8vec4>> read_picture() const;
 
-  std::array<std::unique_ptr<InstancingMethod>, kEnumNames<Instancing>.size()>
-      methods_;  ///< made when first used
+  /// By the number of the method, made when first used.
+  std::array<std::unique_ptr<InstancingMethod>, kEnumNames<Instancing>.size()> methods_;
   Splatter splatter_;
   EyeDomeLighting eye_dome_;
   Floor floor_;
@@ -101,12 +102,12 @@ class Renderer {
   gl::Buffer view_buffer_;
   gl::Texture color_, depth_, view_;
   gl::Framebuffer picture_;
-  glm::ivec2 size_{0};   ///< of the picture that was made
+  // The last picture:
+  glm::ivec2 size_{0};   ///< in which it was drawn
   glm::ivec2 shown_{0};  ///< in which it is shown
-  // Of the last picture.
   Camera camera_;
   glm::vec3 background_{0.0f};
-  PixelRect drawn_on_;  ///< the rest is background
+  PixelRect drawn_on_;  ///< the rest of the picture is background
   SceneInstances instances_;
 };
 

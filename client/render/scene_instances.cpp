@@ -33,7 +33,8 @@ Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, gl
   if (out.size() < most) {
     view_.reset();
     stats_ = {};
-    return fail("the graphics driver has no memory for " + std::to_string(most) + " elements");
+    return fail(ErrorCode::limit,
+                "the graphics driver has no memory for " + std::to_string(most) + " elements");
   }
   origin_ = glm::dvec3(0.0);
   bounds_ = {};

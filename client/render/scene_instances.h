@@ -18,49 +18,50 @@
 
 namespace pointreel {
 
-/// The instances of a scene for a view of it: cuts of the frames' trees and points of their clouds
-/// in one buffer, made anew only where something changed. Needs the renderer's OpenGL context.
+/// The instances of a scene as a camera sees it, in one buffer: the cuts of the frames' trees and
+/// the points of their clouds. Remakes them only if something changed. Needs the renderer's OpenGL
+/// context.
 class SceneInstances {
  public:
   struct Stats {
-    std::uint32_t visited = 0, out_of_view = 0, below_pixel = 0, hidden = 0;  ///< DrawStats'
-    double cut_ms = 0.0;  ///< of the last update; 0 where no frame was cut
+    std::uint32_t visited = 0, out_of_view = 0, below_pixel = 0, hidden = 0;  ///< as in DrawStats
+    double cut_ms = 0.0;  ///< of the last update; 0 if no frame was cut
   };
 
-  /// `scene` as `camera` sees it in a picture of `size` pixels. Keeps hold of the frames. The error
-  /// says that the driver has no memory for so many; there are no instances then.
+  /// Makes the instances of `scene` as `camera` sees it in a picture of `size` pixels. Nothing that
+  /// was submitted may still be reading the old instances. Shares ownership of the frames. Fails
+  /// with ErrorCode::limit if the driver has too little memory; there are no instances then.
   Result<void> update(const Scene& scene, const Camera& camera, glm::ivec2 size,
                       const ElementStyle& style, float pixel_size);
 
-  InstanceBuffer& buffer() { return instances_; }
   const InstanceBuffer& buffer() const { return instances_; }
   const InstanceBounds& bounds() const { return bounds_; }
-  /// Of the instances' coordinates, in the world.
+  /// The zero of the instances' coordinates, in the world.
   const glm::dvec3& origin() const { return origin_; }
-  /// Some frame's normals have a line but no sign.
+  /// Whether the signs of some frame's normals are unknown.
   bool normals_estimated() const { return normals_estimated_; }
   const Stats& stats() const { return stats_; }
 
  private:
-  /// What the cuts depend on.
+  /// Everything that the cuts depend on.
   struct View {
     Camera camera;
     glm::ivec2 size;
     float pixel_size;
     bool operator==(const View&) const = default;
   };
-  /// One frame's part.
+  /// The contribution of a frame.
   struct Part {
-    bool is_tree = false;
+    bool is_tree = false;  ///< drawn as a cut of its tree, not as its cloud
     VoxelCut cut;
     CutStats stats;
-    std::size_t most = 0;  ///< instances that it may become
+    std::size_t most = 0;  ///< no more instances than this
   };
 
   void cut(const Scene& scene);
   std::size_t pack(const PlacedFrame& placed, const Part& part, std::span<Instance> out);
 
-  std::optional<View> view_;  ///< none: nothing is up to date
+  std::optional<View> view_;  ///< of the instances; empty if there are none
   Scene scene_;
   ElementStyle style_;
   std::vector<Part> parts_;

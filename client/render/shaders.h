@@ -4,8 +4,8 @@
 
 namespace pointreel {
 
-/// The text of client/render/FILE, embedded by embed_shaders.cmake when Pointreel is built; empty
-/// if there is no such file.
+/// The text of client/render/FILE, which embed_shaders.cmake embeds at build time. Empty if there
+/// is no such file.
 std::string_view shader_source(std::string_view file);
 
 }  // namespace pointreel

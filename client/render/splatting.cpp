@@ -4,14 +4,16 @@
 #include <array>
 #include <utility>
 
+#include "common/base/try.h"
+
 namespace pointreel {
 namespace {
 
-/// By what the visibility pass pushes a splat back, in its enlarged radii: neighbours on the same
-/// surface then pass the depth test (ERRATA 9).
+/// How far the first pass pushes splats back, in their enlarged radii, so that neighbours on the
+/// same surface pass the depth test of the second. FORMULAS.md, "Two-pass depth tolerance".
 constexpr float kDepthTolerance = 1.0f;
 
-/// By what the paper enlarges (Figure 3).
+/// The paper's factor (Slomp et al., Geometry Instancing, Figure 3).
 constexpr float kEnlargement = 2.0f;
 
 void scissor(const PixelRect& part) {
@@ -39,19 +41,16 @@ Splatter::Splatter()
 
 Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth) {
   gl::Texture sums = gl::make_texture(GL_RGBA32F, size.x, size.y);
-  Result<gl::Framebuffer> splats = gl::make_framebuffer(sums, depth);
-  if (!splats) return fail(splats.error().message);
-  Result<gl::Framebuffer> picture = gl::make_framebuffer(color, depth);
-  if (!picture) return fail(picture.error().message);
-  Result<gl::Framebuffer> resolved = gl::make_framebuffer(color);
-  if (!resolved) return fail(resolved.error().message);
-  if (auto resized = reconstruction_.resize(size); !resized) return resized;
+  gl::Framebuffer splats = TRY(gl::make_framebuffer(sums, depth));
+  gl::Framebuffer picture = TRY(gl::make_framebuffer(color, depth));
+  gl::Framebuffer resolved = TRY(gl::make_framebuffer(color));
+  TRY(reconstruction_.resize(size));
   sums_ = std::move(sums);
-  summed_ = {glm::ivec2(0), size};  // whatever was there
+  summed_ = {glm::ivec2(0), size};  // the new texture has undefined contents
   depth_ = depth.name();
-  splats_ = std::move(*splats);
-  picture_ = std::move(*picture);
-  resolved_ = std::move(*resolved);
+  splats_ = std::move(splats);
+  picture_ = std::move(picture);
+  resolved_ = std::move(resolved);
   return {};
 }
 
@@ -75,13 +74,12 @@ Result<void> Splatter::draw_passes(InstancingMethod& method, const InstanceBuffe
   if (splatting != Splatting::regular && splatting != Splatting::no_depth) {
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    auto drawn = method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance});
-    if (drawn && fill_holes) drawn = reconstruction_.draw_backs(instances);
-    if (!drawn) return drawn;
+    TRY(method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance}));
+    if (fill_holes) TRY(reconstruction_.draw_backs(instances));
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);
   }
-  // The depth of what is drawn last is that of what is seen.
+  // Whatever is drawn last is visible, and leaves its depth.
   if (splatting == Splatting::no_depth) glDepthFunc(GL_ALWAYS);
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
@@ -100,24 +98,20 @@ Result<void> Splatter::draw_blended(InstancingMethod& method, const InstanceBuff
 Result<void> Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
                                        float scale, bool fill_holes, const SplatPlace& place) {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
-  // All of it are 16 bytes a pixel, which takes a while.
+  // At 16 bytes per pixel, clearing the whole texture would take a while.
   const std::array<GLfloat, 4> nothing{};
   scissor(around(std::exchange(summed_, place.region), place.region));
   glEnable(GL_SCISSOR_TEST);
   glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
   glDisable(GL_SCISSOR_TEST);
   glBlendFunc(GL_ONE, GL_ONE);
-  if (auto drawn = method.draw(instances, Pass::surfel_sum, {scale, 0.0f}); !drawn) return drawn;
+  TRY(method.draw(instances, Pass::surfel_sum, {scale, 0.0f}));
 
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
   Reconstruction::Filling filling{};
-  if (fill_holes) {
-    const auto filled = reconstruction_.fill(sums_, place.region, place.radius);
-    if (!filled) return tl::unexpected(filled.error());
-    filling = *filled;
-  }
-  if (auto used = resolve_.use(); !used) return used;
+  if (fill_holes) filling = TRY(reconstruction_.fill(sums_, place.region, place.radius));
+  TRY(resolve_.use());
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_.name());
   glBindTextureUnit(0, sums_.name());
   glBindTextureUnit(1, filling.colors);

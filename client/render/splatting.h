@@ -10,33 +10,37 @@
 
 namespace pointreel {
 
-/// What the passes of a mode multiply radii by; `chosen` are those of Splatting::normalized.
+/// The factors by which the two passes multiply radii. `chosen` are those for
+/// Splatting::normalized. FORMULAS.md, "Splat scales".
 SplatScales scales_of(Splatting splatting, const SplatScales& chosen);
 
-/// Where the surfels are in the picture.
+/// Where in the picture the surfels are.
 struct SplatPlace {
-  PixelRect region;     ///< holds all of them, enlarged as they are drawn
-  float radius = 0.0f;  ///< of one on average, not enlarged, in pixels
+  PixelRect region;     ///< contains all surfels at the size at which they are drawn
+  float radius = 0.0f;  ///< mean radius in pixels, not enlarged
 };
 
-/// Draws surfels: paper 2, section V-B, with ERRATA 9 to 11.
+/// Draws surfels: Slomp et al., Geometry Instancing, section V-B, corrected as FORMULAS.md says
+/// under "Two-pass depth tolerance", "Order-independent blending" and "Splat scales".
 class Splatter {
  public:
   Splatter();
 
-  /// For pictures of this size: `color` is encoded as sRGB when it is written. Both textures stay
-  /// the caller's, until the next call.
+  /// Sets the size and the textures of the pictures to come. `color` is encoded as sRGB when it is
+  /// written. The caller owns both textures and keeps them until the next call.
   Result<void> resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth);
 
-  /// Into the textures of `resize`, which are cleared: linear colours, and 1 where something was
-  /// drawn, less where blending left it transparent. fill_holes: Splatting::normalized reconstructs
-  /// what is missing (reconstruction.h). Depth writes and the depth test (GL_GREATER) are on,
-  /// blending off, and so they are left. The depth is that of what is seen, for one pixel of it or
-  /// another: splats are pushed back by up to a radius, and rims are not all in it.
+  /// Draws into the textures given to `resize`, which the caller has cleared. Colours are linear;
+  /// alpha is 1 where something was drawn, and less where blending left it transparent. With
+  /// `fill_holes`, Splatting::normalized fills the holes of surfaces (reconstruction.h). On entry
+  /// and on return, depth writes and the depth test (GL_GREATER) are on and blending is off. The
+  /// depths are approximate: splats are pushed back by up to their radius, and their rims may be
+  /// missing.
   Result<void> draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
                     const SplatScales& scales, bool fill_holes, const SplatPlace& place);
 
-  /// Of weighted colours and of weights, of the last picture by Splatting::normalized.
+  /// The sums of weighted colours (rgb) and of weights (alpha) of the last picture that was drawn
+  /// with Splatting::normalized.
   const gl::Texture& sums() const { return sums_; }
 
  private:
@@ -50,11 +54,11 @@ class Splatter {
 
   gl::LateProgram resolve_;
   gl::Texture sums_;
-  PixelRect summed_;          ///< outside of it they are 0
-  GLuint depth_ = 0;          ///< the caller's
+  PixelRect summed_;          ///< outside of it the sums are 0
+  GLuint depth_ = 0;          ///< the caller owns it
   gl::Framebuffer splats_;    ///< sums and depth
   gl::Framebuffer picture_;   ///< colour and depth
-  gl::Framebuffer resolved_;  ///< colour alone: the depth is read
+  gl::Framebuffer resolved_;  ///< colour without depth, which the shader reads
   Reconstruction reconstruction_;
   gl::VertexArray no_attributes_ = gl::VertexArray::create();
 };

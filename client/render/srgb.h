@@ -4,7 +4,7 @@
 
 namespace pointreel {
 
-/// IEC 61966-2-1; both from 0 to 1.
+/// The transfer functions of IEC 61966-2-1. All values are from 0 to 1.
 template <class Real>
 Real linear_from_srgb(Real c) {
   return c <= Real(0.04045) ? c / Real(12.92)

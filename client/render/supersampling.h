@@ -4,8 +4,8 @@
 
 namespace pointreel {
 
-/// The picture at a `times`-th of its width and height, which are multiples of it: each pixel is
-/// the mean, in linear light, of a square of them.
+/// Reduces width and height, which must be multiples of `times`, by that factor. Each pixel is the
+/// mean, in linear light, of a square of `times` by `times` pixels.
 Image average_squares(const Image& image, int times);
 
 }  // namespace pointreel

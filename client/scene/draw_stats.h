@@ -15,8 +15,8 @@ struct DrawStats {
   std::uint32_t hidden = 0;  ///< voxels left out because their neighbours hide them
   int reduction = 1;         ///< DrawOptions::reduction
   double cut_ms = 0.0;       ///< the cut of the octree; 0 if the last cut was used again
-  /// Packing, upload and drawing: wall time until glFinish returns, which on software OpenGL is all
-  /// of the work (timer queries measure nothing there) and on a graphics card includes the wait.
+  /// Wall time of packing, upload and drawing, until the picture is complete. Does not include the
+  /// cut.
   double render_ms = 0.0;
 };
 

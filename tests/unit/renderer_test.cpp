@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/read_alpha.h"
 #include "tests/unit/renderer_test.h"
 
 namespace pointreel {
@@ -383,11 +384,10 @@ TEST_F(RendererTest, changes_colours_by_at_most_one_step_with_the_order_of_surfe
 TEST_F(RendererTest, sets_alpha_exactly_where_it_draws) {
   for (const DrawMode mode : kModes) {
     const Image image = picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
-    const auto alpha = renderer_->read_alpha();
-    ASSERT_TRUE(alpha);
-    ASSERT_EQ(alpha->size(), image.pixels.size());
-    for (std::size_t i = 0; i < alpha->size(); ++i)
-      ASSERT_EQ((*alpha)[i] > 0, difference(image.pixels[i], kBackground) > 0);
+    const auto alpha = read_alpha(*renderer_);
+    ASSERT_EQ(alpha.size(), image.pixels.size());
+    for (std::size_t i = 0; i < alpha.size(); ++i)
+      ASSERT_EQ(alpha[i] > 0, difference(image.pixels[i], kBackground) > 0);
   }
 }
 

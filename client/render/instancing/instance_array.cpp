@@ -19,8 +19,7 @@ gl::VertexArray make_instance_array(GLuint divisor) {
 }
 
 void bind_instance_array(const gl::VertexArray& array, const InstanceBuffer& instances) {
-  glVertexArrayVertexBuffer(array.name(), 0, instances.name(), instances.offset(),
-                            sizeof(Instance));
+  glVertexArrayVertexBuffer(array.name(), 0, instances.name(), 0, sizeof(Instance));
   glBindVertexArray(array.name());
 }
 

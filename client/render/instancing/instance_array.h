@@ -5,11 +5,11 @@
 
 namespace pointreel {
 
-/// A vertex array with the attributes of attribute/fetch.glsl, an instance for every instance that
-/// is drawn (divisor 1) or for every vertex (0).
+/// A vertex array with the attributes of attribute/fetch.glsl. With divisor 1 they advance with
+/// each instance that is drawn, with divisor 0 with each vertex.
 gl::VertexArray make_instance_array(GLuint divisor);
 
-/// Lets it read the instances that were written last, and binds it.
+/// Binds the array and lets it read the instances.
 void bind_instance_array(const gl::VertexArray& array, const InstanceBuffer& instances);
 
 }  // namespace pointreel

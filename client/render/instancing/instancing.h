@@ -7,7 +7,7 @@
 
 namespace pointreel {
 
-/// For the current context.
+/// Makes the method for the current OpenGL context.
 std::unique_ptr<InstancingMethod> make_instancing(Instancing instancing);
 
 }  // namespace pointreel

@@ -4,7 +4,7 @@
 
 #include "client/render/instancing/method.h"
 
-/// What make_instancing chooses from; each is in the folder of its name.
+/// The methods that make_instancing chooses from. Each is in the folder of its name.
 namespace pointreel {
 
 std::unique_ptr<InstancingMethod> make_geometry_instancing();

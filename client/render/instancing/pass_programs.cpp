@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/base/try.h"
+
 namespace pointreel {
 namespace {
 
@@ -65,7 +67,7 @@ Result<void> PassPrograms::use(Pass pass, const PassParameters& parameters) {
 }
 
 Result<void> use_program(gl::LateProgram& program, Pass pass, const PassParameters& parameters) {
-  if (auto used = program.use(); !used) return used;
+  TRY(program.use());
   if (!is_surfel(pass)) return {};
   glUniform1f(0, parameters.scale);
   glUniform1f(1, parameters.tolerance);

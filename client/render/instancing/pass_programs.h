@@ -19,10 +19,12 @@ PassTemplate pass_template(Pass pass);
 
 bool is_surfel(Pass pass);
 
-/// The files that say how an instance becomes the Element that its vertices have in common.
+/// The files with the function `place`, which makes an Element of an instance: the values that its
+/// vertices have in common.
 std::vector<std::string_view> placing_files(bool surfel);
 
-/// The fragment stage; `footprint` is the file that says where on its surfel a fragment lies.
+/// The files of the fragment stage. `footprint` is the file with the function of that name, which
+/// says where on its surfel a fragment lies.
 std::vector<std::string_view> fragment_files(Pass pass, std::string_view footprint);
 
 /// Makes a program of this pass current and sets its parameters.
@@ -31,8 +33,8 @@ Result<void> use_program(gl::LateProgram& program, Pass pass, const PassParamete
 /// The programs of a method, one for each pass.
 class PassPrograms {
  public:
-  /// The stages that make triangles; `primitive` are placing_files and the one that defines
-  /// kVertices and set_vertex, which makes a vertex of an Element.
+  /// Returns the stages that make triangles. `primitive` are placing_files and the file that
+  /// defines kVertices and `set_vertex`, which makes a vertex from an Element.
   using Stages =
       std::function<std::vector<gl::Stage>(Pass pass, std::vector<std::string_view> primitive)>;
 
@@ -44,7 +46,7 @@ class PassPrograms {
   std::array<gl::LateProgram, kPasses> programs_;
 };
 
-/// The vertex stage of hardware instancing: `fetch` is the file that defines fetch_instance.
+/// The vertex stage of hardware instancing. `fetch` is the file that defines `fetch_instance`.
 PassPrograms::Stages instanced_stages(std::string_view fetch);
 
 }  // namespace pointreel

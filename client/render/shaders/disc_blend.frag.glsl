@@ -1,4 +1,4 @@
-// A colour as opaque as the mask: paper 2, section V-B.
+// A colour with the mask as its opacity: Slomp et al., Geometry Instancing, section V-B.
 flat in vec3 linear_color;
 
 layout(location = 0) out vec4 color;

@@ -1,4 +1,4 @@
-// First pass of splatting: depth only, of a disc.
+// The first pass of splatting: only the depth of a disc.
 void main() {
   if (!(footprint() <= 1.0)) discard;
 }

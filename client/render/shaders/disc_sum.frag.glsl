@@ -1,4 +1,4 @@
-// Sums of weighted colours and of weights (ERRATA 10).
+// Adds weighted colours and weights. FORMULAS.md, "Order-independent blending".
 flat in vec3 linear_color;
 
 layout(location = 0) out vec4 sum;

@@ -1,5 +1,5 @@
-// A line of the floor fades out towards the rim of the disc, and where it comes too close to the
-// next one in the picture.
+// A line of the floor. It fades out towards the rim of the disc, and where it comes too close to its
+// neighbours in the picture.
 in vec3 place;
 noperspective in float side;
 flat in vec3 direction;
@@ -12,7 +12,7 @@ layout(location = 2) uniform int up_axis;
 
 layout(location = 0) out vec4 color;
 
-// From this line to the next one as strong, across both, in pixels.
+// The distance in pixels to the next line of the same strength.
 float pixels_to_next() {
   vec3 up = vec3(0.0);
   up[up_axis] = 1.0;

@@ -1,11 +1,11 @@
-// A line of the floor (floor.h) as a quad that is as wide everywhere in the picture. Both ends are
-// before the eye.
+// A line of the floor (floor_grid.h) as a quad of constant width in the picture. Both ends are in
+// front of the eye.
 layout(location = 0) in vec3 from;
 layout(location = 1) in vec3 to;
 layout(location = 2) in vec2 strength_step;
 
 out vec3 place;
-noperspective out float side;  // of the line, in pixels
+noperspective out float side;  // distance from the middle of the line, in pixels
 flat out vec3 direction;       // along the line
 flat out float strength, step_to_next;
 flat out float half_width;     // in pixels
@@ -18,7 +18,7 @@ void main() {
   vec2 across = vec2(-along.y, along.x) * inversesqrt(max(dot(along, along), 1e-12));
   bool second = gl_VertexID >= 2;
   half_width = 0.5 * max(1.0, window.y / 720.0);
-  // Half a pixel more on each side, over which the line fades out.
+  // The line fades out over half a pixel more on each side.
   side = (half_width + 0.5) * ((gl_VertexID & 1) == 0 ? -1.0 : 1.0);
   place = second ? to : from;
   direction = normalize(to - from);

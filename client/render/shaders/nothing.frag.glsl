@@ -1,2 +1,2 @@
-// Depth alone.
+// Writes only depth.
 void main() {}

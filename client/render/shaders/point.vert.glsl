@@ -1,4 +1,4 @@
-// A point of fixed size in the picture.
+// A point with a fixed size in the picture.
 layout(location = 0) uniform float size;  // in pixels
 
 flat out vec3 linear_color;

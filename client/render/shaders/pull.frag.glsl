@@ -1,4 +1,4 @@
-// The means of a level, of two by two texels of the next finer one.
+// A level of means. Each texel is the mean of two by two texels of the next finer level.
 layout(binding = 0) uniform sampler2D finer;
 
 layout(location = 0) out vec4 mean;

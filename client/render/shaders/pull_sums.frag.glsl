@@ -1,4 +1,5 @@
-// The finest means, of four of four by four pixels, no two of them in one row or column.
+// The finest level of means. Each texel covers four by four pixels and takes the mean of four of
+// them, no two of which are in the same row or column.
 layout(binding = 0) uniform sampler2D sums;
 
 layout(location = 0) out vec4 mean;

@@ -1,4 +1,4 @@
-// The mean colours of a level, and where it has none those of the next coarser one.
+// The mean colours of a level; where it has none, those of the next coarser level.
 layout(binding = 0) uniform sampler2D own;
 layout(binding = 1) uniform sampler2D coarser;
 

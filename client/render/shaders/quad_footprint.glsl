@@ -1,5 +1,5 @@
-// Where a fragment lies on its surfel, for quads.
+// Where a fragment lies on its surfel, if the surfel is drawn as a quad.
 in vec2 mask;  // -1 to 1 across the quad
 
-// Squared distance from the middle; 1 at the rim.
+// The squared distance from the centre of the surfel; 1 at its rim.
 float footprint() { return dot(mask, mask); }

@@ -1,12 +1,12 @@
-// The weighted mean of the splats; in a hole of the surface what is around it (reconstruction.h).
-// Elsewhere the background stays.
+// The weighted mean of the splats, and in holes of the surface the colours around them
+// (reconstruction.h). Elsewhere the background stays.
 layout(binding = 0) uniform sampler2D sums;
 layout(binding = 1) uniform sampler2D filled;
 layout(binding = 2) uniform sampler2D depth;
 layout(binding = 3) uniform sampler2D crowd;
 
 layout(location = 0) uniform bool fill;
-layout(location = 1) uniform float crowd_edge;  // of a texel of `crowd`, in pixels
+layout(location = 1) uniform float crowd_edge;  // edge of a texel of `crowd`, in pixels
 
 layout(location = 0) out vec4 linear_color;
 
@@ -15,8 +15,8 @@ bool seen(vec2 at) {
   return texelFetch(depth, pixel, 0).x > 0.0;
 }
 
-// A surface was seen here, from its inside, or all around; or most of what is around is covered,
-// which at the outline of a surface no more than half is.
+// A pixel is a hole if it shows the inside of a surface, if all its neighbours show a surface, or if
+// most of the area around it is covered. At the outline of a surface no more than half of it is.
 bool is_hole() {
   const float most = 0.7;
   vec2 at = gl_FragCoord.xy;

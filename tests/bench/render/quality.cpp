@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
+#include "tests/read_alpha.h"
+
 namespace pointreel::bench {
 namespace {
 
@@ -62,13 +65,9 @@ const std::shared_ptr<const SceneFrame>& frame_of(const RenderScene& scene, Draw
 Result<DrawnPicture> draw_picture(Renderer& renderer, std::shared_ptr<const SceneFrame> frame,
                                   const Camera& camera, glm::ivec2 size,
                                   const DrawOptions& options) {
-  const auto stats = renderer.draw(std::move(frame), camera, size, options);
-  if (!stats) return tl::unexpected(stats.error());
-  auto image = renderer.read_pixels();
-  if (!image) return tl::unexpected(image.error());
-  auto alpha = renderer.read_alpha();
-  if (!alpha) return tl::unexpected(alpha.error());
-  return DrawnPicture{std::move(*image), std::move(*alpha), *stats};
+  const DrawStats stats = TRY(renderer.draw(std::move(frame), camera, size, options));
+  Image image = TRY(renderer.read_pixels());
+  return DrawnPicture{std::move(image), read_alpha(renderer), stats};
 }
 
 ViewTruth make_view_truth(const RenderScene& scene, const Viewpoint& view, glm::ivec2 size) {

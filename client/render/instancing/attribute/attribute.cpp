@@ -3,18 +3,19 @@
 #include "client/render/instancing/instance_array.h"
 #include "client/render/instancing/methods.h"
 #include "client/render/instancing/pass_programs.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-/// Paper 2, section IV-B, "regular vertex buffers".
+/// Slomp et al., Geometry Instancing, section IV-B, "regular vertex buffers".
 class AttributeInstancing final : public InstancingMethod {
  public:
   explicit AttributeInstancing(const PassPrograms::Stages& stages) : programs_(stages) {}
 
   Result<void> draw(const InstanceBuffer& instances, Pass pass,
                     const PassParameters& parameters) override {
-    if (auto used = programs_.use(pass, parameters); !used) return used;
+    TRY(programs_.use(pass, parameters));
     bind_instance_array(array_, instances);
     const PassTemplate shape = pass_template(pass);
     glDrawArraysInstanced(shape.topology, 0, shape.vertices,

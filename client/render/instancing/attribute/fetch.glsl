@@ -1,3 +1,4 @@
+// An instance from vertex attributes.
 layout(location = 0) in vec4 center_radius;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 color;

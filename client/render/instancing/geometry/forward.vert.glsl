@@ -1,4 +1,4 @@
-// Hands an instance on to the geometry shader, untouched.
+// Forwards an instance to the geometry shader.
 out Instance forwarded;
 
 void main() { forwarded = fetch_instance(); }

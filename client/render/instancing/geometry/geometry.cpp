@@ -3,18 +3,19 @@
 #include "client/render/instancing/instance_array.h"
 #include "client/render/instancing/methods.h"
 #include "client/render/instancing/pass_programs.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-/// Paper 2, section IV-A: the vertex shader only forwards attributes.
+/// Slomp et al., Geometry Instancing, section IV-A. The vertex shader only forwards attributes.
 class GeometryInstancing final : public InstancingMethod {
  public:
   explicit GeometryInstancing(const PassPrograms::Stages& stages) : programs_(stages) {}
 
   Result<void> draw(const InstanceBuffer& instances, Pass pass,
                     const PassParameters& parameters) override {
-    if (auto used = programs_.use(pass, parameters); !used) return used;
+    TRY(programs_.use(pass, parameters));
     bind_instance_array(array_, instances);
     glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances.size()));
     return {};

@@ -1,4 +1,4 @@
-// A point becomes a triangle strip.
+// Expands a point into a triangle strip.
 layout(points) in;
 layout(triangle_strip, max_vertices = kVertices) out;
 

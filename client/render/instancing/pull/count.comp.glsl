@@ -1,8 +1,9 @@
-// Second step, one group: how many are listed before each word, and the draw commands for them all.
+// The second step, by a single work group: counts how many instances are listed before each word, and
+// writes the draw commands.
 layout(local_size_x = 256) in;
 
 layout(std430, binding = 2) writeonly buffer Commands {
-  // Each: vertices, instances, the first vertex, the first instance.
+  // The components are: vertices, instances, first vertex, first instance.
   uvec4 draw_sprites, draw_solids;
 };
 

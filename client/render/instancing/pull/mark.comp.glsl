@@ -1,4 +1,4 @@
-// First step: how instances are drawn, if at all.
+// The first step: decides whether instances are hidden, sprites or solids.
 layout(local_size_x = 64) in;
 
 void main() {

@@ -6,20 +6,23 @@
 
 #include "client/render/instancing/methods.h"
 #include "client/render/instancing/pass_programs.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-/// No more are listed at a time: their elements fit into the smallest buffer that drivers promise.
+/// The most instances that are listed at a time. Their elements fit into the smallest storage
+/// buffer that a driver must support.
 constexpr std::size_t kMaxBatch = std::size_t{1} << 20;
-constexpr std::size_t kTexelsPerSprite = 3;  ///< an instance has fewer
-/// Where in the instances a batch may begin: at multiples of 64 KiB.
-constexpr std::size_t kBatchGranule = 2048;
-constexpr std::size_t kSpriteBytes = 48, kElementBytes = 64;  ///< as the shaders declare them
+constexpr std::size_t kTexelsPerSprite = 3;  ///< more than an instance has
+/// Batches begin at multiples of 64 KiB, where texture buffers may begin on every driver.
+constexpr std::size_t kBatchGranule = 65536 / sizeof(Instance);
+constexpr std::size_t kSpriteBytes = 48, kElementBytes = 64;  ///< sizes of the shaders' structures
 constexpr std::size_t kWordBytes = 16, kInstancesPerWord = 32;
 constexpr GLuint kGroup = 64;
 
-/// glDrawArraysIndirect's; sprites', then solids' (count.comp.glsl).
+/// Size of a command of glDrawArraysIndirect. There are two, for sprites and then for solids
+/// (count.comp.glsl).
 constexpr std::size_t kCommandBytes = 16;
 
 enum Binding : GLuint { kWords = 1, kCommands, kSprites, kSolids };
@@ -29,9 +32,10 @@ struct ListPrograms {
   gl::LateProgram mark, count, write;
 };
 
-/// Neither surfels that show their back nor any outside of the picture become vertices: three
-/// compute shaders list the others, and the passes draw that list. What a point can cover is drawn
-/// as one, which spares four vertices and two triangles, or eight and six.
+/// Three compute shaders list the instances that are visible, and the passes draw that list.
+/// Surfels that show their back and everything outside of the picture never become vertices. An
+/// instance that a GL point can cover (a sprite) takes one vertex, instead of four vertices and two
+/// triangles for a surfel or eight and six for a voxel. The others are solids.
 class PullInstancing final : public InstancingMethod {
  public:
   PullInstancing();
@@ -45,26 +49,24 @@ class PullInstancing final : public InstancingMethod {
                     const PassParameters& parameters) override {
     for (std::size_t first = 0; first < instances.size(); first += batch_) {
       const std::size_t count = std::min(batch_, instances.size() - first);
-      if (auto listed = list(instances, pass, first, count); !listed) return listed;
+      TRY(list(instances, pass, first, count));
       glBindVertexArray(no_attributes_.name());
       glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
-      if (auto used = use_program(sprites_of_[static_cast<std::size_t>(pass)], pass, parameters);
-          !used)
-        return used;
+      TRY(use_program(sprites_of_[static_cast<std::size_t>(pass)], pass, parameters));
       glBindTextureUnit(0, sprite_texture_.name());
       glEnable(GL_PROGRAM_POINT_SIZE);
       glDrawArraysIndirect(GL_POINTS, nullptr);
-      if (auto used = solids_of_.use(pass, parameters); !used) return used;
+      TRY(solids_of_.use(pass, parameters));
       glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(kCommandBytes));
     }
     return {};
   }
 
  private:
-  /// What the list was made for. The passes of one picture share it.
+  /// What the list was made for. The passes of a picture share the list.
   struct Listed {
-    std::size_t first;
-    GLuint vertices;  ///< of a solid
+    std::size_t first;  ///< instance of the batch
+    GLuint vertices;    ///< per solid
     bool operator==(const Listed&) const = default;
   };
 
@@ -75,7 +77,7 @@ class PullInstancing final : public InstancingMethod {
     const std::size_t words = (count + kInstancesPerWord - 1) / kInstancesPerWord;
     reserve(count);
     glTextureBufferRange(instance_texture_.name(), GL_RGBA32UI, instances.name(),
-                         instances.offset() + static_cast<GLintptr>(first * sizeof(Instance)),
+                         static_cast<GLintptr>(first * sizeof(Instance)),
                          static_cast<GLsizeiptr>(count * sizeof(Instance)));
     glBindTextureUnit(0, instance_texture_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kWords, words_.name());
@@ -83,15 +85,15 @@ class PullInstancing final : public InstancingMethod {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSprites, sprites_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSolids, solids_.name());
     ListPrograms& programs = is_surfel(pass) ? list_surfels_ : list_voxels_;
-    if (auto used = use(programs.mark, count); !used) return used;
+    TRY(use(programs.mark, count));
     glUniform1f(kLargestScale, largest_scale_);
     run(words);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    if (auto used = use(programs.count, count); !used) return used;
+    TRY(use(programs.count, count));
     glUniform1ui(kVerticesPerSolid, wanted.vertices);
     run(1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    if (auto used = use(programs.write, count); !used) return used;
+    TRY(use(programs.write, count));
     run(count);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
                     GL_COMMAND_BARRIER_BIT);
@@ -100,7 +102,7 @@ class PullInstancing final : public InstancingMethod {
   }
 
   static Result<void> use(gl::LateProgram& step, std::size_t count) {
-    if (auto used = step.use(); !used) return used;
+    TRY(step.use());
     glUniform1ui(kInstanceCount, static_cast<GLuint>(count));
     return {};
   }
@@ -130,8 +132,8 @@ class PullInstancing final : public InstancingMethod {
   gl::Buffer words_, sprites_, solids_, commands_ = gl::Buffer::create();
   gl::BufferTexture instance_texture_ = gl::BufferTexture::create();
   gl::BufferTexture sprite_texture_ = gl::BufferTexture::create();
-  std::size_t batch_ = 0;
-  std::size_t capacity_ = 0;
+  std::size_t batch_ = 0;     ///< the most instances of a list
+  std::size_t capacity_ = 0;  ///< number of instances for which the buffers have room
   gl::VertexArray no_attributes_ = gl::VertexArray::create();
   std::optional<Listed> listed_;
 };

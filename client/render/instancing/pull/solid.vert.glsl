@@ -1,4 +1,4 @@
-// A vertex of a solid that was listed, of the triangles of its strip or fan one by one.
+// A vertex of a listed solid. Its strip or fan is drawn as separate triangles.
 layout(std430, binding = 4) readonly buffer Solids { Element solids[]; };
 
 void main() {
@@ -8,7 +8,7 @@ void main() {
   if (kIsFan) {
     if (corner == 0) number = 0;
   } else if (triangle % 2 == 1 && corner < 2) {
-    number = triangle + 1 - corner;  // every other triangle of a strip is turned round
+    number = triangle + 1 - corner;  // every other triangle of a strip has the opposite order
   }
   set_vertex(solids[gl_VertexID / (3 * triangles)], number);
 }

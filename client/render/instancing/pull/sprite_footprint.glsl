@@ -1,9 +1,9 @@
-// Where a fragment lies on its surfel, for points.
+// Where a fragment lies on its surfel, if the surfel is drawn as a GL point. Also sets the depth.
 flat in vec2 middle;
 flat in vec3 conic;
 flat in vec4 depth_plane;
 
-// Squared distance from the middle; 1 at the rim.
+// The squared distance from the centre of the surfel; 1 at its rim.
 float footprint() {
   vec2 d = gl_FragCoord.xy - middle;
   float change = dot(depth_plane.yz, d);

@@ -1,4 +1,4 @@
-// A surfel that was listed, as a point.
+// A listed surfel as a GL point.
 layout(binding = 0) uniform usamplerBuffer sprites;
 
 Sprite fetch_sprite(int i) {
@@ -8,18 +8,18 @@ Sprite fetch_sprite(int i) {
                 uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xy), c.z, c.w);
 }
 
-layout(location = 0) uniform float scale;      // of the splat's radius
-layout(location = 1) uniform float tolerance;  // pushes it back, in scaled radii
+layout(location = 0) uniform float scale;      // factor for the radius
+layout(location = 1) uniform float tolerance;  // how far it is pushed back, in scaled radii
 
 flat out vec2 middle;
 flat out vec3 conic;
 flat out vec3 linear_color;
-flat out vec4 depth_plane;  // of the middle; its slope a pixel; its largest change
+flat out vec4 depth_plane;  // depth at the middle, its change per pixel (x, y), its largest change
 
-// Of the disc's image along its longer axis, in pixels: no disc that faces the eye falls between
-// the pixels' centres.
+// The least half axes of the disc's image in pixels. The longer one keeps a disc that faces the eye
+// from falling between the centres of pixels. The shorter one keeps the conic finite; a larger value
+// would widen outlines.
 const float kLeastRadius = 0.7;
-// Along its shorter axis, so that the conic is finite; more than this would widen outlines.
 const float kLeastThickness = 0.05;
 
 void main() {
@@ -27,7 +27,8 @@ void main() {
   vec3 c = scale * scale * s.covariance;
   float half_trace = 0.5 * (c.x + c.z);
   float half_difference = length(vec2(0.5 * (c.x - c.z), c.y));
-  float longer = half_trace + half_difference, shorter = half_trace - half_difference;  // squared
+  // The squares of the half axes.
+  float longer = half_trace + half_difference, shorter = half_trace - half_difference;
   c.xz += max(max(kLeastRadius * kLeastRadius - longer, kLeastThickness * kLeastThickness - shorter), 0.0);
   conic = vec3(c.z, -2.0 * c.y, c.x) / (c.x * c.z - c.y * c.y);
   middle = s.middle;

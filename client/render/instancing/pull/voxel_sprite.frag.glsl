@@ -1,5 +1,5 @@
-// Where the ray through the pixel's centre enters a cube, if it does: behind the last of the three
-// planes on the eye's side, unless it has left through one of the others by then.
+// Intersects the ray through the centre of the pixel with a cube. The ray enters at the last of the
+// three planes on the side of the eye, unless it has left through one of the other three before.
 flat in vec3 center;
 flat in float half_edge;
 flat in vec3 face_light;

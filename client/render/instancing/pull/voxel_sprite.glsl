@@ -1,9 +1,9 @@
-// A voxel as a point that covers its cube: a vertex instead of eight, a square instead of six
-// triangles. Which pixels see which face is decided for each of them (voxel_sprite.frag.glsl).
+// A voxel as a GL point that covers its cube: one vertex instead of eight, one square instead of six
+// triangles. The fragment shader decides which face a pixel shows (voxel_sprite.frag.glsl).
 struct Sprite {
-  vec3 center;  // from the eye
+  vec3 center;  // relative to the eye
   float half_edge;
-  vec3 light;   // on the faces across each axis that the eye can see
+  vec3 light;   // on the visible face across each axis
   float size;   // in pixels
   vec3 color;   // linear
   float unused;
@@ -11,13 +11,13 @@ struct Sprite {
 
 float depth_of(Instance voxel) { return (to_clip * vec4(voxel.center, 1.0)).w; }
 
-// Never smaller than a pixel, as in voxel.glsl.
+// No cube is drawn smaller than a pixel, as in voxel.glsl.
 float drawn_half_edge(Instance voxel) {
   return max(voxel.radius, 0.5 * pixel.x * depth_of(voxel));
 }
 
-// Side of the square around the cube's image, in pixels: that of the affine projection at its
-// middle, enlarged by how much nearer its nearest corner may be.
+// Edge in pixels of the square around the image of the cube. It is that of the affine projection at
+// the centre, enlarged because the nearest corner may be nearer to the eye.
 float sprite_size(Instance voxel) {
   float w = depth_of(voxel), edge = drawn_half_edge(voxel);
   vec3 x, y;

@@ -1,4 +1,4 @@
-// A voxel that was listed, as a point.
+// A listed voxel as a GL point.
 layout(binding = 0) uniform usamplerBuffer sprites;
 
 Sprite fetch_sprite(int i) {
@@ -8,7 +8,7 @@ Sprite fetch_sprite(int i) {
   return Sprite(a.xyz, a.w, b.xyz, b.w, c.xyz, c.w);
 }
 
-flat out vec3 center;  // from the eye
+flat out vec3 center;  // relative to the eye
 flat out float half_edge;
 flat out vec3 face_light;
 flat out vec3 linear_color;

@@ -1,4 +1,4 @@
-// Third step: what can be seen, without gaps and in its order.
+// The third step: writes the visible instances without gaps and in their order.
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 3) writeonly buffer Sprites { Sprite sprites[]; };

@@ -1,8 +1,8 @@
-// What is drawn once for each point or voxel, as instance_buffer.h packs it.
+// A surfel, voxel or point, as instance_buffer.h packs it.
 struct Instance {
   vec3 center;
-  float radius;  // of the splat, or half the voxel's edge
-  vec3 normal;   // unit length, or zero where unknown
+  float radius;  // of the splat, or half the edge of the voxel
+  vec3 normal;   // unit length, or zero if unknown
   vec3 color;    // linear
 };
 

@@ -1,15 +1,15 @@
-// What both ways to draw a voxel have in common: voxel_cube.glsl, voxel_faces.glsl.
+// Shared by both ways to draw a voxel: voxel_cube.glsl and voxel_faces.glsl.
 struct Element {
   vec4 center;   // clip coordinates
-  vec3 octant;   // of the eye as seen from the centre: -1 or 1 each
+  vec3 octant;   // in which the eye lies as seen from the centre; each component is -1 or 1
   float half_edge;
-  vec3 normal;   // as it is lit; zero where unknown
+  vec3 normal;   // used for lighting; zero if unknown
   vec3 color;    // linear
 };
 
 Element place(Instance voxel) {
   vec4 center = to_clip * vec4(voxel.center, 1.0);
-  // Never smaller than a pixel: a cube that falls between the pixels' centres would not be seen.
+  // No cube is drawn smaller than a pixel, so that none falls between the centres of pixels.
   float half_edge = max(voxel.radius, 0.5 * pixel.x * center.w);
   vec3 n = oriented(voxel.normal, towards_eye(voxel.center));
   return Element(center, mix(vec3(-1.0), vec3(1.0), greaterThanEqual(eye.xyz, voxel.center)),
@@ -20,7 +20,7 @@ vec4 corner_position(Element e, vec3 corner) {
   return e.center + to_clip * vec4(e.half_edge * corner, 0.0);
 }
 
-// The colour of one side, which lights the voxel where its own normal is unknown.
+// The colour of a face. If the normal of the voxel is unknown, that of the face is used for lighting.
 vec3 face_color(Element e, vec3 face) {
   return e.color * light_on(e.normal == vec3(0.0) ? face : e.normal);
 }

@@ -1,3 +1,4 @@
+// An instance from a texture buffer.
 layout(binding = 0) uniform usamplerBuffer words;
 
 Instance fetch_instance() {

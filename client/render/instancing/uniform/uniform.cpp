@@ -3,6 +3,7 @@
 
 #include "client/render/instancing/methods.h"
 #include "client/render/instancing/pass_programs.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -10,21 +11,21 @@ namespace {
 constexpr GLuint kBinding = 1;
 constexpr std::size_t kBatchBytes = 65536, kBatch = kBatchBytes / sizeof(Instance);
 
-/// Paper 2, section IV-B, "uniform buffers": batches of what fits into one.
+/// Slomp et al., Geometry Instancing, section IV-B, "uniform buffers". Each draw call takes as many
+/// instances as fit into a uniform buffer.
 class UniformInstancing final : public InstancingMethod {
  public:
   explicit UniformInstancing(const PassPrograms::Stages& stages) : programs_(stages) {}
 
   Result<void> draw(const InstanceBuffer& instances, Pass pass,
                     const PassParameters& parameters) override {
-    if (auto used = programs_.use(pass, parameters); !used) return used;
+    TRY(programs_.use(pass, parameters));
     glBindVertexArray(no_attributes_.name());
     const PassTemplate shape = pass_template(pass);
     for (std::size_t first = 0; first < instances.size(); first += kBatch) {
-      // Always the size of the block; parts of the ring are multiples of it.
+      // The range must be as large as the shader's block. InstanceBuffer has whole blocks.
       glBindBufferRange(GL_UNIFORM_BUFFER, kBinding, instances.name(),
-                        instances.offset() + static_cast<GLintptr>(first * sizeof(Instance)),
-                        kBatchBytes);
+                        static_cast<GLintptr>(first * sizeof(Instance)), kBatchBytes);
       glDrawArraysInstanced(shape.topology, 0, shape.vertices,
                             static_cast<GLsizei>(std::min(kBatch, instances.size() - first)));
     }

@@ -10,7 +10,7 @@ FramePlan::FramePlan(const Timeline& timeline, std::uint64_t at_us,
   const std::uint64_t frames = timeline_.frame_count();
   if (!loop_) count_ = frames - first_;
   if (!duration_us) return;
-  // The first picture that begins no sooner than all that time, by halving.
+  // The first picture that begins when the duration is over, by bisection.
   std::uint64_t low = 0;
   std::uint64_t high = count_.value_or((*duration_us / timeline_.duration_us + 2) * frames);
   while (low < high) {
@@ -34,7 +34,7 @@ FramePlan::Picture FramePlan::picture(std::uint64_t index) const {
 
 std::optional<FrameRate> FramePlan::rate() const {
   std::vector<std::uint64_t> times = timeline_.times_us;
-  // The next pass begins at the rate, too, or the only frame lasts as long as that says.
+  // The next pass must begin at the same rate. A single frame lasts as long as the reel.
   if (loop_ || times.size() == 1) times.push_back(timeline_.duration_us);
   return exact_rate(times);
 }

@@ -8,9 +8,9 @@
 
 namespace pointreel {
 
-/// Which frames of a reel are drawn without a clock: each once, in order, from the one that is seen
-/// at a time of the reel on, to the reel's end or, going through it again and again, without one;
-/// or for a duration.
+/// The frames of a reel that are drawn if there is no clock: each one once and in order. They begin
+/// with the frame shown at a time of the reel, and end at the end of the reel or after a duration.
+/// If the reel loops, there is no end without a duration.
 class FramePlan {
  public:
   FramePlan(const Timeline& timeline, std::uint64_t at_us,
@@ -18,14 +18,14 @@ class FramePlan {
 
   struct Picture {
     std::uint32_t frame = 0;
-    std::uint64_t time_us = 0;       ///< when it begins, since the first picture
-    std::uint64_t reel_time_us = 0;  ///< since the start of the first pass
+    std::uint64_t time_us = 0;       ///< when the picture begins, since the first picture
+    std::uint64_t reel_time_us = 0;  ///< the same since the start of the reel, passes added up
   };
-  /// None where there is no end.
+  /// The number of pictures; empty if there is no end.
   std::optional<std::uint64_t> count() const { return count_; }
   Picture picture(std::uint64_t index) const;
 
-  /// That of all pictures, if they come at one.
+  /// The rate at which the pictures follow each other; empty if they do so at uneven times.
   std::optional<FrameRate> rate() const;
 
  private:

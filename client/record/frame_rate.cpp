@@ -10,8 +10,8 @@ bool less(const FrameRate& a, const FrameRate& b) {
   return Wide{a.frames} * b.seconds < Wide{b.frames} * a.seconds;
 }
 
-/// The fraction of the least denominator from low to high, both > 0: a step of the continued
-/// fraction that they share.
+/// The fraction with the smallest denominator from low to high, which are above 0. Each call takes
+/// a step of the continued fraction that they share.
 FrameRate simplest(const FrameRate& low, const FrameRate& high) {
   const std::uint64_t whole = low.frames / low.seconds;
   if (low.frames % low.seconds == 0) return {whole, 1};
@@ -29,7 +29,7 @@ std::optional<FrameRate> exact_rate(std::span<const std::uint64_t> times_us) {
   for (std::size_t i = 1; i < times_us.size(); ++i) {
     const std::uint64_t passed = times_us[i] - times_us[0];
     if (passed < 2) return std::nullopt;
-    // Both times are off by half a microsecond at most.
+    // Rounding moved each of the two times by at most half a microsecond.
     const FrameRate least{1'000'000 * i, passed + 1}, most{1'000'000 * i, passed - 1};
     if (less(low, least)) low = least;
     if (less(most, high)) high = most;

@@ -11,7 +11,7 @@ std::string big_endian(std::uint64_t value, std::size_t bytes) {
   return text;
 }
 
-/// An element's identifier and its size, in eight bytes always.
+/// The identifier of an element and its size, which always takes eight bytes.
 std::string begin(std::uint32_t id, std::uint64_t size) {
   const std::size_t id_bytes = id > 0xffffff ? 4 : id > 0xffff ? 3 : id > 0xff ? 2 : 1;
   return big_endian(id, id_bytes) + big_endian((std::uint64_t{1} << 56) | size, 8);
@@ -50,8 +50,8 @@ std::string matroska_head(std::uint32_t width, std::uint32_t height) {
 }
 
 std::string matroska_picture_head(std::uint64_t time_us, std::size_t picture_bytes) {
-  // A cluster of one block each, so that its time has all the bits it needs.
-  const std::string block("\x81\0\0\x80", 4);  // of track 1, at the cluster's time, a key frame
+  // Each picture is a cluster with one block, because times of blocks have only 16 bits.
+  const std::string block("\x81\0\0\x80", 4);  // track 1, at the cluster's time, key frame
   const std::string time = number(0xE7, time_us);
   const std::string simple = begin(0xA3, block.size() + picture_bytes) + block;
   return begin(0x1F43B675, time.size() + simple.size() + picture_bytes) + time + simple;

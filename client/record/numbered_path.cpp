@@ -10,9 +10,10 @@ namespace pointreel {
 
 Result<NumberedPath> NumberedPath::parse(const std::string& pattern) {
   const auto refuse = [&] {
-    return fail(fmt::format(
-        "\"{}\" must hold exactly one place for the frame's number, such as out-%04d.png",
-        pattern));
+    return fail(ErrorCode::argument,
+                fmt::format("\"{}\" must contain exactly one place for the number of the picture, "
+                            "such as %04d in out-%04d.png",
+                            pattern));
   };
   NumberedPath path;
   bool found = false;

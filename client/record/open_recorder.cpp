@@ -2,6 +2,7 @@
 
 #include "client/record/picture_sequence.h"
 #include "client/record/video_writer.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -9,16 +10,17 @@ namespace {
 Result<NumberedPath> numbered(const std::string& path) {
   auto parsed = NumberedPath::parse(path);
   if (parsed) return parsed;
-  return fail("\"" + path +
-              "\" is neither a video (.mp4, .mkv, .webm) nor has exactly one place for a picture's "
-              "number, such as out-%04d.png");
+  return fail(
+      ErrorCode::argument,
+      "\"" + path +
+          "\" is neither a video (.mp4, .mkv, .webm) nor contains exactly one place for the "
+          "number of the picture, such as %04d in out-%04d.png");
 }
 
 }  // namespace
 
 Result<void> check_recording_name(const std::string& path) {
-  if (is_video(path)) return {};
-  if (const auto parsed = numbered(path); !parsed) return tl::unexpected(parsed.error());
+  if (!is_video(path)) TRY(numbered(path));
   return {};
 }
 
@@ -28,14 +30,8 @@ Result<void> check_recording(const std::string& path) {
 
 Result<std::unique_ptr<Recorder>> open_recorder(const std::string& path, glm::ivec2 size,
                                                 const std::optional<FrameRate>& rate) {
-  if (is_video(path)) {
-    auto video = VideoWriter::create(path, size, rate);
-    if (!video) return tl::unexpected(video.error());
-    return *std::move(video);
-  }
-  auto files = numbered(path);
-  if (!files) return tl::unexpected(files.error());
-  return std::make_unique<PictureSequence>(*std::move(files));
+  if (is_video(path)) return TRY(VideoWriter::create(path, size, rate));
+  return std::make_unique<PictureSequence>(TRY(numbered(path)));
 }
 
 }  // namespace pointreel

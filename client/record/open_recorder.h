@@ -11,12 +11,13 @@
 
 namespace pointreel {
 
-/// Whether that names a video (is_video) or numbered files (NumberedPath).
+/// Fails with ErrorCode::argument if the path names neither a video (is_video) nor numbered files
+/// (NumberedPath).
 Result<void> check_recording_name(const std::string& path);
-/// Whether pictures can be recorded there: for videos ffmpeg must be installed. Nothing is written.
+/// Checks the name, and for videos that ffmpeg is installed. Writes nothing.
 Result<void> check_recording(const std::string& path);
 
-/// Begins to record pictures of this size, which come at this rate, or at times of their own.
+/// Begins a recording of pictures of this size. Without a rate, each picture has a time of its own.
 Result<std::unique_ptr<Recorder>> open_recorder(const std::string& path, glm::ivec2 size,
                                                 const std::optional<FrameRate>& rate);
 

@@ -8,7 +8,7 @@
 
 namespace pointreel {
 
-/// Each picture a PNG file, numbered from 0 on. Times are not kept.
+/// Writes each picture as a PNG file. The numbers of the files begin at 0; the times are ignored.
 class PictureSequence : public Recorder {
  public:
   explicit PictureSequence(NumberedPath path) : path_(std::move(path)) {}

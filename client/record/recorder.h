@@ -7,15 +7,15 @@
 
 namespace pointreel {
 
-/// Where the pictures of a recording go.
+/// Writes the pictures of a recording.
 class Recorder {
  public:
   virtual ~Recorder() = default;
 
-  /// The next picture, seen from `time_us` on, which is after that of the one before. All pictures
-  /// have the same size.
+  /// Adds the next picture, which is shown from `time_us` on. Times increase, and all pictures have
+  /// the same size.
   virtual Result<void> add(const Image& picture, std::uint64_t time_us) = 0;
-  /// All pictures have been added. A recording that was not finished may be missing.
+  /// Completes the recording after the last picture. Without it, there may be no recording.
   virtual Result<void> finish() = 0;
 };
 

@@ -23,15 +23,12 @@
 #include <unistd.h>
 
 #include "client/record/matroska.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-constexpr std::string_view kMissing =
-    "is not installed, which --record needs for videos: install it (apt-get install ffmpeg), or "
-    "record pictures: --record out-%04d.png";
-
-/// What ffmpeg calls the container of a file; empty for none of ours.
+/// ffmpeg's name for the container of a file; empty for other files.
 std::string format_of(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".mp4") return "mp4";
@@ -58,8 +55,8 @@ std::vector<std::string> arguments(const std::string& path, const std::string& p
          "-cpu-used", "4"});
   } else {
     add({"-c:v", "libx264", "-crf", "18"});
-    // Pictures out of order make the times at which uneven ones are decoded, of which .mp4 takes
-    // its length, end before the last picture does.
+    // No B-frames for uneven times. With them, decoding times end before the last picture does,
+    // and .mp4 takes its length from these.
     if (!rate) add({"-bf", "0"});
   }
   add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
@@ -73,7 +70,8 @@ std::vector<std::string> arguments(const std::string& path, const std::string& p
   return all;
 }
 
-/// What it complained of first, without the address of what complained: "[libx264 @ 0x55d0] ".
+/// ffmpeg's first message, without the component and the address at its beginning, such as
+/// "[libx264 @ 0x55d0] ".
 std::string first_line(int file) {
   std::array<char, 1024> buffer;
   const ssize_t size = pread(file, buffer.data(), buffer.size(), 0);
@@ -84,6 +82,13 @@ std::string first_line(int file) {
   for (char& c : text)
     if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
   return text;
+}
+
+tl::unexpected<Error> missing(const std::string& program) {
+  return fail(ErrorCode::not_found,
+              program +
+                  " is not installed, but --record needs it for videos: install it (apt-get "
+                  "install ffmpeg), or record pictures: --record out-%04d.png");
 }
 
 }  // namespace
@@ -106,28 +111,28 @@ Result<void> find_ffmpeg(const std::string& program) {
       folders.remove_prefix(std::min(end + 1, folders.size()));
     }
   }
-  return fail(fmt::format("{} {}", program, kMissing));
+  return missing(program);
 }
 
 Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::string& path, glm::ivec2 size,
                                                          const std::optional<FrameRate>& rate,
                                                          const std::string& program) {
   if (size.x < 2 || size.y < 2)
-    return fail(fmt::format("{}: a video of {}x{} pixels cannot be made: draw at least 2x2", path,
-                            size.x, size.y));
+    return fail(ErrorCode::argument, fmt::format("{}: a video needs at least 2x2 pixels, not {}x{}",
+                                                 path, size.x, size.y));
   std::unique_ptr<VideoWriter> writer(new VideoWriter(path));
-  if (auto started = writer->start(size, rate, program); !started)
-    return tl::unexpected(started.error());
+  TRY(writer->start(size, rate, program));
   return writer;
 }
 
 Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>& rate,
                                 const std::string& program) {
   size_ = size;
-  // A socket rather than a pipe: it can be told not to send a signal when nobody reads.
+  // A socket and not a pipe, because sending to it can be told not to raise SIGPIPE.
   std::array<int, 2> ends{-1, -1};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    return fail(fmt::format("{}: cannot be recorded: {}", path_, std::strerror(errno)));
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be recorded: {}", path_, std::strerror(errno)));
   input_ = ends[0];
   messages_ = memfd_create("ffmpeg", MFD_CLOEXEC);
 
@@ -152,8 +157,10 @@ Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>&
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   close(ends[1]);
-  if (failed == ENOENT) return fail(fmt::format("{} {}", program, kMissing));
-  if (failed != 0) return fail(fmt::format("{} cannot be run: {}", program, std::strerror(failed)));
+  if (failed == ENOENT) return missing(program);
+  if (failed != 0)
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be run: {}", program, std::strerror(failed)));
   process_ = process;
   const std::string head =
       matroska_head(static_cast<std::uint32_t>(size.x), static_cast<std::uint32_t>(size.y));
@@ -171,7 +178,8 @@ VideoWriter::~VideoWriter() {
 
 Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
   if (glm::ivec2(picture.width, picture.height) != size_)
-    return fail(fmt::format("{}: a picture of {}x{} does not fit a video of {}x{}", path_,
+    return fail(ErrorCode::argument,
+                fmt::format("{}: a picture of {}x{} does not fit a video of {}x{}", path_,
                             picture.width, picture.height, size_.x, size_.y));
   if (last_time_us_) time_us = std::max(time_us, *last_time_us_ + 1);
   last_time_us_ = time_us;
@@ -185,7 +193,7 @@ Result<void> VideoWriter::finish() {
   wait();
   if (status_ != 0) return died();
   if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
-  return fail(fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
+  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
 }
 
 bool VideoWriter::send(const void* bytes, std::size_t size) const {
@@ -213,8 +221,8 @@ tl::unexpected<Error> VideoWriter::died() {
   std::remove(part().c_str());
   std::string why = messages_ >= 0 ? first_line(messages_) : "";
   if (why.empty() && WIFSIGNALED(status_)) why = strsignal(WTERMSIG(status_));
-  return fail(
-      fmt::format("{}: is not recorded: ffmpeg ended{}{}", path_, why.empty() ? "" : ": ", why));
+  return fail(ErrorCode::io, fmt::format("{}: was not recorded: ffmpeg ended{}{}", path_,
+                                         why.empty() ? "" : ": ", why));
 }
 
 }  // namespace pointreel

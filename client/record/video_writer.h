@@ -11,26 +11,29 @@
 
 namespace pointreel {
 
-/// Whether the name ends as a video's: .mp4, .mkv or .webm.
+/// Whether the name ends with .mp4, .mkv or .webm.
 bool is_video(const std::string& path);
 
-/// Whether ffmpeg is there; the error says what to do.
+/// Fails with ErrorCode::not_found if ffmpeg is not installed.
 Result<void> find_ffmpeg(const std::string& program = "ffmpeg");
 
-/// A video, written by ffmpeg: H.264 at a quality that looks lossless, or VP9 in .webm; BT.709
-/// colours of 8 bits, 4:2:0, and so of even size: an odd one loses its last row or column. With a
-/// rate each picture lasts exactly as long as that says, and times given are not looked at; without
-/// one, pictures begin at their times, to the container's microsecond (.mp4) or millisecond.
+/// Lets ffmpeg write a video: H.264 at a quality that looks lossless, or VP9 in .webm. Colours are
+/// BT.709 with 8 bits and 4:2:0, which needs an even size: an odd row or column at the edge is cut
+/// off. With a rate, each picture lasts exactly as long as the rate says, and times are ignored.
+/// Without a rate, pictures begin at their times, with the resolution of the container:
+/// microseconds in .mp4, else milliseconds.
 ///
-/// The file is there when it is finished: until then it is called so with .part behind it. ffmpeg
-/// runs in a process group of its own: what interrupts the player does not cut the recording off.
+/// Until the video is finished, its file has the additional extension .part. ffmpeg runs in a
+/// process group of its own, so that a Ctrl+C for the player does not cut off the recording.
 class VideoWriter : public Recorder {
  public:
-  /// Pictures will have this size, at least 2x2. `program`: found as a shell does.
+  /// Starts ffmpeg for pictures of this size, at least 2x2. `program` is found as by a shell. Fails
+  /// with ErrorCode::argument for smaller pictures, ErrorCode::not_found without ffmpeg, and
+  /// ErrorCode::io if it ends.
   static Result<std::unique_ptr<VideoWriter>> create(const std::string& path, glm::ivec2 size,
                                                      const std::optional<FrameRate>& rate,
                                                      const std::string& program = "ffmpeg");
-  /// What is not finished is removed.
+  /// Removes a video that is not finished.
   ~VideoWriter() override;
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
@@ -44,17 +47,17 @@ class VideoWriter : public Recorder {
   std::string part() const { return path_ + ".part"; }
   Result<void> start(glm::ivec2 size, const std::optional<FrameRate>& rate,
                      const std::string& program);
-  /// False if ffmpeg reads no more.
+  /// Returns false if ffmpeg has ended.
   bool send(const void* bytes, std::size_t size) const;
   void wait();
   tl::unexpected<Error> died();
 
   const std::string path_;
   glm::ivec2 size_{0};
-  int input_ = -1;     ///< a socket that is ffmpeg's standard input
-  int messages_ = -1;  ///< a nameless file that is its standard error
-  int process_ = -1;   ///< until it has been waited for
-  int status_ = 0;     ///< waitpid's
+  int input_ = -1;     ///< a socket to ffmpeg's standard input
+  int messages_ = -1;  ///< a nameless file for ffmpeg's standard error
+  int process_ = -1;   ///< -1 after ffmpeg has ended
+  int status_ = 0;     ///< of waitpid
   std::optional<std::uint64_t> last_time_us_;
 };
 

@@ -193,7 +193,7 @@ TEST_F(VideoWriterTest, reports_why_a_place_cannot_be_written) {
   for (int i = 0; i < 1000 && ended; ++i) ended = (*writer)->add(numbered({64, 48}, i), 0);
   if (ended) ended = (*writer)->finish();
   ASSERT_FALSE(ended);
-  EXPECT_THAT(ended.error().message, StartsWith(file + ": is not recorded: ffmpeg ended: "));
+  EXPECT_THAT(ended.error().message, StartsWith(file + ": was not recorded: ffmpeg ended: "));
   EXPECT_THAT(ended.error().message, HasSubstr("No such file or directory"));
 }
 
@@ -214,7 +214,7 @@ TEST(VideoWriter, quotes_the_output_of_an_encoder_that_exits_early) {
   for (int i = 0; i < 1000 && added; ++i) added = (*writer)->add(numbered({64, 48}, i), 0);
   ASSERT_FALSE(added);
   EXPECT_EQ(added.error().message,
-            (folder / "a.mp4").string() + ": is not recorded: ffmpeg ended: no space left");
+            (folder / "a.mp4").string() + ": was not recorded: ffmpeg ended: no space left");
 }
 
 TEST(VideoWriter, reports_that_the_encoder_was_killed) {

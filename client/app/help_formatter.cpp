@@ -1,10 +1,21 @@
 #include "client/app/help_formatter.h"
 
 #include <sstream>
-
-#include <fmt/format.h>
+#include <utility>
 
 namespace pointreel {
+
+HelpFormatter::HelpFormatter() {
+  column_width(kColumn);
+  label("Positionals", "Arguments");
+}
+
+std::string HelpFormatter::make_group(std::string group, bool is_positional,
+                                      std::vector<const CLI::Option*> options) const {
+  const std::string text = CLI::Formatter::make_group(group, is_positional, std::move(options));
+  // CLI11 puts two empty lines between groups, but one before the first.
+  return is_positional || group == "Options" ? text : text.substr(1);
+}
 
 std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_positional) const {
   const std::string names = CLI::Formatter::make_option_name(option, is_positional);
@@ -15,9 +26,10 @@ std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_p
 }
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
-  // Without the checks of the value, which descriptions tell in words.
+  // Without the checks of the argument: the descriptions say what is accepted.
   const std::string type = option->get_type_name();
-  return option->get_type_size() == 0 ? "" : " " + type.substr(0, type.find(':'));
+  const std::string argument = type.substr(0, type.find(':'));
+  return argument.empty() ? "" : " " + argument;
 }
 
 std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
@@ -25,22 +37,16 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
 }
 
 std::string wrap(const std::string& text, std::size_t width) {
-  std::istringstream lines(text);
-  std::string wrapped;
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string part;
-    for (std::string word; words >> word;) {
-      if (!part.empty() && part.size() + 1 + word.size() > width) {
-        wrapped += part + "\n";
-        part.clear();
-      }
-      part += (part.empty() ? "" : " ") + word;
+  std::istringstream words(text);
+  std::string wrapped, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && line.size() + 1 + word.size() > width) {
+      wrapped += line + "\n";
+      line.clear();
     }
-    wrapped += part + "\n";
+    line += (line.empty() ? "" : " ") + word;
   }
-  if (!wrapped.empty()) wrapped.pop_back();
-  return wrapped;
+  return wrapped + line;
 }
 
 }  // namespace pointreel

@@ -1,16 +1,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 namespace pointreel {
 
-/// Prints --help in 80 columns: names of an option and what it takes, its description beside them.
+/// Prints --help in 80 columns: the names of an option and its argument on the left, the
+/// description on the right.
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() { column_width(kColumn); }
+  HelpFormatter();
 
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override;
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override;
   std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
@@ -19,7 +23,7 @@ class HelpFormatter : public CLI::Formatter {
   static constexpr std::size_t kColumn = 26;
 };
 
-/// The text in lines of at most `width` characters, broken between words. Its own line breaks stay.
+/// Breaks a text between words into lines of at most `width` characters.
 std::string wrap(const std::string& text, std::size_t width);
 
 }  // namespace pointreel

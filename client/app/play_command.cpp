@@ -86,7 +86,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
   add_output(command);
   command.footer("Keys and mouse in the window:\n" + bindings_help() +
                  "\nExit status: 0 if it played to the end or was ended by the user, 1 if it "
-                 "failed, 2 if the\ncommand line is wrong.");
+                 "failed,\n2 if the command line is wrong.");
 }
 
 void PlayCommand::add_sources(CLI::App& command) {

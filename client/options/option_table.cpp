@@ -108,9 +108,9 @@ std::vector<Option> make_table() {
        "Detail", "Parts that look smaller than this are drawn as one; 0 draws everything"},
       {.name = "voxel_merge",
        .value = number([](auto& s) -> auto& { return s.delta; }, {0, 1}, {{0, 1}, "%.2f"}),
-       .help = "Voxels are made no smaller once at most this share of the points merge with "
-               "others. 0 keeps all distinct points apart; small values, such as the 0.05 of Slomp "
-               "et al., leave wide gaps between voxels",
+       .help = "How far voxels are divided: the share of points that may merge with others in a "
+               "voxel. 0 keeps all distinct points apart; a small share, such as the 0.05 of Slomp "
+               "et al., leaves wide gaps between voxels",
        .label = "Merge",
        .tip = "Share of points that may merge in voxels: less is finer, but leaves gaps",
        .old_name = "delta"},

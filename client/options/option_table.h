@@ -27,8 +27,8 @@ struct Option {
   /// Reads the value from settings and changes it in them.
   template <class T>
   struct Access {
-    T (*get)(const Settings&) = nullptr;
-    void (*set)(Settings&, T) = nullptr;
+    T (*get)(const Settings&);
+    void (*set)(Settings&, T);
   };
   struct Flag : Access<bool> {};
   struct Number : Access<double> {

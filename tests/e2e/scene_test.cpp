@@ -98,7 +98,7 @@ TEST_F(SceneOfSources, more_positions_than_sources_are_a_usage_error) {
   EXPECT_THAT(played.err, testing::HasSubstr("--at-position"));
   const Outcome wrong = run("pointreel", {"play", path("red.reel"), "--at-position", "1;2;3"});
   EXPECT_EQ(wrong.exit_code, 2);
-  EXPECT_THAT(wrong.err, testing::HasSubstr("is no position"));
+  EXPECT_THAT(wrong.err, testing::HasSubstr("is not a position"));
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(Bindings, share_one_line_of_the_help_if_they_do_the_same) {
   EXPECT_THAT(keys_of(Action::toggle_play), testing::ElementsAre("SPACE", "p"));
   EXPECT_THAT(keys_of(Action::step_forward), testing::ElementsAre(",", "."));
   EXPECT_THAT(keys_of(Action::quit), testing::ElementsAre("q"));
-  EXPECT_THAT(bindings_help(), testing::HasSubstr("  SPACE  p               play or pause\n"));
+  EXPECT_THAT(bindings_help(), testing::HasSubstr("  SPACE  p                play or pause\n"));
 }
 
 }  // namespace

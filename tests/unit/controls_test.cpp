@@ -48,7 +48,7 @@ class ControlsTest : public PackTest {
 
   Clock::TimePoint now_ = std::chrono::steady_clock::now();
   std::unique_ptr<Stage> stage_;
-  Controls controls_{DrawSettings{}};
+  Controls controls_{Settings{}};
 };
 
 TEST_F(ControlsTest, play_pause_and_step_announce_the_time) {
@@ -224,7 +224,7 @@ TEST_F(ControlsTest, actions_of_the_window_are_left_to_the_window) {
 }
 
 TEST_F(ControlsTest, every_bound_action_is_harmless_without_a_stage) {
-  Controls idle{DrawSettings{}};
+  Controls idle{Settings{}};
   for (const Binding& binding : bindings()) idle.act(binding.action, now_);
   EXPECT_EQ(idle.reel(), nullptr);
   EXPECT_FALSE(idle.flying());
@@ -236,7 +236,7 @@ TEST(LiveControls, pause_and_resume_but_cannot_seek) {
   auto stage = Stage::open(
       {{"ws://127.0.0.1:9/live/me", {}}}, {}, [](auto&&...) { return Camera{}; }, [](auto&&...) {});
   ASSERT_TRUE(stage) << stage.error().message;
-  Controls controls{DrawSettings{}};
+  Controls controls{Settings{}};
   controls.begin(stage->get(), [] { return Camera{}; });
   const Clock::TimePoint now{};
   EXPECT_EQ(controls.reel(), nullptr);
@@ -248,7 +248,7 @@ TEST(LiveControls, pause_and_resume_but_cannot_seek) {
   EXPECT_TRUE(controls.playing());
   EXPECT_EQ(controls.take_said(), "live");
   controls.act(Action::seek_forward, now);
-  EXPECT_EQ(controls.take_said(), "live: there is no other time to go to");
+  EXPECT_EQ(controls.take_said(), "a live stream has no other time to go to");
 }
 
 TEST(TimeText, has_hours_only_if_there_are_any) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <imgui.h>
@@ -31,9 +32,11 @@ class DrawingPanelTest : public testing::Test {
 
   bool build() {
     ImGui::NewFrame();
-    const DrawSettings before = settings_;
-    const bool changed = drawing_panel(settings_, open_, kSize, 1.0f);
+    settings_.drawing_panel = open_;
+    const Settings before = settings_;
+    const bool changed = drawing_panel(settings_, kSize, 1.0f);
     EXPECT_EQ(changed, before != settings_);
+    open_ = std::exchange(settings_.drawing_panel, false);
     ImGui::Render();
     return changed;
   }
@@ -84,12 +87,12 @@ class DrawingPanelTest : public testing::Test {
     EXPECT_LT(static_cast<int>(draw.instancing), kInstancings);
   }
 
-  DrawSettings settings_;
+  Settings settings_;
   bool open_ = true;
 };
 
 TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
-  DrawSettings odd;
+  Settings odd;
   odd.delta = 0.123456789012;
   odd.draw.scales = {0.01f, 100.0f};  // outside the range of the sliders
   odd.draw.edl = 50.0f;
@@ -98,7 +101,7 @@ TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
     settings_ = odd;
     settings_.draw.mode = mode;
-    const DrawSettings before = settings_;
+    const Settings before = settings_;
     for (int i = 0; i < 5; ++i) EXPECT_FALSE(build());
     // Moving the mouse over it changes nothing either.
     all_over(panel(), 16.0f, [this](float x, float y) { at(x, y, false); });
@@ -178,21 +181,25 @@ TEST_F(DrawingPanelTest, every_splatting_instancing_and_kind_of_drafts_can_be_ch
 }
 
 TEST_F(DrawingPanelTest, defaults_restore_everything_but_the_mode) {
-  DrawSettings odd;
+  Settings odd;
   odd.draw.mode = DrawMode::voxel;
   odd.delta = 0.2;
   odd.draw.edl = 2.0f;
   odd.draw.color = ColorSource::plain;
   odd.floor = true;
   odd.drafts = Drafts::never;
+  odd.size = {800, 600};  // what is not in the panel stays
+  odd.loop = false;
   settings_ = odd;
   for (int i = 0; i < 3; ++i) build();
   bool restored = false;
   all_over(panel(), 9.0f, [&](float x, float y) {
     settings_ = odd;
     press(x, y);
-    DrawSettings fresh;
+    Settings fresh;
     fresh.draw.mode = DrawMode::voxel;
+    fresh.size = odd.size;
+    fresh.loop = odd.loop;
     restored = restored || settings_ == fresh;
     if (!GImGui->OpenPopupStack.empty()) leave();
   });

@@ -33,7 +33,7 @@ TEST(RecentFrames, keep_the_sorted_times_of_the_latest_frames) {
   drawn.render_ms = 6.0;
   for (int i = 0; i < 130; ++i) recent.add(frame(i), drawn, kStart);
   const auto fetch = recent.times(Step::fetch);
-  ASSERT_EQ(fetch.size(), RecentFrames::kMost);
+  ASSERT_EQ(fetch.size(), RecentFrames::kMaxFrames);
   EXPECT_EQ(fetch.front(), 10.0f);
   EXPECT_EQ(fetch.back(), 129.0f);
   EXPECT_TRUE(std::is_sorted(fetch.begin(), fetch.end()));
@@ -102,7 +102,7 @@ TEST_F(StatisticsLinesTest, describe_what_is_shown_and_why) {
   EXPECT_EQ(text_of(lines, "Layers"), "2 of 3: no more were asked for");
   EXPECT_THAT(text_of(lines, "Frame"), testing::StartsWith("201 points, "));
   EXPECT_EQ(text_of(lines, "Dropped"), "0");
-  EXPECT_THAT(text_of(lines, "Holds"), HasSubstr("ready"));
+  EXPECT_THAT(text_of(lines, "Buffers"), HasSubstr("ready"));
   EXPECT_THAT(text_of(lines, "Memory"), HasSubstr("iB"));
 
   DrawStats drawn;
@@ -125,7 +125,7 @@ TEST_F(StatisticsLinesTest, name_the_sources_if_there_are_several) {
   const auto lines = statistics_lines(**stage, {}, kStart);
   const StatisticsLine source{frames_.filename().string(), ""};
   EXPECT_EQ(std::count(lines.begin(), lines.end(), source), 2);
-  EXPECT_EQ(text_of(lines, "Layers"), "files have none");
+  EXPECT_EQ(text_of(lines, "Layers"), "none, in files");
 }
 
 }  // namespace

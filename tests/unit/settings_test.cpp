@@ -1,4 +1,4 @@
-#include "client/options/settings.h"
+#include "client/options/settings_file.h"
 
 #include <cstdlib>
 #include <fstream>
@@ -18,8 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
-
-bool nothing_given(std::string_view) { return false; }
 
 std::string content(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -42,8 +40,8 @@ class Variable {
   std::string before_;
 };
 
-PlayOptions changed_in_everything() {
-  PlayOptions options;
+Settings changed_in_everything() {
+  Settings options;
   options.size = {800, 601};
   options.loop = false;
   options.draw.mode = DrawMode::point;
@@ -65,34 +63,23 @@ PlayOptions changed_in_everything() {
   return options;
 }
 
-void expect_same(const PlayOptions& one, const PlayOptions& other) {
-  EXPECT_EQ(one.size, other.size);
-  EXPECT_EQ(one.loop, other.loop);
-  EXPECT_EQ(one.draw, other.draw);
-  EXPECT_EQ(one.delta, other.delta);
-  EXPECT_EQ(one.floor, other.floor);
-  EXPECT_EQ(one.drafts, other.drafts);
-  EXPECT_EQ(one.drawing_panel, other.drawing_panel);
-  EXPECT_EQ(one.statistics_panel, other.statistics_panel);
-}
-
 TEST(Settings, changes_are_restored_the_next_time) {
   const TemporaryFolder folder;
   const fs::path file = folder / "in/a/folder/player.json";
-  ASSERT_TRUE(write_settings(file, PlayOptions(), changed_in_everything()));
-  PlayOptions next;
-  const auto read = read_settings(file, nothing_given, next);
+  ASSERT_TRUE(write_settings(file, Settings(), changed_in_everything()));
+  Settings next;
+  const auto read = read_settings(file, next);
   ASSERT_TRUE(read) << read.error().message;
-  expect_same(next, changed_in_everything());
+  EXPECT_EQ(next, changed_in_everything());
 }
 
 TEST(Settings, only_changes_are_written_and_unknown_keys_are_kept) {
   const TemporaryFolder folder;
   const fs::path file =
       folder.write("player.json", R"({"edl": 0.5, "of_a_newer_version": [1, 2]})");
-  PlayOptions begun;
+  Settings begun;
   begun.draw.mode = DrawMode::voxel;  // set on the command line
-  PlayOptions ended = begun;
+  Settings ended = begun;
   ended.draw.pixel_size = 0.1f;
   ASSERT_TRUE(write_settings(file, begun, ended));
   EXPECT_EQ(json::parse(content(file)),
@@ -101,30 +88,33 @@ TEST(Settings, only_changes_are_written_and_unknown_keys_are_kept) {
 
 TEST(Settings, no_file_is_written_without_changes) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), PlayOptions()));
+  ASSERT_TRUE(write_settings(folder / "player.json", Settings(), Settings()));
   EXPECT_FALSE(fs::exists(folder / "player.json"));
-  PlayOptions ended;
+  Settings ended;
   ended.loop = true;  // the default in a window
-  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), ended));
+  ASSERT_TRUE(write_settings(folder / "player.json", Settings(), ended));
   EXPECT_FALSE(fs::exists(folder / "player.json"));
 }
 
-TEST(Settings, the_command_line_overrides_the_file) {
-  PlayOptions options;
-  options.draw.edl = 2.0f;
-  const auto given = [](std::string_view name) { return name == "edl" || name == "pixel-size"; };
-  ASSERT_TRUE(parse_settings(R"({"edl": 0.5, "pixel_size": 3, "mode": "point"})", given, options));
-  EXPECT_EQ(options.draw.edl, 2.0f);
-  EXPECT_EQ(options.draw.pixel_size, 1.0f);
-  EXPECT_EQ(options.draw.mode, DrawMode::point);
+TEST(Settings, an_earlier_name_of_an_option_is_read_but_replaced_when_it_is_written) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("player.json", R"({"delta": 0.25, "edl": 0.5})");
+  Settings begun;
+  ASSERT_TRUE(read_settings(file, begun));
+  EXPECT_EQ(begun.delta, 0.25);
+  Settings ended = begun;
+  ended.delta = 0.5;
+  ASSERT_TRUE(write_settings(file, begun, ended));
+  EXPECT_EQ(json::parse(content(file)), json({{"voxel_merge", 0.5}, {"edl", 0.5}}));
+  EXPECT_FALSE(parse_settings(R"({"delta": 2})", begun));
 }
 
 TEST(Settings, a_missing_or_empty_file_changes_nothing) {
   const TemporaryFolder folder;
-  PlayOptions options;
-  EXPECT_TRUE(read_settings(folder / "none/player.json", nothing_given, options));
-  EXPECT_TRUE(read_settings(folder.write("player.json", " \n"), nothing_given, options));
-  expect_same(options, PlayOptions());
+  Settings options;
+  EXPECT_TRUE(read_settings(folder / "none/player.json", options));
+  EXPECT_TRUE(read_settings(folder.write("player.json", " \n"), options));
+  EXPECT_EQ(options, Settings());
 }
 
 TEST(Settings, a_broken_file_is_reported_in_one_line_and_left_unchanged) {
@@ -136,38 +126,33 @@ TEST(Settings, a_broken_file_is_reported_in_one_line_and_left_unchanged) {
         "{\"window\": [18446744073709551615, 700]}", "{\"loop\": \"yes\"}",
         "{\"background\": \"#12345g\"}", "{\"background\": \"red\"}", "{\"mode\": \"a\nb\"}"}) {
     const fs::path file = folder.write("player.json", text);
-    PlayOptions options;
-    const auto read = read_settings(file, nothing_given, options);
+    Settings options;
+    const auto read = read_settings(file, options);
     ASSERT_FALSE(read) << text;
     EXPECT_THAT(read.error().message, HasSubstr("player.json: "));
     EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
-    expect_same(options, PlayOptions());
+    EXPECT_EQ(options, Settings());
     if (text.find("\": ") == std::string::npos) {
-      EXPECT_FALSE(write_settings(file, PlayOptions(), changed_in_everything()));
+      EXPECT_FALSE(write_settings(file, Settings(), changed_in_everything()));
       EXPECT_EQ(content(file), text);
     }
   }
 }
 
-TEST(Settings, a_wrong_value_is_an_error_even_if_the_command_line_overrides_it) {
-  PlayOptions options;
-  EXPECT_FALSE(parse_settings("{\"edl\": -1}", [](std::string_view) { return true; }, options));
-}
-
 TEST(Settings, folders_and_oversized_files_are_not_read) {
   const TemporaryFolder folder;
-  PlayOptions options;
-  EXPECT_FALSE(read_settings(folder.path(), nothing_given, options));
-  EXPECT_FALSE(read_settings("/dev/zero", nothing_given, options));
+  Settings options;
+  EXPECT_FALSE(read_settings(folder.path(), options));
+  EXPECT_FALSE(read_settings("/dev/zero", options));
   const fs::path large = folder.write("player.json", std::string(70'000, ' ') + "{}");
-  EXPECT_FALSE(read_settings(large, nothing_given, options));
+  EXPECT_FALSE(read_settings(large, options));
 }
 
 TEST(Settings, a_file_that_cannot_be_written_is_an_error) {
   const TemporaryFolder folder;
   folder.write("file", "");
   const auto written =
-      write_settings(folder / "file/player.json", PlayOptions(), changed_in_everything());
+      write_settings(folder / "file/player.json", Settings(), changed_in_everything());
   ASSERT_FALSE(written);
   EXPECT_THAT(written.error().message, HasSubstr("player.json: "));
 }
@@ -176,14 +161,14 @@ TEST(Settings, a_symbolic_link_to_the_file_stays_a_link) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("elsewhere/player.json", "{}");
   fs::create_symlink(file, folder / "player.json");
-  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), changed_in_everything()));
+  ASSERT_TRUE(write_settings(folder / "player.json", Settings(), changed_in_everything()));
   EXPECT_TRUE(fs::is_symlink(folder / "player.json"));
   EXPECT_THAT(content(file), HasSubstr("\"point\""));
 }
 
 TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_settings(folder / "player.json", PlayOptions(), changed_in_everything()));
+  ASSERT_TRUE(write_settings(folder / "player.json", Settings(), changed_in_everything()));
   const std::string good = content(folder / "player.json");
   std::mt19937_64 random(7);
   int taken = 0;
@@ -191,8 +176,8 @@ TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
     std::string text = good;
     for (int changes = static_cast<int>(random() % 3); changes >= 0; --changes)
       text[random() % text.size()] = static_cast<char>(random());
-    PlayOptions options;
-    if (!parse_settings(text, nothing_given, options)) continue;
+    Settings options;
+    if (!parse_settings(text, options)) continue;
     ++taken;
     EXPECT_TRUE(options.size.x >= 64 && options.size.x <= 16384);
     EXPECT_TRUE(options.draw.edl >= 0.0f && options.draw.edl <= 100.0f);
@@ -201,8 +186,8 @@ TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
   }
   EXPECT_GT(taken, 20);
   const std::string deep = "{\"a\":" + std::string(30'000, '[') + std::string(30'000, ']') + "}";
-  PlayOptions options;
-  EXPECT_TRUE(parse_settings(deep, nothing_given, options)) << "the unknown key \"a\" is ignored";
+  Settings options;
+  EXPECT_TRUE(parse_settings(deep, options)) << "the unknown key \"a\" is ignored";
 }
 
 TEST(Settings, the_default_path_follows_xdg) {

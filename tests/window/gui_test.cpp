@@ -67,10 +67,13 @@ TEST_F(GuiWindow, help_and_panels_appear_when_they_are_first_built) {
   build();
   EXPECT_FALSE(interface.covers(middle) || interface.covers(drawing) ||
                interface.covers(statistics));
-  controls.show_drawing = true;
+  Settings settings;
+  settings.drawing_panel = true;
+  controls.set_settings(settings);
   build();
   EXPECT_TRUE(interface.covers(drawing));
-  controls.show_statistics = true;
+  settings.statistics_panel = true;
+  controls.set_settings(settings);
   view.statistics = {{"Shown", "30 frames/s"}};
   build();
   EXPECT_TRUE(interface.covers(statistics));

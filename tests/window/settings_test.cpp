@@ -67,7 +67,7 @@ TEST_F(SettingsWindow, a_broken_file_is_reported_in_one_line_and_playback_starts
   EXPECT_TRUE(wait_for_next_frame());
   EXPECT_EQ(quit()["mode"], "surfel");
   const std::string err = player().err();
-  EXPECT_THAT(err, HasSubstr("player.json: \"mode\": \"disc\" is none of surfel, voxel, point"));
+  EXPECT_THAT(err, HasSubstr("player.json: \"mode\": \"disc\" is not one of surfel, voxel, point"));
   EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
 }
 

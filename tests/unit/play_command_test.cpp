@@ -1,0 +1,181 @@
+#include "client/app/play_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/app/help_formatter.h"
+#include "client/options/option_table.h"
+#include "client/options/option_text.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// `pointreel play reel` with more arguments.
+class PlayCommandTest : public testing::Test {
+ protected:
+  Result<PlayOptions> parse(std::vector<std::string> arguments) {
+    app_ = std::make_unique<CLI::App>();
+    app_->formatter(std::make_shared<HelpFormatter>());
+    command_ = std::make_unique<PlayCommand>(*app_);
+    arguments.insert(arguments.begin(), {"play", "reel"});
+    std::reverse(arguments.begin(), arguments.end());
+    try {
+      app_->parse(arguments);
+    } catch (const CLI::ParseError& error) {
+      return fail(ErrorCode::argument, error.what());
+    }
+    return command_->options();
+  }
+  /// What is wrong with these arguments.
+  std::string error(const std::vector<std::string>& arguments) {
+    const auto options = parse(arguments);
+    return options ? "nothing" : options.error().message;
+  }
+
+  const TemporaryFolder folder_;
+  std::unique_ptr<PlayCommand> command_;
+  std::unique_ptr<CLI::App> app_;  ///< ends first
+};
+
+TEST_F(PlayCommandTest, without_options_everything_is_at_its_default) {
+  const auto options = parse({});
+  ASSERT_TRUE(options) << options.error().message;
+  EXPECT_EQ(options->settings, Settings{});
+  ASSERT_EQ(options->sources.size(), 1u);
+  EXPECT_EQ(options->sources[0].where, "reel");
+  EXPECT_FALSE(options->offscreen || options->view || options->camera_path || options->up);
+  EXPECT_EQ(options->picture_size(), glm::ivec2(1280, 720));
+}
+
+TEST_F(PlayCommandTest, options_of_the_table_go_into_the_settings) {
+  const auto options =
+      parse({"--mode", "voxel", "--edl", "0.5", "--background", "#ff0080", "--no-lighting",
+             "--floor", "--drafts", "moving", "--no-loop", "--pixel-size", "3"});
+  ASSERT_TRUE(options) << options.error().message;
+  Settings expected;
+  expected.draw.mode = DrawMode::voxel;
+  expected.draw.edl = 0.5f;
+  expected.draw.background = *parse_color("#ff0080");
+  expected.draw.lighting = false;
+  expected.draw.pixel_size = 3.0f;
+  expected.floor = true;
+  expected.drafts = Drafts::moving;
+  expected.loop = false;
+  EXPECT_EQ(options->settings, expected);
+}
+
+TEST_F(PlayCommandTest, the_last_of_two_flags_counts) {
+  EXPECT_EQ(parse({"--loop", "--no-loop"})->settings.loop, false);
+  EXPECT_EQ(parse({"--no-loop", "--loop"})->settings.loop, true);
+}
+
+TEST_F(PlayCommandTest, delta_is_an_earlier_name_of_voxel_merge) {
+  EXPECT_EQ(parse({"--voxel-merge", "0.25"})->settings.delta, 0.25);
+  EXPECT_EQ(parse({"--delta", "0.25"})->settings.delta, 0.25);
+  EXPECT_THAT(error({"--delta", "2"}), HasSubstr("not a number from 0 to 1"));
+  EXPECT_THAT(error({"--delta", "0.1", "--voxel-merge", "0.2"}), HasSubstr("excludes"));
+}
+
+TEST_F(PlayCommandTest, wrong_values_are_errors_that_say_what_is_accepted) {
+  EXPECT_THAT(error({"--mode", "disc"}), HasSubstr("not one of surfel, voxel, point"));
+  EXPECT_THAT(error({"--edl", "nan"}), HasSubstr("not a number from 0 to 100"));
+  EXPECT_THAT(error({"--background", "red"}), HasSubstr("not a colour such as #1c1f24"));
+  EXPECT_THAT(error({"--speed", "0"}), HasSubstr("0.1 to 4 or -4 to -0.1"));
+  EXPECT_THAT(error({"--offscreen", "1280"}), HasSubstr("not a size such as 1280x720"));
+  EXPECT_THAT(error({"--offscreen", "1280x16385"}), HasSubstr("from 1 to 16384"));
+  EXPECT_THAT(error({"--camera", "above"}), HasSubstr("not a view"));
+  EXPECT_THAT(error({"--at-position", "1,2"}), HasSubstr("not a position"));
+  EXPECT_THAT(error({"--at", "-1"}), HasSubstr("not a number"));
+  EXPECT_THAT(error({"--record", "out.mp4"}), HasSubstr("--offscreen"));
+  EXPECT_THAT(error({"--at-position", "1,2,3", "--at-position", "1,2,3"}),
+              HasSubstr("2 times for 1 source"));
+}
+
+TEST_F(PlayCommandTest, speeds_backward_are_accepted) {
+  EXPECT_EQ(parse({"--speed", "-0.5"})->speed, -0.5);
+  EXPECT_EQ(parse({"--speed", "4"})->speed, 4.0);
+}
+
+TEST_F(PlayCommandTest, a_camera_is_a_name_or_angles_or_a_path) {
+  EXPECT_NEAR(parse({"--camera", "left"})->view->yaw, -M_PI / 2, 1e-12);
+  EXPECT_NEAR(parse({"--view", "30,-90"})->view->pitch, -M_PI / 2, 1e-12);
+  EXPECT_THAT(error({"--camera", "0,91"}), HasSubstr("not a view"));
+  const auto file = folder_.write(
+      "path.json", R"({"pointreel_camera_path": 1, "keys": [{"seconds": 1, "yaw": 90}]})");
+  const auto options = parse({"--camera", file.string()});
+  ASSERT_TRUE(options) << options.error().message;
+  ASSERT_TRUE(options->camera_path);
+  EXPECT_EQ(options->camera_path->keys.size(), 1u);
+}
+
+TEST_F(PlayCommandTest, the_command_line_wins_over_the_settings_file) {
+  const auto file =
+      folder_.write("player.json", R"({"edl": 0.5, "pixel_size": 3, "mode": "point"})");
+  auto options = parse({"--edl", "2", "--pixel-size", "1", "--config", file.string()});
+  ASSERT_TRUE(options) << options.error().message;
+  ASSERT_TRUE(command_->read_settings(*options));
+  EXPECT_EQ(options->settings.draw.edl, 2.0f);
+  EXPECT_EQ(options->settings.draw.pixel_size, 1.0f);
+  EXPECT_EQ(options->settings.draw.mode, DrawMode::point);
+  EXPECT_EQ(options->settings_file, file.string());
+}
+
+TEST_F(PlayCommandTest, a_wrong_value_in_the_file_is_an_error_even_if_the_command_line_wins) {
+  const auto file = folder_.write("player.json", R"({"edl": -1, "mode": "point"})");
+  auto options = parse({"--edl", "2", "--config", file.string()});
+  ASSERT_TRUE(options) << options.error().message;
+  EXPECT_FALSE(command_->read_settings(*options));
+  EXPECT_EQ(options->settings.draw.edl, 2.0f);
+  EXPECT_EQ(options->settings.draw.mode, DrawMode::surfel);
+  EXPECT_EQ(options->settings_file, "");
+}
+
+TEST_F(PlayCommandTest, offscreen_reads_only_a_file_that_is_named_and_keeps_its_size) {
+  const auto file = folder_.write("player.json", R"({"window": [800, 600], "mode": "voxel"})");
+  auto options = parse({"--offscreen", "64x32"});
+  ASSERT_TRUE(options && command_->read_settings(*options));
+  EXPECT_EQ(options->settings_file, "");
+  options = parse({"--offscreen", "64x32", "--config", file.string()});
+  ASSERT_TRUE(options && command_->read_settings(*options));
+  EXPECT_EQ(options->settings.draw.mode, DrawMode::voxel);
+  EXPECT_EQ(options->picture_size(), glm::ivec2(64, 32));
+  options = parse({"--config", file.string(), "--no-config"});
+  ASSERT_TRUE(options && command_->read_settings(*options));
+  EXPECT_EQ(options->settings, Settings{});
+}
+
+TEST_F(PlayCommandTest, help_shows_every_option_of_the_table_with_its_default_in_80_columns) {
+  ASSERT_TRUE(parse({}));
+  const std::string help = app_->get_subcommand("play")->help();
+  for (const Option& option : option_table()) {
+    if (option.help.empty()) continue;
+    EXPECT_THAT(help, HasSubstr(command_line_name(option.name)));
+    if (std::holds_alternative<Option::Flag>(option.value)) continue;
+    EXPECT_THAT(help, HasSubstr(value_text(option, {})));
+  }
+  EXPECT_THAT(help, Not(HasSubstr("--delta")));
+  EXPECT_THAT(help, HasSubstr("--loop, --no-loop\n"));
+  std::size_t begin = 0;
+  for (std::size_t end; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1)
+    EXPECT_LE(end - begin, 80u) << help.substr(begin, end - begin);
+}
+
+TEST(Wrap, breaks_between_words_only) {
+  EXPECT_EQ(wrap("one two three", 7), "one two\nthree");
+  EXPECT_EQ(wrap("incomprehensibilities", 7), "incomprehensibilities");
+  EXPECT_EQ(wrap("", 7), "");
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,18 +1,44 @@
-#include <cstdio>
+#include <memory>
+#include <sstream>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "common/base/memory.h"
-#include "server/pack/commands.h"
-#include "server/publish/publish_command.h"
-#include "server/serve/serve_command.h"
+#include "server/commands.h"
+
+namespace {
+
+/// Wraps the descriptions of options, which CLI11 prints on one line.
+class Formatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::size_t width = kTerminalWidth - get_column_width();
+    std::istringstream words(option->get_description());
+    std::string lines, line;
+    for (std::string word; words >> word;) {
+      if (!line.empty() && line.size() + 1 + word.size() > width) {
+        lines += line + "\n";
+        line.clear();
+      }
+      line += (line.empty() ? "" : " ") + word;
+    }
+    return lines + line;
+  }
+
+ private:
+  static constexpr std::size_t kTerminalWidth = 100;
+};
+
+}  // namespace
 
 int main(int argc, char** argv) {
   pointreel::keep_freed_memory();
-  CLI::App app("Packs moving point clouds and serves them to players.", "pointreel-server");
+  CLI::App app("Packs sequences of point clouds and serves them to players.", "pointreel-server");
+  app.formatter(std::make_shared<Formatter>());
   app.require_subcommand(1);
-  app.set_help_all_flag("--help-all", "help for all subcommands");
+  app.set_help_all_flag("--help-all", "Print the help of all subcommands and exit");
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return fmt::format("{}: {}, see --help\n", failed->get_name(), error.what());
   });
@@ -22,8 +48,9 @@ int main(int argc, char** argv) {
   pointreel::add_serve_command(app, exit_code);
   pointreel::add_publish_command(app, exit_code);
   const char* footer =
-      "Exit codes: 0 all is well; 1 it failed, or the package has faults; 2 the command line is "
-      "wrong (info and verify: or names no package).";
+      "Exit codes: 0 success; 1 failure, or the package has faults; 2 the command line is wrong, "
+      "or\n"
+      "the folder is not a package.";
   app.footer(footer);
   for (CLI::App* command : app.get_subcommands({})) command->footer(footer);
   try {

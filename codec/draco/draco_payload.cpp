@@ -35,13 +35,13 @@ Result<void> check(const PointCloud& cloud, const Cube& cube, const DracoOptions
     return fail(ErrorCode::argument,
                 concat("--qp ", options.position_bits, " is not between 1 and ", kMaxDepth));
   }
-  if (!in_range(options.normal_bits, 2, 16)) {
-    return fail(ErrorCode::argument,
-                concat("--qn ", options.normal_bits, " is not between 2 and 16"));
+  if (!in_range(options.normal_bits, kMinNormalBits, kMaxNormalBits)) {
+    return fail(ErrorCode::argument, concat("--qn ", options.normal_bits, " is not between ",
+                                            kMinNormalBits, " and ", kMaxNormalBits));
   }
-  if (!in_range(options.compression_level, 0, 10)) {
-    return fail(ErrorCode::argument,
-                concat("--cl ", options.compression_level, " is not between 0 and 10"));
+  if (!in_range(options.compression_level, 0, kMaxCompressionLevel)) {
+    return fail(ErrorCode::argument, concat("--cl ", options.compression_level,
+                                            " is not between 0 and ", kMaxCompressionLevel));
   }
   if (!is_codable(cube)) {
     return fail(ErrorCode::argument,
@@ -194,7 +194,7 @@ Result<Bytes> encode(const std::vector<CodedPoint>& points, const DracoOptions& 
   if (plan.normals && plan.sequential) add_known(cloud, values);
 
   draco::ExpertEncoder encoder(cloud);
-  const int speed = 10 - options.compression_level;
+  const int speed = kMaxCompressionLevel - options.compression_level;
   encoder.SetSpeedOptions(speed, speed);
   encoder.SetEncodingMethod(plan.sequential ? draco::POINT_CLOUD_SEQUENTIAL_ENCODING
                                             : draco::POINT_CLOUD_KD_TREE_ENCODING);

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
@@ -147,7 +148,9 @@ class Connection : public WebSocket {
     });
   }
 
-  Result<void> send(ByteView message, Kind kind) override {
+  Result<void> send(std::span<const ByteView> pieces, Kind kind) override {
+    std::vector<asio::const_buffer> buffers;
+    for (const ByteView piece : pieces) buffers.emplace_back(piece.data(), piece.size());
     bool done = false;
     error_code error;
     asio::post(context_, [&] {
@@ -156,8 +159,7 @@ class Connection : public WebSocket {
         return;
       }
       stream_.binary(kind == Kind::binary);
-      stream_.async_write(asio::buffer(message.data(), message.size()),
-                          [&](error_code e, std::size_t) { finish(done, error, e); });
+      stream_.async_write(buffers, [&](error_code e, std::size_t) { finish(done, error, e); });
     });
     std::unique_lock lock(mutex_);
     // When the thread has stopped, no handler will run any more, so `done` may never be set.

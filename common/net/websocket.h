@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -62,8 +63,10 @@ class WebSocket {
   /// Closes the connection and waits for that, at most half a second.
   virtual ~WebSocket() = default;
 
-  /// Returns once the message is handed to the system. Fails if the connection has ended.
-  virtual Result<void> send(ByteView message, Kind kind) = 0;
+  /// Sends one message, which consists of these pieces in this order. Returns once the message is
+  /// handed to the system. Fails if the connection has ended.
+  virtual Result<void> send(std::span<const ByteView> pieces, Kind kind) = 0;
+  Result<void> send(ByteView message, Kind kind) { return send({&message, 1}, kind); }
 
   /// The next message, or nothing after the timeout. Once the connection has ended and all messages
   /// are taken, fails with the reason, which is the peer's if it gave one: `cancelled` after

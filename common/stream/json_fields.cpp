@@ -206,7 +206,7 @@ void read_reel_head(Fields& fields, ReelHead& head) {
   if (!is_title(head.name)) {
     fields.refuse("name", concat("has more than ", kMaxTitle, " bytes, or a control character"));
   }
-  if (!(head.fps > 0.0 && head.fps <= 1e6)) {
+  if (!(head.fps > 0.0 && head.fps <= kMaxFps)) {
     fields.refuse("fps", "is not a number above 0 and at most 1000000");
   }
   if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");

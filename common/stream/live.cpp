@@ -83,10 +83,10 @@ Result<LiveText> parse_live_text(std::string_view text) {
   return LiveText(LiveUnknown{});
 }
 
-Bytes write_live_layer(const LiveLayer& layer) {
-  Bytes message;
-  message.reserve(kLiveHeaderSize + layer.bytes.size());
-  ByteWriter out(message);
+Bytes write_live_header(const LiveLayer& layer) {
+  Bytes header;
+  header.reserve(kLiveHeaderSize);
+  ByteWriter out(header);
   out.put(kMagic);
   out.put(layer.frame);
   out.put(layer.capture_us);
@@ -97,9 +97,8 @@ Bytes write_live_layer(const LiveLayer& layer) {
   out.put(layer.sizes.geometry);
   out.put(layer.sizes.colors);
   out.put(layer.sizes.normals);
-  out.put(header_checksum(message));
-  message.insert(message.end(), layer.bytes.begin(), layer.bytes.end());
-  return message;
+  out.put(header_checksum(header));
+  return header;
 }
 
 Result<LiveLayer> parse_live_layer(ByteView message) {

@@ -76,8 +76,8 @@ std::string write_end();
 /// otherwise `invalid`.
 Result<LiveText> parse_live_text(std::string_view text);
 
-/// A binary message: header and bytes. `sizes` add up to `bytes`.
-Bytes write_live_layer(const LiveLayer& layer);
+/// The header of a layer's message, which its chunks follow; `bytes` is ignored.
+Bytes write_live_header(const LiveLayer& layer);
 /// `bytes` of the result point into the message. Errors: `limit` for more than kMaxLiveLayer bytes,
 /// otherwise `invalid`.
 Result<LiveLayer> parse_live_layer(ByteView message);

@@ -1,9 +1,11 @@
 #include "server/pack/input.h"
 
-#include <optional>
+#include <atomic>
 #include <utility>
 
 #include <tbb/parallel_for.h>
+
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -42,11 +44,22 @@ Result<Box> SegmentInput::read_bounds(const std::stop_token& stop) {
   return all;
 }
 
+Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
+  if (options_.cube_per_frame) return {};
+  const Result<Grid> grid = grid_for(TRY(read_bounds(stop)), options_);
+  if (!grid) return fail_at(files_.front().string(), grid.error());
+  shared_ = *grid;
+  return {};
+}
+
+Result<Grid> SegmentInput::grid_of(const Box& bounds) const {
+  if (shared_) return *shared_;
+  return grid_for(bounds, options_);
+}
+
 Result<SegmentInput::Cloud> SegmentInput::look(std::size_t frame) const {
   if (kept_[frame] != nullptr) return kept_[frame];
-  Result<LoadedCloud> loaded = read_cloud_file(files_[frame]);
-  if (!loaded) return tl::unexpected(loaded.error());
-  return std::make_shared<const LoadedCloud>(std::move(*loaded));
+  return std::make_shared<const LoadedCloud>(TRY(read_cloud_file(files_[frame])));
 }
 
 Result<SegmentInput::Cloud> SegmentInput::take(std::size_t frame) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -11,29 +11,45 @@
 #include "codec/cloud_file.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
+#include "server/encode/grid.h"
+#include "server/pack/pack_options.h"
 
 namespace pointreel {
 
-/// The source files of one segment. They are read once to find what box holds them all, perhaps to
-/// be looked at, and once to be encoded; clouds are kept from the first time to the second as long
-/// as they fit a budget, so that memory does not grow with the length of a segment.
+/// The source files of one segment. If the frames share a cube, the files are read once to find it,
+/// and once more to be encoded. Clouds are kept in memory from the first time to the second as long
+/// as they fit a budget, so that memory does not grow with the length of the segment.
 class SegmentInput {
  public:
-  explicit SegmentInput(std::span<const std::filesystem::path> files)
-      : files_(files), kept_(files.size()) {}
+  /// `files` and `options` must outlive this object.
+  SegmentInput(std::span<const std::filesystem::path> files, const PackOptions& options)
+      : files_(files), options_(options), kept_(files.size()) {}
 
-  /// Reads all frames, as many at once as the calling arena has threads.
-  Result<Box> read_bounds(const std::stop_token& stop);
+  std::size_t size() const { return files_.size(); }
+  const std::filesystem::path& file(std::size_t frame) const { return files_[frame]; }
+
+  /// Finds the grid that the frames share. Reads all of them for this, as many at a time as the
+  /// calling arena has threads. Does nothing if PackOptions::cube_per_frame is set.
+  Result<void> find_shared_grid(const std::stop_token& stop);
+  const std::optional<Grid>& shared_grid() const { return shared_; }
+  /// The grid to encode a frame with these bounds in: the shared one, or its own.
+  Result<Grid> grid_of(const Box& bounds) const;
 
   using Cloud = std::shared_ptr<const LoadedCloud>;
 
-  /// The cloud of a frame; it stays. From any thread.
+  /// The cloud of a frame, which stays in memory if it was kept. From any thread. The errors of
+  /// this and of `take` begin with the file.
   Result<Cloud> look(std::size_t frame) const;
-  /// Likewise, but it goes: to take it again is to read it again. Different frames from any thread.
+  /// The same, but the cloud is no longer kept: asking again reads the file again. Several threads
+  /// may ask for different frames.
   Result<Cloud> take(std::size_t frame);
 
  private:
+  Result<Box> read_bounds(const std::stop_token& stop);
+
   std::span<const std::filesystem::path> files_;
+  const PackOptions& options_;
+  std::optional<Grid> shared_;
   std::vector<Cloud> kept_;
 };
 

@@ -9,39 +9,34 @@
 #include <vector>
 
 #include "pointreel/chunks.h"
-#include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 
+/// What `info`, `verify` and `unpack` do with a package on disk.
 namespace pointreel {
 
-/// The chunks of one frame as they stand in a package.
-struct FrameBytes {
-  std::vector<Chunks<Bytes>> layers;
-};
+/// Reads the first `layers` layers of a frame, base first: at least 1, and no more than there are.
+/// Memory is bounded by the sizes of the files, whatever the manifest says.
+Result<std::vector<Chunks<Bytes>>> read_frame(const std::filesystem::path& folder,
+                                              const Manifest& manifest, std::uint32_t frame,
+                                              std::size_t layers);
 
-/// Reads the first `layers` layers of a frame (at least 1; more than there are count as all).
-/// Bounded by the files' real sizes, whatever the manifest says.
-Result<FrameBytes> read_frame(const std::filesystem::path& folder, const Manifest& manifest,
-                              std::uint32_t frame, std::size_t layers);
-
-/// The largest max_geometry_error of all frames, as their headers tell it; 0 if no frame has a
-/// point. An error where a base layer cannot be read.
+/// The largest max_geometry_error of all frames, by their headers; 0 if no frame has a point.
 Result<double> max_error(const std::filesystem::path& folder, const Manifest& manifest);
 
 struct Fault {
   std::string file;                    ///< in the package's folder
-  std::optional<std::uint32_t> frame;  ///< where one frame is at fault
+  std::optional<std::uint32_t> frame;  ///< absent if the whole file is at fault
   std::string what;
 };
 
 struct VerifyReport {
   std::uint32_t frames = 0, files = 0;
   std::uint64_t bytes = 0;    ///< of the layer files and tables
-  std::vector<Fault> faults;  ///< files first, then frames, each in order
+  std::vector<Fault> faults;  ///< of files first, then of frames, each in order
 };
 
-/// What reading a whole package tells while it works; every member may be empty. `frame_done` is
+/// How reading a whole package reports its progress; every member may be empty. `frame_done` is
 /// called from any thread, one call at a time.
 struct InspectListener {
   std::function<void(std::uint32_t total)> begin;
@@ -49,21 +44,21 @@ struct InspectListener {
   std::stop_token stop;
 };
 
-/// Checks the size and checksum of every file and decodes every frame in full, which must give what
-/// the manifest and the frame's own header promise. An error if it is no package at all.
+/// Checks the size and checksum of every file, decodes every frame in full, and compares it with
+/// what the manifest and the frame's own header say. An error if the folder is not a package.
 Result<VerifyReport> verify(const std::filesystem::path& folder,
                             const InspectListener& listener = {});
 
 struct UnpackOptions {
   std::filesystem::path input, output;
-  std::size_t layers = SIZE_MAX;   ///< decode the first so many
+  std::size_t layers = SIZE_MAX;   ///< how many layers to decode, from the base
   std::uint32_t first_frame = 0;   ///< must exist, unless the reel is empty
   std::uint32_t last_frame = ~0u;  ///< inclusive; clamped to the reel
   bool force = false;              ///< replace a folder of frame_*.ply files
 };
 
-/// Writes decoded frames as `frame_00000.ply`, ... at their original coordinates: complete or
-/// absent, like pack. Returns how many.
+/// Writes decoded frames as `frame_00000.ply`, ... at their original coordinates. Like a package,
+/// the folder is either complete or absent. Returns the number of frames.
 Result<std::uint32_t> unpack(const UnpackOptions& options, const InspectListener& listener = {});
 
 }  // namespace pointreel

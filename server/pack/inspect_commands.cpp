@@ -12,7 +12,7 @@
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/stream/manifest.h"
-#include "server/pack/commands.h"
+#include "server/commands.h"
 #include "server/pack/inspect.h"
 
 namespace pointreel {
@@ -25,12 +25,12 @@ void print_json(const ordered_json& json) {
   std::fputs((text + "\n").c_str(), stdout);
 }
 
-/// What `info` says beyond the manifest's own fields.
+/// What `info` prints in addition to the manifest's own fields.
 struct Totals {
   std::uint64_t points = 0, bytes = 0;
   std::uint32_t fewest = std::numeric_limits<std::uint32_t>::max(), most = 0;
   std::vector<std::uint64_t> layer_bytes;
-  std::optional<double> max_error;  ///< absent where the frames cannot be read
+  std::optional<double> max_error;  ///< absent if the frames cannot be read
 };
 
 Totals totals_of(const Manifest& manifest) {
@@ -89,12 +89,12 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
 
 void print_info(const Manifest& manifest, const Totals& totals) {
   const double seconds = static_cast<double>(manifest.duration_us) * 1e-6;
-  fmt::print("{}: {} frames, {:.2f} s at {:g} a second, {} segments, up {}\n", manifest.name,
+  fmt::print("{}: {} frames, {:.2f} s at {:g} fps, {} segments, up {}\n", manifest.name,
              manifest.frame_count(), seconds, manifest.fps, manifest.segments.size(), manifest.up);
   fmt::print("  codec   {}{}{}, depth {} to {}\n", manifest.codec,
              manifest.entropy.empty() ? "" : " ", manifest.entropy, manifest.depth_min,
              manifest.depth_max);
-  fmt::print("  points  {} ({} to {} a frame), colors {}, normals {}\n", totals.points,
+  fmt::print("  points  {} ({} to {} per frame), colors {}, normals {}\n", totals.points,
              totals.fewest, totals.most, manifest.colors ? "yes" : "no",
              manifest.normals ? "yes" : "no");
   if (!manifest.bounds.empty()) {
@@ -103,7 +103,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
                high.y, high.z);
   }
   if (totals.max_error) {
-    fmt::print("  error   at most {:.4g} of the source's units\n", *totals.max_error);
+    fmt::print("  error   at most {:.4g}, in the source's units\n", *totals.max_error);
   }
   fmt::print("  bytes   {}", totals.bytes);
   if (seconds > 0.0)
@@ -131,7 +131,7 @@ int run_info(const std::string& reel, bool json) {
   return kExitOk;
 }
 
-/// A listener that shows a bar; it lives as long as `progress` and `stop`.
+/// A listener that shows a progress bar. `progress` and `stop` must outlive it.
 InspectListener listener_for(const char* label, std::unique_ptr<Progress>& progress,
                              const StopSignal& stop) {
   InspectListener listener;
@@ -163,13 +163,13 @@ ordered_json verify_json(const VerifyReport& report) {
 }
 
 int run_verify(const std::string& reel, bool json) {
-  const StopSignal stop;
-  std::unique_ptr<Progress> progress;
-  // What has no manifest that can be read is no package; only a package has faults.
+  // A folder without a readable manifest is not a package. Only packages have faults.
   if (const Result<Manifest> manifest = read_manifest(reel); !manifest) {
     print_error(manifest.error().message);
     return kExitUsage;
   }
+  const StopSignal stop;
+  std::unique_ptr<Progress> progress;
   const Result<VerifyReport> report = verify(reel, listener_for("verify", progress, stop));
   progress.reset();
   if (!report) {
@@ -188,7 +188,7 @@ int run_verify(const std::string& reel, bool json) {
   return report->faults.empty() ? kExitOk : kExitFailed;
 }
 
-/// "A-B" or "A": whole numbers, A <= B.
+/// "A-B" or "A", where A and B are whole numbers and A <= B.
 std::optional<std::pair<std::uint32_t, std::uint32_t>> parse_frames(const std::string& text) {
   const auto number = [](const std::string& digits) -> std::optional<std::uint32_t> {
     if (digits.empty() || digits.size() > 9 ||
@@ -208,7 +208,7 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   if (!frames.empty()) {
     const auto range = parse_frames(frames);
     if (!range) {
-      print_error(frames + ": --frames takes A-B or A, numbered from 0");
+      print_error(fmt::format("--frames {}: is not A-B or A, numbered from 0", frames));
       return kExitUsage;
     }
     options.first_frame = range->first;
@@ -237,15 +237,25 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     bool force = false;
   };
   const auto a = std::make_shared<Arguments>();
-  CLI::App* unpack = app.add_subcommand("unpack", "decode a package into PLY files");
-  unpack->add_option("-i,--input", a->input, "the package's folder")->required();
-  unpack->add_option("-o,--output", a->output, "the folder for frame_00000.ply, ...")->required();
+  CLI::App* unpack = app.add_subcommand("unpack", "Decode a package into PLY files");
+  unpack->add_option("-i,--input", a->input, "the folder of the package")
+      ->required()
+      ->type_name("REEL");
+  unpack
+      ->add_option("-o,--output", a->output, "the folder in which frame_00000.ply, ... are written")
+      ->required()
+      ->type_name("FOLDER");
   CLI::Option* layers =
-      unpack->add_option("--layers", a->layers, "only so many layers, from the base (default all)")
+      unpack
+          ->add_option("--layers", a->layers,
+                       "decode only this many layers, from the base (default: all)")
           ->check(CLI::Range(1, 255));
-  unpack->add_option("--frames", a->frames, "only frames A to B, both included, from 0")
+  unpack
+      ->add_option("--frames", a->frames,
+                   "decode only frames A to B, including both, numbered from 0")
       ->type_name("A-B");
-  unpack->add_flag("--force", a->force, "replace a folder of unpacked frames");
+  unpack->add_flag("--force", a->force,
+                   "replace a folder of unpacked frames that is already there");
   unpack->callback([a, layers, &exit_code] {
     UnpackOptions options;
     options.input = a->input;
@@ -267,17 +277,13 @@ void add_inspect_commands(CLI::App& app, int& exit_code) {
     };
     const auto a = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand(name, what);
-    command->add_option("REEL", a->reel, "the package's folder")->required();
-    command->add_flag("--json", a->json, "as JSON");
+    command->add_option("REEL", a->reel, "the folder of the package")->required()->type_name("");
+    command->add_flag("--json", a->json, "print JSON");
     command->callback([a, run, &exit_code] { exit_code = run(a->reel, a->json); });
   };
-  add("info", "say what a package holds", run_info);
-  add("verify", "check every file and decode every frame", run_verify);
+  add("info", "Show what a package contains", run_info);
+  add("verify", "Check every file of a package and decode every frame", run_verify);
   add_unpack_command(app, exit_code);
-}
-
-void print_error(const std::string& message) {
-  std::fputs(("pointreel-server: " + message + "\n").c_str(), stderr);
 }
 
 }  // namespace pointreel

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "pointreel/chunks.h"
-
 namespace pointreel {
 
 LayerWriter::LayerWriter(const std::filesystem::path& folder, const std::string& name)
@@ -27,7 +25,7 @@ void LayerWriter::append(const Chunks<Bytes>& layer) {
 
 Result<LayerFile> LayerWriter::finish() {
   const auto failed = [this] {
-    return fail(file_.path + ": cannot be written, is there room on the disk?");
+    return fail(ErrorCode::io, file_.path + ": cannot be written; check that the disk is not full");
   };
   out_.close();
   if (!out_) return failed();

@@ -8,20 +8,20 @@
 #include <xxhash.h>
 
 #include "pointreel/chunks.h"
-#include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 
 namespace pointreel {
 
-/// Writes one layer file of a segment, frame after frame, and keeps its entry of the manifest. Its
-/// name ends in the first half of its checksum, NAME.01234567.prs: caches keep layer files for
-/// good, so other bytes, as of a reel packed anew, must have another name.
+/// Writes one layer file of a segment, frame after frame, and collects its entry in the manifest.
+/// The file's name ends in the first half of its checksum, NAME.01234567.prs: caches keep layer
+/// files for good, so files with other bytes, for instance of a reel that is packed again, must
+/// have other names.
 class LayerWriter {
  public:
   LayerWriter(const std::filesystem::path& folder, const std::string& name);
 
-  /// `layer` is empty where the frame does not have this layer.
+  /// The chunks are empty if the frame does not have this layer.
   void append(const Chunks<Bytes>& layer);
 
   /// The finished entry; an error if anything could not be written.

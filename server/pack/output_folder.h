@@ -7,17 +7,19 @@
 
 namespace pointreel {
 
-/// A folder that is complete or absent: it is filled beside its final place, in a hidden folder
-/// with a name of its own, and renamed when it is complete. Whatever ends its life before that
-/// removes it.
+/// The message of work on an OutputFolder that was stopped before it was published.
+inline constexpr const char* kInterrupted = "interrupted, nothing was written";
+
+/// A folder that is either complete or absent. It is filled in a hidden folder beside its final
+/// place, which is renamed when it is complete. If this object ends before that, the hidden folder
+/// is removed.
 class OutputFolder {
  public:
-  /// Judges whether a folder that is there already, and not empty, may be replaced; an error says
-  /// why not.
+  /// Decides whether an existing folder that is not empty may be replaced; the error says why not.
   using MayReplace = std::function<Result<void>(const std::filesystem::path&)>;
 
-  /// Refuses a final place that is taken, by anything but an empty folder; unless `may_replace` is
-  /// given (--force) and lets it go. The errors begin with the path.
+  /// An error if something other than an empty folder is in the final place, unless `may_replace`
+  /// is given (--force) and allows to replace it. Errors begin with the path.
   static Result<OutputFolder> create(const std::filesystem::path& final,
                                      const MayReplace& may_replace = {});
 
@@ -28,8 +30,8 @@ class OutputFolder {
   /// Where to write.
   const std::filesystem::path& path() const { return temporary_; }
 
-  /// Puts the folder in its place; a folder that it replaces vanishes in the same step where the
-  /// file system can swap two names, and just before it elsewhere.
+  /// Moves the folder to its final place. The folder that it replaces disappears in the same step
+  /// if the file system can swap two names, otherwise just before.
   Result<void> publish();
 
  private:

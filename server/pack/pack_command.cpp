@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,9 +11,9 @@
 
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
-#include "pointreel/draco.h"
-#include "server/pack/commands.h"
-#include "server/pack/encode_arguments.h"
+#include "common/base/try.h"
+#include "server/commands.h"
+#include "server/encode/sequence_arguments.h"
 #include "server/pack/packer.h"
 
 namespace pointreel {
@@ -22,23 +21,14 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// The command line as it was given; `make_options` turns it into what it means.
 struct PackArguments {
-  std::vector<std::string> inputs;
-  std::string output;
+  PackOptions options;
   SequenceArguments sequence;
-  EncodeArguments encode;
-  std::string cube = "group";
-  std::uint32_t segment = 30;
-  std::string bitrate;
-  double frame_time_ms = 0.0;
-  bool train = false, force = false;
   std::string json;
-  CLI::Option *bitrate_option = nullptr, *frame_time_option = nullptr;
   CLI::Option* json_option = nullptr;
 };
 
-/// "20M", "800k", "1.5G" or a plain number of bits a second.
+/// "20M", "800k", "1.5G" or a plain number of bits per second.
 Result<double> parse_bitrate(const std::string& text) {
   double rate = 0.0;
   const char* end = text.data() + text.size();
@@ -51,48 +41,21 @@ Result<double> parse_bitrate(const std::string& text) {
   }
   rate *= unit;
   if (!(rate >= 1.0 && rate <= 1e15)) {
-    return fail("--bitrate " + text +
-                ": is no number of bits a second such as 20M, 800k or 1500000");
+    return fail(ErrorCode::argument,
+                text + " is not a number of bits per second such as 20M, 800k or 1500000");
   }
   return rate;
 }
 
 Result<PackOptions> make_options(const PackArguments& arguments) {
-  PackOptions options;
-  for (const std::string& input : arguments.inputs) options.inputs.emplace_back(input);
-  options.output = arguments.output;
-  options.name = arguments.sequence.name;
-  if (const auto sound = arguments.sequence.check(); !sound) return tl::unexpected(sound.error());
-  const Result<EncodeOptions> encode = arguments.encode.options();
-  if (!encode) return tl::unexpected(encode.error());
-  options.encode = *encode;
-  const Result<std::optional<double>> voxel = arguments.encode.voxel();
-  if (!voxel) return tl::unexpected(voxel.error());
-  options.voxel = *voxel;
-  if (arguments.train && arguments.encode.entropy != "context") {
-    return fail("--train belongs to --entropy context");
-  }
-  options.train = arguments.train;
-  if (arguments.bitrate_option->count() > 0) {
-    const Result<double> bitrate = parse_bitrate(arguments.bitrate);
-    if (!bitrate) return tl::unexpected(bitrate.error());
-    options.bitrate = *bitrate;
-  }
-  if (arguments.frame_time_option->count() > 0) {
-    if (!(arguments.frame_time_ms > 0.0)) return fail("--frame-time must be above 0");
-    options.frame_time_ms = arguments.frame_time_ms;
-  }
-  options.cube_per_frame = arguments.cube == "frame";
-  options.fps = arguments.sequence.fps;
-  options.segment_frames = arguments.segment;
-  options.up = arguments.sequence.up.front();
-  options.threads = arguments.sequence.threads;
-  options.force = arguments.force;
+  PackOptions options = arguments.options;
+  static_cast<SequenceOptions&>(options) = TRY(arguments.sequence.options());
   return options;
 }
 
-double bits_per_point(std::uint64_t bytes, std::uint64_t points) {
-  return points == 0 ? 0.0 : 8.0 * static_cast<double>(bytes) / static_cast<double>(points);
+double bits_per_point(std::uint64_t bytes, const PackSummary& summary) {
+  if (summary.points == 0) return 0.0;
+  return 8.0 * static_cast<double>(bytes) / static_cast<double>(summary.points);
 }
 
 ordered_json to_json(const SegmentSummary& segment) {
@@ -114,17 +77,18 @@ ordered_json to_json(const SegmentSummary& segment) {
 }
 
 ordered_json to_json(const PackSummary& summary) {
-  const auto bits = [&](std::uint64_t bytes) { return bits_per_point(bytes, summary.points); };
-  const std::uint64_t total = summary.geometry_bytes + summary.color_bytes + summary.normal_bytes;
+  ordered_json bits;
+  if (summary.parts) {
+    bits["geometry"] = bits_per_point(summary.parts->geometry, summary);
+    bits["colors"] = bits_per_point(summary.parts->colors, summary);
+    bits["normals"] = bits_per_point(summary.parts->normals, summary);
+  }
+  bits["total"] = bits_per_point(summary.segment_bytes, summary);
   ordered_json json = {{"frames", summary.frames},
                        {"points", summary.points},
                        {"coded_points", summary.coded_points},
                        {"bytes", summary.bytes},
-                       {"bits_per_point",
-                        {{"geometry", bits(summary.geometry_bytes)},
-                         {"colors", bits(summary.color_bytes)},
-                         {"normals", bits(summary.normal_bytes)},
-                         {"total", bits(total)}}},
+                       {"bits_per_point", std::move(bits)},
                        {"encode_ms",
                         {{"median", summary.encode_ms.median},
                          {"min", summary.encode_ms.min},
@@ -150,7 +114,7 @@ ordered_json to_json(const PackSummary& summary) {
   return json;
 }
 
-/// What a bit rate made of a segment.
+/// What the bit rate allowed for a segment.
 void print_segment(const SegmentSummary& segment) {
   std::string quality;
   if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
@@ -165,40 +129,42 @@ void print_segment(const SegmentSummary& segment) {
              quality);
 }
 
-void print_summary(const PackArguments& arguments, const PackSummary& summary) {
-  const auto bits = [&](std::uint64_t bytes) { return bits_per_point(bytes, summary.points); };
-  const std::uint64_t total = summary.geometry_bytes + summary.color_bytes + summary.normal_bytes;
-  fmt::print("{}: {} frames, {} points, {} bytes, {:.1f} s\n", arguments.output, summary.frames,
-             summary.points, summary.bytes, summary.seconds);
-  fmt::print("  bits a point  {:.2f} (geometry {:.2f}, colors {:.2f}, normals {:.2f})\n",
-             bits(total), bits(summary.geometry_bytes), bits(summary.color_bytes),
-             bits(summary.normal_bytes));
-  fmt::print("  encode        {:.2f} ms a frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
-             summary.encode_ms.min, summary.encode_ms.max);
-  fmt::print("  codec         {}{}{}, depth {} to {}\n", summary.codec,
+void print_summary(const PackOptions& options, const PackSummary& summary) {
+  fmt::print("{}: {} frames, {} points, {} bytes, {:.1f} s\n", options.output.string(),
+             summary.frames, summary.points, summary.bytes, summary.seconds);
+  fmt::print("  bits per point  {:.2f}", bits_per_point(summary.segment_bytes, summary));
+  if (summary.parts) {
+    fmt::print(" (geometry {:.2f}, colors {:.2f}, normals {:.2f})",
+               bits_per_point(summary.parts->geometry, summary),
+               bits_per_point(summary.parts->colors, summary),
+               bits_per_point(summary.parts->normals, summary));
+  }
+  fmt::print("\n  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n",
+             summary.encode_ms.median, summary.encode_ms.min, summary.encode_ms.max);
+  fmt::print("  codec           {}{}{}, depth {} to {}\n", summary.codec,
              summary.entropy.empty() ? "" : " ", summary.entropy, summary.depth_min,
              summary.depth_max);
-  fmt::print("  error         at most {:.4g} of the source's units\n", summary.max_error);
-  if (arguments.frame_time_option->count() > 0) {
-    fmt::print("  late          {} frames took more than {} ms\n", summary.late_frames,
-               arguments.frame_time_ms);
+  fmt::print("  error           at most {:.4g}, in the source's units\n", summary.max_error);
+  if (options.frame_time_ms) {
+    fmt::print("  late            {} frames took longer than {} ms\n", summary.late_frames,
+               *options.frame_time_ms);
   }
-  if (arguments.bitrate_option->count() > 0) {
+  if (options.bitrate) {
     for (const SegmentSummary& segment : summary.segments) print_segment(segment);
   }
   if (!summary.learnt) return;
   if (summary.learnt->bytes == 0) {
-    fmt::print("  tables        built-in: those learnt from {} frames would save nothing\n",
+    fmt::print("  tables          built-in; tables learnt from {} frames would save nothing\n",
                summary.learnt->samples);
   } else {
-    fmt::print("  tables        learnt from {} frames, {} bytes, which save {:.0f}\n",
+    fmt::print("  tables          learnt from {} frames; they take {} bytes and save {:.0f} more\n",
                summary.learnt->samples, summary.learnt->bytes, summary.learnt->saved_bytes);
   }
 }
 
-int report(const PackArguments& arguments, const PackSummary& summary) {
+int report(const PackArguments& arguments, const PackOptions& options, const PackSummary& summary) {
   if (arguments.json_option->count() == 0) {
-    print_summary(arguments, summary);
+    print_summary(options, summary);
     return kExitOk;
   }
   const std::string text =
@@ -214,7 +180,7 @@ int report(const PackArguments& arguments, const PackSummary& summary) {
     print_error(arguments.json + ": cannot be written (the package is complete)");
     return kExitFailed;
   }
-  print_summary(arguments, summary);
+  print_summary(options, summary);
   return kExitOk;
 }
 
@@ -239,7 +205,7 @@ int run_pack(const PackArguments& arguments) {
     print_error(summary.error().message);
     return kExitFailed;
   }
-  return report(arguments, *summary);
+  return report(arguments, *options, *summary);
 }
 
 }  // namespace
@@ -247,42 +213,52 @@ int run_pack(const PackArguments& arguments) {
 void add_pack_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<PackArguments>();
   PackArguments& a = *arguments;
-  CLI::App* command = app.add_subcommand("pack", "encode point clouds into a package");
-  command->add_option("-i,--input", a.inputs, "folders and .ply or .drc files, in natural order")
+  PackOptions& options = a.options;
+  CLI::App* command = app.add_subcommand("pack", "Encode point clouds into a package");
+  command
+      ->add_option("-i,--input", options.inputs,
+                   "folders and .ply or .drc files; the files of a folder are taken in natural "
+                   "order, so that frame2 comes before frame10")
       ->required()
+      ->type_name("PATH")
       ->expected(1, -1);
-  command->add_option("-o,--output", a.output, "the package's folder")->required();
-  command->add_option("--cube", a.cube, "what shares a cube")
-      ->check(CLI::IsMember({"group", "frame"}))
-      ->capture_default_str();
-  a.bitrate_option =
-      command
-          ->add_option(
-              "--bitrate", a.bitrate,
-              "bits a second that no segment exceeds on average, as 20M or 800k: depth and "
-              "quality become what it allows, at most what is asked for")
-          ->type_name("RATE");
-  a.frame_time_option =
-      command
-          ->add_option("--frame-time", a.frame_time_ms,
-                       "milliseconds to encode a frame in: depth is lowered rather than falling "
-                       "behind (other bytes on other machines)")
-          ->type_name("MS");
-  command->add_option("--segment", a.segment, "frames that share a cube and a file")
+  command->add_option("-o,--output", options.output, "the folder of the package")
+      ->required()
+      ->type_name("FOLDER");
+  add_choice<bool>(*command, "--cube", options.cube_per_frame, {{"group", false}, {"frame", true}},
+                   "one cube for all frames of a segment, so that the voxels of resting surfaces "
+                   "do not move, or one for each frame");
+  command
+      ->add_option_function<std::string>(
+          "--bitrate",
+          [&options](const std::string& text) { options.bitrate = *parse_bitrate(text); },
+          "bits per second, such as 20M or 800k, that no segment exceeds on average; depth and "
+          "qualities are lowered to achieve this")
+      ->check([](const std::string& text) {
+        const Result<double> rate = parse_bitrate(text);
+        return rate ? std::string() : rate.error().message;
+      })
+      ->type_name("RATE");
+  command
+      ->add_option("--segment", options.segment_frames,
+                   "frames in a segment; they share a cube and a file")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
-  a.sequence.add_to(*command, "the reel's name instead of its folder's");
-  command->add_flag("--force", a.force, "replace a package that is there already");
+  a.sequence.add_to(*command, "folder", "the package then depends on the speed of this machine");
+  command->add_flag("--force", options.force, "replace a package that is already there");
   a.json_option =
-      command->add_option("--json", a.json, "the summary as JSON, in a file or on standard output")
+      command->add_option("--json", a.json, "print the summary as JSON, or write it to FILE")
           ->expected(0, 1)
           ->type_name("[FILE]");
-  a.encode.add_to(*command);
-  a.encode.octree_only.push_back(
-      command
-          ->add_flag("--train", a.train,
-                     "learn the contexts from the frames: smaller, if they are many or noisy")
-          ->group("Octree"));
+  a.sequence.only_with_context(command->add_flag(
+      "--train", options.train,
+      "learn the context tables from the frames, and keep them in the package if that makes it "
+      "smaller"));
+  a.sequence.only_with(
+      Codec::draco,
+      command->add_flag("--measure-parts", options.measure_parts,
+                        "also report how the bytes divide into geometry, colours and normals, "
+                        "which takes two more encodes per frame"));
   command->callback([arguments, &exit_code] { exit_code = run_pack(*arguments); });
 }
 

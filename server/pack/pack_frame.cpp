@@ -7,41 +7,49 @@
 
 #include "codec/max_error.h"
 #include "codec/part_sizes.h"
-#include "pointreel/chunks.h"
-#include "pointreel/draco.h"
+#include "common/base/try.h"
 
 namespace pointreel {
+namespace {
 
-Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index,
-                               const std::filesystem::path& file, const Grid* shared,
-                               const PackOptions& options, FrameLimits& limits) {
-  const Result<SegmentInput::Cloud> loaded = input.take(index);
-  if (!loaded) return tl::unexpected(loaded.error());
+/// Encodes `cloud` into `frame`.
+Result<void> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& grid,
+                    const PackOptions& options, FrameLimits& limits) {
+  const EncodeOptions encode_options = limits.of_frame(grid.encode);
+  const auto start = std::chrono::steady_clock::now();
+  frame.encoded = TRY(encode_frame(cloud, grid.cube, encode_options));
+  frame.encode_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  limits.told(frame.encoded.depth, frame.encode_ms);
+  if (!cloud.empty()) frame.max_error = max_geometry_error(grid.cube, frame.encoded.depth);
+  if (encode_options.id() == Codec::octree) {
+    frame.parts = octree_part_sizes(frame.encoded);
+  } else if (options.measure_parts) {
+    frame.parts = TRY(measure_part_sizes(frame.encoded, cloud, grid.cube, encode_options));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const PackOptions& options,
+                               FrameLimits& limits) {
+  const SegmentInput::Cloud loaded = TRY(input.take(index));
+  const PointCloud& cloud = loaded->cloud;
+  const std::string file = input.file(index).string();
   PackedFrame frame;
-  const PointCloud& cloud = (*loaded)->cloud;
   frame.box = bounds(cloud);
   frame.colors = options.encode.colors && cloud.has_colors();
   frame.normals = options.encode.normals && cloud.has_normals();
   frame.had_radii = cloud.has_radii();
-  for (const std::string& warning : (*loaded)->warnings) {
-    frame.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
+  for (const std::string& warning : loaded->warnings) {
+    frame.warnings.push_back(fmt::format("{}: {}", file, warning));
   }
-  const Result<Grid> grid = shared != nullptr ? *shared : grid_for(frame.box, options);
-  if (!grid) return fail_at(file.string(), grid.error());
-
-  const EncodeOptions encode = limits.of_frame(grid->encode);
-  const auto start = std::chrono::steady_clock::now();
-  Result<EncodedFrame> encoded = encode_frame(cloud, grid->cube, encode);
-  frame.encode_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  if (!encoded) return fail_at(file.string(), encoded.error());
-  limits.told(encoded->depth, frame.encode_ms);
-  frame.encoded = std::move(*encoded);
-  if (!cloud.empty()) frame.max_error = max_geometry_error(grid->cube, frame.encoded.depth);
-  const Result<Chunks<std::size_t>> parts =
-      measure_part_sizes(frame.encoded, cloud, grid->cube, encode);
-  if (!parts) return fail_at(file.string(), parts.error());
-  frame.parts = *parts;
+  const Result<Grid> grid = input.grid_of(frame.box);
+  if (!grid) return fail_at(file, grid.error());
+  if (const auto encoded = encode(frame, cloud, *grid, options, limits); !encoded) {
+    return fail_at(file, encoded.error());
+  }
   return frame;
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -13,27 +12,27 @@
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
-#include "server/pack/grid.h"
 #include "server/pack/input.h"
 #include "server/pack/pack_options.h"
+#include "server/rate/coarsening.h"
 #include "server/rate/frame_time_control.h"
-#include "server/rate/rate_control.h"
 
 namespace pointreel {
 
-/// A frame's bytes, and what packing tells of it.
+/// An encoded frame, and what the summary needs to know about it.
 struct PackedFrame {
   EncodedFrame encoded;
-  Chunks<std::size_t> parts;
+  std::optional<Chunks<std::size_t>> parts;  ///< as PackSummary::parts
   Box box;
   double encode_ms = 0.0, max_error = 0.0;
-  bool colors = false, normals = false;  ///< coded
+  bool colors = false, normals = false;  ///< were encoded
   bool had_radii = false;
   std::vector<std::string> warnings;
 };
 
-/// What frames are made coarser by: the same for a segment, and for each what time allows. Frames
-/// may be asked for and told of from several threads at once.
+/// By how much frames are encoded coarser than asked for: by the same for all frames of a segment,
+/// because of the bit rate, and in addition for each frame, because of the frame time. Several
+/// threads may call `of_frame` and `told`.
 class FrameLimits {
  public:
   explicit FrameLimits(const PackOptions& options) {
@@ -70,9 +69,8 @@ class FrameLimits {
   std::optional<FrameTimeControl> frame_time_;
 };
 
-/// One frame from its file to its bytes. `shared` is the group's grid, null with a cube per frame.
-Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index,
-                               const std::filesystem::path& file, const Grid* shared,
-                               const PackOptions& options, FrameLimits& limits);
+/// Reads and encodes one frame. The error begins with the file.
+Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t frame, const PackOptions& options,
+                               FrameLimits& limits);
 
 }  // namespace pointreel

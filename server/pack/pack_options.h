@@ -3,36 +3,31 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "pointreel/codec.h"
-#include "pointreel/draco.h"
+#include "server/encode/sequence_options.h"
 
 namespace pointreel {
 
-struct PackOptions {
-  std::vector<std::filesystem::path> inputs;  ///< folders and files, see list_cloud_files
+/// What to pack, and where to. An empty `name` stands for that of the output folder without
+/// ".reel".
+struct PackOptions : SequenceOptions {
+  std::vector<std::filesystem::path> inputs;  ///< folders and files, as list_cloud_files takes them
   std::filesystem::path output;
-  std::string name;  ///< empty: the output folder's name without ".reel"
-  EncodeOptions encode;
-  /// Edge of a voxel in world units, cells centred on its multiples; it sets the octree's depth.
-  std::optional<double> voxel;
-  /// Learn context tables from the frames, and use them if that makes the package smaller. With
-  /// Entropy::context.
+  /// With Entropy::context: learn context tables from the frames, and use them if that makes the
+  /// package smaller.
   bool train = false;
-  /// Bits a second, above 0, that no segment may exceed on average: what was asked for above is
-  /// then the finest (RateControl).
+  /// With Draco: measure how the bytes divide into geometry, colours and normals, which takes two
+  /// more encodes of each frame. Of octrees this is known anyway.
+  bool measure_parts = false;
+  /// Bits per second, above 0, that no segment may exceed on average. RateControl then chooses the
+  /// encode options of each segment, none of them finer than `encode`.
   std::optional<double> bitrate;
-  /// Milliseconds, above 0, that encoding a frame may take: depth is lowered rather than falling
-  /// behind (FrameTimeControl). What is written then depends on the machine.
-  std::optional<double> frame_time_ms;
-  bool cube_per_frame = false;  ///< the paper's mode: each frame its own bounding cube (ERRATA 12)
-  double fps = 30.0;
-  std::uint32_t segment_frames = 30;
-  char up = 'y';
-  int threads = 0;     ///< 0: as many as there are processors
-  bool force = false;  ///< replace a package that is there already
+  /// Each frame gets its own bounding cube, instead of one that all frames of a segment share
+  /// (common/FORMULAS.md, "Cube of a frame").
+  bool cube_per_frame = false;
+  std::uint32_t segment_frames = 30;  ///< frames of a segment, at least 1
+  bool force = false;                 ///< replace a package that is already there
 };
 
 }  // namespace pointreel

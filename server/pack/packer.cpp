@@ -2,36 +2,31 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <fstream>
-#include <mutex>
 #include <new>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include "codec/cloud_file.h"
-#include "codec/octree/context_tables.h"
 #include "codec/training/sequence_tables.h"
 #include "common/base/tbb_executor.h"
+#include "common/base/try.h"
 #include "common/stream/manifest.h"
-#include "pointreel/chunks.h"
-#include "pointreel/draco.h"
-#include "pointreel/geometry.h"
+#include "pointreel/codec.h"
 #include "pointreel/package.h"
-#include "server/pack/grid.h"
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
 #include "server/pack/output_folder.h"
 #include "server/pack/pack_frame.h"
+#include "server/pack/pack_segment.h"
 #include "server/pack/sample_trees.h"
 #include "server/pack/trials.h"
-#include "server/rate/frame_time_control.h"
 #include "server/rate/rate_control.h"
 
 namespace pointreel {
@@ -40,37 +35,28 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kInterrupted = "interrupted, nothing was written";
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 std::string default_name(const fs::path& output) {
   const fs::path normal = fs::absolute(output).lexically_normal();
   const fs::path last = normal.has_filename() ? normal.filename() : normal.parent_path().filename();
   return last.extension() == ".reel" ? last.stem().string() : last.string();
 }
 
-std::vector<std::string> layer_names(const EncodeOptions& options) {
-  if (options.id() == Codec::draco) return {"full"};
-  return {"base", "middle", "full"};
-}
-
-/// --force replaces packages, and nothing else that someone may have put there.
+/// With --force, packages are replaced, but nothing else that someone may have put there.
 Result<void> may_replace_package(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_regular_file(folder / kManifestName, error)) {
-    return fail("is not a package, --force replaces packages only: remove it yourself");
+    return fail(ErrorCode::argument,
+                "is not a package, and --force replaces only packages; remove it first");
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path name = entry.path().filename();
     if (name != kManifestName && name.extension() != ".prs") {
-      return fail(fmt::format("holds {}, which is no part of a package: remove it yourself",
-                              name.string()));
+      return fail(
+          ErrorCode::argument,
+          fmt::format("holds {}, which is not part of a package; remove it first", name.string()));
     }
   }
-  if (error) return fail(error.message());
+  if (error) return fail(ErrorCode::io, error.message());
   return {};
 }
 
@@ -78,246 +64,133 @@ Result<void> may_replace_package(const fs::path& folder) {
 class Packer {
  public:
   Packer(const PackOptions& options, const PackListener& listener, std::vector<fs::path> files,
-         fs::path folder)
-      : options_(options),
-        listener_(listener),
-        files_(std::move(files)),
-        folder_(std::move(folder)),
-        limits_(options) {
-    // Frames go side by side; what of a frame is parted goes to threads that have none.
+         const fs::path& folder)
+      : options_(options), listener_(listener), files_(std::move(files)), limits_(options) {
+    if (options_.name.empty()) options_.name = default_name(options.output);
+    // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     options_.encode.executor = tbb_executor();
-    manifest_.name = options.name.empty() ? default_name(options.output) : options.name;
-    manifest_.codec = name(options.encode.id());
-    if (const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec)) {
-      manifest_.entropy = name(octree->entropy);
-    }
-    manifest_.fps = options.fps;
-    manifest_.up = options.up;
-    manifest_.layer_names = layer_names(options.encode);
-    manifest_.duration_us = time_us(files_.size());
+    static_cast<ReelHead&>(manifest_) = reel_head(options_);
+    manifest_.duration_us = presentation_time_us(files_.size(), options.fps);
+    output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop};
   }
 
-  Result<PackSummary> run(int threads) {
-    // What a client would refuse is refused before the work, not after it.
-    if (const auto head = parse_manifest(write_manifest(manifest_)); !head) {
-      return tl::unexpected(head.error());
-    }
+  /// Runs in the calling arena.
+  Result<PackSummary> run() {
+    // Refuses what a client would refuse before the work, not after it.
+    TRY(parse_manifest(write_manifest(manifest_)));
     if (listener_.begin) listener_.begin(static_cast<std::uint32_t>(files_.size()));
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(threads));
-    tbb::task_arena arena(threads);
-    if (options_.train) {
-      Result<void> learnt;
-      arena.execute([&] { learnt = learn(); });
-      if (!learnt) return tl::unexpected(learnt.error());
-    }
+    if (options_.train) TRY(learn());
     for (std::size_t first = 0; first < files_.size(); first += options_.segment_frames) {
       const std::size_t count =
           std::min<std::size_t>(options_.segment_frames, files_.size() - first);
-      Result<void> packed;
-      arena.execute([&] { packed = pack_segment(first, count, threads); });
-      if (!packed) return tl::unexpected(packed.error());
+      SegmentInput input({files_.data() + first, count}, options_);
+      const Result<void> found = input.find_shared_grid(listener_.stop);
+      if (listener_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+      TRY(found);
+      const auto first_frame = static_cast<std::uint32_t>(first);
+      add(options_.bitrate ? TRY(pack_within_rate(input, first_frame))
+                           : TRY(pack_segment(input, first_frame, options_, limits_, output_)));
     }
     return finish();
   }
 
  private:
-  std::uint64_t time_us(std::size_t frame) const {
-    return static_cast<std::uint64_t>(
-        std::llround(static_cast<double>(frame) * 1e6 / options_.fps));
-  }
-
-  /// Learns context tables and makes them part of the package, if that makes it smaller.
+  /// Learns context tables and adds them to the package, if that makes it smaller.
   Result<void> learn() {
-    const auto samples = sample_trees(files_, options_, listener_.stop);
-    if (listener_.stop.stop_requested()) return fail(kInterrupted);
-    if (!samples) return tl::unexpected(samples.error());
-    const Result<SequenceTables> learnt = learn_tables(*samples, files_.size());
-    if (!learnt) return tl::unexpected(learnt.error());
-    tally_.summary.learnt = LearntTables{samples->size(), learnt->file.size(), learnt->saved_bytes};
-    if (learnt->file.empty()) return {};
-    auto tables = read_table_file(learnt->file);
-    if (!tables) return tl::unexpected(tables.error());
-    LayerWriter writer(folder_, "tables");
-    writer.append({learnt->file, {}, {}});
+    Result<std::vector<Svo>> sampled = sample_trees(files_, options_, listener_.stop);
+    if (listener_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    const std::vector<Svo> samples = TRY(std::move(sampled));
+    const SequenceTables learnt = TRY(learn_tables(samples, files_.size()));
+    summary_.learnt = LearntTables{samples.size(), learnt.file.size(), learnt.saved_bytes};
+    if (learnt.file.empty()) return {};
+    std::get<OctreeOptions>(options_.encode.codec).tables = TRY(read_table_file(learnt.file));
+    LayerWriter writer(output_.folder, "tables");
+    writer.append({learnt.file, {}, {}});
     Result<LayerFile> file = writer.finish();
     if (!file) return fail_at(options_.output.string(), file.error());
     manifest_.tables = std::move(*file);
-    std::get<OctreeOptions>(options_.encode.codec).tables = std::move(*tables);
     return {};
   }
 
-  Result<void> pack_segment(std::size_t first, std::size_t count, int threads) {
-    const std::span<const fs::path> files(files_.data() + first, count);
-    SegmentInput input(files);
-    std::optional<Grid> shared;
-    if (!options_.cube_per_frame) {
-      const Result<Box> box = input.read_bounds(listener_.stop);
-      if (listener_.stop.stop_requested()) return fail(kInterrupted);
-      if (!box) return tl::unexpected(box.error());
-      const Result<Grid> grid = grid_for(*box, options_);
-      if (!grid) return fail_at(files.front().string(), grid.error());
-      shared = *grid;
-    }
-    const Grid* grid = shared ? &*shared : nullptr;
-    if (!options_.bitrate) return write_segment(input, first, files, grid, threads);
-
-    const Result<Trials> trials = Trials::create(input, files, grid, options_);
-    if (!trials) return tl::unexpected(trials.error());
-    const double seconds = static_cast<double>(count) / options_.fps;
+  /// Finds the finest options that meet the bit rate, and packs the segment with them.
+  Result<PackedSegment> pack_within_rate(SegmentInput& input, std::uint32_t first_frame) {
+    const Trials trials = TRY(Trials::create(input));
+    const double seconds = static_cast<double>(input.size()) / options_.fps;
     const double budget = *options_.bitrate / 8.0 * seconds;
-    RateControl control(budget, trials->have_attributes(options_.encode));
-    const Tally before = tally_;
+    RateControl control(budget, trials.have_attributes(options_.encode));
+    SegmentOutput output = output_;
     for (;;) {
-      const Result<void> led = trials->run(control, listener_.stop);
-      if (listener_.stop.stop_requested()) return fail(kInterrupted);
-      if (!led) return led;
+      const Result<void> tried = trials.run(control, listener_.stop);
+      if (listener_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+      TRY(tried);
       limits_.begin_segment(control.finest(), control.choice());
-      const Result<void> written = write_segment(input, first, files, grid, threads);
-      if (!written) return written;
-      const double bytes = static_cast<double>(tally_.summary.segments.back().bytes);
-      if (bytes <= budget || !control.overshot(bytes)) break;
-      // The frames that were tried were not like the others: the segment is written anew.
-      remove_files(manifest_.segments.back().layers);
-      manifest_.segments.pop_back();
-      tally_ = before;
-      again_ = true;
-    }
-    again_ = false;
-    SegmentSummary& summary = tally_.summary.segments.back();
-    summary.trials = control.trials();
-    summary.within_rate = static_cast<double>(summary.bytes) <= budget;
-    if (!summary.within_rate) {
-      warn(fmt::format("frames {} to {} take {:.3g} Mbit/s at the coarsest, more than the bit rate",
-                       first, first + count - 1, 1e-6 * summary.bits_per_second));
-    }
-    return {};
-  }
-
-  /// Encodes and writes all frames of a segment, as coarse as `limits_` says.
-  Result<void> write_segment(SegmentInput& input, std::size_t first,
-                             std::span<const fs::path> files, const Grid* shared, int threads) {
-    Segment segment;
-    segment.first_frame = static_cast<std::uint32_t>(first);
-    if (shared != nullptr) segment.cube = shared->cube;
-    SegmentSummary summary;
-    summary.first_frame = segment.first_frame;
-    summary.encode = limits_.of_segment(options_.encode);
-    std::vector<LayerWriter> writers;
-    for (const std::string& layer : manifest_.layer_names) {
-      writers.emplace_back(folder_, fmt::format("{:05}.{}", first, layer));
-    }
-
-    // Frames are encoded side by side and written in order; the tokens bound how many are in
-    // memory.
-    std::optional<Error> error;
-    Box segment_box;
-    std::size_t next = 0;
-    const auto take_next = [&](tbb::flow_control& flow) -> std::size_t {
-      if (next < files.size() && !stopping(error)) return next++;
-      flow.stop();
-      return 0;
-    };
-    const auto encode = [&](std::size_t i) {
-      return pack_frame(input, i, files[i], shared, options_, limits_);
-    };
-    const auto write = [&](Result<PackedFrame> frame) {
-      if (!frame) set(error, frame.error());
-      if (!frame || stopping(error)) return;
-      segment_box.grow(frame->box);
-      if (Result<void> written = write_frame(*frame, writers, segment, summary); !written) {
-        set(error, written.error());
+      PackedSegment packed = TRY(pack_segment(input, first_frame, options_, limits_, output));
+      const auto bytes = static_cast<double>(packed.summary.bytes);
+      // The trials encode only some of the frames. If all together take more, it starts again.
+      if (bytes > budget && control.overshot(bytes)) {
+        for (const LayerFile& file : packed.entry.layers) remove_file(file);
+        output.frame_done = {};  // each frame counts once
+        continue;
       }
-    };
-    tbb::parallel_pipeline(
-        static_cast<std::size_t>(threads) + 2,
-        tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take_next) &
-            tbb::make_filter<std::size_t, Result<PackedFrame>>(tbb::filter_mode::parallel, encode) &
-            tbb::make_filter<Result<PackedFrame>, void>(tbb::filter_mode::serial_in_order, write));
-    if (error) return tl::unexpected(*error);
-    if (listener_.stop.stop_requested()) return fail(kInterrupted);
-
-    if (options_.cube_per_frame) segment.cube = bounding_cube(segment_box);
-    manifest_.bounds.grow(segment_box);
-    for (LayerWriter& writer : writers) {
-      Result<LayerFile> file = writer.finish();
-      if (!file) return fail_at(options_.output.string(), file.error());
-      summary.bytes += file->bytes;
-      segment.layers.push_back(std::move(*file));
+      packed.summary.trials = control.trials();
+      packed.summary.within_rate = bytes <= budget;
+      if (!packed.summary.within_rate) {
+        packed.warnings.push_back(fmt::format(
+            "frames {} to {} take {:.3g} Mbit/s at the coarsest, more than the bit rate",
+            first_frame, first_frame + input.size() - 1, 1e-6 * packed.summary.bits_per_second));
+      }
+      return packed;
     }
-    summary.bits_per_second =
-        8.0 * static_cast<double>(summary.bytes) * options_.fps / summary.frames;
-    manifest_.segments.push_back(std::move(segment));
-    tally_.summary.segments.push_back(summary);
-    return {};
   }
 
-  bool stopping(const std::optional<Error>& error) {
-    const std::lock_guard lock(error_mutex_);
-    return error.has_value() || listener_.stop.stop_requested();
-  }
-
-  void set(std::optional<Error>& error, const Error& value) {
-    const std::lock_guard lock(error_mutex_);
-    if (!error) error = value;
-  }
-
-  Result<void> write_frame(const PackedFrame& frame, std::vector<LayerWriter>& writers,
-                           Segment& segment, SegmentSummary& summary) {
-    const EncodedFrame& encoded = frame.encoded;
-    if (encoded.layers.size() > writers.size()) return fail("the codec made too many layers");
-    static const Chunks<Bytes> kNone;
-    for (std::size_t i = 0; i < writers.size(); ++i) {
-      writers[i].append(i < encoded.layers.size() ? encoded.layers[i] : kNone);
+  void add(PackedSegment segment) {
+    if (segment.had_radii && !warned_of_radii_) {
+      warn("radii are not packed: players derive them from the voxels");
+      warned_of_radii_ = true;
     }
-    manifest_.colors = manifest_.colors || frame.colors;
-    manifest_.normals = manifest_.normals || frame.normals;
-    segment.times_us.push_back(time_us(segment.first_frame + segment.points.size()));
-    segment.points.push_back(encoded.source_points);
+    for (const std::string& warning : segment.warnings) warn(warning);
 
-    const auto depth = static_cast<std::uint32_t>(encoded.depth);
-    summary.depth_min = summary.frames == 0 ? depth : std::min(summary.depth_min, depth);
-    summary.depth_max = std::max(summary.depth_max, depth);
-    summary.max_error = std::max(summary.max_error, frame.max_error);
-    summary.frames += 1;
+    manifest_.bounds.grow(segment.box);
+    manifest_.colors |= segment.colors;
+    manifest_.normals |= segment.normals;
+    manifest_.segments.push_back(std::move(segment.entry));
 
-    PackSummary& all = tally_.summary;
-    all.frames += 1;
-    all.points += encoded.source_points;
-    all.coded_points += encoded.coded_points;
-    all.geometry_bytes += frame.parts.geometry;
-    all.color_bytes += frame.parts.colors;
-    all.normal_bytes += frame.parts.normals;
-    tally_.encode_ms.push_back(frame.encode_ms);
-    if (frame.had_radii && !tally_.warned_of_radii) {
-      warn("radii are not packed: players take them from the voxels");
-      tally_.warned_of_radii = true;
+    const bool is_first = summary_.segments.empty();
+    const SegmentSummary& added = segment.summary;
+    summary_.frames += added.frames;
+    summary_.points += segment.points;
+    summary_.coded_points += segment.coded_points;
+    summary_.segment_bytes += added.bytes;
+    if (segment.parts) {
+      if (!summary_.parts) summary_.parts.emplace();
+      summary_.parts->geometry += segment.parts->geometry;
+      summary_.parts->colors += segment.parts->colors;
+      summary_.parts->normals += segment.parts->normals;
     }
-    for (const std::string& warning : frame.warnings) warn(warning);
-    if (listener_.frame_done && !again_) listener_.frame_done();
-    return {};
+    summary_.depth_min = is_first ? added.depth_min : std::min(summary_.depth_min, added.depth_min);
+    summary_.depth_max = std::max(summary_.depth_max, added.depth_max);
+    summary_.max_error = std::max(summary_.max_error, added.max_error);
+    summary_.segments.push_back(added);
+    encode_ms_.insert(encode_ms_.end(), segment.encode_ms.begin(), segment.encode_ms.end());
   }
 
   void warn(const std::string& line) {
-    tally_.summary.warnings.push_back(line);
-    if (listener_.warn && !again_) listener_.warn(line);
+    summary_.warnings.push_back(line);
+    if (listener_.warn) listener_.warn(line);
   }
 
-  void remove_files(const std::vector<LayerFile>& layers) const {
-    for (const LayerFile& file : layers) {
-      std::error_code ignored;
-      fs::remove(folder_ / file.path, ignored);
-    }
+  void remove_file(const PackageFile& file) const {
+    std::error_code ignored;
+    fs::remove(output_.folder / file.path, ignored);
   }
 
-  /// Finest layers that no frame has, of shallow octrees, are not part of the package.
+  /// Shallow octrees do not have the finest layers. Layers that no frame has are not packed.
   void drop_unused_layers() {
     const auto unused = [](const Segment& segment) { return segment.layers.back().bytes == 0; };
     while (manifest_.layer_names.size() > 1 &&
            std::all_of(manifest_.segments.begin(), manifest_.segments.end(), unused)) {
       for (Segment& segment : manifest_.segments) {
-        std::error_code ignored;
-        fs::remove(folder_ / segment.layers.back().path, ignored);
+        remove_file(segment.layers.back());
         segment.layers.pop_back();
       }
       manifest_.layer_names.pop_back();
@@ -326,85 +199,60 @@ class Packer {
 
   Result<PackSummary> finish() {
     drop_unused_layers();
-    PackSummary& summary = tally_.summary;
-    for (std::size_t i = 0; i < summary.segments.size(); ++i) {
-      const SegmentSummary& segment = summary.segments[i];
-      summary.depth_min =
-          i == 0 ? segment.depth_min : std::min(summary.depth_min, segment.depth_min);
-      summary.depth_max = std::max(summary.depth_max, segment.depth_max);
-      summary.max_error = std::max(summary.max_error, segment.max_error);
-    }
-    manifest_.depth_min = summary.depth_min;
-    manifest_.depth_max = summary.depth_max;
+    manifest_.depth_min = summary_.depth_min;
+    manifest_.depth_max = summary_.depth_max;
     const std::string text = write_manifest(manifest_);
     if (const auto parsed = parse_manifest(text); !parsed) {
       return fail_at("the package would not be valid", parsed.error());
     }
-    std::ofstream out(folder_ / kManifestName, std::ios::binary);
+    std::ofstream out(output_.folder / kManifestName, std::ios::binary);
     out << text;
     out.close();
-    if (!out) return fail_at(options_.output.string(), {"cannot be written, is the disk full?"});
+    if (!out) {
+      return fail(ErrorCode::io, options_.output.string() +
+                                     ": cannot be written; check that the disk is not full");
+    }
 
-    summary.bytes = text.size();
-    for (const PackageFile* file : manifest_.files()) summary.bytes += file->bytes;
-    summary.encode_ms = spread_of(std::move(tally_.encode_ms));
-    summary.late_frames = limits_.late_frames();
-    summary.codec = manifest_.codec;
-    summary.entropy = manifest_.entropy;
-    return std::move(summary);
+    summary_.bytes = text.size();
+    for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
+    summary_.encode_ms = spread_of(std::move(encode_ms_));
+    summary_.late_frames = limits_.late_frames();
+    summary_.codec = manifest_.codec;
+    summary_.entropy = manifest_.entropy;
+    return std::move(summary_);
   }
 
-  /// What adds up over the segments, and goes back where one is written anew.
-  struct Tally {
-    PackSummary summary;
-    std::vector<double> encode_ms;
-    bool warned_of_radii = false;
-  };
-
-  PackOptions options_;  ///< with the tables that were learnt
+  PackOptions options_;  ///< with a name, and with the tables that were learnt
   const PackListener& listener_;
   const std::vector<fs::path> files_;
-  const fs::path folder_;
-  Manifest manifest_;
-  Tally tally_;
+  SegmentOutput output_;
   FrameLimits limits_;
-  bool again_ = false;  ///< a segment is being written anew: the listener has heard of its frames
-  std::mutex error_mutex_;
+  Manifest manifest_;
+  PackSummary summary_;
+  std::vector<double> encode_ms_;
+  bool warned_of_radii_ = false;
 };
 
 }  // namespace
 
-Spread spread_of(std::vector<double> values) {
-  if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  const double median =
-      values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-  return {median, values.front(), values.back()};
-}
-
-Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
+Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) try {
   const Clock::time_point start = Clock::now();
-  try {
-    Result<std::vector<fs::path>> files = list_cloud_files(options.inputs);
-    if (!files) return tl::unexpected(files.error());
-    Result<OutputFolder> folder = OutputFolder::create(
-        options.output, options.force ? may_replace_package : OutputFolder::MayReplace{});
-    if (!folder) return tl::unexpected(folder.error());
-    const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
-    Packer packer(options, listener, std::move(*files), folder->path());
-    Result<PackSummary> summary = packer.run(threads);
-    if (!summary) return summary;
-    if (const Result<void> published = folder->publish(); !published) {
-      return tl::unexpected(published.error());
-    }
-    summary->seconds = seconds_since(start);
-    return summary;
-  } catch (const std::bad_alloc&) {
-    return fail("not enough memory: try --threads 1");
-  } catch (const std::exception& e) {
-    return fail(e.what());
-  }
+  std::vector<fs::path> files = TRY(list_cloud_files(options.inputs));
+  OutputFolder folder = TRY(OutputFolder::create(
+      options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
+  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  tbb::task_arena arena(threads);
+  Packer packer(options, listener, std::move(files), folder.path());
+  PackSummary summary = TRY(arena.execute([&] { return packer.run(); }));
+  TRY(folder.publish());
+  summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return summary;
+} catch (const std::bad_alloc&) {
+  return fail(ErrorCode::limit, "not enough memory; try --threads 1");
+} catch (const std::exception& e) {
+  return fail(e.what());
 }
 
 }  // namespace pointreel

@@ -11,10 +11,10 @@
 
 namespace pointreel {
 
-/// Trees of frames spread over the sequence, exactly as packing makes them: of all frames where
-/// they are few and small, otherwise of so many as time and memory for learning from them allow,
-/// two at least where there are two, out of four segments at most. Runs in the calling arena. The
-/// octree codec's options are those that count.
+/// Octrees of frames that are spread over the sequence, built exactly as packing builds them, to
+/// learn context tables from. These are all frames if there are few small ones; otherwise as many
+/// as the time and memory for learning allow, from at most four segments, and at least two if there
+/// are two. Runs in the calling arena. The codec must be the octree codec.
 Result<std::vector<Svo>> sample_trees(std::span<const std::filesystem::path> files,
                                       const PackOptions& options, const std::stop_token& stop);
 

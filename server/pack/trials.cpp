@@ -7,25 +7,20 @@
 #include <tbb/parallel_for.h>
 
 #include "common/base/spread.h"
-#include "pointreel/draco.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 
-namespace fs = std::filesystem;
-
-Result<Trials> Trials::create(const SegmentInput& input, std::span<const fs::path> files,
-                              const Grid* shared, const PackOptions& options) {
+Result<Trials> Trials::create(const SegmentInput& input) {
   Trials trials;
-  trials.frames_ = files.size();
-  const std::size_t n = std::min(kFrames, files.size());
+  trials.frames_ = input.size();
+  const std::size_t n = std::min(kFrames, input.size());
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t frame = spread_index(i, n, files.size());
-    Result<SegmentInput::Cloud> cloud = input.look(frame);
-    if (!cloud) return tl::unexpected(cloud.error());
-    const Result<Grid> grid =
-        shared != nullptr ? *shared : grid_for(bounds((*cloud)->cloud), options);
-    if (!grid) return fail_at(files[frame].string(), grid.error());
-    trials.samples_.push_back({&files[frame], *cloud, *grid});
+    const std::size_t frame = spread_index(i, n, input.size());
+    const SegmentInput::Cloud cloud = TRY(input.look(frame));
+    const Result<Grid> grid = input.grid_of(bounds(cloud->cloud));
+    if (!grid) return fail_at(input.file(frame).string(), grid.error());
+    trials.samples_.push_back({&input.file(frame), cloud, *grid});
   }
   return trials;
 }

@@ -2,38 +2,34 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
-#include "server/pack/grid.h"
+#include "server/encode/grid.h"
 #include "server/pack/input.h"
-#include "server/pack/pack_options.h"
 #include "server/rate/rate_control.h"
 
 namespace pointreel {
 
-/// What of a segment is encoded to see what a bit rate allows: some frames, spread over it.
+/// Encodes some frames of a segment, spread over it, to find out what a bit rate allows.
 class Trials {
  public:
   static constexpr std::size_t kFrames = 4;
 
-  /// `shared` as of pack_frame; `input` and `files` must outlive it.
-  static Result<Trials> create(const SegmentInput& input,
-                               std::span<const std::filesystem::path> files, const Grid* shared,
-                               const PackOptions& options);
+  /// `input` must outlive the trials.
+  static Result<Trials> create(const SegmentInput& input);
 
-  /// Whether there is an attribute that quality changes.
+  /// Whether the frames have an attribute that depends on a quality.
   bool have_attributes(const EncodeOptions& options) const;
 
-  /// Leads `control` to its choice, unless it is stopped before.
+  /// Encodes what `control` asks for until it has made its choice, or until it is stopped.
   Result<void> run(RateControl& control, const std::stop_token& stop) const;
 
  private:
   struct Sample {
-    const std::filesystem::path* file;
+    const std::filesystem::path* file;  ///< in the input
     SegmentInput::Cloud cloud;
     Grid grid;
   };

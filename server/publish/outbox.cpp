@@ -1,6 +1,5 @@
 #include "server/publish/outbox.h"
 
-#include <chrono>
 #include <utility>
 
 namespace pointreel {
@@ -8,16 +7,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Between attempts to connect. A server that is back is found within this.
+/// Between two attempts to connect. A server that is available again is found within this time.
 constexpr auto kPause = 300ms;
 constexpr auto kConnectTimeout = 2000ms;
-/// A server whose machine is gone is given up after this, or a link would be taken for slow.
+/// If a server's machine disappears, its connection is given up after this time. Until then it
+/// looks like a slow link.
 constexpr auto kStallTimeout = 4000ms;
 constexpr auto kSilenceTimeout = 10'000ms;
-/// How often the connection is looked at while there is nothing to send.
-constexpr auto kLook = 100ms;
+/// How often the connection is checked while there is nothing to send.
+constexpr auto kCheckInterval = 100ms;
 
-/// What another attempt does not change: a wrong address or token.
+/// The server does not use messages about drops.
+constexpr LiveQueueOptions kQueueOptions{.tell_drops = false};
+
+/// Errors that another attempt does not change, such as a wrong address or token.
 bool is_final(int status) {
   return status >= 400 && status < 500 && status != 408 && status != 429;
 }
@@ -25,7 +28,9 @@ bool is_final(int status) {
 }  // namespace
 
 Outbox::Outbox(OutboxOptions options)
-    : options_(std::move(options)), thread_([this](std::stop_token stop) { run(stop); }) {}
+    : options_(std::move(options)),
+      queue_(kQueueOptions),
+      thread_([this](std::stop_token stop) { run(stop); }) {}
 
 Outbox::~Outbox() = default;
 
@@ -96,43 +101,40 @@ void Outbox::restart() {
   ++statistics_.connections;
   statistics_.drops.frames += queue_.drops().frames;
   statistics_.drops.layers += queue_.drops().layers;
-  queue_ = ViewerQueue();
+  queue_ = LiveQueue(kQueueOptions);
   if (hello_.bytes) queue_.hello(hello_, true);
   const auto count = static_cast<std::uint8_t>(newest_.size());
   for (std::uint8_t i = 0; i < count; ++i) queue_.push(frame_, i, count, newest_[i]);
 }
 
 void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
-  bool taken = false;
+  bool any_layer_sent = false;
   const std::stop_callback closing(stop, [&] { socket.close(); });
   for (;;) {
     std::optional<LiveMessage> message;
     {
       std::unique_lock lock(mutex_);
       if (stop.stop_requested()) return;
-      if (queue_.empty()) changed_.wait_for(lock, stop, kLook, [&] { return !queue_.empty(); });
+      changed_.wait_for(lock, stop, kCheckInterval, [&] { return !queue_.empty(); });
       message = queue_.next();
       sending_ = message.has_value();
     }
+    const bool is_layer = message && message->kind == LiveMessage::Kind::binary;
     Result<void> sent;
-    if (!message) {
-      // Whatever the server says; above all, that it has closed the connection.
-      const auto received = socket.receive(0ms);
-      if (!received) sent = tl::unexpected(received.error());
-    } else if (const auto& bytes = *message->bytes; message->kind == LiveMessage::Kind::binary) {
-      sent = socket.send(bytes, WebSocket::Kind::binary);
-    } else if (std::holds_alternative<LiveHello>(
-                   parse_live_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()})
-                       .value_or(LiveUnknown{}))) {
-      sent = socket.send(bytes, WebSocket::Kind::text);
+    if (message) {
+      sent = socket.send(message->pieces(),
+                         is_layer ? WebSocket::Kind::binary : WebSocket::Kind::text);
+    } else if (const auto received = socket.receive(0ms); !received) {
+      // The server has nothing to say, but it may have closed the connection.
+      sent = tl::unexpected(received.error());
     }
     {
       const std::lock_guard lock(mutex_);
       sending_ = false;
-      if (sent && message && message->kind == LiveMessage::Kind::binary) {
+      if (sent && is_layer) {
         ++statistics_.layers;
-        statistics_.bytes += message->bytes->size();
-        taken = true;
+        statistics_.bytes += message->size();
+        any_layer_sent = true;
       }
       changed_.notify_all();
     }
@@ -140,7 +142,7 @@ void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
       if (!stop.stop_requested()) tell(sent.error().message + "; trying again");
       return;
     }
-    if (taken && !told_.empty()) {
+    if (any_layer_sent && !told_.empty()) {
       tell("connected again");
       told_.clear();
     }

@@ -1,5 +1,3 @@
-#include "server/publish/publish_command.h"
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -11,9 +9,9 @@
 #include <unistd.h>
 
 #include "common/base/stop_signal.h"
-#include "pointreel/draco.h"
-#include "server/pack/commands.h"
-#include "server/pack/encode_arguments.h"
+#include "common/base/try.h"
+#include "server/commands.h"
+#include "server/encode/sequence_arguments.h"
 #include "server/publish/publisher.h"
 
 namespace pointreel {
@@ -21,52 +19,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the time between two frames, where --frame-time says nothing else.
-constexpr double kBudgetShare = 0.8;
-
 struct PublishArguments {
   std::string input, to, token, ca_file;
-  double frame_time_ms = 0.0;
   bool loop = false, follow = false, json = false;
   SequenceArguments sequence;
-  EncodeArguments encode;
-  CLI::Option* frame_time_option = nullptr;
 };
 
-/// The name of the stream, where the address ends in one.
+/// The name of the stream, if the address ends in one.
 std::string stream_name(const std::string& url) { return url.substr(url.rfind('/') + 1); }
 
 Result<PublishOptions> make_options(const PublishArguments& arguments) {
-  PublishOptions options;
-  if (const auto url = parse_websocket_url(arguments.to); !url) return tl::unexpected(url.error());
+  TRY(parse_websocket_url(arguments.to));
   if (arguments.to.find_first_of("?#") != std::string::npos ||
       !is_stream_name(stream_name(arguments.to))) {
-    return fail(arguments.to + ": does not end in the stream's name, as in ws://HOST:8090/live/me");
+    return fail(ErrorCode::argument,
+                arguments.to + ": does not end in a stream's name, as in ws://HOST:8090/live/NAME");
   }
-  const SequenceArguments& sequence = arguments.sequence;
-  if (const auto sound = sequence.check(); !sound) return tl::unexpected(sound.error());
-  const bool pipe = arguments.input == "-";
-  if (pipe && (arguments.loop || arguments.follow)) {
-    return fail("--loop and --follow belong to folders");
+  if (arguments.input == "-" && (arguments.loop || arguments.follow)) {
+    return fail(ErrorCode::argument, "--loop and --follow need a folder as --input");
   }
-  if (arguments.loop && arguments.follow) return fail("--loop and --follow exclude each other");
-  const Result<EncodeOptions> encode = arguments.encode.options();
-  if (!encode) return tl::unexpected(encode.error());
-  options.encode = *encode;
-  const Result<std::optional<double>> voxel = arguments.encode.voxel();
-  if (!voxel) return tl::unexpected(voxel.error());
-  options.voxel = *voxel;
-  options.name = sequence.name.empty() ? stream_name(arguments.to) : sequence.name;
-  options.fps = sequence.fps;
-  options.up = sequence.up.front();
-  options.threads = sequence.threads;
-  options.frame_time_ms = kBudgetShare * 1000.0 / sequence.fps;
-  if (arguments.frame_time_option->count() > 0) {
-    if (!(arguments.frame_time_ms > 0.0)) return fail("--frame-time must be above 0");
-    options.frame_time_ms = arguments.frame_time_ms;
-  }
-  // The server tells publishers from viewers by it.
-  options.outbox.url = arguments.to + "?publish";
+  PublishOptions options;
+  static_cast<SequenceOptions&>(options) = TRY(arguments.sequence.options());
+  if (options.name.empty()) options.name = stream_name(arguments.to);
+  options.outbox.url = arguments.to + "?publish";  // a viewer would connect without the query
   options.outbox.token = arguments.token;
   options.outbox.ca_file = arguments.ca_file;
   return options;
@@ -75,9 +50,8 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
 Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments) {
   if (arguments.input == "-") return read_pipe(STDIN_FILENO);
   if (arguments.follow) return follow_folder(arguments.input);
-  auto files = list_cloud_files({fs::path(arguments.input)});
-  if (!files) return tl::unexpected(files.error());
-  return play_files(std::move(*files), arguments.sequence.fps, arguments.loop);
+  return play_files(TRY(list_cloud_files({fs::path(arguments.input)})),
+                    arguments.sequence.sequence.fps, arguments.loop);
 }
 
 void print_json(const PublishSummary& summary) {
@@ -105,10 +79,10 @@ void print_json(const PublishSummary& summary) {
 void print_summary(const PublishSummary& summary) {
   fmt::print("{} frames in {:.1f} s, {} skipped, {} unusable\n", summary.frames, summary.seconds,
              summary.skipped, summary.unusable);
-  fmt::print("  encode  {:.1f} ms a frame ({:.1f} to {:.1f}), {} late, depth {} to {}\n",
+  fmt::print("  encode  {:.1f} ms per frame ({:.1f} to {:.1f}), {} late, depth {} to {}\n",
              summary.encode_ms.median, summary.encode_ms.min, summary.encode_ms.max, summary.late,
              summary.depth_min, summary.depth_max);
-  fmt::print("  sent    {} bytes; {} frames and {} layers did not fit the link\n",
+  fmt::print("  sent    {} bytes; {} frames and {} layers dropped because the link was too slow\n",
              summary.sent.bytes, summary.sent.drops.frames, summary.sent.drops.layers);
 }
 
@@ -147,34 +121,33 @@ void add_publish_command(CLI::App& app, int& exit_code) {
   PublishArguments& a = *arguments;
   CLI::App* command = app.add_subcommand(
       "publish",
-      "encode frames as they come and send them to a server, until there are no more or SIGINT\n"
-      "Players show them from ws://HOST:PORT/live/NAME. A connection that is lost is made again.");
+      "Encode frames as they come and send them to a server, until there are no more or SIGINT\n"
+      "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored.");
   command
       ->add_option("-i,--input", a.input,
-                   "a folder of .ply or .drc files, played at --fps; or - for standard input: for "
-                   "each frame its size, four bytes, little endian, then a PLY or Draco file")
+                   "a folder of .ply or .drc files, which is played at --fps, or - for standard "
+                   "input: for each frame its size in four bytes, little endian, and then a PLY or "
+                   "Draco file")
       ->required()
-      ->type_name("DIR|-");
-  command->add_option("--to", a.to, "where to: ws://HOST:PORT/live/NAME, or wss://")
+      ->type_name("FOLDER|-");
+  command->add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")
       ->required()
       ->type_name("URL");
   command->add_option("--token", a.token, "the server's token for publishers")
       ->envname("POINTREEL_TOKEN");
-  command->add_option("--ca-file", a.ca_file,
-                      "certificates to trust with wss://, in PEM, instead of the system's");
-  command->add_flag("--loop", a.loop, "play the folder again and again");
-  command->add_flag("--follow", a.follow,
-                    "instead: the newest file of the folder, then each that is put there");
-  a.frame_time_option =
-      command
-          ->add_option("--frame-time", a.frame_time_ms,
-                       "milliseconds to encode a frame in: depth is lowered rather than falling "
-                       "behind (default: 0.8 of the time between two frames)")
-          ->type_name("MS");
-  a.sequence.add_to(*command, "for people, instead of the stream's name");
-  command->add_flag("--json", a.json, "the summary as JSON");
-  a.encode.entropy = "zstd";  // decodes in half the time of context, at a quarter more bytes
-  a.encode.add_to(*command);
+  command
+      ->add_option("--ca-file", a.ca_file,
+                   "for wss://: certificates to trust instead of the system's, in PEM form")
+      ->type_name("FILE");
+  CLI::Option* loop = command->add_flag("--loop", a.loop, "play the folder again and again");
+  command
+      ->add_flag("--follow", a.follow,
+                 "instead of playing the folder, send its newest file, and then each file when it "
+                 "appears")
+      ->excludes(loop);
+  a.sequence.octree.entropy = Entropy::zstd;  // decodes in half the time of context, 25 % larger
+  a.sequence.add_to(*command, "stream", "default: 80 % of the frame interval");
+  command->add_flag("--json", a.json, "print the summary as JSON");
   command->callback([arguments, &exit_code] { exit_code = run_publish(*arguments); });
 }
 

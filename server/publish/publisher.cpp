@@ -13,9 +13,7 @@
 #include <tbb/task_arena.h>
 
 #include "common/base/tbb_executor.h"
-#include "pointreel/chunks.h"
-#include "pointreel/draco.h"
-#include "pointreel/octree.h"
+#include "common/base/try.h"
 #include "server/rate/coarsening.h"
 #include "server/rate/frame_time_control.h"
 
@@ -24,33 +22,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Of the box, on each side.
-constexpr double kMargin = 0.1;
-/// Of the edge that one frame's box needs.
-constexpr double kMostGrowth = 2.0;
-/// With fewer levels nobody is recognised, and hardly any time is saved.
-constexpr int kLeastDepth = 6;
-/// To send what is left at the end.
+/// The share of the frame interval that encoding may take, unless a frame time is given.
+constexpr double kBudgetShare = 0.8;
+/// With fewer levels nobody could be recognised, and hardly any time would be saved.
+constexpr int kMinDepth = 6;
+/// How long to send what is left at the end.
 constexpr std::chrono::milliseconds kFlushTime{2000};
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-Box with_margin(const Box& box) {
-  if (box.empty()) return box;
-  const glm::dvec3 margin = kMargin * box.extent();
-  return {box.min - margin, box.max + margin};
-}
-
-double longest(const Box& box) {
-  const glm::dvec3 extent = box.extent();
-  return std::max({extent.x, extent.y, extent.z});
-}
-
-bool holds(const Box& outer, const Box& inner) {
-  return inner.empty() || (!outer.empty() && glm::all(glm::lessThanEqual(outer.min, inner.min)) &&
-                           glm::all(glm::greaterThanEqual(outer.max, inner.max)));
 }
 
 std::uint64_t random_session() {
@@ -58,28 +38,18 @@ std::uint64_t random_session() {
   return std::uint64_t{device()} << 32 | device();
 }
 
-/// The messages of an encoded frame, a layer each.
-std::vector<LiveMessage> messages_of(const EncodedFrame& encoded, std::uint32_t number,
+/// The messages of an encoded frame, one for each layer.
+std::vector<LiveMessage> messages_of(EncodedFrame encoded, std::uint32_t number,
                                      std::uint64_t capture_us) {
+  LiveLayer header;
+  header.frame = number;
+  header.layers = static_cast<std::uint8_t>(encoded.layers.size());
+  header.capture_us = capture_us;
+  header.points = encoded.source_points;
   std::vector<LiveMessage> messages;
-  for (const Chunks<Bytes>& layer : encoded.layers) {
-    Bytes bytes;
-    bytes.reserve(total(layer));
-    for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals}) {
-      bytes.insert(bytes.end(), chunk->begin(), chunk->end());
-    }
-    LiveLayer message;
-    message.frame = number;
-    message.layer = static_cast<std::uint8_t>(messages.size());
-    message.layers = static_cast<std::uint8_t>(encoded.layers.size());
-    message.capture_us = capture_us;
-    message.points = encoded.source_points;
-    message.sizes = {static_cast<std::uint32_t>(layer.geometry.size()),
-                     static_cast<std::uint32_t>(layer.colors.size()),
-                     static_cast<std::uint32_t>(layer.normals.size())};
-    message.bytes = bytes;
-    messages.push_back(
-        {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_layer(message))});
+  for (Chunks<Bytes>& layer : encoded.layers) {
+    messages.push_back(layer_message(header, std::move(layer)));
+    ++header.layer;
   }
   return messages;
 }
@@ -90,36 +60,27 @@ class Publisher {
       : options_(options),
         listener_(listener),
         grid_(options),
-        time_(options.frame_time_ms, kMaxDepth, kLeastDepth),
+        frame_time_ms_(options.frame_time_ms.value_or(kBudgetShare * 1000.0 / options.fps)),
+        time_(frame_time_ms_, kMaxDepth, kMinDepth),
         outbox_([&] {
           OutboxOptions outbox = options.outbox;
           outbox.say = [this](const std::string& line) { say(line); };
           return outbox;
         }()) {
-    hello_.name = options.name;
+    static_cast<ReelHead&>(hello_) = reel_head(options);
     hello_.session = random_session();
-    hello_.codec = name(options.encode.id());
-    if (const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec)) {
-      hello_.entropy = name(octree->entropy);
-      hello_.layer_names = {"base", "middle", "full"};
-    } else {
-      hello_.layer_names = {"full"};
-    }
-    hello_.fps = options.fps;
-    hello_.up = options.up;
   }
 
   Result<PublishSummary> run(FrameInput& input) {
     const Clock::time_point start = Clock::now();
     for (;;) {
       if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
-      Result<std::optional<InputFrame>> frame = input.next(listener_.stop);
-      if (!frame) return tl::unexpected(frame.error());
-      if (!*frame) break;
-      const Result<void> taken = take(**frame);
-      if (taken) continue;
-      ++summary_.unusable;
-      say(fmt::format("{}: {}; left out", (*frame)->name, taken.error().message));
+      const std::optional<InputFrame> frame = TRY(input.next(listener_.stop));
+      if (!frame) break;
+      if (const Result<void> sent = send(*frame); !sent) {
+        ++summary_.unusable;
+        say(sent.error().message + "; left out");
+      }
     }
     if (!listener_.stop.stop_requested()) outbox_.flush(kFlushTime);
     if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
@@ -132,39 +93,29 @@ class Publisher {
   }
 
  private:
-  Result<void> take(const InputFrame& frame) {
+  Result<void> send(const InputFrame& frame) {
     if (!frame.cloud) return tl::unexpected(frame.cloud.error());
     const PointCloud& cloud = frame.cloud->cloud;
     const Box box = bounds(cloud);
     const Result<Grid> grid = grid_.of(box);
-    if (!grid) return tl::unexpected(grid.error());
+    if (!grid) return fail_at(frame.name, grid.error());
 
-    const int depth = time_.depth();
     const Clock::time_point start = Clock::now();
-    const Result<EncodedFrame> encoded =
-        encode_frame(cloud, grid->cube, no_deeper_than(grid->encode, depth));
+    Result<EncodedFrame> encoded =
+        encode_frame(cloud, grid->cube, no_deeper_than(grid->encode, time_.depth()));
     const double ms = ms_since(start);
-    if (!encoded) return tl::unexpected(encoded.error());
+    if (!encoded) return fail_at(frame.name, encoded.error());
+    const int depth = encoded->depth;
     greet(cloud, box);
-    // Times rise, whatever is done to the clock meanwhile.
+    // Capture times must rise, even if the clock is set back meanwhile.
     last_us_ = std::max(frame.capture_us, last_us_ + 1);
-    outbox_.push(number_, messages_of(*encoded, number_, last_us_));
+    outbox_.push(number_, messages_of(*std::move(encoded), number_, last_us_));
     ++number_;
-
-    // The first one finds the memory cold, which says nothing of the others.
-    if (summary_.frames > 0) {
-      time_.told(encoded->depth, ms);
-      tell_depth(encoded->depth, ms);
-    }
-    summary_.depth_min =
-        summary_.frames == 0 ? encoded->depth : std::min(summary_.depth_min, encoded->depth);
-    summary_.depth_max = std::max(summary_.depth_max, encoded->depth);
-    ++summary_.frames;
-    if (encode_ms_.size() < kMostTimes) encode_ms_.push_back(ms);
+    count(depth, ms);
     return {};
   }
 
-  /// Says hello before the first frame, and again before one that has more than was told.
+  /// Sends a hello before the first frame, and again whenever a frame changes what it says.
   void greet(const PointCloud& cloud, const Box& box) {
     LiveHello hello = hello_;
     hello.bounds.grow(box);
@@ -176,16 +127,28 @@ class Publisher {
     outbox_.hello(text_message(write_hello(hello_)));
   }
 
-  void tell_depth(int depth, double ms) {
-    const int most = time_.depth();
-    if (most < most_told_ && most < depth) {
-      ++summary_.lowered;
-      say(fmt::format("encoding took {:.0f} ms of {:.0f}: depth {} from now on", ms,
-                      options_.frame_time_ms, most));
-    } else if (most > most_told_) {
-      say(fmt::format("there is time again: depth up to {}", most));
+  void count(int depth, double ms) {
+    // The first frame finds cold memory, so its time says nothing about the others.
+    if (summary_.frames > 0) {
+      time_.told(depth, ms);
+      tell_depth(depth, ms);
     }
-    most_told_ = most;
+    summary_.depth_min = summary_.frames == 0 ? depth : std::min(summary_.depth_min, depth);
+    summary_.depth_max = std::max(summary_.depth_max, depth);
+    ++summary_.frames;
+    if (encode_ms_.size() < kMaxTimes) encode_ms_.push_back(ms);
+  }
+
+  void tell_depth(int depth, double ms) {
+    const int allowed = time_.depth();
+    if (allowed < allowed_told_ && allowed < depth) {
+      ++summary_.lowered;
+      say(fmt::format("encoding took {:.0f} ms, {:.0f} ms are available; depth {} from now on", ms,
+                      frame_time_ms_, allowed));
+    } else if (allowed > allowed_told_) {
+      say(fmt::format("encoding is fast enough again; depth up to {}", allowed));
+    }
+    allowed_told_ = allowed;
   }
 
   void say(const std::string& line) {
@@ -193,51 +156,30 @@ class Publisher {
     if (listener_.say) listener_.say(line);
   }
 
-  /// For the median; later frames are like them.
-  static constexpr std::size_t kMostTimes = 100'000;
+  /// Enough for the median; later frames take about as long.
+  static constexpr std::size_t kMaxTimes = 100'000;
 
   const PublishOptions& options_;
   const PublishListener& listener_;
   std::mutex say_mutex_;
   SteadyGrid grid_;
+  const double frame_time_ms_;
   FrameTimeControl time_;
   LiveHello hello_;
   bool greeted_ = false;
   std::uint32_t number_ = 0;
   std::uint64_t last_us_ = 0;
-  int most_told_ = kMaxDepth;
+  int allowed_told_ = kMaxDepth;  ///< the depth that was last reported
   std::vector<double> encode_ms_;
   PublishSummary summary_;
-  Outbox outbox_;  ///< ends first: it says how it fares
+  Outbox outbox_;  ///< destroyed first, because its thread calls `say`
 };
 
 }  // namespace
 
-SteadyGrid::SteadyGrid(const PublishOptions& options) {
-  options_.encode = options.encode;
-  options_.voxel = options.voxel;
-}
-
-Result<Grid> SteadyGrid::of(const Box& box) {
-  if (grid_ && holds({grid_->cube.origin, grid_->cube.origin + grid_->cube.edge}, box))
-    return *grid_;
-  Box roomy = with_margin(box);
-  // What moves about comes back to where it was.
-  Box both = roomy;
-  both.grow(held_);
-  if (longest(both) <= kMostGrowth * longest(roomy)) roomy = both;
-  const Result<Grid> grid = grid_for(roomy, options_);
-  if (!grid) return grid;
-  grid_ = *grid;
-  held_ = roomy;
-  return grid;
-}
-
 Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
                                const PublishListener& listener) try {
-  if (const auto url = parse_websocket_url(options.outbox.url); !url) {
-    return tl::unexpected(url.error());
-  }
+  TRY(parse_websocket_url(options.outbox.url));
   const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
@@ -245,11 +187,9 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
   PublishOptions parallel = options;
   parallel.encode.executor = tbb_executor();
   Publisher publisher(parallel, listener);
-  Result<PublishSummary> summary;
-  arena.execute([&] { summary = publisher.run(input); });
-  return summary;
+  return arena.execute([&] { return publisher.run(input); });
 } catch (const std::bad_alloc&) {
-  return fail("not enough memory");
+  return fail(ErrorCode::limit, "not enough memory");
 }
 
 }  // namespace pointreel

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 
-#include "pointreel/draco.h"
-
 namespace pointreel {
 namespace {
 
-constexpr int kQualityOfDouble = 14;  ///< OctreeOptions::color_quality
-constexpr int kLeastNormalBits = 2;
+/// As in OctreeOptions::color_quality, this much less quality doubles the error.
+constexpr int kQualityPerDoubling = 14;
 
 }  // namespace
 
-int most_quality_lost(int levels) { return kQualityOfDouble * (levels + 1); }
+int most_quality_lost(int levels) { return kQualityPerDoubling * (levels + 1); }
 
 EncodeOptions coarsened(const EncodeOptions& options, int finest, const Coarsening& by) {
   EncodeOptions coarse = options;
@@ -25,7 +23,7 @@ EncodeOptions coarsened(const EncodeOptions& options, int finest, const Coarseni
   } else {
     auto& draco = std::get<DracoOptions>(coarse.codec);
     draco.normal_bits =
-        std::max(kLeastNormalBits, draco.normal_bits - by.quality / kQualityOfDouble);
+        std::max(kMinNormalBits, draco.normal_bits - by.quality / kQualityPerDoubling);
   }
   return coarse;
 }

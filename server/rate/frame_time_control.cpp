@@ -5,9 +5,9 @@
 namespace pointreel {
 namespace {
 
-constexpr double kBehind = 0.5;  ///< budgets behind at which something is done
-constexpr double kInTime = 0.8;  ///< share of the budget that finer frames may take
-constexpr double kGrowth = 2.0;  ///< of the time with a level
+constexpr double kBehind = 0.5;  ///< the depth is lowered when frames are this many budgets behind
+constexpr double kInTime = 0.8;  ///< the share of the budget that a finer frame may take
+constexpr double kGrowth = 2.0;  ///< the factor by which a level increases the time
 
 }  // namespace
 
@@ -15,7 +15,7 @@ void FrameTimeControl::told(int depth, double ms) {
   late_ += ms > budget_ms_ ? 1 : 0;
   if (depth > depth_) return;
   behind_ms_ = std::max(0.0, behind_ms_ + ms - budget_ms_);
-  since_raise_ = std::min(since_raise_ + 1, kMostPatience);
+  since_raise_ = std::min(since_raise_ + 1, kMaxPatience);
   if (ms > budget_ms_) {
     calm_ = 0;
     if (behind_ms_ >= kBehind * budget_ms_) lower(depth, ms);
@@ -29,16 +29,15 @@ void FrameTimeControl::lower(int depth, double ms) {
     --depth;
     ms /= kGrowth;
   }
-  // A raise that did not last was made too soon.
-  patience_ =
-      since_raise_ < kMostPatience ? std::min(2 * patience_, kMostPatience) : kFirstPatience;
+  // If the last additional level was soon too much, it came too early.
+  patience_ = since_raise_ < kMaxPatience ? std::min(2 * patience_, kMaxPatience) : kFirstPatience;
   depth_ = std::min(depth, finest_);
 }
 
 void FrameTimeControl::maybe_raise(int depth, double ms) {
   const bool bounded = depth == depth_ && depth_ < finest_;
   const bool would_be_in_time = ms * kGrowth <= kInTime * budget_ms_;
-  // A frame that was not worth the levels it might have had says nothing of a level more.
+  // A frame with fewer levels than allowed does not show how long an additional one would take.
   calm_ = bounded && would_be_in_time && behind_ms_ == 0.0 ? calm_ + 1 : 0;
   if (calm_ < patience_) return;
   ++depth_;

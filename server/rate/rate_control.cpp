@@ -8,10 +8,11 @@
 namespace pointreel {
 namespace {
 
-constexpr double kUsedWell = 0.95;  ///< share of the budget that is not worth another trial
+/// If this share of the budget is used, another trial is not worthwhile.
+constexpr double kUsedWell = 0.95;
 
-/// Levels that sizes are apart, if each of them quarters them; at least one. No rounding of a
-/// logarithm decides.
+/// The number of levels between two sizes, if each level quarters the size; at least one. Counted
+/// rather than computed as a logarithm, so that the result does not depend on rounding.
 int levels_between(double more, double less) {
   int levels = 1;
   for (double size = more / 16.0; size >= less && levels < kMaxDepth; size /= 4.0) ++levels;
@@ -29,7 +30,7 @@ void RateControl::told(double bytes, int depth) {
       finest_ = depth;
       if (fits) return settle(tried, bytes, true);
       phase_ = Phase::levels;
-      // Attributes alone may be enough, if it is not far.
+      // If the size is not far from the budget, coarser attributes alone may suffice.
       if (!attributes_ || bytes > 4.0 * budget_) levels_too_few_ = 0;
       return seek_levels(bytes);
     case Phase::levels:
@@ -48,7 +49,7 @@ void RateControl::told(double bytes, int depth) {
         quality_too_little_ = tried.quality;
       }
       if (quality_too_little_ < quality_enough_) return seek_quality();
-      // After an overshoot, even the coarsest attributes of this depth are too much.
+      // After an overshoot, even the coarsest attributes at this depth are too much.
       levels_too_few_ = tried.levels;
       levels_enough_.reset();
       phase_ = Phase::levels;
@@ -60,7 +61,7 @@ bool RateControl::overshot(double bytes) {
   if (!within_budget_) return false;
   budget_ *= std::min(1.0, choice_bytes_ / bytes);
   if (choice_ != coarse_at(choice_.levels)) {
-    // Finer attributes were chosen than this depth allows.
+    // The attributes were not yet as coarse as this depth allows.
     levels_enough_ = choice_.levels;
     quality_too_little_ = choice_.quality;
     quality_enough_ = coarse_at(choice_.levels).quality;
@@ -70,7 +71,7 @@ bool RateControl::overshot(double bytes) {
   }
   levels_too_few_ = choice_.levels;
   levels_enough_.reset();
-  if (levels_too_few_ >= most_levels()) {
+  if (levels_too_few_ >= max_levels()) {
     within_budget_ = false;
     return false;
   }
@@ -79,21 +80,21 @@ bool RateControl::overshot(double bytes) {
   return true;
 }
 
-int RateControl::most_levels() const { return std::max(0, finest_ - kCoarsestDepth); }
+int RateControl::max_levels() const { return std::max(0, finest_ - kCoarsestDepth); }
 
 Coarsening RateControl::coarse_at(int levels) const {
   return {levels, attributes_ ? most_quality_lost(levels) : 0};
 }
 
 void RateControl::seek_levels(double bytes) {
-  const int most = most_levels();
+  const int most = max_levels();
   if (!levels_enough_ && levels_too_few_ >= most) {
     return settle(coarse_at(most), bytes, false);
   }
   if (levels_enough_ == levels_too_few_ + 1) {
     phase_ = Phase::quality;
     quality_enough_ = coarse_at(*levels_enough_).quality;
-    // With no level lost, what was asked for is known to be too much.
+    // If no level is taken away, the full quality is known to be too much.
     quality_too_little_ = *levels_enough_ == 0 ? 0 : -1;
     return seek_quality();
   }

@@ -48,8 +48,7 @@ void HttpWindow::end() {
 void HttpWindow::append(LiveSegment segment) {
   name_files(segment, hello_.layer_names);
   for (std::size_t i = 0; i < segment.files.size(); ++i) {
-    output_.put(segment.entry.layers[i].path,
-                std::string(segment.files[i].begin(), segment.files[i].end()), true);
+    output_.put(segment.entry.layers[i].path, std::move(segment.files[i]), true);
   }
   segment.files.clear();
   segments_.push_back(std::move(segment));

@@ -11,22 +11,22 @@
 
 namespace pointreel {
 
-/// Where a stream's files for viewers over HTTP go: under the stream's path, any thread may ask for
-/// them.
+/// Where a stream's files are put for viewers over HTTP: under the stream's path, where any thread
+/// may ask for them.
 struct WindowOutput {
   std::function<void(const std::string& name, std::string content, bool immutable)> put;
   std::function<void(const std::string& name)> remove;
 };
 
 struct WindowOptions {
-  std::uint64_t segment_us = 500'000;  ///< of one segment
-  std::size_t segments = 20;           ///< that the manifest has
-  std::uint64_t bytes = 64u << 20;     ///< of all of them; there are fewer where that is too little
+  std::uint64_t segment_us = 500'000;  ///< duration of a segment
+  std::size_t segments = 20;           ///< in the manifest
+  std::uint64_t bytes = 64u << 20;     ///< of these together; if they exceed this, there are fewer
 };
 
-/// Live over HTTP: the newest segments of a stream in memory, as a package whose reel.json is
-/// replaced with each segment. Segments that are in the manifest no longer stay for as long again,
-/// for whoever has read an older one. PROTOCOL.md, "Live over HTTP".
+/// Serves a live stream over HTTP: keeps its newest segments in memory, as a package whose
+/// reel.json is replaced with each segment. Segments that have left the manifest stay for as long
+/// again, for viewers that have read an older manifest. See PROTOCOL.md, "Live over HTTP".
 class HttpWindow : public LiveSink {
  public:
   HttpWindow(WindowOutput output, const WindowOptions& options = {})
@@ -48,7 +48,7 @@ class HttpWindow : public LiveSink {
   Segmenter segmenter_;
   LiveHello hello_;
   bool greeted_ = false, ended_ = false;
-  /// Without their bytes, oldest first: those of the manifest, and those before it.
+  /// Without their bytes, oldest first: those in the manifest, and those that have left it.
   std::deque<LiveSegment> segments_, old_;
 };
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {
@@ -36,7 +37,7 @@ void Recorder::layer(const LiveLayer& layer, const LiveMessage&) {
 
 void Recorder::end() {
   if (auto segment = segmenter_.flush()) append(std::move(*segment));
-  // It is complete as it is, until the publisher comes back.
+  // The package is complete, unless the publisher comes back.
   if (package_.empty()) return;
   if (const auto written = write_manifest_file(false); !written) failed(written.error());
 }
@@ -66,7 +67,8 @@ Result<void> Recorder::open() {
       return {};
     }
   }
-  return fail(fmt::format("{}: cannot make a folder here: {}", options_.folder.string(),
+  return fail(ErrorCode::io,
+              fmt::format("{}: cannot create a folder here: {}", options_.folder.string(),
                           error ? error.message() : "there are too many recordings"));
 }
 
@@ -74,8 +76,7 @@ Result<void> Recorder::write(LiveSegment& segment) {
   segment.entry = rebased(std::move(segment.entry), first_frame_, start_us_);
   name_files(segment, hello_.layer_names);
   for (std::size_t i = 0; i < segment.files.size(); ++i) {
-    const auto written = write_file(segment.entry.layers[i].path, segment.files[i]);
-    if (!written) return written;
+    TRY(write_file(segment.entry.layers[i].path, segment.files[i]));
   }
   totals_.add(segment);
   duration_us_ = end_of(segment.entry, hello_.fps);
@@ -84,18 +85,17 @@ Result<void> Recorder::write(LiveSegment& segment) {
   return write_manifest_file(true);
 }
 
-Result<void> Recorder::write_file(const std::string& name, ByteView bytes) const {
-  // Of this name no reader takes any notice.
+Result<void> Recorder::write_file(const std::string& name, std::string_view content) const {
+  // Readers ignore files of this name.
   const fs::path unfinished = package_ / ".unfinished";
   std::ofstream out(unfinished, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
   out.close();
   std::error_code error;
   if (out) fs::rename(unfinished, package_ / name, error);
   if (!out || error) {
-    return fail(fmt::format("{}: cannot be written, is there room on the disk?",
-                            (package_ / name).string()));
+    return fail(ErrorCode::io, fmt::format("{}: cannot be written; check that the disk is not full",
+                                           (package_ / name).string()));
   }
   return {};
 }
@@ -104,9 +104,7 @@ Result<void> Recorder::write_manifest_file(bool growing) const {
   Manifest manifest = live_head(hello_, totals_);
   manifest.duration_us = duration_us_;
   if (growing) manifest.live = LiveManifest{hello_.session, first_frame_, start_us_, false};
-  const std::string text = write_manifest(manifest, lines_);
-  return write_file(kManifestName,
-                    {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return write_file(kManifestName, write_manifest(manifest, lines_));
 }
 
 void Recorder::finish() {

@@ -8,33 +8,33 @@
 #include <vector>
 
 #include "common/stream/live.h"
+#include "common/stream/live_queue.h"
 #include "pointreel/error.h"
-#include "server/relay/viewer_queue.h"
 
-/// Live streams, from their publishers to their viewers, without a socket. Any thread may call
-/// anything; what belongs to one connection is called by one thread at a time.
+/// Passes live streams on from their publishers to their viewers, without sockets. Any thread may
+/// call anything, but each Publication and each Viewer only one thread at a time.
 ///
-/// Trust: publishers' messages are untrusted. Headers and text are checked (live.h) and that layers
-/// come in order; what is in a layer is handed on as it is. Memory is bounded: of each stream its
-/// newest frame, and for each viewer what ViewerLimits says.
+/// Trust: publishers' messages are untrusted. Their headers, texts (live.h) and order are checked;
+/// the contents of layers are passed on unchecked. Memory is bounded: it holds the newest frame of
+/// each stream, and for each viewer what LiveQueueOptions allows.
 namespace pointreel {
 
-/// Something that gets all of a stream: a recorder. Called in order, one call at a time, while the
-/// stream waits: it must not block, and not call the relay.
+/// Gets everything of a stream, for instance to record it. The calls come in order, one at a time,
+/// while the stream waits: they must not block, and must not call the relay.
 class LiveSink {
  public:
   virtual ~LiveSink() = default;
   virtual void hello(const LiveHello& hello) = 0;
-  /// `layer.bytes` point into `message`.
+  /// `layer.bytes` points into `message`, whose bytes are in one piece.
   virtual void layer(const LiveLayer& layer, const LiveMessage& message) = 0;
   /// The publisher has gone.
   virtual void end() = 0;
 };
 
 struct RelayOptions {
-  std::size_t max_streams = 64;  ///< beyond it the one that ended first makes room
-  ViewerLimits viewer;
-  /// Makes those that get all of a stream of this name, and end with it; may be empty.
+  std::size_t max_streams = 64;  ///< a further one replaces the stream that ended first
+  LiveQueueOptions viewer;
+  /// Creates the sinks of a stream of this name, which are destroyed with it. May be empty.
   std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> sinks;
 };
 
@@ -42,27 +42,29 @@ struct StreamStatistics {
   std::string name;
   bool publishing = false;
   std::size_t viewers = 0;
-  std::uint64_t frames = 0, layers = 0, bytes = 0;  ///< that were published
-  std::uint64_t sent_bytes = 0;                     ///< that viewers took, those gone included
-  LiveDrops drops;                                  ///< of all viewers, those gone included
-  std::uint64_t newest_capture_us = 0;              ///< of the newest frame; 0: none yet
+  std::uint64_t frames = 0, layers = 0, bytes = 0;  ///< published
+  std::uint64_t sent_bytes = 0;         ///< taken by viewers, including those that have left
+  LiveDrops drops;                      ///< of all viewers, including those that have left
+  std::uint64_t newest_capture_us = 0;  ///< Unix time of the newest frame; 0 if there is none
 };
 
-/// One publisher of a stream. Destroying it tells the viewers that the publisher has gone.
+/// A publisher of a stream. Destroying it tells the viewers that the publisher has gone.
 class Publication {
  public:
   virtual ~Publication() = default;
-  /// The first message must be a hello. After an error the publisher's connection must end, and be
-  /// told why. An error, too, once the same session has connected anew and taken this one's place.
+  /// Takes a message as it came from the network, in one piece. The first must be a hello. After an
+  /// error the connection to the publisher must be closed, with the message as the reason. It is
+  /// also an error if the same session has connected again and replaced this publication.
   virtual Result<void> message(LiveMessage message) = 0;
 };
 
-/// One viewer of a stream.
+/// A viewer of a stream.
 class Viewer {
  public:
   virtual ~Viewer() = default;
-  /// What to send next. Ask as late as possible, when the socket takes bytes: what is newest is
-  /// decided then. Nothing: nothing waits, and `wake` is called once something does.
+  /// The message to send next. Ask as late as possible, when the socket accepts bytes, because the
+  /// answer depends on what is newest. Returns nothing if nothing waits; `wake` is called once when
+  /// something does.
   virtual std::optional<LiveMessage> next() = 0;
 };
 
@@ -75,15 +77,16 @@ class Relay {
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  /// An error if a stream cannot be called so, or if there are too many. Whether somebody else
-  /// publishes it turns out with the hello: with the same session it is a publisher that has
-  /// connected anew, and takes the place of its old connection.
+  /// An error if the name is not a stream's name, or if there are too many streams. Whether another
+  /// publisher has the stream already is decided when the hello comes: with the same session it is
+  /// the same publisher, which has reconnected and replaces its old connection.
   Result<std::unique_ptr<Publication>> publish(const std::string& name);
 
-  /// A viewer gets the hello and the newest frame as far as it has come, then what follows. A
-  /// stream whose publisher has gone stays, until there are too many. An error if there is none.
-  /// `wake` is called from any thread, while the stream waits: it must not block, and not call the
-  /// relay or the viewer. It is not called any more once the viewer is destroyed.
+  /// A viewer gets the hello and as much of the newest frame as has come, and then everything that
+  /// follows. Streams remain when their publisher has gone, until there are too many. An error if
+  /// there is no such stream. `wake` is called from any thread, while the stream waits: it must not
+  /// block, and must not call the relay or the viewer. It is not called after the viewer is
+  /// destroyed.
   Result<std::unique_ptr<Viewer>> join(const std::string& name, std::function<void()> wake);
 
   std::vector<StreamStatistics> statistics() const;

@@ -19,9 +19,8 @@ void Segmenter::begin(const LiveHello& hello) {
   end_frame();
 }
 
-/// No more layers are taken for the frame.
 void Segmenter::end_frame() {
-  if (frame_ && next_layer_ < promised_layers_) segment_.partial = true;
+  if (frame_ && next_layer_ < expected_layers_) segment_.partial = true;
   frame_.reset();
 }
 
@@ -44,13 +43,13 @@ std::optional<LiveSegment> Segmenter::add(const LiveLayer& layer) {
   if (frame_ != layer.frame || layer.layer != next_layer_ || odd) return finished;
   ++next_layer_;
   segment_.entry.layers[layer.layer].frames.back() = layer.sizes;
-  Bytes& file = segment_.files[layer.layer];
-  file.insert(file.end(), layer.bytes.begin(), layer.bytes.end());
+  segment_.files[layer.layer].append(reinterpret_cast<const char*>(layer.bytes.data()),
+                                     layer.bytes.size());
   bytes_ += layer.bytes.size();
   return finished;
 }
 
-/// Makes room for a frame of which no layer is there yet. False if it must be left out.
+/// Adds a frame without any layers. False if it must be left out.
 bool Segmenter::begin_frame(const LiveLayer& layer) {
   const auto parsed = read_frame_header(layer.bytes.first(layer.sizes.geometry));
   if (!parsed || name(parsed->header.codec) != hello_.codec) return false;
@@ -75,7 +74,7 @@ bool Segmenter::begin_frame(const LiveLayer& layer) {
     entry.cube = bounding_cube(cubes_);
   }
   ++frames_;
-  promised_layers_ = header.layers;
+  expected_layers_ = header.layers;
   last_us_ = std::max(last_us_, layer.capture_us);
   entry.times_us.push_back(last_us_);
   entry.points.push_back(header.source_points);
@@ -94,7 +93,9 @@ std::optional<LiveSegment> Segmenter::flush() {
   cubes_ = {};
   for (std::size_t i = 0; i < finished.files.size(); ++i) {
     finished.entry.layers[i].bytes = finished.files[i].size();
-    finished.entry.layers[i].checksum = checksum_of(finished.files[i]);
+    finished.entry.layers[i].checksum =
+        checksum_of({reinterpret_cast<const std::uint8_t*>(finished.files[i].data()),
+                     finished.files[i].size()});
   }
   return finished;
 }
@@ -123,7 +124,7 @@ Manifest live_head(const LiveHello& hello, const LiveTotals& totals) {
   manifest.depth_min = totals.depth_min;
   manifest.depth_max = totals.depth_max;
   manifest.partial = totals.partial;
-  // A publisher that gives none has points all the same.
+  // A publisher may leave out the bounds even though there are points.
   if (totals.any_point) manifest.bounds = hello.bounds.empty() ? totals.cubes : hello.bounds;
   return manifest;
 }

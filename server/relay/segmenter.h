@@ -13,31 +13,31 @@ namespace pointreel {
 
 /// Consecutive frames of a live stream, as they stand in a package.
 struct LiveSegment {
-  /// first_frame and times_us are the session's: its count of frames, and Unix time. Files have no
-  /// names yet, but sizes and checksums.
+  /// Counts frames from the beginning of the session, and its times are Unix times. Its files have
+  /// sizes and checksums, but no names yet.
   Segment entry;
-  std::vector<Bytes> files;  ///< one for each layer
+  std::vector<std::string> files;  ///< the bytes of each layer's file
   std::uint32_t depth_min = 0, depth_max = 0;
   bool any_point = false;
-  bool partial = false;  ///< Manifest::partial
+  bool partial = false;  ///< as Manifest::partial
 };
 
-/// Makes segments of the layers of a live stream, without decoding them. A frame that no package
-/// may hold, whatever a publisher sends, is left out.
+/// Makes segments from the layers of a live stream, without decoding them. Frames that may not be
+/// part of a package are left out.
 class Segmenter {
  public:
-  /// A segment ends once it is so long, or has so many bytes.
+  /// A segment ends when it reaches this duration or this size.
   explicit Segmenter(std::uint64_t segment_us, std::uint64_t segment_bytes = 32u << 20)
       : segment_us_(segment_us), segment_bytes_(segment_bytes) {}
 
-  /// What the layers are of, from the next frame on. With another session frames are counted from
-  /// 0 again; flush first.
+  /// Sets what describes the stream from the next frame on. With another session frames are counted
+  /// from 0 again. Call flush before.
   void begin(const LiveHello& hello);
 
-  /// A segment, if the frame that this layer begins ends one.
+  /// Adds a layer. Returns the segment before it, if the layer begins the first frame of another.
   std::optional<LiveSegment> add(const LiveLayer& layer);
 
-  /// What there is, up to the last frame as far as it came.
+  /// Ends the present segment and returns it, if it has a frame. Its last frame may be partial.
   std::optional<LiveSegment> flush();
 
  private:
@@ -47,20 +47,20 @@ class Segmenter {
   const std::uint64_t segment_us_, segment_bytes_;
   LiveHello hello_;
   LiveSegment segment_;
-  Box cubes_;  ///< that frames have
+  Box cubes_;  ///< bounds of the cubes of all frames
   std::uint64_t bytes_ = 0;
-  std::uint32_t frames_ = 0;  ///< of the session
+  std::uint32_t frames_ = 0;  ///< in the session so far
   std::uint64_t last_us_ = 0;
-  std::optional<std::uint32_t> frame_;  ///< whose layers are taken now
+  std::optional<std::uint32_t> frame_;  ///< the frame whose layers are being added
   std::uint8_t next_layer_ = 0;
-  std::uint8_t promised_layers_ = 0;  ///< by its header
+  std::uint8_t expected_layers_ = 0;  ///< layers of that frame, by its header
 };
 
-/// The names of a segment's files: 00000030.base.511922c5.prs, the count of its first frame, the
-/// layer, and the first half of the checksum.
+/// Names a segment's files, as in 00000030.base.511922c5.prs, after the number of its first frame,
+/// the layer, and the first half of the checksum.
 void name_files(LiveSegment& segment, const std::vector<std::string>& layers);
 
-/// What a manifest says of all its segments together.
+/// What a manifest says about all its segments together.
 struct LiveTotals {
   std::uint32_t depth_min = 0, depth_max = 0;
   bool any_frame = false, any_point = false, partial = false;
@@ -69,16 +69,16 @@ struct LiveTotals {
   void add(const LiveSegment& segment);
 };
 
-/// All of a manifest but its segments, its duration and what makes it live.
+/// A manifest without its segments, its duration and `live`.
 Manifest live_head(const LiveHello& hello, const LiveTotals& totals);
 
-/// The segment as it stands in a manifest whose first frame and time are these.
+/// The segment's entry in a manifest that begins with this frame at this time.
 Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_us);
 
-/// When a segment that stands in a manifest ends, its last frame's own time included.
+/// When a segment of a manifest ends, including the duration of its last frame.
 std::uint64_t end_of(const Segment& segment, double fps);
 
-/// Whether segments made under both may stand in one manifest.
+/// Whether segments of streams with these hellos may be in one manifest.
 bool go_together(const LiveHello& a, const LiveHello& b);
 
 }  // namespace pointreel

@@ -43,11 +43,12 @@ void SinkThread::layer(const LiveLayer& layer, const LiveMessage& message) {
     return;
   }
   left_out_ = layer.frame;
-  // The first, and then ever more seldom.
+  // Reports the first frame, and then, more and more rarely, the 2nd, 4th, 8th and so on.
   ++left_out_frames_;
   if (say_ && std::has_single_bit(left_out_frames_)) {
-    say_(fmt::format("frame {} is not recorded whole, the disk is too slow ({} so far)",
-                     layer.frame, left_out_frames_));
+    say_(
+        fmt::format("frame {} is not recorded completely, because the disk is too slow ({} so far)",
+                    layer.frame, left_out_frames_));
   }
 }
 

@@ -16,14 +16,14 @@
 
 namespace pointreel {
 
-/// Gives what a stream says to another sink, in a thread of its own, so that the stream never waits
-/// for a disk. What waits is bounded: frames for which there is no room are left out and told.
+/// Passes a stream on to another sink in a thread of its own, so that the stream never waits for a
+/// disk. The memory for what waits is bounded: frames that do not fit are left out and reported.
 class SinkThread : public LiveSink {
  public:
   /// `say` may be empty.
   SinkThread(std::unique_ptr<LiveSink> sink, std::function<void(const std::string& line)> say,
              std::size_t max_bytes = 64u << 20);
-  /// Waits until the sink has had everything.
+  /// Waits until the sink has got everything.
   ~SinkThread() override;
 
   void hello(const LiveHello& hello) override;
@@ -42,9 +42,9 @@ class SinkThread : public LiveSink {
   const std::unique_ptr<LiveSink> sink_;
   const std::function<void(const std::string& line)> say_;
   const std::size_t max_bytes_;
-  std::optional<std::uint32_t> left_out_;  ///< the frame whose layers do not come
+  std::optional<std::uint32_t> left_out_;  ///< the frame of which no more layers are passed on
   std::uint64_t left_out_frames_ = 0;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   std::deque<Event> events_;
   std::size_t bytes_ = 0;

@@ -8,27 +8,29 @@
 
 namespace pointreel {
 
-/// Bearer tokens (RFC 6750): who may view and who may publish. The rights are apart: a token for
-/// one does not give the other.
+/// Decides by bearer tokens (RFC 6750) who may view and who may publish. The two rights are
+/// separate: a token for one does not give the other.
 ///
-/// Trust: credentials are untrusted and bounded by the head of a request. They are compared by
-/// their SHA-256 in constant time, so that neither a token's length nor its beginning shows.
+/// Trust: credentials are untrusted. Their size is bounded by the head of a request. They are
+/// compared by their SHA-256 in constant time, so that timing reveals neither the length nor the
+/// beginning of a token.
 class Access {
  public:
   enum class Right { kView, kPublish };
   enum class Verdict {
     kGranted,
-    kNoToken,     ///< 401: a token is needed, and none came or a wrong one
-    kOnlyNearby,  ///< 403: there is no token for this, and without one only this machine may
+    kNoToken,     ///< 401: a token is required, and none or a wrong one was given
+    kOnlyNearby,  ///< 403: no token is configured for this, so only this machine may do it
   };
 
-  /// Empty: without a token everybody may view, and only who is on this machine may publish.
+  /// Without a view token (empty) everybody may view. Without a publish token only programs on this
+  /// machine may publish.
   Access(std::string_view view_token, std::string_view publish_token);
 
-  /// `authorization`: the field's value, empty if there is none. `nearby`: the peer is on this
-  /// machine, and speaks for itself.
+  /// `authorization` is the value of that header field, empty if there is none. `nearby` says that
+  /// the peer is on this machine and acts on its own behalf.
   Verdict check(Right right, std::string_view authorization, bool nearby) const;
-  /// Whether what is viewed may be kept by caches that others use.
+  /// Whether shared caches may keep what is served to viewers.
   bool viewing_is_public() const { return !view_; }
 
  private:

@@ -17,16 +17,16 @@
 #include <boost/asio/strand.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-/// What the sources that work with sockets share; no other header of the server includes Asio, for
-/// that takes long to compile.
+/// Types that the sources which work with sockets share. Asio takes long to compile, so only the
+/// headers that these sources need include it.
 namespace pointreel {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-// One strand for each connection. The executors' types are spelt out, for the defaults' erase them
-// and pay for it on every operation.
+// Each connection has one strand. The types of the executors are spelt out, because Asio's defaults
+// erase them, which costs time on every operation.
 using Strand = asio::strand<asio::io_context::executor_type>;
 using Socket = asio::basic_stream_socket<asio::ip::tcp, Strand>;
 using Acceptor = asio::basic_socket_acceptor<asio::ip::tcp, Strand>;

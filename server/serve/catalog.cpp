@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/base/try.h"
 #include "pointreel/package.h"
 #include "server/serve/entity_tag.h"
 #include "server/serve/request_target.h"
@@ -26,11 +27,11 @@ std::int64_t modified_ns(const struct stat& status) {
   return std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
 }
 
-/// The name under which a folder is served.
+/// The name under which the package in a folder is served.
 Result<std::string> package_name(const fs::path& folder) {
   std::error_code error;
   const fs::path absolute = fs::absolute(folder, error);
-  if (error) return fail(fmt::format("{}: {}", folder.string(), error.message()));
+  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", folder.string(), error.message()));
   fs::path normal = absolute.lexically_normal();
   if (!normal.has_filename()) normal = normal.parent_path();  // "reel/"
   std::string name = normal.filename().string();
@@ -39,19 +40,22 @@ Result<std::string> package_name(const fs::path& folder) {
   };
   if (name.empty() || name == "." || name == ".." || std::ranges::any_of(name, is_odd)) {
     return fail(
-        fmt::format("{}: the folder's name cannot stand in a URL; rename it", folder.string()));
+        ErrorCode::argument,
+        fmt::format("{}: the folder's name cannot be used in a URL; rename it", folder.string()));
   }
   return name;
 }
 
-/// The file NAME of a package, if it is a regular file inside the package's folder.
+/// The path of a package's file, if it is a regular file inside the package's folder.
 Result<fs::path> file_inside(const fs::path& folder, const std::string& name) {
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
     return fail(fmt::format("the manifest names a file '{}' outside the package", name));
   }
   std::error_code error;
   const fs::path file = fs::canonical(folder / name, error);
-  if (error) return fail(fmt::format("{}: {}; pack it again", name, error.message()));
+  if (error) {
+    return fail(ErrorCode::not_found, fmt::format("{}: {}; pack it again", name, error.message()));
+  }
   const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
   if (end != folder.end() || rest == file.end()) {
     return fail(fmt::format("{}: is a symbolic link that leads out of the package to {}", name,
@@ -64,23 +68,24 @@ Result<fs::path> file_inside(const fs::path& folder, const std::string& name) {
 Result<std::string> read_manifest_text(const fs::path& file) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(file, error);
-  if (error) return fail(error.message());
+  if (error) return fail(ErrorCode::io, error.message());
   if (size > kMaxManifestBytes) {
-    return fail(fmt::format("has {} bytes; {} are the most", size, kMaxManifestBytes));
+    return fail(ErrorCode::limit,
+                fmt::format("has {} bytes; at most {} are allowed", size, kMaxManifestBytes));
   }
   std::string text(size, '\0');
   std::ifstream in(file, std::ios::binary);
   in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) return fail("cannot be read; check its permissions");
+  if (!in) return fail(ErrorCode::io, "cannot be read; check its permissions");
   return text;
 }
 
 Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed) {
-  const auto file = file_inside(folder, listed.path);
-  if (!file) return tl::unexpected(file.error());
+  const fs::path file = TRY(file_inside(folder, listed.path));
   struct stat status{};
-  if (::stat(file->c_str(), &status) != 0 || ::access(file->c_str(), R_OK) != 0) {
-    return fail(fmt::format("{}: {}", listed.path, std::generic_category().message(errno)));
+  if (::stat(file.c_str(), &status) != 0 || ::access(file.c_str(), R_OK) != 0) {
+    return fail(ErrorCode::io,
+                fmt::format("{}: {}", listed.path, std::generic_category().message(errno)));
   }
   if (static_cast<std::uint64_t>(status.st_size) != listed.bytes) {
     return fail(fmt::format("{}: has {} bytes, the manifest says {}; pack it again", listed.path,
@@ -91,7 +96,7 @@ Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed
   resource.content_type = "application/octet-stream";
   resource.cache_control = kImmutable;
   resource.etag = make_etag(listed.checksum);
-  resource.file = *file;
+  resource.file = file;
   resource.size = listed.bytes;
   resource.modified_ns = modified_ns(status);
   return resource;
@@ -127,19 +132,22 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
   nlohmann::ordered_json listing = nlohmann::ordered_json::array();
 
   for (const fs::path& given : folders) {
-    const auto name = package_name(given);
-    if (!name) return tl::unexpected(name.error());
+    const std::string name = TRY(package_name(given));
     std::error_code error;
     const fs::path folder = fs::canonical(given, error);
-    if (error) return fail(fmt::format("{}: {}", given.string(), error.message()));
+    if (error) {
+      return fail(ErrorCode::not_found, fmt::format("{}: {}", given.string(), error.message()));
+    }
     if (!fs::exists(folder / kManifestName, error)) {
-      return fail(fmt::format("{}: holds no {}; make a package with: pointreel-server pack",
+      return fail(ErrorCode::not_found,
+                  fmt::format("{}: holds no {}; make a package with pointreel-server pack",
                               given.string(), kManifestName));
     }
-    const std::string manifest_path = fmt::format("/{}/{}", *name, kManifestName);
+    const std::string manifest_path = fmt::format("/{}/{}", name, kManifestName);
     if (resources.contains(manifest_path)) {
-      return fail(fmt::format("{}: another package is named '{}' too; rename one of the folders",
-                              given.string(), *name));
+      return fail(ErrorCode::argument,
+                  fmt::format("{}: another package is named '{}' too; rename one of the folders",
+                              given.string(), name));
     }
     const auto manifest_file = file_inside(folder, kManifestName);
     if (!manifest_file) return fail_at(given.string(), manifest_file.error());
@@ -154,17 +162,17 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
       auto resource = file_resource(folder, *listed);
       if (!resource) return fail_at(given.string(), resource.error());
       bytes += listed->bytes;
-      if (!add(fmt::format("/{}/{}", *name, listed->path), *std::move(resource))) {
+      if (!add(fmt::format("/{}/{}", name, listed->path), *std::move(resource))) {
         return fail(fmt::format("{}: the manifest names the file '{}' twice", given.string(),
                                 listed->path));
       }
     }
 
-    const std::string url = "/" + encode_segment(*name);
+    const std::string url = "/" + encode_segment(name);
     const Resource redirect = redirect_resource(fmt::format("{}/{}", url, kManifestName));
-    add("/" + *name, redirect);
-    add("/" + *name + "/", redirect);
-    listing.push_back({{"name", *name},
+    add("/" + name, redirect);
+    add("/" + name + "/", redirect);
+    listing.push_back({{"name", name},
                        {"url", url},
                        {"manifest", redirect.text},
                        {"frames", manifest->frame_count()},
@@ -176,9 +184,9 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
 
   nlohmann::ordered_json root;
   root["packages"] = std::move(listing);
-  // A folder's name need not be UTF-8; JSON must be.
+  // The name of a folder may not be UTF-8, but JSON must be.
   using Handler = nlohmann::ordered_json::error_handler_t;
-  resources.erase("/healthz");  // the redirect of a package of that name
+  resources.erase("/healthz");  // may be the redirect of a package of that name
   add("/", text_resource(kJson, kRevalidate, root.dump(2, ' ', false, Handler::replace) + "\n"));
   add("/healthz", text_resource("text/plain; charset=utf-8", "no-store", "ok\n"));
   return catalog;

@@ -11,9 +11,9 @@
 #include "server/serve/live_resources.h"
 #include "server/serve/resource.h"
 
-/// What the server serves: a table from decoded URL paths to resources, made once, at the start,
-/// from the packages' manifests; and what live streams put beside it. Nothing outside the tables
-/// can be reached, whatever a request says.
+/// What the server serves: a table from decoded URL paths to resources, which is made once at the
+/// start from the manifests of the packages, and beside it the resources of live streams. Nothing
+/// outside these tables can be reached, whatever a request says.
 namespace pointreel {
 
 /// An open file descriptor with one owner.
@@ -36,30 +36,32 @@ class FileHandle {
 };
 
 enum class OpenError {
-  kChanged,  ///< vanished, or its size or time of modification is not what it was
-  kBusy,     ///< no descriptor is free now
+  kChanged,  ///< the file is gone, or its size or modification time has changed
+  kBusy,     ///< no file descriptor is free at present
 };
 
-/// Opens a kFile resource if it is still the file that the table was made from.
+/// Opens the file of a kFile resource, if it has not changed since the table was made.
 tl::expected<FileHandle, OpenError> open_resource(const Resource& resource);
 
 class Catalog {
  public:
-  /// Reads the manifests and checks that every file they name is there, has its size and lies in
-  /// its package. Paths:
-  ///   /                   listing of the packages, JSON
+  /// Reads the manifests and checks that every file that they name exists, has the right size and
+  /// lies in its package. The paths are:
+  ///   /                   list of the packages, JSON
   ///   /healthz            "ok"
   ///   /NAME, /NAME/       redirects to the manifest
   ///   /NAME/reel.json     the manifest as it is on disk now
   ///   /NAME/FILE          each file that the manifest names
-  /// NAME is the folder's name. Errors: a folder that is no package, an incomplete package, two
-  /// folders of one name, a symbolic link that leads out of its package.
+  /// where NAME is the name of the folder. It is an error if a folder is not a package, if a
+  /// package is incomplete, if two folders have the same name, or if a symbolic link leads out of a
+  /// package.
   static Result<Catalog> load(const std::vector<std::filesystem::path>& folders);
 
-  /// From now on what live streams have counts too, behind what packages have. Before it is served.
+  /// Adds the resources of live streams, which are looked up after those of packages. Call this
+  /// before the catalog is served.
   void add(std::shared_ptr<const LiveResources> live) { live_ = std::move(live); }
 
-  /// By decoded path; null if there is no such resource. From any thread.
+  /// The resource at a decoded path; null if there is none. From any thread.
   std::shared_ptr<const Resource> find(std::string_view path) const;
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 std::int64_t unix_time() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
-/// Reads one request's head: kHead, kRefused, or kEmpty if the connection ended first.
+/// Reads the head of a request. Returns kHead, kRefused, or kEmpty if the connection ended before.
 Task<HeadReader::State> read_head(Transport& transport, HeadReader& reader,
                                   ConnectionTable::Place& place,
                                   std::chrono::milliseconds patience) {

@@ -9,11 +9,12 @@
 #include "server/serve/service.h"
 #include "server/serve/transport.h"
 
-/// HTTP/1.1 over a transport, to be spawned on the transport's strand.
+/// HTTP/1.1 over a transport. The coroutines must be spawned on the transport's strand.
 namespace pointreel {
 
-/// Answers requests until the peer ends, errs or stalls, or goes on as a WebSocket and ends that.
-/// `place` lives as long as the transport.
+/// Answers requests until the peer closes the connection, makes an error or stalls. If a request
+/// upgrades the connection to a WebSocket, serves that until it ends. `place` must live as long as
+/// the transport.
 Task<void> serve_connection(std::shared_ptr<Transport> transport, ConnectionTable::Place& place,
                             Peer peer, Service& service, const Limits& limits);
 

@@ -21,7 +21,8 @@ tl::expected<ConnectionTable::Place, ConnectionTable::Refusal> ConnectionTable::
   return Place(*this, std::prev(entries_.end()));
 }
 
-/// Closes the connection that has waited longest, of one network or of all.
+/// Closes the connection that has waited longest, of one network or (null) of all. False if none is
+/// idle.
 bool ConnectionTable::evict(const std::array<std::uint8_t, 16>* network) {
   Place::Entry* longest = nullptr;
   Clock::rep since = 0;

@@ -15,13 +15,14 @@
 
 namespace pointreel {
 
-/// Who is connected, and whom there is room for. Any thread may call anything.
+/// Knows all connections, and decides whether there is room for another one. Any thread may call
+/// anything.
 class ConnectionTable {
  public:
   using Clock = std::chrono::steady_clock;
   enum class Refusal { kFull, kAddress };
 
-  /// A connection's, until it is destroyed. The table must outlive it.
+  /// The place of a connection, until it is destroyed. The table must outlive it.
   class Place {
    public:
     Place(Place&& other) noexcept
@@ -30,8 +31,8 @@ class ConnectionTable {
     ~Place() {
       if (table_ != nullptr) table_->leave(entry_);
     }
-    /// It waits for a request since then, and may have to go for another connection's sake; it
-    /// does not wait before it is told so, and once it is busy.
+    /// The connection has been waiting for a request since then, and may be closed to make room.
+    /// Before the first call, and after `busy`, it may not.
     void idle(Clock::time_point since) { entry_->idle_since = since.time_since_epoch().count(); }
     void busy() { entry_->idle_since = 0; }
 
@@ -41,7 +42,7 @@ class ConnectionTable {
       std::array<std::uint8_t, 16> network;
       std::function<void()> close;
       std::atomic<Clock::rep> idle_since{0};  ///< 0: busy
-      bool evicted = false;                   ///< does not count any more
+      bool evicted = false;                   ///< is being closed and no longer counted
     };
     Place(ConnectionTable& table, std::list<Entry>::iterator entry)
         : table_(&table), entry_(entry) {}
@@ -55,9 +56,9 @@ class ConnectionTable {
   ConnectionTable(const ConnectionTable&) = delete;
   ConnectionTable& operator=(const ConnectionTable&) = delete;
 
-  /// Where there is no room left the connection goes that has waited longest for a request: of
-  /// this peer, if it is the peer that has enough. `close` ends this connection, soon, if it must
-  /// be so; it is called while others wait, from any thread.
+  /// Gives the connection a place. If there is no room, closes the connection that has waited
+  /// longest for a request; if the peer's address has too many connections, one of these. `close`
+  /// must end the connection soon. It may be called from any thread, while the table is locked.
   tl::expected<Place, Refusal> admit(const Peer& peer, std::function<void()> close);
 
   std::size_t count() const { return count_; }

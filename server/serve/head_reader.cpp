@@ -54,9 +54,9 @@ Request request_of(const http::request<http::empty_body>& message) {
 
 struct HeadReader::Parser {
   std::vector<char> bytes = std::vector<char>(kLimit);
-  std::size_t begin = 0, end = 0;  ///< what has come and is not forgotten
-  std::size_t parsed = 0;          ///< bytes from `begin` on that `http` has taken
-  std::size_t head = 0;            ///< bytes of the head that was told
+  std::size_t begin = 0, end = 0;  ///< the bytes that have arrived and are still needed
+  std::size_t parsed = 0;          ///< bytes from `begin` on that `http` has parsed
+  std::size_t head = 0;            ///< size of the head, once it is complete
   std::optional<http::request_parser<http::empty_body>> http;
   error_code error;
   Request request;
@@ -96,7 +96,7 @@ HeadReader::State HeadReader::next() {
     p.request = request_of(p.http->get());
     return State::kHead;
   }
-  // The parser takes the request's line, and then the fields at once.
+  // The parser takes the request line, and then all fields at once.
   if (p.end - p.begin < kLimit) return State::kPart;
   p.error = http::error::header_limit;
   return State::kRefused;
@@ -116,8 +116,9 @@ Response HeadReader::refusal() const {
     return error_response(431,
                           fmt::format("the head of a request may have at most {} bytes", kLimit));
   }
-  if (error == http::error::bad_version) return error_response(505, "HTTP/1.1 is spoken here");
-  return error_response(400, "this is no HTTP/1.1 request");
+  if (error == http::error::bad_version)
+    return error_response(505, "this server supports HTTP/1.1");
+  return error_response(400, "this is not an HTTP/1.1 request");
 }
 
 }  // namespace pointreel

@@ -9,18 +9,19 @@
 
 namespace pointreel {
 
-/// The heads of HTTP/1.1 requests out of the bytes of a connection, pipelined or in pieces.
+/// Finds the heads of HTTP/1.1 requests in the bytes of a connection. Requests may be pipelined,
+/// and may arrive in pieces.
 ///
-/// Trust: the bytes are untrusted. No more than kLimit of them are held, and a head that is longer,
-/// or no HTTP, is refused with the response that says why.
+/// Trust: the bytes are untrusted. At most kLimit of them are held. A head that is longer, or not
+/// HTTP, is refused with a response that says why.
 class HeadReader {
  public:
   static constexpr std::size_t kLimit = 8 * 1024;
   enum class State {
-    kEmpty,    ///< nothing of a request has come
-    kPart,     ///< the head goes on
-    kHead,     ///< `request` tells it
-    kRefused,  ///< `refusal` tells why; what follows cannot be understood
+    kEmpty,    ///< nothing of a request has arrived
+    kPart,     ///< a part of the head has arrived
+    kHead,     ///< the head is complete, and `request` returns it
+    kRefused,  ///< the head is refused, and `refusal` says why; what follows cannot be understood
   };
 
   HeadReader();
@@ -28,19 +29,19 @@ class HeadReader {
   HeadReader(const HeadReader&) = delete;
   HeadReader& operator=(const HeadReader&) = delete;
 
-  /// Where the next bytes may be put, never empty while more are wanted; `took` says how many were.
+  /// Where to put the next bytes; never empty while more are needed. `took` says how many were put.
   std::span<char> space();
   void took(std::size_t size);
 
-  /// Looks at what has come. A head that was told before is forgotten, and the next one begins.
+  /// Examines what has arrived. If the last call returned kHead, continues with the next head.
   State next();
 
-  /// Of State::kHead, until the next call of `next`.
+  /// For State::kHead; valid until the next call of `next`.
   const Request& request() const;
   bool keep_alive() const;
-  /// The head as it came, and all bytes behind it: for who goes on in another protocol.
+  /// The head as it arrived and all bytes after it, to continue in another protocol.
   std::string_view raw() const;
-  /// Of State::kRefused.
+  /// For State::kRefused.
   Response refusal() const;
 
  private:

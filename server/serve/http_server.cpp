@@ -14,6 +14,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "server/serve/asio_types.h"
 #include "server/serve/connection.h"
 #include "server/serve/connection_table.h"
@@ -23,13 +24,13 @@
 namespace pointreel {
 namespace {
 
-/// Connections that are being told that the table is full. Beyond it they are closed unheard.
+/// How many connections get a response that there is no room, at a time. More are closed at once.
 constexpr std::size_t kMaxRefusals = 64;
 constexpr std::chrono::milliseconds kAcceptPause{100};
-/// Between two lines that say that there is no room.
+/// Between two log lines that say that there is no room.
 constexpr std::chrono::seconds kWarningPause{10};
 
-/// A count that is given back when the owner ends.
+/// Adds one to a counter while it lives.
 class Count {
  public:
   explicit Count(std::atomic<std::size_t>& count) : count_(&count) { ++*count_; }
@@ -69,8 +70,9 @@ struct HttpServer::State {
   ListenAddress address;
   ConnectionTable table;
   std::atomic<std::size_t> refusals{0};
-  Clock::time_point warned{};  ///< of connections that were refused; on the acceptor's strand
-  // Its end ends the coroutines and so closes their sockets.
+  Clock::time_point
+      warned{};  ///< when a refused connection was last logged; acceptor's strand only
+  // Destroying the context ends the coroutines, which closes their sockets.
   std::optional<asio::io_context> context{std::in_place};
   std::optional<Acceptor> acceptor{asio::make_strand(*context)};
   std::vector<std::thread> threads;
@@ -88,7 +90,7 @@ Task<void> HttpServer::State::accept() {
       error = asio::error::no_memory;
     }
     if (!error || error == asio::error::connection_aborted) continue;
-    // No descriptors or memory: what is waiting waits on until others have ended.
+    // No descriptors or no memory: what is waiting must wait until other connections have ended.
     pause.expires_after(kAcceptPause);
     co_await pause.async_wait(asio::redirect_error(kUseAwaitable, error));
   }
@@ -111,7 +113,7 @@ void HttpServer::State::admit(Socket socket) {
           .to_bytes());
   auto transport = transport_on(std::move(socket));
   if (!transport) return;
-  struct Admitted {  // what is declared first ends last
+  struct Admitted {  // the place is destroyed after the transport
     std::optional<ConnectionTable::Place> place;
     std::unique_ptr<Transport> transport;
   };
@@ -126,7 +128,7 @@ void HttpServer::State::admit(Socket socket) {
   if (!place) return refuse(shared, peer, place.error());
   admitted->place.emplace(*std::move(place));
   ++service.metrics().connections;
-  // Both on the strand from their first step on.
+  // Both run on the strand from their first step on.
   watch(shared);
   asio::co_spawn(shared->executor(),
                  serve_connection(shared, *admitted->place, std::move(peer), service, options),
@@ -167,9 +169,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
                                                       Relay* relay) try {
   auto state = std::make_unique<State>(std::move(catalog), options, relay);
   if (!options.certificate.empty()) {
-    auto tls = TlsContext::load(options.certificate, options.key);
-    if (!tls) return tl::unexpected(tls.error());
-    state->tls = *std::move(tls);
+    state->tls = TRY(TlsContext::load(options.certificate, options.key));
   }
   const asio::ip::tcp::endpoint endpoint(asio::ip::make_address(options.listen.host),
                                          options.listen.port);
@@ -183,11 +183,11 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
   asio::co_spawn(acceptor.get_executor(), state->accept(), asio::detached);
   const unsigned threads =
       options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  // From here on the destructor of the server ends what has begun.
+  // From here on the destructor of the server ends what has been started.
   std::unique_ptr<HttpServer> server(new HttpServer(std::move(state)));
   for (unsigned i = 0; i < threads; ++i) {
     server->state_->threads.emplace_back([&context = *server->state_->context] {
-      // sendfile to a peer that is gone raises it in the calling thread.
+      // sendfile to a peer that has gone raises SIGPIPE in the calling thread.
       sigset_t signals;
       sigemptyset(&signals);
       sigaddset(&signals, SIGPIPE);
@@ -195,17 +195,18 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
       while (!context.stopped()) {
         try {
           context.run();
-        } catch (const std::exception&) {  // out of memory: one operation is lost, not the server
+        } catch (const std::exception&) {
+          // Out of memory: this ends one operation, but not the server.
         }
       }
     });
   }
   return server;
 } catch (const boost::system::system_error& error) {
-  return fail(fmt::format("cannot listen on {}: {}; choose another with --listen",
-                          to_string(options.listen), error.code().message()));
+  return fail(ErrorCode::io, fmt::format("cannot listen on {}: {}; choose another with --listen",
+                                         to_string(options.listen), error.code().message()));
 } catch (const std::exception& error) {
-  return fail(fmt::format("cannot start the server: {}", error.what()));
+  return fail(ErrorCode::io, fmt::format("cannot start the server: {}", error.what()));
 }
 
 void HttpServer::stop() {

@@ -15,25 +15,26 @@ namespace pointreel {
 
 struct HttpServerOptions : Limits {
   ListenAddress listen;
-  /// PEM files of TLS; none: plain HTTP.
+  /// PEM files for TLS; empty: plain HTTP.
   std::filesystem::path certificate, key;
   unsigned threads = 0;  ///< 0: one for each processor
   ServiceOptions service;
 };
 
-/// An HTTP/1.1 server (RFC 9110 to 9112), plain or over TLS, for a catalog: GET, HEAD and OPTIONS,
-/// ranges, conditions, keep-alive, pipelining; and, on the same port, live streams over WebSocket.
+/// An HTTP/1.1 server (RFC 9110 to 9112), plain or over TLS, that serves a catalog: GET, HEAD and
+/// OPTIONS, ranges, conditions, keep-alive and pipelining. It serves live streams over WebSocket on
+/// the same port.
 ///
-/// Trust: what comes from the network is untrusted. A request's head is bounded (8 KiB) and its
-/// body refused. A connection holds at most that head, a response's head and one open file: files
-/// go from the page cache to the socket in pieces, and the unsent part of the socket's buffer is
-/// bounded, so a reader that stalls costs next to nothing and blocks nobody.
+/// Trust: everything from the network is untrusted. The head of a request is bounded (8 KiB), and a
+/// body is refused. A connection holds at most that head, the head of a response and one open file.
+/// Files go from the page cache to the socket in pieces, and the unsent part of the socket's buffer
+/// is bounded, so a peer that stalls costs next to nothing and never delays others.
 class HttpServer {
  public:
-  /// Listens and serves in threads of its own; returns when connections are accepted. The error
-  /// says that the address is in use, not this machine's, or not permitted, or what is wrong with
-  /// the certificate.
-  /// `relay` may be null: no live streams. Else it must outlive the server.
+  /// Starts to listen and to serve in threads of its own, and returns when connections are
+  /// accepted. An error if the address is in use, does not belong to this machine or is not
+  /// permitted, or if the certificate cannot be used. `relay` must outlive the server; null: no
+  /// live streams.
   static Result<std::unique_ptr<HttpServer>> start(Catalog catalog,
                                                    const HttpServerOptions& options,
                                                    Relay* relay = nullptr);
@@ -44,7 +45,7 @@ class HttpServer {
   /// The address listened on, with the real port.
   const ListenAddress& address() const;
   std::uint16_t port() const { return address().port; }
-  /// Connections that are open now, those that are being refused not counted.
+  /// The number of open connections, not counting those that are being refused.
   std::size_t connection_count() const;
   /// Closes the listening socket and every connection, and waits for the threads. Idempotent.
   void stop();

@@ -8,21 +8,21 @@
 
 namespace pointreel {
 
-/// What peers may take of the server.
+/// How much of the server peers may use.
 struct Limits {
-  std::size_t max_connections = 1024;  ///< for one more an idle one goes, or it gets 503
-  /// Of these, of one address; of IPv6, of one network of 64 bits.
+  std::size_t max_connections = 1024;  ///< a further one replaces an idle one, or gets 503
+  /// Of these, from one address, or from one IPv6 network of 64 bits.
   std::size_t max_connections_per_address = 256;
-  double requests_per_second = 0;  ///< of one address; 0: any number; beyond it 429 is answered
-  /// From the first byte of a request (or the connection's begin) to the end of its head.
+  double requests_per_second = 0;  ///< from one address; further ones get 429; 0: unlimited
+  /// From the first byte of a request, or the start of the connection, to the end of its head.
   std::chrono::milliseconds header_timeout{10'000};
-  /// Between two requests of a connection; between signs of life of a live viewer; a
-  /// publisher has five seconds, if that is less.
+  /// Between two requests on a connection, and between signs of life of a live viewer. A publisher
+  /// must give a sign of life within five seconds, if that is less.
   std::chrono::milliseconds idle_timeout{60'000};
-  /// Without the peer taking a single byte of a response.
+  /// How long a peer may accept no byte of a response.
   std::chrono::milliseconds stall_timeout{30'000};
   std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< bytes of a publisher's message
-  double publish_rate = 0;                                    ///< bytes a second of one; 0: any
+  double publish_rate = 0;  ///< bytes per second from a publisher; 0: unlimited
 };
 
 }  // namespace pointreel

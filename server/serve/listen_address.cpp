@@ -10,9 +10,10 @@ namespace pointreel {
 
 Result<ListenAddress> parse_listen_address(std::string_view text) {
   const auto refuse = [text] {
-    return fail(fmt::format(
-        "--listen {}: is no address and port, such as 127.0.0.1:8090, [::1]:8090 or 0.0.0.0:8090",
-        text));
+    return fail(ErrorCode::argument,
+                fmt::format("--listen {}: is not an address and a port, such as 127.0.0.1:8090, "
+                            "[::1]:8090 or 0.0.0.0:8090",
+                            text));
   };
   const auto colon = text.rfind(':');
   if (colon == std::string_view::npos) return refuse();

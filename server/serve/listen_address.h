@@ -8,15 +8,15 @@
 
 namespace pointreel {
 
-/// Where to listen.
+/// Where a server listens.
 struct ListenAddress {
   std::string host = "127.0.0.1";  ///< an IPv4 or IPv6 address in digits, without brackets
-  std::uint16_t port = 8090;       ///< 0: any that is free
+  std::uint16_t port = 8090;       ///< 0: any free port
   bool operator==(const ListenAddress&) const = default;
 };
 
-/// "127.0.0.1:8090", "[::1]:8090" or "localhost:8090" (which is 127.0.0.1). Names are not looked
-/// up: an address that a server listens on is one of this machine's own.
+/// Parses "127.0.0.1:8090", "[::1]:8090" or "localhost:8090" (which is 127.0.0.1). Other names are
+/// not looked up, because a server listens on addresses of its own machine.
 Result<ListenAddress> parse_listen_address(std::string_view text);
 
 /// "127.0.0.1:8090", "[::1]:8090".

@@ -8,7 +8,7 @@ namespace pointreel {
 void LiveResources::put(const std::string& path, Resource resource) {
   auto shared = std::make_shared<const Resource>(std::move(resource));
   const std::lock_guard lock(mutex_);
-  resources_[path].swap(shared);  // what was there ends without the lock
+  resources_[path].swap(shared);  // the old resource is destroyed after the lock is released
 }
 
 void LiveResources::remove(const std::string& path) {

@@ -9,11 +9,11 @@
 
 namespace pointreel {
 
-/// Resources that come and go while the server runs: what live streams have for viewers over HTTP.
-/// From any thread. Who is being answered keeps what it was given.
+/// Resources that come and go while the server runs, which live streams offer to viewers over HTTP.
+/// Any thread may call anything. A resource that is being sent lives until it has been sent.
 class LiveResources {
  public:
-  /// In the place of what was under the path, if anything was.
+  /// Replaces the resource at the path, if there is one.
   void put(const std::string& path, Resource resource);
   void remove(const std::string& path);
   /// Null if there is nothing.

@@ -10,7 +10,7 @@
 namespace pointreel {
 namespace {
 
-/// Players ask anew each time; caches between may answer many of them with one answer.
+/// Players ask again each time. Caches in between may answer many of them with one answer.
 constexpr const char* kGrowing = "public, max-age=0, s-maxage=1";
 
 WindowOutput output_to(const std::shared_ptr<LiveResources>& resources, const std::string& stream) {
@@ -37,15 +37,15 @@ WindowOutput output_to(const std::shared_ptr<LiveResources>& resources, const st
 }  // namespace
 
 std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> live_sinks(
-    std::shared_ptr<LiveResources> resources, std::optional<std::filesystem::path> record,
+    std::shared_ptr<LiveResources> resources, std::filesystem::path record,
     std::function<void(const std::string& line)> say) {
   return [=](const std::string& name) {
     std::vector<std::shared_ptr<LiveSink>> sinks;
     sinks.push_back(std::make_shared<SinkThread>(
         std::make_unique<HttpWindow>(output_to(resources, name)), say));
-    if (record) {
+    if (!record.empty()) {
       RecorderOptions options;
-      options.folder = *record;
+      options.folder = record;
       options.name = name;
       options.say = say;
       sinks.push_back(

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +11,10 @@
 
 namespace pointreel {
 
-/// What gets each stream that is relayed: viewers over HTTP, under /live/NAME/; and a recording, if
-/// there is a folder for it. For RelayOptions::sinks. `say` is told what goes wrong.
+/// For RelayOptions::sinks: serves each stream to viewers over HTTP, under /live/NAME/, and records
+/// it in the folder `record`, unless that is empty. `say` gets a line if something goes wrong.
 std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> live_sinks(
-    std::shared_ptr<LiveResources> resources, std::optional<std::filesystem::path> record,
+    std::shared_ptr<LiveResources> resources, std::filesystem::path record,
     std::function<void(const std::string& line)> say);
 
 }  // namespace pointreel

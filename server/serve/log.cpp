@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 5> kLevels = {"debug", "info", "warning",
 }  // namespace
 
 struct Log::Writer {
-  // A pool of its own: spdlog's global one would outlive the log.
+  // Not spdlog's global pool, which would outlive the log.
   std::shared_ptr<spdlog::details::thread_pool> pool =
       std::make_shared<spdlog::details::thread_pool>(kWaitingLines, 1);
   std::shared_ptr<spdlog::async_logger> logger = std::make_shared<spdlog::async_logger>(
@@ -42,11 +42,14 @@ void Log::write(Level level, std::string_view event, std::initializer_list<Field
       level, event, fields, std::chrono::duration_cast<std::chrono::microseconds>(now).count()));
 }
 
+std::string name(Log::Level level) { return std::string(kLevels[static_cast<std::size_t>(level)]); }
+
 Result<Log::Level> parse_log_level(std::string_view text) {
   for (std::size_t i = 0; i < kLevels.size(); ++i) {
     if (text == kLevels[i]) return static_cast<Log::Level>(i);
   }
-  return fail(fmt::format("--log {}: choose debug, info, warning, error or off", text));
+  return fail(ErrorCode::argument,
+              fmt::format("--log {}: choose debug, info, warning, error or off", text));
 }
 
 std::string write_log_line(Log::Level level, std::string_view event,
@@ -58,12 +61,12 @@ std::string write_log_line(Log::Level level, std::string_view event,
   line["time"] =
       fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900, utc.tm_mon + 1,
                   utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, unix_us / 1000 % 1000);
-  line["level"] = kLevels[static_cast<std::size_t>(level)];
+  line["level"] = name(level);
   line["event"] = event;
   for (const Log::Field& field : fields) {
     std::visit([&](auto value) { line[std::string(field.name)] = value; }, field.value);
   }
-  // Untrusted text need not be UTF-8; JSON must be.
+  // Untrusted text may not be UTF-8, but JSON must be.
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -17,8 +17,8 @@ namespace pointreel {
 
 /// Structured lines, one JSON object each, on standard error:
 ///   {"time":"2026-01-31T12:00:00.123Z","level":"warning","event":"...",...}
-/// Any thread may write. Nobody waits for who reads them: where lines come faster than they are
-/// taken, the oldest go.
+/// Any thread may write, and none waits for the reader: if lines are written faster than they are
+/// read, the oldest are dropped.
 class Log {
  public:
   enum class Level { kDebug, kInfo, kWarning, kError, kOff };
@@ -27,14 +27,14 @@ class Log {
     std::variant<std::string_view, std::int64_t, double, bool> value;
   };
 
-  /// Writes what is at least as grave as `least`.
+  /// Writes lines of the level `least` and above.
   explicit Log(Level least);
   ~Log();
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
   bool writes(Level level) const { return level >= least_; }
-  /// `fields` may hold untrusted text: it cannot end the line or the object.
+  /// `fields` may hold untrusted text, which is escaped.
   void write(Level level, std::string_view event, std::initializer_list<Field> fields = {});
 
  private:
@@ -44,9 +44,10 @@ class Log {
 };
 
 /// "debug", "info", "warning", "error" or "off".
+std::string name(Log::Level level);
 Result<Log::Level> parse_log_level(std::string_view text);
 
-/// The line of one event, without its end; `unix_us` in microseconds of Unix time.
+/// The line of one event, without a line feed. `unix_us` is the Unix time in microseconds.
 std::string write_log_line(Log::Level level, std::string_view event,
                            std::initializer_list<Log::Field> fields, std::int64_t unix_us);
 

@@ -20,7 +20,7 @@ class Page {
     fmt::format_to(std::back_inserter(text_), "# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help);
     name_ = name;
   }
-  /// `labels` as they stand between the braces.
+  /// `labels` is the text between the braces.
   void value(double value, std::string_view labels = {}) {
     fmt::format_to(std::back_inserter(text_), "{}{}{}{} {}\n", name_, labels.empty() ? "" : "{",
                    labels, labels.empty() ? "" : "}", value);
@@ -39,13 +39,9 @@ double number(const Metrics::Count& count) {
   return static_cast<double>(count.load(std::memory_order_relaxed));
 }
 
-/// Seconds of Unix time at which this process was started, as well as can be told from within.
-double start_time() {
-  static const double kStart = static_cast<double>(std::time(nullptr));
-  return kStart;
-}
-/// Told as early as possible.
-[[maybe_unused]] const double kTold = start_time();
+/// The Unix time in seconds at which this process was started, or nearly so: when its statics were
+/// initialised.
+const double kStartTime = static_cast<double>(std::time(nullptr));
 
 void write_process(Page& page) {
   std::ifstream statm("/proc/self/statm");
@@ -65,15 +61,14 @@ void write_process(Page& page) {
   ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
   page.one("process_cpu_seconds_total", "counter", "Processor time spent in seconds.",
            static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9);
-  page.one("process_start_time_seconds", "gauge", "Unix time of the start in seconds.",
-           start_time());
+  page.one("process_start_time_seconds", "gauge", "Unix time of the start in seconds.", kStartTime);
 }
 
 void write_streams(Page& page, const std::vector<StreamStatistics>& streams) {
   const auto each = [&](std::string_view name, std::string_view type, std::string_view help,
                         auto value_of) {
     page.begin(name, type, help);
-    // Names are letters, digits, '.', '_' and '-': nothing to escape.
+    // Names consist of letters, digits, '.', '_' and '-', so nothing needs to be escaped.
     for (const StreamStatistics& stream : streams) {
       page.value(static_cast<double>(value_of(stream)), fmt::format("stream=\"{}\"", stream.name));
     }
@@ -88,10 +83,10 @@ void write_streams(Page& page, const std::vector<StreamStatistics>& streams) {
   each("pointreel_live_sent_bytes_total", "counter", "Bytes that viewers took.",
        [](S s) { return s.sent_bytes; });
   each("pointreel_live_dropped_frames_total", "counter",
-       "Frames of which a viewer got nothing, for it was too slow.",
+       "Frames of which a viewer got nothing because it was too slow.",
        [](S s) { return s.drops.frames; });
   each("pointreel_live_dropped_layers_total", "counter",
-       "Layers that a viewer did not get, for it was too slow.",
+       "Layers that a viewer did not get because it was too slow.",
        [](S s) { return s.drops.layers; });
   each("pointreel_live_newest_capture_seconds", "gauge",
        "Unix time at which the newest frame was captured.",
@@ -112,10 +107,11 @@ std::string write_metrics(const Metrics& metrics, const Gauges& gauges) {
   page.one("pointreel_http_body_bytes_total", "counter", "Bytes of bodies sent.",
            number(metrics.body_bytes));
   page.one("pointreel_http_limited_requests_total", "counter",
-           "Requests answered with 429, for they came too fast.", number(metrics.limited_requests));
-  page.one("pointreel_connections", "gauge", "Connections that are open.",
+           "Requests answered with 429 because they came too fast.",
+           number(metrics.limited_requests));
+  page.one("pointreel_connections", "gauge", "Open connections.",
            static_cast<double>(gauges.open_connections));
-  page.one("pointreel_connections_total", "counter", "Connections that were accepted.",
+  page.one("pointreel_connections_total", "counter", "Accepted connections.",
            number(metrics.connections));
   page.begin("pointreel_connections_refused_total", "counter",
              "Connections for which there was no room.");
@@ -125,8 +121,7 @@ std::string write_metrics(const Metrics& metrics, const Gauges& gauges) {
            "Idle connections that were closed to make room.",
            static_cast<double>(gauges.evicted_connections));
   page.one("pointreel_tls_failed_handshakes_total", "counter",
-           "Connections that did not get through TLS's handshake.",
-           number(metrics.failed_handshakes));
+           "Connections whose TLS handshake failed.", number(metrics.failed_handshakes));
   page.begin("pointreel_live_sessions_total", "counter", "Live sessions that began.");
   page.value(number(metrics.viewers), "kind=\"view\"");
   page.value(number(metrics.publishers), "kind=\"publish\"");

@@ -11,7 +11,7 @@
 
 namespace pointreel {
 
-/// What the server counts. Any thread may add to it.
+/// The server's counters. Any thread may increase them.
 struct Metrics {
   using Count = std::atomic<std::uint64_t>;
   static constexpr int kFirstStatus = 100, kLastStatus = 599;
@@ -24,22 +24,23 @@ struct Metrics {
   }
 
   std::array<Count, kLastStatus - kFirstStatus + 1> responses{};  ///< by status
-  Count body_bytes{0};              ///< of responses, as far as they were sent
-  Count connections{0};             ///< that were accepted and given a place
-  Count refused_full{0};            ///< connections for which there was no place at all
-  Count refused_address{0};         ///< connections of an address that had enough
+  Count body_bytes{0};              ///< sent in the bodies of responses
+  Count connections{0};             ///< accepted connections that got a place
+  Count refused_full{0};            ///< connections that were refused because the table was full
+  Count refused_address{0};         ///< connections from addresses that had too many
   Count failed_handshakes{0};       ///< of TLS
-  Count limited_requests{0};        ///< that came too fast
-  Count viewers{0}, publishers{0};  ///< live sessions that began
+  Count limited_requests{0};        ///< requests that came too fast
+  Count viewers{0}, publishers{0};  ///< live sessions that have begun
 };
 
-/// What is so now.
+/// The present state.
 struct Gauges {
   std::size_t open_connections = 0, evicted_connections = 0;
   std::vector<StreamStatistics> streams;
 };
 
-/// In Prometheus's text format, version 0.0.4; with the process's memory, descriptors and start.
+/// Writes both in Prometheus's text format, version 0.0.4, together with the memory, descriptors,
+/// processor time and start of the process.
 std::string write_metrics(const Metrics& metrics, const Gauges& gauges);
 
 }  // namespace pointreel

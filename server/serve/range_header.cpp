@@ -13,7 +13,8 @@ std::string_view trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// One or more digits; what does not fit saturates, for it is past every end anyway.
+/// Parses one or more digits. Numbers that are too large saturate, since they lie beyond every end
+/// anyway.
 std::optional<std::uint64_t> parse_digits(std::string_view text) {
   constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
   if (text.empty()) return std::nullopt;

@@ -8,18 +8,18 @@ namespace pointreel {
 
 struct RangeAnswer {
   enum class Kind {
-    kWhole,          ///< no range, one that is malformed, or several: answer 200 with everything
+    kWhole,          ///< no range, a malformed one, or several: answer 200 with everything
     kPart,           ///< answer 206 with `offset` and `size`; size > 0
     kUnsatisfiable,  ///< answer 416
   };
   Kind kind = Kind::kWhole;
-  std::uint64_t offset = 0, size = 0;  ///< bytes; for kPart
+  std::uint64_t offset = 0, size = 0;  ///< in bytes, for kPart
   bool operator==(const RangeAnswer&) const = default;
 };
 
-/// What to send of a resource of `size` bytes. `field` is untrusted: the value of the header
-/// field, empty if there is none. A server may ignore ranges it does not like, and must ignore
-/// malformed ones, so several ranges in one request get the whole resource.
+/// Which part of a resource of `size` bytes to send. `field` is the untrusted value of the header
+/// field, empty if there is none. A server may ignore the field, and must do so if it is malformed.
+/// Several ranges in one request get the whole resource.
 RangeAnswer answer_range(std::string_view field, std::uint64_t size);
 
 }  // namespace pointreel

@@ -14,7 +14,7 @@ bool RateLimiter::allow(const Network& network, Clock::time_point now) {
       std::erase_if(full_at_, [now](const auto& each) { return each.second <= now; });
       next_look_ = now + std::chrono::milliseconds(500);
     }
-    // So many ask at once: who is new is let in, uncounted, for there is no telling who is who.
+    // With so many addresses at once, requests from further ones are allowed without being counted.
     if (full_at_.size() >= kMost) return true;
   }
   Clock::time_point& full = full_at_.try_emplace(network, now).first->second;

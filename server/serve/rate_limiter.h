@@ -9,20 +9,20 @@
 
 namespace pointreel {
 
-/// How often each address may ask. A token bucket for each, that holds a second's worth. Any thread
-/// may call it.
+/// Limits how many requests per second each address may make. Each address has a token bucket that
+/// holds the requests of one second. Any thread may call this.
 class RateLimiter {
  public:
   using Clock = std::chrono::steady_clock;
   using Network = std::array<std::uint8_t, 16>;
 
-  /// `rate` requests a second of each; 0: any number.
+  /// `rate` is in requests per second; 0: unlimited.
   explicit RateLimiter(double rate) : rate_(rate) {}
 
-  /// False: too fast, come again in a second.
+  /// False if the request comes too fast and should be repeated after a second.
   bool allow(const Network& network, Clock::time_point now);
   bool limits() const { return rate_ > 0; }
-  /// Addresses that are remembered: those that have asked lately, and no more than kMost.
+  /// The number of addresses in memory: those with recent requests, and no more than kMost.
   std::size_t size() const;
 
   static constexpr std::size_t kMost = 65'536;
@@ -30,9 +30,9 @@ class RateLimiter {
  private:
   double rate_;
   mutable std::mutex mutex_;
-  /// When the bucket is full again.
+  /// When the bucket of each address will be full again.
   std::map<Network, Clock::time_point> full_at_;
-  Clock::time_point next_look_{};  ///< for those to forget, no sooner: looking takes long
+  Clock::time_point next_look_{};  ///< when to look again for addresses to forget; this takes long
 };
 
 }  // namespace pointreel

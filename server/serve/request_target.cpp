@@ -26,7 +26,7 @@ Result<std::string> decode_target(std::string_view target) {
   if (is_absolute_form(target)) {
     target.remove_prefix(std::string_view("http://").size());
     const auto path = target.find_first_of("/?");
-    // "http://host" and "http://host?query" name the root.
+    // "http://host" and "http://host?query" mean the root.
     if (path == std::string_view::npos || target[path] == '?') return std::string("/");
     target.remove_prefix(path);
   }
@@ -35,7 +35,7 @@ Result<std::string> decode_target(std::string_view target) {
 
   std::string path;
   path.reserve(target.size());
-  std::size_t segment = 1;  // where the segment being read begins in `path`
+  std::size_t segment = 1;  // where the present segment begins in `path`
   const auto segment_is_dots = [&] {
     const std::string_view s = std::string_view(path).substr(segment);
     return s == "." || s == "..";

@@ -5,18 +5,18 @@
 
 #include "pointreel/error.h"
 
-/// Request targets (RFC 9112, section 3.2) to and from the paths that a catalog knows.
+/// Converts request targets (RFC 9112, section 3.2) to and from the paths of a catalog.
 namespace pointreel {
 
-/// The path that an untrusted request target names: `/` and segments, percent-decoded once,
-/// without the query. Origin-form (`/a/b?c`) and absolute-form (`http://host/a/b`) are understood.
+/// The path of an untrusted request target, percent-decoded once and without the query. Accepts the
+/// origin form (`/a/b?c`) and the absolute form (`http://host/a/b`).
 ///
-/// Refused, raw or encoded: `.` and `..` segments, slashes and backslashes within a segment,
-/// control characters, NUL; and malformed escapes and fragments. The path is only ever looked up
-/// in a table of names, so this is the second wall, not the first.
+/// Refuses `.` and `..` segments, slashes and backslashes within a segment, control characters and
+/// NUL, whether encoded or not, and also malformed escapes and fragments. Paths are only looked up
+/// in a table of names, so this is a second line of defence.
 Result<std::string> decode_target(std::string_view target);
 
-/// One path segment as it stands in a URL: everything but unreserved characters escaped.
+/// A path segment as part of a URL: all characters except unreserved ones are escaped.
 std::string encode_segment(std::string_view segment);
 
 }  // namespace pointreel

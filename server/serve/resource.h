@@ -10,8 +10,8 @@
 
 namespace pointreel {
 
-/// One thing that can be fetched. Either `text`, or a file that is opened for each request, so
-/// that a package of any number of files needs no descriptors while nobody asks.
+/// Something that can be fetched: a text, or a file that is opened for each request, so that
+/// packages need no descriptors while nobody fetches them.
 struct Resource {
   enum class Kind { kText, kFile, kRedirect };
   Kind kind = Kind::kText;
@@ -21,17 +21,18 @@ struct Resource {
   std::string text;              ///< kText: the content; kRedirect: the Location
   std::filesystem::path file;    ///< kFile: canonical, without symbolic links
   std::uint64_t size = 0;        ///< bytes of the content
-  std::int64_t modified_ns = 0;  ///< kFile: time of modification when the table was made
+  std::int64_t modified_ns = 0;  ///< kFile: the modification time when the table was made
 };
 
-/// What is asked for each time, with the entity tag, for it may change.
+/// The Cache-Control of resources that may change: caches must ask again each time, with the entity
+/// tag.
 inline constexpr const char* kRevalidate = "no-cache";
-/// What never changes under its name.
+/// The Cache-Control of files that never change under their name.
 inline constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
 /// A kText resource with its size and entity tag.
 Resource text_resource(std::string content_type, std::string cache_control, std::string text);
-/// `location` as it stands in a response: percent-encoded.
+/// `location` is percent-encoded.
 Resource redirect_resource(std::string location);
 
 struct PathHash {
@@ -40,7 +41,7 @@ struct PathHash {
     return std::hash<std::string_view>{}(text);
   }
 };
-/// From decoded URL paths.
+/// Resources by decoded URL paths.
 using ResourceTable =
     std::unordered_map<std::string, std::shared_ptr<const Resource>, PathHash, std::equal_to<>>;
 

@@ -63,8 +63,8 @@ std::string_view reason_phrase(int status) {
   }
 }
 
-/// OPTIONS, a CORS preflight among them: the same for every path, so it tells nothing about which
-/// exist.
+/// The response to OPTIONS, including CORS preflights. It is the same for every path, so that it
+/// does not reveal which paths exist.
 Response options_response() {
   Response response;
   response.status = 204;
@@ -84,9 +84,9 @@ Response resource_response(const Resource& resource, const Request& request) {
     fmt::format_to(fields, "ETag: {}\r\nCache-Control: {}\r\n", resource.etag,
                    resource.cache_control);
   };
-  // RFC 9110, section 13.2.2: the order in which conditions count.
+  // The order of the conditions follows RFC 9110, section 13.2.2.
   if (!request.if_match.empty() && !matches_strongly(request.if_match, resource.etag)) {
-    return error_response(412, "the resource is not the one that If-Match names");
+    return error_response(412, "the resource does not match If-Match");
   }
   if (matches_weakly(request.if_none_match, resource.etag)) {
     response.status = 304;
@@ -110,7 +110,7 @@ Response resource_response(const Resource& resource, const Request& request) {
       return error_response(503, "too many files are open; try again", "Retry-After: 1\r\n");
     }
     if (!file) {
-      return error_response(500, "the package changed on disk; the server must be started again");
+      return error_response(500, "the package changed on disk; restart the server");
     }
     response.file = *std::move(file);
   } else {
@@ -129,7 +129,7 @@ Response resource_response(const Resource& resource, const Request& request) {
   return response;
 }
 
-/// Heads that leave in the same second have the same date.
+/// The date of a response, which is formatted only once per second.
 const std::string& cached_date(std::int64_t unix_time) {
   thread_local std::int64_t written = -1;
   thread_local std::string date;
@@ -160,10 +160,10 @@ tl::expected<std::string, Response> path_of(const Request& request) {
     return refuse(error_response(400, "a request needs exactly one Host field"));
   }
   if (request.method != "GET" && request.method != "HEAD" && request.method != "OPTIONS") {
-    return refuse(error_response(405, "only GET, HEAD and OPTIONS are understood",
+    return refuse(error_response(405, "only GET, HEAD and OPTIONS are supported",
                                  fmt::format("Allow: {}\r\n", kMethods)));
   }
-  if (request.has_body) return refuse(error_response(413, "no request may have a body"));
+  if (request.has_body) return refuse(error_response(413, "requests must not have a body"));
   if (request.method == "OPTIONS" && request.target == "*") return refuse(options_response());
   auto path = decode_target(request.target);
   if (!path) return refuse(error_response(400, path.error().message));
@@ -174,7 +174,7 @@ tl::expected<std::string, Response> path_of(const Request& request) {
 Response respond(const Catalog& catalog, std::string_view path, const Request& request) {
   std::shared_ptr<const Resource> resource = catalog.find(path);
   if (resource == nullptr) {
-    return error_response(404, "no such resource; GET / lists what there is");
+    return error_response(404, "no such resource; GET / lists all packages");
   }
   if (resource->kind == Resource::Kind::kRedirect) {
     return error_response(308, "the manifest is " + resource->text,
@@ -186,7 +186,7 @@ Response respond(const Catalog& catalog, std::string_view path, const Request& r
 }
 
 void finish_response(Response& response, const Request& request) {
-  // The body of a request is never read, so what comes after its head cannot be understood.
+  // Bodies of requests are never read, so nothing after such a head can be understood.
   response.close = request.has_body;
   if (request.method == "HEAD") {
     response.file = FileHandle();

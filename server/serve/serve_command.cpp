@@ -1,5 +1,3 @@
-#include "server/serve/serve_command.h"
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -13,6 +11,8 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "common/base/try.h"
+#include "server/commands.h"
 #include "server/relay/relay.h"
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
@@ -22,20 +22,15 @@ namespace pointreel {
 namespace {
 
 struct ServeArguments {
-  std::vector<std::string> reels;
-  std::string listen = "127.0.0.1:8090";
+  std::vector<std::filesystem::path> reels;
   HttpServerOptions options;
-  double header_seconds = 10, idle_seconds = 60, stall_seconds = 30;
+  std::string listen = to_string(options.listen);
+  std::string log = name(options.service.log);
   bool live = false;
-  std::string record;
-  std::string log = "warning";
+  std::filesystem::path record;
 };
 
-std::chrono::milliseconds from_seconds(double seconds) {
-  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
-}
-
-/// Each connection may need its socket and one file. The usual soft limit, 1024, is below that.
+/// Each connection may need its socket and one file, but the usual soft limit is 1024 descriptors.
 void allow_open_files(std::size_t connections) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -47,25 +42,17 @@ void allow_open_files(std::size_t connections) {
 }
 
 Result<void> serve(const ServeArguments& arguments) {
-  HttpServerOptions options = arguments.options;
-  options.header_timeout = from_seconds(arguments.header_seconds);
-  options.idle_timeout = from_seconds(arguments.idle_seconds);
-  options.stall_timeout = from_seconds(arguments.stall_seconds);
-  const auto listen = parse_listen_address(arguments.listen);
-  if (!listen) return tl::unexpected(listen.error());
-  options.listen = *listen;
   if (arguments.reels.empty() && !arguments.live) {
-    return fail("there is nothing to serve; name packages, or give --live");
+    return fail(ErrorCode::argument, "there is nothing to serve; name packages, or use --live");
   }
-  const auto level = parse_log_level(arguments.log);
-  if (!level) return tl::unexpected(level.error());
-  options.service.log = *level;
-  auto catalog = Catalog::load({arguments.reels.begin(), arguments.reels.end()});
-  if (!catalog) return tl::unexpected(catalog.error());
+  HttpServerOptions options = arguments.options;
+  options.listen = TRY(parse_listen_address(arguments.listen));
+  options.service.log = TRY(parse_log_level(arguments.log));
+  Catalog catalog = TRY(Catalog::load(arguments.reels));
   allow_open_files(options.max_connections);
 
-  // Blocked before the server's threads begin, so that only this one takes them. A shell may have
-  // had SIGINT ignored for what runs in its background.
+  // Signals are blocked before the server starts its threads, so that only this thread gets them.
+  // Shells start programs in the background with SIGINT ignored.
   sigset_t ending;
   sigemptyset(&ending);
   for (const int signal : {SIGINT, SIGTERM}) {
@@ -75,27 +62,24 @@ Result<void> serve(const ServeArguments& arguments) {
   ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 
-  Log log(*level);
+  Log log(options.service.log);
   RelayOptions relay_options;
   if (arguments.live) {
     const auto resources = std::make_shared<LiveResources>();
-    catalog->add(resources);
-    std::optional<std::filesystem::path> record;
-    if (!arguments.record.empty()) record = arguments.record;
-    relay_options.sinks = live_sinks(resources, record, [&log](const std::string& line) {
+    catalog.add(resources);
+    relay_options.sinks = live_sinks(resources, arguments.record, [&log](const std::string& line) {
       log.write(Log::Level::kWarning, "recording", {{"what", line}});
     });
   }
   Relay relay(std::move(relay_options));
-  const auto server =
-      HttpServer::start(*std::move(catalog), options, arguments.live ? &relay : nullptr);
-  if (!server) return tl::unexpected(server.error());
+  const std::unique_ptr<HttpServer> server =
+      TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
   fmt::print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
-             to_string((*server)->address()));
+             to_string(server->address()));
   std::fflush(stdout);
   int signal = 0;
   ::sigwait(&ending, &signal);
-  (*server)->stop();
+  server->stop();
   return {};
 }
 
@@ -103,103 +87,118 @@ Result<void> serve(const ServeArguments& arguments) {
 
 void add_serve_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<ServeArguments>();
+  HttpServerOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "serve",
       "Serve packages and live streams over HTTP until SIGINT or SIGTERM\n"
-      "Each package is at /NAME, its folder's name; GET / lists them, GET /healthz says ok, GET\n"
-      "/metrics is for Prometheus. Live streams are at /live/NAME, a WebSocket.\n"
-      "--config FILE takes options from a file: a line [serve], then lines NAME = VALUE.");
-  app.set_config("--config", "",
-                 "Take a command's options from FILE: [COMMAND], NAME = VALUE (TOML)")
+      "The package in folder NAME is served at /NAME. GET / lists all packages, /healthz answers\n"
+      "ok, and /metrics is for Prometheus. Live streams are at /live/NAME, over WebSocket or "
+      "HTTP.\n"
+      "--config FILE reads options from a file: a line [serve], then lines NAME = VALUE.");
+  app.set_config(
+         "--config", "",
+         "Read a command's options from FILE (TOML): a line [COMMAND], then lines NAME = VALUE")
       ->type_name("FILE");
-  // What is misspelt there is an error, as it is on the command line.
+  // Misspelt options are errors in the file, as they are on the command line.
   app.allow_config_extras(CLI::config_extras_mode::error);
   command->allow_config_extras(CLI::config_extras_mode::error);
   command->fallthrough();
-  command->add_option("reels", arguments->reels, "Package folders")->type_name("REEL");
+  command->add_option("reels", arguments->reels, "the folders of the packages")->type_name("REEL");
   command
       ->add_option("--listen", arguments->listen,
-                   "Address and port; port 0 takes a free one, 0.0.0.0 all of this machine's "
-                   "addresses")
+                   "where to listen; port 0 takes a free port, and 0.0.0.0 means all addresses of "
+                   "this machine")
       ->type_name("ADDRESS:PORT")
       ->capture_default_str();
   command
-      ->add_option("--max-connections", arguments->options.max_connections,
-                   "Connections at a time; for one more an idle one goes, or it gets 503")
+      ->add_option("--max-connections", options.max_connections,
+                   "connections at a time; a further one replaces an idle one, or gets 503")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command
-      ->add_option("--max-connections-per-address", arguments->options.max_connections_per_address,
-                   "Of these, of one address; all who come through one proxy have one")
+      ->add_option("--max-connections-per-address", options.max_connections_per_address,
+                   "connections at a time from one address; clients behind a proxy share its "
+                   "address")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command
-      ->add_option("--max-requests", arguments->options.requests_per_second,
-                   "Requests a second of one address, beyond which 429 is answered; 0: any number")
+      ->add_option("--max-requests", options.requests_per_second,
+                   "requests per second from one address; further ones get 429; 0: unlimited")
       ->check(CLI::Range(0.0, 1e9))
       ->type_name("RATE")
       ->capture_default_str();
   CLI::Option* live = command->add_flag(
-      "--live", arguments->live, "Relay live streams, too: pointreel-server publish sends them");
+      "--live", arguments->live, "also relay live streams, which pointreel-server publish sends");
   command
       ->add_option("--record", arguments->record,
-                   "Record live streams as packages in this folder, NAME, NAME-2, ...")
+                   "record live streams as packages NAME, NAME-2, ... in this folder")
       ->type_name("FOLDER")
       ->needs(live);
   command
-      ->add_option("--view-token", arguments->options.service.view_token,
-                   "Who asks for anything must show it: Authorization: Bearer TOKEN")
+      ->add_option("--view-token", options.service.view_token,
+                   "serve only requests with this token: Authorization: Bearer TOKEN")
       ->type_name("TOKEN")
       ->envname("POINTREEL_VIEW_TOKEN");
   command
-      ->add_option("--publish-token", arguments->options.service.publish_token,
-                   "Who publishes must show it; without one, only this machine may publish")
+      ->add_option("--publish-token", options.service.publish_token,
+                   "accept only publishers with this token; without one, only programs on this "
+                   "machine may publish")
       ->type_name("TOKEN")
       ->envname("POINTREEL_PUBLISH_TOKEN");
   command
       ->add_option("--log", arguments->log,
-                   "What to write on standard error, as JSON lines: debug, info (every request), "
+                   "what to write to standard error, as JSON lines: debug, info (each request), "
                    "warning, error or off")
       ->type_name("LEVEL")
       ->capture_default_str();
   command
-      ->add_option("--max-message", arguments->options.max_message,
-                   "Bytes of a publisher's message; 4M is 4 MiB")
+      ->add_option("--max-message", options.max_message,
+                   "size of the largest message that a publisher may send; 4M means 4 MiB")
       ->transform(CLI::AsSizeValue(false))
       ->check(CLI::Range(kMaxLiveText, kLiveHeaderSize + kMaxLiveLayer))
       ->capture_default_str();
   command
-      ->add_option("--publish-rate", arguments->options.publish_rate,
-                   "Bytes a second of a publisher, who is held back beyond it; 0: any")
+      ->add_option(
+          "--publish-rate", options.publish_rate,
+          "bytes per second that a publisher may send before it is slowed down; 0: unlimited")
       ->check(CLI::Range(0.0, 1e12))
       ->type_name("BYTES")
       ->capture_default_str();
-  command->add_option("--threads", arguments->options.threads, "0: one for each processor")
+  command->add_option("--threads", options.threads, "threads that serve; 0: one for each processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  const auto add_seconds = [command](const char* name, double& value, const char* what) {
-    command->add_option(name, value, what)
-        ->check(CLI::Range(0.1, 86400.0))
-        ->type_name("SECONDS")
-        ->capture_default_str();
-  };
   CLI::Option* certificate =
       command
-          ->add_option("--certificate", arguments->options.certificate,
-                       "Serve over TLS: the certificate and those that signed it, in PEM form")
+          ->add_option("--certificate", options.certificate,
+                       "serve over TLS: the certificate and those that signed it, in PEM form")
           ->type_name("FILE");
-  command->add_option("--key", arguments->options.key, "The certificate's key, without password")
+  command
+      ->add_option("--key", options.key,
+                   "the key of the certificate in PEM form, without a password")
       ->type_name("FILE")
       ->needs(certificate);
   certificate->needs("--key");
-  add_seconds("--header-timeout", arguments->header_seconds, "For the head of one request");
-  add_seconds("--idle-timeout", arguments->idle_seconds, "Between requests of a connection");
-  add_seconds("--stall-timeout", arguments->stall_seconds, "Without the reader taking a byte");
+  const auto add_seconds = [command](const char* flag, std::chrono::milliseconds& value,
+                                     const char* description) {
+    const auto set = [&value](double seconds) {
+      value = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
+    };
+    command->add_option_function<double>(flag, set, description)
+        ->check(CLI::Range(0.1, 86400.0))
+        ->type_name("SECONDS")
+        ->default_str(fmt::format("{:g}", std::chrono::duration<double>(value).count()));
+  };
+  add_seconds("--header-timeout", options.header_timeout,
+              "close a connection if the head of a request takes longer than this");
+  add_seconds("--idle-timeout", options.idle_timeout,
+              "close a connection on which no request comes for this time");
+  add_seconds("--stall-timeout", options.stall_timeout,
+              "close a connection if the peer accepts no byte of a response for this time");
   command->callback([arguments, &exit_code] {
     const auto served = serve(*arguments);
     if (served) return;
-    fmt::print(stderr, "pointreel-server: {}\n", served.error().message);
-    exit_code = 1;
+    print_error(served.error().message);
+    exit_code = kExitFailed;
   });
 }
 

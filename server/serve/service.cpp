@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kLivePath = "/live/";
 
-/// Whether `name` is in the query of a request target, with a value or without.
+/// Whether the query of a request target has this parameter, with or without a value.
 bool query_has(std::string_view target, std::string_view name) {
   const auto begin = target.find('?');
   if (begin == std::string_view::npos) return false;
@@ -24,7 +24,7 @@ bool query_has(std::string_view target, std::string_view name) {
   return false;
 }
 
-/// With tokens, what one may see is not for caches that give it to all.
+/// If viewers need a token, shared caches must not keep what they get.
 void make_private(Response& response) {
   constexpr std::string_view kPublic = "Cache-Control: public,";
   if (const auto at = response.fields.find(kPublic); at != std::string::npos) {
@@ -33,7 +33,7 @@ void make_private(Response& response) {
 }
 
 Response token_wanted() {
-  return error_response(401, "this needs a token: Authorization: Bearer TOKEN",
+  return error_response(401, "a token is required: Authorization: Bearer TOKEN",
                         "WWW-Authenticate: Bearer realm=\"pointreel\"\r\n");
 }
 
@@ -84,8 +84,8 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
                                                     std::string stream,
                                                     std::function<void()> wake) {
   const bool publishes = query_has(request.target, "publish");
-  // What comes through a proxy is not from this machine, and a page in a browser on this machine
-  // does not speak for its user.
+  // A request through a proxy comes from elsewhere, and a page in a browser on this machine does
+  // not act on behalf of its user.
   const bool nearby = peer.loopback && !request.forwarded && !request.has_origin;
   switch (access_.check(publishes ? Access::Right::kPublish : Access::Right::kView,
                         request.authorization, nearby)) {
@@ -94,7 +94,9 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
     case Access::Verdict::kNoToken:
       return token_wanted();
     case Access::Verdict::kOnlyNearby:
-      return error_response(403, "without a token only the server's own machine may publish");
+      return error_response(
+          403,
+          "only programs on the server's own machine may publish, since no publish token is set");
   }
   LiveCall call;
   if (publishes) {

@@ -16,37 +16,38 @@
 #include "server/serve/rate_limiter.h"
 #include "server/serve/responder.h"
 
-/// All that the server does, without a socket: who may have what, and what the answer is.
+/// Everything that the server does except for sockets: decides who may do what, and answers
+/// requests.
 namespace pointreel {
 
 struct ServiceOptions {
-  std::string view_token, publish_token;  ///< empty: none is needed, see Access
+  std::string view_token, publish_token;  ///< as Access takes them
   Log::Level log = Log::Level::kWarning;
 };
 
-/// A request that goes on as a WebSocket.
+/// A request that is upgraded to a WebSocket: either a publication or a viewer.
 struct LiveCall {
   std::string stream;
-  std::unique_ptr<Publication> publication;  ///< it publishes; or
-  std::unique_ptr<Viewer> viewer;            ///< it views
+  std::unique_ptr<Publication> publication;
+  std::unique_ptr<Viewer> viewer;
 };
 
 class Service {
  public:
-  /// `relay` may be null: there are no live streams. Else it must outlive the service.
+  /// `relay` must outlive the service; null: no live streams.
   Service(Catalog catalog, Relay* relay, const ServiceOptions& options,
           double requests_per_second = 0);
 
-  /// Safe from any thread. `wake` is for a viewer, see Relay::join.
+  /// Answers a request. From any thread. `wake` is for viewers, as in Relay::join.
   std::variant<Response, LiveCall> answer(const Request& request, const Peer& peer,
                                           std::function<void()> wake = {});
-  /// The answer to what is no request.
+  /// Answers something that is not a valid request.
   Response refuse(Response refusal);
 
   Metrics& metrics() { return metrics_; }
   Log& log() { return log_; }
   Relay* relay() { return relay_; }
-  /// What /metrics says of connections comes from here; set before the first answer.
+  /// Sets the table whose connections /metrics reports. Call this before the first answer.
   void watch(const ConnectionTable& table) { table_ = &table; }
 
  private:

@@ -13,8 +13,8 @@
 namespace pointreel {
 namespace {
 
-/// HTTP/1.1 is what is spoken, whatever else a client offers. One that offers only others is not
-/// refused: it sees what it gets.
+/// Chooses HTTP/1.1, whatever else a client offers. A client that offers only other protocols is
+/// not refused, but it still gets HTTP/1.1.
 int choose_protocol(SSL*, const unsigned char** chosen, unsigned char* chosen_size,
                     const unsigned char* offered, unsigned offered_size, void*) {
   static constexpr unsigned char kOurs[] = "\x08http/1.1";
@@ -23,10 +23,10 @@ int choose_protocol(SSL*, const unsigned char** chosen, unsigned char* chosen_si
   return found == OPENSSL_NPN_NEGOTIATED ? SSL_TLSEXT_ERR_OK : SSL_TLSEXT_ERR_NOACK;
 }
 
-/// Never asks: there is nobody to answer.
+/// Keeps OpenSSL from asking for a password on the terminal.
 int no_password(char*, int, int, void*) { return 0; }
 
-/// What OpenSSL says was wrong, in a few words; its queue is empty then.
+/// OpenSSL's description of the last error, in a few words. Empties its queue of errors.
 std::string reason() {
   const unsigned long code = ERR_peek_error();  // the first is the cause
   const char* text = ERR_SYSTEM_ERROR(code) ? nullptr : ERR_reason_error_string(code);
@@ -51,7 +51,8 @@ TlsSession::Step TlsSession::step(int result) {
   return {Step::Want::kEnd};
 }
 
-// The queue of errors is the thread's, and SSL_get_error looks into it: it must be empty before.
+// SSL_get_error examines the thread's queue of errors, which must therefore be empty before each
+// step.
 TlsSession::Step TlsSession::handshake() {
   ERR_clear_error();
   return step(SSL_do_handshake(ssl_.get()));
@@ -85,7 +86,7 @@ Result<TlsContext> TlsContext::load(const std::filesystem::path& certificate,
   SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
   SSL_CTX_set_options(context, SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
                                    SSL_OP_CIPHER_SERVER_PREFERENCE | SSL_OP_PRIORITIZE_CHACHA);
-  // Idle connections hold no buffers; writes that went half are tried again from where they were.
+  // Idle connections hold no buffers, and partial writes are continued.
   SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS | SSL_MODE_ENABLE_PARTIAL_WRITE |
                                 SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   SSL_CTX_set_alpn_select_cb(context, choose_protocol, nullptr);
@@ -95,7 +96,7 @@ Result<TlsContext> TlsContext::load(const std::filesystem::path& certificate,
         fmt::format("{}: {}; give a certificate in PEM form", certificate.string(), reason()));
   }
   if (SSL_CTX_use_PrivateKey_file(context, key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return fail(fmt::format("{}: {}; give the certificate's key in PEM form, without password",
+    return fail(fmt::format("{}: {}; give the certificate's key in PEM form, without a password",
                             key.string(), reason()));
   }
   return tls;

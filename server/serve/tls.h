@@ -11,14 +11,14 @@
 struct ssl_ctx_st;
 struct ssl_st;
 
-/// The server's side of TLS 1.2 and 1.3, by OpenSSL, over sockets that do not block.
+/// The server's side of TLS 1.2 and 1.3, with OpenSSL, over non-blocking sockets.
 namespace pointreel {
 
-/// One connection's. What it gives and takes is plain; on the socket it is encrypted.
+/// TLS on one connection. Its arguments and results are plain; the socket carries encrypted bytes.
 class TlsSession {
  public:
-  /// What a step did. `bytes` moved if it was more than none; else what must be possible on the
-  /// socket before it is tried again with the same arguments.
+  /// The result of a step: how many plain bytes were moved; or, if none, what the socket must be
+  /// ready for before the step is repeated with the same arguments.
   struct Step {
     enum class Want { kNothing, kRead, kWrite, kEnd };
     Want want = Want::kNothing;
@@ -28,7 +28,7 @@ class TlsSession {
   Step handshake();
   Step read(std::span<char> into);
   Step write(std::string_view text);
-  /// Tells the peer that nothing more comes.
+  /// Tells the peer that nothing more will come.
   void end_writing();
 
  private:
@@ -42,14 +42,15 @@ class TlsSession {
   std::unique_ptr<ssl_st, Free> ssl_;
 };
 
-/// The certificate that the server shows.
+/// The server's certificate.
 class TlsContext {
  public:
-  /// PEM files: the certificate, and behind it those that signed it; and its key, without password.
+  /// Both are PEM files: the certificate, followed by those that signed it, and its key without a
+  /// password.
   static Result<TlsContext> load(const std::filesystem::path& certificate,
                                  const std::filesystem::path& key);
 
-  /// On an open socket, which must outlive it; null if there is no memory for it.
+  /// A session on an open socket, which must outlive it; null if there is no memory for it.
   std::unique_ptr<TlsSession> session(int socket) const;
 
  private:

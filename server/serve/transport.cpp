@@ -16,12 +16,12 @@
 namespace pointreel {
 namespace {
 
-/// Between two looks at what else there is to do: of what the kernel copies, and what is encrypted.
+/// After this many bytes of a file, plain or encrypted, other connections get their turn.
 constexpr std::uint64_t kPieceSize = 1024 * 1024;
 constexpr std::uint64_t kEncryptedPieceSize = 256 * 1024;
-/// Bytes that the kernel may hold for a connection beyond what is in flight.
+/// How many bytes the kernel may hold for a connection in addition to those in flight.
 constexpr int kUnsentLimit = 256 * 1024;
-/// Plain bytes of the longest record of TLS.
+/// Plain bytes in the longest record of TLS.
 constexpr std::size_t kRecordSize = 16 * 1024;
 
 using Want = TlsSession::Step::Want;
@@ -49,7 +49,7 @@ Task<void> Transport::watch(std::shared_ptr<Transport> self) {
         self->close();
         break;
       }
-      // Looked at again no sooner than the next deadline can pass, if it is of the same kind.
+      // The next deadline, once it is set, cannot pass before this.
       self->deadline_ = now + self->stall_;
     }
     self->timer_.expires_at(self->deadline_);
@@ -88,7 +88,7 @@ Task<bool> Transport::handshake() {
 }
 
 Task<std::size_t> Transport::read_some(asio::mutable_buffer into) {
-  // The descriptor that TLS knows is another connection's once the socket is closed.
+  // Once the socket is closed, the descriptor that TLS holds may belong to another connection.
   while (tls_) {
     if (!socket_.is_open()) co_return 0;
     const auto step = tls_->read({static_cast<char*>(into.data()), into.size()});
@@ -148,12 +148,12 @@ Task<bool> Transport::write_file(int file, std::uint64_t offset, std::uint64_t s
     if (sent > 0) {
       size -= static_cast<std::uint64_t>(sent);
       set_deadline(stall_);
-      // A reader as fast as the disk must not keep a thread from everybody else.
+      // A peer that reads as fast as the disk must not keep the thread from other connections.
       if (size > 0) co_await asio::post(socket_.get_executor(), kUseAwaitable);
       if (!socket_.is_open()) co_return false;
       continue;
     }
-    if (sent == 0) co_return false;  // the file shrank: too late for anything but a short answer
+    if (sent == 0) co_return false;  // the file has shrunk, so the response ends too early
     if (errno == EINTR) continue;
     if (errno != EAGAIN || !co_await ready(Want::kWrite)) co_return false;
   }

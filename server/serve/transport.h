@@ -11,13 +11,13 @@
 
 namespace pointreel {
 
-/// A connected socket, with TLS on it or without, and the time by which something must have
-/// happened on it. All of it runs on the socket's strand. Where a step returns false, the
-/// connection has ended. One coroutine may read while another writes.
+/// A connected socket, plain or with TLS, and a deadline by which something must have happened on
+/// it. Everything runs on the socket's strand. If a step returns false, the connection has ended.
+/// One coroutine may read while another writes.
 class Transport {
  public:
-  /// `tls` is the socket's, or null. `patience`: until the first deadline is set. `stall`: how long
-  /// the peer may take no byte of what is written to it.
+  /// `tls` may be null. `patience` is the time to the first deadline, and `stall` how long the peer
+  /// may accept no byte of what is written to it.
   Transport(Socket socket, std::unique_ptr<TlsSession> tls, Clock::duration patience,
             Clock::duration stall);
 
@@ -25,31 +25,33 @@ class Transport {
   Socket& socket() { return socket_; }
   TlsSession* tls() { return tls_.get(); }
 
-  /// Closes the socket when a deadline passes; to be spawned once. One timer that is looked at when
-  /// it ends, instead of one armed for each operation: deadlines nearly always move to later times.
+  /// Closes the socket when a deadline passes. Must be spawned once. Deadlines nearly always move
+  /// to later times, so the timer is not set again for each of them; instead the deadline is
+  /// checked whenever the timer expires.
   static Task<void> watch(std::shared_ptr<Transport> self);
   void set_deadline(Clock::duration from_now);
-  /// For a peer that takes no byte of what is written.
+  /// Sets the deadline for a peer that accepts no byte of what is written to it.
   void set_stall_deadline() { set_deadline(stall_); }
-  /// Nothing needs to happen until the next deadline is set.
+  /// Removes the deadline until the next one is set.
   void suspend_deadline() { suspended_ = true; }
   void close();
 
-  /// Agrees on keys; nothing to do without TLS.
+  /// The handshake of TLS; does nothing on a plain socket.
   Task<bool> handshake();
-  /// What has come, at least a byte; 0 if the connection ended.
+  /// Reads at least one byte; 0 if the connection has ended.
   Task<std::size_t> read_some(asio::mutable_buffer into);
-  /// `more` follows at once, so that both may leave in one packet.
+  /// `more` says that another write follows at once, so that both can leave in one packet.
   Task<bool> write(std::string_view text, bool more);
-  /// Bytes `offset` to `offset + size` of a file. False, too, if it has become shorter.
+  /// Writes `size` bytes of a file from `offset`. Also returns false if the file has become
+  /// shorter.
   Task<bool> write_file(int file, std::uint64_t offset, std::uint64_t size);
-  /// Tells the peer that nothing more comes.
+  /// Tells the peer that nothing more will come.
   void end_writing();
-  /// Ends writing, and reads for a while what still comes: closing a socket with unread bytes
-  /// resets the connection, and the last response would be lost with it.
+  /// Ends writing, and reads for a while what still arrives: closing a socket with unread bytes
+  /// resets the connection, and the last response could be lost.
   Task<void> linger();
 
-  /// What linger takes, and how long.
+  /// How many bytes linger reads, and how long it waits.
   static constexpr std::size_t kLingerBytes = 64 * 1024;
   static constexpr std::chrono::milliseconds kLingerTime{1000};
 
@@ -60,7 +62,7 @@ class Transport {
 
   Socket socket_;
   std::unique_ptr<TlsSession> tls_;
-  std::string held_;  ///< under TLS, what waits for more, so that both are in one record
+  std::string held_;  ///< with TLS: written with `more`, and waits to be sent in one record
   Timer timer_;
   Clock::time_point deadline_{};
   bool suspended_ = false;

@@ -8,11 +8,9 @@
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/compose.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
-#include <boost/beast/core/role.hpp>
 #include <boost/beast/websocket/error.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <fmt/format.h>
@@ -22,6 +20,7 @@
 #include <sys/socket.h>
 
 #include "pointreel/bytes.h"
+#include "server/serve/transport_stream.h"
 
 namespace pointreel {
 namespace {
@@ -29,134 +28,18 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 
-/// Bytes that the kernel may hold for a viewer beyond what is in flight. What it holds cannot be
-/// dropped any more, so a slow viewer sees it late: at 1 Mbit/s this is an eighth of a second.
+/// How many bytes the kernel may hold for a viewer in addition to those in flight. They can no
+/// longer be dropped, so slow viewers see them late: at 1 Mbit/s this is an eighth of a second.
 constexpr int kUnsentLimit = 16 * 1024;
-/// A viewer has nothing to say.
+/// Viewers have nothing to send.
 constexpr std::size_t kMaxViewerMessage = 64 * 1024;
-
-/// A transport as Beast wants it (its AsyncStream). Each piece that is written must be taken before
-/// the transport's stall time ends.
-class TransportStream {
- public:
-  using executor_type = Strand;
-  explicit TransportStream(Transport& transport) : transport_(&transport) {}
-  executor_type get_executor() const { return transport_->executor(); }
-  Transport& transport() { return *transport_; }
-
-  template <class Buffers, class Token>
-  auto async_read_some(const Buffers& buffers, Token&& token) {
-    return asio::async_compose<Token, void(error_code, std::size_t)>(
-        Operation<Buffers, true>{transport_, buffers}, token, get_executor());
-  }
-  template <class Buffers, class Token>
-  auto async_write_some(const Buffers& buffers, Token&& token) {
-    return asio::async_compose<Token, void(error_code, std::size_t)>(
-        Operation<Buffers, false>{transport_, buffers}, token, get_executor());
-  }
-
- private:
-  template <class Buffers, bool kReads>
-  struct Operation {
-    Transport* transport;
-    Buffers buffers;
-    enum class At { kBegin, kPlain, kWaiting, kPosted } at = At::kBegin;
-    std::size_t moved = 0;
-
-    template <class Self>
-    void operator()(Self& self, error_code error = {}, std::size_t size = 0) {
-      switch (at) {
-        case At::kBegin:
-          if (!kReads) transport->set_stall_deadline();
-          if (transport->tls() == nullptr) {
-            at = At::kPlain;
-            const Buffers copy = buffers;
-            if constexpr (kReads) {
-              transport->socket().async_read_some(copy, std::move(self));
-            } else {
-              transport->socket().async_write_some(copy, std::move(self));
-            }
-            return;
-          }
-          break;
-        case At::kPlain:
-          return complete(self, error, size);
-        case At::kWaiting:
-          if (error) return complete(self, error, 0);
-          break;
-        case At::kPosted:
-          return complete(self, {}, moved);
-      }
-      encrypted_step(self);
-    }
-
-   private:
-    template <class Self>
-    void complete(Self& self, error_code error, std::size_t size) {
-      if (!kReads) transport->suspend_deadline();
-      self.complete(error, size);
-    }
-
-    template <class Self>
-    void encrypted_step(Self& self) {
-      using Want = TlsSession::Step::Want;
-      // The descriptor that TLS knows is another connection's once the socket is closed.
-      if (!transport->socket().is_open()) return finish(self, asio::error::operation_aborted);
-      TlsSession::Step step;
-      const auto end = asio::buffer_sequence_end(buffers);
-      for (auto it = asio::buffer_sequence_begin(buffers); it != end; ++it) {
-        if constexpr (kReads) {
-          const asio::mutable_buffer buffer(*it);
-          if (buffer.size() == 0) continue;
-          step = transport->tls()->read({static_cast<char*>(buffer.data()), buffer.size()});
-        } else {
-          const asio::const_buffer buffer(*it);
-          if (buffer.size() == 0) continue;
-          step = transport->tls()->write({static_cast<const char*>(buffer.data()), buffer.size()});
-        }
-        break;
-      }
-      moved = step.bytes;
-      if (step.want == Want::kEnd) return finish(self, asio::error::eof);
-      if (step.want == Want::kNothing) {
-        if (at == At::kWaiting) return complete(self, {}, moved);
-        at = At::kPosted;  // a handler is never called from within the call that begins
-        asio::post(transport->executor(), std::move(self));
-        return;
-      }
-      at = At::kWaiting;
-      transport->socket().async_wait(
-          step.want == Want::kRead ? Socket::wait_read : Socket::wait_write, std::move(self));
-    }
-
-    template <class Self>
-    void finish(Self& self, error_code error) {
-      if (at == At::kWaiting) return complete(self, error, 0);
-      at = At::kPlain;
-      asio::post(transport->executor(),
-                 [self = std::move(self), error]() mutable { self(error, 0); });
-    }
-  };
-
-  Transport* transport_;
-};
-
-// How Beast ends a stream that it does not know.
-void beast_close_socket(TransportStream& stream) { stream.transport().close(); }
-template <class Handler>
-void async_teardown(beast::role_type, TransportStream& stream, Handler&& handler) {
-  stream.transport().end_writing();
-  asio::post(stream.get_executor(),
-             [handler = std::forward<Handler>(handler)]() mutable { handler(error_code()); });
-}
 
 using Stream = websocket::stream<TransportStream, false>;  // without compression
 
-/// A publisher whose machine or link has gone without a word must not keep its stream's name from
-/// the next one for long.
+/// If a publisher's machine or link disappears, its stream must soon be free for another publisher.
 constexpr std::chrono::milliseconds kPublisherSilence{5'000};
 
-/// Shared by the coroutines that read and write. It ends when the last of them does.
+/// Shared by the coroutines that read and write, and destroyed with the last of them.
 struct Session {
   Session(std::shared_ptr<Transport> on, const Limits& limits, bool publishes)
       : transport(std::move(on)) {
@@ -174,7 +57,7 @@ struct Session {
   Stream stream{TransportStream(*transport)};
 };
 
-/// Sends what the relay has for a viewer, for as long as it takes it.
+/// Sends a viewer what the relay has for it, until the connection ends.
 Task<void> write_messages(std::shared_ptr<Session> session, std::unique_ptr<Viewer> viewer,
                           std::shared_ptr<Wake> wake) {
   Socket& socket = session->transport->socket();
@@ -182,7 +65,7 @@ Task<void> write_messages(std::shared_ptr<Session> session, std::unique_ptr<View
                sizeof(kUnsentLimit));
   error_code error;
   while (!error && socket.is_open()) {
-    // What is newest is decided as late as possible.
+    // Asks the relay as late as possible, because the answer depends on what is newest.
     int unsent = 0;
     if (::ioctl(socket.native_handle(), SIOCOUTQNSD, &unsent) == 0 && unsent >= kUnsentLimit) {
       session->transport->set_stall_deadline();
@@ -196,13 +79,15 @@ Task<void> write_messages(std::shared_ptr<Session> session, std::unique_ptr<View
       continue;
     }
     session->stream.text(message->kind == LiveMessage::Kind::text);
-    co_await session->stream.async_write(
-        asio::buffer(message->bytes->data(), message->bytes->size()),
-        asio::redirect_error(kUseAwaitable, error));
+    std::array<asio::const_buffer, 4> buffers;
+    std::ranges::transform(message->pieces(), buffers.begin(), [](ByteView piece) {
+      return asio::const_buffer(piece.data(), piece.size());
+    });
+    co_await session->stream.async_write(buffers, asio::redirect_error(kUseAwaitable, error));
   }
 }
 
-/// Reads, and drops, what a viewer says, until it ends.
+/// Reads and ignores what a viewer sends, until the connection ends.
 Task<void> read_from_viewer(std::shared_ptr<Session> session) {
   session->stream.read_message_max(kMaxViewerMessage);
   std::array<char, 4096> dropped;
@@ -213,18 +98,20 @@ Task<void> read_from_viewer(std::shared_ptr<Session> session) {
   }
 }
 
-/// Hands a publisher's messages to the relay. What went wrong, to be told it; empty if it ended.
+/// Passes a publisher's messages to the relay. Returns what was wrong, for the publisher; empty if
+/// the publisher has ended the connection.
 Task<std::string> read_from_publisher(std::shared_ptr<Session> session, Publication& publication,
                                       const Limits& limits) {
   session->stream.read_message_max(limits.max_message);
   Timer pause(session->transport->executor());
-  Clock::time_point paid = Clock::now();  // what came is paid for until then
+  // When everything that has come so far would have come at the publisher's rate.
+  Clock::time_point paid = Clock::now();
   while (true) {
     Bytes bytes;
     auto buffer = asio::dynamic_buffer(bytes, limits.max_message);
     error_code error;
     co_await session->stream.async_read(buffer, asio::redirect_error(kUseAwaitable, error));
-    if (error == websocket::error::message_too_big) co_return "the message is too big";
+    if (error == websocket::error::message_too_big) co_return "the message is too large";
     if (error) co_return std::string();
     const auto size = static_cast<double>(bytes.size());
     LiveMessage message;
@@ -234,8 +121,9 @@ Task<std::string> read_from_publisher(std::shared_ptr<Session> session, Publicat
       co_return taken.error().message;
     }
     if (limits.publish_rate <= 0) continue;
-    // A second's worth may come at once, and for five seconds TCP holds the peer back; but for no
-    // second at a time, for then its pings would not be answered.
+    // The bytes of one second may come at once. Beyond that the peer is not read from for up to
+    // five seconds, so that TCP holds it back; but not for more than a second at a time, so that
+    // its pings are still answered.
     const auto now = Clock::now();
     paid = std::max(paid, now - std::chrono::seconds(1)) +
            std::chrono::duration_cast<Clock::duration>(
@@ -300,7 +188,7 @@ Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string rec
   service.log().write(Log::Level::kInfo, publishes ? "live.publisher_ended" : "live.viewer_ended",
                       {{"peer", peer.address}, {"stream", call.stream}});
   transport->close();
-  // Who writes sees that the socket is closed.
+  // Wakes the coroutine that writes, which then sees that the socket is closed.
   if (wake) wake->function()();
 }
 

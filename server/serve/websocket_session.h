@@ -12,26 +12,26 @@
 /// Live streams over WebSocket (RFC 6455), between a transport and the relay.
 namespace pointreel {
 
-/// Wakes who sleeps on a strand, from any thread.
+/// Wakes a coroutine that sleeps on a strand, from any thread.
 class Wake : public std::enable_shared_from_this<Wake> {
  public:
   explicit Wake(const Strand& strand) : timer_(strand) {}
-  /// On the strand: until it is woken. No call is lost if nothing was awaited since it was looked
-  /// for whether there is something to do.
+  /// Sleeps until it is woken. Must be called on the strand. No wake-up is lost, provided that
+  /// nothing was awaited since it was checked whether there is something to do.
   Task<void> sleep();
-  /// A call wakes; it may outlive this.
+  /// A function that wakes the coroutine. It may outlive this object.
   std::function<void()> function();
 
  private:
   Timer timer_;
 };
 
-/// Answers the upgrade whose head, and what came behind it, is `received`, and serves the session
-/// until one side ends it. Idle peers are asked (ping) whether they are still there.
+/// Answers an upgrade request and serves the session until one side ends it. `received` is the head
+/// of the request and whatever came after it. Idle peers are pinged.
 ///
-/// Trust: messages are untrusted. Of a viewer they are bounded to 64 KiB and dropped; a publisher's
-/// are bounded to what live.h allows and checked by the relay, and come no faster than the limits
-/// say: it is not read from, so that TCP holds it back.
+/// Trust: messages are untrusted. Those of a viewer may have up to 64 KiB and are ignored. Those of
+/// a publisher are bounded by Limits::max_message and checked by the relay. A publisher that
+/// exceeds Limits::publish_rate is not read from for a while, so that TCP holds it back.
 Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string received,
                            LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
                            const Limits& limits);

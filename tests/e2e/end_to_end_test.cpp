@@ -68,10 +68,20 @@ class EndToEnd : public testing::TestWithParam<const char*> {
   }
 
   Outcome pack() {
-    return run("pointreel-server",
-               {"pack", "-i", (folder_ / "in").string(), "-o", reel().string(), "--codec",
-                GetParam(), draco() ? "--qp" : "--depth", std::to_string(kDepth), "--fps",
-                std::to_string(kFps), "--json"});
+    std::vector<std::string> arguments = {"pack",
+                                          "-i",
+                                          (folder_ / "in").string(),
+                                          "-o",
+                                          reel().string(),
+                                          "--codec",
+                                          GetParam(),
+                                          draco() ? "--qp" : "--depth",
+                                          std::to_string(kDepth),
+                                          "--fps",
+                                          std::to_string(kFps),
+                                          "--json"};
+    if (draco()) arguments.push_back("--measure-parts");
+    return run("pointreel-server", arguments);
   }
 
   bool draco() const { return GetParam() == std::string("draco"); }

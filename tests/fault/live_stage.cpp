@@ -10,6 +10,7 @@
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
 #include "tests/fault/turning_ball.h"
+#include "tests/live_layer.h"
 
 namespace pointreel {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/stream/live.h"
+#include "tests/live_layer.h"
 
 /// Messages of live streams, text or binary as the first byte says. What a parser accepts it must
 /// keep its promises about, and writing it gives what was read.

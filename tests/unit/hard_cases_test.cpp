@@ -14,7 +14,7 @@
 #include "common/octree/build.h"
 #include "common/stream/manifest.h"
 #include "pointreel/octree.h"
-#include "server/pack/commands.h"
+#include "server/commands.h"
 #include "tests/unit/packed_reel.h"
 
 namespace pointreel {

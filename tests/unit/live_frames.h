@@ -6,7 +6,8 @@
 #include <string_view>
 
 #include "common/stream/live.h"
-#include "server/relay/viewer_queue.h"
+#include "common/stream/live_queue.h"
+#include "tests/live_layer.h"
 
 /// Live messages whose layers hold no real chunks, for tests that look at headers only.
 namespace pointreel {

@@ -8,6 +8,7 @@
 
 #include "common/stream/live.h"
 #include "pointreel/chunks.h"
+#include "tests/live_layer.h"
 
 namespace pointreel {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/stream/manifest.h"
-#include "server/pack/commands.h"
+#include "server/commands.h"
 #include "tests/unit/packed_reel.h"
 
 namespace pointreel {
@@ -63,6 +63,24 @@ TEST_F(PackCommand, prints_its_summary_as_json_and_nothing_else) {
                   bits.at("normals").get<double>(),
               bits.at("total").get<double>(), 1e-9);
   EXPECT_LE(summary.at("encode_ms").at("min"), summary.at("encode_ms").at("max"));
+}
+
+TEST_F(PackCommand, reports_the_parts_of_draco_frames_only_on_request) {
+  write_frames(1);
+  const auto bits_per_point = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"--codec", "draco", "--force", "--json"};
+    all.insert(all.end(), more.begin(), more.end());
+    return json::parse(run_pack(all).out).at("bits_per_point");
+  };
+  const json total = bits_per_point({});
+  EXPECT_EQ(total.size(), 1u);
+  const json parts = bits_per_point({"--measure-parts"});
+  EXPECT_EQ(parts.at("total"), total.at("total"));
+  EXPECT_NEAR(parts.at("geometry").get<double>() + parts.at("colors").get<double>() +
+                  parts.at("normals").get<double>(),
+              parts.at("total").get<double>(), 1e-9);
+  EXPECT_THAT(run_pack({"--codec", "draco", "--force"}).out, testing::Not(HasSubstr("(geometry")));
+  EXPECT_EQ(run_pack({"--measure-parts", "--force"}).code, kExitUsage);
 }
 
 TEST_F(PackCommand, reports_how_a_bit_rate_changed_each_segment) {

@@ -177,8 +177,8 @@ TEST_F(PackControl, reports_the_largest_error_and_stores_it_in_the_package) {
     double most = 0.0;
     for (std::uint32_t i = 0; i < 4; ++i) {
       const auto source = read_cloud_file(folder_.path() / "in" / fmt::format("frame_{}.ply", i));
-      const auto bytes = read_frame(options.output, manifest, i, SIZE_MAX);
-      const auto back = decode_frame(layer_views(bytes->layers));
+      const auto layers = read_frame(options.output, manifest, i, SIZE_MAX);
+      const auto back = decode_frame(layer_views(*layers));
       most = std::max(most, cloud_distance(source->cloud, back->cloud)->max());
     }
     EXPECT_LE(most, summary.max_error);

@@ -44,9 +44,10 @@ std::string error_of(const PackOptions& options, const PackListener& listener = 
 
 /// Decodes all layers of a frame.
 DecodedFrame decoded(const fs::path& reel, std::uint32_t frame) {
-  const Result<FrameBytes> bytes = read_frame(reel, manifest_of(reel), frame, SIZE_MAX);
-  if (!bytes) ADD_FAILURE() << bytes.error().message;
-  Result<DecodedFrame> result = decode_frame(layer_views(bytes.value_or(FrameBytes{}).layers));
+  const auto layers = read_frame(reel, manifest_of(reel), frame, SIZE_MAX);
+  if (!layers) ADD_FAILURE() << layers.error().message;
+  Result<DecodedFrame> result =
+      decode_frame(layer_views(layers.value_or(std::vector<Chunks<Bytes>>())));
   if (!result) ADD_FAILURE() << result.error().message;
   return result.value_or(DecodedFrame{});
 }
@@ -304,6 +305,7 @@ TEST(Packer, omits_attributes_on_request) {
   write_frames(folder.path() / "in", 2);
   PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
   options.force = true;
+  options.measure_parts = true;
   for (const EncodeOptions& encode : {options.encode, draco()}) {
     for (const bool colors : {false, true}) {
       for (const bool normals : {false, true}) {
@@ -314,8 +316,8 @@ TEST(Packer, omits_attributes_on_request) {
         const Manifest manifest = manifest_of(options.output);
         EXPECT_EQ(manifest.colors, colors);
         EXPECT_EQ(manifest.normals, normals);
-        EXPECT_EQ(summary.color_bytes > 0, colors);
-        EXPECT_EQ(summary.normal_bytes > 0, normals);
+        EXPECT_EQ(summary.parts.value().colors > 0, colors);
+        EXPECT_EQ(summary.parts.value().normals > 0, normals);
         const PointCloud cloud = decoded(options.output, 1).cloud;
         EXPECT_EQ(cloud.has_colors(), colors);
         EXPECT_EQ(cloud.has_normals(), normals);
@@ -400,7 +402,8 @@ TEST(Packer, summarises_its_output) {
   }
   for (std::uint32_t i = 0; i < 4; ++i) coded += decoded(options.output, i).cloud.size();
   EXPECT_EQ(summary.bytes, bytes);
-  EXPECT_EQ(summary.geometry_bytes + summary.color_bytes + summary.normal_bytes, segment_bytes);
+  EXPECT_EQ(summary.segment_bytes, segment_bytes);
+  EXPECT_EQ(total(summary.parts.value()), segment_bytes);
   EXPECT_EQ(summary.points, 100u + 101u + 102u + 103u);
   EXPECT_EQ(summary.coded_points, coded);
   EXPECT_EQ(summary.depth_min, 10u);

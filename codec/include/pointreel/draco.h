@@ -19,12 +19,15 @@ namespace pointreel {
 /// chooses as draco_encoder does: sequential at compression level 0, otherwise the kd-tree.
 enum class DracoMethod : std::uint8_t { automatic, sequential, kd_tree };
 
+inline constexpr int kMinNormalBits = 2, kMaxNormalBits = 16, kMaxCompressionLevel = 10;
+
 /// The options of draco_encoder, with its defaults.
 struct DracoOptions {
-  int position_bits = 11;     ///< --qp, 1 to 21: divides the edge of the cube into 2^bits cells
-  int normal_bits = 8;        ///< --qn, 2 to 16
+  /// --qp, 1 to kMaxDepth: divides the edge of the cube into 2^bits cells.
+  int position_bits = 11;
+  int normal_bits = 8;        ///< --qn, kMinNormalBits to kMaxNormalBits
   int generic_bits = 8;       ///< --qg; has no effect, since frames have no generic attributes
-  int compression_level = 7;  ///< --cl, 0 (fastest) to 10 (smallest)
+  int compression_level = 7;  ///< --cl, 0 (fastest) to kMaxCompressionLevel (smallest)
   DracoMethod method = DracoMethod::automatic;
 };
 

@@ -58,6 +58,9 @@ struct LiveManifest {
   bool ended = false;             ///< true while no publisher is connected; one may come back
 };
 
+/// The highest nominal frame rate.
+inline constexpr double kMaxFps = 1e6;
+
 /// What reels and live streams have in common, and state before any frame.
 struct ReelHead {
   std::string name;     ///< for people

@@ -21,6 +21,7 @@
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
+#include "tests/live_layer.h"
 #include "tests/load/load_generator.h"
 
 namespace pointreel::bench {

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+/// The subcommands of pointreel-server. Each is defined in the room that it belongs to.
+namespace pointreel {
+
+/// Exit codes of every subcommand.
+inline constexpr int kExitOk = 0, kExitFailed = 1, kExitUsage = 2;
+
+/// Each adds subcommands to the program. When one of them has run, `exit_code` holds its result.
+void add_pack_command(CLI::App& app, int& exit_code);
+void add_inspect_commands(CLI::App& app, int& exit_code);  ///< info, verify and unpack
+void add_publish_command(CLI::App& app, int& exit_code);
+void add_serve_command(CLI::App& app, int& exit_code);
+
+/// Prints `pointreel-server: message` to standard error, as one line.
+inline void print_error(const std::string& message) {
+  std::fputs(("pointreel-server: " + message + "\n").c_str(), stderr);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
+#include "server/encode/sequence_options.h"
+
+namespace pointreel {
+
+/// The cube in which points are encoded, and the options to encode them with: a given voxel size
+/// fixes the depth.
+struct Grid {
+  Cube cube;
+  EncodeOptions encode;
+};
+
+/// The grid for points within `box`. An error if SequenceOptions::voxel needs too deep an octree.
+Result<Grid> grid_for(const Box& box, const SequenceOptions& options);
+
+}  // namespace pointreel

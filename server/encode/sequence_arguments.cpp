@@ -1,0 +1,172 @@
+#include "server/encode/sequence_arguments.h"
+
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "codec/octree/slabs.h"
+#include "pointreel/octree.h"
+
+namespace pointreel {
+
+namespace {
+
+/// Accepts the numbers for which `good` holds. CLI::Range would let NaN pass.
+CLI::Validator number(const char* what, bool (*good)(double)) {
+  const auto check = [what, good](const std::string& text) {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && good(value)) return std::string();
+    return fmt::format("{} is not {}", text, what);
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator positive() {
+  return number("a number above 0", [](double v) { return v > 0.0 && std::isfinite(v); });
+}
+
+}  // namespace
+
+CLI::Option* SequenceArguments::only_with(Codec of, CLI::Option* option) {
+  of_codec_.emplace_back(of, option);
+  return option->group(of == Codec::octree ? "Octree" : "Draco");
+}
+
+CLI::Option* SequenceArguments::only_with_context(CLI::Option* option) {
+  of_context_.push_back(option);
+  return only_with(Codec::octree, option);
+}
+
+void SequenceArguments::add_to(CLI::App& command, const char* default_name,
+                               const char* about_frame_time) {
+  command.add_option("--fps", sequence.fps, "frames per second")
+      ->check(
+          number("above 0 and at most 1000000", [](double v) { return v > 0.0 && v <= kMaxFps; }))
+      ->capture_default_str();
+  add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
+                   "the axis that points up");
+  command.add_option("--name", sequence.name,
+                     fmt::format("a name for people (default: that of the {})", default_name));
+  command
+      .add_option("--threads", sequence.threads, "threads that encode; 0: one for each processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--frame-time", sequence.frame_time_ms,
+          fmt::format("milliseconds that encoding a frame may take; the depth is lowered to "
+                      "achieve this ({})",
+                      about_frame_time))
+      ->check(positive())
+      ->type_name("MS");
+  add_choice<Codec>(command, "--codec", codec,
+                    {{name(Codec::octree), Codec::octree}, {name(Codec::draco), Codec::draco}},
+                    "octrees, in layers that refine each other, or Draco");
+  CLI::Option* normals = add_choice<bool>(
+      command, "--normals", sequence.encode.normals, {{"send", true}, {"derive", false}},
+      "send the normals of the source, or let players derive them from the points");
+  command
+      .add_flag_callback(
+          "--no-normals", [this] { sequence.encode.normals = false; },
+          "leave normals out, the same as --normals derive")
+      ->excludes(normals);
+  command.add_flag_callback(
+      "--no-colors", [this] { sequence.encode.colors = false; }, "leave colours out");
+  add_octree_options(command);
+  add_draco_options(command);
+}
+
+void SequenceArguments::add_octree_options(CLI::App& command) {
+  CLI::Option* delta = only_with(
+      Codec::octree,
+      command
+          .add_option_function<double>(
+              "--delta", [this](double share) { octree.depth = DepthRule::by_delta(share); },
+              "divide the octree until at most this share of the points has merged into others")
+          ->check(number("a number of at least 0", [](double v) { return v >= 0.0; }))
+          ->default_str(fmt::format("{}", octree.depth.delta)));
+  CLI::Option* depth =
+      only_with(Codec::octree,
+                command
+                    .add_option_function<int>(
+                        "--depth", [this](int levels) { octree.depth = DepthRule::fixed(levels); },
+                        "instead of --delta: a fixed depth")
+                    ->check(CLI::Range(0, kMaxDepth)));
+  CLI::Option* voxel = only_with(
+      Codec::octree,
+      command
+          .add_option("--voxel", sequence.voxel,
+                      "instead of --delta: voxels of this size in the source's units, centred on "
+                      "its multiples")
+          ->check(positive()));
+  delta->excludes(depth)->excludes(voxel);
+  depth->excludes(voxel);
+  only_with(Codec::octree, add_choice<Entropy>(command, "--entropy", octree.entropy,
+                                               {{name(Entropy::none), Entropy::none},
+                                                {name(Entropy::zstd), Entropy::zstd},
+                                                {name(Entropy::context), Entropy::context}},
+                                               "how the octree is compressed: context gives the "
+                                               "fewest bytes, none is the fastest"));
+  only_with_context(command
+                        .add_option("--slabs", octree.slabs,
+                                    "code a frame in this many parts, in parallel in encoder and "
+                                    "player, each at about 1 % of its bytes; 0: one part below "
+                                    "2^20 voxels, then one for each 2^19")
+                        ->check(CLI::Range(0, kMostSlabs))
+                        ->capture_default_str());
+  only_with(Codec::octree,
+            command
+                .add_option("--quality", octree.color_quality,
+                            "quality of colours; every +14 halves the error, 100 is lossless")
+                ->check(CLI::Range(1, kLosslessColorQuality))
+                ->capture_default_str());
+  only_with(Codec::octree,
+            command
+                .add_option("--normal-quality", octree.normal_quality,
+                            "quality of normals on the same scale; 100 is within half a degree")
+                ->check(CLI::Range(1, kBestNormalQuality))
+                ->capture_default_str());
+}
+
+void SequenceArguments::add_draco_options(CLI::App& command) {
+  const auto add = [&](const char* flag, int& value, const char* what, int least, int most) {
+    only_with(Codec::draco, command.add_option(flag, value, what)
+                                ->check(CLI::Range(least, most))
+                                ->capture_default_str());
+  };
+  add("--qp", draco.position_bits, "bits of each coordinate of a position", 1, kMaxDepth);
+  add("--qn", draco.normal_bits, "bits of a normal", kMinNormalBits, kMaxNormalBits);
+  add("--qg", draco.generic_bits, "bits of a generic attribute", 1, 30);
+  add("--cl", draco.compression_level, "compression level: 0 is the fastest, 10 the smallest", 0,
+      kMaxCompressionLevel);
+  only_with(Codec::draco,
+            add_choice<DracoMethod>(command, "--method", draco.method,
+                                    {{"auto", DracoMethod::automatic},
+                                     {"kd-tree", DracoMethod::kd_tree},
+                                     {"sequential", DracoMethod::sequential}},
+                                    "how points are ordered; auto is sequential at --cl 0, "
+                                    "otherwise kd-tree"));
+}
+
+Result<SequenceOptions> SequenceArguments::options() const {
+  for (const auto& [of, option] : of_codec_) {
+    if (option->count() == 0 || of == codec) continue;
+    return fail(ErrorCode::argument,
+                fmt::format("{} needs --codec {}", option->get_name(), name(of)));
+  }
+  for (const CLI::Option* option : of_context_) {
+    if (option->count() == 0 || octree.entropy == Entropy::context) continue;
+    return fail(ErrorCode::argument,
+                fmt::format("{} needs --entropy {}", option->get_name(), name(Entropy::context)));
+  }
+  SequenceOptions options = sequence;
+  if (codec == Codec::octree) {
+    options.encode.codec = octree;
+  } else {
+    options.encode.codec = draco;
+  }
+  return options;
+}
+
+}  // namespace pointreel

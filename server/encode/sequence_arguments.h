@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
+#include "server/encode/sequence_options.h"
+
+namespace pointreel {
+
+/// The options that the command lines of pack and publish share. Names, ranges and descriptions
+/// stand here only; the defaults are the values that the members have before `add_to`.
+struct SequenceArguments {
+  SequenceOptions sequence;  ///< all but `sequence.encode.codec`
+  Codec codec = Codec::octree;
+  OctreeOptions octree;
+  DracoOptions draco;
+
+  /// Adds the options to a command, which this object must outlive. The texts complete the
+  /// descriptions of --name and --frame-time.
+  void add_to(CLI::App& command, const char* default_name, const char* about_frame_time);
+
+  /// Declares an option of the command that makes sense only with one codec, or only with
+  /// Entropy::context.
+  CLI::Option* only_with(Codec of, CLI::Option* option);
+  CLI::Option* only_with_context(CLI::Option* option);
+
+  /// What was given; an error if some of it does not go together.
+  Result<SequenceOptions> options() const;
+
+ private:
+  void add_octree_options(CLI::App& command);
+  void add_draco_options(CLI::App& command);
+
+  std::vector<std::pair<Codec, const CLI::Option*>> of_codec_;
+  std::vector<const CLI::Option*> of_context_;
+};
+
+/// An option with a value for each of some words.
+template <class T>
+CLI::Option* add_choice(CLI::App& command, const char* flag, T& value,
+                        const std::vector<std::pair<std::string, T>>& choices,
+                        const char* description) {
+  std::vector<std::string> words;
+  std::string chosen;
+  for (const auto& [word, meaning] : choices) {
+    words.push_back(word);
+    if (meaning == value) chosen = word;
+  }
+  const auto set = [&value, choices](const std::string& given) {
+    for (const auto& [word, meaning] : choices) {
+      if (word == given) value = meaning;
+    }
+  };
+  return command.add_option_function<std::string>(flag, set, description)
+      ->check(CLI::IsMember(words))
+      ->default_str(chosen);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,20 @@
+#include "server/encode/sequence_options.h"
+
+namespace pointreel {
+
+ReelHead reel_head(const SequenceOptions& options) {
+  ReelHead head;
+  head.name = options.name;
+  head.codec = name(options.encode.id());
+  head.fps = options.fps;
+  head.up = options.up;
+  if (const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec)) {
+    head.entropy = name(octree->entropy);
+    head.layer_names = {"base", "middle", "full"};
+  } else {
+    head.layer_names = {"full"};
+  }
+  return head;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
+
+namespace pointreel {
+
+/// What pack and publish are both told about a sequence of frames, and how to encode it.
+struct SequenceOptions {
+  std::string name;   ///< for people
+  double fps = 30.0;  ///< nominal frames per second, above 0 and at most kMaxFps
+  char up = 'y';      ///< the axis that points up, 'y' or 'z'
+  EncodeOptions encode;
+  /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, and it
+  /// determines the depth of the octree.
+  std::optional<double> voxel;
+  /// Milliseconds, above 0, that encoding a frame may take. FrameTimeControl lowers the depth to
+  /// achieve this, so the encoded bytes depend on the machine.
+  std::optional<double> frame_time_ms;
+  int threads = 0;  ///< that encode; 0: one for each processor
+};
+
+/// What a reel or a live stream of such frames says about itself. Colours and normals are not known
+/// before there is a frame.
+ReelHead reel_head(const SequenceOptions& options);
+
+}  // namespace pointreel

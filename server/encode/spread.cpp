@@ -1,0 +1,16 @@
+#include "server/encode/spread.h"
+
+#include <algorithm>
+
+namespace pointreel {
+
+Spread spread_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  const double median =
+      values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  return {median, values.front(), values.back()};
+}
+
+}  // namespace pointreel

@@ -1,0 +1,129 @@
+#include "server/pack/pack_segment.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include "common/base/try.h"
+#include "server/pack/layer_writer.h"
+#include "server/pack/output_folder.h"
+
+namespace pointreel {
+namespace {
+
+/// Writes frames in order and sums them up.
+class Writer {
+ public:
+  Writer(std::uint32_t first_frame, const PackOptions& options, const SegmentOutput& output)
+      : fps_(options.fps) {
+    segment_.entry.first_frame = first_frame;
+    segment_.summary.first_frame = first_frame;
+    for (const std::string& layer : output.layer_names) {
+      files_.emplace_back(output.folder, fmt::format("{:05}.{}", first_frame, layer));
+    }
+  }
+
+  Result<void> add(const PackedFrame& frame) {
+    const EncodedFrame& encoded = frame.encoded;
+    if (encoded.layers.size() > files_.size()) return fail("the codec made too many layers");
+    static const Chunks<Bytes> kNone;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      files_[i].append(i < encoded.layers.size() ? encoded.layers[i] : kNone);
+    }
+    Segment& entry = segment_.entry;
+    entry.times_us.push_back(presentation_time_us(entry.first_frame + entry.points.size(), fps_));
+    entry.points.push_back(encoded.source_points);
+
+    SegmentSummary& summary = segment_.summary;
+    const auto depth = static_cast<std::uint32_t>(encoded.depth);
+    summary.depth_min = summary.frames == 0 ? depth : std::min(summary.depth_min, depth);
+    summary.depth_max = std::max(summary.depth_max, depth);
+    summary.max_error = std::max(summary.max_error, frame.max_error);
+    summary.frames += 1;
+
+    segment_.box.grow(frame.box);
+    segment_.colors |= frame.colors;
+    segment_.normals |= frame.normals;
+    segment_.had_radii |= frame.had_radii;
+    segment_.points += encoded.source_points;
+    segment_.coded_points += encoded.coded_points;
+    if (frame.parts) {
+      if (!segment_.parts) segment_.parts.emplace();
+      segment_.parts->geometry += frame.parts->geometry;
+      segment_.parts->colors += frame.parts->colors;
+      segment_.parts->normals += frame.parts->normals;
+    }
+    segment_.encode_ms.push_back(frame.encode_ms);
+    segment_.warnings.insert(segment_.warnings.end(), frame.warnings.begin(), frame.warnings.end());
+    return {};
+  }
+
+  Result<PackedSegment> finish() {
+    SegmentSummary& summary = segment_.summary;
+    for (LayerWriter& file : files_) {
+      segment_.entry.layers.push_back(TRY(file.finish()));
+      summary.bytes += segment_.entry.layers.back().bytes;
+    }
+    summary.bits_per_second = 8.0 * static_cast<double>(summary.bytes) * fps_ / summary.frames;
+    return std::move(segment_);
+  }
+
+ private:
+  const double fps_;
+  std::vector<LayerWriter> files_;
+  PackedSegment segment_;
+};
+
+}  // namespace
+
+std::uint64_t presentation_time_us(std::size_t frame, double fps) {
+  return static_cast<std::uint64_t>(std::llround(static_cast<double>(frame) * 1e6 / fps));
+}
+
+Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_frame,
+                                   const PackOptions& options, FrameLimits& limits,
+                                   const SegmentOutput& output) {
+  Writer writer(first_frame, options, output);
+  std::optional<Error> error;  // belongs to the last stage
+  std::atomic<bool> failed = false;
+  const auto stopping = [&] { return failed || output.stop.stop_requested(); };
+  std::size_t next = 0;
+  const auto take_next = [&](tbb::flow_control& flow) -> std::size_t {
+    if (next < input.size() && !stopping()) return next++;
+    flow.stop();
+    return 0;
+  };
+  const auto encode = [&](std::size_t frame) { return pack_frame(input, frame, options, limits); };
+  const auto write = [&](const Result<PackedFrame>& frame) {
+    if (stopping()) return;
+    const Result<void> written = frame ? writer.add(*frame) : tl::unexpected(frame.error());
+    if (!written) {
+      error = written.error();
+      failed = true;
+    } else if (output.frame_done) {
+      output.frame_done();
+    }
+  };
+  // Frames are encoded in parallel and written in order. The tokens bound how many are in memory.
+  const int threads = tbb::this_task_arena::max_concurrency();
+  tbb::parallel_pipeline(
+      static_cast<std::size_t>(threads) + 2,
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take_next) &
+          tbb::make_filter<std::size_t, Result<PackedFrame>>(tbb::filter_mode::parallel, encode) &
+          tbb::make_filter<Result<PackedFrame>, void>(tbb::filter_mode::serial_in_order, write));
+  if (error) return tl::unexpected(*error);
+  if (output.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+
+  Result<PackedSegment> packed = writer.finish();
+  if (!packed) return fail_at(options.output.string(), packed.error());
+  packed->summary.encode = limits.of_segment(options.encode);
+  packed->entry.cube = input.shared_grid() ? input.shared_grid()->cube : bounding_cube(packed->box);
+  return packed;
+}
+
+}  // namespace pointreel

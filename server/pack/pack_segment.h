@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "pointreel/chunks.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
+#include "pointreel/package.h"
+#include "server/pack/input.h"
+#include "server/pack/pack_frame.h"
+#include "server/pack/packer.h"
+
+namespace pointreel {
+
+/// A segment whose files have been written: its entry in the manifest, and what the summary of the
+/// package needs to know about it.
+struct PackedSegment {
+  Segment entry;
+  SegmentSummary summary;
+  Box box;                               ///< of the source's points
+  bool colors = false, normals = false;  ///< were encoded in any frame
+  bool had_radii = false;
+  std::uint64_t points = 0, coded_points = 0;
+  std::optional<Chunks<std::uint64_t>> parts;  ///< as PackSummary::parts
+  std::vector<double> encode_ms;               ///< of each frame
+  std::vector<std::string> warnings;
+};
+
+struct SegmentOutput {
+  std::filesystem::path folder;
+  std::vector<std::string> layer_names;  ///< coarse to fine
+  std::function<void()> frame_done;      ///< one call at a time; may be empty
+  std::stop_token stop;
+};
+
+/// Encodes the frames of a segment, as many at a time as the calling arena has threads, and writes
+/// its files. `first_frame` is the number of its first frame in the reel.
+Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_frame,
+                                   const PackOptions& options, FrameLimits& limits,
+                                   const SegmentOutput& output);
+
+/// The presentation time of a frame of the reel.
+std::uint64_t presentation_time_us(std::size_t frame, double fps);
+
+}  // namespace pointreel

@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include "codec/frame_header.h"
+#include "common/base/try.h"
+#include "common/stream/manifest.h"
+#include "server/pack/inspect.h"
+#include "server/pack/read_package.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+Result<std::uint64_t> file_checksum(const fs::path& path) {
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(XXH3_createState(),
+                                                                      &XXH3_freeState);
+  XXH3_64bits_reset(hash.get());
+  std::ifstream in(path, std::ios::binary);
+  std::vector<char> block(1 << 20);
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    XXH3_64bits_update(hash.get(), block.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (!in.eof()) return fail(ErrorCode::io, "cannot be read");
+  return XXH3_64bits_digest(hash.get());
+}
+
+/// Checks the size and the checksum of a file.
+Result<void> check_file(const fs::path& folder, const PackageFile& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(folder / file.path, error);
+  if (error) return fail(ErrorCode::io, error.message());
+  if (size != file.bytes) {
+    return fail(fmt::format("has {} bytes, the manifest says {}", size, file.bytes));
+  }
+  const std::uint64_t checksum = TRY(file_checksum(folder / file.path));
+  if (checksum != file.checksum) {
+    return fail(fmt::format("has the checksum {:016x}, the manifest says {:016x}", checksum,
+                            file.checksum));
+  }
+  return {};
+}
+
+/// The layer that keeps a frame from being decoded: the last one of the shortest prefix that fails.
+std::size_t layer_at_fault(const FrameDecoder& decoder, std::vector<Chunks<ByteView>> layers) {
+  while (layers.size() > 1 && !decoder.decode({layers.begin(), layers.end() - 1})) {
+    layers.pop_back();
+  }
+  return layers.size() - 1;
+}
+
+/// Compares a decoded frame with what the manifest and its own header say.
+Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::size_t layers,
+                           const FrameHeader& header, const DecodedFrame& decoded) {
+  const FrameLocation at = locate(manifest, frame);
+  const std::uint32_t points = manifest.segments[at.segment].points[at.index];
+  if (manifest.codec != name(header.codec)) {
+    return fail(fmt::format("is a frame of the {} codec", name(header.codec)));
+  }
+  if (decoded.source_points != points) {
+    return fail(
+        fmt::format("was made of {} points, the manifest says {}", decoded.source_points, points));
+  }
+  // Fewer layers may decode to the same number of points, if the finer ones divide no cell.
+  const bool coarser = manifest.partial && layers < header.layers;
+  if (layers != header.layers && !coarser) {
+    return fail(fmt::format("has {} layers, its header says {}: a layer is missing", layers,
+                            header.layers));
+  }
+  if (!coarser && decoded.cloud.size() != header.coded_points) {
+    return fail(fmt::format("decodes to {} points, its header says {}", decoded.cloud.size(),
+                            header.coded_points));
+  }
+  if (header.depth < manifest.depth_min || header.depth > manifest.depth_max) {
+    return fail(fmt::format("has depth {}, the manifest says {} to {}", header.depth,
+                            manifest.depth_min, manifest.depth_max));
+  }
+  return {};
+}
+
+/// The first fault of a frame, if there is one.
+std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
+                              const FrameDecoder& decoder, std::uint32_t frame) {
+  const std::vector<LayerFile>& files = manifest.segments[locate(manifest, frame).segment].layers;
+  const auto fault = [&](std::size_t layer, const Error& error) {
+    return Fault{files[layer].path, frame, error.message};
+  };
+  std::vector<Chunks<Bytes>> layers;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    Result<Chunks<Bytes>> layer = read_layer(folder, manifest, frame, i);
+    if (!layer) return fault(i, layer.error());
+    if (layer->geometry.empty()) break;
+    layers.push_back(std::move(*layer));
+  }
+  const Result<ParsedFrameHeader> parsed = read_frame_header(layers.front().geometry);
+  if (!parsed) return fault(0, parsed.error());
+  const Result<DecodedFrame> decoded = decoder.decode(layer_views(layers));
+  if (!decoded) return fault(layer_at_fault(decoder, layer_views(layers)), decoded.error());
+  const Result<void> checked =
+      check_decoded(manifest, frame, layers.size(), parsed->header, *decoded);
+  if (!checked) return fault(layers.size() - 1, checked.error());
+  return std::nullopt;
+}
+
+/// Faults that are found in any order, by the number of their file or frame.
+class Faults {
+ public:
+  void add(std::uint32_t number, Fault fault) {
+    const std::lock_guard lock(mutex_);
+    faults_.emplace_back(number, std::move(fault));
+  }
+  bool empty() const { return faults_.empty(); }
+  void append_to(std::vector<Fault>& all) {
+    std::sort(faults_.begin(), faults_.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [number, fault] : faults_) all.push_back(std::move(fault));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<std::uint32_t, Fault>> faults_;
+};
+
+VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
+                           const InspectListener& listener) {
+  VerifyReport report;
+  report.frames = manifest.frame_count();
+  const std::vector<const PackageFile*> files = manifest.files();
+  for (const PackageFile* file : files) report.bytes += file->bytes;
+  report.files = static_cast<std::uint32_t>(files.size());
+  if (listener.begin) listener.begin(report.frames);
+
+  Faults of_files, of_frames;
+  tbb::parallel_for(std::uint32_t{0}, report.files, [&](std::uint32_t i) {
+    if (listener.stop.stop_requested()) return;
+    if (const Result<void> good = check_file(folder, *files[i]); !good) {
+      of_files.add(i, {files[i]->path, std::nullopt, good.error().message});
+    }
+  });
+  FrameDecoder decoder;
+  if (manifest.tables) {
+    auto with_tables = FrameDecoder::with_tables(folder, *manifest.tables);
+    if (with_tables) {
+      decoder = std::move(*with_tables);
+    } else if (of_files.empty()) {
+      // Otherwise a fault of the file has been reported already.
+      of_files.add(0, {manifest.tables->path, std::nullopt, with_tables.error().message});
+    }
+  }
+  for_each_frame(report.frames, listener, [&](std::uint32_t i) {
+    if (std::optional<Fault> fault = fault_of(folder, manifest, decoder, i)) {
+      of_frames.add(i, std::move(*fault));
+    }
+  });
+  of_files.append_to(report.faults);
+  of_frames.append_to(report.faults);
+  return report;
+}
+
+}  // namespace
+
+Result<VerifyReport> verify(const fs::path& folder, const InspectListener& listener) {
+  return without_exceptions([&]() -> Result<VerifyReport> {
+    VerifyReport report = verify_parsed(folder, TRY(read_manifest(folder)), listener);
+    if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, "interrupted");
+    return report;
+  });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,85 @@
+#include <array>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include "common/base/natural_order.h"
+#include "server/publish/descriptor.h"
+#include "server/publish/frame_input.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_cloud_name(std::string_view name) {
+  return !name.starts_with('.') && (name.ends_with(".ply") || name.ends_with(".drc"));
+}
+
+class FolderFollower : public FrameInput {
+ public:
+  FolderFollower(fs::path folder, int watch, LiveClock clock)
+      : folder_(std::move(folder)), watch_(watch), clock_(std::move(clock)) {
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (is_cloud_name(name) && (newest_.empty() || natural_less(newest_, name))) newest_ = name;
+    }
+  }
+  ~FolderFollower() override { ::close(watch_); }
+
+  Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
+    for (;;) {
+      read_events();
+      if (!newest_.empty()) break;
+      if (!wait_readable(watch_, stop)) return std::optional<InputFrame>();
+    }
+    const fs::path file = folder_ / std::exchange(newest_, {});
+    const std::uint64_t now = clock_.now_us();
+    return InputFrame{file.string(), now, read_cloud_file(file)};
+  }
+
+  std::uint64_t skipped() const override { return skipped_; }
+
+ private:
+  /// Reads the events that the system holds ready, without waiting.
+  void read_events() {
+    alignas(inotify_event) std::array<char, 16 * 1024> events;
+    for (;;) {
+      const ssize_t size = ::read(watch_, events.data(), events.size());
+      if (size <= 0) return;
+      for (ssize_t at = 0; at < size;) {
+        const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
+        at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+        const std::string name = event->len > 0 ? event->name : "";
+        if (!is_cloud_name(name)) continue;
+        if (!newest_.empty() && newest_ != name) ++skipped_;
+        newest_ = name;
+      }
+    }
+  }
+
+  const fs::path folder_;
+  const int watch_;
+  const LiveClock clock_;
+  std::string newest_;  ///< not taken yet; empty if there is none
+  std::uint64_t skipped_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveClock clock) {
+  const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (watch < 0 ||
+      ::inotify_add_watch(watch, folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR) < 0) {
+    const std::string message = errno_message();
+    if (watch >= 0) ::close(watch);
+    return fail(ErrorCode::io, fmt::format("{}: cannot be followed: {}", folder.string(), message));
+  }
+  return std::make_unique<FolderFollower>(folder, watch, std::move(clock));
+}
+
+}  // namespace pointreel

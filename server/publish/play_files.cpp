@@ -1,0 +1,100 @@
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "common/base/bounded_queue.h"
+#include "common/base/unix_time.h"
+#include "server/publish/frame_input.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kReadAhead = 3;  // frames
+
+class FilePlayer : public FrameInput {
+ public:
+  FilePlayer(std::vector<fs::path> files, double fps, bool loop, LiveClock clock)
+      : files_(std::move(files)), fps_(fps), loop_(loop), clock_(std::move(clock)) {}
+  ~FilePlayer() override { ahead_.close(); }
+
+  Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
+    if (!reader_.joinable()) reader_ = std::jthread([this](std::stop_token s) { read(s); });
+    const std::stop_callback closing(stop, [this] { ahead_.close(); });
+    std::optional<InputFrame> frame = ahead_.pop();
+    // If several frames are due, the newest of them is published.
+    while (frame && !stop.stop_requested() && ahead_.size() > 0 &&
+           frame->capture_us + period_us() <= clock_.now_us()) {
+      frame = ahead_.pop();
+      ++skipped_;
+    }
+    if (!frame || stop.stop_requested()) return std::optional<InputFrame>();
+    clock_.wait_until(frame->capture_us, stop);
+    return frame;
+  }
+
+  std::uint64_t skipped() const override { return skipped_; }
+
+ private:
+  std::uint64_t period_us() const { return static_cast<std::uint64_t>(1e6 / fps_); }
+  std::uint64_t due(std::uint64_t frame) const {
+    return begun_us_ +
+           static_cast<std::uint64_t>(std::llround(static_cast<double>(frame) * 1e6 / fps_));
+  }
+
+  void read(const std::stop_token& stop) {
+    for (std::uint64_t i = 0; !stop.stop_requested(); ++i) {
+      if (i > 0) {
+        // If reading is too slow, it continues with the next frame that is not yet due.
+        const std::uint64_t now = clock_.now_us();
+        while (due(i) + period_us() < now && (loop_ || i + 1 < files_.size())) {
+          ++i;
+          ++skipped_;
+        }
+      }
+      if (!loop_ && i >= files_.size()) break;
+      const fs::path& file = files_[i % files_.size()];
+      Result<LoadedCloud> cloud = read_cloud_file(file);
+      if (i == 0) begun_us_ = clock_.now_us();
+      if (!ahead_.push({file.string(), due(i), std::move(cloud)})) return;
+    }
+    ahead_.close();
+  }
+
+  const std::vector<fs::path> files_;
+  const double fps_;
+  const bool loop_;
+  const LiveClock clock_;
+  BoundedQueue<InputFrame> ahead_{kReadAhead};
+  std::uint64_t begun_us_ = 0;  ///< used by the reader thread only
+  std::atomic<std::uint64_t> skipped_ = 0;
+  std::jthread reader_;
+};
+
+}  // namespace
+
+LiveClock LiveClock::system() {
+  using std::chrono::microseconds;
+  using Clock = std::chrono::system_clock;
+  LiveClock clock;
+  clock.now_us = unix_time_us;
+  clock.wait_until = [](std::uint64_t time_us, const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    const Clock::time_point time{microseconds(static_cast<std::int64_t>(time_us))};
+    stopped.wait_until(lock, stop, time, [] { return false; });
+  };
+  return clock;
+}
+
+std::unique_ptr<FrameInput> play_files(std::vector<fs::path> files, double fps, bool loop,
+                                       LiveClock clock) {
+  return std::make_unique<FilePlayer>(std::move(files), fps, loop, std::move(clock));
+}
+
+}  // namespace pointreel

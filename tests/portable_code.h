@@ -4,7 +4,7 @@
 
 namespace pointreel {
 
-/// While it lives, the codec runs its portable code, as on a processor without extensions.
+/// During its lifetime, the codec runs its portable code, as on a processor without extensions.
 class PortableCode {
  public:
   PortableCode() { set_cpu_feature_mask(0); }

@@ -30,11 +30,17 @@ Result<T> at_place(const std::string& place, Result<T> result) {
 ///   TRY(write_ply(path, cloud));  // a Result<void>
 ///
 /// This is a statement expression, an extension of g++ and clang.
-#define TRY(...)                                                                                \
-  ({                                                                                            \
-    _Pragma("GCC diagnostic push")                                                              \
-        _Pragma("GCC diagnostic ignored \"-Wshadow\"") auto&& try_result = (__VA_ARGS__);       \
-    _Pragma("GCC diagnostic pop") if (!try_result) return ::tl::unexpected<::pointreel::Error>( \
-        std::forward<decltype(try_result)>(try_result).error());                                \
-    ::pointreel::value_of_result(std::forward<decltype(try_result)>(try_result));               \
+// clang-format off
+#define TRY(...)                                                                               \
+  ({                                                                                           \
+    _Pragma("GCC diagnostic push")                                                             \
+    _Pragma("GCC diagnostic ignored \"-Wshadow\"")                                             \
+    auto&& try_result = (__VA_ARGS__);                                                         \
+    _Pragma("GCC diagnostic pop")                                                              \
+    if (!try_result) {                                                                         \
+      return ::tl::unexpected<::pointreel::Error>(                                             \
+          std::forward<decltype(try_result)>(try_result).error());                             \
+    }                                                                                          \
+    ::pointreel::value_of_result(std::forward<decltype(try_result)>(try_result));              \
   })
+// clang-format on

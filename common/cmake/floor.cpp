@@ -1,2 +1,2 @@
-// The whole of each *_floor program: only whether it links matters (rooms.cmake).
+// The only source of each *_floor program, which just has to link (rooms.cmake).
 int main() { return 0; }

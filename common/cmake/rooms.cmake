@@ -1,28 +1,29 @@
-# A room is a folder of sources with one purpose, and a library of its own. A room links the rooms
-# that it uses, and no others.
+# A room is a folder of sources with one purpose, and a library of its own. It links the rooms that
+# it uses, and no others.
 
-# What everything in this repository is compiled with. Not installed: users choose their own flags.
+# The flags that everything in this repository is compiled with. They are not installed: other
+# programs choose their own.
 add_library(pointreel_flags INTERFACE)
-# Fused multiply-add would make quantisation depend on the compiler and the processor. Encoded bytes
-# must not.
+# Without -ffp-contract=off, fused multiply-add would make quantisation, and so the encoded bytes,
+# depend on the compiler and the processor.
 target_compile_options(pointreel_flags INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off)
 target_compile_definitions(pointreel_flags INTERFACE GLM_FORCE_EXPLICIT_CTOR)
 target_include_directories(pointreel_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
-  # Below this level the octree's population counts are function calls. Every processor since 2009
-  # has it.
+  # All processors since 2009 support this level. Below it, counting the octree's bits takes function
+  # calls.
   target_compile_options(pointreel_flags INTERFACE -march=x86-64-v2)
 endif()
 if(POINTREEL_SANITIZE)
-  # Not vptr: to look at an object it opens a pipe, and reports a fault if that fails. It does where
-  # a test leaves the server without file descriptors.
+  # Without vptr, because this check opens a pipe and reports an error if it cannot, as in a test
+  # that leaves the server without file descriptors.
   target_compile_options(pointreel_flags INTERFACE -fsanitize=address,undefined
     -fno-sanitize=vptr -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(pointreel_flags INTERFACE -fsanitize=address,undefined)
 endif()
 if(POINTREEL_SANITIZE_THREADS)
-  # ThreadSanitizer does not know Asio's own fences, and warns at each of them.
+  # ThreadSanitizer does not understand Asio's fences, and g++ warns at each of them.
   target_compile_options(pointreel_flags INTERFACE
     -fsanitize=thread -fno-omit-frame-pointer -Wno-tsan)
   target_link_options(pointreel_flags INTERFACE -fsanitize=thread)
@@ -35,8 +36,8 @@ endif()
 
 # pointreel_room(NAME SOURCES... [USES LIBRARY...] [PRIVATE LIBRARY...])
 #
-# A static library. With tests on, a program is linked from all of its objects and what it uses
-# alone: a room that reaches for one that it does not declare fails to link.
+# Makes a static library. If tests are built, all of its objects are also linked to a program with
+# the rooms that it declares and nothing else, which fails if it uses a room that it does not declare.
 function(pointreel_room name)
   cmake_parse_arguments(PARSE_ARGV 1 room "" "" "SOURCES;USES;PRIVATE")
   add_library(${name} STATIC ${room_SOURCES})
@@ -58,8 +59,8 @@ function(pointreel_program name)
   target_link_libraries(${name} PRIVATE ${program_USES} pointreel_flags)
 endfunction()
 
-# Compiling a source full of Boost.Beast templates with both sanitizers and optimisation takes seven
-# minutes and 4 GB. These sources go without optimisation and without the second sanitizer.
+# A source full of Boost.Beast templates takes seven minutes and 4 GB to compile with optimisation
+# and both sanitizers. In sanitized builds, this turns optimisation and the second sanitizer off.
 function(pointreel_compile_lightly)  # SOURCES...
   if(POINTREEL_SANITIZE OR POINTREEL_SANITIZE_THREADS)
     set_property(SOURCE ${ARGV} APPEND PROPERTY COMPILE_OPTIONS -O0 -fno-sanitize=undefined)

@@ -19,8 +19,8 @@ bool between(double value, double a, double b) {
 
 }  // namespace
 
-/// A path that is accepted gives a camera at every time, which passes no key's value on its way to
-/// the next, and writing and parsing it again changes no more than the last digits of angles.
+/// An accepted path gives a camera at every time, which does not overshoot the values of the keys
+/// around it. Writing and parsing the path again changes at most the last digits of angles.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace pointreel;
   const auto path = parse_camera_path({reinterpret_cast<const char*>(data), size});

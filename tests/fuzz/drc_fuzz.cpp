@@ -1,5 +1,5 @@
-// Hostile .drc bytes, as a user's file and as a frame's payload. libdraco itself is not
-// instrumented: crashes within it are found, reads beyond the input by a little may not be.
+// Reads hostile .drc bytes as a user's file and as a frame's payload. libdraco itself is not
+// instrumented, so crashes within it are found, but small reads beyond the input may not be.
 //
 //   drc_fuzz -max_len=4096 -timeout=30 CORPUS_COPY tests/fuzz/corpus/drc
 
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(box.min[axis] >= cube.origin[axis] - 1e-6);
       require(box.max[axis] <= cube.origin[axis] + cube.edge + 1e-6);
     }
-    // What decodes encodes again, and to as many points.
+    // A decoded cloud must encode again, with the same number of points.
     for (const auto method :
          {pointreel::DracoMethod::kd_tree, pointreel::DracoMethod::sequential}) {
       pointreel::DracoOptions options;

@@ -1,5 +1,5 @@
-// Valid frames of both codecs, of points that the input begins with, whose headers and payloads are
-// then changed as the rest of the input says, behind checksums that are right.
+// Makes valid frames of both codecs from points at the beginning of the input, changes their
+// headers and payloads as the rest of the input says, and corrects the checksums.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ void require(bool condition) {
   if (!condition) std::abort();
 }
 
-/// The input, byte by byte; zeros behind its end.
+/// Reads the input byte by byte, and zeros after its end.
 class Input {
  public:
   explicit Input(ByteView bytes) : rest_(bytes) {}
@@ -61,14 +61,14 @@ EncodeOptions options_of(Input& input) {
     if (choice >= 224) {
       octree.entropy = Entropy::context;
       octree.slabs = 1 + parameter % 4;
-      octree.depth = DepthRule::fixed(8 + parameter % 3);  // deeper ones take seconds
+      octree.depth = DepthRule::fixed(8 + parameter % 3);  // a greater depth takes seconds
     }
     options.codec = octree;
   }
   return options;
 }
 
-/// A bent sheet, enough points for several slabs.
+/// A bent sheet with enough points for several slabs.
 PointCloud sheet(Input& input) {
   PointCloud cloud;
   const int bend = input.byte(), twist = input.byte();
@@ -106,7 +106,7 @@ void change(EncodedFrame& frame, Input& input) {
     if (where >= 224) {
       part.resize(part.size() * value / 128, value);
     } else if (where >= 192 && !part.empty()) {
-      // Among the first bytes, which tell about the rest.
+      // Change one of the first bytes, which describe the rest.
       part[at % std::min(part.size(), std::size_t{64})] ^= value;
     } else if (!part.empty()) {
       part[at % part.size()] ^= value;

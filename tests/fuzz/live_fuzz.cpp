@@ -7,8 +7,8 @@
 
 #include "tests/live_layer.h"
 
-/// Messages of live streams, text or binary as the first byte says. What a parser accepts it must
-/// keep its promises about, and writing it gives what was read.
+/// Parses messages of live streams, which are text or binary as the first byte says. An accepted
+/// message must satisfy what the parser guarantees, and writing it must restore the input.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace pointreel;
   if (size == 0) return 0;

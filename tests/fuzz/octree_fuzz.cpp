@@ -16,7 +16,7 @@ namespace {
 
 const DecodeLimits kLimits{1u << 20};
 
-/// Takes `size` bytes, or what is left, off the front.
+/// Removes `size` bytes, or all that are left, from the front.
 ByteView take(ByteView& bytes, std::size_t size) {
   const ByteView taken = bytes.first(std::min(size, bytes.size()));
   bytes = bytes.subspan(taken.size());
@@ -28,7 +28,7 @@ std::size_t take_length(ByteView& bytes) {
   return two.size() < 2 ? 0 : static_cast<std::size_t>(two[0] | two[1] << 8);
 }
 
-/// Chunks as they are in the input, each behind its length.
+/// Takes chunks from the input as they are, each after its length.
 EncodedFrame raw_frame(ByteView bytes) {
   EncodedFrame frame;
   frame.layers.resize(3);
@@ -41,8 +41,8 @@ EncodedFrame raw_frame(ByteView bytes) {
   return frame;
 }
 
-/// Fields and payloads from the input behind checksums that are right, so that the decoder proper
-/// is reached and not only the check before it.
+/// Takes fields and payloads from the input and adds correct checksums, so that the decoder itself
+/// is tested and not only the checks before it.
 EncodedFrame forged_frame(ByteView bytes) {
   const ByteView fields = take(bytes, 4);
   if (fields.size() < 4) return {};
@@ -79,7 +79,7 @@ EncodedFrame forged_frame(ByteView bytes) {
   return frame;
 }
 
-/// Whatever tables can be read code the points that the input begins with, and give them back.
+/// Any tables that can be read must code the points at the beginning of the input losslessly.
 void check_tables(ByteView bytes) {
   (void)read_table_file(bytes);
   const ByteView points = take(bytes, 48);
@@ -104,7 +104,7 @@ void check_tables(ByteView bytes) {
 
 }  // namespace
 
-/// Whatever decodes must be consistent, and come back the same from encoding and decoding again.
+/// A frame that decodes must be consistent, and stay the same when it is encoded and decoded again.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const ByteView bytes(data + 1, size - 1);
@@ -126,13 +126,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!attributes.normals.empty() && attributes.normals.size() != nodes) std::abort();
     if (coarse->svo->depth > cut_off.depth || !coarse->cloud.empty()) std::abort();
   } else if (tree) {
-    std::abort();  // with less to decode there is less to refuse
+    std::abort();  // what decodes as a whole must also decode in part
   }
   if (!tree || !frame) return 0;
   if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
   if (frame->cloud.has_colors() && frame->cloud.colors.size() != frame->cloud.size()) std::abort();
 
-  // Cells come back exactly where a float tells them apart: always, in a cube at the origin.
+  // Cells are restored exactly if floats tell them apart, which they always do in a cube at the
+  // origin.
   PointCloud cloud = frame->cloud;
   cloud.origin = glm::dvec3(0.0);
   const Cube cube{glm::dvec3(0.0), frame->cube.edge};

@@ -1,5 +1,5 @@
-// Any bytes read as PLY give a cloud or an error; a cloud that was read is written and read back
-// with the same points.
+// Reading any bytes as PLY gives a cloud or an error. A cloud that was read must be the same after
+// it is written and read again.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -7,8 +7,8 @@
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
 
-/// What the parser accepts, it must keep its promises about: every frame can be located, its bytes
-/// lie within their files, and writing and parsing again changes nothing.
+/// An accepted manifest must satisfy what the parser guarantees: every frame can be located, its
+/// bytes are inside their files, and writing and parsing the manifest again changes nothing.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace pointreel;
   const auto manifest = parse_manifest({reinterpret_cast<const char*>(data), size});

@@ -11,14 +11,14 @@
 #include "server/serve/head_reader.h"
 #include "server/serve/service.h"
 
-/// Whatever comes on a connection, and in whatever pieces, the server finds the same requests in
-/// it, holds no more than it says, and has a well-formed answer to each.
+/// Whatever arrives on a connection, and in whatever pieces, the server must find the same requests
+/// in it, buffer no more than its limit, and have a well-formed answer to each request.
 namespace {
 
 using namespace pointreel;
 using State = HeadReader::State;
 
-/// What a connection's bytes come to.
+/// The outcome of a connection's bytes.
 struct Conversation {
   std::string targets, answers;
 };
@@ -31,7 +31,7 @@ Conversation converse(Service& service, std::string_view bytes, std::size_t piec
   while (true) {
     const State state = reader.next();
     if (state == State::kRefused) {
-      // Sooner or later, for what is malformed shows by what follows it.
+      // When this is noticed depends on how the bytes arrive, so it is not compared.
       if (reader.refusal().status < 400) std::abort();
       return talk;
     }
@@ -46,7 +46,7 @@ Conversation converse(Service& service, std::string_view bytes, std::size_t piec
       }
       const Response& response = std::get<Response>(answer);
       const std::string head = write_head(response, reader.keep_alive(), 0);
-      // Nothing that a request says may end the head early.
+      // No text of a request may end the head of the answer early.
       if (!head.starts_with("HTTP/1.1 ") || head.find("\r\n\r\n") != head.size() - 4) std::abort();
       const std::size_t body = std::max(response.own_text.size(), response.text.size());
       if (response.file.get() >= 0 || response.size != body) std::abort();
@@ -75,7 +75,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Service service(*Catalog::load({}), &relay, options);
   const Conversation whole = converse(service, bytes, HeadReader::kLimit);
   const Conversation pieces = converse(service, bytes, 1 + size % 7);
-  // A page of metrics counts what came before, so answers are compared but for it.
+  // Pages of metrics count earlier requests, so they are excluded from the comparison.
   if (whole.targets != pieces.targets) std::abort();
   if (bytes.find("metrics") == std::string_view::npos && whole.answers != pieces.answers) {
     std::abort();

@@ -10,14 +10,14 @@ namespace {
 
 constexpr Cube kCube{glm::dvec3(-3.0, 1e6, 0.25), 2.0};
 
-/// A bumpy ball in the middle of the cube, its colours waves, its normals pointing outwards. A
-/// small one has cells at level 7 that are divided further.
+/// A bumpy ball in the middle of the cube, with waves of colour and normals that point outward. In
+/// a small ball, some cells of level 7 are divided further.
 PointCloud ball(int points, float radius = 0.03f) {
   Random random(1, 0);
   PointCloud cloud;
   cloud.origin = kCube.origin;
   for (int i = 0; i < points; ++i) {
-    // One after another: the order in which arguments are evaluated is the compiler's choice.
+    // In a loop, because compilers may evaluate the arguments of a constructor in any order.
     glm::vec3 d;
     for (int axis = 0; axis < 3; ++axis) d[axis] = static_cast<float>(random.normal());
     d = glm::normalize(d);
@@ -31,7 +31,7 @@ PointCloud ball(int points, float radius = 0.03f) {
   return cloud;
 }
 
-/// Every voxel of a ball in a grid of 2^bits cells a side.
+/// All voxels of a ball in a grid of 2^bits cells along each side.
 PointCloud solid(int bits) {
   const int side = 1 << bits;
   const float cell = 2.0f / static_cast<float>(side);
@@ -52,7 +52,7 @@ PointCloud solid(int bits) {
   return cloud;
 }
 
-/// Two bent sheets, large enough for slabs along y or, lying, along z.
+/// Two bent sheets, large enough for slabs along y or, if they lie flat, along z.
 PointCloud sheets(bool lying) {
   PointCloud cloud;
   cloud.origin = kCube.origin;
@@ -76,7 +76,7 @@ PointCloud with_16_bit_colors(PointCloud cloud) {
   return cloud;
 }
 
-/// Every third normal is unknown; near the top all are.
+/// Makes every third normal unknown, and all of them near the top.
 PointCloud with_unknown_normals(PointCloud cloud) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (i % 3 == 0 || cloud.positions[i].y > 1.02f) cloud.normals[i] = glm::vec3(0.0f);

@@ -25,7 +25,7 @@ void add(PointCloud& cloud, const glm::vec3& p, const glm::vec3& n, float radius
   const std::size_t i = cloud.size();
   cloud.positions.push_back(p);
   cloud.normals.push_back(i % 29 == 11 ? glm::vec3(0.0f) : n);
-  // Neighbours on the spiral differ by 1, 8, 13 or 21, none of them a multiple of 7 apart but 21.
+  // The indices of neighbours on the spiral differ by 1, 8, 13 or 21. Only 21 is a multiple of 7.
   cloud.colors.push_back(kPalette[(i + i / 21) % kPalette.size()]);
   cloud.radii.push_back(radius);
 }
@@ -51,7 +51,7 @@ Camera camera_from(double distance) {
 
 PointCloud picture_cloud() {
   PointCloud cloud;
-  // A Fibonacci spiral: even, and without two rows that would hide a swapped axis.
+  // A Fibonacci spiral is even and has no symmetry that would hide a swapped axis.
   for (int i = 0; i < kBallPoints; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / kBallPoints;
     const double r = std::sqrt(1.0 - z * z), turn = 2.399963229728653 * i;
@@ -74,7 +74,7 @@ std::size_t middle_surfel() {
   const glm::vec3 towards_eye(camera_from(4.0).axes()[2]);
   std::size_t best = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    // On the ball, where it is above the sheet.
+    // On the ball where it is above the sheet.
     if (i < kBallPoints && cloud.normals[i] != glm::vec3(0.0f) &&
         glm::dot(cloud.positions[i], towards_eye) > glm::dot(cloud.positions[best], towards_eye))
       best = i;
@@ -123,7 +123,7 @@ std::vector<PictureCase> picture_cases(const PointCloud& cloud) {
   point.point_size = 5.0f;
   keep("point", point);
 
-  // From within the ball: surfels behind the eye, and across the near plane.
+  // From inside the ball, with surfels behind the eye and across the near plane.
   keep("surfel-inside", pulled);
   cases.back().camera = camera_from(0.5);
 

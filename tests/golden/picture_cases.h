@@ -8,7 +8,7 @@
 
 namespace pointreel::golden {
 
-/// A picture that is kept.
+/// A picture that is kept in the repository.
 struct PictureCase {
   std::string name;
   std::shared_ptr<const SceneFrame> frame;
@@ -18,14 +18,14 @@ struct PictureCase {
 
 inline constexpr glm::ivec2 kPictureSize(144, 112);
 
-/// A ball that a tilted sheet passes through, of 320 surfels in strong colours that neighbours do
-/// not share, a few of them without a known normal.
+/// A ball that a tilted sheet passes through, made of 320 surfels. Neighbours have different,
+/// strong colours, and the normals of a few surfels are unknown.
 PointCloud picture_cloud();
 
-/// The index of the surfel of `picture_cloud` that covers the most of the picture's middle.
+/// The index of the surfel of `picture_cloud` that covers most of the picture's middle.
 std::size_t middle_surfel();
 
-/// Every way to draw, of `cloud`, which is picture_cloud() or a changed one. Names are the same
+/// All ways of drawing `cloud`, which is picture_cloud() or a variant of it. The names are the same
 /// for every cloud.
 std::vector<PictureCase> picture_cases(const PointCloud& cloud);
 

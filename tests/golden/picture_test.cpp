@@ -1,7 +1,7 @@
-// The pictures of tests/golden/pictures, as README.md beside this tells.
+// Tests the pictures of tests/golden/pictures. README.md describes them.
 //
 //   pointreel_golden_pictures               tests them
-//   pointreel_golden_pictures --make DIR    draws them anew
+//   pointreel_golden_pictures --make DIR    draws them again
 
 #include "tests/e2e/picture.h"
 
@@ -23,8 +23,8 @@ namespace {
 
 const std::filesystem::path kFolder = POINTREEL_SOURCE_DIR "/tests/golden/pictures";
 
-/// Drivers round differently at the rims of splats: so many pixels may differ by more than so many
-/// steps of 255 in a channel.
+/// Drivers round differently at the edges of splats, so kPixels pixels may differ by more than
+/// kStep of 255 in a channel.
 constexpr int kStep = 10;
 constexpr std::size_t kPixels = 12;
 
@@ -44,7 +44,7 @@ Result<std::map<std::string, Image>> draw(const PointCloud& cloud) {
   return pictures;
 }
 
-/// Pixels that are not what they were.
+/// The number of pixels that differ too much.
 std::size_t changed(const std::vector<glm::u8vec3>& was, const Image& is) {
   if (was.size() != is.pixels.size()) return std::max(was.size(), is.pixels.size());
   std::size_t count = 0;
@@ -59,7 +59,7 @@ std::vector<glm::u8vec3> stored(const std::string& name) {
   return e2e::read_picture(kFolder / (name + ".png")).pixels;
 }
 
-/// Which of the pictures would fail.
+/// The names of the pictures that would fail.
 std::vector<std::string> noticed(const PointCloud& cloud) {
   const auto pictures = draw(cloud);
   EXPECT_TRUE(pictures) << pictures.error().message;
@@ -100,8 +100,8 @@ TEST(GoldenPictures, a_shifted_splat_is_noticed) {
   const std::size_t i = middle_surfel();
   const glm::vec3 across = glm::normalize(glm::cross(cloud.normals[i], {0.0f, 1.0f, 0.0f}));
   cloud.positions[i] += 0.5f * cloud.radii[i] * across;
-  // Cells of the octree are larger than that, colours made from normals are smooth, and from inside
-  // it is out of view.
+  // The shift is not noticed where cells of the octree are larger, where colours are made from
+  // normals, which are smooth, or from inside, where the splat is out of view.
   EXPECT_EQ(noticed(cloud), all_but({"voxel-faces", "voxel-cubes", "voxel-coarse",
                                      "surfel-without-colors", "surfel-inside"}));
 }

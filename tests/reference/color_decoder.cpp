@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/base/byte_io.h"
+#include "common/base/try.h"
 #include "common/octree/morton.h"
 
 namespace pointreel::reference {
@@ -23,7 +24,7 @@ struct Node {
   std::int64_t activity = 0;
 };
 
-/// The nodes of a level by their Morton keys.
+/// The nodes of a level, by Morton key.
 using Level = std::map<std::uint64_t, Node>;
 
 class RangeDecoder {
@@ -46,7 +47,7 @@ class RangeDecoder {
     return result;
   }
 
-  /// Whether the bytes end where the bits do, but for zeros.
+  /// True if the bytes end where the bits do, apart from zeros.
   bool complete() const {
     const std::size_t end = next_ - 4;
     return end <= bytes_.size() && std::all_of(bytes_.begin() + static_cast<std::ptrdiff_t>(end),
@@ -104,10 +105,10 @@ struct Pair {
   std::int64_t w0, w1;
 };
 
-/// The pairs of a node whose children have these weights, 0 where there is none.
+/// The pairs of a node whose children have these weights, 0 for missing ones.
 std::vector<Pair> pairs_of(std::array<std::int64_t, 8> weight, std::array<int, 8>& moved_to) {
   std::vector<Pair> pairs;
-  std::array<int, 8> holder{};  // the child whose place a value took
+  std::array<int, 8> holder{};  // the child that a value came from
   for (int octant = 0; octant < 8; ++octant) holder[static_cast<std::size_t>(octant)] = octant;
   for (const int axis : {1, 2, 4}) {
     for (int octant = 0; octant < 8; ++octant) {
@@ -225,7 +226,7 @@ class Decoder {
       return;
     }
 
-    // Expected values.
+    // Compute the expected values.
     const bool predicts = predicts_ && level > 0;
     std::array<Components, 8> expected{};
     std::int64_t near_activity = predicts ? 0 : last_activity_, near_weight = predicts ? 0 : 1;
@@ -255,7 +256,7 @@ class Decoder {
       near_weight += weights;
     }
 
-    // Contexts.
+    // Determine the contexts.
     int gradient = 0;
     if (predicts) {
       for (const int part : {1, 2, 4, 8}) gradient += 8 * (most - least) / part >= steps_[0] / 4;
@@ -271,7 +272,7 @@ class Decoder {
     const std::vector<Pair> pairs = pairs_of(weight, moved_to);
     const int size = pairs.size() == 1 ? 0 : pairs.size() == 2 ? 1 : pairs.size() <= 4 ? 2 : 3;
 
-    // Differences of the expected values.
+    // Compute the differences of the expected values.
     std::vector<Components> expected_difference(pairs.size());
     std::array<Components, 8> e = expected;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -283,7 +284,7 @@ class Decoder {
       }
     }
 
-    // Coefficients.
+    // Decode the coefficients.
     std::vector<Components> q(pairs.size());
     std::int64_t sum = 0;
     if (bits_.decode(range, context("node", {gradient, activity, size}))) {
@@ -301,7 +302,7 @@ class Decoder {
     const auto count = static_cast<std::int64_t>(pairs.size());
     node.activity = last_activity_ = std::min<std::int64_t>(127, 4 * sum / count);
 
-    // The transform undone.
+    // Undo the transform.
     const auto top = static_cast<std::size_t>(moved_to[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       std::array<std::int64_t, 8> v{};
@@ -372,9 +373,7 @@ Result<std::vector<glm::ivec3>> decode_values(const std::vector<glm::uvec3>& lea
                                               const std::vector<int>& layer_ends) {
   Decoder decoder(leaves, layer_ends[layers.size() - 1]);
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    const auto decoded =
-        decoder.layer(layers[i], i == 0 ? 0 : layer_ends[i - 1], layer_ends[i], i == 0);
-    if (!decoded) return tl::unexpected(decoded.error());
+    TRY(decoder.layer(layers[i], i == 0 ? 0 : layer_ends[i - 1], layer_ends[i], i == 0));
   }
   return decoder.values();
 }

@@ -10,10 +10,12 @@
 
 #include <zstd.h>
 
+#include "common/base/try.h"
+
 namespace pointreel::reference {
 namespace {
 
-using Cell = std::tuple<int, int, int>;  // z, y, x: sorts in raster order
+using Cell = std::tuple<int, int, int>;  // z, y, x, so that cells sort in raster order
 
 constexpr std::array<int, 64> kProbabilities = {
     49,    61,    77,    97,    122,   153,   192,   241,   303,   381,   478,   599,   751,
@@ -39,7 +41,7 @@ std::size_t ones(std::uint64_t mask) {
   return count;
 }
 
-/// `base`: what slots of mask 2^63 are taken from, if there are such.
+/// `base`: the tables that slots with the mask 2^63 are taken from.
 Tables read_tables_on(ByteView file, const Tables& base) {
   Bytes bytes(ZSTD_getFrameContentSize(file.data(), file.size()));
   ZSTD_decompress(bytes.data(), bytes.size(), file.data(), file.size());
@@ -103,7 +105,7 @@ class Coder {
     return bit;
   }
 
-  /// Whether the bytes end where the decisions do, but for zeros.
+  /// True if the bytes end where the decisions do, apart from zeros.
   bool complete() const {
     if (at_ - 4 > bytes_.size()) return false;
     for (std::size_t i = at_ - 4; i < bytes_.size(); ++i) {
@@ -123,10 +125,10 @@ class Coder {
   std::uint64_t range_ = 0xffffffffffffffff, value_ = 0;
 };
 
-/// Everything that is known while one level is decoded.
+/// What is known while a level is decoded.
 struct Level {
   std::set<Cell> nodes;
-  std::map<Cell, int> masks;  ///< of the nodes that are decoded
+  std::map<Cell, int> masks;  ///< of the nodes decoded so far
   std::set<Cell> cells;       ///< their children
 };
 
@@ -163,7 +165,7 @@ std::uint64_t word_of(const Level& level, int x, int y, int z) {
   return word | density << 61;
 }
 
-/// The word of classes 0 to 2, from the other one and that of the parent.
+/// The word for classes 0 to 2, from the common one and that of the parent.
 std::uint64_t sparse_word(std::uint64_t word, std::uint64_t parent, int x, int y, int z) {
   std::uint64_t out = word >> 28 << 28;
   int to = 0;
@@ -213,7 +215,7 @@ class LevelDecoder {
     }
     int mask = 0, count = 0;
     for (int child = 0; child < 8; ++child) {
-      // Children `child` to 7 are the last that can make up the number.
+      // All of children `child` to 7 are needed to reach the minimum number.
       const bool must = count + (8 - child) == least;
       const std::uint64_t own = static_cast<std::uint64_t>(mask) << 28;
       const int bit = must ? 1 : decide(child, word | own);
@@ -242,7 +244,7 @@ class LevelDecoder {
 };
 
 bool in_morton_order(const Cell& a, const Cell& b) {
-  // The highest bit that differs decides; of equal ones z before y before x.
+  // The highest bit that differs decides, and if there are several, z before y before x.
   const auto [az, ay, ax] = a;
   const auto [bz, by, bx] = b;
   for (int bit = 30; bit >= 0; --bit) {
@@ -253,7 +255,7 @@ bool in_morton_order(const Cell& a, const Cell& b) {
   return false;
 }
 
-/// How a level is parted.
+/// How a level is divided into slabs.
 struct Slabs {
   int axis = 2;
   std::vector<int> begins = {0};
@@ -266,7 +268,7 @@ struct Slabs {
   }
 };
 
-/// What one slab knows while a level is decoded.
+/// What a slab knows while a level is decoded.
 struct SlabDecoder {
   Coder coder;
   std::vector<Cell> nodes;
@@ -311,7 +313,7 @@ Tables::Leaf merged(const Tables::Leaf& before, const std::vector<Tables::Leaf>&
     least = 32;
     most = 65504;
   }
-  const long long p = sum / weights;  // where this rounds up, it is below 32 anyway
+  const long long p = sum / weights;  // rounds up only where it is below 32 anyway
   return {std::min(std::max(p, least), most), std::min(n, 255LL)};
 }
 
@@ -350,7 +352,7 @@ void decode_level(std::vector<SlabDecoder>& slabs, int level_class, Tables& tabl
   }
 }
 
-/// Reads what says how the layer is parted, and begins the slabs' range coders.
+/// Reads how the layer is divided into slabs, and starts their range decoders.
 Result<std::vector<SlabDecoder>> read_slabs(ByteView bytes, int level, std::size_t masks,
                                             Slabs& slabs) {
   std::size_t at = 0;
@@ -413,36 +415,35 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, con
     const auto levels =
         static_cast<std::size_t>(layers[number].last_level - layers[number].first_level);
     if (payload.size() < levels) return fail("no level classes");
-    auto decoders = read_slabs(payload.subspan(levels), layers[number].first_level,
-                               layers[number].masks, slabs);
-    if (!decoders) return tl::unexpected(decoders.error());
+    auto decoders = TRY(read_slabs(payload.subspan(levels), layers[number].first_level,
+                                   layers[number].masks, slabs));
     const std::size_t end = masks.size() + layers[number].masks;
     for (std::size_t l = 0; l < levels; ++l) {
       if (payload[l] > 5) return fail("no such level class");
       if (nodes.size() > end - masks.size()) return fail("more masks than told");
-      for (SlabDecoder& slab : *decoders) {
+      for (SlabDecoder& slab : decoders) {
         slab.level = {nodes, {}, {}};
         slab.nodes.clear();
         slab.next = 0;
       }
-      for (const Cell& node : nodes) (*decoders)[slabs.of(node)].nodes.push_back(node);
+      for (const Cell& node : nodes) decoders[slabs.of(node)].nodes.push_back(node);
       Words words;
-      decode_level(*decoders, payload[l], tables, words_above, words);
+      decode_level(decoders, payload[l], tables, words_above, words);
       std::vector<Cell> ordered(nodes.begin(), nodes.end());
       std::sort(ordered.begin(), ordered.end(), in_morton_order);
       for (const Cell& node : ordered) {
-        const SlabDecoder& slab = (*decoders)[slabs.of(node)];
+        const SlabDecoder& slab = decoders[slabs.of(node)];
         masks.push_back(static_cast<std::uint8_t>(slab.level.masks.at(node)));
       }
       nodes.clear();
-      for (const SlabDecoder& slab : *decoders) {
+      for (const SlabDecoder& slab : decoders) {
         nodes.insert(slab.level.cells.begin(), slab.level.cells.end());
       }
       words_above = words;
       for (int& begin : slabs.begins) begin *= 2;
     }
     if (masks.size() != end) return fail("fewer masks than told");
-    for (const SlabDecoder& slab : *decoders) {
+    for (const SlabDecoder& slab : decoders) {
       if (!slab.coder.complete()) return fail("coded bytes end elsewhere");
     }
   }

@@ -9,14 +9,15 @@
 
 namespace pointreel::reference {
 
-/// One layer's payload of entropy coding context, which levels' masks it holds, and how many.
+/// The payload of a layer with entropy coding context, the levels whose masks it holds, and their
+/// number.
 struct ContextLayer {
   ByteView payload;
   int first_level = 0, last_level = 0;
   std::size_t masks = 0;
 };
 
-/// Context tables as FORMAT.md describes them, one number an entry.
+/// Context tables as FORMAT.md describes them.
 struct Tables {
   struct Entry {
     std::uint64_t mask;
@@ -29,16 +30,16 @@ struct Tables {
   std::vector<Leaf> leaves;
 };
 
-/// Of a good file, codec/octree/tables/1.zst.
+/// Reads codec/octree/tables/1.zst, which must be valid.
 Tables read_tables(ByteView file);
 
-/// Of a package's good table file, based on tables 1.
+/// Reads a package's file of tables, which must be valid and is based on tables 1.
 Tables read_package_tables(ByteView file, const Tables& tables1);
 
-/// Decodes layers as codec/FORMAT.md tells it ("Entropy coding context"), in the plainest way: sets
-/// of cells, words put together bit by bit. Knows nothing of the codec's code. `own`: the package's
-/// tables, if it has any. Returns the masks, level by level in Morton order. Payloads that do not
-/// hold just these masks are errors.
+/// Decodes layers as codec/FORMAT.md describes it ("Entropy coding context"), in the simplest way,
+/// with sets of cells and words that are assembled bit by bit, and without any code of the codec.
+/// `own`: the package's tables, if it has any. Returns the masks, level by level in Morton order.
+/// Fails if a payload does not hold exactly its number of masks.
 Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, const Tables& tables1,
                                     const Tables* own = nullptr);
 

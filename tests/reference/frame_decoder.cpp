@@ -10,8 +10,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include "common/base/try.h"
 #include "common/octree/morton.h"
-#include "pointreel/draco.h"
 #include "tests/reference/color_decoder.h"
 
 namespace pointreel::reference {
@@ -100,7 +100,7 @@ Result<Chunk> read_chunk(ByteView bytes, unsigned kind, int layer, const Header&
   return chunk;
 }
 
-/// The raw bytes of a chunk of coding none or zstd.
+/// The raw bytes of a chunk whose coding is none or zstd.
 Result<Bytes> raw_bytes(const Chunk& chunk) {
   if (chunk.coding == none) {
     if (chunk.raw_size != chunk.payload.size()) return fail("raw size");
@@ -118,13 +118,13 @@ Result<Bytes> raw_bytes(const Chunk& chunk) {
 
 using Cells = std::vector<glm::uvec3>;
 
-/// The tree of the layers that are there: each level's cells.
+/// The tree of the given layers: the cells of each level.
 struct Tree {
   std::vector<Cells> levels;
   std::vector<int> layer_ends;
 };
 
-/// Grows the tree by the levels that these masks make.
+/// Adds the levels that these masks describe.
 Result<void> grow(Tree& tree, const Bytes& masks, int last_level, std::uint64_t points) {
   std::size_t next = 0;
   while (static_cast<int>(tree.levels.size()) <= last_level) {
@@ -143,37 +143,33 @@ Result<void> grow(Tree& tree, const Bytes& masks, int last_level, std::uint64_t 
   return next == masks.size() ? Result<void>{} : fail("too many masks");
 }
 
-Result<Tree> read_tree(const Header& header, const std::vector<FrameLayer>& layers,
+Result<Tree> read_tree(const Header& header, const std::vector<Chunks<ByteView>>& layers,
                        const Tables& tables) {
   Tree tree;
-  std::vector<Bytes> raw;  // of each layer
+  std::vector<Bytes> raw;  // the masks of each layer
   std::vector<ContextLayer> contexts;
   for (int layer = 0; layer < header.layers; ++layer) {
     const auto at = static_cast<std::size_t>(layer);
     ByteView bytes = at < layers.size() ? layers[at].geometry : ByteView{};
     if (layer == 0) bytes = bytes.subspan(64);
     if (layer > 0 && bytes.empty()) break;
-    const auto chunk = read_chunk(bytes, 0, layer, header);
-    if (!chunk) return tl::unexpected(chunk.error());
+    const Chunk chunk = TRY(read_chunk(bytes, 0, layer, header));
     const int first = layer == 0 ? 0 : tree.layer_ends.back();
     tree.layer_ends.push_back(end_of_layer(layer, header.depth));
-    if (layer > 0 && (chunk->coding == context) != !contexts.empty()) return fail("codings");
-    if (chunk->raw_size > header.points * static_cast<unsigned>(tree.layer_ends.back() - first)) {
+    if (layer > 0 && (chunk.coding == context) != !contexts.empty()) return fail("codings");
+    if (chunk.raw_size > header.points * static_cast<unsigned>(tree.layer_ends.back() - first)) {
       return fail("more masks than the points allow");
     }
-    if (chunk->coding == context) {
-      if (chunk->raw_size > 65536 + 1024 * chunk->payload.size()) return fail("too many masks");
-      contexts.push_back({chunk->payload, first, tree.layer_ends.back(), chunk->raw_size});
+    if (chunk.coding == context) {
+      if (chunk.raw_size > 65536 + 1024 * chunk.payload.size()) return fail("too many masks");
+      contexts.push_back({chunk.payload, first, tree.layer_ends.back(), chunk.raw_size});
     } else {
-      auto masks = raw_bytes(*chunk);
-      if (!masks) return tl::unexpected(masks.error());
-      raw.push_back(std::move(*masks));
+      raw.push_back(TRY(raw_bytes(chunk)));
     }
   }
   if (!contexts.empty()) {
-    const auto masks = decode_context_layers(contexts, tables);
-    if (!masks) return tl::unexpected(masks.error());
-    auto next = masks->begin();
+    const Bytes masks = TRY(decode_context_layers(contexts, tables));
+    auto next = masks.begin();
     for (const ContextLayer& layer : contexts) {
       const auto begin = std::exchange(next, next + static_cast<std::ptrdiff_t>(layer.masks));
       raw.emplace_back(begin, next);
@@ -181,8 +177,7 @@ Result<Tree> read_tree(const Header& header, const std::vector<FrameLayer>& laye
   }
   tree.levels.push_back(header.points > 0 ? Cells{{0, 0, 0}} : Cells{});
   for (std::size_t layer = 0; layer < raw.size(); ++layer) {
-    const auto grown = grow(tree, raw[layer], tree.layer_ends[layer], header.points);
-    if (!grown) return tl::unexpected(grown.error());
+    TRY(grow(tree, raw[layer], tree.layer_ends[layer], header.points));
   }
   if (tree.layer_ends.back() == header.depth && tree.levels.back().size() != header.points) {
     return fail("number of leaves");
@@ -192,14 +187,15 @@ Result<Tree> read_tree(const Header& header, const std::vector<FrameLayer>& laye
 
 using Code = std::array<unsigned, 3>;
 
-/// Codes of the leaves, of `components` components of `bits` bits; none if the base has none.
+/// The codes of the leaves, with `components` components of `bits` bits; empty if the base layer
+/// has none.
 Result<std::vector<Code>> read_codes(const Header& header, const Tree& tree,
-                                     const std::vector<FrameLayer>& layers, unsigned kind,
+                                     const std::vector<Chunks<ByteView>>& layers, unsigned kind,
                                      std::size_t components, unsigned bits) {
-  const auto part = kind == 1 ? &FrameLayer::colors : &FrameLayer::normals;
+  const auto part = kind == 1 ? &Chunks<ByteView>::colors : &Chunks<ByteView>::normals;
   std::vector<Code> codes;
   if ((layers.front().*part).empty()) return codes;
-  std::map<std::uint64_t, Code> above;  // of the level where the layer before ends
+  std::map<std::uint64_t, Code> above;  // of the level at which the layer before ends
   for (std::size_t layer = 0; layer < tree.layer_ends.size(); ++layer) {
     const int level = tree.layer_ends[layer];
     const Cells& cells = tree.levels[static_cast<std::size_t>(level)];
@@ -208,16 +204,15 @@ Result<std::vector<Code>> read_codes(const Header& header, const Tree& tree,
       codes[i] = above.at(morton_encode(cells[i] >> unsigned(level - tree.layer_ends[layer - 1])));
     }
     if (!(layers[layer].*part).empty()) {
-      const auto chunk = read_chunk(layers[layer].*part, kind, static_cast<int>(layer), header);
-      if (!chunk) return tl::unexpected(chunk.error());
-      const auto raw = raw_bytes(*chunk);
-      if (!raw) return tl::unexpected(raw.error());
-      if (raw->size() != cells.size() * components * (bits / 8)) return fail("size of codes");
+      const Chunk chunk =
+          TRY(read_chunk(layers[layer].*part, kind, static_cast<int>(layer), header));
+      const Bytes raw = TRY(raw_bytes(chunk));
+      if (raw.size() != cells.size() * components * (bits / 8)) return fail("size of codes");
       std::size_t next = 0;
       for (std::size_t k = 0; k < components; ++k) {
         for (unsigned shift = bits; shift > 0;) {
           shift -= 8;
-          for (Code& code : codes) code[k] += unsigned{(*raw)[next++]} << shift;
+          for (Code& code : codes) code[k] += unsigned{raw[next++]} << shift;
         }
         for (Code& code : codes) code[k] &= (1u << bits) - 1;
       }
@@ -244,26 +239,25 @@ glm::dvec3 normal_of(const Code& code) {
                                    (1.0 - std::abs(v.x)) * (v.y < 0.0 ? -1.0 : 1.0), z));
 }
 
-/// Values of the leaves of a transformed attribute; none if the base has none.
+/// The leaves' values of a transformed attribute; empty if the base layer has none.
 Result<std::vector<glm::ivec3>> read_values(const Header& header, const Tree& tree,
-                                            const std::vector<FrameLayer>& layers, unsigned kind) {
-  const auto part = kind == 1 ? &FrameLayer::colors : &FrameLayer::normals;
+                                            const std::vector<Chunks<ByteView>>& layers,
+                                            unsigned kind) {
+  const auto part = kind == 1 ? &Chunks<ByteView>::colors : &Chunks<ByteView>::normals;
   std::vector<glm::ivec3> values;
   std::vector<Bytes> payloads;
   std::size_t have = 0;
   for (; have < tree.layer_ends.size() && !(layers[have].*part).empty(); ++have) {
-    const auto chunk = read_chunk(layers[have].*part, kind, static_cast<int>(have), header);
-    if (!chunk) return tl::unexpected(chunk.error());
-    if (chunk->coding != none || chunk->raw_size != chunk->payload.size()) return fail("coding");
-    payloads.emplace_back(chunk->payload.begin(), chunk->payload.end());
+    const Chunk chunk = TRY(read_chunk(layers[have].*part, kind, static_cast<int>(have), header));
+    if (chunk.coding != none || chunk.raw_size != chunk.payload.size()) return fail("coding");
+    payloads.emplace_back(chunk.payload.begin(), chunk.payload.end());
   }
   if (have == 0) return values;
   const int level = tree.layer_ends[have - 1];
   const Cells& cells = tree.levels[static_cast<std::size_t>(level)];
-  const auto decoded = decode_values(cells, payloads, tree.layer_ends);
-  if (!decoded) return tl::unexpected(decoded.error());
+  const auto decoded = TRY(decode_values(cells, payloads, tree.layer_ends));
   std::map<std::uint64_t, glm::ivec3> by_cell;
-  for (std::size_t i = 0; i < cells.size(); ++i) by_cell[morton_encode(cells[i])] = (*decoded)[i];
+  for (std::size_t i = 0; i < cells.size(); ++i) by_cell[morton_encode(cells[i])] = decoded[i];
   for (const glm::uvec3& leaf : tree.levels.back()) {
     values.push_back(by_cell.at(morton_encode(leaf >> unsigned(tree.layer_ends.back() - level))));
   }
@@ -276,47 +270,40 @@ glm::dvec3 normal_of(const glm::ivec3& value) {
 }
 
 Result<void> read_attributes(const Header& header, const Tree& tree,
-                             const std::vector<FrameLayer>& layers, Frame& frame) {
+                             const std::vector<Chunks<ByteView>>& layers, Frame& frame) {
   const int bits = header.colors_16_bit() ? 16 : 8;
   if (header.colors_transformed()) {
-    const auto values = read_values(header, tree, layers, 1);
-    if (!values) return tl::unexpected(values.error());
-    for (const glm::ivec3& value : *values) {
+    const auto values = TRY(read_values(header, tree, layers, 1));
+    for (const glm::ivec3& value : values) {
       frame.colors.push_back(color_of_value(value, bits));
     }
   } else if (header.colors()) {
-    const auto codes = read_codes(header, tree, layers, 1, 3, static_cast<unsigned>(bits));
-    if (!codes) return tl::unexpected(codes.error());
-    for (const Code& code : *codes)
-      frame.colors.push_back(color_of(code, static_cast<unsigned>(bits)));
+    const auto width = static_cast<unsigned>(bits);
+    const auto codes = TRY(read_codes(header, tree, layers, 1, 3, width));
+    for (const Code& code : codes) frame.colors.push_back(color_of(code, width));
   }
   if (header.normals_transformed()) {
-    const auto values = read_values(header, tree, layers, 2);
-    if (!values) return tl::unexpected(values.error());
-    for (const glm::ivec3& value : *values) frame.normals.push_back(normal_of(value));
+    const auto values = TRY(read_values(header, tree, layers, 2));
+    for (const glm::ivec3& value : values) frame.normals.push_back(normal_of(value));
   } else if (header.normals()) {
-    const auto codes = read_codes(header, tree, layers, 2, 2, 8);
-    if (!codes) return tl::unexpected(codes.error());
-    for (const Code& code : *codes) frame.normals.push_back(normal_of(code));
+    const auto codes = TRY(read_codes(header, tree, layers, 2, 2, 8));
+    for (const Code& code : codes) frame.normals.push_back(normal_of(code));
   }
   return {};
 }
 
 }  // namespace
 
-Result<Frame> decode_frame(const std::vector<FrameLayer>& layers, const Tables& tables) {
+Result<Frame> decode_frame(const std::vector<Chunks<ByteView>>& layers, const Tables& tables) {
   if (layers.empty()) return fail("no layers");
-  const auto header = read_header(layers.front().geometry);
-  if (!header) return tl::unexpected(header.error());
-  const auto tree = read_tree(*header, layers, tables);
-  if (!tree) return tl::unexpected(tree.error());
+  const Header header = TRY(read_header(layers.front().geometry));
+  const Tree tree = TRY(read_tree(header, layers, tables));
   Frame frame;
-  frame.depth = tree->layer_ends.back();
-  frame.cells = tree->levels.back();
-  frame.corner = header->corner;
-  frame.edge = header->edge;
-  const auto read = read_attributes(*header, *tree, layers, frame);
-  if (!read) return tl::unexpected(read.error());
+  frame.depth = tree.layer_ends.back();
+  frame.cells = tree.levels.back();
+  frame.corner = header.corner;
+  frame.edge = header.edge;
+  TRY(read_attributes(header, tree, layers, frame));
   return frame;
 }
 

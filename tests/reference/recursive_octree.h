@@ -10,9 +10,9 @@
 
 namespace pointreel::reference {
 
-/// The octree of paper 2, section VI-A, written down as the paper tells it: nodes that own their
-/// points and their children, divided level by level while oct(h) / n < 1 - delta. Slow and
-/// obviously right: what the fast build is tested and timed against.
+/// The octree of Slomp et al., Geometry Instancing, section VI-A, as the paper describes it: nodes
+/// own their points and children, and are divided level by level while oct(h) / n < 1 - delta. It
+/// is slow and obviously correct; the fast build is tested and timed against it.
 class RecursiveOctree {
  public:
   RecursiveOctree(const PointCloud& cloud, const Cube& cube, double delta, int max_depth);
@@ -21,7 +21,7 @@ class RecursiveOctree {
   RecursiveOctree& operator=(const RecursiveOctree&) = delete;
 
   int depth() const { return depth_; }
-  std::size_t node_count() const;  ///< leaves included
+  std::size_t node_count() const;  ///< including leaves
   std::size_t leaf_count() const { return leaves_.size(); }
 
   /// One mask for each internal node, breadth-first.

@@ -36,7 +36,7 @@ std::optional<Clock::Lap> Clock::lap(bool in_range) const {
   return Lap{0, static_cast<std::int64_t>(timeline_.duration_us), timeline_.frame_count()};
 }
 
-/// Where playback is that has gone on by so much, more than nothing.
+/// The place after playing on by this much of the reel's time, which is more than 0.
 Clock::Place Clock::forward(std::int64_t by_us) const {
   const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
   Place at = base_;
@@ -53,7 +53,7 @@ Clock::Place Clock::forward(std::int64_t by_us) const {
   return {round->begin + past % length, at.passed + (past / length + 1) * round->frames};
 }
 
-/// Back by so much. The last microsecond before an end belongs to what lies before it.
+/// The same backward. The last microsecond before an end belongs to the frame before it.
 Clock::Place Clock::backward(std::int64_t by_us) const {
   const auto duration = static_cast<std::int64_t>(timeline_.duration_us);
   Place at = base_;
@@ -166,7 +166,7 @@ void Clock::step(std::int64_t frames, TimePoint now) {
 
 void Clock::set_speed(double speed, TimePoint now) {
   rebase(now);
-  // What is past an end counts as the end for who turns around there.
+  // Playback that has gone past an end turns around at the end.
   if (!loop_)
     base_.us =
         std::clamp<std::int64_t>(base_.us, 0, static_cast<std::int64_t>(timeline_.duration_us));

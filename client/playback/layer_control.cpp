@@ -7,20 +7,20 @@ namespace pointreel {
 namespace {
 
 // The link.
-constexpr double kUse = 0.9;   // of what the link carries may be asked of it
-constexpr double kFull = 0.9;  // of the buffer: it does not run empty
-constexpr double kLow = 0.35;  // of the buffer: no more is asked of the link
+constexpr double kUse = 0.9;   // share of the link's rate that may be used
+constexpr double kFull = 0.9;  // share of the buffer at which it will not run empty
+constexpr double kLow = 0.35;  // share of the buffer below which no more is asked of the link
 constexpr double kSampleSeconds = 0.04, kSampleBytes = 128 * 1024;
-constexpr double kSampleAge = 0.25;     // after which a smaller one must do
-constexpr double kLeastSeconds = 1e-4;  // what comes in one piece takes no time
-constexpr double kMemory = 0.25;        // seconds of carrying after which half is forgotten
-constexpr double kLongestPatience = 32.0;
-constexpr double kTrial = 4.0;  // seconds in which a rung that was tried may fail
+constexpr double kSampleAge = 0.25;     // seconds after which a smaller sample is taken
+constexpr double kLeastSeconds = 1e-4;  // bytes that come in one piece take no measurable time
+constexpr double kMemory = 0.25;        // seconds of receiving after which half is forgotten
+constexpr double kFirstPatience = 1.0, kLongestPatience = 32.0;  // seconds
+constexpr double kTrial = 4.0;  // seconds in which a rung on trial may fail
 // The machine.
-constexpr double kLate = 0.35;  // of the frames that should be ready
+constexpr double kLate = 0.35;  // share of ready frames below which they are late
 constexpr double kLateSeconds = 0.3;
 constexpr double kSettle = 1.0;             // seconds between two changes
-constexpr double kBusy = 0.8, kIdle = 0.7;  // of the time there is
+constexpr double kBusy = 0.8, kIdle = 0.7;  // shares of the time available
 
 }  // namespace
 
@@ -61,8 +61,10 @@ LayerDecision decide(const LayerCaps& caps, const LayerRange& top, Limit limit) 
 LayerControl::LayerControl(const Options& options)
     : options_(options),
       top_(kBaseRung + static_cast<Rung>(std::max(1u, options.layers)) - 1),
+      patience_(kFirstPatience, kLongestPatience),
       machine_layers_(std::max(1u, options.layers)),
-      made_ms_(machine_layers_ + 1, 0.0) {
+      made_ms_(machine_layers_ + 1, 0.0),
+      machine_patience_(kSettle, kLongestPatience) {
   if (!options_.link) rung_ = top_;
 }
 
@@ -75,7 +77,7 @@ void LayerControl::carried(std::uint64_t bytes, double seconds) {
 void LayerControl::end_sample() {
   const double rate = sample_bytes_ / std::max(sample_seconds_, kLeastSeconds);
   double kept = std::exp2(-std::max(sample_seconds_, kSampleSeconds) / kMemory);
-  // A link that is not busy shows less than it carries, hardly ever more.
+  // A link that is not busy seems slower than it is, but hardly ever faster.
   if (rate > rate_) kept = std::min(kept, 0.5);
   rate_ = rate_ <= 0.0 ? rate : kept * rate_ + (1.0 - kept) * rate;
   sample_bytes_ = sample_seconds_ = 0.0;
@@ -118,13 +120,12 @@ void LayerControl::update_link(const Situation& situation) {
   while (rate_ > 0.0 && carried < top_ && needs(carried + 1) <= kUse * rate_) ++carried;
   const double now = situation.now;
   if (carried < rung_) {
-    // A full buffer says that the link carries it after all. In between, what is measured may err
-    // by as much as is not to be used.
+    // A full buffer shows that the link carries this rung after all. With a fuller buffer than
+    // kLow, the measured rate may err by the share that is not used.
     const bool kept =
         situation.fetched >= kFull || (situation.fetched >= kLow && needs(rung_) <= rate_);
     if (!kept) {
-      if (tried_ >= 0.0 && now - tried_ < kTrial)
-        patience_ = std::min(2.0 * patience_, kLongestPatience);
+      if (tried_ >= 0.0 && now - tried_ < kTrial) patience_.failed();
       tried_ = -1.0;
       set_rung(carried, now);
       return;
@@ -133,13 +134,13 @@ void LayerControl::update_link(const Situation& situation) {
     set_rung(carried, now);
     return;
   }
-  if (tried_ >= 0.0 && now - tried_ >= kTrial) {  // it held
+  if (tried_ >= 0.0 && now - tried_ >= kTrial) {
     tried_ = -1.0;
-    patience_ = 1.0;
+    patience_.succeeded();
   }
   if (situation.fetched < kFull) {
-    changed_ = std::max(changed_, now - 0.5 * patience_);
-  } else if (rung_ < top_ && now - changed_ >= patience_) {
+    changed_ = std::max(changed_, now - 0.5 * patience_.wait());
+  } else if (rung_ < top_ && now - changed_ >= patience_.wait()) {
     tried_ = now;
     set_rung(rung_ + 1, now);
   }
@@ -158,12 +159,12 @@ void LayerControl::update_machine(const Situation& situation) {
   else if (late_since_ < 0.0)
     late_since_ = now;
   if (now - machine_changed_ < kSettle) return;
-  if (taken_back_ >= 0.0 && now - taken_back_ >= kTrial) {  // it held
+  if (taken_back_ >= 0.0 && now - taken_back_ >= kTrial) {
     taken_back_ = -1.0;
-    machine_patience_ = kSettle;
+    machine_patience_.succeeded();
   }
   if (late && now - late_since_ >= kLateSeconds && ms > kBusy * budget && layers > 1) {
-    if (taken_back_ >= 0.0) machine_patience_ = std::min(2.0 * machine_patience_, kLongestPatience);
+    if (taken_back_ >= 0.0) machine_patience_.failed();
     taken_back_ = -1.0;
     machine_layers_ = layers - 1;
     machine_changed_ = now;
@@ -171,7 +172,7 @@ void LayerControl::update_machine(const Situation& situation) {
     return;
   }
   if (late || machine_layers_ >= options_.layers || layers < machine_layers_ ||
-      now - machine_changed_ < machine_patience_)
+      now - machine_changed_ < machine_patience_.wait())
     return;
   const auto bytes = [&](std::uint32_t count) {
     return situation.bytes[static_cast<std::size_t>(kBaseRung) + count - 1];

@@ -154,7 +154,8 @@ bool LayerStore::give_up(const FetchRequest& request) {
   unmark(request);
   Record& record = records_[request.frame];
   record.slots.resize(layer_count_);
-  // Of several layers that were asked for at once any may be at fault: the first is tried alone.
+  // If several layers were requested at once, any of them may be at fault: the first is tried
+  // alone.
   const bool several = request.layers.end - request.layers.first > 1;
   record.limit = std::min(record.limit, several ? request.layers.first + 1 : request.layers.first);
   return record.limit > 0;
@@ -208,7 +209,7 @@ void LayerStore::shrink(std::uint64_t budget,
     if (bytes_ <= budget - budget / 16) break;
     const auto it = records_.find(frame);
     bytes_ -= it->second.bytes;
-    records_.erase(it);  // what is coming of it finds no slots and makes a new record
+    records_.erase(it);  // layers of it that are still coming make a new record
   }
 }
 

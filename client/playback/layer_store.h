@@ -12,65 +12,62 @@
 
 namespace pointreel {
 
-/// Frames as they came, still coded: so much smaller than decoded that seconds of them can be kept
-/// ahead of the playhead, and behind it for who comes back. A frame's layers come one by one, each
-/// once. A plain value: whoever shares it among threads locks it.
+/// Frames as they came, still coded. They are so much smaller than decoded ones that seconds of
+/// them can be kept ahead of the playhead, and behind it in case the user goes back. Each layer of
+/// a frame comes once. A plain value without a lock of its own.
 class LayerStore {
  public:
-  /// `layer_count` >= 1: layers of the reel; 1 for files.
+  /// `layer_count` >= 1: how many layers the reel has; 1 for files.
   explicit LayerStore(std::uint32_t layer_count) : layer_count_(layer_count) {}
 
-  // What is there.
+  // What has come. `wanted` always begins with the base: `wanted.first` is 0.
 
-  // What is wanted of a frame begins with the base: `wanted.first` is 0.
-
-  /// Layers from the base on that are there with all attributes that are wanted; at most
+  /// How many layers from the base on have come with all attributes that are wanted; no more than
   /// `wanted.end`.
   std::uint32_t usable(std::uint32_t frame, const LayerRange& wanted) const;
-  /// Calls `tell` with each frame of which layers are there, in order, and with how many from the
-  /// base on, whatever their attributes.
+  /// Calls `tell` for each frame of which layers have come, in order, with the number of layers
+  /// from the base on, whatever their attributes.
   void for_each(const std::function<void(std::uint32_t frame, std::uint32_t layers)>& tell) const;
-  /// At least one of the layers wanted is being fetched.
+  /// Whether at least one of the layers wanted is being fetched.
   bool coming(std::uint32_t frame, const LayerRange& wanted) const;
-  /// The first `layers` of a frame, which are there.
+  /// The first `layers` of a frame, which have come.
   FetchedFrame get(std::uint32_t frame, std::uint32_t layers) const;
-  /// The longest that fetching any of the frame took since it was last taken, in milliseconds.
+  /// The longest time, in milliseconds, that fetching any layer of the frame took since it was last
+  /// taken.
   double fetch_ms(std::uint32_t frame) const;
   double take_fetch_ms(std::uint32_t frame);
-  /// No layer from this one on can be had of the frame.
+  /// The first layer of the frame that cannot be had; all layers can if it is ~0u.
   std::uint32_t limit(std::uint32_t frame) const;
 
   // Fetching.
 
-  /// The first layers in a row that are wanted and neither there nor coming; they are coming from
-  /// now on. Nothing if there are none.
+  /// Requests the first consecutive layers that are wanted and neither there nor coming. None if
+  /// there are none.
   std::optional<FetchRequest> begin(std::uint32_t frame, const LayerRange& wanted);
   /// `came` has the layers asked for, or is a file. What came of a stopped request is kept too.
   void arrived(const FetchRequest& request, FetchedFrame came, double ms);
-  /// Its layers are wanted again from now on.
+  /// The fetch was stopped: its layers may be requested again.
   void failed(const FetchRequest& request);
-  /// These layers cannot be had. True if layers before them can: the frame has to do with
+  /// These layers cannot be had. True if layers before them can, so that the frame is shown with
   /// those.
   bool give_up(const FetchRequest& request);
-  std::size_t requests() const { return running_.size(); }  ///< that are not answered yet
+  std::size_t requests() const { return running_.size(); }  ///< not answered yet
   /// Stops the requests for frames for which `stale` says so.
   void stop(const std::function<bool(std::uint32_t)>& stale);
 
-  // What turned out to be broken.
-
-  /// The layer does not decode. The first time it is forgotten, to be fetched once more: true. The
-  /// second time it is given up, with all finer ones: false.
+  /// A layer does not decode. The first time it is dropped, to be fetched once more: true. The
+  /// second time it is given up together with all finer ones: false.
   bool broken(std::uint32_t frame, std::uint32_t layer);
 
   // Keeping.
 
-  std::uint64_t bytes() const { return bytes_; }  ///< that are there
-  /// What is being fetched, if these requests bring what those before them have brought on average.
+  std::uint64_t bytes() const { return bytes_; }  ///< that have come and are kept
+  /// An estimate of the bytes that are being fetched, by the mean size of earlier answers.
   std::uint64_t coming_bytes() const;
-  /// If more than `budget` bytes are there, forgets frames, those first whose `rank` is greatest,
-  /// until it is well below; none whose rank is 0.
+  /// If more than `budget` bytes are kept, drops frames with the greatest `rank` first, until it is
+  /// well below. A frame of rank 0 is never dropped.
   void shrink(std::uint64_t budget, const std::function<std::uint64_t(std::uint32_t)>& rank);
-  /// What could not be had of a frame may be tried again.
+  /// Layers of these frames that could not be had may be tried again.
   void forgive(const std::function<bool(std::uint32_t)>& which);
 
  private:
@@ -83,7 +80,7 @@ class LayerStore {
   struct Record {
     std::vector<Slot> slots;
     std::shared_ptr<const ContextTables> tables;
-    std::optional<FetchedFrame> file;  ///< instead of layers
+    std::optional<FetchedFrame> file;  ///< in place of layers
     std::uint32_t refetched = 0;       ///< a bit for each layer
     std::uint32_t limit = ~0u;
     std::uint64_t bytes = 0;

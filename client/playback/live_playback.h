@@ -19,10 +19,10 @@
 
 namespace pointreel {
 
-/// A live stream: always the newest frame that is ready. Threads take the newest one that came and
-/// nobody works on, so that a machine which is too slow shows fewer frames, but none later.
+/// Plays a live stream: always the newest frame that is ready. Threads take the newest frame that
+/// no other thread works on, so that a slow machine shows fewer frames, but none of them later.
 ///
-/// SceneFrame::index is the frame's number, and time_us when it was captured, in Unix time of the
+/// SceneFrame::index is the frame's number, and time_us the Unix time of its capture, by the
 /// publisher's clock.
 class LivePlayback : public Playback {
  public:
@@ -30,10 +30,10 @@ class LivePlayback : public Playback {
     PrepareOptions prepare;
     unsigned prepare_threads = 2;  ///< >= 1
   };
-  /// Told of each frame that could not be prepared, on the thread that found it.
+  /// Called for each frame that could not be prepared, by the thread that tried.
   using OnError = std::function<void(std::uint32_t frame, const Error&)>;
 
-  /// `name`: for people.
+  /// `name`: to show to the user.
   LivePlayback(std::unique_ptr<LiveSource> source, std::string name, const Options& options,
                OnError on_error, OnReady on_ready = {});
   /// Cancels the source and waits for the threads.
@@ -48,13 +48,13 @@ class LivePlayback : public Playback {
   void set_prepare_options(const PrepareOptions& options) override;
   Update update(Clock::TimePoint now) override;
   std::optional<std::string> trouble() const override { return source_->trouble(); }
-  /// Frames that came and were never shown, because a newer one was ready or taken before them.
+  /// Frames that came but were never shown, because a newer one was ready or begun before them.
   std::uint64_t dropped() const override;
   std::uint64_t errors() const override { return errors_; }
 
   LiveCounts counts() const { return source_->counts(); }
 
-  /// Stands still, once there is a picture: what comes by then is left out.
+  /// Stands still, once there is a picture. Frames that come meanwhile are left out.
   void pause() { playing_ = false; }
   /// Goes on with the newest frame.
   void play() { playing_ = true; }
@@ -83,18 +83,18 @@ class LivePlayback : public Playback {
   std::atomic<bool> playing_{true};
   std::atomic<std::uint64_t> errors_{0};
 
-  mutable std::mutex mutex_;  ///< of what follows, up to the threads
+  mutable std::mutex mutex_;  ///< guards what follows, up to the threads
   std::condition_variable changed_;
   bool ending_ = false;
   LiveHello stream_;  ///< what the publisher says; the defaults until then
   PrepareOptions prepare_;
-  std::optional<Received> received_;  ///< the newest that nobody works on yet
+  std::optional<Received> received_;  ///< the newest that no thread works on yet
   Ready ready_;                       ///< the newest; null at first
-  Ready given_;                       ///< by the last update
+  Ready given_;                       ///< what the last update gave
   std::uint64_t overtaken_ = 0;
   std::optional<Camera> camera_;
   glm::ivec2 size_{0};
-  int level_ = kWholeFrame;  ///< the finest that the camera can show
+  int level_ = kWholeFrame;  ///< the finest that the camera shows
 
   std::thread receiver_;
   std::vector<std::thread> preparers_;

@@ -10,9 +10,9 @@
 namespace pointreel {
 namespace {
 
-constexpr std::chrono::milliseconds kBlink{100};
+constexpr std::chrono::milliseconds kPatience{100};
 
-/// Something that a thread does, and somebody waits for a little.
+/// Something that a thread does while another waits for a short time.
 class Errand {
  public:
   void end() {
@@ -33,16 +33,16 @@ class Errand {
 
 }  // namespace
 
-/// Owned by whoever opens and by the thread, whichever is there longer.
+/// Owned by the Opening and by its thread, whichever lives longer.
 struct Opening::Shared {
   Stage::CameraFor camera_for;
   Stage::OnError on_error;
   Playback::OnReady on_ready;
   std::stop_source stop;
   Errand errand;
-  std::mutex calling;  ///< while one of the functions above is called
+  std::mutex calling;  ///< held while one of the functions above is called
   bool given_up = false;
-  std::mutex mutex;  ///< of what follows
+  std::mutex mutex;  ///< guards what follows
   std::optional<Opened> opened;
   bool unwanted = false;
   std::optional<std::string> trouble;
@@ -80,7 +80,7 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
       const std::lock_guard lock(shared->mutex);
       if (!shared->unwanted) shared->opened = std::move(opened);
     }
-    opened = nullptr;  // a stage that nobody wants ends here
+    opened = nullptr;  // an unwanted stage ends here
     shared->tell_ready();
     shared->errand.end();
   };
@@ -96,13 +96,13 @@ Opening::~Opening() {
     taken = std::exchange(shared_->unwanted, true);
     opened = std::exchange(shared_->opened, std::nullopt);
   }
-  if (taken) return;  // what the stage calls is its owner's now
+  if (taken) return;  // the stage goes on calling the functions
   {
     const std::lock_guard lock(shared_->calling);
     shared_->given_up = true;
   }
   if (opened && *opened) retire(std::move(**opened));
-  shared_->errand.wait(kBlink);
+  shared_->errand.wait(kPatience);
 }
 
 std::optional<Opening::Opened> Opening::poll() {
@@ -124,7 +124,7 @@ void retire(std::unique_ptr<Stage> stage) {
     stage.reset();
     errand->end();
   }).detach();
-  errand->wait(kBlink);
+  errand->wait(kPatience);
 }
 
 }  // namespace pointreel

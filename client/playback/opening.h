@@ -9,8 +9,8 @@
 
 namespace pointreel {
 
-/// A stage that is being opened by a thread of its own, so that nobody stands still meanwhile. For
-/// one thread.
+/// Opens a stage on a thread of its own, so that the window stays responsive meanwhile. To be used
+/// by one thread.
 class Opening {
  public:
   using Opened = Result<std::unique_ptr<Stage>>;
@@ -20,15 +20,15 @@ class Opening {
   /// none of the functions given is called any more, unless the stage was taken.
   Opening(std::vector<Stage::Placed> sources, Stage::Options options, Stage::CameraFor camera_for,
           Stage::OnError on_error);
-  /// Gives it up, if the stage was not taken. Takes no longer than a blink of an eye: what does not
-  /// end by then, as a host's name that nobody knows, ends later by itself.
+  /// Gives up, if the stage was not taken. Takes no longer than a tenth of a second: what does not
+  /// end by then, such as the lookup of an unknown host, ends later by itself.
   ~Opening();
   Opening(const Opening&) = delete;
   Opening& operator=(const Opening&) = delete;
 
-  /// What came of it: once, as soon as it is there.
+  /// The result, once, as soon as there is one.
   std::optional<Opened> poll();
-  /// Why that takes its time, in one line, if something is wrong that may pass.
+  /// Why it takes so long, in one line, while a failure may pass.
   std::optional<std::string> trouble() const;
 
  private:
@@ -36,9 +36,9 @@ class Opening {
   const std::shared_ptr<Shared> shared_;
 };
 
-/// Ends a stage that nobody looks at any more, in no longer than a blink of an eye: what it waits
-/// for longer than that, as a large frame that is being decoded, ends later by itself. Its OnError
-/// is not called any more.
+/// Ends a stage that is not shown any more, in no longer than a tenth of a second: what takes
+/// longer, such as decoding a large frame, ends later by itself. None of the stage's functions is
+/// called any more.
 void retire(std::unique_ptr<Stage> stage);
 
 }  // namespace pointreel

@@ -11,8 +11,8 @@ namespace pointreel {
 
 namespace {
 
-/// A place for each thread. TBB has workers for all processors but one: what is more is kept free
-/// of them.
+/// An arena with a slot for each thread. TBB has workers for all processors but one, so that slots
+/// beyond those are reserved for the threads.
 tbb::task_arena arena_for(int threads) {
   return tbb::task_arena(threads, std::max(1, threads - tbb::info::default_concurrency() + 1));
 }

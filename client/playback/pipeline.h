@@ -13,15 +13,15 @@
 
 namespace pointreel {
 
-/// The threads that fill a FrameBuffer: some fetch what it wants, some turn that into frames ready
-/// to draw. What came damaged is fetched once more, and then the frame is shown without that layer
-/// and those after it. Runs from its construction to its destruction.
+/// The threads that fill a FrameBuffer: some fetch what it wants, others make that ready to draw. A
+/// damaged layer is fetched once more; if it is damaged again, the frame is shown without that
+/// layer and all finer ones. Runs from construction to destruction.
 class Pipeline {
  public:
   /// Makes a fetched frame ready to draw. Called by several threads at once, in a TBB arena with a
-  /// place for each: while fewer frames are prepared, parts of a frame may take those left.
+  /// slot for each: while fewer frames are being prepared, parts of a frame may use the free slots.
   using Prepare = std::function<Result<SceneFrame>(const FrameRequest&, const FetchedFrame&)>;
-  /// Told of each layer that could not be fetched or prepared, on the thread that found it.
+  /// Called for each layer that could not be fetched or prepared, by the thread that tried.
   using OnError = std::function<void(std::uint32_t frame, const Error&)>;
 
   struct Options {
@@ -37,9 +37,9 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Layers, or whole frames, that could not be fetched or prepared so far.
+  /// How many layers, or whole frames, could not be fetched or prepared so far.
   std::uint64_t errors() const { return errors_; }
-  std::uint64_t refetched() const { return refetched_; }  ///< that came damaged
+  std::uint64_t refetched() const { return refetched_; }  ///< layers that came damaged
   std::uint64_t fetched_bytes() const { return fetched_bytes_; }
 
  private:

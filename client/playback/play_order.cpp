@@ -12,17 +12,17 @@ std::optional<std::uint32_t> PlayOrder::after(std::uint32_t from, std::uint32_t 
   std::uint32_t at = turned(from);
   const auto cycle = turned_range();
   if (!cycle || at > cycle->last) {
-    // To the end, and on from the other one.
+    // On to the end, and from there to the other end.
     if (steps < count - at) return turned(at + steps);
     if (!loop) return std::nullopt;
     steps -= count - at;
     at = 0;
     if (steps <= cycle->last) return turned(steps);
-    return std::nullopt;  // the range is part of what came
+    return std::nullopt;  // frames only come again
   }
   if (steps <= cycle->last - at) return turned(at + steps);
   steps -= cycle->last - at + 1;
-  // Where it begins in the range, what is before `from` comes then.
+  // If playing begins inside the range, the frames before `from` come next.
   if (at > cycle->first && steps < at - cycle->first) return turned(cycle->first + steps);
   return std::nullopt;
 }

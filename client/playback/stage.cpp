@@ -10,6 +10,7 @@
 #include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
+#include "common/base/try.h"
 #include "common/net/url.h"
 
 namespace pointreel {
@@ -79,16 +80,12 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     const std::string& where = sources[i].where;
     const std::vector<std::filesystem::path>& files = sources[i].files;
     if (files.empty() && is_live_address(where)) {
-      auto stream = open_live_source(where, source_options);
-      if (!stream) return tl::unexpected(stream.error());
-      streams[i] = *std::move(stream);
+      streams[i] = TRY(open_live_source(where, source_options));
       continue;
     }
-    auto reel = files.empty() ? open_source(where, source_options)
-                              : open_file_sequence(files, source_options);
-    if (!reel) return tl::unexpected(reel.error());
-    if ((*reel)->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
-    reels[i] = *std::move(reel);
+    reels[i] = TRY(files.empty() ? open_source(where, source_options)
+                                 : open_file_sequence(files, source_options));
+    if (reels[i]->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
     grow(bounds, reels[i]->manifest().bounds, sources[i].place);
   }
   const auto first_reel =
@@ -190,7 +187,7 @@ Stage::Update Stage::update(Clock::TimePoint now) {
 std::vector<Stage::Placed> sources_of(const std::vector<std::string>& paths) {
   std::vector<Stage::Placed> sources;
   std::vector<std::filesystem::path> files;
-  std::size_t place = 0;  // of the files among the sources
+  std::size_t place = 0;  // index of the files among the sources
   for (const std::string& path : paths) {
     if (!is_cloud_file(path)) {
       sources.push_back({path});

@@ -18,34 +18,35 @@
 
 namespace pointreel {
 
-/// Whether it names a live stream: ws:// or wss://, or http(s):// with /live/ in its path.
+/// Whether `where` is the address of a live stream: ws:// or wss://, or http(s):// with /live/ in
+/// its path.
 bool is_live_address(const std::string& where);
 
-/// What is played together in one scene: reels and live streams, each at its place. Controls of
-/// time are those of all reels; live streams have none.
+/// The reels and live streams that are played together in one scene, each at its place. The time of
+/// reels can be controlled, that of live streams cannot.
 class Stage {
  public:
   struct Options {
     SourceOptions source;
-    PrepareOptions prepare;      ///< of all sources, instead of that in `reel` and `live`
-    ReelPlayback::Options reel;  ///< `remote` is found out for each
+    PrepareOptions prepare;      ///< for all sources; used instead of that in `reel` and `live`
+    ReelPlayback::Options reel;  ///< `remote` is set by the address of each
     LivePlayback::Options live;
     glm::ivec2 size{1280, 720};       ///< of the picture
-    Playback::OnReady on_ready = {};  ///< of any source
+    Playback::OnReady on_ready = {};  ///< called for any source
   };
   struct Placed {
-    std::string where;  ///< open_source's, or a live stream's address (is_live_address)
+    std::string where;  ///< as for open_source, or a live stream's address (is_live_address)
     glm::dvec3 place{0.0};
-    /// Instead of `where`, which is for people then, if there are any: a reel of these.
+    /// If there are any, they are played as one reel, and `where` is only its name for the user.
     std::vector<std::filesystem::path> files = {};
   };
-  /// Told of each frame that cannot be shown, by any thread; `source` is its index.
+  /// Called by any thread for each frame that cannot be shown; `source` is the source's index.
   using OnError = std::function<void(std::size_t source, std::uint32_t frame, const Error&)>;
 
-  /// How the camera looks at a scene with these bounds, and this axis up, to begin with.
+  /// The camera to begin with, for a scene with these bounds and this axis up.
   using CameraFor = std::function<Camera(const Box& bounds, char up)>;
 
-  /// Opens all. `sources` is not empty. Live streams are connected to in the background.
+  /// Opens all sources; there must be at least one. Live streams connect in the background.
   static Result<std::unique_ptr<Stage>> open(const std::vector<Placed>& sources,
                                              const Options& options, const CameraFor& camera_for,
                                              OnError on_error);
@@ -54,25 +55,25 @@ class Stage {
   const std::string& where(std::size_t i) const { return parts_[i].where; }
   const glm::dvec3& place(std::size_t i) const { return parts_[i].place; }
   const Playback& playback(std::size_t i) const { return parts_[i].playback(); }
-  /// Null if that is a live stream.
+  // Null if the source is of the other kind.
   ReelPlayback* reel(std::size_t i) const { return parts_[i].reel(); }
   const LivePlayback* live(std::size_t i) const { return parts_[i].live(); }
-  /// In the world; empty while nothing is known.
+  /// The bounds of all sources, in the world; empty while nothing is known.
   Box bounds() const;
-  /// Sources whose bounds are known.
+  /// How many sources have known bounds.
   std::size_t bounded() const;
   char up() const { return parts_.front().playback().up(); }
   bool playing() const;
-  /// Between two frames of whatever has the most of them.
+  /// The shortest time between two frames of any source.
   double frame_seconds() const;
 
   void look(const Camera& camera, glm::ivec2 size);
-  /// As Playback's, for all sources.
+  /// Playback::set_prepare_options of all sources.
   void set_prepare_options(const PrepareOptions& options);
   const PrepareOptions& prepare_options() const { return prepare_; }
   /// Neither OnError nor on_ready is called any more. Waits for a call that is under way.
   void silence();
-  /// Of each reel.
+  /// Calls `control` with each reel.
   template <class Control>
   void for_each_reel(const Control& control) {
     for (const Part& part : parts_) {
@@ -80,7 +81,7 @@ class Stage {
     }
   }
 
-  /// Live streams stand still, or go on.
+  /// Makes live streams go on, or stand still.
   void set_live_playing(bool playing);
 
   struct Change {
@@ -88,12 +89,12 @@ class Stage {
     bool refined = false;
   };
   struct Update {
-    std::vector<Change> changes;  ///< sources that have another frame in the scene than before
-    bool ended = false;           ///< of all sources
-    std::optional<Clock::TimePoint> due = {};  ///< the first of all sources'
+    std::vector<Change> changes;               ///< sources whose frame in the scene has changed
+    bool ended = false;                        ///< no source will have another frame
+    std::optional<Clock::TimePoint> due = {};  ///< the earliest of all sources
   };
   Update update(Clock::TimePoint now);
-  /// Puts a frame into the scene without any clock.
+  /// Puts a frame into the scene, whatever time it is.
   std::vector<Change> take(std::size_t source, std::shared_ptr<const SceneFrame> frame);
   const Scene& scene() const { return scene_; }
 
@@ -116,7 +117,7 @@ class Stage {
     }
   };
 
-  /// Who is told of errors and news, for as long as somebody listens.
+  /// The functions that are called, until silence().
   struct Listener;
 
   std::shared_ptr<Listener> listener_;
@@ -125,8 +126,8 @@ class Stage {
   Scene scene_;
 };
 
-/// What was dropped on a window together, or named so: PLY and Draco files are one reel, in natural
-/// order; everything else is a source of its own.
+/// The sources of what was dropped on a window together: PLY and Draco files are one reel, in
+/// natural order, and everything else is a source of its own.
 std::vector<Stage::Placed> sources_of(const std::vector<std::string>& paths);
 
 }  // namespace pointreel

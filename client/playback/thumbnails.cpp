@@ -14,11 +14,11 @@
 namespace pointreel {
 namespace {
 
-/// Where the pointer went in the last moments; what came before is not worth making any more.
+/// How many requests wait: the pointer has moved on from where the older ones were made.
 constexpr std::size_t kMostWanted = 8;
 constexpr int kNice = 10;
 
-/// What an entry takes besides its frame.
+/// The memory of an entry besides its frame.
 constexpr std::uint64_t kEntryBytes = 128;
 
 }  // namespace
@@ -63,9 +63,9 @@ std::uint64_t Thumbnails::bytes() const {
 }
 
 void Thumbnails::run() {
-  // Linux has a niceness for each thread. Without it they are made all the same.
+  // On Linux each thread has a niceness of its own. If it cannot be set, nothing is lost.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
-  // No help: the threads that make what is played have enough to do.
+  // It gets no help from other threads, which prepare the frames that are played.
   tbb::task_arena alone(1);
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -100,7 +100,7 @@ Result<SceneFrame> Thumbnails::make(std::uint32_t frame) {
                        {.mode = DrawMode::point, .level = kLevel});
 }
 
-/// With the mutex held.
+/// Call this with the mutex held.
 void Thumbnails::keep(std::uint32_t frame, std::shared_ptr<const SceneFrame> made) {
   Entry& entry = entries_[frame];
   entry.bytes = kEntryBytes + (made ? memory_of(*made) : 0);

@@ -16,39 +16,39 @@
 
 namespace pointreel {
 
-/// Coarse frames from anywhere in a reel, for small pictures of them: what is asked for is made by
-/// a thread of its own that others go before, one at a time, the newest first, of the base layer
-/// alone. The last ones are kept. For one thread.
+/// Coarse frames from anywhere in a reel, for small pictures. A thread of low priority makes those
+/// that are requested, one at a time, the newest request first, from the base layer alone. The ones
+/// used last are kept. To be used by one thread.
 class Thumbnails {
  public:
-  /// What has been fetched of a frame already, if that does; by any thread.
+  /// The base of a frame if it has been fetched already. Called by any thread.
   using Stored = std::function<std::optional<FetchedFrame>(std::uint32_t frame)>;
 
   static constexpr std::uint64_t kBytes = std::uint64_t{32} << 20;
-  /// Finer than this none is made.
+  /// The finest level that a thumbnail has.
   static constexpr int kLevel = 7;
 
-  /// `source` outlives it. Keeps no more than `bytes` of frames, but always the last one.
-  /// `on_ready` is called by the thread when what get() was asked for is there, or cannot be had.
+  /// `source` outlives it. Keeps no more than `bytes` of frames, but always the last one. The thread
+  /// calls `on_ready` when a frame that was requested is there, or failed.
   Thumbnails(Source& source, Stored stored, std::uint64_t bytes = kBytes,
              std::function<void()> on_ready = {});
-  /// Stops what is being fetched, and waits for the thread.
+  /// Stops fetching, and waits for the thread.
   ~Thumbnails();
   Thumbnails(const Thumbnails&) = delete;
   Thumbnails& operator=(const Thumbnails&) = delete;
 
-  /// Null until it is there, or if it cannot be had; from when it is asked for it is on its way,
-  /// unless many others are asked for after it. Its colours are for points.
+  /// Null until the frame is there, or if it cannot be had. The first call requests it, which
+  /// lapses if many others are requested after it. The frame is prepared to be drawn as points.
   std::shared_ptr<const SceneFrame> get(std::uint32_t frame);
 
-  /// While others wait for the link none is begun.
+  /// While quiet, none is begun, so that playback has the link to itself.
   void set_quiet(bool quiet);
 
   std::uint64_t bytes() const;
 
  private:
   struct Entry {
-    std::shared_ptr<const SceneFrame> frame;  ///< null: it cannot be had
+    std::shared_ptr<const SceneFrame> frame;  ///< null: it failed
     std::uint64_t bytes = 0, used = 0;
   };
 
@@ -61,14 +61,14 @@ class Thumbnails {
   const std::uint64_t budget_;
   const std::function<void()> on_ready_;
   std::stop_source stop_;
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
   std::vector<std::uint32_t> wanted_;  ///< the newest last
   std::optional<std::uint32_t> making_;
   std::map<std::uint32_t, Entry> entries_;
   std::uint64_t bytes_ = 0, uses_ = 0;
   bool quiet_ = false;
-  std::thread thread_;  ///< from the first request on
+  std::thread thread_;  ///< started by the first request
 };
 
 }  // namespace pointreel

@@ -28,8 +28,9 @@ class Playback {
     /// what to fetch is to be reconsidered. None: not before OnReady is called.
     std::optional<Clock::TimePoint> due = {};
   };
-  /// Called by any thread when there may be something new: a frame or a thumbnail is ready or failed,
-  /// or bounds() or trouble() have changed. It must be quick, and must not call the playback.
+  /// Called by any thread when there may be something new: a frame or a thumbnail is ready or
+  /// failed, or bounds() or trouble() have changed. It must be quick, and must not call the
+  /// playback.
   using OnReady = std::function<void()>;
 
   virtual ~Playback() = default;

@@ -6,10 +6,7 @@
 #include <utility>
 
 #include "client/prepare/prepare.h"
-#include "codec/octree/octree_codec.h"
 #include "common/base/try.h"
-#include "pointreel/chunks.h"
-#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
@@ -23,53 +20,22 @@ Timeline timeline_of(const Manifest& manifest) {
   return timeline;
 }
 
-// Over a network.
-constexpr double kFetchAhead = 2.0;  ///< seconds of playing that are fetched ahead
-constexpr double kNear = 0.5;        ///< seconds of which all bases come first
-constexpr double kLead = 0.1;        ///< seconds in which no frame can be refined in time
-constexpr double kResume = 0.1;      ///< seconds that must be there to go on after a stall
+// For a remote reel, in seconds of playing.
+constexpr double kFetchAhead = 2.0;  ///< how far ahead frames are fetched
+constexpr double kNear = 0.5;        ///< how far ahead bases come before the rest of any frame
+constexpr double kLead = 0.1;        ///< how long before its time a frame is not refined any more
+constexpr double kResume = 0.1;      ///< how much must have come to go on after a stall
 
-/// Of frames at this speed, in so many seconds.
+/// How many frames are played in this time at this speed.
 std::uint32_t frames_in(const Manifest& manifest, double seconds, double speed) {
   const double frames = std::ceil(seconds * manifest.fps * std::abs(speed));
   return static_cast<std::uint32_t>(std::clamp(frames, 1.0, 1e6));
 }
 
-constexpr std::chrono::milliseconds kReconsider{50};  ///< what is fetched, while it plays
+/// How often it reconsiders what to fetch while it plays.
+constexpr std::chrono::milliseconds kReconsider{50};
 
 unsigned prepare_threads() { return std::clamp(std::thread::hardware_concurrency(), 1u, 8u); }
-
-/// LayerControl::Situation::bytes of a segment, with the attributes of `most`; empty of files.
-std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
-                               const LayerRange& most) {
-  const Segment& segment = manifest.segments[index];
-  std::vector<double> bytes;
-  if (segment.layers.empty()) return bytes;
-  const auto mean = [&](const LayerRange& layers) {
-    std::uint64_t sum = 0;
-    for (std::size_t layer = 0; layer < layers.end; ++layer)
-      for (const Chunks<std::uint32_t>& sizes : segment.layers[layer].frames)
-        sum += sizes.geometry + std::uint64_t{layers.colors || layers.normals ? sizes.colors : 0} +
-               (layers.normals ? sizes.normals : 0);
-    return static_cast<double>(sum) / segment.frame_count();
-  };
-  LayerRange all = most;
-  all.end = static_cast<std::uint32_t>(segment.layers.size());
-  for (Rung rung = kBareRung; rung < kBaseRung + static_cast<Rung>(all.end); ++rung)
-    bytes.push_back(mean(rung_layers(rung, all)));
-  return bytes;
-}
-
-/// FrameBuffer::Options::levels.
-std::vector<int> levels_of(const Manifest& manifest) {
-  if (manifest.codec != "octree") return {kWholeFrame};
-  const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
-  std::vector<int> levels;
-  for (int layer = 0; layer + 1 < layer_count(depth); ++layer)
-    levels.push_back(last_level_of_layer(layer, depth));
-  levels.push_back(kWholeFrame);
-  return levels;
-}
 
 FrameBuffer::Options buffer_options(const Manifest& manifest,
                                     const ReelPlayback::Options& options) {
@@ -96,26 +62,26 @@ ReelPlayback::ReelPlayback(std::unique_ptr<Source> source, const Options& option
       options_(options),
       on_ready_(std::move(on_ready)),
       clock_(timeline_of(source_->manifest()), options.loop),
+      plan_(source_->manifest(), prepare_threads(), options.remote),
       buffer_([&] {
         FrameBuffer::Options buffer = buffer_options(source_->manifest(), options);
         buffer.choice = [this](std::uint32_t, DrawMode mode, int level) {
-          const LayerDecision most = wanted(mode, level);
-          return decide(caps(), most.layers, most.limit).layers;
+          PrepareOptions prepared = prepare_options();
+          prepared.mode = mode;
+          prepared.level = level;
+          return plan_.decide(prepared).layers;
         };
         buffer.on_ready = on_ready_;
         return buffer;
       }()),
-      prepare_(options.prepare),
-      control_({static_cast<std::uint32_t>(levels_of(source_->manifest()).size()),
-                prepare_threads(), options.remote}) {
+      prepare_(options.prepare) {
   const Clock::TimePoint now{};
   clock_.set_speed(options.speed, now);
   clock_.seek(options.start_us, now);
   jump(now, clock_.direction());
   look(camera, size);
   set_pace();
-  link_cap_ = control_.caps().link;
-  // Over a network the frames under way hide each other's round trips.
+  // Over a link, several fetches at once hide each other's round trips.
   const Pipeline::Options threads{options.remote ? 6u : 1u, prepare_threads()};
   pipeline_.emplace(
       *source_, buffer_,
@@ -135,14 +101,14 @@ Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const Fetc
   options.mode = request.mode;
   options.level = request.level;
   auto scene = TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options));
+  plan_.made(request.layers, scene.decode_ms + scene.normals_ms + scene.svo_ms);
+  // A frame that lacks layers tells the depth only if it was given too few for it.
+  const bool tells_depth = request.mode == DrawMode::voxel &&
+                           (scene.level == kWholeFrame || scene.level >= voxel_depth_.get());
+  if (!tells_depth) return scene;
   {
-    const std::lock_guard lock(control_mutex_);
-    control_.made(request.layers, scene.decode_ms + scene.normals_ms + scene.svo_ms);
-    // A frame that lacks layers tells the depth only if it was given too few for it; a frame that
-    // was made with another delta does not tell it at all.
-    if (request.mode != DrawMode::voxel || options.delta != prepare_options().delta ||
-        (scene.level != kWholeFrame && scene.level < voxel_depth_.get()))
-      return scene;
+    const std::lock_guard lock(prepare_mutex_);
+    if (options.delta != prepare_.delta) return scene;
     voxel_depth_.learn(scene);
   }
   set_level();
@@ -150,29 +116,6 @@ Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const Fetc
 }
 
 // What is fetched.
-
-/// What the view and the mode need, or less where less was asked for.
-LayerDecision ReelPlayback::wanted(DrawMode mode, int level) const {
-  const PrepareOptions options = prepare_options();
-  LayerDecision decision{layer_choice(manifest(), mode, level, options.show_normals)};
-  const auto all =
-      static_cast<std::uint32_t>(std::max<std::size_t>(1, manifest().layer_names.size()));
-  std::uint32_t& end = decision.layers.end;
-  end = std::min(end, all);
-  if (end < all) decision.limit = Limit::view;
-  if (options.layers < end) {
-    end = options.layers;
-    decision.limit = Limit::asked;
-  }
-  return decision;
-}
-
-LayerCaps ReelPlayback::caps() const { return {link_cap_, machine_cap_}; }
-
-LayerDecision ReelPlayback::decision() const {
-  const LayerDecision most = wanted(prepare_options().mode, seen_level());
-  return decide(caps(), most.layers, most.limit);
-}
 
 double ReelPlayback::frame_seconds() const {
   return 1.0 / (std::max(manifest().fps, 1e-3) * std::abs(clock_.speed()));
@@ -186,27 +129,11 @@ void ReelPlayback::set_pace() {
     if (clock_.playing() && !clock_.held())
       pace.lead = frames_in(manifest(), kLead, clock_.speed());
   }
-  // Who has jumped, looks at one frame, or sees nothing yet, waits for that one.
+  // A user who has jumped, looks at one frame, or sees nothing yet waits for that frame.
   pace.focus = !awaiting_ && (!given_ || !clock_.playing() || hold_ == Hold::jump);
-  // Nothing to be seen is worse than a coarse picture, wherever the frames come from.
+  // A coarse picture is better than none, wherever the frames come from.
   pace.coarse_first = !awaiting_ && !given_;
   buffer_.set_pace(pace);
-}
-
-void ReelPlayback::note_choice(std::uint32_t frame) {
-  const std::uint32_t segment = locate(manifest(), frame).segment;
-  if (!scrubbing_) chosen_.insert_or_assign(segment, decision());
-}
-
-std::vector<ReelPlayback::Chosen> ReelPlayback::chosen() const {
-  std::vector<Chosen> runs;
-  std::uint32_t next = 0;
-  for (const auto& [segment, decision] : chosen_) {
-    if (runs.empty() || segment != next || runs.back().decision != decision)
-      runs.push_back({manifest().segments[segment].first_frame, decision});
-    next = segment + 1;
-  }
-  return runs;
 }
 
 ReelPlayback::Statistics ReelPlayback::statistics() const {
@@ -216,48 +143,26 @@ ReelPlayback::Statistics ReelPlayback::statistics() const {
   statistics.stored_bytes = buffer_.stored_bytes();
   statistics.frame_bytes = buffer_.held_bytes() + (thumbnails_ ? thumbnails_->bytes() : 0);
   statistics.buffered_seconds = fill_.fetched * frame_seconds();
-  const std::lock_guard lock(control_mutex_);
-  statistics.link_bits_per_second = 8.0 * control_.bytes_per_second();
+  statistics.link_bits_per_second = 8.0 * plan_.bytes_per_second();
   return statistics;
 }
 
-/// Tells the control how things stand, and the buffer what it makes of it.
-void ReelPlayback::control(Clock::TimePoint now) {
-  if (!first_control_) first_control_ = now;
+/// Tells the plan how things stand, and the buffer if that changes what to fetch.
+void ReelPlayback::update_plan(Clock::TimePoint now) {
   set_pace();
   const std::uint32_t window = std::max(1u, fill_.window);
   const std::uint32_t ahead = std::max(1u, fill_.ahead);
-  const std::uint32_t next = fill_.next;
-
   LayerControl::Situation situation;
-  situation.now = std::chrono::duration<double>(now - *first_control_).count();
   situation.playing = (clock_.playing() || !started_) && !scrubbing_;
   situation.frame_seconds = frame_seconds();
   situation.fetched =
       fill_.full && fill_.fetched > fill_.ahead ? 1.0 : static_cast<double>(fill_.fetched) / window;
   situation.makeable = static_cast<double>(std::min(fill_.fetched, ahead)) / ahead;
   situation.made = static_cast<double>(fill_.made) / ahead;
-  situation.bytes = rung_bytes(manifest(), locate(manifest(), next).segment,
-                               wanted(prepare_options().mode, kWholeFrame).layers);
-  const LinkUse use = source_->link_use();
-  LayerCaps caps;
-  {
-    const std::lock_guard lock(control_mutex_);
-    control_.carried(use.bytes - link_use_.bytes,
-                     std::chrono::duration<double>(use.receiving - link_use_.receiving).count());
-    control_.update(situation);
-    caps = control_.caps();
-  }
-  link_use_ = use;
-  set_caps(caps);
-  note_choice(next);
-}
-
-void ReelPlayback::set_caps(const LayerCaps& caps) {
-  if (caps == this->caps()) return;
-  link_cap_ = caps.link;
-  machine_cap_ = caps.machine_layers;
-  buffer_.choice_changed();
+  const PrepareOptions options = seen_options();
+  if (plan_.update(now, std::move(situation), source_->link_use(), fill_.next, options))
+    buffer_.choice_changed();
+  if (!scrubbing_) plan_.note(fill_.next, options);
 }
 
 // What is looked at.
@@ -271,39 +176,38 @@ void ReelPlayback::look(const Camera& camera, glm::ivec2 size) {
   set_level();
 }
 
-int ReelPlayback::seen_level() const {
-  const PrepareOptions options = prepare_options();
-  const int level = std::min<int>(options.level, view_level_);
-  return options.mode == DrawMode::voxel ? std::min(level, voxel_depth_.get()) : level;
+/// As prepare_options(), down to the level that is seen.
+PrepareOptions ReelPlayback::seen_options() const {
+  PrepareOptions options = prepare_options();
+  options.level = std::min<int>(options.level, view_level_);
+  if (options.mode == DrawMode::voxel) options.level = std::min(options.level, voxel_depth_.get());
+  return options;
 }
 
 void ReelPlayback::set_level() {
-  // One after the other, so that what was found out last is what stays.
+  // One thread at a time, so that the newest level is the one that stays.
   const std::lock_guard lock(level_mutex_);
-  buffer_.set_level(seen_level());
+  buffer_.set_level(seen_options().level);
 }
 
 void ReelPlayback::set_prepare_options(const PrepareOptions& options) {
   const PrepareOptions before = prepare_options();
   if (options == before) return;
+  const bool another_delta = options.delta != before.delta;
   {
     const std::lock_guard lock(prepare_mutex_);
     prepare_ = options;
+    if (another_delta) voxel_depth_.forget();
   }
   if (options.pixel_size != before.pixel_size) camera_.reset();
-  const bool another_delta = options.delta != before.delta;
-  const bool another_mode = options.mode != before.mode;
-  // Surfels are drawn from a package's own trees, whatever delta says, and points need no tree.
+  // Surfels are drawn from a package's own trees, whatever delta is, and points need no tree.
   const bool by_delta = options.mode == DrawMode::voxel ||
                         (options.mode == DrawMode::surfel && manifest().codec != "octree");
   const bool normals_come_or_go = options.show_normals != before.show_normals &&
                                   !draws_normals(options.mode, manifest().colors);
-  const bool again = another_mode || (another_delta && by_delta) || normals_come_or_go;
-  {
-    const std::lock_guard lock(control_mutex_);
-    if (another_delta) voxel_depth_.forget();
-    if (again || another_delta) control_.forget_made();
-  }
+  const bool again =
+      options.mode != before.mode || (another_delta && by_delta) || normals_come_or_go;
+  if (again || another_delta) plan_.forget_made();
   set_level();
   if (options.layers != before.layers) buffer_.choice_changed();
   if (!again) return;
@@ -414,7 +318,7 @@ void ReelPlayback::release(Clock::TimePoint now) {
   clock_.release(now);
 }
 
-/// Frames that the link does not bring in time are waited for.
+/// Waits for frames that the link does not bring in time.
 void ReelPlayback::hold_if_starved(Clock::TimePoint now) {
   fill_ = buffer_.fill();
   if (hold_ == Hold::none) {
@@ -446,12 +350,12 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
     playhead_ = reading.frame;
     buffer_.advance(reading.frame, clock_.direction());
   }
-  // Before the clock is looked after: it goes on with the frame that it was held for.
+  // Taken before the clock may be released, which goes on with the frame that it was held for.
   Update update{started_ ? buffer_.best() : nullptr};
   hold_if_starved(now);
-  // The picture itself is waited for.
+  // Thumbnails leave the link to the picture if that is waited for.
   if (thumbnails_) thumbnails_->set_quiet(fill_.fetched == 0);
-  control(now);
+  update_plan(now);
   if (update.frame && update.frame != given_) {
     if (scrubbing_) {
       update.refined = given_ && given_->index == update.frame->index;
@@ -466,14 +370,14 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
   return update;
 }
 
-/// Frames that come later say so; what is fetched is reconsidered a few times a second.
+/// Frames that come late are announced by OnReady.
 std::optional<Clock::TimePoint> ReelPlayback::due(Clock::TimePoint now) const {
   if (started_ && !clock_.playing()) return std::nullopt;
   const Clock::TimePoint reconsider = now + kReconsider;
   return std::min(clock_.next_frame(now).value_or(reconsider), reconsider);
 }
 
-/// Frames that lie between the one given before and this one.
+/// Counts the frames between the one given before and this one.
 void ReelPlayback::count_dropped(const SceneFrame& frame, const Clock::Reading& reading) {
   const std::int64_t direction = clock_.direction();
   const PlayOrder order{timeline().frame_count(), clock_.loop(), clock_.direction(),
@@ -501,12 +405,12 @@ std::shared_ptr<const SceneFrame> ReelPlayback::thumbnail(std::uint32_t frame) {
 FrameBuffer::State ReelPlayback::await(std::uint32_t frame, std::chrono::milliseconds timeout) {
   if (!awaiting_) {
     awaiting_ = true;
-    set_caps({});
+    if (plan_.lift_limits()) buffer_.choice_changed();
     set_pace();
   }
   playhead_ = frame;
   buffer_.advance(frame);
-  note_choice(frame);
+  plan_.note(frame, seen_options());
   return buffer_.wait(timeout, true);
 }
 

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,7 +12,7 @@
 
 #include "client/playback/buffer.h"
 #include "client/playback/clock.h"
-#include "client/playback/layer_control.h"
+#include "client/playback/layer_plan.h"
 #include "client/playback/pipeline.h"
 #include "client/playback/playback.h"
 #include "client/playback/thumbnails.h"
@@ -25,8 +24,8 @@
 
 namespace pointreel {
 
-/// Everything that plays one reel: where its frames come from, what time it is, what is fetched and
-/// decoded for the view, and the frames that are ready.
+/// Plays one reel. It knows where the reel's frames come from, what time it is, what is fetched and
+/// decoded for the view, and which frames are ready.
 class ReelPlayback : public Playback {
  public:
   struct Options {
@@ -34,14 +33,14 @@ class ReelPlayback : public Playback {
     bool loop = true;
     double speed = 1.0;
     std::uint64_t start_us = 0;
-    bool remote = false;  ///< round trips take time: more frames are fetched at once, and ahead
-    bool single_frame = false;  ///< only the first one will be asked for
-    /// Of a remote reel's coded frames that are kept, besides those that are played next.
+    bool remote = false;  ///< it comes over a link: more frames are fetched at once, and ahead
+    bool single_frame = false;  ///< only the first frame will be shown
+    /// How many bytes of a remote reel's coded frames are kept, besides those played next.
     std::uint64_t store_bytes = std::uint64_t{96} << 20;
   };
 
-  /// Begins to fetch what the camera shows in a picture of `size` pixels. The source has at least
-  /// one frame. `on_error`: Pipeline::OnError.
+  /// Begins to fetch what the camera shows in a picture of `size` pixels. The source must have at
+  /// least one frame.
   ReelPlayback(std::unique_ptr<Source> source, const Options& options, const Camera& camera,
                glm::ivec2 size, Pipeline::OnError on_error, OnReady on_ready = {});
 
@@ -60,24 +59,24 @@ class ReelPlayback : public Playback {
   std::uint64_t dropped() const override { return dropped_; }
   std::uint64_t errors() const override { return pipeline_->errors(); }
 
-  /// The layers of frames with this level that the current mode draws.
+  /// The layers that the current mode draws of frames down to this level.
   LayerRange choice(int level) const;
 
-  // Time. Stands still, as if paused, until the first frame is there, and wherever the link does
-  // not bring frames in time: what the machine does not make in time is dropped.
+  // Time. It stands still, as if paused, until the first frame is there, and whenever the link does
+  // not bring frames in time. Frames that the machine does not make in time are dropped.
 
   void play(Clock::TimePoint now);
   void pause(Clock::TimePoint now);
   void toggle_play(Clock::TimePoint now) { playing() ? pause(now) : play(now); }
   void seek(std::uint64_t time_us, Clock::TimePoint now);
   void seek_by(std::int64_t delta_us, Clock::TimePoint now);
-  /// Pauses, and goes so many frames on or back.
+  /// Pauses, and goes that many frames forward, or back if negative.
   void step(std::int64_t frames, Clock::TimePoint now);
-  /// Negative: backward. Clamped as the clock says.
+  /// Clock::set_speed.
   void set_speed(double speed, Clock::TimePoint now);
   void set_loop(bool loop, Clock::TimePoint now);
   void toggle_loop(Clock::TimePoint now) { set_loop(!clock_.loop(), now); }
-  /// Clock::set_loop_range: between two times, again and again, without a gap.
+  /// Clock::set_loop_range. Playback goes on at the range's beginning without a gap.
   void set_loop_range(const std::optional<LoopRange>& range, Clock::TimePoint now);
   const std::optional<LoopRange>& loop_range() const { return clock_.loop_range(); }
   bool playing() const {
@@ -87,67 +86,57 @@ class ReelPlayback : public Playback {
   bool loop() const { return clock_.loop(); }
   std::uint64_t position_us(Clock::TimePoint now) const { return clock_.read(now).position_us; }
 
-  // While a timeline is dragged: coarse pictures of exactly the frame under the cursor; at the end
-  // it is refined, and playback goes on if it was playing.
+  // While a timeline is dragged, coarse pictures of exactly the frame under the cursor are shown.
+  // At the end of the drag the frame is refined, and playback goes on if it was playing.
 
   void scrub_begin(Clock::TimePoint now);
   void scrub_to(std::uint64_t time_us, Clock::TimePoint now);
   void scrub_end(Clock::TimePoint now);
   bool scrubbing() const { return scrubbing_; }
-  /// Stands still, though it plays, until frames come.
+  /// Whether it stands still although it plays, until frames come.
   bool waiting() const { return clock_.held(); }
 
   // Without a clock: frames in any order, each as soon as it is there.
 
-  /// Goes to `frame` and waits for it, with all the levels that are seen, at most for `timeout`.
+  /// Goes to `frame` and waits, no longer than `timeout`, until it has all levels that are seen.
   FrameBuffer::State await(std::uint32_t frame, std::chrono::milliseconds timeout);
   std::shared_ptr<const SceneFrame> best() const { return buffer_.best(); }
 
-  /// Which frames are there, and with how many layers, in order.
+  /// FrameBuffer::buffered.
   std::vector<BufferedRange> buffered() const { return buffer_.buffered(); }
 
-  /// A coarse picture of any frame, as Thumbnails::get gives it: null until it is there. Does not
-  /// disturb playback.
+  /// Thumbnails::get. Does not disturb playback.
   std::shared_ptr<const SceneFrame> thumbnail(std::uint32_t frame);
 
   // What was chosen, and how it went.
 
-  /// Of the frames from here to the next entry's, or the end of what was fetched so far.
-  struct Chosen {
-    std::uint32_t first_frame = 0;  ///< of a segment
-    LayerDecision decision;
-  };
-  /// The last choice for each segment, those that follow each other and are alike in one.
-  std::vector<Chosen> chosen() const;
-  /// What is fetched next, and why no more.
-  LayerDecision decision() const;
+  /// LayerPlan::chosen.
+  std::vector<LayerPlan::Chosen> chosen() const { return plan_.chosen(); }
+  /// What is fetched next, and why not more.
+  LayerDecision decision() const { return plan_.decide(seen_options()); }
 
   struct Statistics {
     std::uint64_t fetched_bytes = 0;
     std::uint64_t refetched = 0;      ///< layers that came damaged
     double link_bits_per_second = 0;  ///< 0: not known
-    double buffered_seconds = 0;      ///< that could be played from what has been fetched
-    /// Times at which playback stood still for want of frames, but for its start and after jumps.
+    double buffered_seconds = 0;      ///< how long the frames fetched so far will last
+    /// How often playback stood still for want of frames, other than at its start and after jumps.
     std::uint64_t stalls = 0;
     double stalled_seconds = 0, longest_stall_seconds = 0;
-    // What is held.
-    std::uint64_t stored_bytes = 0;  ///< of coded frames
-    std::uint64_t frame_bytes = 0;   ///< of frames that are ready, thumbnails included
+    // Memory.
+    std::uint64_t stored_bytes = 0;  ///< taken by coded frames
+    std::uint64_t frame_bytes = 0;   ///< taken by frames that are ready, and by thumbnails
   };
   Statistics statistics() const;
 
  private:
   Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched);
-  LayerDecision wanted(DrawMode mode, int level) const;
-  LayerCaps caps() const;
-  int seen_level() const;
+  PrepareOptions seen_options() const;
   void set_level();
   void set_pace();
   void release(Clock::TimePoint now);
   void hold_if_starved(Clock::TimePoint now);
-  void control(Clock::TimePoint now);
-  void set_caps(const LayerCaps& caps);
-  void note_choice(std::uint32_t frame);
+  void update_plan(Clock::TimePoint now);
   void jump(Clock::TimePoint now, int direction);
   std::optional<Clock::TimePoint> due(Clock::TimePoint now) const;
   void count_dropped(const SceneFrame& frame, const Clock::Reading& reading);
@@ -158,15 +147,18 @@ class ReelPlayback : public Playback {
   Clock clock_;
   bool started_ = false;  ///< the first frame came, or failed
   bool begins_ = true;    ///< it plays from then on
+  LayerPlan plan_;
   FrameBuffer buffer_;
-  mutable std::mutex prepare_mutex_;
+  mutable std::mutex
+      prepare_mutex_;  ///< guards prepare_, and what voxel_depth_ learns by its delta
   PrepareOptions prepare_;
   std::uint32_t playhead_ = 0;
-  std::optional<Camera> camera_;  ///< what view_level_ was found for
+  // The camera and the size that view_level_ was found for.
+  std::optional<Camera> camera_;
   glm::ivec2 size_{0};
-  std::atomic<int> view_level_{kWholeFrame};  ///< the finest level that the camera can show
+  std::atomic<int> view_level_{kWholeFrame};  ///< the finest level that the camera shows
   VoxelDepth voxel_depth_;
-  std::mutex level_mutex_;  ///< of telling the buffer what of both is seen
+  std::mutex level_mutex_;  ///< held while the buffer is told which level is seen
   std::shared_ptr<const SceneFrame> given_;
   std::optional<std::int64_t> given_ordinal_;  ///< none after a jump
   std::uint64_t dropped_ = 0;
@@ -177,15 +169,7 @@ class ReelPlayback : public Playback {
   Clock::TimePoint held_since_{};
   Statistics statistics_;
   FrameBuffer::Fill fill_;  ///< as of the last update
-  // What is fetched.
-  mutable std::mutex control_mutex_;
-  LayerControl control_;
-  std::atomic<Rung> link_cap_{LayerCaps{}.link};
-  std::atomic<std::uint32_t> machine_cap_{LayerCaps{}.machine_layers};
-  std::optional<Clock::TimePoint> first_control_;
-  LinkUse link_use_;                               ///< as of the last update
-  std::map<std::uint32_t, LayerDecision> chosen_;  ///< by segment
-  // Last: their threads use what is above.
+  // These come last because their threads use everything above.
   std::optional<Pipeline> pipeline_;
   std::optional<Thumbnails> thumbnails_;
 };

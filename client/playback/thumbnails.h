@@ -28,8 +28,8 @@ class Thumbnails {
   /// The finest level that a thumbnail has.
   static constexpr int kLevel = 7;
 
-  /// `source` outlives it. Keeps no more than `bytes` of frames, but always the last one. The thread
-  /// calls `on_ready` when a frame that was requested is there, or failed.
+  /// `source` outlives it. Keeps no more than `bytes` of frames, but always the last one. The
+  /// thread calls `on_ready` when a frame that was requested is there, or failed.
   Thumbnails(Source& source, Stored stored, std::uint64_t bytes = kBytes,
              std::function<void()> on_ready = {});
   /// Stops fetching, and waits for the thread.

@@ -47,7 +47,7 @@ nlohmann::ordered_json json_of(const WindowReport& window) {
   return json;
 }
 
-nlohmann::ordered_json json_of(const ReelPlayback::Chosen& chosen) {
+nlohmann::ordered_json json_of(const LayerPlan::Chosen& chosen) {
   auto attributes = nlohmann::ordered_json::array();
   if (chosen.decision.layers.colors) attributes.push_back("colors");
   if (chosen.decision.layers.normals) attributes.push_back("normals");
@@ -71,7 +71,7 @@ nlohmann::ordered_json json_of(const SourceReport& source) {
                       {"seconds", rounded(source.reel->stalled_seconds)},
                       {"longest_seconds", rounded(source.reel->longest_stall_seconds)}};
     auto chosen = nlohmann::ordered_json::array();
-    for (const ReelPlayback::Chosen& choice : source.chosen) chosen.push_back(json_of(choice));
+    for (const LayerPlan::Chosen& choice : source.chosen) chosen.push_back(json_of(choice));
     json["chosen"] = chosen;
   }
   if (source.live) {

@@ -10,8 +10,8 @@
 
 namespace pointreel {
 
-/// A certificate for localhost and 127.0.0.1 that signed itself, made for one test: what a client
-/// trusts and a server shows.
+/// A self-signed certificate for localhost and 127.0.0.1, made for one test: the server uses it,
+/// and the client trusts it.
 struct TestCertificate {
   std::filesystem::path certificate, key;
 

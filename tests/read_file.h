@@ -7,7 +7,7 @@
 
 namespace pointreel {
 
-/// All of a file; empty if it cannot be read.
+/// The content of a file; empty if it cannot be read.
 inline std::string read_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};

@@ -10,7 +10,8 @@
 
 namespace pointreel {
 
-/// A folder that ends with its owner. Throws std::filesystem::filesystem_error if none can be made.
+/// A folder that is deleted with its owner. The constructor throws
+/// std::filesystem::filesystem_error if it cannot make one.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -30,7 +31,7 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Makes a file of this content, and the folders that it lies in; its path.
+  /// Writes a file with this content, creates its folders if necessary, and returns its path.
   std::filesystem::path write(const std::string& name, std::string_view content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

@@ -25,20 +25,23 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
+#include "common/base/try.h"
+
 namespace pointreel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using Time = Clock::time_point;
 
-/// Of each socket's own buffers, so that what waits for the link waits in its sender.
+/// The size of the sockets' buffers. They are small, so that bytes that wait for the link wait in
+/// their sender.
 constexpr int kSocketBuffer = 64 * 1024;
-/// The link takes bytes for so long a time in advance.
+/// The link accepts bytes for this long in advance.
 constexpr auto kLinkQueue = std::chrono::milliseconds(5);
 constexpr std::size_t kLargestPiece = 64 * 1024, kSmallestPiece = 1500;
-/// What waits for a receiver that does not read, beside what the link has under way.
+/// The most bytes that wait for a receiver that does not read, in addition to those in transit.
 constexpr std::uint64_t kMostWaiting = 128 * 1024;
-/// Of a link without a rate.
+/// The rate in bits per second that is assumed for a link without a limit.
 constexpr std::uint64_t kFastest = 2'000'000'000;
 
 void close_with_reset(int socket) {
@@ -54,15 +57,16 @@ struct Piece {
   std::size_t sent = 0;
 };
 
-/// One way of a connection: bytes from `from`, each due at a time, to `to`.
+/// One direction of a connection: the bytes from one socket to the other, each with the time when
+/// it is due.
 struct Direction {
   int from = -1, to = -1;
-  bool readable = false, writable = false;  ///< until the socket says that it is not
-  bool ended = false;                       ///< the sender has said that it is through
+  bool readable = false, writable = false;  ///< true until a call says EAGAIN
+  bool ended = false;                       ///< the sender has closed its side
   bool end_passed_on = false;
   std::optional<Time> end_due;
-  Time not_before{};  ///< the connection is made by then
-  Time free_at{};     ///< of a rate that is the connection's own
+  Time not_before{};  ///< the time when the connection is established
+  Time free_at{};     ///< when the link is free again, if each connection has its own rate
   std::deque<Piece> pieces;
   std::size_t in_flight = 0;
   std::uint64_t passed = 0;
@@ -95,7 +99,7 @@ class LinkEmulator::Loop {
   Result<void> open(const Options& options) {
     conditions_ = options.conditions;
     random_.seed(options.seed);
-    if (const auto found = set_target(options.target); !found) return found;
+    TRY(set_target(options.target));
     listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const int on = 1;
     ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -108,14 +112,14 @@ class LinkEmulator::Loop {
     if (::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
         ::listen(listener_, 1024) != 0 ||
         ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
-      return fail(fmt::format("127.0.0.1:{}: cannot be listened on: {}", options.port,
-                              std::strerror(errno)));
+      return fail(ErrorCode::io, fmt::format("127.0.0.1:{}: cannot listen: {}", options.port,
+                                             std::strerror(errno)));
     port_ = ntohs(address.sin_port);
     epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
     wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     timer_ = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
     if (epoll_ < 0 || wake_ < 0 || timer_ < 0)
-      return fail(fmt::format("cannot be started: {}", std::strerror(errno)));
+      return fail(ErrorCode::io, fmt::format("the link cannot start: {}", std::strerror(errno)));
     for (int* descriptor : {&listener_, &wake_, &timer_}) watch(*descriptor, EPOLLIN, descriptor);
     thread_ = std::thread([this] { run(); });
     return {};
@@ -137,7 +141,9 @@ class LinkEmulator::Loop {
 
   Result<void> set_target(const std::string& target) {
     const auto colon = target.rfind(':');
-    if (colon == std::string::npos) return fail(target + ": is not of the form host:port");
+    if (colon == std::string::npos) {
+      return fail(ErrorCode::argument, target + ": is not of the form HOST:PORT");
+    }
     addrinfo hints{};
     hints.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
@@ -146,7 +152,7 @@ class LinkEmulator::Loop {
     if (const int code =
             ::getaddrinfo(host.c_str(), target.substr(colon + 1).c_str(), &hints, &found);
         code != 0)
-      return fail(fmt::format("{}: {}", target, ::gai_strerror(code)));
+      return fail(ErrorCode::io, fmt::format("{}: {}", target, ::gai_strerror(code)));
     const std::lock_guard lock(mutex_);
     std::memcpy(&target_, found->ai_addr, found->ai_addrlen);
     target_size_ = found->ai_addrlen;
@@ -154,16 +160,14 @@ class LinkEmulator::Loop {
     return {};
   }
 
-  void reset_connections() { order(reset_); }
-  void forget_connections() { order(forget_); }
+  void reset_connections() { request(reset_); }
+  void forget_connections() { request(forget_); }
 
   Result<void> start_script(const LinkScript& script) {
     std::vector<std::pair<Time, LinkChange>> events;
     const Time now = Clock::now();
     for (const LinkEvent& event : script) {
-      const auto change = parse_link_change(event.what);
-      if (!change) return tl::unexpected(change.error());
-      events.emplace_back(now + event.at, *change);
+      events.emplace_back(now + event.at, TRY(parse_link_change(event.what)));
     }
     std::stable_sort(events.begin(), events.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -186,18 +190,19 @@ class LinkEmulator::Loop {
     [[maybe_unused]] const ssize_t n = ::write(wake_, &one, sizeof one);
   }
 
-  void order(bool& what) {
+  void request(bool& flag) {
     {
       const std::lock_guard lock(mutex_);
-      what = true;
+      flag = true;
     }
     wake();
   }
 
-  void watch(int descriptor, std::uint32_t events, void* who) {
+  /// Adds a descriptor to epoll; its events carry the pointer `owner`.
+  void watch(int descriptor, std::uint32_t events, void* owner) {
     epoll_event event{};
     event.events = events;
-    event.data.ptr = who;
+    event.data.ptr = owner;
     ::epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event);
   }
 
@@ -212,7 +217,8 @@ class LinkEmulator::Loop {
           const int descriptor = *static_cast<int*>(event.data.ptr);
           [[maybe_unused]] const ssize_t got = ::read(descriptor, &ignored, sizeof ignored);
         } else if (event.data.ptr != &listener_) {
-          // Which of its two sockets it is does not matter: those not ready say so.
+          // It does not matter which of its two sockets it is: a socket that is not ready says
+          // EAGAIN.
           auto& connection = *static_cast<Connection*>(event.data.ptr);
           for (Direction* way : {&connection.up, &connection.down})
             way->readable = way->writable = true;
@@ -245,7 +251,7 @@ class LinkEmulator::Loop {
       connection.target = target;
       connection.up.from = connection.down.to = client;
       connection.up.to = connection.down.from = target;
-      // The requests that come at once have waited for the round trip of the connection's making.
+      // On a real link, the first request would have waited for the round trip of the handshake.
       connection.up.not_before = Clock::now() + 2 * conditions_.delay;
       for (const int socket : {client, target})
         watch(socket, EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET, &connection);
@@ -253,7 +259,7 @@ class LinkEmulator::Loop {
     }
   }
 
-  /// All that can be done now, and the timer set for what comes next.
+  /// Does everything that is due and sets the timer for the next event.
   void turn() {
     const std::lock_guard lock(mutex_);
     Time now = Clock::now();
@@ -263,7 +269,7 @@ class LinkEmulator::Loop {
       for (Connection& connection : connections_) connection.broken = true;
     if (std::exchange(forget_, false))
       for (Connection& connection : connections_) connection.forgotten = true;
-    // Whoever had the link last is last in turn.
+    // For fairness, the connection that used the link last is the last in turn.
     const auto taker = std::find_if(connections_.begin(), connections_.end(),
                                     [&](const Connection& c) { return &c == last_taker_; });
     if (taker != connections_.end())
@@ -276,8 +282,8 @@ class LinkEmulator::Loop {
         if (connection.broken || connection.forgotten) continue;
         again |= take(connection, connection.up, up_free_at_, now);
         again |= take(connection, connection.down, down_free_at_, now);
-        again |= hand_on(connection, connection.up, now, statistics_.up_bytes);
-        again |= hand_on(connection, connection.down, now, statistics_.down_bytes);
+        again |= pass_on(connection, connection.up, now, statistics_.up_bytes);
+        again |= pass_on(connection, connection.down, now, statistics_.down_bytes);
       }
     }
     if (again) next_ = now;
@@ -308,7 +314,8 @@ class LinkEmulator::Loop {
     if (!script_.empty()) next_ = std::min(next_, script_.front().first);
   }
 
-  /// Takes a piece from the sender if there is one and the link has room.
+  /// Takes a piece from the sender if it has sent any and the link has room. Returns whether to try
+  /// again.
   bool take(Connection& connection, Direction& way, Time& shared_free_at, Time now) {
     if (!way.readable || way.ended) return false;
     Time& free_at = conditions_.rate_each ? way.free_at : shared_free_at;
@@ -320,7 +327,7 @@ class LinkEmulator::Loop {
     const auto carried = std::chrono::duration<double>(conditions_.delay + kLinkQueue).count() / 8 *
                          static_cast<double>(rate > 0 ? rate : kFastest);
     if (way.in_flight >= kMostWaiting + static_cast<std::uint64_t>(carried)) return false;
-    // A millisecond of the link at most, so that connections share it evenly.
+    // A piece occupies the link for at most a millisecond, so that connections share it evenly.
     const std::size_t most =
         rate == 0 ? kLargestPiece
                   : std::clamp<std::size_t>(rate / 8 / 1000, kSmallestPiece, kLargestPiece);
@@ -356,6 +363,7 @@ class LinkEmulator::Loop {
     return true;
   }
 
+  /// Flips random bits.
   void damage(std::vector<char>& bytes) {
     if (conditions_.corrupt_every == 0) return;
     std::geometric_distribution<std::uint64_t> gap(1.0 /
@@ -366,8 +374,9 @@ class LinkEmulator::Loop {
     }
   }
 
-  /// Hands on what is due, as far as the receiver takes it.
-  bool hand_on(Connection& connection, Direction& way, Time now, std::uint64_t& count) {
+  /// Passes on the bytes that are due, as far as the receiver accepts them. Returns whether any
+  /// moved.
+  bool pass_on(Connection& connection, Direction& way, Time now, std::uint64_t& count) {
     bool moved = false;
     const bool down = &way == &connection.down;
     const std::uint64_t last = !down                         ? 0
@@ -400,7 +409,7 @@ class LinkEmulator::Loop {
       way.in_flight -= n;
       piece.sent += n;
       if (piece.sent == piece.bytes.size()) way.pieces.pop_front();
-      // One piece for each turn, so that the receiver sees them one by one.
+      // Only one piece in each turn, so that the receiver gets them one by one.
       if (conditions_.split > 0) break;
     }
     if (!way.pieces.empty()) {
@@ -447,7 +456,7 @@ class LinkEmulator::Loop {
   std::deque<std::pair<Time, LinkChange>> script_;
   LinkStatistics statistics_;
 
-  // Of the thread alone.
+  // Only the thread uses these.
   std::list<Connection> connections_;
   const Connection* last_taker_ = nullptr;
   Time up_free_at_{}, down_free_at_{}, next_{};
@@ -461,7 +470,7 @@ LinkEmulator::~LinkEmulator() = default;
 
 Result<std::unique_ptr<LinkEmulator>> LinkEmulator::start(const Options& options) {
   auto loop = std::make_unique<Loop>();
-  if (const auto opened = loop->open(options); !opened) return tl::unexpected(opened.error());
+  TRY(loop->open(options));
   return std::unique_ptr<LinkEmulator>(new LinkEmulator(std::move(loop)));
 }
 

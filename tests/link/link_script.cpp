@@ -23,7 +23,7 @@ std::string_view next_word(std::string_view& rest) {
   return word;
 }
 
-/// "5", "2.5", "5M".
+/// Parses "5", "2.5" or "5M"; nothing if the word is not such a number.
 std::optional<double> number(std::string_view word) {
   double unit = 1.0;
   if (!word.empty()) {
@@ -70,7 +70,7 @@ Result<LinkChange> parse_link_change(std::string_view text) {
     if (!value) return wrong("needs a number, as in \"rate 5M\"");
     return LinkChange{kind, *value};
   }
-  return wrong("is nothing that can happen to a link");
+  return wrong("is not an event of a link; see pointreel-link --help");
 }
 
 void apply(const LinkChange& change, LinkConditions& conditions) {
@@ -124,7 +124,7 @@ Result<LinkScript> parse_link_script(std::string_view text) {
     const auto seconds = number(time);
     const std::string place = fmt::format("line {}", line_number);
     if (!seconds || *seconds > 1e6)
-      return fail(fmt::format("{}: \"{}\" is no time in seconds", place, time));
+      return fail(fmt::format("{}: \"{}\" is not a time in seconds", place, time));
     rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
     while (!rest.empty() && (rest.back() == ' ' || rest.back() == '\t' || rest.back() == '\r'))
       rest.remove_suffix(1);

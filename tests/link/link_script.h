@@ -11,35 +11,34 @@
 
 namespace pointreel {
 
-/// How the link is, from now on, for what has not left yet.
+/// The conditions of a link, for all bytes that have not left yet.
 struct LinkConditions {
-  std::uint64_t bits_per_second = 0;   ///< in each direction; 0: as fast as it goes
-  bool rate_each = false;              ///< every connection has that rate, instead of sharing it
-  std::chrono::microseconds delay{0};  ///< one way: half the round trip
-  bool cut = false;                    ///< nothing passes; what is open stays so, unless reset
-  std::size_t split = 0;               ///< at most so many bytes are handed on at once; 0: any
-  /// Of what comes from the target, about one bit of so many bytes is flipped; 0: none.
+  std::uint64_t bits_per_second = 0;   ///< in each direction; 0: no limit
+  bool rate_each = false;              ///< each connection has this rate, instead of sharing it
+  std::chrono::microseconds delay{0};  ///< one way: half of the round trip
+  bool cut = false;                    ///< nothing passes; open connections stay open
+  std::size_t split = 0;               ///< pass on at most this many bytes at once; 0: no limit
+  /// Flips one bit in about this many bytes from the target; 0: none.
   std::uint64_t corrupt_every = 0;
-  /// Of what comes from the target, connections end after so many bytes: properly, or by a reset.
-  /// Counted from each connection's begin; 0: they do not.
+  /// Each connection ends after this many bytes from the target, regularly or by a reset; 0: never.
   std::uint64_t truncate_after = 0;
   std::uint64_t reset_after = 0;
 };
 
-/// A line of a script, without its time: `rate 5M` (k, M, G; 0: no limit), `rate-each 5M`, `delay
+/// A line of a script without its time: `rate 5M` (k, M, G; 0: no limit), `rate-each 5M`, `delay
 /// 10` (milliseconds one way), `cut`, `restore` (ends a cut), `split 1`, `corrupt 20000`, `truncate
-/// 50000`, `reset-after 50000`, `reset` (all connections), `forget` (as forget_connections),
+/// 50000`, `reset-after 50000`, `reset` (all connections), `forget` (see forget_connections),
 /// `clear` (a perfect link).
 struct LinkEvent {
-  std::chrono::milliseconds at{0};  ///< since the script began
+  std::chrono::milliseconds at{0};  ///< since the start of the script
   std::string what;
 };
 using LinkScript = std::vector<LinkEvent>;
 
-/// Lines of a time in seconds and what happens then: "5.5 rate 5M"; "#" begins a comment.
+/// Parses lines with a time in seconds and an event, such as "5.5 rate 5M". "#" starts a comment.
 Result<LinkScript> parse_link_script(std::string_view text);
 
-/// What a line of a script says.
+/// The parsed event of a line.
 struct LinkChange {
   enum class Kind {
     rate,
@@ -48,7 +47,7 @@ struct LinkChange {
     split,
     corrupt,
     truncate,
-    reset_after,  // with a value
+    reset_after,  // the kinds up to here have a value
     cut,
     restore,
     reset,
@@ -60,7 +59,7 @@ struct LinkChange {
 };
 
 Result<LinkChange> parse_link_change(std::string_view text);
-/// Of resets and forgetting, which are no conditions, nothing.
+/// Changes the conditions. `reset` and `forget` act on connections and change no condition.
 void apply(const LinkChange& change, LinkConditions& conditions);
 
 }  // namespace pointreel

@@ -1,4 +1,4 @@
-// pointreel-link: a bad network on loopback, for trying things by hand.
+// pointreel-link: a bad network on loopback, for experiments.
 
 #include <csignal>
 #include <cstdio>
@@ -13,22 +13,27 @@
 
 namespace {
 
-constexpr const char* kScripts = R"(
-A script has lines of a time in seconds since the start and what happens then:
-  0    rate 100M       bits per second in each direction; k, M, G; 0: no limit
-  0    delay 10        milliseconds one way: half the round trip
-  5    rate-each 5M    the same for each connection by itself
-  10   cut             nothing passes, until
-  20   restore
-  25   reset           all connections; "reset-after 50000": each after so many bytes
-  26   forget          nothing passes over the connections of now any more
-  27   split 1         at most so many bytes at once
-  28   corrupt 20000   about one bit of so many bytes is flipped, towards the client
-  29   truncate 50000  connections end after so many bytes towards the client
-  30   clear           a perfect link
-"#" begins a comment. Exit codes: 0 ended by a signal, 1 failed, 2 wrong usage.)";
+constexpr const char* kFooter = R"(
+Each line of a script has a time in seconds since the start and an event:
+  0    rate 100M          all connections share 100 Mbit/s in each direction; k, M, G; 0: no limit
+  0    delay 10           bytes take 10 milliseconds one way, which is half of the round trip
+  5    rate-each 5M       each connection has 5 Mbit/s in each direction for itself
+  10   cut                nothing passes any more; open connections stay open
+  20   restore            ends the cut
+  25   reset              resets all open connections
+  26   forget             stops all traffic on the open connections; new connections work
+  27   split 1            passes on at most 1 byte at once
+  28   corrupt 20000      flips one bit in about 20,000 bytes towards the client
+  29   truncate 50000     closes each connection after 50,000 bytes towards the client
+  30   reset-after 50000  resets each connection after 50,000 bytes towards the client
+  31   clear              makes the link perfect
+"#" starts a comment. Example:
+  pointreel-link --to 127.0.0.1:8090 --port 8091 --rate 20M --delay 25
+  pointreel play http://127.0.0.1:8091/NAME
 
-int say(const pointreel::Error& error) {
+Exit codes: 0 ended by a signal, 1 failure, 2 wrong usage.)";
+
+int report(const pointreel::Error& error) {
   fmt::print(stderr, "pointreel-link: {}\n", error.message);
   return 1;
 }
@@ -36,17 +41,28 @@ int say(const pointreel::Error& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"A bad network on loopback: a TCP proxy with a rate, a delay and faults"};
-  app.footer(kScripts);
+  CLI::App app{
+      "Emulates a bad network: a TCP proxy with a limited rate, a delay and faults. It listens on\n"
+      "127.0.0.1, passes connections on to another address, and runs until it is interrupted.\n",
+      "pointreel-link"};
+  app.footer(kFooter);
   pointreel::LinkEmulator::Options options;
   std::string rate = "0", script_path;
   double delay = 0.0;
-  app.add_option("--to", options.target, "HOST:PORT that connections lead to")->required();
-  app.add_option("--port", options.port, "listened on at 127.0.0.1; 0: any")->capture_default_str();
-  app.add_option("--rate", rate, "bits per second in each direction, as in 5M; 0: no limit")
+  app.add_option("--to", options.target, "the address to pass connections on to")
+      ->required()
+      ->type_name("HOST:PORT");
+  app.add_option("--port", options.port, "the port to listen on; 0: any free port")
+      ->type_name("PORT")
       ->capture_default_str();
-  app.add_option("--delay", delay, "milliseconds one way")->capture_default_str();
-  app.add_option("--script", script_path, "file of what happens when");
+  app.add_option("--rate", rate, "bits per second in each direction, such as 5M; 0: no limit")
+      ->type_name("RATE")
+      ->capture_default_str();
+  app.add_option("--delay", delay, "milliseconds one way, which is half of the round trip")
+      ->type_name("MS")
+      ->capture_default_str();
+  app.add_option("--script", script_path, "a file of changes over time; see below")
+      ->type_name("FILE");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -58,10 +74,10 @@ int main(int argc, char** argv) {
                     {std::chrono::milliseconds(0), fmt::format("delay {}", delay)}};
   if (!script_path.empty()) {
     std::ifstream in(script_path, std::ios::binary);
-    if (!in) return say({script_path + ": cannot be opened"});
+    if (!in) return report({script_path + ": cannot be opened"});
     const std::string text(std::istreambuf_iterator<char>(in), {});
     const auto parsed = parse_link_script(text);
-    if (!parsed) return say({script_path + ": " + parsed.error().message});
+    if (!parsed) return report({script_path + ": " + parsed.error().message});
     script.insert(script.end(), parsed->begin(), parsed->end());
   }
 
@@ -71,8 +87,8 @@ int main(int argc, char** argv) {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   auto link = LinkEmulator::start(options);
-  if (!link) return say(link.error());
-  if (const auto running = (*link)->run(script); !running) return say(running.error());
+  if (!link) return report(link.error());
+  if (const auto running = (*link)->run(script); !running) return report(running.error());
   fmt::print("listening on {}\n", (*link)->address());
   std::fflush(stdout);
   int signal = 0;

@@ -23,7 +23,10 @@ constexpr std::size_t kPiece = 4096;
 }  // namespace
 
 Result<LoadUrl> parse_load_url(const std::string& url) {
-  const auto wrong = [&] { return fail(url + ": is not of the form http://127.0.0.1:8090/NAME"); };
+  const auto wrong = [&] {
+    return fail(ErrorCode::argument,
+                url + ": is not of the form http://127.0.0.1:8090/NAME with a numeric address");
+  };
   LoadUrl parsed;
   const auto scheme = url.find("://");
   if (scheme == std::string::npos) return wrong();
@@ -55,7 +58,7 @@ Result<void> CrowdMember::connect(const LoadUrl& url) {
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (socket_ < 0 ||
       ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return fail(fmt::format("{}:{}: {}", url.host, url.port, std::strerror(errno)));
+    return fail(ErrorCode::io, fmt::format("{}:{}: {}", url.host, url.port, std::strerror(errno)));
   const int on = 1;
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   ::fcntl(socket_, F_SETFL, O_NONBLOCK);
@@ -86,7 +89,7 @@ void CrowdMember::skip(std::uint64_t size) {
 void CrowdMember::read() {
   while (!broken_) {
     if (skip_ > 0) {
-      // The system throws the bytes away without copying them.
+      // MSG_TRUNC discards the bytes without copying them.
       const ssize_t n = ::recv(socket_, nullptr, skip_, MSG_TRUNC);
       if (n < 0 && errno == EINTR) continue;
       if (n < 0 && errno == EAGAIN) return;
@@ -108,9 +111,9 @@ void CrowdMember::read() {
   }
 }
 
-bool CrowdMember::use(std::size_t came) {
-  bytes_ += came;
-  // Until it takes nothing more: what is missing is still to come, or is to be skipped.
+bool CrowdMember::use(std::size_t arrived) {
+  bytes_ += arrived;
+  // Stop when on_data takes nothing more, because the rest has yet to arrive or must be skipped.
   for (std::size_t before = taken_ + 1; before != taken_ && skip_ == 0;) {
     before = taken_;
     if (!on_data()) return false;

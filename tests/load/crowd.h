@@ -16,11 +16,12 @@ namespace pointreel {
 
 using LoadClock = std::chrono::steady_clock;
 
-/// "http://127.0.0.1:80/a" in its parts; an error if the host is no address in digits.
+/// The parts of an address such as "http://127.0.0.1:80/a".
 struct LoadUrl {
   std::string scheme, host, target;
   std::uint16_t port = 0;
 };
+/// Fails unless the host is a numeric IPv4 address with a port.
 Result<LoadUrl> parse_load_url(const std::string& url);
 
 /// One connection of a crowd.
@@ -33,26 +34,28 @@ class CrowdMember {
   bool broken() const { return broken_; }
   std::uint64_t bytes() const { return bytes_; }
 
-  /// All that has come.
+  /// Reads and handles everything that has arrived.
   void read();
-  /// Its time has come; when it wants to be called next.
+  /// Called at the time that the member asked for; returns the time for the next call.
   virtual LoadClock::time_point on_due(LoadClock::time_point now);
 
  protected:
-  /// Takes from the front of `buffer()` what it can use; false: the peer makes no sense.
+  /// Takes what it can use from the front of `buffer()`. Returns false if the peer breaks the
+  /// protocol.
   virtual bool on_data() = 0;
-  /// The next bytes, beyond those in the buffer, are of no interest; `on_skipped` follows.
+  /// Skips the next `size` bytes without storing those that have not arrived yet. `on_skipped` is
+  /// called once they have arrived, unless all of them are in the buffer already.
   void skip(std::uint64_t size);
   virtual bool on_skipped() { return true; }
 
   std::string_view buffer() const { return std::string_view(buffer_).substr(taken_); }
   void take(std::size_t size) { taken_ += size; }
-  /// Small enough for the socket to take it at once.
+  /// Sends a text that must be small enough for the socket to accept it at once.
   void send(std::string_view text);
   void break_off();
 
  private:
-  bool use(std::size_t came);
+  bool use(std::size_t arrived);
 
   int socket_ = -1;
   bool broken_ = false;
@@ -61,7 +64,8 @@ class CrowdMember {
   std::size_t taken_ = 0;
 };
 
-/// Calls members whose sockets have something, or whose time has come, until `end`.
+/// Serves the members until `end`: calls `read` for those whose sockets are readable and `on_due`
+/// for those whose time has come. Calls `begin_measuring` once, at `measured_from`.
 void run_crowd(const std::vector<std::unique_ptr<CrowdMember>>& members,
                LoadClock::time_point first_due, LoadClock::time_point end,
                const std::function<void()>& begin_measuring, LoadClock::time_point measured_from);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxHead = 4096;
 
-/// As much of RFC 6455 as a viewer needs that only looks at the first bytes of messages.
+/// The part of RFC 6455 that a viewer needs if it looks only at the first bytes of each message.
 class LiveViewer : public CrowdMember {
  public:
   LiveViewer(const LoadUrl& url, const std::string& token, LoadRecord& record)
@@ -45,7 +45,8 @@ class LiveViewer : public CrowdMember {
       return true;
     }
     if (frame_left_ == 0 && !begin_frame()) return valid_;
-    // The first bytes of a message tell what it is; those of the rest only have to come.
+    // The first bytes of a message are kept, because they tell which layer it is; the rest is
+    // skipped.
     if (control_ || head_.size() < wanted_head()) {
       const std::size_t n = std::min<std::uint64_t>(
           {frame_left_, buffer().size(), control_ ? frame_left_ : wanted_head() - head_.size()});
@@ -67,7 +68,8 @@ class LiveViewer : public CrowdMember {
 
   static std::size_t wanted_head() { return kLiveHeaderSize; }
 
-  /// False if its header has not come yet, or is none.
+  /// Reads the header of a WebSocket frame. Returns false if it has not arrived completely, or is
+  /// invalid; then `valid_` is false.
   bool begin_frame() {
     const std::string_view text = buffer();
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -97,7 +99,7 @@ class LiveViewer : public CrowdMember {
   bool end_frame() {
     if (control_) {
       if (opcode_ == kPing) {
-        // Masked by zeroes.
+        // The mask consists of zeros.
         std::string pong{'\x8a', static_cast<char>(0x80 | control_text_.size()), 0, 0, 0, 0};
         send(pong + control_text_);
       }
@@ -107,7 +109,8 @@ class LiveViewer : public CrowdMember {
     return true;
   }
 
-  /// A whole layer has come; `head_` has its header, in the order of PROTOCOL.md, "Live".
+  /// Called when a whole layer has arrived. `head_` holds its header, in the order of
+  /// common/stream/PROTOCOL.md.
   void on_layer() {
     ByteReader in({reinterpret_cast<const std::uint8_t*>(head_.data()), head_.size()});
     in.get<std::uint32_t>();
@@ -134,12 +137,12 @@ class LiveViewer : public CrowdMember {
   LoadRecord& record_;
   std::string request_;
   bool upgraded_ = false, valid_ = true;
-  // Of the frame of WebSocket that is coming.
+  // The WebSocket frame that is arriving.
   std::uint64_t frame_left_ = 0;
   bool final_ = false, control_ = false, binary_ = false;
   unsigned opcode_ = 0;
   std::string head_, control_text_;
-  // Of the stream's frame.
+  // The frame of the stream that is arriving.
   std::optional<std::uint32_t> frame_;
   bool whole_ = false;
 };

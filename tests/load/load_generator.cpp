@@ -5,6 +5,7 @@
 #include <ctime>
 #include <memory>
 
+#include "common/base/try.h"
 #include "tests/load/crowd.h"
 #include "tests/load/viewers.h"
 
@@ -24,26 +25,22 @@ LoadClock::duration seconds(double s) {
 }  // namespace
 
 Result<LoadFigures> run_load(const LoadOptions& options) {
-  const auto url = parse_load_url(options.url);
-  if (!url) return tl::unexpected(url.error());
-  const bool live = url->scheme == "ws";
-  if (!live && url->scheme != "http") return fail(options.url + ": give http:// or ws://");
+  const LoadUrl url = TRY(parse_load_url(options.url));
+  const bool live = url.scheme == "ws";
+  if (!live && url.scheme != "http") {
+    return fail(ErrorCode::argument, options.url + ": must begin with http:// or ws://");
+  }
 
   LoadRecord record;
   std::shared_ptr<const PackageRequests> requests;
-  if (!live) {
-    auto made = package_requests(options, *url);
-    if (!made) return tl::unexpected(made.error());
-    requests = std::move(*made);
-  }
+  if (!live) requests = TRY(package_requests(options, url));
   std::vector<std::unique_ptr<CrowdMember>> members;
   for (unsigned i = 0; i < options.viewers; ++i) {
-    // Spread evenly, however many there are.
+    // Multiples of the golden ratio are spread evenly for any number of viewers.
     const double phase = std::fmod(0.6180339887498949 * i, 1.0);
-    members.push_back(live ? live_viewer(*url, options.token, record)
+    members.push_back(live ? live_viewer(url, options.token, record)
                            : package_viewer(requests, phase, record));
-    if (const auto connected = members.back()->connect(*url); !connected)
-      return tl::unexpected(connected.error());
+    TRY(members.back()->connect(url));
   }
 
   const auto now = LoadClock::now();

@@ -10,17 +10,23 @@
 #include "tests/load/load_generator.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Many viewers of a package or a live stream, and how late their frames come"};
-  app.footer("Exit codes: 0 good, 1 failed, 2 wrong usage.");
+  CLI::App app{
+      "Simulates many viewers of a package or a live stream and measures how late their frames\n"
+      "arrive. The viewers decode nothing.\n",
+      "pointreel-load"};
+  app.footer("Exit codes: 0 success, 1 failure or a broken connection, 2 wrong usage.");
   pointreel::LoadOptions options;
   bool json = false;
-  app.add_option("url", options.url, "http://ADDRESS:PORT/NAME or ws://ADDRESS:PORT/live/NAME")
+  app.add_option("url", options.url,
+                 "http://ADDRESS:PORT/NAME for a package, ws://ADDRESS:PORT/live/NAME for a live\n"
+                 "stream; ADDRESS must be numeric, such as 127.0.0.1")
       ->required();
-  app.add_option("--viewers", options.viewers)->capture_default_str();
-  app.add_option("--seconds", options.seconds, "that are measured")->capture_default_str();
-  app.add_option("--warm-up", options.warm_up, "seconds before that")->capture_default_str();
-  app.add_option("--token", options.token, "bearer token");
-  app.add_flag("--json", json, "print JSON");
+  app.add_option("--viewers", options.viewers, "number of viewers")->capture_default_str();
+  app.add_option("--seconds", options.seconds, "how long to measure")->capture_default_str();
+  app.add_option("--warm-up", options.warm_up, "seconds before the measurement starts")
+      ->capture_default_str();
+  app.add_option("--token", options.token, "bearer token, if the server requires one");
+  app.add_flag("--json", json, "print the figures as JSON");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -47,12 +53,12 @@ int main(int argc, char** argv) {
     fmt::print("{}\n", report.dump(1));
   } else {
     fmt::print(
-        "{} viewers, {:.1f} Mbit/s in all; {} frames whole, {} incomplete, {} missing, {} "
+        "{} viewers, {:.1f} Mbit/s in total; {} frames complete, {} incomplete, {} missing; {} "
         "connections broken\n",
         options.viewers, figures->bits_per_second() / 1e6, figures->frames, figures->incomplete,
         figures->missing, figures->broken);
     fmt::print(
-        "delay of half, 95 and 99 % of the frames: {:.2f}, {:.2f}, {:.2f} ms; generator: "
+        "frame delay: median {:.2f} ms, 95 % {:.2f} ms, 99 % {:.2f} ms; this program used "
         "{:.0f} % of a core\n",
         figures->delay_ms(0.5), figures->delay_ms(0.95), figures->delay_ms(0.99),
         100.0 * figures->cpu_seconds / figures->seconds);

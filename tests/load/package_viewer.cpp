@@ -7,13 +7,14 @@
 
 #include "client/source/http_client.h"
 #include "client/source/source.h"
+#include "common/base/try.h"
 #include "pointreel/package.h"
 #include "tests/load/viewers.h"
 
 namespace pointreel {
 namespace {
 
-/// Who has fallen so far behind asks for nothing more.
+/// A viewer that is this many frames behind requests nothing more.
 constexpr std::size_t kMostBehind = 30;
 constexpr std::size_t kMaxHead = 4096;
 
@@ -24,7 +25,7 @@ class PackageViewer : public CrowdMember {
 
   LoadClock::time_point on_due(LoadClock::time_point now) override {
     if (!begun_) {
-      // As if it had begun to play long ago.
+      // The viewer acts as if it had started to play long ago.
       begun_ = now - std::chrono::duration_cast<LoadClock::duration>(requests_->loop * phase_);
       while (due() < now) ++next_;
       return due();
@@ -101,9 +102,8 @@ Result<std::shared_ptr<const PackageRequests>> package_requests(const LoadOption
   source.token = options.token;
   HttpClient client(source);
   const std::string manifest_url = options.url + "/" + kManifestName;
-  const auto text = client.get(manifest_url, kMaxManifestBytes);
-  if (!text) return tl::unexpected(text.error());
-  const auto manifest = parse_manifest({reinterpret_cast<const char*>(text->data()), text->size()});
+  const Bytes text = TRY(client.get(manifest_url, kMaxManifestBytes));
+  const auto manifest = parse_manifest({reinterpret_cast<const char*>(text.data()), text.size()});
   if (!manifest) return fail_at(manifest_url, manifest.error());
 
   auto requests = std::make_shared<PackageRequests>();

@@ -12,10 +12,10 @@
 
 namespace pointreel {
 
-/// What a package's viewers ask for: requests are written once for all of them.
+/// The requests for the frames of a package, written once for all viewers.
 struct PackageRequests {
   struct Frame {
-    std::chrono::microseconds due{0};  ///< since the loop began
+    std::chrono::microseconds due{0};  ///< since the start of the loop
     unsigned layers = 0;
     std::string requests;
   };
@@ -25,18 +25,20 @@ struct PackageRequests {
 Result<std::shared_ptr<const PackageRequests>> package_requests(const LoadOptions& options,
                                                                 const LoadUrl& url);
 
-/// Viewers write what they see here while `on`.
+/// The figures that viewers record while `on`.
 struct LoadRecord {
   bool on = false;
   LoadFigures figures;
 
+  /// Records a complete frame.
   void whole(double delay_ms);
 };
 
-/// Plays from `phase`, 0 to 1, of the loop on.
+/// A viewer of a package that starts at the share `phase`, 0 to 1, of the loop.
 std::unique_ptr<CrowdMember> package_viewer(std::shared_ptr<const PackageRequests> requests,
                                             double phase, LoadRecord& record);
 
+/// A viewer of a live stream.
 std::unique_ptr<CrowdMember> live_viewer(const LoadUrl& url, const std::string& token,
                                          LoadRecord& record);
 

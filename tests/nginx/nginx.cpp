@@ -40,7 +40,7 @@ sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-/// A port that was free a moment ago: nginx cannot choose one itself and tell.
+/// A port that was free a moment ago. nginx cannot choose a free port and report it.
 std::uint16_t free_port() {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = loopback(0);
@@ -72,7 +72,9 @@ bool Nginx::installed() { return executable() != nullptr; }
 Result<std::unique_ptr<Nginx>> Nginx::start(
     const fs::path& folder, const std::function<std::string(std::uint16_t port)>& http) {
   const char* program = executable();
-  if (program == nullptr) return fail("nginx is not installed: apt-get install nginx");
+  if (program == nullptr) {
+    return fail(ErrorCode::not_found, "nginx: is not installed (apt-get install nginx)");
+  }
   fs::create_directories(folder);
   const std::string errors = (folder / "error.log").string();
   const std::string file = (folder / "nginx.conf").string();
@@ -105,7 +107,7 @@ Result<std::unique_ptr<Nginx>> Nginx::start(
     if (fault.find("Address already in use") == std::string::npos) break;
     fs::remove(errors);
   }
-  return fail(fmt::format("nginx: {}", fault));
+  return fail(ErrorCode::io, fmt::format("nginx: {}", fault));
 }
 
 Nginx::~Nginx() {
@@ -118,7 +120,8 @@ std::string nginx_configuration(
   std::string text = content(fs::path(POINTREEL_SOURCE_DIR) / "server" / "nginx" / name);
   for (const auto& [from, to] : replacements) {
     const auto at = text.find(from);
-    if (at == std::string::npos) throw std::runtime_error(name + " has no '" + from + "'");
+    if (at == std::string::npos)
+      throw std::runtime_error(name + ": does not contain '" + from + "'");
     text.replace(at, from.size(), to);
   }
   return text;

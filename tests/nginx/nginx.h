@@ -14,14 +14,14 @@
 
 namespace pointreel {
 
-/// Debian's nginx in the background, in a folder of its own, ended by the destructor.
+/// Debian's nginx, which runs in the background with a folder of its own until it is destroyed.
 class Nginx {
  public:
-  /// Whether there is one on this machine.
+  /// Whether nginx is installed on this machine.
   static bool installed();
 
-  /// `http` gives what is to stand in the http block, for the port that nginx is to listen on, at
-  /// 127.0.0.1. Returns when nginx accepts connections; an error if it ends instead.
+  /// Starts nginx. `http` returns the content of the http block for a port at 127.0.0.1 that nginx
+  /// should listen on. Returns when nginx accepts connections; fails if it ends instead.
   static Result<std::unique_ptr<Nginx>> start(
       const std::filesystem::path& folder,
       const std::function<std::string(std::uint16_t port)>& http);
@@ -37,8 +37,8 @@ class Nginx {
   std::uint16_t port_;
 };
 
-/// One of our configurations (server/nginx/NAME), with the text `from` in it, which must be there,
-/// replaced by `to` for each pair.
+/// The configuration server/nginx/NAME with the first text of each pair, which must occur in it,
+/// replaced by the second.
 std::string nginx_configuration(
     const std::string& name, const std::vector<std::pair<std::string, std::string>>& replacements);
 

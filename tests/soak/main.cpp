@@ -13,15 +13,16 @@
 int main(int argc, char** argv) {
   using namespace pointreel::soak;
   CLI::App app{
-      "Everything that streams at once, over links that slow down, break, lie and heal.\n"
-      "Exit codes: 0 all held, 1 something did not, 2 usage; sanitizers have their own.",
+      "Streams packages and live streams at the same time, over links that slow down, break,\n"
+      "corrupt bytes and recover.\n",
       "pointreel_soak"};
+  app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage; sanitizers use their own codes.");
   int seconds = 10;
   Options options;
-  app.add_option("--seconds", seconds, "that each scenario lasts; they run at the same time")
+  app.add_option("--seconds", seconds, "duration of the scenarios, which run at the same time")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of all that is random")->capture_default_str();
+  app.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   options.time = std::chrono::seconds(seconds);
 

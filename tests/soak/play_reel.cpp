@@ -12,6 +12,7 @@
 
 #include "client/playback/reel_playback.h"
 #include "client/source/open_source.h"
+#include "common/base/try.h"
 #include "common/cloud/ply.h"
 #include "server/pack/packer.h"
 #include "server/serve/http_server.h"
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t kFrames = 40;
 
-/// Each frame is known by its number of points.
+/// The number of points, which identifies a frame.
 std::uint32_t points_of(std::uint32_t frame) { return 400 + 7 * frame; }
 
 Result<void> pack_reel(const fs::path& clouds, const fs::path& reel) {
@@ -40,23 +41,21 @@ Result<void> pack_reel(const fs::path& clouds, const fs::path& reel) {
       cloud.normals.push_back(cloud.positions.back());
       cloud.colors.emplace_back(257 * (i % 256), 257 * frame, 20'000);
     }
-    if (auto written = write_ply(clouds / fmt::format("{:03}.ply", frame), cloud); !written)
-      return written;
+    TRY(write_ply(clouds / fmt::format("{:03}.ply", frame), cloud));
   }
   PackOptions options;
   options.inputs = {clouds};
   options.output = reel;
   options.segment_frames = 7;
-  options.threads = 1;  // ThreadSanitizer does not see how TBB hands on work
+  options.threads = 1;  // ThreadSanitizer does not understand how TBB passes work to threads
   OctreeOptions octree;
   octree.depth = DepthRule::fixed(11);
   options.encode.codec = octree;
-  const auto packed = pack(options);
-  if (!packed) return tl::unexpected(packed.error());
+  TRY(pack(options));
   return {};
 }
 
-/// Connects, says something, and goes, heard or not.
+/// Connects, sends a request that may be damaged, and disconnects, with or without an answer.
 void knock(std::uint16_t port, std::mt19937_64& random) {
   const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -117,29 +116,24 @@ void act(ReelPlayback& reel, Camera& camera, std::mt19937_64& random) {
 
 Outcome play_reel(const Options& options) {
   const fs::path reel_folder = options.scratch / "reel";
-  if (auto packed = pack_reel(options.scratch / "clouds", reel_folder); !packed)
-    return tl::unexpected(packed.error());
-  auto catalog = Catalog::load({reel_folder});
-  if (!catalog) return tl::unexpected(catalog.error());
+  TRY(pack_reel(options.scratch / "clouds", reel_folder));
   HttpServerOptions serving;
   serving.listen = {"127.0.0.1", 0};
-  const auto server = HttpServer::start(*std::move(catalog), serving);
-  if (!server) return tl::unexpected(server.error());
-  const auto link = LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", (*server)->port())});
-  if (!link) return tl::unexpected(link.error());
+  const auto server = TRY(HttpServer::start(TRY(Catalog::load({reel_folder})), serving));
+  const auto link =
+      TRY(LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", server->port())}));
 
-  auto source = open_source("http://" + (*link)->address() + "/reel");
-  if (!source) return tl::unexpected(source.error());
-  Camera camera = camera_for((*source)->manifest());
+  auto source = TRY(open_source("http://" + link->address() + "/reel"));
+  Camera camera = camera_for(source->manifest());
   ReelPlayback::Options playing;
   playing.remote = true;
-  ReelPlayback reel(*std::move(source), playing, camera, {480, 320},
+  ReelPlayback reel(std::move(source), playing, camera, {480, 320},
                     [](std::uint32_t, const Error&) {});  // broken frames are expected
 
   std::atomic<bool> ending{false};
   std::thread visitors([&, random = std::mt19937_64(options.seed + 1)]() mutable {
     while (!ending) {
-      knock((*server)->port(), random);
+      knock(server->port(), random);
       std::this_thread::sleep_for(milliseconds(5));  // many visitors, and time left for the rest
     }
   });
@@ -163,7 +157,7 @@ Outcome play_reel(const Options& options) {
   while (steady_clock::now() - begin < options.time) {
     const auto now = steady_clock::now();
     if (now >= next_fault) {
-      worsen(**link, random);
+      worsen(*link, random);
       next_fault = now + milliseconds(100 + random() % 500);
     }
     if (now >= next_action) {
@@ -177,8 +171,8 @@ Outcome play_reel(const Options& options) {
     std::this_thread::sleep_for(milliseconds(2));  // more often than any display draws
   }
 
-  // A good link: every frame comes, whatever happened before.
-  (*link)->set({});
+  // Once the link is good, every frame must arrive, no matter what happened before.
+  link->set({});
   Result<void> good;
   for (std::uint32_t frame = 0; frame < kFrames && good; ++frame) {
     FrameBuffer::State state = FrameBuffer::State::waiting;
@@ -193,8 +187,8 @@ Outcome play_reel(const Options& options) {
   end_visitors();
   if (!good) return tl::unexpected(good.error());
   return fmt::format("{} frames shown, {} broken, {} bits flipped, {} connections", shown,
-                     reel.errors(), (*link)->statistics().flipped_bits,
-                     (*link)->statistics().connections);
+                     reel.errors(), link->statistics().flipped_bits,
+                     link->statistics().connections);
 }
 
 }  // namespace pointreel::soak

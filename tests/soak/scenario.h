@@ -10,30 +10,31 @@
 #include "pointreel/error.h"
 #include "tests/link/link_emulator.h"
 
-/// Everything that streams, at once and for long, under a sanitizer: what happens is random, what
-/// must hold is not.
+/// Everything that streams, at the same time and for a long time, under a sanitizer. Random events
+/// happen, but no frame may ever be wrong, and playback must recover.
 namespace pointreel::soak {
 
 struct Options {
   std::chrono::seconds time{10};
   std::uint64_t seed = 1;
-  std::filesystem::path scratch;  ///< a folder that is there
+  std::filesystem::path scratch;  ///< an existing folder
 };
 
-/// What a scenario did, for people; or what did not hold.
+/// A summary for people, or the requirement that was violated.
 using Outcome = Result<std::string>;
 
-/// Plays a package over HTTP through a link that is slow, breaks, lies and heals, with seeks,
-/// scrubs, steps, other speeds and modes, while connections come and go and send rubbish. No frame
-/// may ever be another than it says, and once the link is good every frame must come.
+/// Plays a package over HTTP through a link that is slow, breaks, corrupts bytes and recovers, with
+/// seeks, scrubbing, steps and changes of speed and mode, while other connections come and go and
+/// send garbage. Every frame must be the one that it claims to be, and every frame must arrive once
+/// the link is good.
 Outcome play_reel(const Options& options);
 
-/// A publisher, viewers that stay, viewers that come and go, links that break; a publisher that is
-/// started again. No frame may be another than it says, none may come twice or late, and once the
-/// links are good frames must come.
+/// Watches a live stream with viewers that stay and viewers that come and go, links that break, and
+/// a publisher that is restarted. Every frame must be the one that it claims to be, none may arrive
+/// twice or in the wrong order, and new frames must arrive once the links are good.
 Outcome watch_live(const Options& options);
 
-/// Conditions of a bad link, now and then its connections reset or forgotten.
+/// Gives a link random bad conditions, and occasionally resets or forgets its connections.
 void worsen(LinkEmulator& link, std::mt19937_64& random);
 
 }  // namespace pointreel::soak

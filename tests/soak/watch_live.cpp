@@ -10,6 +10,7 @@
 
 #include "client/playback/live_playback.h"
 #include "client/source/open_live_source.h"
+#include "common/base/try.h"
 #include "server/publish/publisher.h"
 #include "server/relay/relay.h"
 #include "server/serve/http_server.h"
@@ -22,7 +23,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// Each frame is known by its number of points, which follows from when it was captured.
+/// The number of points, which identifies a frame; it follows from the time of its capture.
 std::uint32_t points_of(std::uint64_t capture_us) {
   return 300 + static_cast<std::uint32_t>(capture_us % 997);
 }
@@ -38,7 +39,7 @@ PointCloud cloud_of(std::uint32_t points) {
   return cloud;
 }
 
-/// Fifty a second, for ever.
+/// An endless source of fifty frames per second.
 class Camera50 : public FrameInput {
  public:
   Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
@@ -56,7 +57,7 @@ class Camera50 : public FrameInput {
   std::uint64_t next_us_ = 0;
 };
 
-/// A publisher in a thread of its own, until it is destroyed.
+/// A publisher that runs in a thread of its own until it is destroyed.
 class PublishThread {
  public:
   explicit PublishThread(const std::string& url) {
@@ -73,7 +74,7 @@ class PublishThread {
       if (!ended) error_ = ended.error();
     });
   }
-  /// Why it ended by itself.
+  /// Stops the publisher; returns its error if it had ended by itself.
   std::optional<Error> end() {
     thread_.request_stop();
     thread_.join();
@@ -86,20 +87,17 @@ class PublishThread {
   std::jthread thread_;
 };
 
-/// A viewer behind a link of its own.
+/// A viewer with a link of its own.
 class Watcher {
  public:
   static Result<std::unique_ptr<Watcher>> join(std::uint16_t port) {
     auto watcher = std::make_unique<Watcher>();
-    auto link = LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", port)});
-    if (!link) return tl::unexpected(link.error());
-    watcher->link_ = *std::move(link);
+    watcher->link_ = TRY(LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", port)}));
     auto source =
-        open_live_source("ws://" + watcher->link_->address() + "/live/soak", SourceOptions{});
-    if (!source) return tl::unexpected(source.error());
+        TRY(open_live_source("ws://" + watcher->link_->address() + "/live/soak", SourceOptions{}));
     LivePlayback::Options options;
     options.prepare.mode = DrawMode::point;
-    watcher->playback_ = std::make_unique<LivePlayback>(*std::move(source), "soak", options,
+    watcher->playback_ = std::make_unique<LivePlayback>(std::move(source), "soak", options,
                                                         [](std::uint32_t, const Error&) {});
     return watcher;
   }
@@ -134,26 +132,20 @@ class Watcher {
 
 Outcome watch_live(const Options& options) {
   Relay relay;
-  auto catalog = Catalog::load({});
-  if (!catalog) return tl::unexpected(catalog.error());
   HttpServerOptions serving;
   serving.listen = {"127.0.0.1", 0};
-  serving.service.log = Log::Level::kOff;  // two publishers may meet: the old one's link is cut
-  const auto server = HttpServer::start(*std::move(catalog), serving, &relay);
-  if (!server) return tl::unexpected(server.error());
-  const std::uint16_t port = (*server)->port();
+  // Two publishers may meet, because the link of the old one may be cut; this would be logged.
+  serving.service.log = Log::Level::kOff;
+  const auto server = TRY(HttpServer::start(TRY(Catalog::load({})), serving, &relay));
+  const std::uint16_t port = server->port();
 
-  const auto publisher_link = LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", port)});
-  if (!publisher_link) return tl::unexpected(publisher_link.error());
-  const std::string publish_url = "ws://" + (*publisher_link)->address() + "/live/soak?publish";
+  const auto publisher_link =
+      TRY(LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", port)}));
+  const std::string publish_url = "ws://" + publisher_link->address() + "/live/soak?publish";
   auto publisher = std::make_unique<PublishThread>(publish_url);
 
   std::vector<std::unique_ptr<Watcher>> watchers(3);
-  for (auto& watcher : watchers) {
-    auto joined = Watcher::join(port);
-    if (!joined) return tl::unexpected(joined.error());
-    watcher = *std::move(joined);
-  }
+  for (auto& watcher : watchers) watcher = TRY(Watcher::join(port));
 
   std::mt19937_64 random(options.seed);
   const auto begin = steady_clock::now();
@@ -170,15 +162,13 @@ Outcome watch_live(const Options& options) {
   while (steady_clock::now() - begin < options.time) {
     const auto now = steady_clock::now();
     if (now >= next_fault) {
-      worsen(random() % 3 == 0 ? **publisher_link : watchers[random() % watchers.size()]->link(),
+      worsen(random() % 3 == 0 ? *publisher_link : watchers[random() % watchers.size()]->link(),
              random);
       next_fault = now + milliseconds(100 + random() % 400);
     }
     if (now >= next_visitor) {
       visitor.reset();
-      auto joined = Watcher::join(port);
-      if (!joined) return tl::unexpected(joined.error());
-      visitor = *std::move(joined);
+      visitor = TRY(Watcher::join(port));
       ++visitors;
       next_visitor = now + milliseconds(random() % 500);
     }
@@ -192,8 +182,8 @@ Outcome watch_live(const Options& options) {
     std::this_thread::sleep_for(milliseconds(2));  // more often than any display draws
   }
 
-  // Good links: new pictures come to everybody, whatever happened before.
-  (*publisher_link)->set({});
+  // Once the links are good, every viewer must get new frames, no matter what happened before.
+  publisher_link->set({});
   for (const auto& watcher : watchers) watcher->link().set({});
   const std::uint64_t healed_us = LiveClock::system().now_us();
   const auto all_go_on = [&] {

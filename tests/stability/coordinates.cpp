@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
+#include "common/base/try.h"
 #include "datasets_synthetic/hard_case.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
@@ -19,13 +20,13 @@ constexpr std::size_t kPoints = 2000;
 Result<PointCloud> read(const PlyTable& table) {
   const std::string text = ply_text(table, PlyFormat::little_endian);
   const auto* data = reinterpret_cast<const std::uint8_t*>(text.data());
-  auto loaded = read_cloud(ByteView(data, text.size()));
-  if (!loaded) return tl::unexpected(loaded.error());
-  if (loaded->cloud.size() != table.rows.size()) return fail("points were lost");
-  return std::move(loaded->cloud);
+  LoadedCloud loaded = TRY(read_cloud(ByteView(data, text.size())));
+  if (loaded.cloud.size() != table.rows.size()) return fail("points were lost");
+  return std::move(loaded.cloud);
 }
 
-/// Through a PLY file in doubles, a cloud and a codec; errors against the doubles of the file.
+/// Sends doubles through a PLY file, a cloud and a codec, and compares the result with the doubles
+/// in the file.
 void check_offset(double offset, int depth, Checks& checks) {
   const PlyTable table = ball(kPoints, {offset, -0.5 * offset, offset}, PlyType::float64);
   std::vector<glm::dvec3> truth;
@@ -46,7 +47,8 @@ void check_offset(double offset, int depth, Checks& checks) {
   }
   add("PLY to cloud", fmt::format("{:.2g} units, {:.5f} cells", worst, worst / cell),
       worst <= 0.5 * cell);
-  // World coordinates are doubles: what those are rounded to so far from zero is no error of ours.
+  // World coordinates are doubles; their own rounding this far from zero is not an error of the
+  // codec.
   const double given = 2.0 * offset * 0x1p-52 / cell;
   for (const Setting& setting : settings(depth)) {
     const auto frame = encode_frame(*cloud, cube, setting.options);
@@ -56,12 +58,12 @@ void check_offset(double offset, int depth, Checks& checks) {
       add(setting.name, decoded.error().message, false);
     } else if (decoded->svo) {
       const double cells = round_trip_cells(*cloud, truth, *decoded);
-      add(setting.name, fmt::format("{:.4f} cells an axis", cells),
+      add(setting.name, fmt::format("{:.4f} cells on an axis", cells),
           cells <= allowed_cells(setting, depth) + given);
     } else {
       const auto distance = cloud_distance(*cloud, decoded->cloud);
       const double cells = distance ? distance->max() / cell : HUGE_VAL;
-      add(setting.name, fmt::format("{:.4f} cells along the diagonal (half is 0.866)", cells),
+      add(setting.name, fmt::format("{:.4f} cells (half of the diagonal is 0.866)", cells),
           cells <= std::sqrt(3.0) * (allowed_cells(setting, depth) + given));
     }
   }

@@ -27,7 +27,7 @@ auto on_threads(int threads, const Work& work) {
   return arena.execute(work);
 }
 
-/// Of all bytes of a frame.
+/// The hash of all bytes of a frame.
 std::uint64_t hash_of(const Result<EncodedFrame>& frame) {
   Bytes all;
   if (frame) {
@@ -49,12 +49,12 @@ std::uint64_t hash_of(const std::vector<T>& values) {
 void check_encoders(Checks& checks) {
   const PointCloud cloud = ball_cloud(8000), other = shuffled(cloud);
   const Cube cube = bounding_cube(bounds(cloud));
-  for (const Setting& setting : settings(5)) {  // so coarse that cells hold several points
+  for (const Setting& setting : settings(5)) {  // a coarse depth, so that cells hold several points
     const auto encode = [&](const PointCloud& source) {
       return hash_of(encode_frame(source, cube, setting.options));
     };
     const std::uint64_t one = encode(cloud), turned = encode(other);
-    checks.push_back({"octree", "input order and threads", "same bytes in any order of the points",
+    checks.push_back({"octree", "input order and threads", "same bytes for any order of the points",
                       fmt::format("{}: {:016x} and {:016x}", setting.name, one, turned),
                       one == turned});
     std::array<std::uint64_t, 4> hashes{};
@@ -65,7 +65,7 @@ void check_encoders(Checks& checks) {
     });
     const auto same = std::count(hashes.begin(), hashes.end(), one);
     checks.push_back({"octree", "input order and threads", "same bytes when encoded in parallel",
-                      fmt::format("{}: {} of {} the same", setting.name, same, hashes.size()),
+                      fmt::format("{}: {} of {} equal", setting.name, same, hashes.size()),
                       same == static_cast<std::ptrdiff_t>(hashes.size())});
   }
 }
@@ -105,7 +105,7 @@ void check_threads(Checks& checks) {
 void check_voxels(Checks& checks) {
   constexpr int kBits = 10;
   constexpr double kVoxel = 0.002;
-  // A voxelised source: a ball on a lattice, one point for each voxel.
+  // The source is voxelised: a ball on a lattice with one point for each voxel.
   std::vector<std::tuple<int, int, int>> voxels;
   for (const glm::dvec3& p : positions_of(ball_cloud(20000))) {
     const glm::dvec3 cell = glm::floor((p + 0.5) * 1023.0 + 0.5);
@@ -142,7 +142,7 @@ void check_voxels(Checks& checks) {
       }
     }
     checks.push_back({"round trip", fmt::format("a source of {}-bit voxels", kBits),
-                      "every voxel and its colour",
+                      "every voxel and its colour exactly",
                       fmt::format("{}: {} of {} voxels, {} colours, depth {}", setting.name, exact,
                                   cloud.size(), colors, grid.depth),
                       exact == cloud.size() && colors == cloud.size()});

@@ -15,13 +15,13 @@
 namespace pointreel::stability {
 namespace {
 
-/// What came of the files of one kind.
+/// The outcomes of the files of one kind.
 struct Tally {
   std::size_t read = 0, refused = 0, points = 0, dropped = 0;
-  std::string wrong;  ///< the first file that did not give what it must, and why
+  std::string wrong;  ///< the first file with a wrong outcome, and the reason
 };
 
-/// Why the cloud is not what the file must give; empty if it is.
+/// The difference between the cloud and the expectation; empty if there is none.
 std::string fault(const HardExpectation& expect, const PointCloud& cloud) {
   if (cloud.size() != expect.points) return fmt::format("{} points", cloud.size());
   const bool some = !cloud.empty();
@@ -77,18 +77,18 @@ std::string required(const std::string& subject, const Tally& tally) {
   static const std::map<std::string, std::string> special = {
       {"NaN or infinite position", "dropped and counted, in no bounding box"},
       {"far coordinates", "origin subtracted in double; bounds as written"},
-      {"unusable normal", "flagged as unknown, the others of length 1"},
+      {"unusable normal", "flagged as unknown; the others have length 1"},
       {"unusable radius", "estimated from neighbours; capped at a percentile"},
-      {"header larger than the data", "one line that names the place; no memory taken"},
+      {"header larger than the data", "one line that names the place; no memory allocated"},
       {"maximum face", "clamps to the last cell: depth and leaves as counted by hand"},
-      {"no extent", "a cube all the same: depth and leaves as counted by hand"},
+      {"no extent", "still a valid cube: depth and leaves as counted by hand"},
       {"no points", "an empty cloud and an empty tree"},
       {"identical points", "one cell"},
       {"level 21", "depth and leaves as counted by hand"},
       {"input order", "the same tree in either order"}};
   const auto found = special.find(subject);
   if (found != special.end()) return found->second;
-  if (tally.refused == 0) return "reads as it was written";
+  if (tally.refused == 0) return "reads what was written";
   return tally.read == 0 ? "one line that names the place"
                          : "reads, or one line that names the place";
 }

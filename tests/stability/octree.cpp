@@ -25,7 +25,7 @@ PointCloud cloud_of(std::vector<glm::vec3> positions) {
   return cloud;
 }
 
-/// Encoded and decoded again; nothing if either fails.
+/// The cloud, encoded and decoded again; nothing if either fails.
 std::optional<DecodedFrame> through(const PointCloud& cloud, const Cube& cube,
                                     const EncodeOptions& options) {
   const auto frame = encode_frame(cloud, cube, options);
@@ -35,7 +35,8 @@ std::optional<DecodedFrame> through(const PointCloud& cloud, const Cube& cube,
   return std::move(*decoded);
 }
 
-/// Largest error of a round trip in cells: of the octree by cell, of Draco by nearest neighbour.
+/// The largest error of a round trip in cells. Points are matched by their cell for the octree, and
+/// by nearest neighbour for Draco.
 double error_in_cells(const PointCloud& cloud, const Cube& cube, const Setting& setting,
                       int depth) {
   const auto decoded = through(cloud, cube, setting.options);
@@ -55,7 +56,7 @@ double error_in_cells(const PointCloud& cloud, const Cube& cube, const Setting& 
   return worst;
 }
 
-/// A walking figure's positions, random: cells fill up little by little.
+/// Random positions on a walking figure, which fill cells gradually as the depth decreases.
 PointCloud figure_cloud(std::size_t count) {
   PointCloud cloud;
   const auto points = sample_uniform(pose_body(walk(0.4)).surface, count, 1);
@@ -130,14 +131,14 @@ Checks octree_checks() {
     add("delta out of range", "1 and more give depth 0",
         fmt::format("{}: depth {}", delta, tree ? tree->depth : -1), tree && tree->depth == 0);
   }
-  // The two nearest points differ at level 21 only.
+  // The two nearest points differ only at level 21.
   const PointCloud fine = cloud_of({{0, 0, 0}, {0x1p-21f, 0, 0}, {1, 1, 1}});
   const auto finest = sort_to_depth(fine, Cube{}, DepthRule::by_delta(0.0));
-  add("delta out of range", "0 ends where all distinct points are apart, at most at level 21",
+  add("delta out of range", "0 stops when all distinct points are separate, at level 21 at most",
       fmt::format("depth {}", finest ? finest->depth : -1), finest && finest->depth == kMaxDepth);
   const PointCloud finer = cloud_of({{0, 0, 0}, {0x1p-23f, 0, 0}, {1, 1, 1}});
   const auto last = sort_to_depth(finer, Cube{}, DepthRule::by_delta(0.0));
-  add("delta out of range", "and where they are nearer, before level 21",
+  add("delta out of range", "closer points, which level 21 cannot separate, stay together",
       fmt::format("depth {}, 2 of 3 cells", last ? last->depth : -1),
       last && last->depth <= kMaxDepth && last->sorted.occupied.back() == 2);
 
@@ -148,7 +149,8 @@ Checks octree_checks() {
     far.colors.push_back(glm::u16vec3(0));
     const Cube around = bounding_cube(bounds(far));
     const double cells = error_in_cells(far, around, setting, kMaxDepth);
-    // The last bit of a double at 3e6 is a thousandth of such a cell; that of a float is more.
+    // The last bit of a double at 3e6 is a thousandth of such a cell; the last bit of a float is
+    // more.
     add("level 21", std::string("63-bit keys; ") + kAllowed,
         fmt::format("{}: {:.4f} cells at an offset of 3e6", setting.name, cells),
         cells <= allowed_cells(setting, kMaxDepth));
@@ -175,7 +177,8 @@ Checks delta_checks() {
     const bool enough = loss(tree->depth) <= delta;
     const bool least = tree->depth == 0 || loss(tree->depth - 1) > delta;
     checks.push_back(
-        {"delta", fmt::format("{}", delta), "the least depth that loses no more; never deeper",
+        {"delta", fmt::format("{}", delta),
+         "the least depth that loses no more; never deeper for a larger delta",
          fmt::format("depth {}, {} leaves, {:.2f} % lost", tree->depth,
                      occupied[static_cast<std::size_t>(tree->depth)], 100.0 * loss(tree->depth)),
          enough && least && tree->depth <= previous});
@@ -186,7 +189,7 @@ Checks delta_checks() {
   const auto once = sort_to_depth(figure, cube, DepthRule::by_delta(0.0));
   const auto tree = sort_to_depth(twice, cube, DepthRule::by_delta(0.05));
   const bool ok = once && tree && tree->depth == once->depth;
-  checks.push_back({"delta", "every point twice", "stops where all distinct points are apart",
+  checks.push_back({"delta", "every point twice", "stops when all distinct points are separate",
                     fmt::format("depth {}, 50 % lost", tree ? tree->depth : -1), ok});
   return checks;
 }
@@ -201,7 +204,7 @@ Checks depth_checks() {
     std::size_t leaves = 0;
     for (const Setting& setting : settings(depth)) {
       const bool draco = setting.options.id() == Codec::draco;
-      if (draco && depth == 0) continue;  // Draco has at least one bit
+      if (draco && depth == 0) continue;  // Draco needs at least one bit
       if (!draco && setting.name != "octree") continue;
       const double cells = error_in_cells(ball, cube, setting, depth);
       passed = passed && cells <= allowed_cells(setting, depth);

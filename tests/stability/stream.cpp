@@ -35,7 +35,7 @@ void check_damage(const Setting& setting, Checks& checks) {
     const auto cut = [&](auto part) {
       auto views = layer_views(layers);
       const ByteView whole = views[layer].*part;
-      // A chunk of no bytes is one that was not fetched, which only the first geometry must be.
+      // An empty chunk counts as not fetched, which is allowed for all but the first geometry.
       const bool first = layer == 0 && part == &Chunks<ByteView>::geometry;
       for (std::size_t size = first ? 0 : 1; size < whole.size(); ++size) {
         views[layer].*part = whole.first(size);
@@ -69,7 +69,7 @@ void check_damage(const Setting& setting, Checks& checks) {
   add("every bit flipped", flips, flips_refused);
 }
 
-/// A frame whose checksums are right, whatever else it claims.
+/// Whether a frame decodes that has correct checksums and these headers and payload.
 bool forged_decodes(const FrameHeader& header, const ChunkHeader& chunk, const Bytes& payload) {
   Bytes bytes;
   write_frame_header(header, 7, bytes);
@@ -91,12 +91,12 @@ void check_forged(Checks& checks) {
   };
   constexpr std::uint32_t kMost = 0xffffffffu;
   const bool honest = forged_decodes(header(Codec::octree, 1, 2), chunk(1, 1), {0b11});
-  const auto add = [&](const char* subject, const std::string& what,
+  const auto add = [&](const char* subject, const std::string& claim,
                        std::initializer_list<bool> decodes) {
     const auto taken = std::count(decodes.begin(), decodes.end(), true);
     checks.push_back(
-        {"stream", subject, "an error, no memory taken",
-         fmt::format("{}: {} of {} refused", what, decodes.size() - taken, decodes.size()),
+        {"stream", subject, "an error, no memory allocated",
+         fmt::format("{}: {} of {} refused", claim, decodes.size() - taken, decodes.size()),
          honest && taken == 0});
   };
   add("counts of 2^32", "octree points",
@@ -127,7 +127,8 @@ void check_mixed(Checks& checks) {
     const auto own = layer_views(a->layers), other = layer_views(b->layers);
     for (const auto part :
          {&Chunks<ByteView>::geometry, &Chunks<ByteView>::colors, &Chunks<ByteView>::normals}) {
-      if (layer == 0 && part == &Chunks<ByteView>::geometry) continue;  // that is the other frame
+      // With the other frame's first geometry, it would be the other frame.
+      if (layer == 0 && part == &Chunks<ByteView>::geometry) continue;
       auto mixed = own;
       mixed[layer].*part = other[layer].*part;
       ++tried;

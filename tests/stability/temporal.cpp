@@ -15,7 +15,7 @@ namespace {
 
 void check_counts(Checks& checks) {
   const std::size_t counts[] = {1000, 10, 10000, 0, 1, 100, 10000};
-  const Cube cube{glm::dvec3(-0.5), 1.0};  // one for the group of frames
+  const Cube cube{glm::dvec3(-0.5), 1.0};  // all frames of a group share a cube
   Camera camera;
   camera.frame_bounds({cube.origin, cube.origin + cube.edge}, 1.0);
   VoxelCut cut;  // keeps its buffers between frames
@@ -39,7 +39,7 @@ void check_counts(Checks& checks) {
   }
 }
 
-/// What is shown while frame 1 is missing, frame 2 is late, and frame 3 is there.
+/// Checks which frames are shown if frame 1 is missing, frame 2 is late and frame 3 is ready.
 void check_missing(Checks& checks) {
   FrameBuffer::Options options;
   options.frame_count = 5;
@@ -70,7 +70,7 @@ void check_missing(Checks& checks) {
   bool asked = answer(0, true) && answer(1, false);
   const auto job = buffer.next_fetch();
   if (job) buffer.fetched(*job, {}, 0.0);
-  const auto late = buffer.next_wanted();  // frame 2, answered only after its time
+  const auto late = buffer.next_wanted();  // frame 2, which is delivered only after its time
   asked = asked && late && late->frame == 2 && answer(3, true);
   const int at_0 = shown(0), at_1 = shown(1), at_2 = shown(2), at_3 = shown(3);
   bool passed = asked && at_0 == 0 && at_1 == 0 && at_2 == 0 && at_3 == 3;
@@ -83,7 +83,7 @@ void check_missing(Checks& checks) {
   passed = passed && after == 3;
   checks.push_back(
       {"temporal", "frame missing or late",
-       "the last frame is held; goes on at the next; a late one is not shown back",
+       "the last frame is held; the next one follows; a late frame is not shown afterwards",
        fmt::format("1 missing, 2 late: shown {}, {}, {}, {}, {}", at_0, at_1, at_2, at_3, after),
        passed});
 }

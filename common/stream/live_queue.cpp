@@ -65,7 +65,7 @@ void LiveQueue::begin_frame(std::uint32_t number, std::uint8_t layers) {
     drop_before_newest();
     frames_.pop_back();
     fall_behind(layers);
-  } else if (max_layers_ < layers && ++calm_ >= patience_) {
+  } else if (max_layers_ < layers && ++calm_ >= patience_.wait()) {
     ++max_layers_;
     calm_ = 0;
     since_raise_ = 0;
@@ -92,8 +92,11 @@ void LiveQueue::drop_before_newest() {
 void LiveQueue::fall_behind(std::uint8_t layers) {
   max_layers_ = std::max(1, std::min<int>(max_layers_, layers) - 1);
   calm_ = 0;
-  // If the last additional layer was soon too much, it came too early.
-  patience_ = since_raise_ < kMaxPatience ? std::min(2 * patience_, kMaxPatience) : kFirstPatience;
+  if (since_raise_ < kMaxPatience) {
+    patience_.failed();  // the last additional layer was soon too much
+  } else {
+    patience_.succeeded();
+  }
   since_raise_ = kMaxPatience;
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/base/backoff.h"
 #include "common/stream/live.h"
 #include "pointreel/bytes.h"
 #include "pointreel/chunks.h"
@@ -84,7 +85,7 @@ class LiveQueue {
   bool drops_untold() const { return options_.tell_drops && drops_ != told_; }
 
   static constexpr int kAllLayers = 255;
-  static constexpr int kFirstPatience = 8, kMaxPatience = 512;  ///< frames
+  static constexpr int kMaxPatience = 512;  ///< frames
 
   LiveQueueOptions options_;
   std::optional<LiveMessage> hello_, end_;
@@ -92,9 +93,10 @@ class LiveQueue {
   std::size_t bytes_ = 0;
   LiveDrops drops_, told_;
   int max_layers_ = kAllLayers;  ///< layers of each frame that the receiver gets at present
-  /// Frames for which the receiver has kept up, for which it must keep up before it gets another
-  /// layer, and since it last got one.
-  int calm_ = 0, patience_ = kFirstPatience, since_raise_ = kMaxPatience;
+  /// For how many frames the receiver must keep up before it gets an additional layer.
+  Backoff<int> patience_{8, kMaxPatience};
+  /// For how many frames it has kept up, and how many have come since it got the last layer.
+  int calm_ = 0, since_raise_ = kMaxPatience;
 };
 
 }  // namespace pointreel

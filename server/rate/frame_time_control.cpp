@@ -29,8 +29,11 @@ void FrameTimeControl::lower(int depth, double ms) {
     --depth;
     ms /= kGrowth;
   }
-  // If the last additional level was soon too much, it came too early.
-  patience_ = since_raise_ < kMaxPatience ? std::min(2 * patience_, kMaxPatience) : kFirstPatience;
+  if (since_raise_ < kMaxPatience) {
+    patience_.failed();  // the last additional level was soon too much
+  } else {
+    patience_.succeeded();
+  }
   depth_ = std::min(depth, finest_);
 }
 
@@ -39,7 +42,7 @@ void FrameTimeControl::maybe_raise(int depth, double ms) {
   const bool would_be_in_time = ms * kGrowth <= kInTime * budget_ms_;
   // A frame with fewer levels than allowed does not show how long an additional one would take.
   calm_ = bounded && would_be_in_time && behind_ms_ == 0.0 ? calm_ + 1 : 0;
-  if (calm_ < patience_) return;
+  if (calm_ < patience_.wait()) return;
   ++depth_;
   calm_ = 0;
   since_raise_ = 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "common/base/backoff.h"
 #include "pointreel/octree.h"
 #include "server/rate/coarsening.h"
 
@@ -40,14 +41,16 @@ class FrameTimeControl {
   void lower(int depth, double ms);
   void maybe_raise(int depth, double ms);
 
-  static constexpr int kFirstPatience = 8, kMaxPatience = 512;
+  static constexpr int kMaxPatience = 512;  ///< frames
 
   double budget_ms_;
   int finest_, coarsest_, depth_;
   double behind_ms_ = 0.0;
   std::uint64_t late_ = 0;
-  /// Frames that were in time, that must be in time before the depth rises, and since it rose.
-  int calm_ = 0, patience_ = kFirstPatience, since_raise_ = kMaxPatience;
+  /// How many frames must be in time before the depth rises.
+  Backoff<int> patience_{8, kMaxPatience};
+  /// How many frames have been in time, and how many have come since the depth last rose.
+  int calm_ = 0, since_raise_ = kMaxPatience;
 };
 
 }  // namespace pointreel

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
     return suite;
   };
   CLI::App* svo =
-      add("svo", "octrees: building them, compared with a recursive build, and drawing");
+      add("svo", "building octrees, compared with a recursive build, and traversing them");
   CLI::App* codec = add("codec", "encoding and decoding: the octree codec compared with Draco");
   codec->add_option("files", options.files, "more clouds to measure, .ply or .drc");
   int exit_code = 0;

@@ -13,8 +13,8 @@
 
 namespace {
 
-constexpr const char* kFooter = R"(
-Each line of a script has a time in seconds since the start and an event:
+constexpr const char* kFooter =
+    R"(Each line of a script has a time in seconds since the start and an event:
   0    rate 100M          all connections share 100 Mbit/s in each direction; k, M, G; 0: no limit
   0    delay 10           bytes take 10 milliseconds one way, which is half of the round trip
   5    rate-each 5M       each connection has 5 Mbit/s in each direction for itself

@@ -22,9 +22,8 @@ Result<void> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& gri
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   limits.told(frame.encoded.depth, frame.encode_ms);
   if (!cloud.empty()) frame.max_error = max_geometry_error(grid.cube, frame.encoded.depth);
-  if (encode_options.id() == Codec::octree) {
-    frame.parts = octree_part_sizes(frame.encoded);
-  } else if (options.measure_parts) {
+  // The parts of an octree are only counted; those of Draco take more encodes.
+  if (encode_options.id() == Codec::octree || options.measure_parts) {
     frame.parts = TRY(measure_part_sizes(frame.encoded, cloud, grid.cube, encode_options));
   }
   return {};

@@ -9,15 +9,16 @@
 
 namespace pointreel::bench {
 
-/// Starts of `pointreel play` with a local package: the window with the name of what is loading,
-/// the first picture, and whether that is the picture that is drawn without a window.
+/// Starts `pointreel play` with a local package: measures the time to the window and to the first
+/// picture, and compares that with the picture that is drawn without a window.
 Result<nlohmann::json> run_player_start(const StreamOptions& options, std::vector<Bar>& bars);
 
-/// Dragging the timeline to frames that are not there yet, of a local package and over a link; and
-/// whether the frame under the cursor is what is to be seen in the end.
+/// Drags the timeline to frames that are not loaded yet, of a local package and over a link. Also
+/// checks that the window ends on the frame under the cursor.
 Result<nlohmann::json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& bars);
 
-/// Playing with the bar, the panels and the help open, at one and two times the size.
+/// Plays with the bar, the panels and the help open, at normal and at double size, and measures the
+/// time that the interface takes.
 Result<nlohmann::json> run_player_interface(const StreamOptions& options, std::vector<Bar>& bars);
 
 }  // namespace pointreel::bench

@@ -4,9 +4,9 @@
 
 namespace pointreel::bench {
 
-/// `pointreel-bench player`: how soon there is a window and a picture, how soon a picture follows
-/// the hand that drags the time, and what the interface costs: in the real window, which Xvfb shows
-/// nobody, with real events.
+/// `pointreel-bench player`: measures how soon a window and a picture appear, how soon a picture
+/// follows a drag of the timeline, and how much time the interface takes. Uses the real window with
+/// real events, on a virtual display (Xvfb).
 void add_player_command(CLI::App& app, int& exit_code);
 
 }  // namespace pointreel::bench

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "tests/bench/player/player_chapters.h"
 #include "tests/bench/player/watched_window.h"
 #include "tests/bench/stream/reels.h"
@@ -17,26 +18,26 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFrameMs = 1000.0 / 30.0;  ///< of streamed_reels
+constexpr double kFrameMs = 1000.0 / 30.0;  ///< frame interval of streamed_reels
 
-/// A pixel of the timeline, which has 14 beside it.
+/// The pixel at a share of the timeline, which has a margin of 14 pixels on each side.
 glm::ivec2 on_timeline(glm::ivec2 size, double share) {
   return {static_cast<int>(std::lround(14.0 + share * (size.x - 28.0))), size.y - 45};
 }
 
-/// Which frame a pixel of it stands for.
+/// The frame for which a column of the timeline stands.
 std::uint32_t frame_at(int x, glm::ivec2 size, std::uint32_t frames) {
   return static_cast<std::uint32_t>((x - 14.0) / (size.x - 28.0) * frames);
 }
 
 enum class Hand {
-  anywhere,  ///< each move goes to any place: hardly anything is known there yet
-  searching  ///< mostly on, a little or much, and now and then far away
+  anywhere,  ///< each move goes to a random place, where hardly anything is loaded yet
+  searching  ///< moves mostly go on a little or much, and now and then far away
 };
 
 const char* name(Hand hand) { return hand == Hand::anywhere ? "anywhere" : "searching"; }
 
-/// Shares of the timeline.
+/// The places on the timeline to which the hand moves, as shares of it.
 std::vector<double> path_of(Hand hand, int moves) {
   std::mt19937_64 random(7);
   const auto between = [&](double low, double high) {
@@ -58,19 +59,19 @@ std::vector<double> path_of(Hand hand, int moves) {
   return path;
 }
 
-/// What the player tells of a drag along the path, and what was there in the end.
+/// The player's report of a drag, and what the window shows at its end.
 struct Drag {
   json report;
-  double off_by = 0.0;  ///< frames
-  double unlike = 0.0;  ///< share of the pixels that are not as they are without a window
+  double off_by = 0.0;   ///< distance in frames from the frame under the cursor
+  double differs = 0.0;  ///< share of the pixels that differ from those drawn without a window
 };
 
 Result<Drag> drag(const StreamedReel& reel, const std::string& where,
                   const std::vector<double>& path, const StreamOptions& options) {
-  auto watched = WatchedWindow::open(options, {where});
-  if (!watched) return tl::unexpected(watched.error());
-  if (!watched->wait_for_picture()) return fail(reel.name + ": no picture");
-  window::PlayerWindow& player = *watched->player;
+  WatchedWindow watched = TRY(WatchedWindow::open(options, {where}));
+  if (!watched.wait_for_picture())
+    return fail(ErrorCode::io, reel.name + ": the window shows no picture");
+  window::PlayerWindow& player = *watched.player;
   const glm::ivec2 size = player.size();
   player.key("space");
   player.press(on_timeline(size, 0.5));
@@ -78,47 +79,43 @@ Result<Drag> drag(const StreamedReel& reel, const std::string& where,
     player.move_to(on_timeline(size, share));
     std::this_thread::sleep_for(std::chrono::milliseconds(options.quick ? 60 : 120));
   }
-  // What was asked for last is shown before the hand lets go.
-  watched->wait_until_settled();
+  // The frame that was asked for last must appear before the button is released.
+  watched.wait_until_settled();
   player.release();
-  player.move_to(size / 3);  // or a small picture would stand over the timeline
+  player.move_to(size / 3);  // so that no thumbnail covers the picture
   const std::uint32_t frame = frame_at(on_timeline(size, path.back()).x, size, reel.frames);
-  // The frame's middle, so that nothing rounds to its neighbour.
-  const auto unlike =
-      watched->differing_share(reel.folder.string(), (frame + 0.5) * kFrameMs / 1000.0, options);
-  if (!unlike) return tl::unexpected(unlike.error());
-  auto report = watched->quit();
-  if (!report) return tl::unexpected(report.error());
-  const double shown = (*report)["window"]["frame"];
-  return Drag{std::move(*report), std::abs(shown - frame), *unlike};
+  // The middle of the frame, so that rounding cannot lead to its neighbour.
+  const double seconds = (frame + 0.5) * kFrameMs / 1000.0;
+  const double differs = TRY(watched.differing_share(reel.folder.string(), seconds, options));
+  json report = TRY(watched.quit());
+  const double shown = report["window"]["frame"];
+  return Drag{std::move(report), std::abs(shown - frame), differs};
 }
 
 }  // namespace
 
 Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& bars) {
-  const auto served = ServedReels::start(options);
-  if (!served) return tl::unexpected(served.error());
+  const auto served = TRY(ServedReels::start(options));
   const int moves = options.quick ? 40 : 300;
   json rows = json::array();
-  for (const StreamedReel& reel : (*served)->reels()) {
+  for (const StreamedReel& reel : served->reels()) {
     for (const bool local : {true, false}) {
       const NamedLink named = local ? NamedLink{"folder", {}} : megabits(50);
-      const auto link = (*served)->link(named);
-      if (!link) return tl::unexpected(link.error());
-      const std::string where = local ? reel.folder.string() : ServedReels::url(**link, reel);
-      std::optional<double> base_ms;  // to fetch a base: of the hand for which all are fetched
+      const auto link = TRY(served->link(named));
+      const std::string where = local ? reel.folder.string() : ServedReels::url(*link, reel);
+      // The time to fetch a base layer, from the first hand, for which all are fetched.
+      std::optional<double> base_ms;
       for (const Hand hand : {Hand::anywhere, Hand::searching}) {
-        const auto dragged = drag(reel, where, path_of(hand, moves), options);
-        if (!dragged) return tl::unexpected(dragged.error());
-        const json& report = dragged->report;
+        const Drag dragged = TRY(drag(reel, where, path_of(hand, moves), options));
+        const json& report = dragged.report;
         const json& times = report["window"]["scrub_to_picture_ms"];
         if (!base_ms) base_ms = report["fetch_ms"]["median"];
         const std::string what =
             fmt::format("scrub, {}, {}, {}", reel.name, named.name, name(hand));
         bars.push_back({what + ": move to picture, 95 %", times["p95"], "ms", kFrameMs + *base_ms});
-        bars.push_back({what + ": frame shown in the end, off by", dragged->off_by, "", 0.0});
-        bars.push_back(
-            {what + ": pixels unlike those without a window", 100.0 * dragged->unlike, "%", 0.0});
+        bars.push_back({what + ": last frame is off by", dragged.off_by, "", 0.0});
+        bars.push_back({what + ": pixels that differ from those without a window",
+                        100.0 * dragged.differs, "%", 0.0});
         rows.push_back({{"reel", reel.name},
                         {"from", named.name},
                         {"hand", name(hand)},
@@ -128,7 +125,7 @@ Result<json> run_player_scrub(const StreamOptions& options, std::vector<Bar>& ba
                         {"fetch_ms", report["fetch_ms"]},
                         {"decode_ms", report["decode_ms"]},
                         {"render_ms", report["render_ms"]},
-                        {"pixels_unlike_offscreen", dragged->unlike}});
+                        {"pixels_unlike_offscreen", dragged.differs}});
       }
     }
   }

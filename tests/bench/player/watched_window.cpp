@@ -8,13 +8,15 @@
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "tests/e2e/process.h"
 
 namespace pointreel::bench {
 
 namespace {
 
-constexpr int kBarHeight = 100, kTopHeight = 60;  ///< of the timeline, of messages; and some more
+/// Heights of the timeline and of the messages at the top, with a margin.
+constexpr int kBarHeight = 100, kTopHeight = 60;
 
 bool differ(const glm::u8vec3& one, const glm::u8vec3& other) {
   constexpr int kRounding = 2;
@@ -23,13 +25,13 @@ bool differ(const glm::u8vec3& one, const glm::u8vec3& other) {
   return false;
 }
 
-/// The rows in which the interface writes nothing by itself.
+/// The rows in which the interface does not write by itself.
 e2e::Picture without_texts(const e2e::Picture& picture) {
   const int bottom = std::max(kTopHeight, picture.size.y - kBarHeight);
   return picture.size.y < bottom ? e2e::Picture{} : e2e::rows(picture, kTopHeight, bottom);
 }
 
-/// Of pixels; 1 where the pictures are not of one size.
+/// The share of the pixels that differ; 1 if the pictures have different sizes.
 double share_that_differs(const e2e::Picture& one, const e2e::Picture& other) {
   if (one.size != other.size || one.pixels.empty()) return 1.0;
   std::size_t wrong = 0;
@@ -43,14 +45,11 @@ double share_that_differs(const e2e::Picture& one, const e2e::Picture& other) {
 Result<WatchedWindow> WatchedWindow::open(const StreamOptions& options,
                                           const std::vector<std::string>& arguments) {
   WatchedWindow watched;
-  auto display = window::VirtualDisplay::start();
-  if (!display) return tl::unexpected(display.error());
-  watched.display = *std::move(display);
+  watched.display = TRY(window::VirtualDisplay::start());
   std::vector<std::string> all = {"--no-config"};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  auto player = window::PlayerWindow::open(*watched.display, {all, options.scratch / "player", {}});
-  if (!player) return tl::unexpected(player.error());
-  watched.player = *std::move(player);
+  watched.player =
+      TRY(window::PlayerWindow::open(*watched.display, {all, options.scratch / "player", {}}));
   return watched;
 }
 
@@ -59,7 +58,7 @@ bool WatchedWindow::wait_for_picture() const {
     const e2e::Picture picture = player->picture();
     if (picture.pixels.empty()) return false;
     const glm::ivec2 middle = picture.size / 2;
-    // Below the middle, where the window says what it waits for.
+    // Below the middle, because the window shows messages in it while loading.
     for (int y = middle.y + 40; y < middle.y + 120; y += 4)
       for (int x = middle.x - 40; x < middle.x + 40; x += 4)
         if (differ(picture.at(x, y), picture.at(0, 0))) return true;
@@ -75,7 +74,7 @@ void WatchedWindow::wait_until_settled() const {
 Result<nlohmann::json> WatchedWindow::quit() {
   nlohmann::json report = player->quit();
   if (player->exit_code() != 0 || report.is_discarded())
-    return fail("pointreel play did not end well: " + player->err());
+    return fail(ErrorCode::io, "pointreel play failed: " + player->err());
   return report;
 }
 
@@ -86,7 +85,7 @@ Result<double> WatchedWindow::differing_share(const std::string& reel, double at
   const e2e::Outcome drawn =
       e2e::run("pointreel", {"play", reel, "--at", fmt::format("{:.6f}", at), "--offscreen",
                              fmt::format("{}x{}", size.x, size.y), "--screenshot", png});
-  if (drawn.exit_code != 0) return fail("pointreel play: " + drawn.err);
+  if (drawn.exit_code != 0) return fail(ErrorCode::io, "pointreel play: " + drawn.err);
   const e2e::Picture truth = without_texts(e2e::read_picture(png));
   double share = 1.0;
   window::wait_until(

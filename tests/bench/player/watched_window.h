@@ -11,7 +11,7 @@
 
 namespace pointreel::bench {
 
-/// The player with a display of its own.
+/// The player in a window on a virtual display of its own.
 struct WatchedWindow {
   std::unique_ptr<window::VirtualDisplay> display;
   std::unique_ptr<window::PlayerWindow> player;
@@ -19,16 +19,18 @@ struct WatchedWindow {
   static Result<WatchedWindow> open(const StreamOptions& options,
                                     const std::vector<std::string>& arguments);
 
-  /// Until something that is not the background is in the middle of the window.
+  /// Waits until the middle of the window shows more than the background. Returns false if that
+  /// takes too long.
   bool wait_for_picture() const;
-  /// Until the picture has not changed for a second and a half.
+  /// Waits until the picture has not changed for a second and a half.
   void wait_until_settled() const;
-  /// Until the window shows this frame of a package as it is drawn without a window, but for at
-  /// most ten seconds: the share of pixels that then differ by more than rounding, of those that
-  /// the interface does not write on by itself.
+  /// Waits for at most ten seconds until the window shows the frame at the time `at` (in seconds)
+  /// of a package exactly as it is drawn without a window. Returns the share of the pixels that
+  /// then differ by more than rounding. Pixels on which the interface writes by itself do not
+  /// count.
   Result<double> differing_share(const std::string& reel, double at,
                                  const StreamOptions& options) const;
-  /// What the player tells once it has ended by itself.
+  /// Ends the player as a user does, and returns its report.
   Result<nlohmann::json> quit();
 };
 

@@ -5,6 +5,7 @@
 #include <epoxy/gl.h>
 
 #include "client/scene/cut.h"
+#include "common/base/try.h"
 #include "common/octree/build.h"
 #include "pointreel/octree.h"
 
@@ -20,7 +21,7 @@ class TimerQuery {
 
   void begin() const { glBeginQuery(GL_TIME_ELAPSED, name_); }
   void end() const { glEndQuery(GL_TIME_ELAPSED); }
-  /// Waits for it.
+  /// Waits for the result.
   double milliseconds() const {
     GLuint64 nanoseconds = 0;
     glGetQueryObjectui64v(name_, GL_QUERY_RESULT, &nanoseconds);
@@ -44,18 +45,16 @@ Result<std::vector<Timing>> time_in_turns(Renderer& renderer, std::span<const Ti
       const TimedDraw* last = nullptr;
       for (std::size_t i = 0; i < draws.size(); ++i) {
         const TimedDraw& draw = draws[i];
-        // A new frame, mode or view of voxels is uploaded first.
+        // Another frame, mode or camera is uploaded first.
         if (last == nullptr || last->frame != draw.frame ||
             last->options.mode != draw.options.mode) {
-          const auto uploaded = renderer.draw(draw.frame, camera, size, draw.options);
-          if (!uploaded) return tl::unexpected(uploaded.error());
+          TRY(renderer.draw(draw.frame, camera, size, draw.options));
         }
         last = &draw;
         if (stopwatch == Stopwatch::gpu) query.begin();
-        const auto stats = renderer.draw(draw.frame, camera, size, draw.options);
+        const DrawStats stats = TRY(renderer.draw(draw.frame, camera, size, draw.options));
         if (stopwatch == Stopwatch::gpu) query.end();
-        if (!stats) return tl::unexpected(stats.error());
-        sums[i] += stopwatch == Stopwatch::gpu ? query.milliseconds() : stats->render_ms;
+        sums[i] += stopwatch == Stopwatch::gpu ? query.milliseconds() : stats.render_ms;
       }
     }
     for (std::size_t i = 0; run >= 0 && i < draws.size(); ++i) {

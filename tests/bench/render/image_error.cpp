@@ -11,7 +11,7 @@
 namespace pointreel::bench {
 namespace {
 
-constexpr int kReach = 5;  // of the window, to each side
+constexpr int kReach = 5;  // pixels of the window on each side of its middle
 constexpr double kSigma = 1.5;
 constexpr float kC1 = 0.01f * 255.0f * 0.01f * 255.0f, kC2 = 0.03f * 255.0f * 0.03f * 255.0f;
 
@@ -31,7 +31,7 @@ float luma(const glm::u8vec3& c) {
          0.0722f * static_cast<float>(c.z);
 }
 
-/// What the window sums up: both pictures, their squares and their product.
+/// Weighted sums over the window of both pictures, their squares and their product.
 struct Moments {
   float a = 0.0f, b = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
 
@@ -71,7 +71,7 @@ std::optional<double> psnr(const Image& a, const Image& b, std::span<const std::
 Similarity::Similarity(const Image& a, const Image& b) : values_(a.pixels.size(), 1.0f) {
   const int width = a.width, height = a.height;
   const Window window = gaussian();
-  // The rows and columns that differ at all; a window of equal pixels gives exactly 1.
+  // Only rows and columns with differences count. A window of equal pixels gives exactly 1.
   int left = width, right = -1, top = height, bottom = -1;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -89,7 +89,7 @@ Similarity::Similarity(const Image& a, const Image& b) : values_(a.pixels.size()
   bottom = std::min(bottom + kReach, height - 1);
 
   tbb::parallel_for(top, bottom + 1, [&](int y) {
-    // Down the columns, then along the row.
+    // The window is separable: first down the columns, then along the row.
     const int first_row = std::max(y - kReach, 0), last_row = std::min(y + kReach, height - 1);
     const int first = std::max(left - kReach, 0), last = std::min(right + kReach, width - 1);
     std::vector<Moments> columns(static_cast<std::size_t>(last - first + 1));

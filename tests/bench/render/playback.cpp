@@ -4,6 +4,7 @@
 #include <system_error>
 #include <vector>
 
+#include "common/base/try.h"
 #include "tests/e2e/process.h"
 
 namespace pointreel::bench {
@@ -15,15 +16,14 @@ Result<std::string> run_program(const std::string& program,
                                 const std::vector<std::string>& arguments) {
   constexpr int kSeconds = 300;
   e2e::Outcome outcome = e2e::run(program, arguments, kSeconds);
-  if (outcome.exit_code != 0) return fail(program + ": " + outcome.err);
+  if (outcome.exit_code != 0) return fail(ErrorCode::io, program + ": " + outcome.err);
   return std::move(outcome.out);
 }
 
 Result<json> play(const std::string& reel, const std::string& mode) {
-  const auto out = run_program(
-      "pointreel", {"play", reel, "--mode", mode, "--offscreen", "1280x720", "--json", "-"});
-  if (!out) return tl::unexpected(out.error());
-  const json played = json::parse(*out, nullptr, false);
+  const std::string out = TRY(run_program(
+      "pointreel", {"play", reel, "--mode", mode, "--offscreen", "1280x720", "--json", "-"}));
+  const json played = json::parse(out, nullptr, false);
   if (played.is_discarded()) return fail("pointreel play printed no JSON");
   json row = {{"mode", mode}, {"fps", played["fps"]}, {"frames", played["frames_shown"]}};
   for (const char* stage : {"decode_ms", "normals_ms", "svo_ms", "cut_ms", "render_ms"}) {
@@ -40,16 +40,11 @@ Result<json> measure_playback(const std::filesystem::path& folder, int frames) {
   std::error_code ignored;
   std::filesystem::remove_all(scratch, ignored);
   const auto measure = [&]() -> Result<json> {
-    auto made = run_program("pointreel-synth",
-                            {"soccer-shoot", "-o", clouds, "--frames", std::to_string(frames)});
-    if (made) made = run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel});
-    if (!made) return tl::unexpected(made.error());
+    TRY(run_program("pointreel-synth",
+                    {"soccer-shoot", "-o", clouds, "--frames", std::to_string(frames)}));
+    TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel}));
     json rows = json::array();
-    for (const char* mode : {"surfel", "voxel", "point"}) {
-      const auto row = play(reel, mode);
-      if (!row) return row;
-      rows.push_back(*row);
-    }
+    for (const char* mode : {"surfel", "voxel", "point"}) rows.push_back(TRY(play(reel, mode)));
     return rows;
   };
   auto rows = measure();

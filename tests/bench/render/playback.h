@@ -8,9 +8,9 @@
 
 namespace pointreel::bench {
 
-/// What `pointreel play` says of so many frames of soccer-shoot, made and packed as a user does and
-/// drawn offscreen at 1280x720, in each mode: frames a second and the medians of every stage. Uses
-/// a folder of its own in `folder`, and removes it.
+/// Plays soccer-shoot with this many frames, made and packed as a user would do it, offscreen at
+/// 1280x720 in each mode. Returns frames per second and the medians of all stages as `pointreel
+/// play` reports them. Uses a temporary folder in `folder`.
 Result<nlohmann::json> measure_playback(const std::filesystem::path& folder, int frames);
 
 }  // namespace pointreel::bench

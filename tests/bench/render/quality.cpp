@@ -14,17 +14,17 @@ namespace {
 
 using nlohmann::json;
 
-/// How far behind the surface that is seen a point lies on another one: further than noise and the
-/// thickness of a splat, nearer than a limb's back.
+/// A point this far behind the visible surface, in metres, belongs to another surface. It is more
+/// than noise and the thickness of a splat, and less than the distance to the back of a limb.
 constexpr double kHiddenBehind = 0.015;
 
-/// A covered pixel of a picture of white and black points bleeds below this: 5 % of its light is
-/// not of the surface that the eye sees there.
+/// In a picture of white and black points, a covered pixel below this value bleeds: 5 % of its
+/// light does not come from the surface that is visible there.
 constexpr std::uint8_t kWhite = 249;
 
 json number(std::optional<double> value) { return value ? json(*value) : json(nullptr); }
 
-/// Share of the pixels covered by both to which something else contributes than the surface there.
+/// The share of the pixels covered in both to which another surface or the background contributes.
 double bleed(const DrawnPicture& picture, const Mask& mask) {
   std::size_t covered = 0, mixed = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -41,13 +41,12 @@ std::vector<PictureSetting> picture_settings() {
   std::vector<PictureSetting> settings = {{"default", {}}};
   for (const Splatting splatting : {Splatting::regular, Splatting::no_depth, Splatting::two_pass,
                                     Splatting::enlarged, Splatting::enlarged_shading}) {
-    // Splats exactly as they are, however small.
+    // Not Instancing::pull, which draws no splat smaller than a pixel.
     settings.push_back(
         {name(splatting), {.instancing = Instancing::uniform, .splatting = splatting}, true});
   }
   settings.push_back({"default, holes left", {.fill_holes = false}});
   settings.push_back({"default, not pulled", {.instancing = Instancing::uniform}});
-  // Scales of the splats: visibility, shading.
   for (const SplatScales& scales : {SplatScales{1.0f, 1.0f}, SplatScales{1.0f, 2.0f},
                                     SplatScales{1.5f, 2.0f}, SplatScales{2.0f, 2.0f}}) {
     settings.push_back(
@@ -87,45 +86,40 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
   const auto draw = [&](const std::shared_ptr<const SceneFrame>& what, const DrawOptions& how) {
     return draw_picture(renderer, what, view.view.camera, size, how);
   };
-  auto picture = draw(frame, options);
-  if (!picture) return tl::unexpected(picture.error());
+  DrawnPicture picture = TRY(draw(frame, options));
 
-  const Similarity similarity(truth.image, picture->image);
-  const Coverage coverage = compare_coverage(truth.mask, picture->covered);
+  const Similarity similarity(truth.image, picture.image);
+  const Coverage coverage = compare_coverage(truth.mask, picture.covered);
   json row = {{"setting", setting.name},
               {"papers", setting.papers},
-              {"drawn", picture->stats.drawn},
-              {"psnr_mask", number(psnr(truth.image, picture->image, truth.mask))},
-              {"psnr", number(psnr(truth.image, picture->image))},
+              {"drawn", picture.stats.drawn},
+              {"psnr_mask", number(psnr(truth.image, picture.image, truth.mask))},
+              {"psnr", number(psnr(truth.image, picture.image))},
               {"ssim_mask", similarity.mean(truth.mask)},
               {"ssim", similarity.mean()},
               {"holes", coverage.holes},
               {"dilation", coverage.dilation},
               {"iou", coverage.iou}};
 
-  // Voxels have no order of their own, and mean colours, which no label survives.
+  // The order of voxels does not depend on that of the points, and labels would mix in their
+  // colours.
   if (!voxels && whole) {
     DrawOptions plain = options;
     plain.lighting = false;
     plain.background = glm::vec3(0.0f);
-    const auto labels = draw(view.labelled, plain);
-    if (!labels) return tl::unexpected(labels.error());
-    row["bleed"] = bleed(*labels, truth.mask);
+    row["bleed"] = bleed(TRY(draw(view.labelled, plain)), truth.mask);
   }
   if (!voxels && whole) {
-    const auto first = draw(shuffled(*frame, 1), options);
-    if (!first) return tl::unexpected(first.error());
-    const auto second = draw(shuffled(*frame, 2), options);
-    if (!second) return tl::unexpected(second.error());
-    const Difference apart = difference(first->image, second->image);
+    const DrawnPicture first = TRY(draw(shuffled(*frame, 1), options));
+    const DrawnPicture second = TRY(draw(shuffled(*frame, 2), options));
+    const Difference apart = difference(first.image, second.image);
     row["order"] = {{"rms", apart.rms}, {"largest", apart.largest}};
   }
-  if (whole) {  // after other frames, so that everything is made anew
-    const auto again = draw(frame, options);
-    if (!again) return tl::unexpected(again.error());
-    row["flicker"] = difference(picture->image, again->image).largest;
+  if (whole) {  // after other frames, so that nothing is reused
+    const DrawnPicture again = TRY(draw(frame, options));
+    row["flicker"] = difference(picture.image, again.image).largest;
   }
-  return Quality{std::move(row), std::move(picture->image)};
+  return Quality{std::move(row), std::move(picture.image)};
 }
 
 Image side_by_side(const Image& truth, const Image& picture) {

@@ -12,47 +12,47 @@
 
 namespace pointreel::bench {
 
-/// A way to draw, of those that are compared.
+/// One of the ways to draw that are compared.
 struct PictureSetting {
   std::string name;
   DrawOptions options;
-  bool papers = false;  ///< one of paper 2, Figure 3
+  bool papers = false;  ///< from Slomp et al., Geometry Instancing, Figure 3
 };
 
-/// Every way to splat, the default first; voxels and points.
+/// The default, then all other ways to splat, then voxels and points.
 std::vector<PictureSetting> picture_settings();
 
-/// What of the scene is drawn in this mode.
+/// The frame of the scene that is drawn in this mode.
 const std::shared_ptr<const SceneFrame>& frame_of(const RenderScene& scene, DrawMode mode);
 
 struct DrawnPicture {
   Image image;
-  Mask covered;  ///< not zero where anything was drawn
+  Mask covered;  ///< not 0 where anything was drawn
   DrawStats stats;
 };
 Result<DrawnPicture> draw_picture(Renderer& renderer, std::shared_ptr<const SceneFrame> frame,
                                   const Camera& camera, glm::ivec2 size,
                                   const DrawOptions& options);
 
-/// One view of a scene: what is the same for all settings.
+/// A view of a scene, with everything that all settings share.
 struct ViewTruth {
   Viewpoint view;
   TruthPicture truth;
-  std::shared_ptr<const SceneFrame> labelled;  ///< for the bleed
+  std::shared_ptr<const SceneFrame> labelled;  ///< for measuring the bleed
 };
 ViewTruth make_view_truth(const RenderScene& scene, const Viewpoint& view, glm::ivec2 size);
 
-/// Every figure of a setting in a view, for the report; and the picture that they are of.
+/// All figures of a setting in a view, for the report, and the picture that was measured.
 struct Quality {
   nlohmann::json row;
   Image image;
 };
-/// `whole`: how much the order of the points matters and whether it flickers as well, for three
-/// more pictures.
+/// With `whole`, also measures bleed, the influence of the order of the points, and flicker, which
+/// takes four more pictures.
 Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, const ViewTruth& view,
                                 const PictureSetting& setting, bool whole);
 
-/// Truth, picture and four times their difference beside each other, each at half its size.
+/// The truth, the picture and four times their difference side by side, each at half its size.
 Image side_by_side(const Image& truth, const Image& picture);
 
 }  // namespace pointreel::bench

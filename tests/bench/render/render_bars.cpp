@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Mean over the views of a figure of one setting.
+/// The mean of a figure of a setting over the views.
 double mean(const json& scene, std::size_t row, const char* figure) {
   double sum = 0.0;
   for (const json& view : scene["views"]) {
@@ -21,7 +21,7 @@ double mean(const json& scene, std::size_t row, const char* figure) {
 
 double median(const json& timing) { return timing["ms"]["median"].get<double>(); }
 
-/// The default, which is the first setting, without noise.
+/// Bars for scenes without noise, drawn with the default, which is the first setting.
 void add_dense(std::vector<Bar>& bars, const json& scene, bool gpu) {
   const std::string name = scene["scene"].get<std::string>() + ": ";
   bars.push_back({name + "holes", 100.0 * mean(scene, 0, "holes"), "%", 0.05});
@@ -32,7 +32,7 @@ void add_dense(std::vector<Bar>& bars, const json& scene, bool gpu) {
   }
 }
 
-/// The default against the best of Figure 3.
+/// Bars for scanned scenes: the default against the best of Figure 3.
 void add_noisy(std::vector<Bar>& bars, const json& scene) {
   const std::string name = scene["scene"].get<std::string>() + ": ";
   double psnr = 0.0, holes = 1.0;
@@ -82,9 +82,9 @@ std::vector<Bar> render_bars(const json& report) {
   bars.push_back({"flicker of a static scene", flicker, "/255", 0.0});
   if (timed > 0.0 && !gpu) {
     bars.push_back(
-        {"surfels: uniform buffers' time over pulling's", surfels / timed, "x", 1.8, true});
+        {"surfels: time of uniform buffers over that of pulling", surfels / timed, "x", 1.8, true});
     bars.push_back(
-        {"voxels: whole cubes' time over visible faces'", voxels / timed, "x", 1.5, true});
+        {"voxels: time of whole cubes over that of visible faces", voxels / timed, "x", 1.5, true});
   }
   for (const json& row : report.value("playback", json::array())) {
     if (row["mode"] != "surfel") continue;

@@ -8,7 +8,7 @@
 
 namespace pointreel::bench {
 
-/// What the pictures and times of a render report must reach, as far as it has them.
+/// The bars for the pictures and times that a render report contains.
 std::vector<Bar> render_bars(const nlohmann::json& report);
 
 }  // namespace pointreel::bench

@@ -13,6 +13,7 @@
 
 #include "client/render/gl_context.h"
 #include "common/base/progress.h"
+#include "common/base/try.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/render/playback.h"
@@ -47,7 +48,7 @@ struct Effort {
 };
 const Effort kFull = {{1920, 1280}, 4, 500'000, 5, 60};
 const Effort kQuick = {{480, 320}, 2, 50'000, 1, 4};
-/// On a graphics card, as many points as its bar has.
+/// On a graphics card, the dense scenes have as many points as the bar demands (render_bars.h).
 constexpr std::size_t kGpuEvenPoints = 1'000'000;
 
 /// "kick, dense" as "kick-dense".
@@ -63,7 +64,7 @@ std::string file_name(const std::string& name) {
   return out;
 }
 
-/// Quality of every setting in every view, with pictures.
+/// Measures the quality of every setting in every view, and writes pictures.
 Result<json> measure_views(Renderer& renderer, const RenderScene& scene,
                            const std::vector<ViewTruth>& views,
                            const std::vector<PictureSetting>& settings, const fs::path& folder,
@@ -72,16 +73,13 @@ Result<json> measure_views(Renderer& renderer, const RenderScene& scene,
   for (const ViewTruth& view : views) {
     json rows = json::array();
     for (const PictureSetting& setting : settings) {
-      const auto quality = measure_quality(renderer, scene, view, setting, out.empty());
-      if (!quality) return tl::unexpected(quality.error());
-      rows.push_back(quality->row);
-      // The default from everywhere, the others once.
+      const Quality quality = TRY(measure_quality(renderer, scene, view, setting, out.empty()));
+      rows.push_back(quality.row);
+      // Pictures of the default from all views, of the others only from the first.
       if (out.empty() || rows.size() == 1) {
         const std::string file = fmt::format("{}_{}_{}.png", file_name(scene.choice.name),
                                              file_name(view.view.name), file_name(setting.name));
-        const auto written =
-            write_png((folder / file).string(), side_by_side(view.truth.image, quality->image));
-        if (!written) return tl::unexpected(written.error());
+        TRY(write_png((folder / file).string(), side_by_side(view.truth.image, quality.image)));
         rows.back()["picture"] = file;
       }
       progress.tick();
@@ -101,44 +99,39 @@ Result<json> measure_views(Renderer& renderer, const RenderScene& scene,
 
 Result<json> measure_scene(Renderer& renderer, const SceneChoice& choice, const Effort& effort,
                            Stopwatch stopwatch, const fs::path& folder, Progress& progress) {
-  const auto scene = make_render_scene(choice);
-  if (!scene) return tl::unexpected(scene.error());
+  const RenderScene scene = TRY(make_render_scene(choice));
   std::vector<ViewTruth> views;
-  for (const Viewpoint& viewpoint : viewpoints(scene->truth, effort.size, effort.views)) {
-    views.push_back(make_view_truth(*scene, viewpoint, effort.size));
+  for (const Viewpoint& viewpoint : viewpoints(scene.truth, effort.size, effort.views)) {
+    views.push_back(make_view_truth(scene, viewpoint, effort.size));
   }
   const std::vector<PictureSetting> settings = picture_settings();
-  auto measured = measure_views(renderer, *scene, views, settings, folder, progress);
-  if (!measured) return tl::unexpected(measured.error());
+  json measured = TRY(measure_views(renderer, scene, views, settings, folder, progress));
 
   std::vector<TimedDraw> draws;
   for (const PictureSetting& setting : settings) {
-    draws.push_back({frame_of(*scene, setting.options.mode), setting.options});
+    draws.push_back({frame_of(scene, setting.options.mode), setting.options});
   }
-  const auto timings = time_in_turns(renderer, draws, {&views[0].view.camera, 1}, effort.size,
-                                     effort.runs, stopwatch);
-  if (!timings) return tl::unexpected(timings.error());
+  const auto timings = TRY(time_in_turns(renderer, draws, {&views[0].view.camera, 1}, effort.size,
+                                         effort.runs, stopwatch));
   for (std::size_t i = 0; i < settings.size(); ++i) {
-    (*measured)[0]["rows"][i]["ms"] = to_json((*timings)[i]);
+    measured[0]["rows"][i]["ms"] = to_json(timings[i]);
   }
   json out = {{"scene", choice.name},
               {"motion", choice.motion->name},
               {"pose", choice.pose},
               {"dense", choice.even_points > 0},
-              {"points", scene->surfels->cloud.size()},
-              {"area", scene->area},
-              {"spacing", scene->spacing},
-              {"views", *measured}};
+              {"points", scene.surfels->cloud.size()},
+              {"area", scene.area},
+              {"spacing", scene.spacing},
+              {"views", measured}};
   if (choice.even_points == 0) {
-    auto tables = measure_tables(renderer, *scene, views, effort.runs, stopwatch);
-    if (!tables) return tl::unexpected(tables.error());
-    out["tables"] = *tables;
+    out["tables"] = TRY(measure_tables(renderer, scene, views, effort.runs, stopwatch));
   }
   progress.tick();
   return out;
 }
 
-/// All scenes, those that are asked for, or, quickly, one of either kind.
+/// The scenes of the options: those that they name; else all, or with --quick one of each kind.
 Result<std::vector<SceneChoice>> choose_scenes(const Options& options, std::size_t even_points) {
   std::vector<SceneChoice> choices = scene_choices(options.poses, even_points);
   std::vector<std::string> names = options.scenes;
@@ -150,7 +143,8 @@ Result<std::vector<SceneChoice>> choose_scenes(const Options& options, std::size
         std::find_if(choices.begin(), choices.end(),
                      [&name](const SceneChoice& choice) { return choice.name == name; });
     if (found == choices.end()) {
-      return fail("there is no scene \"" + name + "\" (\"" + choices.front().name + "\" is one)");
+      return fail(ErrorCode::not_found, "there is no scene \"" + name + "\", but for example \"" +
+                                            choices.front().name + "\"");
     }
     chosen.push_back(*found);
   }
@@ -163,20 +157,17 @@ Result<json> write_render_report(const Options& options) {
   const fs::path folder = options.folder;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return fail(folder.string() + ": " + error.message());
+  if (error) return fail(ErrorCode::io, folder.string() + ": " + error.message());
 
-  const auto context = OffscreenContext::create();
-  if (!context) return tl::unexpected(context.error());
+  const OffscreenContext context = TRY(OffscreenContext::create());
   const std::string gl = describe_opengl();
   const bool software = gl.find("llvmpipe") != std::string::npos;
   if (options.gpu && software) {
-    return fail("--gpu asks for a graphics card, but this is software: " + gl);
+    return fail(ErrorCode::unsupported, "--gpu asks for a graphics card, but this is " + gl);
   }
   if (options.json != "-") fmt::print("{}\n", gl);
-  const auto choices = choose_scenes(options, software ? effort.even_points : kGpuEvenPoints);
-  if (!choices) return tl::unexpected(choices.error());
-  auto renderer = Renderer::create();
-  if (!renderer) return tl::unexpected(renderer.error());
+  const auto choices = TRY(choose_scenes(options, software ? effort.even_points : kGpuEvenPoints));
+  Renderer renderer = TRY(Renderer::create());
 
   json report = {{"benchmark", "render"}, {"quick", options.quick},
                  {"machine", machine()},  {"size", {effort.size.x, effort.size.y}},
@@ -185,16 +176,14 @@ Result<json> write_render_report(const Options& options) {
   const Stopwatch stopwatch = software ? Stopwatch::wall : Stopwatch::gpu;
   report["stopwatch"] = software ? "wall" : "gpu";
   const std::size_t pictures = static_cast<std::size_t>(effort.views) * picture_settings().size();
-  Progress progress("render", choices->size() * (pictures + 1));
-  for (const SceneChoice& choice : *choices) {
-    auto scene = measure_scene(*renderer, choice, effort, stopwatch, folder, progress);
+  Progress progress("render", choices.size() * (pictures + 1));
+  for (const SceneChoice& choice : choices) {
+    auto scene = measure_scene(renderer, choice, effort, stopwatch, folder, progress);
     if (!scene) return fail_at(choice.name, scene.error());
     report["scenes"].push_back(std::move(*scene));
   }
   if (options.scenes.empty()) {
-    const auto playback = measure_playback(folder, effort.played_frames);
-    if (!playback) return tl::unexpected(playback.error());
-    report["playback"] = *playback;
+    report["playback"] = TRY(measure_playback(folder, effort.played_frames));
   }
   const std::vector<Bar> bars = render_bars(report);
   report["bars"] = to_json(bars);
@@ -206,10 +195,8 @@ Result<void> write_files(const Options& options, const json& report) {
   const fs::path folder = options.folder;
   const std::string text = to_render_markdown(report);
   if (options.json != "-") fmt::print("{}", text);
-  if (auto written = write_text(folder / "report.md", text); !written) return written;
-  if (auto written = write_text(folder / "report.json", report.dump(2) + "\n"); !written) {
-    return written;
-  }
+  TRY(write_text(folder / "report.md", text));
+  TRY(write_text(folder / "report.json", report.dump(2) + "\n"));
   return options.json.empty() ? Result<void>{} : write_json(options.json, report);
 }
 
@@ -217,17 +204,21 @@ Result<void> write_files(const Options& options, const json& report) {
 
 void add_render_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
-      "render", "pictures of every mode against the true surface, and the times they take");
+      "render", "compares pictures of every mode with the true surface, and times them");
   const auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->folder, "folder to write to; made if it is missing")
+  command
+      ->add_option("-o,--output", options->folder, "folder to write to, created if it is missing")
       ->capture_default_str();
-  command->add_option("--scene", options->scenes, "only this sequence; may be repeated");
-  command->add_option("--poses", options->poses, "of each scanned sequence, evenly spread")
+  command->add_option("--scene", options->scenes, "only this scene; may be repeated");
+  command
+      ->add_option("--poses", options->poses,
+                   "number of poses of each scanned sequence, evenly spread")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_flag("--quick", options->quick, "two small scenes, few runs: half a minute");
+  command->add_flag("--quick", options->quick, "two small scenes and few runs, in half a minute");
   command->add_flag("--gpu", options->gpu, "fail on software OpenGL");
-  command->add_option("--json", options->json, "also write the report here, - for standard output");
+  command->add_option("--json", options->json,
+                      "also write the report to this file; - is standard output");
   command->callback([options, &exit_code] {
     const auto report = write_render_report(*options);
     const auto written = report ? write_files(*options, *report) : tl::unexpected(report.error());

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// `pointreel-bench render`: pictures of every sequence in every mode against the ray-cast truth,
-/// as report.md, report.json and PNG files.
+/// `pointreel-bench render`: compares pictures of every sequence in every mode with the ray-cast
+/// truth. Writes report.md, report.json and PNG files.
 void add_render_command(CLI::App& app, int& exit_code);
 
 }  // namespace pointreel::bench

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 double number(const json& value) { return value.get<double>(); }
 
-/// Of a figure of one setting in all views of a scene.
+/// A figure of a setting over all views of a scene.
 struct Summary {
   double sum = 0.0, least = INFINITY, most = -INFINITY;
   int count = 0;
@@ -87,7 +87,7 @@ std::string views_of(const json& scene) {
   return out;
 }
 
-/// What no way of splatting can pass, if it is known.
+/// The best that any way of splatting can reach, if that is known.
 std::string limits_of(const json& scene) {
   double sum = 0.0;
   std::string each;
@@ -99,8 +99,8 @@ std::string limits_of(const json& scene) {
                         limit);
   }
   return fmt::format(
-      "With the truth deciding what is visible, Gaussian means of these points (0.4 spacings) "
-      "have {:.2f} dB ({}): what is missing there is finer than the points.\n",
+      "If the truth decides what is visible, Gaussian means of these points (0.4 spacings) reach "
+      "{:.2f} dB ({}). The remaining error is due to details that are finer than the points.\n",
       sum / static_cast<double>(scene["views"].size()), each);
 }
 
@@ -161,7 +161,7 @@ std::string traversals(const json& report) {
 
 std::string playback_table(const json& report) {
   if (!report.contains("playback")) return "";
-  Table table({"mode", "frames a second", "decode, ms", "normals", "octree", "cut", "render"});
+  Table table({"mode", "frames per second", "decode, ms", "normals", "octree", "cut", "render"});
   for (const json& row : report["playback"]) {
     const auto cell = [&row](const char* figure) {
       return fmt::format("{:.1f}", number(row[figure]));
@@ -169,9 +169,8 @@ std::string playback_table(const json& report) {
     table.row({row["mode"], cell("fps"), cell("decode_ms"), cell("normals_ms"), cell("svo_ms"),
                cell("cut_ms"), cell("render_ms")});
   }
-  return "Playback of soccer-shoot as `pointreel play` does it at 1280x720, medians a frame; "
-         "frames "
-         "are decoded beside drawing:\n\n" +
+  return "Playback of soccer-shoot with `pointreel play` at 1280x720, with medians per frame. "
+         "Frames are decoded while others are drawn.\n\n" +
          table.text();
 }
 
@@ -199,40 +198,47 @@ std::string to_render_markdown(const json& report) {
                      machine["cores"].get<int>(), machine["compiler"].get<std::string>(),
                      machine["commit"].get<std::string>(), number(report["seconds"]));
   out +=
-      "The truth is one ray through the centre of each pixel to the analytic surface, coloured and "
-      "lit as the renderer does it. PSNR (of sRGB) and SSIM (of luma) are over the truth's pixels, "
-      "and over the whole picture. Holes: truth's pixels where nothing was drawn; dilation: pixels "
-      "drawn beyond it, both in shares of the truth's; IoU: their common pixels over all of "
-      "either. "
-      "Bleed: covered pixels of which more than 5 % of the light is of another surface or of the "
-      "background. Order: between two random orders of the points, in steps of 1/255. Flicker: the "
-      "largest difference of the same picture drawn twice. Figures are means over the views; "
-      "worst is of the worst view; bleed, order, flicker and milliseconds are of the first one.\n";
+      "The truth is a picture made by casting a ray through the centre of each pixel to the "
+      "analytic surface, which is coloured and lit as by the renderer. PSNR (of sRGB) and SSIM (of "
+      "luma) are given over the pixels of the truth, and over the whole picture. Holes are pixels "
+      "of the truth where nothing was drawn, dilation is pixels drawn outside of it, both as "
+      "shares "
+      "of the pixels of the truth. IoU is the number of pixels in both over that of pixels in "
+      "either. Bleed is the share of covered pixels in which more than 5 % of the light comes from "
+      "another surface or from the background. Order is the difference between two random orders "
+      "of "
+      "the points, in steps of 1/255. Flicker is the largest difference between two drawings of "
+      "the "
+      "same picture. Figures are means over the views; \"worst\" is the worst view. Bleed, order, "
+      "flicker and milliseconds are those of the first view.\n";
   for (const json& scene : report["scenes"]) {
     out +=
-        fmt::format("\n## {}\n\n{} points, {:.2f} m2 of surface, so one every {:.2f} mm. ",
+        fmt::format("\n## {}\n\n{} points on {:.2f} m2 of surface, a spacing of {:.2f} mm. ",
                     scene["scene"].get<std::string>(), grouped(scene["points"].get<std::size_t>()),
                     number(scene["area"]), 1000.0 * number(scene["spacing"]));
     if (scene["dense"].get<bool>()) {
-      out += "Evenly spread on the surface itself; splats have 0.7 of that spacing as radius. ";
+      out +=
+          "The points are evenly spread and have no noise; splats have a radius of 0.7 spacings. ";
     }
     out += "Views: " + views_of(scene) + ".\n\n" + quality_table(scene);
     out += limits_of(scene);
   }
   out +=
-      "\n## Times: the paper's Tables II and IV\n\nMilliseconds a picture, means over the first "
-      "and the last view, "
-      "of frames that are uploaded already: median (least to most) of " +
-      std::to_string(report["runs"].get<int>()) + " runs in turns, " +
-      (report["stopwatch"] == "gpu" ? "by timer queries" : "wall time until glFinish returns") +
-      ". The paper's are of an NVIDIA Quadro 3000M. All methods draw the same picture; `methods "
-      "differ` is the largest share of the pixels in which one's differs from the geometry "
-      "shader's "
-      "by more than 1/255.\n\nTable II, surfels, two passes of which the "
-      "second is enlarged twice (Figure 3 f):\n\n" +
-      times_table(report, "surfels") + "Table IV, voxels, whole cubes, octree of delta = 5 %:\n\n" +
-      times_table(report, "voxels") + "Traversal of the whole figure's octree, one thread:\n\n" +
-      traversals(report) + playback_table(report) + "## Bars\n\n" + bars_table(report);
+      "\n## Times: Tables II and IV of Slomp et al., Geometry Instancing\n\nMilliseconds per "
+      "picture, as the mean over the first and the last view, of frames that are already uploaded. "
+      "Each cell has the median (least to most) of " +
+      std::to_string(report["runs"].get<int>()) + " runs that take turns, " +
+      (report["stopwatch"] == "gpu" ? "by timer queries"
+                                    : "as wall time until the picture is complete") +
+      ". Those of the paper are from an NVIDIA Quadro 3000M. All methods draw the same picture; "
+      "\"methods differ\" is the largest share of pixels that differ by more than 1/255 from those "
+      "of the geometry shader.\n\nTable II: surfels in two passes, the second enlarged by two "
+      "(Figure 3 f).\n\n" +
+      times_table(report, "surfels") +
+      "Table IV: voxels as whole cubes, octree for delta = 5 %.\n\n" +
+      times_table(report, "voxels") +
+      "Traversal of the octree of the whole figure on one thread.\n\n" + traversals(report) +
+      playback_table(report) + "## Bars\n\n" + bars_table(report);
   return out;
 }
 

@@ -6,7 +6,7 @@
 
 namespace pointreel::bench {
 
-/// The report for readers: every figure that a person wants to see.
+/// The report as text for people.
 std::string to_render_markdown(const nlohmann::json& report);
 
 }  // namespace pointreel::bench

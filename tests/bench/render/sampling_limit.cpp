@@ -11,10 +11,10 @@
 namespace pointreel::bench {
 namespace {
 
-constexpr double kSigma = 0.4, kReach = 2.2;  // in spacings
+constexpr double kSigma = 0.4, kReach = 2.2;  // in units of the spacing
 constexpr int kStep = 3;
 
-/// Points in cells as large as the reach.
+/// The points in a hash table of cells with the edge `reach`.
 class Neighbors {
  public:
   Neighbors(const PointCloud& cloud, double reach)
@@ -37,7 +37,7 @@ class Neighbors {
       const glm::ivec3 at = cell + glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1;
       for (std::uint32_t point = heads_[slot(at)]; point != kNone; point = next_[point]) {
         const glm::dvec3 q = cloud_.world(point);
-        if (cell_of(q) != at) continue;  // another cell with the same slot
+        if (cell_of(q) != at) continue;  // from another cell with the same slot
         const double square = glm::dot(q - p, q - p);
         if (square < reach_ * reach_) visit(point, square);
       }

@@ -10,6 +10,7 @@
 
 #include "client/prepare/prepare.h"
 #include "common/base/spread.h"
+#include "common/base/try.h"
 #include "common/cloud/ply.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/ldc.h"
@@ -21,20 +22,20 @@ namespace {
 
 constexpr std::uint64_t kSeed = 1;
 
-/// Candidates for each point that is wanted.
+/// Candidates per point.
 constexpr std::size_t kCandidates = 6;
 
-/// Least distance of even points, in sqrt(area / points): with so many candidates this gives about
-/// as many points as are wanted.
+/// The least distance of even points, in units of sqrt(area / points). With kCandidates, it gives
+/// about the number of points that is asked for.
 constexpr double kApart = 0.75;
 
-/// Points that are at least so far apart.
+/// Points that keep a distance from each other.
 class DistantPoints {
  public:
   DistantPoints(double distance, std::size_t expected)
       : distance_(distance), heads_(std::bit_ceil(2 * expected), kNone) {}
 
-  /// False if there is one nearer than that.
+  /// Adds the point, or returns false if it is too near to another.
   bool add(const glm::dvec3& p) {
     const glm::ivec3 cell(glm::floor(p / distance_));
     for (int z = -1; z <= 1; ++z) {
@@ -92,21 +93,19 @@ std::vector<SceneChoice> scene_choices(int poses, std::size_t even_points) {
 
 Result<double> surface_area(const SurfaceGrid& grid) {
   const Lattice lattice{.spacing = 0.01};
-  const auto hits = cast_lattice(grid, lattice);
-  if (!hits) return tl::unexpected(hits.error());
+  const auto hits = TRY(cast_lattice(grid, lattice));
   double area = 0.0;
-  for (const LatticeHit& hit : *hits) {
+  for (const LatticeHit& hit : hits) {
     area += lattice.spacing * lattice.spacing * std::abs(hit.point.normal[hit.axis]);
   }
   return area;
 }
 
 Result<PointCloud> even_cloud(const Body& body, double area, std::size_t points) {
-  const auto candidates = sample_uniform(body.surface, kCandidates * points, kSeed);
-  if (!candidates) return tl::unexpected(candidates.error());
+  const auto candidates = TRY(sample_uniform(body.surface, kCandidates * points, kSeed));
   DistantPoints kept(kApart * std::sqrt(area / static_cast<double>(points)), points);
   PointCloud cloud;
-  for (const SurfacePoint& point : *candidates) {
+  for (const SurfacePoint& point : candidates) {
     if (!kept.add(point.position)) continue;
     cloud.positions.emplace_back(point.position);
     cloud.normals.emplace_back(point.normal);

@@ -11,55 +11,56 @@
 
 namespace pointreel::bench {
 
-/// A pose of a sequence to draw pictures of.
+/// A pose of a sequence of which pictures are drawn.
 struct SceneChoice {
   std::string name;
   const Motion* motion;
   int pose;
-  std::size_t even_points;  ///< 0: as the scanner sees it
-  bool colors = true;       ///< else drawn in those made from the normals, as the paper's clouds
+  std::size_t even_points;  ///< points of an even cloud; 0: scanned
+  bool colors = true;       ///< false: colours made from the normals, as in the paper
 };
 
-/// The paper's five sequences as its scanner would give them, `poses` of each, and last the dense
-/// one, without noise and evenly spread: with colours, whose edges are sharper than points can
-/// tell, and without.
+/// The five sequences of Slomp et al., Geometry Instancing, as scanned, with `poses` of each; then
+/// two dense scenes, without noise and evenly spread: with colours, whose edges are sharper than
+/// points can show, and without.
 std::vector<SceneChoice> scene_choices(int poses, std::size_t even_points);
 
-/// The same points, ready to draw in every mode, and what they were sampled from.
+/// The points of a scene, ready to draw in every mode, and the surface that they were sampled from.
 struct RenderScene {
   SceneChoice choice;
   TruthScene truth;
-  double area = 0.0;     ///< of the surface, square metres
+  double area = 0.0;     ///< of the surface, in square metres
   double spacing = 0.0;  ///< sqrt(area / points), metres
-  /// As the player prepares them of files (client/playback/prepare.h) without radii.
+  /// As the player prepares them from files without radii (client/prepare/prepare.h).
   std::shared_ptr<const SceneFrame> surfels, voxels;
 };
 
-/// The radius of the dense cloud's splats, in spacings.
+/// The radius of the splats of the dense cloud, in spacings.
 inline constexpr double kDenseRadius = 0.7;
 
 Result<RenderScene> make_render_scene(const SceneChoice& choice);
 
-/// Prepared as a player with this mode and delta does.
+/// Prepares a cloud as the player does with this mode and delta.
 Result<std::shared_ptr<const SceneFrame>> prepare_cloud(const PointCloud& cloud, DrawMode mode,
                                                         double delta);
 
-/// The same points in another order.
+/// The same frame with its points in another order.
 std::shared_ptr<const SceneFrame> shuffled(const SceneFrame& frame, std::uint64_t seed);
 
-/// The same points, white where the eye sees the surface they are of, black where another part of
-/// it is in the way (`tolerance` metres or more).
+/// The same frame with white points where they are visible, and black points where another part of
+/// the surface hides them by `tolerance` metres or more.
 std::shared_ptr<const SceneFrame> labelled(const SceneFrame& frame, const TruthScene& truth,
                                            const Camera& camera, double tolerance);
 
-/// Points of the surface, about `points` of them, no two of which are nearer to each other than
-/// 0.75 of sqrt(area / points) and hardly any place further from all of them than that: random
-/// points one after another, each left out that is too near to one before (R. Cook, "Stochastic
-/// Sampling in Computer Graphics", 1986). With normals and colours.
+/// About `points` points on the surface, with normals and colours. No two of them are nearer to
+/// each other than 0.75 sqrt(area / points), and hardly any place is further from all of them than
+/// that. Made by drawing random points and leaving out each that is too near to an earlier one (R.
+/// Cook, "Stochastic Sampling in Computer Graphics", 1986).
 Result<PointCloud> even_cloud(const Body& body, double area, std::size_t points);
 
-/// From the rays of a lattice: each hit stands for the square of the spacing, of which a slanted
-/// surface has more; the three directions' squared cosines add up to one.
+/// The area of the surface, from the rays of a lattice in three directions. Each hit stands for the
+/// square of the spacing times the cosine of its angle, because slanted surfaces are hit less often
+/// and the squared cosines of the three directions add up to one.
 Result<double> surface_area(const SurfaceGrid& grid);
 
 }  // namespace pointreel::bench

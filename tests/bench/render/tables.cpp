@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/try.h"
+
 namespace pointreel::bench {
 namespace {
 
@@ -14,8 +16,8 @@ using nlohmann::json;
 constexpr double kPaperDelta = 0.05;
 constexpr int kTraversalDepth = 10;
 
-/// Milliseconds of the paper's Tables II and IV: geometry shader, uniform, texture and vertex
-/// buffer; and the depth of Table IV.
+/// Milliseconds from Tables II and IV of Slomp et al., Geometry Instancing, for geometry shader,
+/// uniform, texture and vertex buffers, and the depth from Table IV.
 struct Paper {
   std::string_view motion;
   std::array<double, 4> surfels, voxels;
@@ -29,17 +31,16 @@ constexpr std::array<Paper, 5> kPaper = {{
     {"soccer-shoot", {3.323, 5.397, 5.658, 9.099}, {2.466, 1.835, 1.927, 4.071}, 10},
 }};
 
-constexpr std::array kMethods = {Instancing::geometry, Instancing::uniform, Instancing::texture,
-                                 Instancing::attribute, Instancing::pull};
+constexpr auto& kMethods = kEnumNames<Instancing>;
 
-/// Times and picture errors of the same frame drawn by every method, and by default.
+/// Times and picture errors of a frame drawn by every method, and with the default.
 Result<json> measure_methods(Renderer& renderer, const std::shared_ptr<const SceneFrame>& frame,
                              std::span<const ViewTruth* const> views, const DrawOptions& papers,
                              const DrawOptions& usual, int runs, Stopwatch stopwatch) {
   std::vector<TimedDraw> draws;
-  for (const Instancing method : kMethods) {
+  for (const auto& method : kMethods) {
     draws.push_back({frame, papers});
-    draws.back().options.instancing = method;
+    draws.back().options.instancing = method.value;
   }
   draws.push_back({frame, usual});
 
@@ -52,26 +53,24 @@ Result<json> measure_methods(Renderer& renderer, const std::shared_ptr<const Sce
     cameras.push_back(view->view.camera);
     std::optional<Image> one;
     for (std::size_t i = 0; i < draws.size(); ++i) {
-      const auto picture = draw_picture(renderer, frame, view->view.camera, size, draws[i].options);
-      if (!picture) return tl::unexpected(picture.error());
+      const DrawnPicture picture =
+          TRY(draw_picture(renderer, frame, view->view.camera, size, draws[i].options));
       const TruthPicture& truth = view->truth;
-      psnrs[i] += psnr(truth.image, picture->image, truth.mask).value_or(99.0);
-      holes[i] += compare_coverage(truth.mask, picture->covered).holes;
+      psnrs[i] += psnr(truth.image, picture.image, truth.mask).value_or(99.0);
+      holes[i] += compare_coverage(truth.mask, picture.covered).holes;
       if (i == kMethods.size()) break;
-      if (one) differ = std::max(differ, difference(*one, picture->image).share);
-      if (!one) one = picture->image;
+      if (one) differ = std::max(differ, difference(*one, picture.image).share);
+      if (!one) one = picture.image;
     }
   }
-  const auto timings = time_in_turns(renderer, draws, cameras, size, runs, stopwatch);
-  if (!timings) return tl::unexpected(timings.error());
+  const auto timings = TRY(time_in_turns(renderer, draws, cameras, size, runs, stopwatch));
   const auto row = [&](std::size_t i) {
     const auto count = static_cast<double>(views.size());
-    return json{{"ms", to_json((*timings)[i])},
-                {"psnr_mask", psnrs[i] / count},
-                {"holes", holes[i] / count}};
+    return json{
+        {"ms", to_json(timings[i])}, {"psnr_mask", psnrs[i] / count}, {"holes", holes[i] / count}};
   };
   json methods = json::object();
-  for (std::size_t i = 0; i < kMethods.size(); ++i) methods[name(kMethods[i])] = row(i);
+  for (std::size_t i = 0; i < kMethods.size(); ++i) methods[kMethods[i].name] = row(i);
   return json{{"methods", methods}, {"default", row(kMethods.size())}, {"differ", differ}};
 }
 
@@ -82,32 +81,29 @@ Result<json> measure_tables(Renderer& renderer, const RenderScene& scene,
   const std::array views = {&all_views.front(), &all_views.back()};
   DrawOptions papers;
   papers.splatting = Splatting::enlarged_shading;
-  auto surfels = measure_methods(renderer, scene.surfels, views, papers, {}, runs, stopwatch);
-  if (!surfels) return tl::unexpected(surfels.error());
+  json surfels = TRY(measure_methods(renderer, scene.surfels, views, papers, {}, runs, stopwatch));
 
-  const auto divided = prepare_cloud(scene.surfels->cloud, DrawMode::voxel, kPaperDelta);
-  if (!divided) return tl::unexpected(divided.error());
+  const auto divided = TRY(prepare_cloud(scene.surfels->cloud, DrawMode::voxel, kPaperDelta));
   DrawOptions usual;
   usual.mode = DrawMode::voxel;
   papers = usual;
   papers.voxel_shape = VoxelShape::cube;
-  auto voxels = measure_methods(renderer, *divided, views, papers, usual, runs, stopwatch);
-  if (!voxels) return tl::unexpected(voxels.error());
-  (*voxels)["depth"] = (*divided)->svo.depth;
+  json voxels = TRY(measure_methods(renderer, divided, views, papers, usual, runs, stopwatch));
+  voxels["depth"] = divided->svo.depth;
 
   for (const Paper& paper : kPaper) {
     if (paper.motion != scene.choice.motion->name) continue;
-    (*surfels)["paper"] = json::object();
-    (*voxels)["paper"] = {{"depth", paper.depth}};
+    surfels["paper"] = json::object();
+    voxels["paper"] = {{"depth", paper.depth}};
     for (std::size_t i = 0; i < paper.surfels.size(); ++i) {
-      (*surfels)["paper"][name(kMethods[i])] = paper.surfels[i];
-      (*voxels)["paper"][name(kMethods[i])] = paper.voxels[i];
+      surfels["paper"][kMethods[i].name] = paper.surfels[i];
+      voxels["paper"][kMethods[i].name] = paper.voxels[i];
     }
   }
   const Image& picture = views[0]->truth.image;
   const Timing traversal = time_traversal(scene.surfels->cloud, kTraversalDepth,
                                           {picture.width, picture.height}, std::max(runs, 25));
-  return json{{"surfels", *surfels}, {"voxels", *voxels}, {"traverse_ms", to_json(traversal)}};
+  return json{{"surfels", surfels}, {"voxels", voxels}, {"traverse_ms", to_json(traversal)}};
 }
 
 }  // namespace pointreel::bench

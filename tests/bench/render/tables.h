@@ -9,11 +9,11 @@
 
 namespace pointreel::bench {
 
-/// A row of the paper's Tables II and IV (002, section VII) for a scanned scene, with all methods
-/// of instancing, and of the pictures that they time: their error, and by how much they differ from
-/// each other. Over the first and the last of the views, the farthest and the nearest.
-///   surfels: as the paper's Splatting::enlarged_shading, and the default
-///   voxels: of the octree that delta = 5 % gives, whole cubes, and the default
+/// A row of Tables II and IV of Slomp et al., Geometry Instancing, for a scanned scene: the times
+/// of all methods of instancing, the errors of the pictures that were timed, and by how much these
+/// differ from each other. Measured over the first and the last view, the farthest and the nearest.
+///   surfels: with the paper's Splatting::enlarged_shading, and with the default
+///   voxels: of the octree for delta = 5 %, as whole cubes, and with the default
 ///   traverse_ms: time_traversal at depth 10
 Result<nlohmann::json> measure_tables(Renderer& renderer, const RenderScene& scene,
                                       std::span<const ViewTruth> views, int runs,

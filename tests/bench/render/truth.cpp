@@ -9,12 +9,14 @@
 
 #include <tbb/parallel_for.h>
 
+#include "common/base/try.h"
+
 namespace pointreel::bench {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Of client/render: renderer.cpp and shaders/common.glsl.
+/// The same values as in client/render/renderer.cpp and shaders/common.glsl.
 const glm::dvec3 kLight = glm::normalize(glm::dvec3(-0.35, 0.45, 1.0));
 constexpr double kAmbient = 0.4;
 
@@ -39,19 +41,19 @@ class Rays {
     return {eye_, glm::normalize(axes_ * glm::dvec3(right, up, -1.0))};
   }
 
-  /// The pixels whose rays may come within `radius` of p: at least those, columns and rows from
-  /// `first` to `last`. False if there is none.
+  /// Bounds the pixels whose rays may come within `radius` of p: columns and rows from `first` to
+  /// `last`. Returns false if there are none.
   bool bound(const glm::dvec3& p, double radius, glm::ivec2& first, glm::ivec2& last) const {
     const glm::dvec3 q = glm::transpose(axes_) * (p - eye_);
     const double depth = -q.z;
     if (depth < -radius) return false;
-    if (depth <= 2.0 * radius) {  // the eye is in it, or nearly
+    if (depth <= 2.0 * radius) {  // the eye is inside, or nearly so
       first = {0, 0};
       last = size_ - 1;
       return true;
     }
     for (int axis = 0; axis < 2; ++axis) {
-      // Of a box around the ball: its nearest face projects to the most.
+      // Of the box around the ball, the near or the far face bounds the projection.
       const double sign = axis == 0 ? 1.0 : -1.0;
       const double low = sign * q[axis] - radius, high = sign * q[axis] + radius;
       const double near = depth - radius, far = depth + radius;
@@ -74,8 +76,8 @@ class Rays {
   glm::dvec2 scale_;
 };
 
-/// The picture in small squares, each with the distance before which its rays meet nothing;
-/// infinite where they meet nothing at all.
+/// Divides the picture into small squares. Each knows a distance from the eye before which its rays
+/// hit nothing; infinite if they hit nothing at all.
 class Tiles {
  public:
   static constexpr int kEdge = 8;
@@ -83,7 +85,8 @@ class Tiles {
   Tiles(const SurfaceGrid& grid, const Rays& rays, glm::ivec2 size)
       : count_((size + kEdge - 1) / kEdge),
         nearest_(static_cast<std::size_t>(count_.x) * static_cast<std::size_t>(count_.y), kNever) {
-    constexpr double kRadius = 0.87 * SurfaceGrid::kCell;  // half a cell's diagonal, and rounding
+    // Half the diagonal of a cell, and some more for rounding.
+    constexpr double kRadius = 0.87 * SurfaceGrid::kCell;
     for (const SurfaceGrid::Cell& cell : grid.cells()) {
       const glm::dvec3 center = cell.min + 0.5 * SurfaceGrid::kCell;
       glm::ivec2 first, last;
@@ -111,7 +114,7 @@ class Tiles {
   std::vector<double> nearest_;
 };
 
-/// Calls hit(x, y, RayHit) for every pixel whose ray meets the surface, from many threads.
+/// Calls hit(x, y, RayHit) from many threads for every pixel whose ray hits the surface.
 template <class Hit>
 void cast(const TruthScene& scene, const Camera& camera, glm::ivec2 size, const Hit& hit) {
   const Rays rays(camera, size);
@@ -157,9 +160,8 @@ std::optional<RayHit> truth_at(const TruthScene& scene, const Camera& camera, gl
 }
 
 Result<TruthScene> make_truth_scene(Body body) {
-  auto grid = SurfaceGrid::build(body.surface);
-  if (!grid) return tl::unexpected(grid.error());
-  return TruthScene{std::move(body), std::move(*grid)};
+  SurfaceGrid grid = TRY(SurfaceGrid::build(body.surface));
+  return TruthScene{std::move(body), std::move(grid)};
 }
 
 TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
@@ -178,7 +180,7 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
     if (style.texture) {
       const glm::u8vec3 srgb = color_at(scene.body, hit.primitive, hit.position);
       for (int c = 0; c < 3; ++c) color[c] = linear[srgb[c]];
-    } else {  // client/render/instances.h, fake_color
+    } else {  // as fake_color in client/render/instances.h
       for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(0.5 + 0.5 * hit.normal[c]);
     }
     if (style.lighting) color = lit(color, hit.normal, camera);
@@ -192,7 +194,7 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
 
 double truth_coverage(const TruthScene& scene, const Camera& camera, glm::ivec2 size) {
   std::vector<int> rows(static_cast<std::size_t>(size.y), 0);
-  // A row belongs to one thread.
+  // No two threads share a row.
   cast(scene, camera, size,
        [&](int, int y, const RayHit&) { ++rows[static_cast<std::size_t>(y)]; });
   double covered = 0.0;

@@ -14,49 +14,50 @@
 
 namespace pointreel::bench {
 
-/// A posed figure, ready to be seen.
+/// A posed figure, ready for casting rays.
 struct TruthScene {
   Body body;
   SurfaceGrid grid;
 };
 Result<TruthScene> make_truth_scene(Body body);
 
-/// What a renderer is to come near to: one ray through the centre of each pixel, to the analytic
-/// surface. Exact, and so without any smoothing: edges are stairs, and a texture finer than a pixel
-/// is one sample of it.
+/// The picture that renderers should approach: a ray through the centre of each pixel to the
+/// analytic surface. It is exact and therefore not smoothed: edges have steps, and a texture that
+/// is finer than a pixel is sampled at one point.
 struct TruthPicture {
   Image image;
   Mask mask;  ///< 255 where the ray meets the surface
 };
 
-/// How the surface looks.
+/// The appearance of the surface.
 struct TruthStyle {
-  bool texture = true;   ///< the body's colours; else those made from its normals
+  bool texture = true;   ///< the colours of the body; false: colours made from its normals
   bool lighting = true;  ///< as DrawOptions::lighting
   glm::vec3 background{0.11f, 0.12f, 0.14f};  ///< sRGB, as DrawOptions::background
 };
 
-/// Lit as the renderer lights (client/render/shaders/common.glsl, `shade`) and on its background,
-/// with TBB's threads; about three seconds for 1920x1280 on two. Near and far planes cut nothing.
+/// Casts the rays of a picture on all threads of TBB, which takes about three seconds for 1920x1280
+/// on two threads. The surface is lit as by the renderer (light_on in common.glsl). There is no
+/// near plane.
 TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
                         const TruthStyle& style);
 
-/// What one pixel's ray meets; the row from the top.
+/// The hit of the ray through a pixel, counted from the upper left corner.
 std::optional<RayHit> truth_at(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
                                glm::ivec2 pixel);
 
-/// A surface's colour with light on it, all in linear light.
+/// The colour of a lit surface, in linear light.
 glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera);
 
 double linear_from_srgb(double c);
-/// The nearest 8-bit sRGB colour.
+/// The nearest colour in 8-bit sRGB.
 glm::u8vec3 srgb_from_linear(const glm::dvec3& color);
 
-/// The share of the picture that the figure covers, from `size` rays.
+/// The share of a picture of this size that the figure covers.
 double truth_coverage(const TruthScene& scene, const Camera& camera, glm::ivec2 size);
 
-/// For each point whether another part of the surface hides it: a ray from the eye meets the
-/// surface more than `tolerance` metres before it.
+/// Whether another part of the surface hides each point, that is, whether the ray from the eye
+/// meets the surface more than `tolerance` metres before the point.
 std::vector<bool> hidden_points(const TruthScene& scene, const glm::dvec3& eye,
                                 const std::vector<glm::dvec3>& points, double tolerance);
 

@@ -11,6 +11,7 @@
 #include "client/render/supersampling.h"
 #include "client/scene/camera_path.h"
 #include "common/base/progress.h"
+#include "common/base/try.h"
 #include "datasets_synthetic/motion.h"
 #include "tests/bench/render/truth.h"
 
@@ -26,14 +27,13 @@ struct Options {
 Result<void> write_truth(const Options& options) {
   const Motion* motion = find_motion(options.sequence);
   if (motion == nullptr)
-    return fail(options.sequence + ": no such sequence; pointreel-synth --list tells which");
-  const auto path = load_camera_path(options.camera);
-  if (!path) return tl::unexpected(path.error());
-  if (auto checked = check_recording(options.record); !checked) return checked;
+    return fail(ErrorCode::not_found,
+                options.sequence + ": no such sequence; pointreel-synth --list shows them all");
+  const CameraPath path = TRY(load_camera_path(options.camera));
+  TRY(check_recording(options.record));
   const glm::ivec2 size(options.width, options.height);
   const FrameRate rate{static_cast<std::uint64_t>(kPosesPerSecond), 1};
-  auto recorder = open_recorder(options.record, size, rate);
-  if (!recorder) return tl::unexpected(recorder.error());
+  const auto recorder = TRY(open_recorder(options.record, size, rate));
   const int frames = options.frames > 0 ? options.frames : motion->poses;
   Progress progress("cast", static_cast<std::size_t>(frames));
   for (int frame = 0; frame < frames; ++frame) {
@@ -44,33 +44,35 @@ Result<void> write_truth(const Options& options) {
     framed.frame_bounds(bounds(scene->body.surface), static_cast<double>(size.x) / size.y);
     const auto time_us = static_cast<std::uint64_t>(std::llround(1e6 * seconds));
     const TruthPicture picture =
-        cast_truth(*scene, path->at(time_us, framed), options.supersample * size, {});
+        cast_truth(*scene, path.at(time_us, framed), options.supersample * size, {});
     const Image image = average_squares(picture.image, options.supersample);
-    if (auto added = (*recorder)->add(image, time_us); !added) return added;
+    TRY(recorder->add(image, time_us));
     progress.tick();
   }
-  return (*recorder)->finish();
+  return recorder->finish();
 }
 
 }  // namespace
 
 void add_truth_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
-      "truth", "records the true surface of a sequence, ray by ray, as play --record would");
+      "truth", "records the true surface of a sequence by casting rays, like play --record");
   const auto options = std::make_shared<Options>();
-  command->add_option("SEQUENCE", options->sequence, "as pointreel-synth calls it")->required();
-  command->add_option("--record", options->record, "a video, or out-%04d.png")->required();
-  command->add_option("--camera", options->camera, "file of the camera's path, with its target")
+  command->add_option("SEQUENCE", options->sequence, "a name that pointreel-synth --list shows")
       ->required();
-  command->add_option("--frames", options->frames, "only so many, from the first")
+  command->add_option("--record", options->record, "a video (.mp4, .mkv, .webm) or out-%04d.png")
+      ->required();
+  command->add_option("--camera", options->camera, "file with the camera path, including targets")
+      ->required();
+  command->add_option("--frames", options->frames, "stop after this many frames")
       ->check(CLI::Range(1, 100'000));
-  command->add_option("--width", options->width, "of the pictures, in pixels")
+  command->add_option("--width", options->width, "width of the pictures in pixels")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  command->add_option("--height", options->height, "")
+  command->add_option("--height", options->height, "height of the pictures in pixels")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  command->add_option("--supersample", options->supersample, "rays along each side of a pixel")
+  command->add_option("--supersample", options->supersample, "rays per pixel along each side")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   command->callback([options, &exit_code] {

@@ -4,8 +4,8 @@
 
 namespace pointreel::bench {
 
-/// `pointreel-bench truth`: the true surface of a sequence, frame by frame, as pointreel play
-/// --record would show it were there no scanner, no codec and no splats.
+/// `pointreel-bench truth`: records the true surface of a sequence, as `pointreel play --record`
+/// would show it if there were no scanner, codec and splats.
 void add_truth_command(CLI::App& app, int& exit_code);
 
 }  // namespace pointreel::bench

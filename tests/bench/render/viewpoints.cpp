@@ -22,7 +22,7 @@ constexpr std::array<Wanted, 4> kWanted = {{
 }};
 
 constexpr double kNearest = 0.3, kFarthest = 8.0;  // metres
-constexpr int kHalvings = 9;                       // of the logarithm of their ratio: to 0.6 %
+constexpr int kHalvings = 9;                       // bisects the distance to 0.6 %
 constexpr int kCoarseWidth = 120;
 
 }  // namespace

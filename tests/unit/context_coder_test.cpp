@@ -14,6 +14,7 @@
 
 #include "codec/octree/context_tables.h"
 #include "pointreel/octree.h"
+#include "pointreel/package.h"
 #include "tests/portable_code.h"
 #include "tests/reference/context_decoder.h"
 #include "tests/unit/tree_of_cells.h"

@@ -48,9 +48,8 @@ int main(int argc, char** argv) {
   pointreel::add_serve_command(app, exit_code);
   pointreel::add_publish_command(app, exit_code);
   const char* footer =
-      "Exit codes: 0 success; 1 failure, or the package has faults; 2 the command line is wrong, "
-      "or\n"
-      "the folder is not a package.";
+      "Exit codes: 0 success; 1 failure, or the package has faults;\n"
+      "2 the command line is wrong, or the folder is not a package.";
   app.footer(footer);
   for (CLI::App* command : app.get_subcommands({})) command->footer(footer);
   try {

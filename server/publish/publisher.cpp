@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kBudgetShare = 0.8;
 /// With fewer levels nobody could be recognised, and hardly any time would be saved.
 constexpr int kMinDepth = 6;
-/// How long to send what is left at the end.
+/// How long sending the last frames may take at the end.
 constexpr std::chrono::milliseconds kFlushTime{2000};
 
 double ms_since(Clock::time_point start) {

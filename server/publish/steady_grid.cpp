@@ -6,9 +6,9 @@
 namespace pointreel {
 namespace {
 
-/// On each side, relative to the box.
+/// The margin on each side, relative to the box.
 constexpr double kMargin = 0.1;
-/// Relative to the edge that the box of one frame needs.
+/// The largest edge of the cube, relative to what the box of one frame needs.
 constexpr double kMaxGrowth = 2.0;
 
 Box with_margin(const Box& box) {

@@ -61,7 +61,8 @@ Result<fs::path> file_inside(const fs::path& folder, const std::string& name) {
     return fail(fmt::format("{}: is a symbolic link that leads out of the package to {}", name,
                             file.string()));
   }
-  if (!fs::is_regular_file(file, error)) return fail(fmt::format("{}: is no regular file", name));
+  if (!fs::is_regular_file(file, error))
+    return fail(fmt::format("{}: is not a regular file", name));
   return file;
 }
 

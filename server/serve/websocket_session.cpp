@@ -104,7 +104,7 @@ Task<std::string> read_from_publisher(std::shared_ptr<Session> session, Publicat
                                       const Limits& limits) {
   session->stream.read_message_max(limits.max_message);
   Timer pause(session->transport->executor());
-  // When everything that has come so far would have come at the publisher's rate.
+  // The time by which all bytes received so far would have come at the allowed rate.
   Clock::time_point paid = Clock::now();
   while (true) {
     Bytes bytes;

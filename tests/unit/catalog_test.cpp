@@ -105,7 +105,7 @@ TEST_F(CatalogTest, refuses_an_incomplete_package) {
   fs::remove(reel_ / "0.full.prs");
   EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: No such file"));
   fs::create_directory(reel_ / "0.full.prs");
-  EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: is no regular file"));
+  EXPECT_THAT(error_of({reel_}), HasSubstr("0.full.prs: is not a regular file"));
 }
 
 TEST_F(CatalogTest, refuses_symbolic_links_out_of_the_package_and_follows_those_within) {

@@ -6,7 +6,7 @@
 
 namespace pointreel {
 
-Result<Grid> grid_for(const Box& box, const SequenceOptions& options) {
+Result<Grid> grid_for(const Box& box, const EncodingOptions& options) {
   if (!options.voxel) return Grid{bounding_cube(box), options.encode};
   const VoxelCube voxels = voxel_cube(box, *options.voxel);
   if (voxels.depth > kMaxDepth) {

@@ -3,7 +3,7 @@
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
-#include "server/encode/sequence_options.h"
+#include "server/encode/encoding_options.h"
 
 namespace pointreel {
 
@@ -14,7 +14,7 @@ struct Grid {
   EncodeOptions encode;
 };
 
-/// The grid for points within `box`. An error if SequenceOptions::voxel needs too deep an octree.
-Result<Grid> grid_for(const Box& box, const SequenceOptions& options);
+/// The grid for points within `box`. An error if EncodingOptions::voxel needs too deep an octree.
+Result<Grid> grid_for(const Box& box, const EncodingOptions& options);
 
 }  // namespace pointreel

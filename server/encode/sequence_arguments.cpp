@@ -149,7 +149,7 @@ void SequenceArguments::add_draco_options(CLI::App& command) {
                                     "otherwise kd-tree"));
 }
 
-Result<SequenceOptions> SequenceArguments::options() const {
+Result<EncodingOptions> SequenceArguments::options() const {
   for (const auto& [of, option] : of_codec_) {
     if (option->count() == 0 || of == codec) continue;
     return fail(ErrorCode::argument,
@@ -160,7 +160,7 @@ Result<SequenceOptions> SequenceArguments::options() const {
     return fail(ErrorCode::argument,
                 fmt::format("{} needs --entropy {}", option->get_name(), name(Entropy::context)));
   }
-  SequenceOptions options = sequence;
+  EncodingOptions options = sequence;
   if (codec == Codec::octree) {
     options.encode.codec = octree;
   } else {

@@ -9,14 +9,14 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
-#include "server/encode/sequence_options.h"
+#include "server/encode/encoding_options.h"
 
 namespace pointreel {
 
 /// The options that the command lines of pack and publish share. Names, ranges and descriptions
 /// stand here only; the defaults are the values that the members have before `add_to`.
 struct SequenceArguments {
-  SequenceOptions sequence;  ///< all but `sequence.encode.codec`
+  EncodingOptions sequence;  ///< all but `sequence.encode.codec`
   Codec codec = Codec::octree;
   OctreeOptions octree;
   DracoOptions draco;
@@ -31,7 +31,7 @@ struct SequenceArguments {
   CLI::Option* only_with_context(CLI::Option* option);
 
   /// What was given; an error if some of it does not go together.
-  Result<SequenceOptions> options() const;
+  Result<EncodingOptions> options() const;
 
  private:
   void add_octree_options(CLI::App& command);

@@ -49,7 +49,7 @@ Result<double> parse_bitrate(const std::string& text) {
 
 Result<PackOptions> make_options(const PackArguments& arguments) {
   PackOptions options = arguments.options;
-  static_cast<SequenceOptions&>(options) = TRY(arguments.sequence.options());
+  static_cast<EncodingOptions&>(options) = TRY(arguments.sequence.options());
   return options;
 }
 

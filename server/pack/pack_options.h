@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "server/encode/sequence_options.h"
+#include "server/encode/encoding_options.h"
 
 namespace pointreel {
 
 /// What to pack, and where to. An empty `name` stands for that of the output folder without
 /// ".reel".
-struct PackOptions : SequenceOptions {
+struct PackOptions : EncodingOptions {
   std::vector<std::filesystem::path> inputs;  ///< folders and files, as list_cloud_files takes them
   std::filesystem::path output;
   /// With Entropy::context: learn context tables from the frames, and use them if that makes the

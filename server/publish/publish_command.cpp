@@ -39,7 +39,7 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
     return fail(ErrorCode::argument, "--loop and --follow need a folder as --input");
   }
   PublishOptions options;
-  static_cast<SequenceOptions&>(options) = TRY(arguments.sequence.options());
+  static_cast<EncodingOptions&>(options) = TRY(arguments.sequence.options());
   if (options.name.empty()) options.name = stream_name(arguments.to);
   options.outbox.url = arguments.to + "?publish";  // a viewer would connect without the query
   options.outbox.token = arguments.token;

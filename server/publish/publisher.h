@@ -8,8 +8,8 @@
 
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
+#include "server/encode/encoding_options.h"
 #include "server/encode/grid.h"
-#include "server/encode/sequence_options.h"
 #include "server/encode/spread.h"
 #include "server/publish/frame_input.h"
 #include "server/publish/outbox.h"
@@ -17,7 +17,7 @@
 namespace pointreel {
 
 /// What to publish, and where to. Without `frame_time_ms`, 80 % of the frame interval is used.
-struct PublishOptions : SequenceOptions {
+struct PublishOptions : EncodingOptions {
   OutboxOptions outbox;
 };
 
@@ -49,12 +49,12 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
 /// holds what the previous cube was made for, unless that would make it more than twice as large.
 class SteadyGrid {
  public:
-  explicit SteadyGrid(const SequenceOptions& options) : options_(options) {}
+  explicit SteadyGrid(const EncodingOptions& options) : options_(options) {}
   /// The grid to encode points within `box` in.
   Result<Grid> of(const Box& box);
 
  private:
-  SequenceOptions options_;
+  EncodingOptions options_;
   std::optional<Grid> grid_;
   Box held_;  ///< what the grid was made for
 };

@@ -121,7 +121,7 @@ TEST(WebSocket, messages_travel_both_ways_and_keep_their_kind_and_boundaries) {
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<std::uint8_t>(i * i >> 7);
   ASSERT_TRUE((*socket)->send(view("hello"), WebSocket::Kind::text));
   ASSERT_TRUE((*socket)->send(large, WebSocket::Kind::binary));
-  ASSERT_TRUE((*socket)->send({}, WebSocket::Kind::binary));
+  ASSERT_TRUE((*socket)->send(ByteView{}, WebSocket::Kind::binary));
   const WebSocketMessage text = must_receive(**socket);
   EXPECT_EQ(text.kind, WebSocket::Kind::text);
   EXPECT_EQ(std::string(text.bytes.begin(), text.bytes.end()), "hello");

@@ -9,7 +9,7 @@
 namespace pointreel {
 
 /// What pack and publish are both told about a sequence of frames, and how to encode it.
-struct SequenceOptions {
+struct EncodingOptions {
   std::string name;   ///< for people
   double fps = 30.0;  ///< nominal frames per second, above 0 and at most kMaxFps
   char up = 'y';      ///< the axis that points up, 'y' or 'z'
@@ -25,6 +25,6 @@ struct SequenceOptions {
 
 /// What a reel or a live stream of such frames says about itself. Colours and normals are not known
 /// before there is a frame.
-ReelHead reel_head(const SequenceOptions& options);
+ReelHead reel_head(const EncodingOptions& options);
 
 }  // namespace pointreel

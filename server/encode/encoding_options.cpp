@@ -1,8 +1,8 @@
-#include "server/encode/sequence_options.h"
+#include "server/encode/encoding_options.h"
 
 namespace pointreel {
 
-ReelHead reel_head(const SequenceOptions& options) {
+ReelHead reel_head(const EncodingOptions& options) {
   ReelHead head;
   head.name = options.name;
   head.codec = name(options.encode.id());

@@ -20,9 +20,10 @@ Result<Url> parse_url(const std::string& text) {
     return fail(ErrorCode::argument, text + ": " + why);
   };
   const std::string_view scheme = scheme_of(text);
-  if (scheme.empty()) return refused("is no address such as https://HOST/NAME");
+  if (scheme.empty()) return refused("is not an address such as https://HOST/NAME");
   const auto is_blank = [](char c) { return static_cast<unsigned char>(c) <= 32 || c == 127; };
-  if (std::any_of(text.begin(), text.end(), is_blank)) return refused("has a blank in it");
+  if (std::any_of(text.begin(), text.end(), is_blank))
+    return refused("contains a blank or a control character");
   Url url;
   for (const char c : scheme)
     url.scheme += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -40,7 +41,7 @@ Result<Url> parse_url(const std::string& text) {
   std::string_view port;  // from its colon on
   if (authority.starts_with('[')) {
     const std::size_t end = authority.find(']');
-    if (end == std::string_view::npos) return refused("its address has no ]");
+    if (end == std::string_view::npos) return refused("the IPv6 address lacks its closing ]");
     url.host = authority.substr(1, end - 1);
     port = authority.substr(end + 1);
   } else {
@@ -54,7 +55,7 @@ Result<Url> parse_url(const std::string& text) {
   const auto [end, error] = std::from_chars(port.data() + 1, port.data() + port.size(), url.port);
   if (port.front() != ':' || error != std::errc() || end != port.data() + port.size() ||
       url.port == 0)
-    return refused("its port is not a number from 1 to 65535");
+    return refused("the port is not a number from 1 to 65535");
   return url;
 }
 

@@ -17,7 +17,8 @@
 /// A WebSocket client (RFC 6455), for publishers and viewers of live streams.
 namespace pointreel {
 
-/// ws://HOST[:PORT]/PATH or wss://...; refuses any other address, and one that names a user.
+/// Parses ws://HOST[:PORT]/PATH or wss://... Fails with `argument` for any other address, and for
+/// one that names a user.
 Result<Url> parse_websocket_url(const std::string& url);
 
 struct WebSocketOptions {

@@ -87,8 +87,8 @@ Phase play_phase(Watching& watching, std::uint64_t megabits, double seconds) {
 }
 
 json json_of(const LayerDecision& decision) {
-  return {{"layers", decision.set.layers},
-          {"normals", decision.set.normals},
+  return {{"layers", decision.layers.end},
+          {"normals", decision.layers.normals},
           {"limited_by", name(decision.limit)}};
 }
 

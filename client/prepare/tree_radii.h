@@ -9,8 +9,8 @@ namespace pointreel {
 
 // Splat radii from an octree that exists anyway: the edge of a square of the surface that holds one
 // point, so that discs of this radius overlap about threefold. This takes a hundredth of the time
-// of looking at each point's neighbours (surface/normals.h), and gives one radius to a whole block of
-// points instead of one to each.
+// of looking at each point's neighbours (surface/normals.h), and gives one radius to a whole block
+// of points instead of one to each.
 //
 // A tree that was divided until nearly every point has a leaf of its own (the delta criterion) has
 // gaps between its leaves, so that their size does not tell the area of the surface. The area is

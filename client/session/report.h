@@ -35,7 +35,7 @@ struct SourceReport {
   glm::dvec3 place{0.0};
   std::uint64_t frames_shown = 0, frames_dropped = 0, errors = 0;
   std::optional<ReelPlayback::Statistics> reel;  ///< reels only
-  std::vector<LayerPlan::Chosen> chosen;      ///< reels only
+  std::vector<LayerPlan::Chosen> chosen;         ///< reels only
   std::optional<LiveCounts> live;                ///< live streams only
   TimeSamples delay;  ///< live streams only: from capture to the end of drawing, in ms
 };

@@ -8,7 +8,9 @@
 
 /// The octree codec. A frame is its sparse voxel octree, breadth-first with one byte for each
 /// internal node (Slomp et al., Geometry Instancing, section VI-A), cut into layers of levels.
-/// FORMAT.md, "Octree frames". pointreel/codec.h says what decoding guarantees for hostile bytes.
+/// FORMAT.md, "Octree frames".
+///
+/// Trust: decoding takes hostile bytes; pointreel/codec.h says what it guarantees for them.
 namespace pointreel {
 
 /// The level at which a layer of a tree of this depth ends: 7 for the base (0), 9 for the middle

@@ -17,6 +17,9 @@
 #include "server/pack/inspect.h"
 
 /// What verify and unpack share.
+///
+/// Trust: the files may be hostile. A layer takes no more memory than the manifest says, which is
+/// compared with the file's size first; decoding is bounded as pointreel/draco.h says.
 namespace pointreel {
 
 /// One layer of a frame; its chunks are empty if the frame does not have it. The error does not

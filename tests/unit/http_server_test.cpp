@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -330,18 +331,20 @@ TEST_F(HttpServerTest, protects_resources_by_token_and_keeps_them_out_of_shared_
 TEST_F(HttpServerTest, exports_its_counters_to_prometheus) {
   start();
   RawHttpClient client(port());
-  client.get("/walk/0.base.prs");
-  client.get("/walk/0.base.prs");
-  client.get("/missing");
+  std::size_t body_bytes = 0;
+  for (const char* target : {"/walk/0.base.prs", "/walk/0.base.prs", "/missing"})
+    body_bytes += client.get(target).body.size();
+  EXPECT_GT(body_bytes, 2000u);
   const Answer answer = client.get("/metrics");
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.field("content-type"), "text/plain; version=0.0.4; charset=utf-8");
   EXPECT_EQ(answer.field("cache-control"), "no-store");
-  for (const char* line :
-       {"pointreel_http_responses_total{status=\"200\"} 2\n",
-        "pointreel_http_responses_total{status=\"404\"} 1\n",
-        "# TYPE pointreel_http_responses_total counter\n", "pointreel_http_body_bytes_total 2044\n",
-        "pointreel_connections 1\n", "process_resident_memory_bytes "}) {
+  for (const std::string& line :
+       {std::string("pointreel_http_responses_total{status=\"200\"} 2\n"),
+        std::string("pointreel_http_responses_total{status=\"404\"} 1\n"),
+        std::string("# TYPE pointreel_http_responses_total counter\n"),
+        fmt::format("pointreel_http_body_bytes_total {}\n", body_bytes),
+        std::string("pointreel_connections 1\n"), std::string("process_resident_memory_bytes ")}) {
     EXPECT_THAT(answer.body, HasSubstr(line));
   }
   EXPECT_EQ(client.request("HEAD", "/metrics").body, "");

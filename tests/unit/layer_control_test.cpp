@@ -73,7 +73,7 @@ TEST(RungLayers, never_includes_attributes_or_layers_that_are_not_drawn) {
 TEST(LayerControl, begins_with_the_base_and_adds_layers_once_the_link_is_known_to_suffice) {
   Playing playing;
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none),
-            (LayerDecision{{1, true, true}, Limit::link}));
+            (LayerDecision{{0, 1, true, true}, Limit::link}));
   playing.run(100e6, 0.5);
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
   EXPECT_NEAR(playing.control.bytes_per_second(), 12.5e6, 1e5);
@@ -98,7 +98,7 @@ TEST(LayerControl, omits_normals_if_the_link_is_too_slow_even_for_the_base) {
   Playing playing;
   playing.run(1.7e6, 4.0);
   EXPECT_EQ(chosen(playing.control, kAll, Limit::none),
-            (LayerDecision{{1, true, false}, Limit::link}));
+            (LayerDecision{{0, 1, true, false}, Limit::link}));
 }
 
 TEST(LayerControl, follows_a_changing_link_within_two_seconds_and_without_a_stall) {
@@ -147,7 +147,7 @@ TEST(LayerControl, requests_everything_while_paused) {
   control.update(paused);
   EXPECT_EQ(chosen(control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
   EXPECT_EQ(chosen(control, {2, true, false}, Limit::view),
-            (LayerDecision{{2, true, false}, Limit::view}));
+            (LayerDecision{{0, 2, true, false}, Limit::view}));
 }
 
 TEST(LayerControl, requests_less_at_higher_speeds) {
@@ -163,7 +163,7 @@ TEST(LayerControl, names_the_view_as_the_limit_if_the_link_could_carry_more) {
   Playing playing;
   playing.run(100e6, 1.0);
   EXPECT_EQ(chosen(playing.control, {2, true, true}, Limit::view),
-            (LayerDecision{{2, true, true}, Limit::view}));
+            (LayerDecision{{0, 2, true, true}, Limit::view}));
 }
 
 /// A machine without a link between it and the frames.
@@ -186,7 +186,7 @@ TEST(LayerControl, drops_a_layer_that_the_machine_prepares_too_slowly_and_restor
   Machine machine;
   machine.run(3, 130.0, 0.1, 1.5);
   EXPECT_EQ(chosen(machine.control, kAll, Limit::none),
-            (LayerDecision{{2, true, true}, Limit::machine}));
+            (LayerDecision{{0, 2, true, true}, Limit::machine}));
   machine.run(2, 40.0, 1.0, 5.0);
   EXPECT_EQ(machine.control.machine_layers(), 2u) << "three layers would take 90 ms";
   machine.run(2, 15.0, 1.0, 1.5);

@@ -1,12 +1,13 @@
 // The messages that wait for a viewer, and those dropped when the viewer is too slow.
 
+#include "common/stream/live_queue.h"
+
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/live_queue.h"
 #include "tests/unit/live_frames.h"
 
 namespace pointreel {

@@ -287,7 +287,7 @@ TEST(Manifest, refuses_frames_that_are_not_consecutive_or_go_backward_in_time) {
 }
 
 TEST(Manifest, refuses_layers_and_bounds_that_contradict_the_frames) {
-  EXPECT_THAT(error_with({{"layers", {"base"}}}), HasSubstr("2 for 1 layers"));
+  EXPECT_THAT(error_with({{"layers", {"base"}}}), HasSubstr("2 entries for 1 layers"));
   EXPECT_THAT(error_with({{"layers", {"base", "base"}}}), HasSubstr("comes twice"));
   EXPECT_THAT(error_with({{"layers", json::array()}}), HasSubstr("layers"));
   EXPECT_THAT(error_at("/bounds", nullptr), HasSubstr("bounds"));

@@ -165,7 +165,7 @@ TEST_F(PlayCommandTest, help_shows_every_option_of_the_table_with_its_default_in
     EXPECT_THAT(help, HasSubstr(value_text(option, {})));
   }
   EXPECT_THAT(help, Not(HasSubstr("--delta")));
-  EXPECT_THAT(help, HasSubstr("--loop, --no-loop\n"));
+  EXPECT_THAT(help, HasSubstr("--loop, --no-loop "));
   std::size_t begin = 0;
   for (std::size_t end; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1)
     EXPECT_LE(end - begin, 80u) << help.substr(begin, end - begin);

@@ -94,7 +94,8 @@ TEST(PlayReport, lists_the_chosen_layers_of_frames_and_the_reasons) {
   SourceReport source;
   source.reel.emplace();
   source.reel->stalls = 2;
-  source.chosen = {{0, {{1, true, false}, Limit::link}}, {30, {{3, true, true}, Limit::none}}};
+  source.chosen = {{0, {{0, 1, true, false}, Limit::link}},
+                   {30, {{0, 3, true, true}, Limit::none}}};
   report.sources.push_back(source);
   const auto json = nlohmann::json::parse(report.to_json())["sources"][0];
   EXPECT_EQ(json["stalls"]["count"], 2);

@@ -1,5 +1,3 @@
-#include "client/options/settings_file.h"
-
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -10,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "client/options/settings_file.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel {

@@ -55,7 +55,7 @@ void Pipeline::fetch_frames() {
       fetched_bytes_ += frame->size();
       buffer_.fetched(*request, std::move(*frame), ms);
     } else if (ending_ || request->stop.stop_requested()) {
-      buffer_.fetch_stopped(*request);  // that is no error
+      buffer_.fetch_stopped(*request);  // that is not an error
     } else {
       report(request->frame, frame.error());
       buffer_.fetch_failed(*request);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 
 #include <arpa/inet.h>
@@ -22,43 +21,21 @@ constexpr std::size_t kPiece = 4096;
 
 }  // namespace
 
-Result<LoadUrl> parse_load_url(const std::string& url) {
-  const auto wrong = [&] {
-    return fail(ErrorCode::argument,
-                url + ": is not of the form http://127.0.0.1:8090/NAME with a numeric address");
-  };
-  LoadUrl parsed;
-  const auto scheme = url.find("://");
-  if (scheme == std::string::npos) return wrong();
-  parsed.scheme = url.substr(0, scheme);
-  const std::string rest = url.substr(scheme + 3);
-  const auto slash = std::min(rest.find('/'), rest.size());
-  const std::string authority = rest.substr(0, slash);
-  parsed.target = slash < rest.size() ? rest.substr(slash) : "/";
-  const auto colon = authority.find(':');
-  parsed.host = authority.substr(0, colon);
-  in_addr ignored{};
-  if (colon == std::string::npos || ::inet_pton(AF_INET, parsed.host.c_str(), &ignored) != 1)
-    return wrong();
-  const char* const end = authority.data() + authority.size();
-  const auto [last, code] = std::from_chars(authority.data() + colon + 1, end, parsed.port);
-  if (code != std::errc() || last != end) return wrong();
-  return parsed;
-}
-
 CrowdMember::~CrowdMember() {
   if (socket_ >= 0) ::close(socket_);
 }
 
-Result<void> CrowdMember::connect(const LoadUrl& url) {
+Result<void> CrowdMember::connect(const Url& url) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(url.port);
-  ::inet_pton(AF_INET, url.host.c_str(), &address.sin_addr);
+  if (::inet_pton(AF_INET, url.host.c_str(), &address.sin_addr) != 1)
+    return fail(ErrorCode::argument,
+                url.place() + ": give an IPv4 address in digits, such as 127.0.0.1");
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (socket_ < 0 ||
       ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return fail(ErrorCode::io, fmt::format("{}:{}: {}", url.host, url.port, std::strerror(errno)));
+    return fail(ErrorCode::io, fmt::format("{}: {}", url.place(), std::strerror(errno)));
   const int on = 1;
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   ::fcntl(socket_, F_SETFL, O_NONBLOCK);

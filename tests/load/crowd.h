@@ -10,26 +10,20 @@
 #include <utility>
 #include <vector>
 
+#include "common/net/url.h"
 #include "pointreel/error.h"
 
 namespace pointreel {
 
 using LoadClock = std::chrono::steady_clock;
 
-/// The parts of an address such as "http://127.0.0.1:80/a".
-struct LoadUrl {
-  std::string scheme, host, target;
-  std::uint16_t port = 0;
-};
-/// Fails unless the host is a numeric IPv4 address with a port.
-Result<LoadUrl> parse_load_url(const std::string& url);
-
 /// One connection of a crowd.
 class CrowdMember {
  public:
   virtual ~CrowdMember();
 
-  Result<void> connect(const LoadUrl& url);
+  /// The host must be an IPv4 address in digits: a name would be looked up for each viewer.
+  Result<void> connect(const Url& url);
   int socket() const { return socket_; }
   bool broken() const { return broken_; }
   std::uint64_t bytes() const { return bytes_; }

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxHead = 4096;
 /// The part of RFC 6455 that a viewer needs if it looks only at the first bytes of each message.
 class LiveViewer : public CrowdMember {
  public:
-  LiveViewer(const LoadUrl& url, const std::string& token, LoadRecord& record)
+  LiveViewer(const Url& url, const std::string& token, LoadRecord& record)
       : record_(record),
         request_(fmt::format("GET {} HTTP/1.1\r\nHost: {}:{}\r\n{}Connection: Upgrade\r\n"
                              "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
@@ -149,7 +149,7 @@ class LiveViewer : public CrowdMember {
 
 }  // namespace
 
-std::unique_ptr<CrowdMember> live_viewer(const LoadUrl& url, const std::string& token,
+std::unique_ptr<CrowdMember> live_viewer(const Url& url, const std::string& token,
                                          LoadRecord& record) {
   return std::make_unique<LiveViewer>(url, token, record);
 }

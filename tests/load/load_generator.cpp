@@ -25,7 +25,7 @@ LoadClock::duration seconds(double s) {
 }  // namespace
 
 Result<LoadFigures> run_load(const LoadOptions& options) {
-  const LoadUrl url = TRY(parse_load_url(options.url));
+  const Url url = TRY(parse_url(options.url));
   const bool live = url.scheme == "ws";
   if (!live && url.scheme != "http") {
     return fail(ErrorCode::argument, options.url + ": must begin with http:// or ws://");

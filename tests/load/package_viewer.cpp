@@ -97,7 +97,7 @@ void LoadRecord::whole(double delay_ms) {
 }
 
 Result<std::shared_ptr<const PackageRequests>> package_requests(const LoadOptions& options,
-                                                                const LoadUrl& url) {
+                                                                const Url& url) {
   SourceOptions source;
   source.token = options.token;
   HttpClient client(source);

@@ -23,7 +23,7 @@ struct PackageRequests {
   std::chrono::microseconds loop{0};
 };
 Result<std::shared_ptr<const PackageRequests>> package_requests(const LoadOptions& options,
-                                                                const LoadUrl& url);
+                                                                const Url& url);
 
 /// The figures that viewers record while `on`.
 struct LoadRecord {
@@ -39,7 +39,7 @@ std::unique_ptr<CrowdMember> package_viewer(std::shared_ptr<const PackageRequest
                                             double phase, LoadRecord& record);
 
 /// A viewer of a live stream.
-std::unique_ptr<CrowdMember> live_viewer(const LoadUrl& url, const std::string& token,
+std::unique_ptr<CrowdMember> live_viewer(const Url& url, const std::string& token,
                                          LoadRecord& record);
 
 }  // namespace pointreel

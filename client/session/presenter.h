@@ -46,6 +46,7 @@ class Presenter {
   bool shown() const { return shown_; }              ///< any frame, since begin()
 
   Painter& painter() { return *painter_; }
+  const Painter& painter() const { return *painter_; }
 
   /// Time since the first frame was shown; 0 before that.
   double seconds() const;

@@ -18,18 +18,16 @@
 #include "client/playback/stage.h"
 #include "client/record/numbered_path.h"
 #include "client/render/gl_context.h"
-#include "client/session/presenter.h"
-#include "client/session/stage_setup.h"
 #include "client/ui/controls.h"
 #include "client/ui/window_input.h"
 #include "client/window/camera_recorder.h"
 #include "client/window/error_window.h"
 #include "client/window/keep_settings.h"
-#include "client/window/motion.h"
 #include "client/window/scrubbing.h"
 #include "client/window/wakeups.h"
 #include "client/window/window_errors.h"
 #include "client/window/window_interface.h"
+#include "client/window/window_picture.h"
 #include "client/window/window_report.h"
 #include "client/window/window_session.h"
 #include "common/base/try.h"
@@ -72,14 +70,14 @@ class WindowPlayer {
   bool run() {
     open(options_.sources);
     show_first_window();
-    if (auto presenter = Presenter::create(options_)) {
-      presenter_ = *std::move(presenter);
+    if (auto picture = WindowPicture::create(options_, controls_)) {
+      picture_ = *std::move(picture);
     } else {
-      fail_with(presenter.error().message);
+      fail_with(picture.error().message);
       session_.give_up_opening();
     }
-    Result<void> played = play();
-    if (played && presenter_) played = finish();
+    Result<void> played = loop();
+    if (played && picture_) played = finish();
     if (!played) fail_with(played.error().message);
     controls_.begin(nullptr, {});
     session_.play(nullptr);
@@ -102,6 +100,9 @@ class WindowPlayer {
   void restore_title() {
     if (session_.stage()) set_title(session_.playing_names());
   }
+
+  /// Whether the window has shown a frame of what plays.
+  bool shown() const { return picture_ && picture_->presenter().shown(); }
 
   void fail_with(const std::string& message) { errors_.failed(message, steady_clock::now()); }
 
@@ -132,21 +133,8 @@ class WindowPlayer {
     interface_.forget();
     controls_.begin(nullptr, {});
     session_.play(std::move(stage));
-    drawn_mode_ = controls_.settings().draw.mode;
-    bounded_ = session_.stage()->bounded();
-    presenter_->begin(*session_.stage());
-    controls_.begin(session_.stage(), [this] { return home(); });
-  }
-
-  /// The view that the options ask for. A camera path is followed by the time of the frame shown.
-  Camera home() const {
-    const Stage& stage = *session_.stage();
-    std::uint64_t time_us = start_us(options_);
-    if (!controls_.reel())
-      time_us = static_cast<std::uint64_t>(presenter_->seconds() * 1e6);
-    else if (const SceneFrame* frame = controls_.shown_frame())
-      time_us = controls_.reel()->timeline().times_us[frame->index];
-    return camera_at(options_, time_us, stage.bounds(), stage.up(), size_);
+    picture_->begin(*session_.stage());
+    controls_.begin(session_.stage(), [this] { return picture_->home(*session_.stage(), size_); });
   }
 
   // The loop.
@@ -160,18 +148,18 @@ class WindowPlayer {
     report_.window_ms = 1000.0 * seconds_between(options_.started, steady_clock::now());
   }
 
-  Result<void> play() {
+  Result<void> loop() {
     began_ = steady_clock::now();
     auto before = began_, last_look = began_;
     while (!stop_.stop_requested() && !quit_ && !glfwWindowShouldClose(window_.handle())) {
       wakeups_->wait(next_round(steady_clock::now()));
       const auto now = steady_clock::now();
       // Keys that were not held before the wait have not moved anything during it.
-      const double seconds = motion_.flying() ? std::min(0.1, seconds_between(before, now)) : 0.0;
+      const double seconds = flying_ ? std::min(0.1, seconds_between(before, now)) : 0.0;
       before = now;
       const Input input = input_.take();
       if (input.any) interface_.refresh();
-      if (presenter_) play_what_was_opened();
+      if (picture_) play_what_was_opened();
       act(input, now, seconds);
       if (const auto end = end_of_duration(now); end && now >= *end) break;
       if (now - last_look >= kLookPeriod) {
@@ -186,8 +174,8 @@ class WindowPlayer {
       update_due_ = update.due;
       TRY(draw_round(update, input, now));
     }
-    if (options_.screenshot.empty() || !presenter_ || !presenter_->shown()) return {};
-    return presenter_->painter().write(options_.screenshot);
+    return options_.screenshot.empty() || !shown() ? Result<void>()
+                                                   : picture_->painter().write(options_.screenshot);
   }
 
   /// The time of the next round of the loop, unless there are events or news before.
@@ -201,8 +189,7 @@ class WindowPlayer {
     at_most(update_due_);
     if (const auto build = interface_.next_build())
       at_most(std::max(*build, scrubbing_.awaited_until()));
-    if (motion_.flying()) at_most(now);
-    if (presenter_ && presenter_->painter().reduced()) at_most(motion_.next_rest(now));
+    if (picture_) at_most(picture_->next_draw(now));
     return next;
   }
 
@@ -210,8 +197,8 @@ class WindowPlayer {
   std::optional<steady_clock::time_point> end_of_duration(steady_clock::time_point now) const {
     if (!options_.duration) return std::nullopt;
     double elapsed = 0.0;
-    if (presenter_ && presenter_->shown())
-      elapsed = presenter_->seconds();
+    if (shown())
+      elapsed = picture_->presenter().seconds();
     else if (!errors_.failure().empty())
       elapsed = seconds_between(began_, now);
     else
@@ -241,59 +228,21 @@ class WindowPlayer {
       interface_.build(now);
     bool drawn = false;
     if (session_.stage()) {
-      drawn = TRY(draw_picture(update, now));
+      drawn = TRY(picture_->draw(*session_.stage(), update, size_, now, interface_.recent()));
       if (shown) interface_.update_waiting(now);
     }
     if (drawn || input.exposed || interface_.parts().changed()) present();
     return {};
   }
 
-  /// True if the picture was drawn, because it would be another one than before.
-  Result<bool> draw_picture(const Stage::Update& update, steady_clock::time_point now) {
-    Stage& stage = *session_.stage();
-    const bool shown = !update.changes.empty();
-    // The bounds of a live stream are known only later, and a camera path moves with each frame.
-    if (std::exchange(bounded_, stage.bounded()) != stage.bounded() ||
-        (shown && options_.camera_path))
-      controls_.look_home_unless_moved();
-    stage.look(controls_.camera(), size_);
-    if (shown) {
-      motion_.show_frame(now);
-      // Until there are frames for another mode, those shown are drawn in the mode they are for.
-      drawn_mode_ = controls_.settings().draw.mode;
-    }
-    const Shot shot{controls_.camera(), size_, draw_options(), haste(now)};
-    const bool finer = presenter_->painter().reduced() && shot.haste.of == Haste::Of::nobody;
-    if (!shown && !finer && presenter_->shows(shot)) return false;
-    TRY(presenter_->draw(stage, update.changes, shot));
-    RecentFrames& recent = interface_.recent();
-    recent.redrawn(presenter_->drawn());
-    for (const Stage::Change& change : update.changes)
-      if (!change.refined)
-        recent.add(*stage.scene()[change.source].frame, presenter_->drawn(), steady_clock::now());
-    return true;
-  }
-
-  DrawOptions draw_options() const {
-    DrawOptions draw = controls_.settings().draw;
-    draw.mode = drawn_mode_;
-    if (controls_.settings().floor) draw.floor = floor_under(*session_.stage(), controls_.camera());
-    return draw;
-  }
-
-  Haste haste(steady_clock::time_point now) const {
-    return motion_.haste(controls_.settings().drafts, *session_.stage(),
-                         !presenter_->shown() || controls_.scrubbing(), now);
-  }
-
   void present() {
     if (session_.stage())
-      presenter_->painter().present();
+      picture_->painter().present();
     else
       window_.clear(controls_.settings().draw.background);
     interface_.draw(!options_.json.empty());
     window_.swap();
-    if (!presenter_ || !presenter_->shown()) return;
+    if (!shown()) return;
     const auto now = steady_clock::now();
     if (report_.first_picture_ms == 0.0)
       report_.first_picture_ms = 1000.0 * seconds_between(options_.started, now);
@@ -314,15 +263,18 @@ class WindowPlayer {
     if (input.unknown)
       interface_.parts().say(fmt::format("{} does nothing; ? shows the keys", *input.unknown), now);
     if (input.centered && session_.stage()) {
-      if (const auto point = presenter_->painter().point_at(in_pixels(*input.centered)))
+      if (const auto point = picture_->painter().point_at(in_pixels(*input.centered)))
         controls_.center_on(*point);
     }
     scrubbing_.drag(input, controls_, controls_.shown_frame(), now);
     input_.set_flying(controls_.flying());
-    motion_.set_flying(input.fly != glm::dvec3(0.0));
+    flying_ = input.fly != glm::dvec3(0.0);
     Input in_picture = input;
     in_picture.cursor = in_pixels(input.cursor);
-    if (controls_.move(in_picture, size_, seconds)) motion_.move_camera(now);
+    const bool moved = controls_.move(in_picture, size_, seconds);
+    if (!picture_) return;
+    picture_->motion().set_flying(flying_);
+    if (moved) picture_->motion().move_camera(now);
   }
 
   glm::dvec2 in_pixels(glm::dvec2 cursor) const {
@@ -343,9 +295,9 @@ class WindowPlayer {
       if (const ReelPlayback* reel = controls_.reel())
         interface_.parts().say(camera_recorder_.add(controls_.camera(), reel->position_us(now)),
                                now);
-    } else if (action == Action::screenshot && presenter_ && presenter_->shown()) {
+    } else if (action == Action::screenshot && shown()) {
       const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
-      const auto written = presenter_->painter().write(path);
+      const auto written = picture_->painter().write(path);
       const std::string said = written ? "wrote " + path : written.error().message;
       fmt::print(stderr, "pointreel: {}\n", said);
       interface_.parts().say(said, now);
@@ -353,14 +305,15 @@ class WindowPlayer {
   }
 
   Result<void> finish() {
-    if (session_.stage()) presenter_->count(*session_.stage());
+    Presenter& presenter = picture_->presenter();
+    if (session_.stage()) presenter.count(*session_.stage());
     TRY(keep_settings(options_, controls_.settings(), window_, input_));
     describe_end(controls_, steady_clock::now(), report_);
     report_.interface = interface_.times();
     report_.scrub_to_picture = scrubbing_.times();
     report_.error = interface_.error();
-    presenter_->set_window(report_, controls_.settings().draw.mode);
-    return presenter_->write_report();
+    presenter.set_window(report_, controls_.settings().draw.mode);
+    return presenter.write_report();
   }
 
   const PlayOptions& options_;
@@ -373,16 +326,14 @@ class WindowPlayer {
   glm::ivec2 size_ = options_.settings.size;  ///< of the picture, in pixels
   bool minimized_ = false;
   WindowErrors errors_;
-  std::unique_ptr<Presenter> presenter_;  ///< null until the first window has been shown
   WindowSession session_;
   Controls controls_;
   WindowInput input_;
   WindowInterface interface_;  ///< after the input, to whose callbacks it chains itself
-  Motion motion_;
+  std::unique_ptr<WindowPicture> picture_;  ///< null until the first window has been shown
   Scrubbing scrubbing_;
   CameraRecorder camera_recorder_;
-  std::size_t bounded_ = 0;  ///< sources whose bounds were known when the camera was framed
-  DrawMode drawn_mode_ = options_.settings.draw.mode;   ///< what the frames shown were made for
+  bool flying_ = false;                                 ///< keys that fly the camera are held
   std::optional<steady_clock::time_point> update_due_;  ///< of the stage
   steady_clock::time_point began_{};                    ///< when the loop began
   bool quit_ = false;

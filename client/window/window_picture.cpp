@@ -1,0 +1,72 @@
+#include "client/window/window_picture.h"
+
+#include <utility>
+
+#include "client/session/stage_setup.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+
+Result<std::unique_ptr<WindowPicture>> WindowPicture::create(const PlayOptions& options,
+                                                             Controls& controls) {
+  std::unique_ptr<WindowPicture> picture(new WindowPicture(options, controls));
+  picture->presenter_ = TRY(Presenter::create(options));
+  return picture;
+}
+
+void WindowPicture::begin(const Stage& stage) {
+  presenter_->begin(stage);
+  bounded_ = stage.bounded();
+  mode_ = controls_.settings().draw.mode;
+}
+
+Camera WindowPicture::home(const Stage& stage, glm::ivec2 size) const {
+  std::uint64_t time_us = start_us(options_);
+  if (!controls_.reel())
+    time_us = static_cast<std::uint64_t>(presenter_->seconds() * 1e6);
+  else if (const SceneFrame* frame = controls_.shown_frame())
+    time_us = controls_.reel()->timeline().times_us[frame->index];
+  return camera_at(options_, time_us, stage.bounds(), stage.up(), size);
+}
+
+Result<bool> WindowPicture::draw(Stage& stage, const Stage::Update& update, glm::ivec2 size,
+                                 TimePoint now, RecentFrames& recent) {
+  const bool shown = !update.changes.empty();
+  // The bounds of a live stream are known only later, and a camera path moves with each frame.
+  if (std::exchange(bounded_, stage.bounded()) != stage.bounded() ||
+      (shown && options_.camera_path))
+    controls_.look_home_unless_moved();
+  stage.look(controls_.camera(), size);
+  if (shown) {
+    motion_.show_frame(now);
+    // After a change of the mode, frames are drawn in the old one until there are others.
+    mode_ = controls_.settings().draw.mode;
+  }
+  const bool by_hand = !presenter_->shown() || controls_.scrubbing();
+  const Shot shot{controls_.camera(), size, draw_options(stage),
+                  motion_.haste(controls_.settings().drafts, stage, by_hand, now)};
+  const bool finer = painter().reduced() && shot.haste.of == Haste::Of::nobody;
+  if (!shown && !finer && presenter_->shows(shot)) return false;
+  TRY(presenter_->draw(stage, update.changes, shot));
+  recent.redrawn(presenter_->drawn());
+  for (const Stage::Change& change : update.changes)
+    if (!change.refined)
+      recent.add(*stage.scene()[change.source].frame, presenter_->drawn(),
+                 std::chrono::steady_clock::now());
+  return true;
+}
+
+std::optional<WindowPicture::TimePoint> WindowPicture::next_draw(TimePoint now) const {
+  if (motion_.flying()) return now;
+  if (presenter_->painter().reduced()) return motion_.next_rest(now);
+  return std::nullopt;
+}
+
+DrawOptions WindowPicture::draw_options(const Stage& stage) const {
+  DrawOptions draw = controls_.settings().draw;
+  draw.mode = mode_;
+  if (controls_.settings().floor) draw.floor = floor_under(stage, controls_.camera());
+  return draw;
+}
+
+}  // namespace pointreel

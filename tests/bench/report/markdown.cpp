@@ -199,9 +199,9 @@ std::string to_markdown(const json& report) {
       "## Colours of the octree\n\n![Size against luma](size_luma.svg)\n\n"
       "## Speed against error\n\n![Encoding time against D1](encode_d1.svg)\n\n"
       "![Decoding time against D1](decode_d1.svg)\n\n"
+      "## Points per pose (Slomp et al., Table I)\n\n"
       "The paper is Slomp et al., *Hardware-Accelerated Geometry Instancing for Surfel and Voxel "
-      "Rendering of Scanned 4D\nMedia*.\n\n"
-      "## Points per pose (Slomp et al., Table I)\n\n" +
+      "Rendering of Scanned 4D\nMedia*.\n\n" +
       points_per_pose(report["structure"]) + "## Octrees (Slomp et al., Table III)\n\n" +
       octree_structure(report["structure"]) +
       "The ratio compares the recursive build with ours on this machine, in the same run. The "

@@ -50,11 +50,9 @@ Result<Image> draw(Renderer& renderer, const std::shared_ptr<const SceneFrame>& 
                    const Camera& camera, int times) {
   DrawOptions options;
   options.pixel_size *= static_cast<float>(times);
-  const auto drawn = renderer.draw(frame, camera, times * kSize, options);
-  if (!drawn) return tl::unexpected(drawn.error());
-  auto image = renderer.read_pixels();
-  if (image && times > 1) image = average_squares(*image, times);
-  return image;
+  TRY(renderer.draw(frame, camera, times * kSize, options));
+  const Image image = TRY(renderer.read_pixels());
+  return times > 1 ? average_squares(image, times) : image;
 }
 
 /// Plays every frame once while the camera moves.

@@ -17,12 +17,6 @@ double lattice_noise(const glm::dvec3& p, std::uint64_t seed);
 /// A sum of noises with different wavelengths.
 class Relief {
  public:
-  struct Octave {
-    glm::dvec3 frequency;  ///< per unit of length, along each axis
-    double amplitude;
-    bool creased;  ///< sharp valleys between rounded folds
-  };
-
   /// Wavelengths from `longest` down to `shortest`, each half the previous one. The amplitude is
   /// `amplitude` at the longest wavelength and falls with the wavelength to the power `decay`.
   static Relief fractal(double longest, double shortest, double amplitude, double decay,
@@ -31,6 +25,12 @@ class Relief {
   double height(const glm::dvec3& p) const;
 
  private:
+  struct Octave {
+    glm::dvec3 frequency;  ///< per unit of length, along each axis
+    double amplitude;
+    bool creased;  ///< sharp valleys between rounded folds
+  };
+
   std::vector<Octave> octaves_;
   std::uint64_t seed_ = 0;
 };

@@ -33,7 +33,7 @@ class LiveSink {
 
 struct RelayOptions {
   std::size_t max_streams = 64;  ///< a further one replaces the stream that ended first
-  LiveQueueOptions viewer;
+  LiveQueueOptions viewer;       ///< the queue of each viewer
   /// Creates the sinks of a stream of this name, which are destroyed with it. May be empty.
   std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> sinks;
 };

@@ -119,7 +119,8 @@ Outcome play_reel(const Options& options) {
   TRY(pack_reel(options.scratch / "clouds", reel_folder));
   HttpServerOptions serving;
   serving.listen = {"127.0.0.1", 0};
-  const auto server = TRY(HttpServer::start(TRY(Catalog::load({reel_folder})), serving));
+  Catalog catalog = TRY(Catalog::load({reel_folder}));
+  const auto server = TRY(HttpServer::start(std::move(catalog), serving));
   const auto link =
       TRY(LinkEmulator::start({.target = fmt::format("127.0.0.1:{}", server->port())}));
 

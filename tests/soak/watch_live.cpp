@@ -136,7 +136,8 @@ Outcome watch_live(const Options& options) {
   serving.listen = {"127.0.0.1", 0};
   // Two publishers may meet, because the link of the old one may be cut; this would be logged.
   serving.service.log = Log::Level::kOff;
-  const auto server = TRY(HttpServer::start(TRY(Catalog::load({})), serving, &relay));
+  Catalog catalog = TRY(Catalog::load({}));
+  const auto server = TRY(HttpServer::start(std::move(catalog), serving, &relay));
   const std::uint16_t port = server->port();
 
   const auto publisher_link =

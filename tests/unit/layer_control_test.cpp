@@ -146,7 +146,7 @@ TEST(LayerControl, requests_everything_while_paused) {
   paused.playing = false;
   control.update(paused);
   EXPECT_EQ(chosen(control, kAll, Limit::none), (LayerDecision{kAll, Limit::none}));
-  EXPECT_EQ(chosen(control, {2, true, false}, Limit::view),
+  EXPECT_EQ(chosen(control, {0, 2, true, false}, Limit::view),
             (LayerDecision{{0, 2, true, false}, Limit::view}));
 }
 
@@ -162,7 +162,7 @@ TEST(LayerControl, requests_less_at_higher_speeds) {
 TEST(LayerControl, names_the_view_as_the_limit_if_the_link_could_carry_more) {
   Playing playing;
   playing.run(100e6, 1.0);
-  EXPECT_EQ(chosen(playing.control, {2, true, true}, Limit::view),
+  EXPECT_EQ(chosen(playing.control, {0, 2, true, true}, Limit::view),
             (LayerDecision{{0, 2, true, true}, Limit::view}));
 }
 

@@ -12,7 +12,7 @@ constexpr milliseconds kClockRuns{1000};
 
 }  // namespace
 
-Haste Motion::haste(Drafts drafts, const Stage& stage, bool by_hand, TimePoint now) const {
+Haste WindowMotion::haste(Drafts drafts, const Stage& stage, bool by_hand, TimePoint now) const {
   if (drafts == Drafts::never) return {};
   if (by_hand || flying_ || now - moved_ < kCameraMoves) return {Haste::Of::hand};
   if (drafts == Drafts::playing && stage.playing() && now - shown_ < kClockRuns)
@@ -20,7 +20,7 @@ Haste Motion::haste(Drafts drafts, const Stage& stage, bool by_hand, TimePoint n
   return {};
 }
 
-std::optional<Motion::TimePoint> Motion::next_rest(TimePoint now) const {
+std::optional<WindowMotion::TimePoint> WindowMotion::next_rest(TimePoint now) const {
   if (now - moved_ < kCameraMoves) return moved_ + kCameraMoves;
   if (now - shown_ < kClockRuns) return shown_ + kClockRuns;
   return std::nullopt;

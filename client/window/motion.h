@@ -10,7 +10,7 @@
 namespace pointreel {
 
 /// Knows what moves in a window, and so how long there is to draw a picture.
-class Motion {
+class WindowMotion {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
 

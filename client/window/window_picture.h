@@ -21,7 +21,7 @@ namespace pointreel {
 /// context that was current when it was made.
 class WindowPicture {
  public:
-  using TimePoint = Motion::TimePoint;
+  using TimePoint = WindowMotion::TimePoint;
 
   /// The arguments must outlive it.
   static Result<std::unique_ptr<WindowPicture>> create(const PlayOptions& options,
@@ -43,7 +43,7 @@ class WindowPicture {
   Presenter& presenter() { return *presenter_; }
   const Presenter& presenter() const { return *presenter_; }
   Painter& painter() { return presenter_->painter(); }
-  Motion& motion() { return motion_; }
+  WindowMotion& motion() { return motion_; }
 
  private:
   WindowPicture(const PlayOptions& options, Controls& controls)
@@ -54,7 +54,7 @@ class WindowPicture {
   const PlayOptions& options_;
   Controls& controls_;
   std::unique_ptr<Presenter> presenter_;
-  Motion motion_;
+  WindowMotion motion_;
   std::size_t bounded_ = 0;  ///< sources whose bounds were known when the camera was framed
   DrawMode mode_ = DrawMode::surfel;  ///< for which the frames shown were prepared
 };

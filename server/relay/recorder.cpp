@@ -12,15 +12,15 @@
 namespace pointreel {
 namespace fs = std::filesystem;
 
-Recorder::Recorder(RecorderOptions options)
+LiveRecorder::LiveRecorder(LiveRecorderOptions options)
     : options_(std::move(options)), segmenter_(options_.segment_us) {}
 
-Recorder::~Recorder() {
+LiveRecorder::~LiveRecorder() {
   if (auto segment = segmenter_.flush()) append(std::move(*segment));
   finish();
 }
 
-void Recorder::hello(const LiveHello& hello) {
+void LiveRecorder::hello(const LiveHello& hello) {
   if (greeted_ && !go_together(hello_, hello)) {
     if (auto segment = segmenter_.flush()) append(std::move(*segment));
     finish();
@@ -31,18 +31,18 @@ void Recorder::hello(const LiveHello& hello) {
   greeted_ = true;
 }
 
-void Recorder::layer(const LiveLayer& layer, const LiveMessage&) {
+void LiveRecorder::layer(const LiveLayer& layer, const LiveMessage&) {
   if (auto segment = segmenter_.add(layer)) append(std::move(*segment));
 }
 
-void Recorder::end() {
+void LiveRecorder::end() {
   if (auto segment = segmenter_.flush()) append(std::move(*segment));
   // The package is complete, unless the publisher comes back.
   if (package_.empty()) return;
   if (const auto written = write_manifest_file(false); !written) failed(written.error());
 }
 
-void Recorder::append(LiveSegment segment) {
+void LiveRecorder::append(LiveSegment segment) {
   if (given_up_) return;
   if (lines_bytes_ > options_.manifest_bytes) finish();
   if (package_.empty()) {
@@ -56,7 +56,7 @@ void Recorder::append(LiveSegment segment) {
   if (const auto written = write(segment); !written) failed(written.error());
 }
 
-Result<void> Recorder::open() {
+Result<void> LiveRecorder::open() {
   std::error_code error;
   fs::create_directories(options_.folder, error);
   for (int i = 1; !error && i < 100'000; ++i) {
@@ -72,7 +72,7 @@ Result<void> Recorder::open() {
                           error ? error.message() : "there are too many recordings"));
 }
 
-Result<void> Recorder::write(LiveSegment& segment) {
+Result<void> LiveRecorder::write(LiveSegment& segment) {
   segment.entry = rebased(std::move(segment.entry), first_frame_, start_us_);
   name_files(segment, hello_.layer_names);
   for (std::size_t i = 0; i < segment.files.size(); ++i) {
@@ -85,7 +85,7 @@ Result<void> Recorder::write(LiveSegment& segment) {
   return write_manifest_file(true);
 }
 
-Result<void> Recorder::write_file(const std::string& name, std::string_view content) const {
+Result<void> LiveRecorder::write_file(const std::string& name, std::string_view content) const {
   // Readers ignore files of this name.
   const fs::path unfinished = package_ / ".unfinished";
   std::ofstream out(unfinished, std::ios::binary | std::ios::trunc);
@@ -100,14 +100,14 @@ Result<void> Recorder::write_file(const std::string& name, std::string_view cont
   return {};
 }
 
-Result<void> Recorder::write_manifest_file(bool growing) const {
+Result<void> LiveRecorder::write_manifest_file(bool growing) const {
   Manifest manifest = live_head(hello_, totals_);
   manifest.duration_us = duration_us_;
   if (growing) manifest.live = LiveManifest{hello_.session, first_frame_, start_us_, false};
   return write_file(kManifestName, write_manifest(manifest, lines_));
 }
 
-void Recorder::finish() {
+void LiveRecorder::finish() {
   if (!package_.empty() && !lines_.empty()) {
     if (const auto written = write_manifest_file(false); !written) failed(written.error());
   }
@@ -117,7 +117,7 @@ void Recorder::finish() {
   lines_bytes_ = 0;
 }
 
-void Recorder::failed(const Error& error) {
+void LiveRecorder::failed(const Error& error) {
   if (!given_up_ && options_.say) {
     options_.say(error.message + "; recording " + options_.name + " has stopped");
   }

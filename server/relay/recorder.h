@@ -13,7 +13,7 @@
 
 namespace pointreel {
 
-struct RecorderOptions {
+struct LiveRecorderOptions {
   std::filesystem::path folder;  ///< in which packages are created
   std::string name;              ///< of the stream and of its first package
   std::uint64_t segment_us = 1'000'000;
@@ -29,10 +29,10 @@ struct RecorderOptions {
 /// At any moment, however the process ends, the folder on disk is a package of all complete
 /// segments: files get their names when they are complete, and reel.json is replaced after that.
 /// While the package grows, reel.json has the member `live`.
-class Recorder : public LiveSink {
+class LiveRecorder : public LiveSink {
  public:
-  explicit Recorder(RecorderOptions options);
-  ~Recorder() override;
+  explicit LiveRecorder(LiveRecorderOptions options);
+  ~LiveRecorder() override;
 
   void hello(const LiveHello& hello) override;
   void layer(const LiveLayer& layer, const LiveMessage& message) override;
@@ -48,7 +48,7 @@ class Recorder : public LiveSink {
   void finish();
   void failed(const Error& error);
 
-  const RecorderOptions options_;
+  const LiveRecorderOptions options_;
   Segmenter segmenter_;
   LiveHello hello_;
   bool greeted_ = false;

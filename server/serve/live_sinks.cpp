@@ -44,12 +44,12 @@ std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> l
     sinks.push_back(std::make_shared<SinkThread>(
         std::make_unique<HttpWindow>(output_to(resources, name)), say));
     if (!record.empty()) {
-      RecorderOptions options;
+      LiveRecorderOptions options;
       options.folder = record;
       options.name = name;
       options.say = say;
       sinks.push_back(
-          std::make_shared<SinkThread>(std::make_unique<Recorder>(std::move(options)), say));
+          std::make_shared<SinkThread>(std::make_unique<LiveRecorder>(std::move(options)), say));
     }
     return sinks;
   };

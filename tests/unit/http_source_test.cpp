@@ -34,7 +34,7 @@ ScriptedHttpServer::Handler serving(ScriptedHttpServer::Handler layer) {
 }
 
 bool serve_range(int socket, const std::string& head) {
-  const Range range = range_of(head);
+  const RequestedRange range = range_of(head);
   const std::size_t total = head.find("base") != std::string::npos ? 30 : 8;
   answer(socket, "206 Partial Content",
          fmt::format("Content-Range: bytes {}-{}/{}\r\n", range.first, range.last, total),
@@ -151,7 +151,7 @@ TEST(HttpSource, refuses_a_whole_file_in_answer_to_a_range) {
 TEST(HttpSource, refuses_a_range_that_was_not_requested) {
   EXPECT_THAT(
       fetch_error([](int socket, const std::string& head) {
-        const Range range = range_of(head);
+        const RequestedRange range = range_of(head);
         answer(socket, "206 Partial Content",
                fmt::format("Content-Range: bytes {}-{}/30\r\n", range.first + 1, range.last + 1),
                text_of(offsets(1, 9)));
@@ -230,7 +230,7 @@ TEST(HttpSource, resumes_a_download_at_the_byte_where_the_connection_broke) {
   std::mutex mutex;
   std::vector<std::size_t> begun;
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
-    const Range range = range_of(head);
+    const RequestedRange range = range_of(head);
     {
       const std::lock_guard lock(mutex);
       begun.push_back(range.first);

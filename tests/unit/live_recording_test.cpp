@@ -86,8 +86,8 @@ void give_frames(LiveSink& sink, std::uint32_t first, std::uint32_t count) {
 
 class RecorderTest : public testing::Test {
  protected:
-  RecorderOptions options() {
-    RecorderOptions options;
+  LiveRecorderOptions options() {
+    LiveRecorderOptions options;
     options.folder = temporary_.path() / "recordings";
     options.name = "stage";
     options.segment_us = 5 * kPeriod;
@@ -112,7 +112,7 @@ class RecorderTest : public testing::Test {
 };
 
 TEST_F(RecorderTest, a_recording_is_a_package_at_every_moment) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   for (std::uint32_t frame = 0; frame < 23; ++frame) {
     give(recorder, real_frame(frame));
@@ -139,7 +139,7 @@ TEST_F(RecorderTest, a_recording_is_a_package_at_every_moment) {
 
 TEST_F(RecorderTest, a_destroyed_recorder_leaves_only_files_of_the_package) {
   {
-    Recorder recorder(options());
+    LiveRecorder recorder(options());
     recorder.hello(real_hello());
     give_frames(recorder, 0, 7);
   }
@@ -150,7 +150,7 @@ TEST_F(RecorderTest, a_destroyed_recorder_leaves_only_files_of_the_package) {
 }
 
 TEST_F(RecorderTest, a_returning_publisher_continues_its_package_and_another_starts_a_new_one) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello(1));
   give_frames(recorder, 0, 4);
   recorder.end();
@@ -170,7 +170,7 @@ TEST_F(RecorderTest, a_returning_publisher_continues_its_package_and_another_sta
 TEST_F(RecorderTest, existing_packages_are_not_touched) {
   fs::create_directories(package());
   std::ofstream(package() / "mine") << "mine";
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 3);
   recorder.end();
@@ -179,10 +179,10 @@ TEST_F(RecorderTest, existing_packages_are_not_touched) {
 }
 
 TEST_F(RecorderTest, a_manifest_that_grows_too_long_continues_in_another_package) {
-  RecorderOptions small = options();
+  LiveRecorderOptions small = options();
   small.manifest_bytes = 2'000;
   {
-    Recorder recorder(small);
+    LiveRecorder recorder(small);
     recorder.hello(real_hello());
     give_frames(recorder, 0, 60);
   }
@@ -200,7 +200,7 @@ TEST_F(RecorderTest, a_manifest_that_grows_too_long_continues_in_another_package
 }
 
 TEST_F(RecorderTest, an_incomplete_frame_is_recorded_as_far_as_it_arrived) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   auto cut = real_frame(0);
   ASSERT_GT(cut.size(), 1u);
@@ -218,7 +218,7 @@ TEST_F(RecorderTest, an_incomplete_frame_is_recorded_as_far_as_it_arrived) {
 }
 
 TEST_F(RecorderTest, complete_frames_are_not_reported_as_incomplete) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 8);
   recorder.end();
@@ -226,7 +226,7 @@ TEST_F(RecorderTest, complete_frames_are_not_reported_as_incomplete) {
 }
 
 TEST_F(RecorderTest, an_incomplete_last_frame_is_reported) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 2);
   auto cut = real_frame(2);
@@ -240,7 +240,7 @@ TEST_F(RecorderTest, an_incomplete_last_frame_is_reported) {
 }
 
 TEST_F(RecorderTest, frames_in_different_cubes_share_a_segment_with_a_common_cube) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   give(recorder, real_frame(0));
   give(recorder, real_frame(1, 0.5));
@@ -253,7 +253,7 @@ TEST_F(RecorderTest, frames_in_different_cubes_share_a_segment_with_a_common_cub
 }
 
 TEST_F(RecorderTest, frames_that_no_package_can_hold_are_skipped) {
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   LiveHello hello = real_hello();
   hello.normals = false;
   recorder.hello(hello);
@@ -270,7 +270,7 @@ TEST_F(RecorderTest, frames_that_no_package_can_hold_are_skipped) {
 
 TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_reported_once_and_disturbs_nothing) {
   std::ofstream(temporary_.path() / "recordings") << "a file";
-  Recorder recorder(options());
+  LiveRecorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 20);
   recorder.end();

@@ -91,12 +91,12 @@ inline void answer(int socket, const std::string& status, const std::string& hea
                                 body.size(), headers, body));
 }
 
-struct Range {
+struct RequestedRange {
   std::size_t first, last;
 };
-inline Range range_of(const std::string& head) {
+inline RequestedRange range_of(const std::string& head) {
   const auto at = head.find("Range: bytes=");
-  Range range{0, 0};
+  RequestedRange range{0, 0};
   std::sscanf(head.c_str() + at, "Range: bytes=%zu-%zu", &range.first, &range.last);
   return range;
 }

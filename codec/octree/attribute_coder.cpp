@@ -308,8 +308,6 @@ class LayerCoder {
 };
 
 constexpr std::uint8_t kPredictionFlag = 1;
-constexpr std::size_t kParametersSize = 5;
-constexpr std::size_t kRootSize = 6;
 
 /// Computes the means of the nodes of a layer from those of its last level. They need not be exact,
 /// since a deviation from the transform's own mean is coded with the children.

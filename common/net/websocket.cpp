@@ -128,7 +128,9 @@ class Connection : public WebSocket {
     if (error) return failed(error.message());
     tcp.expires_never();
     websocket::stream_base::timeout timeout{};
-    timeout.handshake_timeout = kCloseTime;
+    // closing_ limits the closing handshake. Beast's own timer would end a read that waits for the
+    // handshake with an error that Beast does not expect there.
+    timeout.handshake_timeout = websocket::stream_base::none();
     timeout.idle_timeout = options_.silence_timeout;
     timeout.keep_alive_pings = true;
     stream_.set_option(timeout);

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <functional>
 #include <future>
+#include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -252,6 +254,27 @@ TEST(WebSocket, closing_ends_a_wait_in_another_thread) {
   (*socket)->close();
   EXPECT_THAT(waiting.get(), HasSubstr("closed"));
   EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
+}
+
+TEST(WebSocket, closing_ends_although_the_peer_never_answers) {
+  std::vector<std::unique_ptr<Peer>> peers;
+  std::vector<std::unique_ptr<WebSocket>> sockets;
+  for (int i = 0; i < 16; ++i) {
+    // Takes all bytes, the close frame included, without answering, until the client goes.
+    peers.push_back(std::make_unique<Peer>(upgraded([](PeerStream& stream) {
+      char bytes[64];
+      for (;;) stream.next_layer().read_some(boost::asio::buffer(bytes));
+    })));
+    auto socket = WebSocket::connect(peers.back()->url());
+    ASSERT_TRUE(socket) << socket.error().message;
+    sockets.push_back(std::move(*socket));
+  }
+  for (const auto& socket : sockets) socket->close();
+  for (const auto& socket : sockets) {
+    const auto message = socket->receive(kLong);
+    ASSERT_FALSE(message);
+    EXPECT_EQ(message.error().code, ErrorCode::cancelled) << message.error().message;
+  }
 }
 
 TEST(WebSocket, connecting_can_be_stopped) {

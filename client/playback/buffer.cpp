@@ -81,6 +81,16 @@ void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_pass
   });
 }
 
+/// Stops the making of frames for which `stale` says so. They may be made again at once.
+template <class Stale>
+void FrameBuffer::stop_making(Stale stale) {
+  std::erase_if(making_, [&](auto& making) {
+    if (!stale(making.first)) return false;
+    making.second.stop.request_stop();
+    return true;
+  });
+}
+
 void FrameBuffer::advance(std::uint32_t frame, int direction) {
   {
     const std::lock_guard lock(mutex_);
@@ -98,6 +108,7 @@ void FrameBuffer::seek(std::uint32_t frame, int direction) {
     ++epoch_;
     move(frame, direction, false);
     store_.stop([this](std::uint32_t f) { return !in_fetch_window(f); });
+    stop_making([this](std::uint32_t f) { return !in_window(f); });
   }
   wake_all();
 }
@@ -111,6 +122,8 @@ void FrameBuffer::scrub(std::uint32_t frame) {
       if (const auto it = finished_.find(before); it != finished_.end() && it->second.frame)
         passed_ = it->second.frame;
       std::erase_if(finished_, [&](const auto& entry) { return entry.first != before; });
+      // Later on, what is being made is a base that shows where the cursor passed.
+      stop_making([&](std::uint32_t f) { return f != before; });
       scrubbing_ = true;
       ++epoch_;
       passed_order_ = order_;
@@ -266,6 +279,7 @@ void FrameBuffer::close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     store_.stop([](std::uint32_t) { return true; });
+    stop_making([](std::uint32_t) { return true; });
   }
   wake_all();
 }

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "client/playback/layer_store.h"
@@ -30,6 +31,7 @@ struct FrameRequest {
   FetchedFrame fetched;
   double fetch_ms = 0.0;  ///< how long it took to fetch what is new since the frame was last made
   LayerRange wanted;      ///< what was wanted of the frame
+  std::stop_token stop;   ///< asks to stop: the frame will not be shown
 };
 
 /// Consecutive frames that have been fetched or made, each with this many layers. Files count as
@@ -54,6 +56,9 @@ struct BufferedRange {
 /// and it alone is fetched until it is there. Then come the bases beside it, which a hand mostly
 /// asks for next. Earlier requests are cancelled, except the one for the cursor's previous place,
 /// so that a drag that is faster than the link still shows where it passed.
+///
+/// A jump also stops the making of frames that it leaves behind, and so does the beginning of a
+/// drag, so that the threads are free for what the user asked for.
 ///
 /// Holds no more than `ahead` + 2 finished frames: the window, and one frame that came late. A
 /// machine that is too slow for the reel's rate is always late, and shows at least that one. Safe
@@ -155,8 +160,8 @@ class FrameBuffer {
   void fetch_failed(const FetchRequest& request);
   void fetch_stopped(const FetchRequest& request);
 
-  // For the threads that make frames. Each request is answered by exactly one of deliver and
-  // broken.
+  // For the threads that make frames. Each request is answered by exactly one of deliver, broken
+  // and make_stopped.
 
   std::optional<FrameRequest> next_wanted();
   /// Keeps the frame if it is still useful.
@@ -164,6 +169,8 @@ class FrameBuffer {
   /// A layer does not decode. True: it is fetched once more. False: it had been fetched again
   /// before, so that the frame is shown with the layers before it, or fails if there are none.
   bool broken(const FrameRequest& request, std::uint32_t layer);
+  /// The frame was not made because the request was stopped.
+  void make_stopped(const FrameRequest& request);
 
   std::size_t held() const;            ///< finished frames; no more than `ahead` + 2
   std::uint64_t held_bytes() const;    ///< that the finished frames take
@@ -180,6 +187,7 @@ class FrameBuffer {
   struct Making {
     int level = 0;  ///< the finest that any of the threads makes
     int threads = 0;
+    std::stop_source stop = {};
   };
   static constexpr LayerRange kBase{0, 1, false, false};
 
@@ -213,6 +221,8 @@ class FrameBuffer {
   void move(std::uint32_t frame, int direction, bool keep_newest_passed);
   std::uint32_t behind(std::uint32_t frame) const;
   void answered(const FrameRequest& request);
+  template <class Stale>
+  void stop_making(Stale stale);
   void wake_all();
   void tell_ready();
   bool outdated(const FrameRequest& request) const { return request.generation != generation_; }
@@ -234,7 +244,8 @@ class FrameBuffer {
   std::map<std::uint32_t, Finished> finished_;  ///< frames of the window
   std::shared_ptr<const SceneFrame> passed_;    ///< the newest frame behind the playhead
   std::uint64_t passed_order_ = 0;              ///< FrameRequest::order of it, while scrubbing
-  std::map<std::uint32_t, Making> making_;      ///< frames being made in the current mode
+  /// Frames being made in the current mode, without those that were stopped.
+  std::map<std::uint32_t, Making> making_;
 };
 
 }  // namespace pointreel

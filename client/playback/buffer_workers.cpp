@@ -178,6 +178,7 @@ std::optional<FrameRequest> FrameBuffer::make(std::uint32_t step, bool again) {
   // Either of the two may be shown first, so that both tell the time.
   request.fetch_ms = coarse ? store_.fetch_ms(*frame) : store_.take_fetch_ms(*frame);
   request.wanted = want;
+  request.stop = work.stop.get_token();
   return request;
 }
 
@@ -205,7 +206,8 @@ std::optional<FrameRequest> FrameBuffer::next_wanted() {
 void FrameBuffer::answered(const FrameRequest& request) {
   if (outdated(request)) return;
   const auto it = making_.find(request.frame);
-  if (it != making_.end() && --it->second.threads <= 0) making_.erase(it);
+  if (it == making_.end() || it->second.stop.get_token() != request.stop) return;
+  if (--it->second.threads <= 0) making_.erase(it);
 }
 
 void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const SceneFrame> frame) {
@@ -261,6 +263,14 @@ bool FrameBuffer::broken(const FrameRequest& request, std::uint32_t layer) {
   wake_all();
   tell_ready();
   return again;
+}
+
+void FrameBuffer::make_stopped(const FrameRequest& request) {
+  {
+    const std::lock_guard lock(mutex_);
+    answered(request);
+  }
+  to_make_.notify_one();
 }
 
 }  // namespace pointreel

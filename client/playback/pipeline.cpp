@@ -79,7 +79,9 @@ void Pipeline::prepare_frame_of(FrameRequest& request) {
     return;
   }
   const std::uint32_t layer = find_broken_layer(request);
-  if (buffer_.broken(request, layer))
+  if (request.stop.stop_requested())
+    buffer_.make_stopped(request);  // that is not an error
+  else if (buffer_.broken(request, layer))
     ++refetched_;
   else
     report(request.frame, frame.error());

@@ -100,7 +100,8 @@ Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const Fetc
   PrepareOptions options = prepare_options();
   options.mode = request.mode;
   options.level = request.level;
-  auto scene = TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options));
+  auto scene =
+      TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options, request.stop));
   plan_.made(request.layers, scene.decode_ms + scene.normals_ms + scene.svo_ms);
   // A frame that lacks layers tells the depth only if it was given too few for it.
   const bool tells_depth = request.mode == DrawMode::voxel &&

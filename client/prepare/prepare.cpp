@@ -39,7 +39,13 @@ constexpr double kWorthATree = 0.7;
 /// as a share of the square of the cells along the cube's edge.
 constexpr double kLeastFilled = 0.25;
 
-Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int level) {
+Result<void> check(const std::stop_token& stop) {
+  if (stop.stop_requested()) return fail(ErrorCode::cancelled, "the frame is not wanted any more");
+  return {};
+}
+
+Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int level,
+                            const std::stop_token& stop) {
   if (fetched.layers.empty()) {
     auto loaded = read_cloud(fetched.file.view());
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
@@ -54,6 +60,7 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int l
   DecodeLimits limits;
   limits.tables = fetched.tables.get();
   limits.executor = tbb_executor();
+  limits.stopped = [&stop] { return stop.stop_requested(); };
   limits.inner_nodes = true;
   limits.leaves = false;
   limits.depth = level;
@@ -152,9 +159,11 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
 }
 
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
-                                 const PrepareOptions& options) {
+                                 const PrepareOptions& options, const std::stop_token& stop) {
   Stopwatch watch;
-  auto frame = TRY(decode(fetched, info.cube, options.level));
+  TRY(check(stop));
+  auto frame = TRY(decode(fetched, info.cube, options.level, stop));
+  TRY(check(stop));
 
   SceneFrame scene;
   scene.index = info.index;
@@ -168,6 +177,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     if (scene.svo.depth < frame.depth) scene.level = scene.svo.depth;
     derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();
+    TRY(check(stop));
     if (options.mode == DrawMode::voxel) {
       TRY(coarsen(scene, options.delta));
     } else if (options.mode == DrawMode::surfel) {
@@ -177,6 +187,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     scene.cloud = std::move(frame.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
+    TRY(check(stop));
     TRY(options.mode == DrawMode::voxel ? make_voxels(scene, frame.cube, options)
                                         : make_elements(scene, frame.cube, options));
   }

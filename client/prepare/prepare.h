@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 
 #include "client/scene/frame.h"
 #include "client/source/source.h"
@@ -51,8 +52,8 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// Fills decode_ms (bytes to cloud or tree), normals_ms (their estimation) and svo_ms (tree,
 /// attributes and radii), and level, points and layers as far as they are known. The bytes may be
 /// hostile. Large frames are decoded by several threads of the caller's TBB arena, if it has idle
-/// ones.
+/// ones. If asked to stop, it fails soon with ErrorCode::cancelled.
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
-                                 const PrepareOptions& options);
+                                 const PrepareOptions& options, const std::stop_token& stop = {});
 
 }  // namespace pointreel

@@ -111,16 +111,23 @@ void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, Chunk
   }
 }
 
+Result<void> check_stopped(const DecodeLimits& limits) {
+  if (limits.stopped && limits.stopped()) return fail(ErrorCode::cancelled, "decoding was stopped");
+  return {};
+}
+
 /// Decodes a transformed attribute from the base down to the first layer that lacks it, or to level
 /// `depth`. Returns null if the base lacks it.
 Result<std::unique_ptr<TransformDecoder>> decode_transformed(
     const Svo& svo, const std::vector<Chunks<ByteView>>& layers,
-    const std::vector<int>& last_levels, int depth, ChunkKind kind, FrameTag tag) {
+    const std::vector<int>& last_levels, int depth, ChunkKind kind, FrameTag tag,
+    const DecodeLimits& limits) {
   if (chunk_of(layers.front(), kind).empty()) return nullptr;
   auto decoder = std::make_unique<TransformDecoder>(svo);
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
     const ByteView bytes = chunk_of(layers[layer], kind);
     if (bytes.empty()) break;
+    TRY(check_stopped(limits));
     const ParsedChunk chunk = TRY(read_chunk(bytes, kind, static_cast<std::uint8_t>(layer), tag));
     if (chunk.header.entropy != Entropy::none || chunk.header.raw_size != chunk.payload.size() ||
         chunk.header.last_level != last_levels[layer]) {
@@ -180,7 +187,7 @@ Result<void> decode_colors(const std::vector<Chunks<ByteView>>& layers,
   if (!parsed.header.colors_transformed) return {};
   const auto decoder =
       TRY(at_place("colors", decode_transformed(frame.svo, layers, last_levels, depth,
-                                                ChunkKind::colors, parsed.tag)));
+                                                ChunkKind::colors, parsed.tag, limits)));
   if (decoder == nullptr) return {};
   if (parsed.header.colors_16_bit) {
     set_colors(*decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
@@ -198,7 +205,7 @@ Result<void> decode_normals(const std::vector<Chunks<ByteView>>& layers,
   if (!parsed.header.normals_transformed) return {};
   const auto decoder =
       TRY(at_place("normals", decode_transformed(frame.svo, layers, last_levels, depth,
-                                                 ChunkKind::normals, parsed.tag)));
+                                                 ChunkKind::normals, parsed.tag, limits)));
   if (decoder != nullptr) set_normals(*decoder, limits, frame);
   return {};
 }
@@ -242,6 +249,7 @@ Result<std::vector<int>> decode_geometry(const std::vector<Chunks<ByteView>>& la
                            : number < layers.size() ? layers[number].geometry
                                                     : ByteView{};
     if (bytes.empty() && layer > 0) break;  // a prefix of the layers is a valid coarser frame
+    TRY(check_stopped(limits));
     const ParsedChunk chunk =
         TRY(read_chunk(bytes, ChunkKind::geometry, static_cast<std::uint8_t>(layer), frame.tag));
     const int last_level = last_level_of_layer(layer, header.depth);

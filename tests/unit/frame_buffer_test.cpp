@@ -72,6 +72,39 @@ TEST(FrameBuffer, a_seek_requests_the_new_place_first_and_cancels_old_requests) 
   EXPECT_TRUE(kept_job->stop.stop_requested());
 }
 
+TEST(FrameBuffer, a_seek_stops_the_making_of_frames_that_it_leaves_behind) {
+  auto keeping = options(1000, 4, false);
+  keeping.store_bytes = 1 << 20;
+  FrameBuffer buffer(keeping);
+  const auto left = ask(buffer), kept = ask(buffer);
+  buffer.seek(1);
+  EXPECT_TRUE(left.stop.stop_requested());
+  EXPECT_FALSE(kept.stop.stop_requested()) << "frame 1 is still wanted";
+  buffer.seek(0);
+  const auto again = *buffer.next_wanted();
+  EXPECT_EQ(again.frame, 0u) << "it is made again before the stopped request is answered";
+  buffer.make_stopped(left);
+  EXPECT_FALSE(again.stop.stop_requested());
+  buffer.seek(0);
+  buffer.deliver(again, picture(0));
+  EXPECT_EQ(buffer.best()->index, 0u);
+  buffer.close();
+  EXPECT_TRUE(kept.stop.stop_requested());
+}
+
+TEST(FrameBuffer, a_drag_stops_the_making_of_other_frames_but_not_of_those_it_passes) {
+  FrameBuffer buffer(options(1000, 4, false));
+  const auto shown = ask(buffer), ahead = ask(buffer);
+  buffer.scrub(0);
+  EXPECT_FALSE(shown.stop.stop_requested());
+  EXPECT_TRUE(ahead.stop.stop_requested());
+  buffer.scrub(500);
+  const auto passed = ask(buffer);
+  EXPECT_EQ(passed.frame, 500u);
+  buffer.scrub(600);
+  EXPECT_FALSE(passed.stop.stop_requested());
+}
+
 TEST(FrameBuffer, a_seek_drops_frames_outside_the_new_window) {
   FrameBuffer buffer(options(1000, 4, false));
   serve(buffer, 2);

@@ -280,6 +280,22 @@ TEST(OctreeCodecAttributes, lossy_16_bit_colours_are_not_rounded_to_8) {
   EXPECT_LT(sum / static_cast<double>(frame->cloud.size()), 32.0);  // 8-bit rounding would give 125
 }
 
+TEST(OctreeCodecAttributes, decoding_stops_before_the_chunk_at_which_it_is_asked_to) {
+  const EncodedFrame encoded =
+      encode(bumpy_sphere(20000), DepthRule::fixed(10), Entropy::context, {}, 60);
+  // Three layers, each with geometry, colours and normals.
+  for (int chunks = 0; chunks <= 9; ++chunks) {
+    int asked = 0;
+    DecodeLimits limits;
+    limits.stopped = [&] { return asked++ == chunks; };
+    const auto decoded = decode_octree(layer_views(encoded.layers), limits);
+    ASSERT_EQ(decoded.has_value(), chunks == 9);
+    if (!decoded) {
+      EXPECT_EQ(decoded.error().code, ErrorCode::cancelled);
+    }
+  }
+}
+
 TEST(OctreeCodecAttributes, a_tree_limited_to_a_level_equals_the_full_tree_down_to_it) {
   const PointCloud cloud = bumpy_sphere(20000);
   for (const int quality : {60, 100}) {

@@ -209,6 +209,30 @@ TEST(Pipeline, only_frames_of_the_new_place_are_shown_after_a_seek) {
   EXPECT_TRUE(errors.seen().empty());
 }
 
+TEST(Pipeline, a_seek_does_not_wait_for_the_frame_that_was_being_prepared) {
+  FakeSource source(200);
+  FrameBuffer buffer(once(200, 4));
+  Errors errors;
+  std::atomic<int> begun{0};
+  Pipeline pipeline(
+      source, buffer,
+      [&](const FrameRequest& request, const FetchedFrame& fetched) -> Result<SceneFrame> {
+        ++begun;
+        if (request.frame == 150) return prepare(request, fetched);
+        EXPECT_TRUE(wait_until([&] { return request.stop.stop_requested(); }));
+        return fail(ErrorCode::cancelled, "stopped");
+      },
+      errors.sink(), {1, 1});
+  for (const std::uint32_t far : {50u, 100u, 150u}) {
+    ASSERT_TRUE(wait_until([&] { return begun > 0; }));
+    begun = 0;
+    buffer.seek(far);
+  }
+  ASSERT_EQ(buffer.wait(kLong), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.best()->index, 150u);
+  EXPECT_TRUE(errors.seen().empty());
+}
+
 TEST(Pipeline, late_frames_are_shown_in_order_on_a_slow_machine) {
   constexpr std::uint32_t kAhead = 4, kNone = ~0u;
   FakeSource source(4000);

@@ -307,6 +307,19 @@ TEST(PrepareFrame, estimates_attributes_that_a_file_lacks_and_the_mode_needs) {
   EXPECT_FALSE(points->cloud.has_radii());
 }
 
+TEST(PrepareFrame, fails_soon_if_it_is_asked_to_stop) {
+  const PointCloud cloud = sphere(1'000, false, true);
+  std::stop_source stop;
+  const auto prepared = [&] {
+    return pointreel::prepare_frame(fetched(cloud, octree(0.05)), frame_info(manifest_of(cloud), 0),
+                                    {}, stop.get_token());
+  };
+  EXPECT_TRUE(prepared());
+  stop.request_stop();
+  ASSERT_FALSE(prepared());
+  EXPECT_EQ(prepared().error().code, ErrorCode::cancelled);
+}
+
 TEST(PrepareFrame, estimates_the_normals_that_an_octree_frame_lacks) {
   const PointCloud cloud = sphere(5'000, false, true);
   const auto scene = prepare_frame(manifest_of(cloud), 0, fetched(cloud, octree(0.05)), {});

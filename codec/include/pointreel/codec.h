@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -82,6 +83,9 @@ struct DecodeLimits {
   /// The sequence's own context tables, if it has any. They must outlive the call.
   const ContextTables* tables = nullptr;
   Executor executor = {};  ///< decodes slabs, and colours and normals, in parallel
+  /// Octree: asked before each chunk, possibly by several threads at once. From the first yes on,
+  /// decoding fails with ErrorCode::cancelled. Empty: never.
+  std::function<bool()> stopped = {};
   /// Octree: whether to produce the attributes of all nodes (DecodedFrame::attributes).
   bool inner_nodes = false;
   /// Octree: whether to produce the leaves as a cloud. Without them, decoding makes only the tree
@@ -118,7 +122,7 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
 ///
 /// Errors: `invalid` if the bytes are damaged, `unsupported` if they need a newer version of the
 /// codec, `limit` if the frame exceeds `limits`, `not_found` if it needs tables that were not
-/// given.
+/// given, `cancelled` if `limits.stopped` says so.
 ///
 /// Trust: the bytes may be hostile. The memory that decoding takes is bounded beforehand by the
 /// size of the payload (zstd may expand 1024 times plus 64 KiB and no more), by the number of

@@ -17,6 +17,7 @@
 #include "client/options/option_table.h"
 #include "client/options/option_text.h"
 #include "common/base/try.h"
+#include "common/stream/json_value.h"
 
 namespace pointreel {
 namespace {
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::uintmax_t kMaxBytes = 64 * 1024;
+constexpr const char* kMendIt = ": write an object such as {\"mode\": \"voxel\"}, or delete it";
 
 json to_json(const Option::Flag& flag, const Settings& from) { return flag.get(from); }
 json to_json(const Option::Number& number, const Settings& from) { return number.get(from); }
@@ -110,10 +112,11 @@ Result<std::string> content(const fs::path& file) {
 
 Result<json> parse(std::string_view text) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return json::object();
-  json all = json::parse(text, nullptr, false);
-  if (!all.is_object())
-    return fail("is not a JSON object such as {\"mode\": \"voxel\"}; mend it or delete it");
-  return all;
+  const auto checked = parse_json(text);
+  if (!checked) return fail(checked.error().code, checked.error().message + kMendIt);
+  if (!checked->is_object()) return fail(std::string("is not a JSON object") + kMendIt);
+  // The file is small, and what this version does not know stays in it when it is written again.
+  return json::parse(text, nullptr, false);
 }
 
 /// Readers see either the old file or the new one, never a part of it.

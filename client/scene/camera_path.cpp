@@ -71,7 +71,7 @@ void refuse_outside(Fields& fields, const char* key, double value, double min, d
     fields.refuse(key, fmt::format("is not from {:g} to {:g}", min, max));
 }
 
-Result<CameraKey> parse_key(const nlohmann::json& json) {
+Result<CameraKey> parse_key(const JsonValue& json) {
   Fields fields(json);
   CameraKey key;
   const double seconds = fields.number("seconds");
@@ -184,15 +184,16 @@ Result<CameraPath> parse_camera_path(std::string_view text) {
     if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
     if (!up.empty()) path.up = up[0];
   }
-  const nlohmann::json& keys = fields.array("keys");
-  if (keys.empty() || keys.size() > kMaxCameraKeys)
+  const JsonValue keys = fields.array("keys");
+  const std::size_t count = keys.size();
+  if (count == 0 || count > kMaxCameraKeys)
     fields.refuse("keys", fmt::format("must be a list of 1 to {}", kMaxCameraKeys));
   if (fields.error()) return tl::unexpected(*fields.error());
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const std::string place = fmt::format("keys[{}]", i);
-    const auto key = parse_key(keys[i]);
+  for (JsonItems item(keys); item.next();) {
+    const std::string place = fmt::format("keys[{}]", path.keys.size());
+    const auto key = parse_key(item.value());
     if (!key) return fail_at(place, key.error());
-    if (i > 0 && key->time_us <= path.keys.back().time_us)
+    if (!path.keys.empty() && key->time_us <= path.keys.back().time_us)
       return fail(place + ": seconds: must be greater than those of the key before");
     path.keys.push_back(*key);
   }

@@ -1,10 +1,7 @@
 #include "common/stream/json_fields.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
-#include <set>
 #include <utility>
 
 #include "common/base/concat.h"
@@ -13,65 +10,26 @@
 namespace pointreel {
 namespace {
 
-using nlohmann::json;
 using nlohmann::ordered_json;
 
-/// Far above the nesting of a manifest, which is six.
-constexpr int kMaxNesting = 16;
 /// The name that no other file of a package may have.
 constexpr std::string_view kManifest = "reel.json";
 
-/// Checks every token before it becomes a value: values that are nested too deep are not built, and
-/// an object with the same key twice, which the parser alone would accept, is noticed.
-class TokenGuard {
- public:
-  bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-    switch (event) {
-      case json::parse_event_t::object_start:
-      case json::parse_event_t::array_start:
-        if (depth >= kMaxNesting) {
-          too_deep_ = true;
-          return false;
-        }
-        keys_[static_cast<std::size_t>(depth) + 1].clear();
-        return true;
-      case json::parse_event_t::key:
-        if (depth <= kMaxNesting &&
-            !keys_[static_cast<std::size_t>(depth)].insert(parsed.get<std::string>()).second) {
-          duplicate_ = true;
-        }
-        return true;
-      default:
-        return true;
-    }
-  }
-
-  const char* fault() const {
-    if (too_deep_) return "is nested too deep";
-    return duplicate_ ? "has an object with the same key twice" : nullptr;
-  }
-
- private:
-  std::array<std::set<std::string>, kMaxNesting + 1> keys_;
-  bool too_deep_ = false, duplicate_ = false;
-};
-
 }  // namespace
-
-Result<json> parse_json(std::string_view text) {
-  TokenGuard guard;
-  json root = json::parse(text.begin(), text.end(), std::ref(guard), false);
-  if (guard.fault() != nullptr) return fail(guard.fault());
-  if (root.is_discarded()) return fail("is not valid JSON");
-  return root;
-}
 
 std::string dump(const ordered_json& value) {
   return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-Fields::Fields(const json& object) : object_(object) {
+Fields::Fields(const JsonValue& object) {
   if (!object.is_object()) error_ = Error{"is not a JSON object"};
+  for (JsonItems item(object); item.next();) {
+    if (members_.size() == kMaxMembers) {
+      error_ = Error{concat("has more than ", kMaxMembers, " members"), ErrorCode::limit};
+      return;
+    }
+    members_.push_back({item.key(), item.value()});
+  }
 }
 
 Result<void> Fields::check() const {
@@ -83,62 +41,74 @@ void Fields::refuse(std::string_view key, std::string_view what) {
   if (!error_) error_ = Error{concat(key, ": ", what)};
 }
 
-const json* Fields::value(const char* key) {
-  if (error_) return nullptr;
-  const auto found = object_.find(key);
-  if (found != object_.end()) return &*found;
-  refuse(key, "is missing");
+const JsonValue* Fields::find(const char* key) const {
+  for (const Member& member : members_) {
+    if (is_text(member.key, key)) return &member.value;
+  }
   return nullptr;
 }
 
+const JsonValue* Fields::value(const char* key) {
+  if (error_) return nullptr;
+  const JsonValue* found = find(key);
+  if (found == nullptr) refuse(key, "is missing");
+  return found;
+}
+
 std::uint64_t Fields::integer(const char* key, std::uint64_t max) {
-  const json* v = value(key);
+  const JsonValue* v = value(key);
   if (v == nullptr) return 0;
-  if (!v->is_number_unsigned() || v->get<std::uint64_t>() > max) {
-    refuse(key, concat("is not a whole number from 0 to ", max));
-    return 0;
-  }
-  return v->get<std::uint64_t>();
+  const std::optional<std::uint64_t> number = v->integer();
+  if (number && *number <= max) return *number;
+  refuse(key, concat("is not a whole number from 0 to ", max));
+  return 0;
 }
 
 double Fields::number(const char* key) {
-  const json* v = value(key);
+  const JsonValue* v = value(key);
   if (v == nullptr) return 0.0;
-  if (!v->is_number()) refuse(key, "is not a number");
-  return v->is_number() ? v->get<double>() : 0.0;
+  const std::optional<double> number = v->number();
+  if (!number) refuse(key, "is not a number");
+  return number.value_or(0.0);
 }
 
 bool Fields::boolean(const char* key) {
-  const json* v = value(key);
+  const JsonValue* v = value(key);
   if (v == nullptr) return false;
-  if (!v->is_boolean()) refuse(key, "is neither true nor false");
-  return v->is_boolean() && v->get<bool>();
+  const std::optional<bool> boolean = v->boolean();
+  if (!boolean) refuse(key, "is neither true nor false");
+  return boolean.value_or(false);
 }
 
 std::string Fields::text(const char* key) {
-  const json* v = value(key);
+  const JsonValue* v = value(key);
   if (v == nullptr) return {};
-  if (!v->is_string()) refuse(key, "is not a string");
-  return v->is_string() ? v->get<std::string>() : std::string();
+  std::optional<std::string> text = v->string();
+  if (!text) refuse(key, "is not a string");
+  return std::move(text).value_or(std::string());
 }
 
-const json& Fields::array(const char* key) {
-  static const json kNothing = json::array();
-  const json* v = value(key);
-  if (v == nullptr) return kNothing;
-  if (!v->is_array()) refuse(key, "is not an array");
-  return v->is_array() ? *v : kNothing;
+JsonValue Fields::array(const char* key) {
+  const JsonValue* v = value(key);
+  if (v != nullptr && v->is_array()) return *v;
+  if (v != nullptr) refuse(key, "is not an array");
+  return JsonValue("[]");
 }
 
 glm::dvec3 Fields::vector(const char* key) {
-  const json& v = array(key);
+  const JsonValue v = array(key);
   if (error_) return {};
-  const auto finite = [](const json& x) { return x.is_number() && std::isfinite(x.get<double>()); };
-  if (v.size() != 3 || !std::all_of(v.begin(), v.end(), finite)) {
-    refuse(key, "is not three finite numbers");
-    return {};
+  glm::dvec3 vector(0.0);
+  int axis = 0;
+  bool good = v.size() == 3;
+  for (JsonItems item(v); good && item.next(); ++axis) {
+    const std::optional<double> number = item.value().number();
+    good = number && std::isfinite(*number);
+    if (good) vector[axis] = *number;
   }
-  return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
+  if (good) return vector;
+  refuse(key, "is not three finite numbers");
+  return {};
 }
 
 bool is_file_name(std::string_view path) {
@@ -167,20 +137,21 @@ std::optional<std::uint64_t> parse_hex(std::string_view text) {
   return value;
 }
 
-Result<std::vector<std::string>> parse_layer_names(const json& entries) {
-  if (entries.empty() || entries.size() > kMaxLayers) {
-    return fail(concat("has ", entries.size(), " names, not 1 to ", kMaxLayers));
+Result<std::vector<std::string>> parse_layer_names(const JsonValue& entries) {
+  const std::size_t count = entries.size();
+  if (count == 0 || count > kMaxLayers) {
+    return fail(concat("has ", count, " names, not 1 to ", kMaxLayers));
   }
   std::vector<std::string> names;
-  for (const json& entry : entries) {
-    if (!entry.is_string() || !is_file_name(entry.get_ref<const std::string&>())) {
+  for (JsonItems item(entries); item.next();) {
+    const std::optional<std::string> layer = item.value().string();
+    if (!layer || !is_file_name(*layer)) {
       return fail("a name may have only letters, digits, '.', '_' and '-'");
     }
-    const std::string& layer = entry.get_ref<const std::string&>();
-    if (std::find(names.begin(), names.end(), layer) != names.end()) {
-      return fail(concat("\"", layer, "\" comes twice"));
+    if (std::find(names.begin(), names.end(), *layer) != names.end()) {
+      return fail(concat("\"", *layer, "\" comes twice"));
     }
-    names.push_back(layer);
+    names.push_back(*layer);
   }
   return names;
 }
@@ -192,7 +163,7 @@ void read_reel_head(Fields& fields, ReelHead& head) {
   const std::string up = fields.text("up");
   head.colors = fields.boolean("colors");
   head.normals = fields.boolean("normals");
-  const json& layers = fields.array("layers");
+  const JsonValue layers = fields.array("layers");
   if (head.codec == "octree") {
     head.entropy = fields.text("entropy");
     if (head.entropy != "none" && head.entropy != "zstd" && head.entropy != "context") {
@@ -218,7 +189,7 @@ void read_reel_head(Fields& fields, ReelHead& head) {
     fields.refuse("layers", names.error().message);
 }
 
-Result<Box> parse_box(const json& value) {
+Result<Box> parse_box(const JsonValue& value) {
   if (value.is_null()) return Box{};
   Fields fields(value);
   const Box box{fields.vector("min"), fields.vector("max")};

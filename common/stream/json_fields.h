@@ -9,14 +9,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/stream/json_value.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
 #include "pointreel/package.h"
 
 /// Reads and writes the JSON of packages, live streams and camera paths.
 ///
-/// Trust: the texts may be hostile. Values that are nested deeper than 16 are not built, an object
-/// with the same key twice is refused, and memory is bounded by the length of the text.
+/// Trust: the texts may be hostile (json_value.h). Objects of more than kMaxMembers members are
+/// refused where members are looked for, so that looking for one takes a bounded time.
 namespace pointreel {
 
 /// The largest whole number that is exact in readers that hold every number as a double, as
@@ -28,7 +29,8 @@ inline constexpr std::size_t kMaxLayers = 8;
 /// The value of "format" in reel.json.
 inline constexpr const char* kPackageFormat = "pointreel";
 
-Result<nlohmann::json> parse_json(std::string_view text);
+/// The number of members of an object that is read, at most, unknown ones included.
+inline constexpr std::size_t kMaxMembers = 1000;
 
 /// Writes the value on one line. Bytes that are not valid UTF-8, which names may contain, are
 /// replaced; nothing is thrown.
@@ -39,7 +41,7 @@ std::string dump(const nlohmann::ordered_json& value);
 /// last member.
 class Fields {
  public:
-  explicit Fields(const nlohmann::json& object);
+  explicit Fields(const JsonValue& object);
 
   const std::optional<Error>& error() const { return error_; }
   /// The error, if there is one, for TRY.
@@ -47,19 +49,26 @@ class Fields {
   /// Records an error about a member, unless there already is an error.
   void refuse(std::string_view key, std::string_view what);
 
-  bool has(const char* key) const { return !error_ && object_.contains(key); }
-  const nlohmann::json* value(const char* key);
+  bool has(const char* key) const { return !error_ && find(key) != nullptr; }
+  /// Null if the member is missing.
+  const JsonValue* value(const char* key);
   std::uint64_t integer(const char* key, std::uint64_t max);
   double number(const char* key);
   bool boolean(const char* key);
   std::string text(const char* key);
   /// Empty if the member is not an array.
-  const nlohmann::json& array(const char* key);
+  JsonValue array(const char* key);
   /// Three finite numbers.
   glm::dvec3 vector(const char* key);
 
  private:
-  const nlohmann::json& object_;
+  struct Member {
+    JsonValue key, value;
+  };
+
+  const JsonValue* find(const char* key) const;
+
+  std::vector<Member> members_;
   std::optional<Error> error_;
 };
 
@@ -73,13 +82,13 @@ bool is_title(std::string_view text);
 std::optional<std::uint64_t> parse_hex(std::string_view text);
 
 /// Reads 1 to kMaxLayers names made of the same characters as file names, no two alike.
-Result<std::vector<std::string>> parse_layer_names(const nlohmann::json& entries);
+Result<std::vector<std::string>> parse_layer_names(const JsonValue& entries);
 
 /// Reads the members that packages and live streams have in common. An error is left in `fields`.
 void read_reel_head(Fields& fields, ReelHead& head);
 
 /// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box; box_json writes it.
-Result<Box> parse_box(const nlohmann::json& value);
+Result<Box> parse_box(const JsonValue& value);
 nlohmann::ordered_json box_json(const Box& box);
 nlohmann::ordered_json vector_json(const glm::dvec3& v);
 

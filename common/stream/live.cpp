@@ -12,7 +12,6 @@
 namespace pointreel {
 namespace {
 
-using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr std::uint32_t kMagic = 0x314c5250;  // "PRL1"
@@ -22,7 +21,7 @@ std::uint32_t header_checksum(ByteView header) {
   return static_cast<std::uint32_t>(checksum_of(header));
 }
 
-Result<LiveHello> hello_of(const json& root) {
+Result<LiveHello> hello_of(const JsonValue& root) {
   Fields fields(root);
   LiveHello hello;
   const std::uint64_t version = fields.integer("version", kMaxInteger);
@@ -33,7 +32,7 @@ Result<LiveHello> hello_of(const json& root) {
   read_reel_head(fields, hello);
   const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
   if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
-  const json* bounds = fields.value("bounds");
+  const JsonValue* bounds = fields.value("bounds");
   TRY(fields.check());
   hello.session = *session;
   hello.bounds = TRY(at_place("bounds", parse_box(*bounds)));
@@ -68,7 +67,7 @@ Result<LiveText> parse_live_text(std::string_view text) {
   if (text.size() > kMaxLiveText) {
     return fail(ErrorCode::limit, fmt::format("is longer than {} bytes", kMaxLiveText));
   }
-  const json root = TRY(parse_json(text));
+  const JsonValue root = TRY(parse_json(text));
   Fields fields(root);
   const std::string type = fields.text("type");
   TRY(fields.check());

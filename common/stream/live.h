@@ -20,8 +20,9 @@
 /// by its length. The content of a layer's chunks is not checked here but by the codec.
 namespace pointreel {
 
-/// The longest messages that are accepted, in bytes.
-inline constexpr std::size_t kMaxLiveText = 64u << 10;
+/// The longest messages that are accepted, in bytes. The longest hello takes less than half of its
+/// limit.
+inline constexpr std::size_t kMaxLiveText = 8u << 10;
 inline constexpr std::size_t kMaxLiveLayer = 64u << 20;
 /// The size of the header of a binary message.
 inline constexpr std::size_t kLiveHeaderSize = 40;

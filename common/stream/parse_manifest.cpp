@@ -1,10 +1,8 @@
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
-
-#include <nlohmann/json.hpp>
 
 #include "common/base/concat.h"
 #include "common/base/try.h"
@@ -15,16 +13,30 @@
 namespace pointreel {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::uint64_t kMaxUint32 = 0xffffffffu;
 
-bool is_uint32(const json& v) {
-  return v.is_number_unsigned() && v.get<std::uint64_t>() <= kMaxUint32;
+std::optional<std::uint32_t> uint32_of(const JsonValue& value) {
+  const std::optional<std::uint64_t> number = value.integer();
+  if (!number || *number > kMaxUint32) return std::nullopt;
+  return static_cast<std::uint32_t>(*number);
+}
+
+/// Three whole numbers, the sizes of a frame's chunks in one layer.
+std::optional<Chunks<std::uint32_t>> sizes_of(const JsonValue& value) {
+  if (!value.is_array()) return std::nullopt;
+  std::array<std::uint32_t, 3> sizes{};
+  std::size_t n = 0;
+  for (JsonItems item(value); item.next(); ++n) {
+    const std::optional<std::uint32_t> size = uint32_of(item.value());
+    if (!size || n == sizes.size()) return std::nullopt;
+    sizes[n] = *size;
+  }
+  if (n != sizes.size()) return std::nullopt;
+  return Chunks<std::uint32_t>{sizes[0], sizes[1], sizes[2]};
 }
 
 /// Parses the members that all files have.
-Result<PackageFile> parse_file(const json& object, std::uint64_t max_bytes) {
+Result<PackageFile> parse_file(const JsonValue& object, std::uint64_t max_bytes) {
   Fields fields(object);
   PackageFile file;
   file.path = fields.text("path");
@@ -39,25 +51,25 @@ Result<PackageFile> parse_file(const json& object, std::uint64_t max_bytes) {
   return file;
 }
 
-Result<LayerFile> parse_layer(const json& object, std::uint32_t frame_count) {
+Result<LayerFile> parse_layer(const JsonValue& object, std::uint32_t frame_count) {
   LayerFile file{TRY(parse_file(object, kMaxInteger)), {}};
   Fields fields(object);
-  const json& frames = fields.array("frames");
+  const JsonValue frames = fields.array("frames");
   TRY(fields.check());
-  if (frames.size() != frame_count) {
-    return fail(concat("frames: ", frames.size(), " entries for ", frame_count, " frames"));
+  const std::size_t count = frames.size();
+  if (count != frame_count) {
+    return fail(concat("frames: ", count, " entries for ", frame_count, " frames"));
   }
-  file.frames.reserve(frames.size());
+  file.frames.reserve(count);
   std::uint64_t sum = 0;
-  for (const json& sizes : frames) {
-    if (!sizes.is_array() || sizes.size() != 3 ||
-        !std::all_of(sizes.begin(), sizes.end(), is_uint32)) {
+  for (JsonItems item(frames); item.next();) {
+    const auto sizes = sizes_of(item.value());
+    if (!sizes) {
       return fail(concat("frames[", file.frames.size(), "]: is not three whole numbers from 0 to ",
                          kMaxUint32));
     }
-    file.frames.push_back({sizes[0].get<std::uint32_t>(), sizes[1].get<std::uint32_t>(),
-                           sizes[2].get<std::uint32_t>()});
-    sum += total(file.frames.back());
+    file.frames.push_back(*sizes);
+    sum += total(*sizes);
   }
   if (sum != file.bytes) {
     return fail(concat("bytes: ", file.bytes, ", but its frames take ", sum));
@@ -90,37 +102,40 @@ Result<void> check_chunks(const Manifest& manifest, const Segment& segment) {
 
 /// Parses the times and numbers of points of a segment's frames. `last_time`: the time of the frame
 /// before.
-Result<void> parse_frames(const json& times, const json& points, std::uint64_t last_time,
+Result<void> parse_frames(const JsonValue& times, const JsonValue& points, std::uint64_t last_time,
                           Segment& segment) {
-  if (times.empty()) return fail("times_us: is empty, but a segment has at least one frame");
-  if (points.size() != times.size()) {
-    return fail(concat("points: ", points.size(), " entries for ", times.size(), " frames"));
+  const std::size_t frames = times.size(), counts = points.size();
+  if (frames == 0) return fail("times_us: is empty, but a segment has at least one frame");
+  if (counts != frames) {
+    return fail(concat("points: ", counts, " entries for ", frames, " frames"));
   }
-  segment.times_us.reserve(times.size());
-  for (const json& time : times) {
-    if (!time.is_number_unsigned() || time.get<std::uint64_t>() > kMaxInteger) {
+  segment.times_us.reserve(frames);
+  for (JsonItems item(times); item.next();) {
+    const std::optional<std::uint64_t> time = item.value().integer();
+    if (!time || *time > kMaxInteger) {
       return fail(concat("times_us[", segment.times_us.size(),
                          "]: is not a whole number from 0 to ", kMaxInteger));
     }
-    if (time.get<std::uint64_t>() < last_time) {
-      return fail(concat("times_us[", segment.times_us.size(), "]: ", time.get<std::uint64_t>(),
-                         " comes after ", last_time));
+    if (*time < last_time) {
+      return fail(
+          concat("times_us[", segment.times_us.size(), "]: ", *time, " comes after ", last_time));
     }
-    last_time = time.get<std::uint64_t>();
+    last_time = *time;
     segment.times_us.push_back(last_time);
   }
-  segment.points.reserve(points.size());
-  for (const json& count : points) {
-    if (!is_uint32(count)) {
+  segment.points.reserve(frames);
+  for (JsonItems item(points); item.next();) {
+    const std::optional<std::uint32_t> count = uint32_of(item.value());
+    if (!count) {
       return fail(concat("points[", segment.points.size(), "]: is not a whole number from 0 to ",
                          kMaxUint32));
     }
-    segment.points.push_back(count.get<std::uint32_t>());
+    segment.points.push_back(*count);
   }
   return {};
 }
 
-Result<Cube> parse_cube(const json& object) {
+Result<Cube> parse_cube(const JsonValue& object) {
   Fields fields(object);
   const Cube cube{fields.vector("origin"), fields.number("edge")};
   TRY(fields.check());
@@ -132,15 +147,15 @@ Result<Cube> parse_cube(const json& object) {
 }
 
 /// `manifest` already holds everything but the segments, and the segments before this one.
-Result<Segment> parse_segment(const json& object, const Manifest& manifest, std::uint32_t first,
-                              std::uint64_t last_time) {
+Result<Segment> parse_segment(const JsonValue& object, const Manifest& manifest,
+                              std::uint32_t first, std::uint64_t last_time) {
   Fields fields(object);
   Segment segment;
   segment.first_frame = static_cast<std::uint32_t>(fields.integer("first_frame", kMaxUint32));
-  const json* cube_value = fields.value("cube");
-  const json& times = fields.array("times_us");
-  const json& points = fields.array("points");
-  const json& files = fields.array("files");
+  const JsonValue* cube_value = fields.value("cube");
+  const JsonValue times = fields.array("times_us");
+  const JsonValue points = fields.array("points");
+  const JsonValue files = fields.array("files");
   TRY(fields.check());
 
   if (segment.first_frame != first) {
@@ -149,27 +164,28 @@ Result<Segment> parse_segment(const json& object, const Manifest& manifest, std:
   }
   segment.cube = TRY(at_place("cube", parse_cube(*cube_value)));
   TRY(parse_frames(times, points, last_time, segment));
-  if (files.size() != manifest.layer_names.size()) {
-    return fail(
-        concat("files: ", files.size(), " entries for ", manifest.layer_names.size(), " layers"));
+  const std::size_t count = files.size();
+  if (count != manifest.layer_names.size()) {
+    return fail(concat("files: ", count, " entries for ", manifest.layer_names.size(), " layers"));
   }
-  for (const json& entry : files) {
+  for (JsonItems item(files); item.next();) {
     const std::string place = concat("files[", segment.layers.size(), "]");
-    segment.layers.push_back(TRY(at_place(place, parse_layer(entry, segment.frame_count()))));
+    segment.layers.push_back(
+        TRY(at_place(place, parse_layer(item.value(), segment.frame_count()))));
   }
   TRY(check_chunks(manifest, segment));
   return segment;
 }
 
-Result<void> parse_segments(const json& entries, Manifest& manifest) {
+Result<void> parse_segments(const JsonValue& entries, Manifest& manifest) {
   std::uint64_t frames = 0, last_time = 0;
   std::set<std::string> paths;
   if (manifest.tables) paths.insert(manifest.tables->path);
   bool any_point = false;
-  for (const json& entry : entries) {
+  for (JsonItems item(entries); item.next();) {
     const std::string place = concat("segments[", manifest.segments.size(), "]");
     const auto first = static_cast<std::uint32_t>(frames);
-    Segment segment = TRY(at_place(place, parse_segment(entry, manifest, first, last_time)));
+    Segment segment = TRY(at_place(place, parse_segment(item.value(), manifest, first, last_time)));
     frames += segment.frame_count();
     if (frames > kMaxUint32)
       return fail_at(place, {"a reel has fewer than 2^32 frames", ErrorCode::limit});
@@ -192,7 +208,7 @@ Result<void> parse_segments(const json& entries, Manifest& manifest) {
   return {};
 }
 
-Result<LiveManifest> parse_live(const json& object) {
+Result<LiveManifest> parse_live(const JsonValue& object) {
   Fields fields(object);
   LiveManifest live;
   const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
@@ -206,7 +222,7 @@ Result<LiveManifest> parse_live(const json& object) {
 }
 
 /// Checks the members that say whether the others can be understood.
-Result<void> check_format(const json& root) {
+Result<void> check_format(const JsonValue& root) {
   Fields fields(root);
   const std::string format = fields.text("format");
   const std::uint64_t version = fields.integer("version", kMaxInteger);
@@ -223,7 +239,7 @@ Result<void> check_format(const json& root) {
   return {};
 }
 
-Result<Manifest> parse_root(const json& root) {
+Result<Manifest> parse_root(const JsonValue& root) {
   TRY(check_format(root));
   Fields fields(root);
   Manifest manifest;
@@ -231,8 +247,8 @@ Result<Manifest> parse_root(const json& root) {
   manifest.duration_us = fields.integer("duration_us", kMaxInteger);
   manifest.depth_min = static_cast<std::uint32_t>(fields.integer("depth_min", kMaxDepth));
   manifest.depth_max = static_cast<std::uint32_t>(fields.integer("depth_max", kMaxDepth));
-  const json* bounds = fields.value("bounds");
-  const json& segments = fields.array("segments");
+  const JsonValue* bounds = fields.value("bounds");
+  const JsonValue segments = fields.array("segments");
   if (manifest.depth_min > manifest.depth_max) fields.refuse("depth_min", "is above depth_max");
   TRY(fields.check());
   manifest.bounds = TRY(at_place("bounds", parse_box(*bounds)));

@@ -4,6 +4,7 @@
 #include <random>
 #include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -184,9 +185,14 @@ TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
     EXPECT_LT(static_cast<int>(options.draw.instancing), kInstancings);
   }
   EXPECT_GT(taken, 20);
-  const std::string deep = "{\"a\":" + std::string(30'000, '[') + std::string(30'000, ']') + "}";
-  Settings options;
-  EXPECT_TRUE(parse_settings(deep, options)) << "the unknown key \"a\" is ignored";
+  for (const char* key : {"mode", "unknown"}) {
+    const std::string deep =
+        fmt::format("{{\"{}\":{}{}}}", key, std::string(30'000, '['), std::string(30'000, ']'));
+    Settings options;
+    const auto parsed = parse_settings(deep, options);
+    ASSERT_FALSE(parsed);
+    EXPECT_THAT(parsed.error().message, HasSubstr("is nested too deep"));
+  }
 }
 
 TEST(Settings, the_default_path_follows_xdg) {

@@ -23,6 +23,9 @@ struct Limits {
   std::chrono::milliseconds stall_timeout{30'000};
   std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< bytes of a publisher's message
   double publish_rate = 0;  ///< bytes per second from a publisher; 0: unlimited
+  /// Bytes of text per second from a publisher. Every viewer gets them, and a publisher needs them
+  /// only when something about its stream changes.
+  double publish_text_rate = 256.0 * 1024.0;
 };
 
 }  // namespace pointreel

@@ -98,39 +98,62 @@ Task<void> read_from_viewer(std::shared_ptr<Session> session) {
   }
 }
 
+/// Holds a publisher to a rate. The bytes of one second may come at once.
+class Pace {
+ public:
+  explicit Pace(double bytes_per_second) : rate_(bytes_per_second) {}
+
+  void add(std::size_t bytes) {
+    if (rate_ <= 0) return;
+    paid_ = std::max(paid_, Clock::now() - std::chrono::seconds(1)) +
+            std::chrono::duration_cast<Clock::duration>(
+                std::chrono::duration<double>(static_cast<double>(bytes) / rate_));
+  }
+  /// The time by which all bytes received so far would have come at the allowed rate.
+  Clock::time_point paid() const { return paid_; }
+  bool is_exceeded() const { return paid_ > Clock::now() + std::chrono::seconds(5); }
+  double rate() const { return rate_; }
+
+ private:
+  double rate_;
+  Clock::time_point paid_{};
+};
+
 /// Passes a publisher's messages to the relay. Returns what was wrong, for the publisher; empty if
 /// the publisher has ended the connection.
 Task<std::string> read_from_publisher(std::shared_ptr<Session> session, Publication& publication,
                                       const Limits& limits) {
   session->stream.read_message_max(limits.max_message);
   Timer pause(session->transport->executor());
-  // The time by which all bytes received so far would have come at the allowed rate.
-  Clock::time_point paid = Clock::now();
+  Pace all(limits.publish_rate), text(limits.publish_text_rate);
   while (true) {
     Bytes bytes;
     auto buffer = asio::dynamic_buffer(bytes, limits.max_message);
     error_code error;
-    co_await session->stream.async_read(buffer, asio::redirect_error(kUseAwaitable, error));
-    if (error == websocket::error::message_too_big) co_return "the message is too large";
-    if (error) co_return std::string();
-    const auto size = static_cast<double>(bytes.size());
+    do {
+      co_await session->stream.async_read_some(buffer, 0,
+                                               asio::redirect_error(kUseAwaitable, error));
+      if (error == websocket::error::message_too_big) co_return "the message is too large";
+      if (error) co_return std::string();
+      if (session->stream.got_text() && bytes.size() > kMaxLiveText) {
+        co_return fmt::format("a text message has more than {} bytes", kMaxLiveText);
+      }
+    } while (!session->stream.is_message_done());
+    all.add(bytes.size());
+    if (session->stream.got_text()) text.add(bytes.size());
     LiveMessage message;
     message.kind = session->stream.got_text() ? LiveMessage::Kind::text : LiveMessage::Kind::binary;
     message.bytes = std::make_shared<const Bytes>(std::move(bytes));
     if (auto taken = publication.message(std::move(message)); !taken) {
       co_return taken.error().message;
     }
-    if (limits.publish_rate <= 0) continue;
-    // The bytes of one second may come at once. Beyond that the peer is not read from for up to
-    // five seconds, so that TCP holds it back; but not for more than a second at a time, so that
-    // its pings are still answered.
-    const auto now = Clock::now();
-    paid = std::max(paid, now - std::chrono::seconds(1)) +
-           std::chrono::duration_cast<Clock::duration>(
-               std::chrono::duration<double>(size / limits.publish_rate));
-    if (paid > now + std::chrono::seconds(5)) {
-      co_return fmt::format("more than {} bytes a second came", limits.publish_rate);
+    if (all.is_exceeded()) co_return fmt::format("more than {} bytes a second came", all.rate());
+    if (text.is_exceeded()) {
+      co_return fmt::format("more than {} bytes of text a second came", text.rate());
     }
+    // The peer is not read from for up to five seconds, so that TCP holds it back; but not for more
+    // than a second at a time, so that its pings are still answered.
+    const auto now = Clock::now(), paid = std::max(all.paid(), text.paid());
     if (paid <= now) continue;
     pause.expires_at(std::min(paid, now + std::chrono::seconds(1)));
     co_await pause.async_wait(asio::redirect_error(kUseAwaitable, error));

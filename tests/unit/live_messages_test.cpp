@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/stream/json_fields.h"
 #include "common/stream/live.h"
 #include "pointreel/chunks.h"
 #include "tests/live_layer.h"
@@ -84,6 +85,22 @@ TEST(LiveMessages, drops_and_the_end_are_parsed_and_unknown_types_are_distinguis
   EXPECT_FALSE(parse_live_text(R"({"frames": 1})"));
   EXPECT_FALSE(parse_live_text(R"({"type": "drops", "frames": -1, "layers": 0})"));
   EXPECT_FALSE(parse_live_text(std::string(kMaxLiveText + 1, ' ')));
+}
+
+TEST(LiveMessages, the_longest_hello_has_room) {
+  LiveHello hello = a_hello();
+  hello.name = std::string(kMaxTitle, '"');
+  hello.layer_names.clear();
+  for (char c = 'a'; hello.layer_names.size() < kMaxLayers; ++c) {
+    hello.layer_names.emplace_back(kMaxTitle, c);
+  }
+  hello.fps = 29.970029970029973;
+  hello.bounds = {};
+  hello.bounds.grow(glm::dvec3(-1.2345678901234567e-300));
+  hello.bounds.grow(glm::dvec3(1.2345678901234567e+300));
+  const std::string text = write_hello(hello);
+  EXPECT_LT(text.size(), kMaxLiveText / 2);
+  EXPECT_TRUE(std::get<LiveHello>(parse_live_text(text).value()) == hello);
 }
 
 TEST(LiveMessages, a_layer_is_parsed_as_it_was_written) {

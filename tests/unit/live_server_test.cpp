@@ -179,6 +179,21 @@ TEST_P(LiveServerTest, limits_the_message_size_and_rate_of_publishers) {
   EXPECT_THAT(next(*fast), HasSubstr("more than 10000 bytes a second"));
 }
 
+TEST_P(LiveServerTest, limits_the_text_of_publishers) {
+  options_.publish_text_rate = 1000;
+  start();
+  const auto longest = connected("/live/long?publish");
+  ASSERT_TRUE(longest && say_hello(*longest));
+  const Bytes spaces(kMaxLiveText + 1, ' ');
+  longest->send(spaces, Kind::text);
+  EXPECT_THAT(next(*longest), HasSubstr("a text message has more than 8192 bytes"));
+  const auto talker = connected("/live/talker?publish");
+  ASSERT_TRUE(talker && say_hello(*talker));
+  const std::string text = R"({"type": "of a later version"})" + std::string(7000, ' ');
+  talker->send(Bytes(text.begin(), text.end()), Kind::text);
+  EXPECT_THAT(next(*talker), HasSubstr("more than 1000 bytes of text a second"));
+}
+
 TEST_P(LiveServerTest, never_lets_a_stalled_viewer_delay_others) {
   options_.stall_timeout = 60s;
   start();

@@ -35,6 +35,20 @@ std::optional<std::string_view> field(std::string_view line, std::string_view na
   return line;
 }
 
+/// The number of codings in a list such as "gzip, chunked" that curl undoes by decompressing.
+int compressions(std::string_view list) {
+  int count = 0;
+  while (!list.empty()) {
+    std::string_view coding = list.substr(0, list.find(','));
+    list.remove_prefix(std::min(coding.size() + 1, list.size()));
+    while (!coding.empty() && is_space(coding.front())) coding.remove_prefix(1);
+    if (!coding.empty() && !coding.starts_with("chunked") && !coding.starts_with("identity")) {
+      ++count;
+    }
+  }
+  return count;
+}
+
 bool is_loopback(const std::string& text) {
   const auto url = parse_url(text);
   return url && (url->host.starts_with("127.") || url->host == "localhost" || url->host == "::1");
@@ -113,6 +127,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   tag_.clear();
   newest_byte_.reset();
   came_ = discarded_ = 0;
+  compressions_ = 0;
   accepted_ = wrong_range_ = too_long_ = unchanged_ = false;
   if (!wanted_.is_range()) body_.clear();
   begun_ = std::chrono::steady_clock::now();
@@ -154,7 +169,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
     asked_for_ = wanted_.size - body_.size();
     set(CURLOPT_RANGE, range_.c_str());
   } else {
-    set(CURLOPT_ACCEPT_ENCODING, "");  // manifests are text, which many servers compress
+    set(CURLOPT_ACCEPT_ENCODING, "gzip");  // manifests are text, which many servers compress
   }
   set(CURLOPT_WRITEFUNCTION, &HttpTransfer::on_body);
   set(CURLOPT_WRITEDATA, static_cast<void*>(this));
@@ -171,7 +186,14 @@ std::size_t HttpTransfer::on_header(char* data, std::size_t, std::size_t size, v
   if (line.starts_with("HTTP/")) {
     self.content_range_.clear();
     self.tag_.clear();
+    self.compressions_ = 0;
   }
+  // A kilobyte that was compressed twice may stand for a gigabyte that decompresses to nothing: the
+  // limit on the body would not notice the work.
+  for (const std::string_view name : {"content-encoding", "transfer-encoding"}) {
+    if (const auto value = field(line, name)) self.compressions_ += compressions(*value);
+  }
+  if (self.compressions_ > 1) return 0;
   if (const auto value = field(line, "content-range")) self.content_range_ = *value;
   if (const auto value = field(line, "etag"); value && value->size() <= kMaxTag) self.tag_ = *value;
   return size;
@@ -280,6 +302,8 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
   if (too_long_)
     return failure(Kind::doubtful, fmt::format("the server sends more than the {} bytes expected",
                                                wanted_.is_range() ? asked_for_ : wanted_.limit));
+  if (compressions_ > 1)
+    return failure(Kind::final, "the server compresses the answer more than once");
   if (wrong_range_ || (code == CURLE_OK && answered == 206 && !is_range_asked_for()))
     return failure(
         Kind::doubtful,

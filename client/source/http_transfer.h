@@ -39,8 +39,9 @@ struct HttpFailure {
 /// One request, made in as many attempts as it takes. Bytes of a range that have come are not asked
 /// for again. For one thread.
 ///
-/// Trust: the server may be hostile. A body is bounded while it arrives, takes memory as it comes,
-/// and is kept only if the status and Content-Range match the request.
+/// Trust: the server may be hostile. A body is bounded while it arrives, after decompression, takes
+/// memory as it comes, and is kept only if the status and Content-Range match the request. It may
+/// be compressed once.
 class HttpTransfer {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -99,6 +100,7 @@ class HttpTransfer {
   std::optional<Time> newest_byte_;
   std::uint64_t asked_for_ = 0;  ///< bytes, if a range is asked for
   std::uint64_t came_ = 0, discarded_ = 0;
+  int compressions_ = 0;  ///< how many times the body was compressed
   bool accepted_ = false, wrong_range_ = false, too_long_ = false, unchanged_ = false;
 };
 

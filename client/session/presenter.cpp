@@ -80,7 +80,7 @@ void Presenter::add_to_report(const Stage& stage, const Stage::Change& change) {
   report_.add(frame, rest, drawn_);
   SourceReport& source = report_.sources[change.source];
   ++source.frames_shown;
-  // A live frame was captured by the clock of another machine, which may disagree with this one.
+  // A live frame was captured by the time of another machine, which may disagree with this one.
   if (reel == nullptr)
     source.delay.add((static_cast<double>(unix_time_us()) - static_cast<double>(frame.time_us)) /
                      1000.0);

@@ -49,8 +49,10 @@ struct WaitingFrame {
 };
 
 std::chrono::microseconds length_of(const Segment& segment, double fps) {
-  return std::chrono::microseconds(segment.times_us.back() - segment.times_us.front() +
-                                   static_cast<std::uint64_t>(1e6 / fps));
+  constexpr double kLongestFrameUs = 3.6e9;  // however low the rate is
+  return std::chrono::microseconds(
+      segment.times_us.back() - segment.times_us.front() +
+      static_cast<std::uint64_t>(std::min(1e6 / fps, kLongestFrameUs)));
 }
 
 /// How many layers to fetch, judged by how long segments took to come.

@@ -16,9 +16,9 @@
 /// newest one; those in between are skipped.
 namespace pointreel {
 
-/// Unix time in microseconds, and waiting for it. Tests have clocks of their own.
+/// The time, and waiting for it. Tests have clocks of their own.
 struct LiveClock {
-  std::function<std::uint64_t()> now_us;
+  std::function<std::uint64_t()> now_us;  ///< as unix_time_us()
   /// Returns at that time, or soon after `stop` was requested.
   std::function<void(std::uint64_t time_us, const std::stop_token& stop)> wait_until;
 
@@ -27,7 +27,7 @@ struct LiveClock {
 
 struct InputFrame {
   std::string name;              ///< the file, or the number of the frame, for error messages
-  std::uint64_t capture_us = 0;  ///< Unix time
+  std::uint64_t capture_us = 0;  ///< by the LiveClock
   Result<LoadedCloud> cloud;     ///< the error begins with `name`
 };
 

@@ -78,16 +78,16 @@ class FilePlayer : public FrameInput {
 }  // namespace
 
 LiveClock LiveClock::system() {
-  using std::chrono::microseconds;
-  using Clock = std::chrono::system_clock;
   LiveClock clock;
   clock.now_us = unix_time_us;
   clock.wait_until = [](std::uint64_t time_us, const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any stopped;
     std::unique_lock lock(mutex);
-    const Clock::time_point time{microseconds(static_cast<std::int64_t>(time_us))};
-    stopped.wait_until(lock, stop, time, [] { return false; });
+    const std::uint64_t now = unix_time_us();
+    if (time_us <= now) return;
+    const std::chrono::microseconds left(static_cast<std::int64_t>(time_us - now));
+    stopped.wait_for(lock, stop, left, [] { return false; });
   };
   return clock;
 }

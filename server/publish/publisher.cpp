@@ -107,7 +107,7 @@ class Publisher {
     if (!encoded) return fail_at(frame.name, encoded.error());
     const int depth = encoded->depth;
     greet(cloud, box);
-    // Capture times must rise, even if the clock is set back meanwhile.
+    // Capture times must rise, even if two frames came within a microsecond.
     last_us_ = std::max(frame.capture_us, last_us_ + 1);
     outbox_.push(number_, messages_of(*std::move(encoded), number_, last_us_));
     ++number_;

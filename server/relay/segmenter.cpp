@@ -7,13 +7,22 @@
 #include <fmt/format.h>
 
 #include "codec/frame_header.h"
+#include "common/stream/json_fields.h"
 
 namespace pointreel {
+namespace {
+
+constexpr std::uint64_t kLongestFrameUs = 3'600'000'000;
+/// No frame is later, so that the end of the last one is still a whole number of a manifest.
+constexpr std::uint64_t kLatestUs = kMaxInteger - kLongestFrameUs;
+
+}  // namespace
 
 void Segmenter::begin(const LiveHello& hello) {
   if (hello.session != hello_.session) {
     frames_ = 0;
     last_us_ = 0;
+    shift_us_ = 0;
   }
   hello_ = hello;
   end_frame();
@@ -24,11 +33,19 @@ void Segmenter::end_frame() {
   frame_.reset();
 }
 
+/// Publishers' times rise steadily. If one's clock was set back nevertheless, its frames continue
+/// after those before, at the nominal rate.
+std::uint64_t Segmenter::time_of(const LiveLayer& layer) const {
+  std::uint64_t time = layer.capture_us + shift_us_;
+  if (frames_ > 0 && time <= last_us_) time = last_us_ + frame_duration_us(hello_.fps);
+  return std::min(time, kLatestUs);
+}
+
 std::optional<LiveSegment> Segmenter::add(const LiveLayer& layer) {
   std::optional<LiveSegment> finished;
   if (layer.layer == 0) {
     const Segment& entry = segment_.entry;
-    if (!entry.times_us.empty() && (layer.capture_us >= entry.times_us.front() + segment_us_ ||
+    if (!entry.times_us.empty() && (time_of(layer) >= entry.times_us.front() + segment_us_ ||
                                     bytes_ + layer.bytes.size() > segment_bytes_)) {
       finished = flush();
     }
@@ -73,9 +90,10 @@ bool Segmenter::begin_frame(const LiveLayer& layer) {
     cubes_.grow(header.cube.origin + header.cube.edge);
     entry.cube = bounding_cube(cubes_);
   }
+  last_us_ = time_of(layer);
+  shift_us_ = last_us_ > layer.capture_us ? last_us_ - layer.capture_us : 0;
   ++frames_;
   expected_layers_ = header.layers;
-  last_us_ = std::max(last_us_, layer.capture_us);
   entry.times_us.push_back(last_us_);
   entry.points.push_back(header.source_points);
   for (LayerFile& file : entry.layers) file.frames.emplace_back();
@@ -135,8 +153,13 @@ Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_
   return segment;
 }
 
+std::uint64_t frame_duration_us(double fps) {
+  const double us = std::min(1e6 / fps, static_cast<double>(kLongestFrameUs));
+  return static_cast<std::uint64_t>(std::llround(us));
+}
+
 std::uint64_t end_of(const Segment& segment, double fps) {
-  return segment.times_us.back() + static_cast<std::uint64_t>(std::llround(1e6 / fps));
+  return segment.times_us.back() + frame_duration_us(fps);
 }
 
 bool go_together(const LiveHello& a, const LiveHello& b) {

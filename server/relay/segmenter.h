@@ -13,8 +13,8 @@ namespace pointreel {
 
 /// Consecutive frames of a live stream, as they stand in a package.
 struct LiveSegment {
-  /// Counts frames from the beginning of the session, and its times are Unix times. Its files have
-  /// sizes and checksums, but no names yet.
+  /// Counts frames from the beginning of the session, and its times are those of capture. Its files
+  /// have sizes and checksums, but no names yet.
   Segment entry;
   std::vector<std::string> files;  ///< the bytes of each layer's file
   std::uint32_t depth_min = 0, depth_max = 0;
@@ -43,14 +43,16 @@ class Segmenter {
  private:
   bool begin_frame(const LiveLayer& layer);
   void end_frame();
+  std::uint64_t time_of(const LiveLayer& layer) const;
 
   const std::uint64_t segment_us_, segment_bytes_;
   LiveHello hello_;
   LiveSegment segment_;
   Box cubes_;  ///< bounds of the cubes of all frames
   std::uint64_t bytes_ = 0;
-  std::uint32_t frames_ = 0;  ///< in the session so far
-  std::uint64_t last_us_ = 0;
+  std::uint32_t frames_ = 0;            ///< in the session so far
+  std::uint64_t last_us_ = 0;           ///< the time of the newest frame
+  std::uint64_t shift_us_ = 0;          ///< from capture times to the times of frames
   std::optional<std::uint32_t> frame_;  ///< the frame whose layers are being added
   std::uint8_t next_layer_ = 0;
   std::uint8_t expected_layers_ = 0;  ///< layers of that frame, by its header
@@ -74,6 +76,9 @@ Manifest live_head(const LiveHello& hello, const LiveTotals& totals);
 
 /// The segment's entry in a manifest that begins with this frame at this time.
 Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_us);
+
+/// The nominal duration of a frame in microseconds, at most an hour.
+std::uint64_t frame_duration_us(double fps);
 
 /// When a segment of a manifest ends, including the duration of its last frame.
 std::uint64_t end_of(const Segment& segment, double fps);

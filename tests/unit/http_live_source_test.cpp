@@ -241,5 +241,15 @@ TEST(LivePacing, keeps_the_capture_intervals_delayed_by_the_slowest_recent_segme
   EXPECT_EQ(pacing.due(15'000'000), begin + 15'100ms) << "the slow arrivals are forgotten";
 }
 
+TEST(LivePacing, begins_anew_when_the_publishers_clock_jumps) {
+  LivePacing pacing;
+  const LivePacing::Time begin{10'000s};
+  pacing.arrived(5'000'000'000, begin);
+  pacing.arrived(8'600'500'000, begin + 500ms);  // an hour ahead
+  EXPECT_EQ(pacing.due(8'600'500'000), begin + 500ms);
+  pacing.arrived(1'000'000, begin + 1s);  // far back
+  EXPECT_EQ(pacing.due(1'000'000), begin + 1s);
+}
+
 }  // namespace
 }  // namespace pointreel

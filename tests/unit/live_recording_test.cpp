@@ -277,6 +277,41 @@ TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_reported_once_and_distur
   EXPECT_THAT(said_, ElementsAre(HasSubstr("recording stage has stopped")));
 }
 
+/// The layers of a frame that was captured at another time.
+void give_at(LiveSink& sink, std::uint32_t number, std::uint64_t capture_us) {
+  for (const LiveMessage& message : real_frame(number)) {
+    LiveLayer layer = parse_live_layer(*message.bytes).value();
+    layer.capture_us = capture_us;
+    sink.layer(layer, message);
+  }
+}
+
+TEST_F(RecorderTest, frames_keep_their_pace_when_the_publishers_clock_is_set_back) {
+  LiveRecorder recorder(options());
+  recorder.hello(real_hello());
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    const std::uint64_t set_back = i < 10 ? 0 : i < 20 ? 3'600'000'000 : 7'200'000'000;
+    give_at(recorder, i, kStart + i * kPeriod - set_back);
+  }
+  recorder.end();
+  const Manifest manifest = read_manifest(package()).value();
+  for (std::uint32_t i = 0; i < 40; ++i) EXPECT_EQ(frame_time_us(manifest, i), i * kPeriod);
+  EXPECT_THAT(manifest.segments, SizeIs(8));
+}
+
+TEST_F(RecorderTest, times_and_rates_of_any_size_give_a_package) {
+  LiveRecorder recorder(options());
+  LiveHello hello = real_hello();
+  hello.fps = 1e-300;
+  recorder.hello(hello);
+  const std::uint64_t latest = (std::uint64_t{1} << 53) - 1;
+  for (std::uint32_t i = 0; i < 20; ++i) give_at(recorder, i, i % 2 == 0 ? 0 : latest);
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 20u);
+}
+
 /// The files that a window has written.
 struct Files {
   std::map<std::string, std::string> files;

@@ -83,7 +83,8 @@ class OffscreenPlayer {
   }
 
   Camera camera_at(std::uint64_t time_us) const {
-    return pointreel::camera_at(options_, time_us, stage_->bounds(), stage_->up(), size_);
+    const Up up = options_.settings.up.value_or(stage_->up());
+    return pointreel::camera_at(options_, time_us, stage_->bounds(), up, size_);
   }
 
   Result<void> play_every_frame(ReelPlayback& reel) {

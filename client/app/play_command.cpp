@@ -47,6 +47,12 @@ Result<double> parse_speed(const std::string& text) {
                                                kBackward.min, kBackward.max));
 }
 
+Result<Up> parse_up_name(const std::string& text) {
+  const auto up = parse_up(text);
+  if (!up) return fail(ErrorCode::argument, fmt::format("\"{}\" is not one of {}", text, kUpNames));
+  return *up;
+}
+
 /// What the option is for, what it accepts, and its default.
 std::string description(const Option& option) {
   const std::string value = value_text(option, {});
@@ -135,9 +141,9 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->group(group);
   command
       .add_option("--up", up_,
-                  "The axis that points up, y or z (default: what the package says; y for a "
-                  "folder of files)")
-      ->check(CLI::IsMember({"y", "z"}))
+                  "The axis that points up: x, -x, y, -y, z or -z (default: what the package says; "
+                  "y for a folder of files)")
+      ->check(check(parse_up_name))
       ->type_name("AXIS")
       ->group(group);
 }
@@ -250,7 +256,7 @@ void PlayCommand::add_output(CLI::App& command) {
       ->group(group);
 }
 
-/// Sets the options of the table that are on the command line.
+/// Sets what the command line gives of the settings.
 Result<void> PlayCommand::set_given(Settings& settings) const {
   for (const Option& option : option_table()) {
     for (const std::string_view name : {option.name, option.old_name}) {
@@ -259,6 +265,7 @@ Result<void> PlayCommand::set_given(Settings& settings) const {
         TRY(set_from_text(option, given->as<std::string>(), settings));
     }
   }
+  if (!up_.empty()) settings.up = TRY(parse_up_name(up_));
   return {};
 }
 
@@ -273,7 +280,6 @@ Result<PlayOptions> PlayCommand::options() const {
     options.sources.push_back({sources_[i], {}});
     if (i < positions_.size()) options.sources.back().place = TRY(parse_position(positions_[i]));
   }
-  if (!up_.empty()) options.up = up_[0];
   if (!offscreen_.empty()) options.offscreen = TRY(parse_size(offscreen_, kPictureSide));
   if (!camera_.empty()) {
     CameraArgument camera = TRY(parse_camera(camera_));

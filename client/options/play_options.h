@@ -32,7 +32,6 @@ struct PlayOptions {
   std::uint32_t layers = kAllLayers;
   double speed = 1.0;
   double fps = 30.0;                      ///< frame rate of folders of files
-  std::optional<char> up;                 ///< default: as the package says; 'y' for folders
   std::optional<glm::ivec2> offscreen;    ///< draw pictures of this size, without a window
   std::optional<double> at;               ///< seconds
   std::optional<double> duration;         ///< seconds

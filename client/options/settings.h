@@ -7,6 +7,7 @@
 
 #include "client/prepare/prepare.h"
 #include "client/scene/draw_options.h"
+#include "client/scene/up.h"
 
 namespace pointreel {
 
@@ -23,6 +24,8 @@ struct Settings {
   Drafts drafts = Drafts::playing;  ///< in a window; pictures that are written are never drafts
   bool floor = false;               ///< draw a grid on the floor
   bool drawing_panel = false, statistics_panel = false;  ///< whether they are open
+  /// In place of what the package says. Not kept for the next time: it is about what plays.
+  std::optional<Up> up;
 
   bool operator==(const Settings&) const = default;
 };

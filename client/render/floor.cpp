@@ -44,7 +44,7 @@ Result<void> Floor::draw(const FloorGrid& grid, const Camera& camera, const glm:
   const float light = is_dark ? 1.0f : 0.0f, opacity = is_dark ? 0.16f : 0.5f;
   glUniform4f(0, light, light, light, opacity);
   glUniform1f(1, static_cast<float>(floor_reach(grid.bounds)));
-  glUniform1i(2, up_axis(grid));
+  glUniform1i(2, grid.up.axis());
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);

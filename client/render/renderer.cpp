@@ -25,7 +25,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 bool is_above(const glm::dvec3& eye, const FloorGrid& grid) {
-  return eye[up_axis(grid)] >= floor_origin(grid)[up_axis(grid)];
+  return glm::dot(eye - floor_origin(grid), grid.up.direction()) >= 0.0;
 }
 
 void cull_backs() {

@@ -14,12 +14,12 @@ constexpr double kNearest = 1e-3, kFarthest = 1e3;  // of the scene's radius
 }  // namespace
 
 glm::dmat3 Camera::axes() const {
-  const bool z_up = up == 'z';
-  const glm::dvec3 x(1.0, 0.0, 0.0);
-  const glm::dvec3 front = z_up ? glm::dvec3(0.0, -1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
-  const glm::dvec3 above = z_up ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
-  const glm::dvec3 right = std::cos(yaw) * x - std::sin(yaw) * front;
-  const glm::dvec3 level = std::cos(yaw) * front + std::sin(yaw) * x;
+  const glm::dvec3 above = up.direction();
+  glm::dvec3 front = up.axis() == 2 ? glm::dvec3(0.0, -1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
+  if (up.reversed()) front = -front;
+  const glm::dvec3 beside = glm::cross(above, front);
+  const glm::dvec3 right = std::cos(yaw) * beside - std::sin(yaw) * front;
+  const glm::dvec3 level = std::cos(yaw) * front + std::sin(yaw) * beside;
   const glm::dvec3 back = std::cos(pitch) * level + std::sin(pitch) * above;
   return {right, glm::cross(back, right), back};
 }
@@ -80,8 +80,7 @@ void Camera::fly(const glm::dvec3& move, double yaw_by, double pitch_by) {
   const glm::dvec3 from = eye();
   orbit(yaw_by, pitch_by);
   const glm::dmat3 frame = axes();
-  const glm::dvec3 above = up == 'z' ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
-  target = from + move.x * frame[0] + move.y * above - (move.z + distance) * frame[2];
+  target = from + move.x * frame[0] + move.y * up.direction() - (move.z + distance) * frame[2];
 }
 
 glm::mat4 Camera::view_from(const glm::dvec3& origin) const {

@@ -2,6 +2,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/scene/up.h"
 #include "pointreel/geometry.h"
 
 namespace pointreel {
@@ -9,14 +10,15 @@ namespace pointreel {
 /// A camera that orbits a target. World coordinates are double and in the source's units; angles
 /// are radians. Eye space is OpenGL's: x right, y up, and the camera looks along -z.
 ///
-/// The front view (yaw 0, pitch 0) looks along -z if y is up, and along +y if z is up. In both
-/// cases x points to the right.
+/// The front view (yaw 0, pitch 0) looks along -z if y or x is up, and along +y if z is up; x
+/// points to the right unless it is up. An axis that points down looks as if the world had been
+/// turned by half a turn about the axis to the right.
 struct Camera {
   glm::dvec3 target{0.0};
   double distance = 3.0;      ///< from the target to the eye, > 0
   double yaw = 0.0;           ///< moves the eye about the up axis, to the right where positive
   double pitch = 0.0;         ///< moves the eye above the target where positive, below +-pi/2
-  char up = 'y';              ///< the world's up axis, 'y' or 'z'
+  Up up = 'y';                ///< of the world
   double fov_y = 0.7;         ///< vertical field of view
   double scene_radius = 1.0;  ///< the size of the scene, as `zoom` and `near_plane` see it
 

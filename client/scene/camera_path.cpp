@@ -180,9 +180,8 @@ Result<CameraPath> parse_camera_path(std::string_view text) {
                             version, kVersion));
   CameraPath path;
   if (fields.has("up")) {
-    const std::string up = fields.text("up");
-    if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
-    if (!up.empty()) path.up = up[0];
+    path.up = parse_up(fields.text("up"));
+    if (!path.up) fields.refuse("up", fmt::format("is not one of {}", kUpNames));
   }
   const JsonValue keys = fields.array("keys");
   const std::size_t count = keys.size();
@@ -202,7 +201,7 @@ Result<CameraPath> parse_camera_path(std::string_view text) {
 
 std::string write_camera_path(const CameraPath& path) {
   std::string text = fmt::format("{{\"pointreel_camera_path\": {},", kVersion);
-  if (path.up) text += fmt::format(" \"up\": \"{}\",", *path.up);
+  if (path.up) text += fmt::format(" \"up\": \"{}\",", path.up->text());
   text += " \"keys\": [";
   for (std::size_t i = 0; i < path.keys.size(); ++i) {
     const CameraKey& key = path.keys[i];

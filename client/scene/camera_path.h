@@ -34,7 +34,7 @@ CameraKey key_of(const Camera& camera, std::uint64_t time_us);
 /// where the keys do. Distances are interpolated as logarithms, so that a zoom looks even. Yaw
 /// takes the shorter way round. Before its first key and after its last it stands still.
 struct CameraPath {
-  std::optional<char> up;       ///< the axis that the angles refer to; absent: the scene's
+  std::optional<Up> up;         ///< that the angles refer to; absent: the scene's
   std::vector<CameraKey> keys;  ///< each later than the one before; `at` needs at least one
 
   /// Adds a key. It replaces a key at the same time.

@@ -21,7 +21,7 @@ double half_diagonal(const Box& bounds) {
 }
 
 /// The axes along the floor.
-glm::ivec2 level_axes(char up) { return up == 'z' ? glm::ivec2(0, 1) : glm::ivec2(0, 2); }
+glm::ivec2 level_axes(Up up) { return {up.axis() == 0 ? 1 : 0, up.axis() == 2 ? 1 : 2}; }
 
 /// The largest step that is 1, 2 or 5 times a power of ten and no larger than `at_most`.
 double round_step(double at_most) {
@@ -41,16 +41,15 @@ bool clip(glm::dvec3& from, glm::dvec3& to, const glm::dvec3& eye, const glm::dv
 
 }  // namespace
 
-int up_axis(const FloorGrid& grid) { return grid.up == 'z' ? 2 : 1; }
-
 double floor_reach(const Box& bounds) { return kReach * half_diagonal(bounds); }
 
 double floor_step(const Box& bounds) { return round_step(floor_reach(bounds) / kLeastLines); }
 
 glm::dvec3 floor_origin(const FloorGrid& grid) {
-  const int up = up_axis(grid);
+  const int up = grid.up.axis();
   glm::dvec3 origin = grid.bounds.center();
-  if (!grid.bounds.empty()) origin[up] = grid.bounds.min[up];
+  if (!grid.bounds.empty())
+    origin[up] = grid.up.reversed() ? grid.bounds.max[up] : grid.bounds.min[up];
   return origin;
 }
 

@@ -11,14 +11,11 @@ namespace pointreel {
 
 /// A grid of lines on the floor that a scene stands on.
 struct FloorGrid {
-  Box bounds;     ///< of the scene, in the world; its lower side is the floor
-  char up = 'y';  ///< the world's up axis, 'y' or 'z'
+  Box bounds;   ///< of the scene, in the world; the side that is down is the floor
+  Up up = 'y';  ///< of the world
 
   bool operator==(const FloorGrid&) const = default;
 };
-
-/// The index of the up axis, 1 or 2.
-int up_axis(const FloorGrid& grid);
 
 /// The distance between neighbouring lines in the scene's units: 1, 2 or 5 times a power of ten. A
 /// box that is empty or has no extent is treated as a box of edge 1.

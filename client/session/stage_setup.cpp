@@ -10,7 +10,6 @@ Stage::Options stage_options(const PlayOptions& options) {
   Stage::Options stage;
   stage.size = options.picture_size();
   stage.source.fps = options.fps;
-  stage.source.up = options.up.value_or('y');
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
   stage.prepare = prepare_options(options.settings, options.layers);
@@ -30,10 +29,10 @@ std::uint64_t start_us(const PlayOptions& options) {
   return static_cast<std::uint64_t>(std::llround(options.at.value_or(0.0) * 1'000'000.0));
 }
 
-Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, char up,
+Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, Up up,
                  glm::ivec2 size) {
   Camera camera;
-  camera.up = options.up.value_or(up);
+  camera.up = up;
   camera.frame_bounds(bounds, static_cast<double>(size.x) / size.y);
   if (options.view) {
     camera.yaw = camera.pitch = 0.0;
@@ -43,7 +42,7 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
 }
 
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
-  return camera_at(options, start_us(options), bounds, up, size);
+  return camera_at(options, start_us(options), bounds, options.settings.up.value_or(up), size);
 }
 
 std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera) {

@@ -21,12 +21,12 @@ bool is_single_frame(const PlayOptions& options);
 /// The time of the reel at which playback begins.
 std::uint64_t start_us(const PlayOptions& options);
 
-/// A camera for pictures of `size` pixels of a scene with these bounds and this axis up: the one
-/// that the options ask for, or one that frames the whole scene. A camera path is evaluated at
-/// `time_us`.
-Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, char up,
+/// A camera for pictures of `size` pixels of a scene with these bounds: the one that the options
+/// ask for, or one that frames the whole scene. A camera path is evaluated at `time_us`.
+Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& bounds, Up up,
                  glm::ivec2 size);
-/// The same at the time at which playback begins.
+/// The same at the time at which playback begins. `up` is what the package says; the settings take
+/// precedence over it.
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
 
 /// The floor below everything on the stage; none while the bounds are unknown.

@@ -63,7 +63,6 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
   manifest.name = std::move(name);
   manifest.codec = "files";
   manifest.fps = options.fps;
-  manifest.up = options.up;
   const auto time_of = [&](std::size_t frame) {
     return static_cast<std::uint64_t>(std::llround(1e6 * static_cast<double>(frame) / options.fps));
   };

@@ -10,7 +10,7 @@ namespace pointreel {
 
 /// A folder of PLY and .drc files, one file for each frame in natural order, or one such file. It
 /// needs neither a server nor packing. Its manifest is made up: one segment without layers,
-/// options.fps and options.up, and the bounds and attributes of the first frame that can be read
+/// options.fps, y up, and the bounds and attributes of the first frame that can be read
 /// and has points.
 Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
                                                    const SourceOptions& options);

@@ -101,9 +101,7 @@ class Source {
 Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes);
 
 struct SourceOptions {
-  // For folders of files, which do not tell these.
-  double fps = 30.0;
-  char up = 'y';
+  double fps = 30.0;  ///< of folders of files, which do not tell it
   // For HTTP and WebSocket.
   std::string token;    ///< bearer token, sent if not empty
   std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's

@@ -26,7 +26,8 @@ Camera WindowPicture::home(const Stage& stage, glm::ivec2 size) const {
     time_us = static_cast<std::uint64_t>(presenter_->seconds() * 1e6);
   else if (const SceneFrame* frame = controls_.shown_frame())
     time_us = controls_.reel()->timeline().times_us[frame->index];
-  return camera_at(options_, time_us, stage.bounds(), stage.up(), size);
+  const Up up = controls_.settings().up.value_or(stage.up());
+  return camera_at(options_, time_us, stage.bounds(), up, size);
 }
 
 Result<bool> WindowPicture::draw(Stage& stage, const Stage::Update& update, glm::ivec2 size,

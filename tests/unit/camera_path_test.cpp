@@ -28,7 +28,7 @@ double yaw_at(const CameraPath& path, double seconds) {
 
 CameraPath recorded() {
   CameraPath path;
-  path.up = 'z';
+  path.up = Up('z', true);
   Camera camera;
   camera.target = {500'000.25, -20.0, 0.125};
   camera.fov_y = 0.5;
@@ -46,7 +46,7 @@ TEST(CameraPath, passes_through_every_key_at_its_time) {
   const CameraPath path = recorded();
   for (const CameraKey& key : path.keys) {
     const Camera camera = path.at(key.time_us, Camera());
-    EXPECT_EQ(camera.up, 'z');
+    EXPECT_EQ(camera.up, Up('z', true));
     EXPECT_NEAR(glm::distance(camera.target, *key.target), 0.0, 1e-9);
     EXPECT_NEAR(camera.distance, *key.distance, 1e-12);
     EXPECT_NEAR(camera.yaw, key.yaw, 1e-12);
@@ -155,7 +155,7 @@ TEST(CameraPathFile, is_read_back_as_it_was_saved) {
   ASSERT_TRUE(save_camera_path(file, path));
   const auto loaded = load_camera_path(file);
   ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(loaded->up, 'z');
+  EXPECT_EQ(loaded->up, Up('z', true));
   ASSERT_EQ(loaded->keys.size(), path.keys.size());
   for (std::size_t i = 0; i < path.keys.size(); ++i) {
     EXPECT_EQ(loaded->keys[i].time_us, path.keys[i].time_us);
@@ -181,8 +181,8 @@ TEST(CameraPathFile, names_the_problem_and_its_place_in_an_invalid_file) {
   EXPECT_EQ(error("{}"), "is not a camera path: pointreel_camera_path: is missing");
   EXPECT_EQ(error(R"({"pointreel_camera_path": 2})"),
             "is a camera path of format 2, but this player reads format 1");
-  EXPECT_EQ(error(R"({"pointreel_camera_path": 1, "up": "x", "keys": [{"seconds": 0}]})"),
-            "up: is neither \"y\" nor \"z\"");
+  EXPECT_EQ(error(R"({"pointreel_camera_path": 1, "up": "w", "keys": [{"seconds": 0}]})"),
+            "up: is not one of x, -x, y, -y, z, -z");
   EXPECT_EQ(keys(""), "keys: must be a list of 1 to 10000");
   EXPECT_EQ(keys("{}"), "keys[0]: seconds: is missing");
   EXPECT_EQ(keys(R"({"seconds": -1})"), "keys[0]: seconds: is not from 0 to 1e+09");

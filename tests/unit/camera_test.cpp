@@ -46,6 +46,25 @@ TEST(Camera, front_view_of_a_z_up_world_looks_along_plus_y_with_x_to_the_right) 
   EXPECT_NEAR(glm::length(axes[2] - glm::dvec3(0, -1, 0)), 0.0, 1e-15);
 }
 
+TEST(Camera, every_axis_can_point_up_in_either_direction) {
+  for (const char letter : {'x', 'y', 'z'}) {
+    for (const bool reversed : {false, true}) {
+      Camera camera;
+      camera.up = Up(letter, reversed);
+      const glm::dmat3 axes = camera.axes();
+      EXPECT_NEAR(glm::length(axes[1] - camera.up.direction()), 0.0, 1e-15) << camera.up.text();
+      EXPECT_NEAR(glm::determinant(axes), 1.0, 1e-15) << camera.up.text();
+      EXPECT_EQ(parse_up(camera.up.text()), camera.up);
+      camera.orbit(0.0, 0.25);
+      EXPECT_NEAR(glm::dot(camera.eye(), camera.up.direction()), 3.0 * std::sin(0.25), 1e-12);
+      const glm::dvec3 before = camera.eye();
+      camera.fly({0.0, 1.0, 0.0}, 0.0, 0.0);
+      EXPECT_NEAR(glm::length(camera.eye() - before - camera.up.direction()), 0.0, 1e-12);
+    }
+  }
+  for (const char* text : {"", "-", "w", "yy", "--y", "+y", "Y"}) EXPECT_FALSE(parse_up(text));
+}
+
 TEST(Camera, positive_yaw_moves_the_eye_right_and_positive_pitch_moves_it_up) {
   for (const char up : {'y', 'z'}) {
     Camera camera;

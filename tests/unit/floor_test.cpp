@@ -45,6 +45,20 @@ TEST(FloorGrid, steps_are_round_numbers_in_proportion_to_the_scene) {
   EXPECT_EQ(floor_step({{1, 2, 3}, {1, 2, 3}}), floor_step(box_of(1.0)));
 }
 
+TEST(FloorGrid, the_floor_is_on_the_side_that_is_down) {
+  const Box box{{1, 2, 3}, {4, 5, 6}};
+  for (const char letter : {'x', 'y', 'z'}) {
+    const int axis = letter - 'x';
+    EXPECT_EQ(floor_origin({box, letter})[axis], box.min[axis]);
+    EXPECT_EQ(floor_origin({box, Up(letter, true)})[axis], box.max[axis]);
+    const FloorGrid grid{box, Up(letter, true)};
+    for (const FloorLine& line : floor_lines(grid, camera_of(grid))) {
+      EXPECT_EQ(line.from[axis], 0.0f);
+      EXPECT_EQ(line.to[axis], 0.0f);
+    }
+  }
+}
+
 TEST(FloorGrid, lines_lie_below_the_scene_at_multiples_of_the_step_within_a_disc) {
   for (const char up : {'y', 'z'}) {
     for (const glm::dvec3& middle : {glm::dvec3(0.3, 1.2, -0.7), glm::dvec3(4e6, -7e6, 2e5)}) {

@@ -54,7 +54,7 @@ TEST_F(PlayCommandTest, without_options_everything_is_at_its_default) {
   EXPECT_EQ(options->settings, Settings{});
   ASSERT_EQ(options->sources.size(), 1u);
   EXPECT_EQ(options->sources[0].where, "reel");
-  EXPECT_FALSE(options->offscreen || options->view || options->camera_path || options->up);
+  EXPECT_FALSE(options->offscreen || options->view || options->camera_path);
   EXPECT_EQ(options->picture_size(), glm::ivec2(1280, 720));
 }
 
@@ -105,6 +105,19 @@ TEST_F(PlayCommandTest, wrong_values_are_errors_that_say_what_is_accepted) {
 TEST_F(PlayCommandTest, speeds_backward_are_accepted) {
   EXPECT_EQ(parse({"--speed", "-0.5"})->speed, -0.5);
   EXPECT_EQ(parse({"--speed", "4"})->speed, 4.0);
+}
+
+TEST_F(PlayCommandTest, every_axis_can_point_up_in_either_direction) {
+  EXPECT_EQ(parse({})->settings.up, std::nullopt);
+  EXPECT_EQ(parse({"--up", "z"})->settings.up, Up('z'));
+  EXPECT_EQ(parse({"--up", "-y"})->settings.up, Up('y', true));
+  EXPECT_EQ(parse({"--up=-x"})->settings.up, Up('x', true));
+  EXPECT_THAT(error({"--up", "w"}), HasSubstr("\"w\" is not one of x, -x, y, -y, z, -z"));
+  const auto file = folder_.write("player.json", R"({"mode": "point"})");
+  auto options = parse({"--up", "-z", "--config", file.string()});
+  ASSERT_TRUE(options && command_->read_settings(*options));
+  EXPECT_EQ(options->settings.up, Up('z', true));
+  EXPECT_EQ(options->settings.draw.mode, DrawMode::point);
 }
 
 TEST_F(PlayCommandTest, a_camera_is_a_name_or_angles_or_a_path) {

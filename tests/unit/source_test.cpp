@@ -165,12 +165,11 @@ TEST(FolderSource, takes_its_files_in_natural_order_and_its_times_from_the_rate)
                              i));
   SourceOptions options;
   options.fps = 25.0;
-  options.up = 'z';
   auto source = open_source(folder.path().string(), options);
   ASSERT_TRUE(source) << source.error().message;
   const Manifest& manifest = (*source)->manifest();
   EXPECT_EQ(manifest.frame_count(), 3u);
-  EXPECT_EQ(manifest.up, 'z');
+  EXPECT_EQ(manifest.up, 'y');
   EXPECT_EQ(manifest.duration_us, 120'000u);
   EXPECT_EQ(frame_time_us(manifest, 2), 80'000u);
   EXPECT_EQ(manifest.bounds.max, glm::dvec3(1.0, 2.0, 3.0));

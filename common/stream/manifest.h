@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -18,8 +19,20 @@ std::string write_manifest(const Manifest& manifest);
 std::string write_segment(const Segment& segment);
 std::string write_manifest(const Manifest& manifest, std::span<const std::string> segments);
 
-/// Reads FOLDER/reel.json. The error begins with the path; its code is `not_found` if FOLDER is not
-/// a package.
+/// The file beside reel.json that holds the newest segments of a recording: PROTOCOL.md,
+/// "Recordings".
+inline constexpr const char* kJournalName = "reel.journal";
+/// A line of the journal: a segment, as its line in the manifest, and a manifest's other members.
+std::string write_journal_line(const Manifest& manifest, const std::string& segment);
+
+/// The text of a manifest in this folder, with what the journal adds to it, if there is one. The
+/// text itself may be anything: parse the result. Errors begin with the path of the journal.
+///
+/// Trust: the journal may be hostile. It is as long as a manifest at most.
+Result<std::string> with_journal(const std::filesystem::path& folder, std::string text);
+
+/// Reads FOLDER/reel.json and the journal, if there is one. The error begins with the path; its
+/// code is `not_found` if FOLDER is not a package.
 Result<Manifest> read_manifest(const std::filesystem::path& folder);
 
 }  // namespace pointreel

@@ -48,7 +48,10 @@ std::string write_manifest(const Manifest& manifest) {
   return write_manifest(manifest, lines);
 }
 
-std::string write_manifest(const Manifest& manifest, std::span<const std::string> segments) {
+namespace {
+
+/// All members but the segments.
+ordered_json head_json(const Manifest& manifest) {
   ordered_json head = {{"format", kPackageFormat},
                        {"version", kPackageVersion},
                        {"name", manifest.name},
@@ -71,7 +74,13 @@ std::string write_manifest(const Manifest& manifest, std::span<const std::string
                     {"ended", manifest.live->ended}};
   }
   head["layers"] = manifest.layer_names;
+  return head;
+}
 
+}  // namespace
+
+std::string write_manifest(const Manifest& manifest, std::span<const std::string> segments) {
+  const ordered_json head = head_json(manifest);
   std::string text = "{\n";
   for (const auto& [key, value] : head.items()) {
     text += fmt::format("  \"{}\": {},\n", key, dump(value));
@@ -83,6 +92,12 @@ std::string write_manifest(const Manifest& manifest, std::span<const std::string
   }
   text += segments.empty() ? "]\n}\n" : "\n  ]\n}\n";
   return text;
+}
+
+std::string write_journal_line(const Manifest& manifest, const std::string& segment) {
+  std::string head = dump(head_json(manifest));
+  head.pop_back();  // the brace that ends the object
+  return fmt::format("{},\"segments\":[{}]}}\n", head, segment);
 }
 
 }  // namespace pointreel

@@ -1,13 +1,11 @@
 #include "server/relay/recorder.h"
 
-#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -24,7 +22,6 @@ void LiveRecorder::hello(const LiveHello& hello) {
   if (greeted_ && !go_together(hello_, hello)) {
     if (auto segment = segmenter_.flush()) append(std::move(*segment));
     finish();
-    given_up_ = false;
   }
   segmenter_.begin(hello);
   hello_ = hello;
@@ -38,32 +35,52 @@ void LiveRecorder::layer(const LiveLayer& layer, const LiveMessage&) {
 void LiveRecorder::end() {
   if (auto segment = segmenter_.flush()) append(std::move(*segment));
   // The package is complete, unless the publisher comes back.
-  if (package_.empty()) return;
-  if (const auto written = write_manifest_file(false); !written) failed(written.error());
+  if (!package_) return;
+  if (const auto completed = package_->complete(hello_); !completed) {
+    say(completed.error().message);
+  }
 }
 
 void LiveRecorder::append(LiveSegment segment) {
-  if (given_up_) return;
-  if (lines_bytes_ > options_.manifest_bytes) finish();
-  if (package_.empty()) {
-    if (const auto opened = open(); !opened) {
-      failed(opened.error());
-      return;
+  const std::uint32_t frames = segment.entry.frame_count();
+  if (package_ && package_->manifest_bytes() > options_.manifest_bytes) finish();
+  if (const auto recorded = record(segment); !recorded) {
+    if (lost_frames_ == 0) {
+      say(fmt::format("{}; recording {} has stopped until that is possible",
+                      recorded.error().message, options_.name));
     }
-    first_frame_ = segment.entry.first_frame;
-    start_us_ = segment.entry.times_us.front();
+    lost_frames_ += frames;
+  } else if (lost_frames_ > 0) {
+    say(fmt::format("recording {} continues; {} frames before are lost", options_.name,
+                    std::exchange(lost_frames_, 0)));
   }
-  if (const auto written = write(segment); !written) failed(written.error());
 }
 
-Result<void> LiveRecorder::open() {
+Result<void> LiveRecorder::record(LiveSegment& segment) {
+  // Someone may have moved or removed it.
+  if (package_ && !package_->exists()) package_.reset();
+  if (!package_) TRY(open(segment));
+  const auto added = package_->add(segment, hello_);
+  if (!added && package_->empty()) {
+    package_->remove();
+    package_.reset();
+  }
+  return added;
+}
+
+Result<void> LiveRecorder::open(const LiveSegment& first) {
   std::error_code error;
   fs::create_directories(options_.folder, error);
   for (int i = 1; !error && i < 100'000; ++i) {
-    const fs::path package =
+    const fs::path folder =
         options_.folder / (i == 1 ? options_.name : fmt::format("{}-{}", options_.name, i));
-    if (fs::create_directory(package, error)) {
-      package_ = package;
+    // Whatever has this name already, be it a file or a link that leads nowhere, the next is taken.
+    if (fs::symlink_status(folder, error).type() != fs::file_type::not_found) {
+      if (!error) continue;
+      break;
+    }
+    if (fs::create_directory(folder, error)) {
+      package_.emplace(folder, first.entry.first_frame, first.entry.times_us.front());
       return {};
     }
   }
@@ -72,56 +89,21 @@ Result<void> LiveRecorder::open() {
                           error ? error.message() : "there are too many recordings"));
 }
 
-Result<void> LiveRecorder::write(LiveSegment& segment) {
-  segment.entry = rebased(std::move(segment.entry), first_frame_, start_us_);
-  name_files(segment, hello_.layer_names);
-  for (std::size_t i = 0; i < segment.files.size(); ++i) {
-    TRY(write_file(segment.entry.layers[i].path, segment.files[i]));
-  }
-  totals_.add(segment);
-  duration_us_ = end_of(segment.entry, hello_.fps);
-  lines_.push_back(write_segment(segment.entry));
-  lines_bytes_ += lines_.back().size();
-  return write_manifest_file(true);
-}
-
-Result<void> LiveRecorder::write_file(const std::string& name, std::string_view content) const {
-  // Readers ignore files of this name.
-  const fs::path unfinished = package_ / ".unfinished";
-  std::ofstream out(unfinished, std::ios::binary | std::ios::trunc);
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(unfinished, package_ / name, error);
-  if (!out || error) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot be written; check that the disk is not full",
-                                           (package_ / name).string()));
-  }
-  return {};
-}
-
-Result<void> LiveRecorder::write_manifest_file(bool growing) const {
-  Manifest manifest = live_head(hello_, totals_);
-  manifest.duration_us = duration_us_;
-  if (growing) manifest.live = LiveManifest{hello_.session, first_frame_, start_us_, false};
-  return write_file(kManifestName, write_manifest(manifest, lines_));
-}
-
 void LiveRecorder::finish() {
-  if (!package_.empty() && !lines_.empty()) {
-    if (const auto written = write_manifest_file(false); !written) failed(written.error());
+  if (package_) {
+    if (const auto completed = package_->complete(hello_); !completed) {
+      say(completed.error().message);
+    }
   }
-  package_.clear();
-  totals_ = {};
-  lines_.clear();
-  lines_bytes_ = 0;
+  package_.reset();
+  if (lost_frames_ > 0) {
+    say(fmt::format("recording {} has ended; its last {} frames are lost", options_.name,
+                    std::exchange(lost_frames_, 0)));
+  }
 }
 
-void LiveRecorder::failed(const Error& error) {
-  if (!given_up_ && options_.say) {
-    options_.say(error.message + "; recording " + options_.name + " has stopped");
-  }
-  given_up_ = true;
+void LiveRecorder::say(const std::string& line) const {
+  if (options_.say) options_.say(line);
 }
 
 }  // namespace pointreel

@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "pointreel/error.h"
+#include "server/relay/recorded_package.h"
 #include "server/relay/relay.h"
 #include "server/relay/segmenter.h"
 
@@ -19,16 +20,15 @@ struct LiveRecorderOptions {
   std::uint64_t segment_us = 1'000'000;
   /// If the manifest gets longer than this, the recording continues in another package.
   std::size_t manifest_bytes = 8u << 20;
-  /// Called with one line if something goes wrong. May be empty.
+  /// Called with one line if something goes wrong, and when that is over. May be empty.
   std::function<void(const std::string& line)> say;
 };
 
 /// Records a stream into packages: FOLDER/NAME, and then NAME-2 and so on for each new session and
 /// whenever a manifest gets too long. Existing files and folders are never touched.
 ///
-/// At any moment, however the process ends, the folder on disk is a package of all complete
-/// segments: files get their names when they are complete, and reel.json is replaced after that.
-/// While the package grows, reel.json has the member `live`.
+/// While nothing can be written, for instance because the disk is full, segments are lost. The
+/// recording continues in the same package with the first segment that can be written.
 class LiveRecorder : public LiveSink {
  public:
   explicit LiveRecorder(LiveRecorderOptions options);
@@ -40,25 +40,18 @@ class LiveRecorder : public LiveSink {
 
  private:
   void append(LiveSegment segment);
-  Result<void> open();
-  Result<void> write(LiveSegment& segment);
-  Result<void> write_file(const std::string& name, std::string_view content) const;
-  Result<void> write_manifest_file(bool growing) const;
+  Result<void> record(LiveSegment& segment);
+  Result<void> open(const LiveSegment& first);
   /// Ends the package, so that the next segment begins another one.
   void finish();
-  void failed(const Error& error);
+  void say(const std::string& line) const;
 
   const LiveRecorderOptions options_;
   Segmenter segmenter_;
   LiveHello hello_;
   bool greeted_ = false;
-  bool given_up_ = false;          ///< writing has failed: the rest of the session is not recorded
-  std::filesystem::path package_;  ///< empty if none is open
-  LiveTotals totals_;
-  std::vector<std::string> lines_;  ///< lines of the manifest, one for each segment
-  std::size_t lines_bytes_ = 0;
-  std::uint32_t first_frame_ = 0;
-  std::uint64_t start_us_ = 0, duration_us_ = 0;
+  std::optional<RecordedPackage> package_;
+  std::uint64_t lost_frames_ = 0;  ///< since a segment was recorded
 };
 
 }  // namespace pointreel

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/base/try.h"
+#include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "server/serve/entity_tag.h"
 #include "server/serve/request_target.h"
@@ -154,6 +155,8 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
     if (!manifest_file) return fail_at(given.string(), manifest_file.error());
     auto text = read_manifest_text(*manifest_file);
     if (!text) return fail_at((given / kManifestName).string(), text.error());
+    text = with_journal(folder, *std::move(text));
+    if (!text) return tl::unexpected(text.error());
     const auto manifest = parse_manifest(*text);
     if (!manifest) return fail_at((given / kManifestName).string(), manifest.error());
 

@@ -4,6 +4,7 @@
 
 #include "pointreel/package.h"
 #include "server/relay/http_window.h"
+#include "server/relay/recorded_package.h"
 #include "server/relay/recorder.h"
 #include "server/relay/sink_thread.h"
 
@@ -39,6 +40,7 @@ WindowOutput output_to(const std::shared_ptr<LiveResources>& resources, const st
 std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> live_sinks(
     std::shared_ptr<LiveResources> resources, std::filesystem::path record,
     std::function<void(const std::string& line)> say) {
+  if (!record.empty()) complete_recordings(record, say);
   return [=](const std::string& name) {
     std::vector<std::shared_ptr<LiveSink>> sinks;
     sinks.push_back(std::make_shared<SinkThread>(

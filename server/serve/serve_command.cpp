@@ -61,6 +61,7 @@ Result<void> serve(const ServeArguments& arguments) {
   }
   ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a recording that may not grow is an error like a full disk
 
   Log log(options.service.log);
   RelayOptions relay_options;

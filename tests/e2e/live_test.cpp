@@ -6,6 +6,8 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,6 +16,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "common/cloud/ply.h"
 #include "common/net/websocket.h"
@@ -189,6 +192,47 @@ TEST(Live, published_frames_are_viewed_and_recorded_exactly_across_a_killed_serv
   EXPECT_FALSE(second->live);
   const Outcome last = run("pointreel-server", {"verify", (record / "stage-2").string()});
   EXPECT_EQ(last.exit_code, 0) << last.out << last.err;
+}
+
+/// Limits the size of files that another process writes.
+bool limit_files(pid_t pid, rlim_t bytes) {
+  rlimit limit{};
+  if (::prlimit(pid, RLIMIT_FSIZE, nullptr, &limit) != 0) return false;
+  limit.rlim_cur = bytes;
+  return ::prlimit(pid, RLIMIT_FSIZE, &limit, nullptr) == 0;
+}
+
+std::string content(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Live, a_recording_stops_while_it_cannot_be_written_and_then_continues) {
+  const TemporaryFolder folder;
+  const fs::path frames = folder / "frames", said = folder / "said";
+  fs::create_directories(frames);
+  ASSERT_TRUE(write_ply(frames / "frame.ply", spiral(0)));
+  Surroundings surroundings;
+  surroundings.err = said.string();
+  Background server(
+      "pointreel-server",
+      {"serve", "--live", "--record", (folder / "record").string(), "--listen", "127.0.0.1:0"},
+      surroundings);
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  Background publisher("pointreel-server", {"publish", "-i", frames.string(), "--loop", "--fps",
+                                            "20", "--to", "ws://" + address + "/live/stage"});
+  const fs::path recording = folder / "record" / "stage";
+  ASSERT_TRUE(wait_until([&] { return fs::exists(recording / kManifestName); }));
+  ASSERT_TRUE(limit_files(server.pid(), 1'000));  // less than a segment, more than a line
+  ASSERT_TRUE(wait_until([&] { return content(said).find("has stopped") != std::string::npos; }));
+  ASSERT_TRUE(limit_files(server.pid(), RLIM_INFINITY));
+  ASSERT_TRUE(wait_until([&] { return content(said).find("continues") != std::string::npos; }));
+  EXPECT_EQ(publisher.end(SIGINT), 0);
+  EXPECT_EQ(server.end(SIGTERM), 0);
+  const Outcome verified = run("pointreel-server", {"verify", recording.string()});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  EXPECT_FALSE(fs::exists(folder / "record" / "stage-2"));
 }
 
 TEST(Live, a_publisher_without_the_token_is_refused_and_gives_up) {

@@ -20,7 +20,7 @@
 #include "server/relay/segmenter.h"
 #include "server/relay/sink_thread.h"
 #include "tests/unit/live_frames.h"
-#include "tests/unit/packed_clouds.h"
+#include "tests/unit/recorder_test.h"
 
 namespace pointreel {
 namespace {
@@ -30,86 +30,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-constexpr std::uint64_t kStart = 1'700'000'000'000'000;
-constexpr std::uint64_t kPeriod = 40'000;
-
-LiveHello real_hello(std::uint64_t session = 1) {
-  LiveHello hello = plain_hello(session);
-  hello.fps = 25.0;
-  hello.colors = true;
-  hello.normals = true;
-  hello.bounds = {{-2, -2, -2}, {2, 2, 2}};
-  return hello;
-}
-
-/// A frame that decodes, with messages as a publisher sends them.
-std::vector<LiveMessage> real_frame(std::uint32_t number, double along = 0.0) {
-  OctreeOptions octree;
-  octree.entropy = Entropy::none;
-  octree.depth = DepthRule::fixed(9);
-  EncodeOptions options;
-  options.codec = octree;
-  const auto encoded =
-      encode_frame(ellipsoid(100 + number), {glm::dvec3(-2.0 + along), 4.0}, options).value();
-  std::vector<LiveMessage> messages;
-  for (const Chunks<Bytes>& layer : encoded.layers) {
-    Bytes bytes;
-    for (const Bytes* chunk : {&layer.geometry, &layer.colors, &layer.normals}) {
-      bytes.insert(bytes.end(), chunk->begin(), chunk->end());
-    }
-    LiveLayer header;
-    header.frame = number;
-    header.layer = static_cast<std::uint8_t>(messages.size());
-    header.layers = static_cast<std::uint8_t>(encoded.layers.size());
-    header.capture_us = kStart + number * kPeriod;
-    header.points = encoded.source_points;
-    header.sizes = {static_cast<std::uint32_t>(layer.geometry.size()),
-                    static_cast<std::uint32_t>(layer.colors.size()),
-                    static_cast<std::uint32_t>(layer.normals.size())};
-    header.bytes = bytes;
-    messages.push_back(
-        {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_layer(header))});
-  }
-  return messages;
-}
-
-void give(LiveSink& sink, const std::vector<LiveMessage>& messages) {
-  for (const LiveMessage& message : messages) {
-    sink.layer(parse_live_layer(*message.bytes).value(), message);
-  }
-}
-
-void give_frames(LiveSink& sink, std::uint32_t first, std::uint32_t count) {
-  for (std::uint32_t i = first; i < first + count; ++i) give(sink, real_frame(i));
-}
-
-class RecorderTest : public testing::Test {
- protected:
-  LiveRecorderOptions options() {
-    LiveRecorderOptions options;
-    options.folder = temporary_.path() / "recordings";
-    options.name = "stage";
-    options.segment_us = 5 * kPeriod;
-    options.say = [this](const std::string& line) { said_.push_back(line); };
-    return options;
-  }
-  fs::path package(const std::string& name = "stage") const {
-    return temporary_.path() / "recordings" / name;
-  }
-  /// Returns the faults of a package and counts its frames.
-  std::vector<std::string> faults(const fs::path& folder, std::uint32_t& frames) {
-    const auto report = verify(folder);
-    if (!report) return {report.error().message};
-    frames = report->frames;
-    std::vector<std::string> found;
-    for (const Fault& fault : report->faults) found.push_back(fault.file + ": " + fault.what);
-    return found;
-  }
-
-  TemporaryFolder temporary_;
-  std::vector<std::string> said_;
-};
 
 TEST_F(RecorderTest, a_recording_is_a_package_at_every_moment) {
   LiveRecorder recorder(options());
@@ -275,15 +195,6 @@ TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_reported_once_and_distur
   give_frames(recorder, 0, 20);
   recorder.end();
   EXPECT_THAT(said_, ElementsAre(HasSubstr("recording stage has stopped")));
-}
-
-/// The layers of a frame that was captured at another time.
-void give_at(LiveSink& sink, std::uint32_t number, std::uint64_t capture_us) {
-  for (const LiveMessage& message : real_frame(number)) {
-    LiveLayer layer = parse_live_layer(*message.bytes).value();
-    layer.capture_us = capture_us;
-    sink.layer(layer, message);
-  }
 }
 
 TEST_F(RecorderTest, frames_keep_their_pace_when_the_publishers_clock_is_set_back) {

@@ -1,0 +1,189 @@
+#include "server/relay/recorded_package.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "common/base/try.h"
+#include "common/stream/manifest.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+/// A manifest up to this length is rewritten for each segment.
+constexpr std::size_t kShortManifest = 16u << 10;
+/// A longer one is rewritten when the journal has reached this share of its length.
+constexpr std::size_t kJournalShare = 8;
+/// Readers ignore a file of this name.
+constexpr const char* kUnfinished = ".unfinished";
+
+Error cannot_write(const fs::path& file) {
+  return {fmt::format("{}: cannot be written: {}; check that the disk is not full", file.string(),
+                      std::generic_category().message(errno)),
+          ErrorCode::io};
+}
+
+/// Writes all bytes; errno tells why not.
+bool write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+Result<void> write_file(const fs::path& folder, const std::string& name, std::string_view content) {
+  const fs::path unfinished = folder / kUnfinished, file = folder / name;
+  const int out = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (out < 0) return tl::unexpected(cannot_write(file));
+  bool written = write_all(out, content);
+  written = ::close(out) == 0 && written;
+  if (written && ::rename(unfinished.c_str(), file.c_str()) == 0) return {};
+  const Error error = cannot_write(file);
+  ::unlink(unfinished.c_str());  // it would take room that may be needed
+  return tl::unexpected(error);
+}
+
+/// Takes the lock of a package's folder. The descriptor, or -1 if somebody else has it.
+int lock_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  if (descriptor >= 0) ::close(descriptor);
+  return -1;
+}
+
+}  // namespace
+
+RecordedPackage::RecordedPackage(fs::path folder, std::uint32_t first_frame, std::uint64_t start_us)
+    : folder_(std::move(folder)),
+      first_frame_(first_frame),
+      start_us_(start_us),
+      lock_(lock_folder(folder_)) {}
+
+RecordedPackage::~RecordedPackage() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+Result<void> RecordedPackage::add(LiveSegment& segment, const LiveHello& hello) {
+  segment.entry = rebased(std::move(segment.entry), 0, start_us_);
+  segment.entry.first_frame = frames_;  // there may be a gap before it
+  name_files(segment, hello.layer_names);
+  const auto remove_files = [&] {
+    for (const LayerFile& file : segment.entry.layers) ::unlink((folder_ / file.path).c_str());
+  };
+  for (std::size_t i = 0; i < segment.files.size(); ++i) {
+    if (auto written = write_file(folder_, segment.entry.layers[i].path, segment.files[i]);
+        !written) {
+      remove_files();
+      return written;
+    }
+  }
+  const LiveTotals totals = totals_;
+  const std::uint64_t duration_us = duration_us_;
+  totals_.add(segment);
+  duration_us_ = end_of(segment.entry, hello.fps);
+  lines_.push_back(write_segment(segment.entry));
+  Manifest manifest = head(hello);
+  manifest.live = LiveManifest{hello.session, first_frame_, start_us_, false};
+  const std::string line = write_journal_line(manifest, lines_.back());
+
+  const bool rewrite = written_bytes_ <= kShortManifest ||
+                       journal_bytes_ + line.size() > written_bytes_ / kJournalShare;
+  Result<void> written = fail(ErrorCode::io, "");
+  if (rewrite) written = write_manifest_file(manifest);
+  // A full disk may still have room for a line.
+  if (!written && written_bytes_ > 0) written = append_to_journal(line);
+  if (!written) {
+    totals_ = totals;
+    duration_us_ = duration_us;
+    lines_.pop_back();
+    remove_files();
+    return written;
+  }
+  frames_ += segment.entry.frame_count();
+  lines_bytes_ += lines_.back().size();
+  complete_ = false;
+  return {};
+}
+
+Result<void> RecordedPackage::complete(const LiveHello& hello) {
+  if (complete_ || empty()) return {};
+  TRY(write_manifest_file(head(hello)));
+  complete_ = true;
+  return {};
+}
+
+void RecordedPackage::remove() const { ::rmdir(folder_.c_str()); }
+
+bool RecordedPackage::exists() const {
+  std::error_code ignored;
+  return fs::is_directory(folder_, ignored);
+}
+
+Manifest RecordedPackage::head(const LiveHello& hello) const {
+  Manifest manifest = live_head(hello, totals_);
+  manifest.duration_us = duration_us_;
+  return manifest;
+}
+
+Result<void> RecordedPackage::write_manifest_file(const Manifest& head) {
+  const std::string text = write_manifest(head, lines_);
+  TRY(write_file(folder_, kManifestName, text));
+  written_bytes_ = text.size();
+  // What it holds is in the manifest now. Readers know by the frames' numbers, if it remains.
+  ::unlink((folder_ / kJournalName).c_str());
+  journal_bytes_ = 0;
+  return {};
+}
+
+Result<void> RecordedPackage::append_to_journal(const std::string& line) {
+  const fs::path file = folder_ / kJournalName;
+  const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (out < 0) return tl::unexpected(cannot_write(file));
+  const auto before = static_cast<off_t>(journal_bytes_);
+  const bool written = ::lseek(out, before, SEEK_SET) == before && write_all(out, line);
+  const Error error = cannot_write(file);
+  // A line that is cut off must not precede others.
+  if (!written && ::ftruncate(out, before) != 0) written_bytes_ = 0;
+  ::close(out);
+  if (!written) return tl::unexpected(error);
+  journal_bytes_ += line.size();
+  return {};
+}
+
+void complete_recordings(const fs::path& folder,
+                         const std::function<void(const std::string& line)>& say) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const fs::path journal = entry.path() / kJournalName;
+    std::error_code ignored;
+    if (!fs::is_regular_file(journal, ignored)) continue;
+    const int lock = lock_folder(entry.path());
+    if (lock < 0) continue;
+    Result<Manifest> manifest = read_manifest(entry.path());
+    Result<void> written;
+    if (!manifest) {
+      written = tl::unexpected(manifest.error());
+    } else {
+      manifest->live.reset();
+      written = write_file(entry.path(), kManifestName, write_manifest(*manifest));
+    }
+    if (written) {
+      fs::remove(journal, ignored);
+    } else if (say) {
+      say(written.error().message);
+    }
+    ::close(lock);
+  }
+}
+
+}  // namespace pointreel

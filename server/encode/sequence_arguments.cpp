@@ -137,7 +137,6 @@ void SequenceArguments::add_draco_options(CLI::App& command) {
   };
   add("--qp", draco.position_bits, "bits of each coordinate of a position", 1, kMaxDepth);
   add("--qn", draco.normal_bits, "bits of a normal", kMinNormalBits, kMaxNormalBits);
-  add("--qg", draco.generic_bits, "bits of a generic attribute", 1, 30);
   add("--cl", draco.compression_level, "compression level: 0 is the fastest, 10 the smallest", 0,
       kMaxCompressionLevel);
   only_with(Codec::draco,

@@ -157,8 +157,10 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
     fmt::print("  tables          built-in; tables learnt from {} frames would save nothing\n",
                summary.learnt->samples);
   } else {
-    fmt::print("  tables          learnt from {} frames; they take {} bytes and save {:.0f} more\n",
-               summary.learnt->samples, summary.learnt->bytes, summary.learnt->saved_bytes);
+    fmt::print(
+        "  tables          learnt from {} frames; after their own {} bytes they save about "
+        "{:.0f}\n",
+        summary.learnt->samples, summary.learnt->bytes, summary.learnt->saved_bytes);
   }
 }
 

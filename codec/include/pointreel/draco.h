@@ -26,7 +26,6 @@ struct DracoOptions {
   /// --qp, 1 to kMaxDepth: divides the edge of the cube into 2^bits cells.
   int position_bits = 11;
   int normal_bits = 8;        ///< --qn, kMinNormalBits to kMaxNormalBits
-  int generic_bits = 8;       ///< --qg; has no effect, since frames have no generic attributes
   int compression_level = 7;  ///< --cl, 0 (fastest) to kMaxCompressionLevel (smallest)
   DracoMethod method = DracoMethod::automatic;
 };

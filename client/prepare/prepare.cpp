@@ -13,6 +13,7 @@
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/octree/build.h"
+#include "common/octree/normal_lines.h"
 #include "common/surface/normals.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
@@ -91,7 +92,7 @@ void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
   } else if (attributes.normals.empty()) {
     PointCloud leaves = leaf_centers(scene.svo);
     estimate_normals(leaves);
-    attributes.normals = mean_attributes(scene.svo, leaves).normals;
+    attributes.normals = mean_normal_lines(scene.svo, leaves);
     scene.normals_estimated = true;
   }
 }
@@ -116,7 +117,13 @@ Result<void> coarsen(SceneFrame& scene, double delta) {
 /// Replaces the cloud by a tree of it.
 void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
   scene.svo = build_svo(sorted, depth);
+  std::vector<glm::i16vec3> lines;
+  if (scene.normals_estimated) {
+    lines = mean_normal_lines(scene.svo, scene.cloud, sorted);
+    scene.cloud.normals.clear();
+  }
   scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted);
+  if (scene.normals_estimated) scene.attributes.normals = std::move(lines);
   scene.cloud = {};
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/octree/build.h"
+#include "common/octree/normal_lines.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -30,6 +31,46 @@ glm::i16vec3 direction(const glm::i64vec3& sum) {
 
 /// `direction` in the form of `mean`: the number of vectors does not matter.
 glm::i16vec3 mean_direction(const glm::i64vec3& sum, std::uint32_t) { return direction(sum); }
+
+/// Sums over normals n whose signs are unknown: n n^T, and n for the majority of the signs. Exact.
+struct LineSum {
+  glm::i64vec3 diagonal, mixed;  ///< xx, yy, zz; yz, zx, xy
+  glm::i64vec3 normals;
+
+  explicit LineSum(const glm::i64vec3& n)
+      : diagonal(n * n), mixed(n.y * n.z, n.z * n.x, n.x * n.y), normals(n) {}
+  explicit LineSum(const glm::i16vec3& n) : LineSum(glm::i64vec3(n)) {}
+  LineSum& operator+=(const LineSum& other) {
+    diagonal += other.diagonal;
+    mixed += other.mixed;
+    normals += other.normals;
+    return *this;
+  }
+};
+
+/// The unit vector along the axis to which the lines are closest, or zero without lines. Squaring a
+/// matrix, which is scaled in between, makes its largest eigenvalue dominate the others.
+glm::i16vec3 mean_line(const LineSum& sum, std::uint32_t /*count*/) {
+  const glm::dvec3 d(sum.diagonal), m(sum.mixed);
+  glm::dmat3 axes(d.x, m.z, m.y, m.z, d.y, m.x, m.y, m.x, d.z);
+  constexpr int kSquarings = 6;
+  for (int i = 0; i < kSquarings; ++i) {
+    const double trace = axes[0][0] + axes[1][1] + axes[2][2];
+    if (!(trace > 0.0)) return glm::i16vec3(0);
+    axes *= 1.0 / trace;
+    axes = axes * axes;
+  }
+  int longest = 0;
+  for (int i = 1; i < 3; ++i) {
+    if (axes[i][i] > axes[longest][longest]) longest = i;
+  }
+  glm::dvec3 axis = axes[longest];
+  if (glm::dot(axis, glm::dvec3(sum.normals)) < 0.0) axis = -axis;
+  const double length = glm::length(axis);
+  if (!(length > 0.0)) return glm::i16vec3(0);
+  axis *= kUnit / length;
+  return glm::i16vec3(round_to_int(axis.x), round_to_int(axis.y), round_to_int(axis.z));
+}
 
 /// The sum divided by the count, rounded. Computed in double, which is exact because the sum is
 /// below 2^48, and much faster than dividing 64-bit integers.
@@ -164,6 +205,24 @@ NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves) {
     fill_inner<glm::i64vec3>(svo, attributes.normals, mean_direction);
   }
   return attributes;
+}
+
+std::vector<glm::i16vec3> mean_normal_lines(const Svo& svo, const PointCloud& cloud,
+                                            const SortedPoints& sorted) {
+  std::vector<glm::i16vec3> normals(svo.node_count());
+  fill_leaves<LineSum>(
+      svo, sorted, normals.data() + svo.internal_count(),
+      [&](std::uint32_t point) { return LineSum(fixed_point(cloud.normals[point])); }, mean_line);
+  fill_inner<LineSum>(svo, normals, mean_line);
+  return normals;
+}
+
+std::vector<glm::i16vec3> mean_normal_lines(const Svo& svo, const PointCloud& leaves) {
+  std::vector<glm::i16vec3> normals(svo.node_count());
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    normals[svo.internal_count() + i] = direction(fixed_point(leaves.normals[i]));
+  fill_inner<LineSum>(svo, normals, mean_line);
+  return normals;
 }
 
 }  // namespace pointreel

@@ -7,6 +7,7 @@
 
 #include "common/octree/build.h"
 #include "common/octree/morton.h"
+#include "common/octree/normal_lines.h"
 #include "pointreel/octree.h"
 #include "tests/reference/recursive_octree.h"
 
@@ -265,6 +266,49 @@ TEST(NodeAttributes, agree_with_those_of_sorted_points_if_each_leaf_has_one) {
   const NodeAttributes a = mean_attributes(svo, cloud, sorted), b = mean_attributes(svo, leaves);
   EXPECT_EQ(a.colors, b.colors);
   EXPECT_EQ(a.normals, b.normals);
+}
+
+/// Turns about half of the normals around.
+PointCloud with_random_signs(PointCloud cloud, unsigned seed) {
+  std::mt19937 random(seed);
+  for (glm::vec3& n : cloud.normals)
+    if (random() % 2 == 0) n = -n;
+  return cloud;
+}
+
+TEST(MeanNormalLines, are_the_same_but_for_their_signs_whatever_the_signs_of_the_normals) {
+  const PointCloud cloud = random_shell(4000, 7);
+  const SortedPoints sorted = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
+  const Svo svo = build_svo(sorted, 5);
+  const std::vector<glm::i16vec3> means = mean_normal_lines(svo, cloud, sorted);
+  ASSERT_EQ(means.size(), svo.node_count());
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const auto turned = mean_normal_lines(svo, with_random_signs(cloud, seed), sorted);
+    for (std::size_t i = 0; i < means.size(); ++i)
+      EXPECT_TRUE(turned[i] == means[i] || turned[i] == -means[i]) << seed << ", node " << i;
+  }
+}
+
+TEST(MeanNormalLines, are_the_mean_normals_where_those_agree) {
+  const PointCloud cloud = random_shell(4000, 8);
+  const SortedPoints sorted = sort_points(cloud, Cube{glm::dvec3(-1.0), 2.0});
+  const Svo svo = build_svo(sorted, 6);
+  const auto lines = mean_normal_lines(svo, cloud, sorted),
+             means = mean_normals(svo, cloud, sorted);
+  // Below the fourth level a cell holds a small part of the sphere.
+  for (std::size_t i = svo.level_begin[4]; i < means.size(); ++i)
+    EXPECT_GT(glm::dot(glm::vec3(lines[i]), glm::vec3(means[i])), 0.99f * 32767.0f * 32767.0f);
+}
+
+TEST(MeanNormalLines, are_zero_only_where_all_normals_are) {
+  PointCloud cloud = cloud_of({{0.1f, 0.1f, 0.1f}, {0.2f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}});
+  cloud.normals = {{0, 0, 1}, {0, 0, -1}, {0, 0, 0}};
+  const SortedPoints sorted = sort_points(cloud, Cube{});
+  const auto means = mean_normal_lines(build_svo(sorted, 1), cloud, sorted);
+  ASSERT_EQ(means.size(), 3u);
+  EXPECT_EQ(std::abs(means[0].z), 32767);
+  EXPECT_EQ(std::abs(means[1].z), 32767);
+  EXPECT_EQ(means[2], glm::i16vec3(0));
 }
 
 }  // namespace

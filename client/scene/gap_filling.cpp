@@ -15,6 +15,9 @@ namespace {
 /// How many leaves a parent has on a surface whose gaps are worth filling. A closed surface has
 /// four; random points, two to a cell, have 3.5. Below the least, gaps are many cells wide.
 constexpr double kClosedGrowth = 3.4, kLeastGrowth = 1.7;
+/// With so few points in a leaf, and more than the one that voxelised input has, random points
+/// leave some cells empty even where the tree grows like this.
+constexpr double kRandomGrowth = 3.9, kLeastRandomPoints = 1.5, kMostRandomPoints = 8.0;
 /// If the leaves are coarser than the delta rule wants them, for a view from afar, the gaps are as
 /// wide as before but have fewer cells.
 constexpr double kCoarsePointsPerLeaf = 5.0;
@@ -355,7 +358,8 @@ void fill_values(std::vector<Value>& values, const Svo& svo, const FilledNodes& 
 int gap_to_fill(const Svo& svo, std::uint32_t points) {
   if (svo.depth < 2) return 0;
   const double leaves = svo.leaf_count(), growth = leaves / svo.node_count(svo.depth - 1);
-  if (!(growth >= kLeastGrowth && growth < kClosedGrowth)) return 0;
+  const bool random = points > kLeastRandomPoints * leaves && points < kMostRandomPoints * leaves;
+  if (!(growth >= kLeastGrowth && growth < (random ? kRandomGrowth : kClosedGrowth))) return 0;
   return points > kCoarsePointsPerLeaf * leaves ? kWidestOfCoarse : kWidest;
 }
 

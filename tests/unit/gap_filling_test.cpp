@@ -156,5 +156,22 @@ TEST(GapFilling, leaves_closed_surfaces_and_isolated_leaves_unchanged) {
   EXPECT_EQ(gap(net, 8), 1);
 }
 
+TEST(GapFilling, fills_the_cells_that_random_points_miss_on_a_surface_that_looks_closed) {
+  // Three random points to a cell of a plane leave a twentieth of the cells empty.
+  constexpr std::uint32_t kPoints = 3 * 64 * 64;
+  std::mt19937 random(5);
+  std::vector<glm::uvec3> cells;
+  for (std::uint32_t i = 0; i < kPoints; ++i) cells.emplace_back(random() % 64, random() % 64, 3);
+  Svo svo = tree_of_cells(cells, 6);
+  const std::uint32_t before = svo.leaf_count();
+  EXPECT_LT(before, 3950u);
+  const int widest = gap_to_fill(svo, kPoints);
+  ASSERT_GT(widest, 0);
+  NodeAttributes nothing;
+  fill_gaps(svo, nothing, widest);
+  EXPECT_GE(svo.leaf_count(), 64u * 64u - 8u) << "of " << before;
+  EXPECT_EQ(gap_to_fill(tree_of_cells(cells, 6), before), 0) << "voxelised input is as it is";
+}
+
 }  // namespace
 }  // namespace pointreel

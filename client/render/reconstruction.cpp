@@ -50,6 +50,7 @@ Reconstruction::Reconstruction()
               {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
                "shaders/back.vert.glsl"}},
              {GL_FRAGMENT_SHADER, {"shaders/nothing.frag.glsl"}}}),
+      see_through_(picture_program({"shaders/see_through.frag.glsl"})),
       pull_sums_(picture_program({"shaders/mean.glsl", "shaders/pull_sums.frag.glsl"})),
       pull_(picture_program({"shaders/pull.frag.glsl"})),
       push_(picture_program({"shaders/push.frag.glsl"})),
@@ -93,6 +94,16 @@ Result<void> Reconstruction::draw_backs(const InstanceBuffer& instances) {
   glUniform1f(1, kBackTolerance);
   glUniform1ui(2, static_cast<GLuint>(one_in));
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(instances.size()));
+  return {};
+}
+
+Result<void> Reconstruction::clear_see_through(GLuint depth, float radius, float nearest) {
+  TRY(see_through_.use());
+  glBindVertexArray(no_attributes_.name());
+  glBindTextureUnit(0, depth);
+  glUniform1f(0, radius);
+  glUniform1f(1, nearest);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
   return {};
 }
 

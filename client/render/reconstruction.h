@@ -22,6 +22,10 @@ namespace pointreel {
 /// far from any front belong to a surface with only one side, and are not filled. Where no back is
 /// visible, a pixel is also closed if the pixels on all sides show something, or if most of the
 /// area around it is covered, within the width of gaps between surfels.
+///
+/// If the signs of normals are unknown, nothing is known to be a back, and a hole shows the surface
+/// behind it. There, a pixel is a hole if it is surrounded by pixels that show something nearer,
+/// within the width of a random gap between surfels.
 class Reconstruction {
  public:
   Reconstruction();
@@ -31,6 +35,12 @@ class Reconstruction {
 
   /// Draws the backs of some of the surfels into the depth buffer of the bound framebuffer.
   Result<void> draw_backs(const InstanceBuffer& instances);
+
+  /// Sets `sums`, the only attachment of the bound framebuffer, to 0 where a hole shows a surface
+  /// behind it. `depth` is that of the splats, `radius` that of a typical surfel in the scene, and
+  /// no surfel is nearer to the eye than the depth `nearest`, which is above 0. The caller has
+  /// switched off depth test and blending.
+  Result<void> clear_see_through(GLuint depth, float radius, float nearest);
 
   /// Textures that are sampled with linear filtering. This object owns them; they are valid until
   /// the next call.
@@ -55,7 +65,7 @@ class Reconstruction {
   static Result<Level> make_level(glm::ivec2 size);
   static void draw(const Level& level, const PixelRect& part);
 
-  gl::LateProgram back_, pull_sums_, pull_, push_;
+  gl::LateProgram back_, see_through_, pull_sums_, pull_, push_;
   gl::VertexArray points_, no_attributes_ = gl::VertexArray::create();
   glm::ivec2 size_{0};
   std::vector<Level> pulled_, pushed_;  ///< finest first; the coarsest level is not pushed

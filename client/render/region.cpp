@@ -48,6 +48,13 @@ PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& 
   return glm::any(glm::lessThan(region.max, region.min)) ? PixelRect{} : region;
 }
 
+float nearest_depth(const InstanceBounds& bounds, const glm::mat4& to_clip, float near) {
+  // The depth is linear, so each coordinate alone decides for one side of the box.
+  const glm::vec3 slope(to_clip[0].w, to_clip[1].w, to_clip[2].w);
+  const glm::vec3 corner = glm::mix(bounds.min, bounds.max, glm::lessThan(slope, glm::vec3(0.0f)));
+  return glm::max(glm::dot(slope, corner) + to_clip[3].w, near);
+}
+
 float radius_in_pixels(const InstanceBounds& bounds, const glm::mat4& to_clip, glm::ivec2 size) {
   const glm::vec4 middle = to_clip * glm::vec4(0.5f * (bounds.min + bounds.max), 1.0f);
   if (bounds.empty() || !(middle.w > 0.0f)) return 0.0f;

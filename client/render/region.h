@@ -34,6 +34,9 @@ PixelRect around(const PixelRect& a, const PixelRect& b);
 PixelRect region_of(const InstanceBounds& bounds, float scale, const glm::mat4& to_clip,
                     glm::ivec2 size, int pixels = 0);
 
+/// The smallest depth within the box, and at least `near`.
+float nearest_depth(const InstanceBounds& bounds, const glm::mat4& to_clip, float near);
+
 /// The radius in pixels of an instance of the mean radius in the middle of the box. 0 if the middle
 /// is not in front of the eye.
 float radius_in_pixels(const InstanceBounds& bounds, const glm::mat4& to_clip, glm::ivec2 size);

@@ -211,8 +211,13 @@ Result<void> Renderer::draw_surfels(const Camera& camera, const DrawOptions& opt
   const SplatScales scales = scales_of(options.splatting, options.scales);
   cull_backs();
   method.begin(std::max(scales.visibility, scales.shading));
-  const SplatPlace place{instances_region(options),
-                         radius_in_pixels(instances_.bounds(), to_clip, size_)};
+  const InstanceBounds& bounds = instances_.bounds();
+  const SplatPlace place{
+      .region = instances_region(options),
+      .radius = static_cast<float>(bounds.mean_radius()),
+      .pixels = radius_in_pixels(bounds, to_clip, size_),
+      .nearest = nearest_depth(bounds, to_clip, static_cast<float>(camera.near_plane())),
+      .signs_unknown = instances_.normals_estimated()};
   auto drawn = splatter_.draw(method, instances_.buffer(), options.splatting, scales,
                               options.fill_holes, place);
   glDisable(GL_CULL_FACE);

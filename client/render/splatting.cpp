@@ -42,6 +42,7 @@ Splatter::Splatter()
 Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const gl::Texture& depth) {
   gl::Texture sums = gl::make_texture(GL_RGBA32F, size.x, size.y);
   gl::Framebuffer splats = TRY(gl::make_framebuffer(sums, depth));
+  gl::Framebuffer only_sums = TRY(gl::make_framebuffer(sums));
   gl::Framebuffer picture = TRY(gl::make_framebuffer(color, depth));
   gl::Framebuffer resolved = TRY(gl::make_framebuffer(color));
   TRY(reconstruction_.resize(size));
@@ -49,6 +50,7 @@ Result<void> Splatter::resize(glm::ivec2 size, const gl::Texture& color, const g
   summed_ = {glm::ivec2(0), size};  // the new texture has undefined contents
   depth_ = depth.name();
   splats_ = std::move(splats);
+  only_sums_ = std::move(only_sums);
   picture_ = std::move(picture);
   resolved_ = std::move(resolved);
   return {};
@@ -75,7 +77,7 @@ Result<void> Splatter::draw_passes(InstancingMethod& method, const InstanceBuffe
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     TRY(method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance}));
-    if (fill_holes) TRY(reconstruction_.draw_backs(instances));
+    if (fill_holes && !place.signs_unknown) TRY(reconstruction_.draw_backs(instances));
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);
   }
@@ -110,7 +112,14 @@ Result<void> Splatter::draw_normalized(InstancingMethod& method, const InstanceB
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
   Reconstruction::Filling filling{};
-  if (fill_holes) filling = TRY(reconstruction_.fill(sums_, place.region, place.radius));
+  if (fill_holes && place.signs_unknown) {
+    glBindFramebuffer(GL_FRAMEBUFFER, only_sums_.name());
+    glEnable(GL_SCISSOR_TEST);
+    scissor(place.region);
+    TRY(reconstruction_.clear_see_through(depth_, place.radius, place.nearest));
+    glDisable(GL_SCISSOR_TEST);
+  }
+  if (fill_holes) filling = TRY(reconstruction_.fill(sums_, place.region, place.pixels));
   TRY(resolve_.use());
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_.name());
   glBindTextureUnit(0, sums_.name());

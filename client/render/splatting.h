@@ -14,10 +14,13 @@ namespace pointreel {
 /// Splatting::normalized. FORMULAS.md, "Splat scales".
 SplatScales scales_of(Splatting splatting, const SplatScales& chosen);
 
-/// Where in the picture the surfels are.
+/// The surfels of a picture, all together.
 struct SplatPlace {
-  PixelRect region;     ///< contains all surfels at the size at which they are drawn
-  float radius = 0.0f;  ///< mean radius in pixels, not enlarged
+  PixelRect region;            ///< contains all surfels at the size at which they are drawn
+  float radius = 0.0f;         ///< mean radius, not enlarged
+  float pixels = 0.0f;         ///< the same in pixels
+  float nearest = 0.0f;        ///< no surfel has a smaller depth; > 0
+  bool signs_unknown = false;  ///< normals may point to either side of the surface
 };
 
 /// Draws surfels: Slomp et al., Geometry Instancing, section V-B, corrected as FORMULAS.md says
@@ -54,11 +57,12 @@ class Splatter {
 
   gl::LateProgram resolve_;
   gl::Texture sums_;
-  PixelRect summed_;          ///< outside of it the sums are 0
-  GLuint depth_ = 0;          ///< the caller owns it
-  gl::Framebuffer splats_;    ///< sums and depth
-  gl::Framebuffer picture_;   ///< colour and depth
-  gl::Framebuffer resolved_;  ///< colour without depth, which the shader reads
+  PixelRect summed_;           ///< outside of it the sums are 0
+  GLuint depth_ = 0;           ///< the caller owns it
+  gl::Framebuffer splats_;     ///< sums and depth
+  gl::Framebuffer only_sums_;  ///< without depth, which a shader reads
+  gl::Framebuffer picture_;    ///< colour and depth
+  gl::Framebuffer resolved_;   ///< colour without depth, which the shader reads
   Reconstruction reconstruction_;
   gl::VertexArray no_attributes_ = gl::VertexArray::create();
 };

@@ -118,7 +118,7 @@ Result<LoadedCloud> read_cloud(ByteView bytes) {
   if (begins_with(bytes, "DRACO")) {
     loaded.cloud = TRY(read_drc(bytes));
   } else if (begins_with(bytes, "ply")) {
-    loaded.cloud = TRY(read_ply(bytes));
+    loaded.cloud = TRY(read_ply(bytes, &loaded.unread));
   } else if (bytes.empty()) {
     return fail("the file is empty");
   } else {

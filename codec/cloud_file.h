@@ -15,6 +15,7 @@ namespace pointreel {
 struct LoadedCloud {
   PointCloud cloud;
   std::vector<std::string> warnings;  ///< lines without the file's name
+  std::vector<std::string> unread;  ///< names of scalar properties of a PLY file that were skipped
 };
 
 /// Reads the points of a .ply or .drc file, which may also be a mesh. The format is recognised by

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pointreel/cloud.h"
 #include "pointreel/geometry.h"
 
 namespace pointreel {
@@ -16,5 +17,10 @@ namespace pointreel {
 /// Doubles are off by up to 2^-53 of the cube's largest coordinate, which matters far from zero.
 /// The cloud's own origin is assumed to be no farther away than that.
 double max_geometry_error(const Cube& cube, int depth);
+
+/// The same bound for the points of one cloud, found by comparing each of them with its decoded
+/// position: 0 if all of them decode to themselves, and never more than max_geometry_error for
+/// points inside the cube. O(n).
+double geometry_error(const PointCloud& cloud, const Cube& cube, int depth);
 
 }  // namespace pointreel

@@ -425,8 +425,19 @@ class AsciiBody {
   std::size_t line_;
 };
 
+std::vector<std::string> names_of_unread(const PlyElement& vertex, const RoleProperties& roles) {
+  const std::vector<Role> by_property = roles_by_property(vertex, &roles);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < by_property.size(); ++i) {
+    const PlyProperty& property = vertex.properties[i];
+    if (by_property[i] == kRoles && !property.is_list) names.push_back(printable(property.name));
+  }
+  return names;
+}
+
 template <class Body>
-Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t data_size) {
+Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t data_size,
+                             std::vector<std::string>* unread) {
   Result<PointCloud> cloud = fail("the header declares no element vertex");
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
@@ -436,6 +447,7 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
       CloudBuilder builder(element, roles, std::min<std::uint64_t>(element.count, rows));
       TRY(body.read(element, roles, builder));
       cloud = builder.finish();
+      if (unread != nullptr) *unread = names_of_unread(element, roles);
     } else {
       TRY(body.skip(element));
     }
@@ -445,16 +457,16 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
 
 }  // namespace
 
-Result<PointCloud> read_ply(ByteView bytes) {
+Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread) {
   const PlyHeader header = TRY(parse_ply_header(bytes));
   const std::size_t data_size = bytes.size() - header.size;
   switch (header.format) {
     case PlyFormat::ascii:
-      return read_body(AsciiBody(bytes, header), header, data_size);
+      return read_body(AsciiBody(bytes, header), header, data_size, unread);
     case PlyFormat::little_endian:
-      return read_body(BinaryBody<false>(bytes, header), header, data_size);
+      return read_body(BinaryBody<false>(bytes, header), header, data_size, unread);
     default:
-      return read_body(BinaryBody<true>(bytes, header), header, data_size);
+      return read_body(BinaryBody<true>(bytes, header), header, data_size, unread);
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
@@ -32,7 +34,10 @@ namespace pointreel {
 ///
 /// Trust: the bytes may be hostile. Memory is at most a constant times bytes.size(), whatever the
 /// header declares, and time is linear in it.
-Result<PointCloud> read_ply(ByteView bytes);
+///
+/// `unread`, unless null, receives the names of the vertices' scalar properties that are skipped,
+/// in a form that fits into a one-line message.
+Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread = nullptr);
 
 /// The cloud as a binary little-endian PLY file in world coordinates: positions as float where that
 /// loses nothing (the origin is 0, or every world coordinate is a float), otherwise as double;

@@ -252,6 +252,11 @@ Result<Manifest> parse_root(const JsonValue& root) {
   if (manifest.depth_min > manifest.depth_max) fields.refuse("depth_min", "is above depth_max");
   TRY(fields.check());
   manifest.bounds = TRY(at_place("bounds", parse_box(*bounds)));
+  if (fields.has("max_error")) {
+    manifest.max_error = fields.number("max_error");
+    if (*manifest.max_error < 0.0) fields.refuse("max_error", "is negative");
+    TRY(fields.check());
+  }
   if (fields.has("tables")) {
     if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\" alone");
     manifest.tables = TRY(at_place("tables", parse_file(*fields.value("tables"), kMaxTablesBytes)));

@@ -65,6 +65,7 @@ ordered_json head_json(const Manifest& manifest) {
   head["depth_min"] = manifest.depth_min;
   head["depth_max"] = manifest.depth_max;
   head["bounds"] = box_json(manifest.bounds);
+  if (manifest.max_error) head["max_error"] = *manifest.max_error;
   if (manifest.tables) head["tables"] = to_json(*manifest.tables);
   if (manifest.partial) head["partial"] = true;
   if (manifest.live) {

@@ -2,22 +2,45 @@
 
 #include <fmt/format.h>
 
+#include "common/octree/build.h"
 #include "pointreel/octree.h"
+#include "server/rate/coarsening.h"
 
 namespace pointreel {
 
-Result<Grid> grid_for(const Box& box, const EncodingOptions& options) {
-  if (!options.voxel) return Grid{bounding_cube(box), options.encode};
-  const VoxelCube voxels = voxel_cube(box, *options.voxel);
-  if (voxels.depth > kMaxDepth) {
-    return fail(
-        ErrorCode::argument,
-        fmt::format("voxels of {} need an octree deeper than {} levels here: give a larger --voxel",
-                    *options.voxel, kMaxDepth));
+Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
+                      const std::optional<PointLattice>& lattice) {
+  if (options.voxel) {
+    const VoxelCube voxels = voxel_cube(box, *options.voxel);
+    if (voxels.depth > kMaxDepth) {
+      return fail(ErrorCode::argument,
+                  fmt::format("voxels of {} need an octree deeper than {} levels here: give a "
+                              "larger --voxel",
+                              *options.voxel, kMaxDepth));
+    }
+    Grid grid{voxels.cube, options.encode};
+    std::get<OctreeOptions>(grid.encode.codec).depth = DepthRule::fixed(voxels.depth);
+    return grid;
   }
-  Grid grid{voxels.cube, options.encode};
-  std::get<OctreeOptions>(grid.encode.codec).depth = DepthRule::fixed(voxels.depth);
-  return grid;
+  if (!lattice || box.empty()) return Grid{bounding_cube(box), options.encode};
+  const VoxelCube voxels = lattice_cube(box, *lattice);
+  return Grid{voxels.cube, no_deeper_than(options.encode, voxels.depth)};
+}
+
+bool reaches(const PointLattice& lattice, const Box& box, const PointCloud& cloud,
+             const EncodeOptions& options) {
+  const VoxelCube voxels = lattice_cube(box, lattice);
+  if (voxels.depth == 0) return false;  // a single voxel is no evidence, and Draco has no such grid
+  const auto* octree = std::get_if<OctreeOptions>(&options.codec);
+  if (octree == nullptr) {
+    return voxels.depth <= std::get<DracoOptions>(options.codec).position_bits;
+  }
+  DepthRule rule = octree->depth;
+  if (voxels.depth > rule.most) return false;
+  if (rule.kind == DepthRule::Kind::fixed) return voxels.depth <= rule.depth;
+  rule.most = voxels.depth;
+  const Result<SortedToDepth> sorted = sort_to_depth(cloud, voxels.cube, rule);
+  return sorted && sorted->depth == voxels.depth;
 }
 
 }  // namespace pointreel

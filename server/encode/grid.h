@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "common/cloud/lattice.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
@@ -8,13 +11,21 @@
 namespace pointreel {
 
 /// The cube in which points are encoded, and the options to encode them with: a given voxel size
-/// fixes the depth.
+/// fixes the depth, and voxelised points are not divided further than their own voxels.
 struct Grid {
   Cube cube;
   EncodeOptions encode;
 };
 
-/// The grid for points within `box`. An error if EncodingOptions::voxel needs too deep an octree.
-Result<Grid> grid_for(const Box& box, const EncodingOptions& options);
+/// The grid for points within `box`. With `lattice` the voxels of the octree's leaves, or of
+/// Draco's grid, are those of the lattice, unless EncodingOptions::voxel is given. Errors:
+/// `argument` if EncodingOptions::voxel needs too deep an octree.
+Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
+                      const std::optional<PointLattice>& lattice = {});
+
+/// Whether a cloud within `box`, whose points lie on the lattice, would be divided down to the
+/// voxels of the lattice. Only then it pays to code it on them.
+bool reaches(const PointLattice& lattice, const Box& box, const PointCloud& cloud,
+             const EncodeOptions& options);
 
 }  // namespace pointreel

@@ -91,7 +91,8 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
                 command
                     .add_option_function<int>(
                         "--depth", [this](int levels) { octree.depth = DepthRule::fixed(levels); },
-                        "instead of --delta: a fixed depth")
+                        "instead of --delta: a fixed depth; voxels of the source are not "
+                        "divided")
                     ->check(CLI::Range(0, kMaxDepth)));
   CLI::Option* voxel = only_with(
       Codec::octree,

@@ -19,42 +19,66 @@ std::size_t memory_of(const PointCloud& cloud) {
 
 }  // namespace
 
-Result<Box> SegmentInput::read_bounds(const std::stop_token& stop) {
-  std::vector<Box> boxes(files_.size());
-  std::vector<std::optional<Error>> errors(files_.size());
+Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& stop) {
+  struct Frame {
+    std::optional<Error> error;
+    Box box;
+    std::optional<PointLattice> lattice;
+    std::size_t points = 0;
+  };
+  std::vector<Frame> frames(files_.size());
   std::atomic<std::size_t> kept_bytes = 0;
   tbb::parallel_for(std::size_t{0}, files_.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
     Result<LoadedCloud> loaded = read_cloud_file(files_[i]);
     if (!loaded) {
-      errors[i] = std::move(loaded.error());
+      frames[i].error = std::move(loaded.error());
       return;
     }
-    boxes[i] = bounds(loaded->cloud);
+    frames[i] = {{}, bounds(loaded->cloud), lattice_of(loaded->cloud), loaded->cloud.size()};
     const std::size_t bytes = memory_of(loaded->cloud);
     if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
       kept_[i] = std::make_shared<const LoadedCloud>(std::move(*loaded));
     }
   });
-  Box all;
-  for (std::size_t i = 0; i < files_.size(); ++i) {
-    if (errors[i]) return tl::unexpected(*errors[i]);
-    all.grow(boxes[i]);
+  Extent all;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Frame& frame = frames[i];
+    if (frame.error) return tl::unexpected(*frame.error);
+    if (frame.points == 0) continue;
+    const bool first = all.box.empty();
+    if (first) {
+      all.lattice = frame.lattice;
+    } else if (all.lattice) {
+      all.lattice = frame.lattice ? common_lattice(*all.lattice, *frame.lattice) : std::nullopt;
+    }
+    if (first || frame.points > frames[all.largest].points) all.largest = i;
+    all.box.grow(frame.box);
   }
   return all;
 }
 
 Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   if (options_.cube_per_frame) return {};
-  const Result<Grid> grid = grid_for(TRY(read_bounds(stop)), options_);
+  Extent extent = TRY(read_extent(stop));
+  if (extent.lattice && !options_.voxel) {
+    const Cloud largest = TRY(look(extent.largest));
+    if (!reaches(*extent.lattice, extent.box, largest->cloud, options_.encode)) {
+      extent.lattice.reset();
+    }
+  }
+  const Result<Grid> grid = grid_for(extent.box, options_, extent.lattice);
   if (!grid) return fail_at(files_.front().string(), grid.error());
   shared_ = *grid;
   return {};
 }
 
-Result<Grid> SegmentInput::grid_of(const Box& bounds) const {
+Result<Grid> SegmentInput::grid_of(const PointCloud& cloud) const {
   if (shared_) return *shared_;
-  return grid_for(bounds, options_);
+  const Box box = bounds(cloud);
+  std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
+  if (lattice && !reaches(*lattice, box, cloud, options_.encode)) lattice.reset();
+  return grid_for(box, options_, lattice);
 }
 
 Result<SegmentInput::Cloud> SegmentInput::look(std::size_t frame) const {

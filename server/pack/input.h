@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "codec/cloud_file.h"
+#include "common/cloud/lattice.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
 #include "server/encode/grid.h"
@@ -32,8 +33,8 @@ class SegmentInput {
   /// calling arena has threads. Does nothing if PackOptions::cube_per_frame is set.
   Result<void> find_shared_grid(const std::stop_token& stop);
   const std::optional<Grid>& shared_grid() const { return shared_; }
-  /// The grid to encode a frame with these bounds in: the shared one, or its own.
-  Result<Grid> grid_of(const Box& bounds) const;
+  /// The grid to encode a frame in: the shared one, or its own.
+  Result<Grid> grid_of(const PointCloud& cloud) const;
 
   using Cloud = std::shared_ptr<const LoadedCloud>;
 
@@ -45,7 +46,13 @@ class SegmentInput {
   Result<Cloud> take(std::size_t frame);
 
  private:
-  Result<Box> read_bounds(const std::stop_token& stop);
+  /// Where all points of the segment lie.
+  struct Extent {
+    Box box;
+    std::optional<PointLattice> lattice;  ///< on which all of them lie
+    std::size_t largest = 0;              ///< the frame with the most points
+  };
+  Result<Extent> read_extent(const std::stop_token& stop);
 
   std::span<const std::filesystem::path> files_;
   const PackOptions& options_;

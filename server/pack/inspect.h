@@ -21,7 +21,8 @@ Result<std::vector<Chunks<Bytes>>> read_frame(const std::filesystem::path& folde
                                               const Manifest& manifest, std::uint32_t frame,
                                               std::size_t layers);
 
-/// The largest max_geometry_error of all frames, by their headers; 0 if no frame has a point.
+/// How far a point can be from its decoded position: what the packer measured, or else the largest
+/// max_geometry_error of all frames, by their headers. 0 if no frame has a point.
 Result<double> max_error(const std::filesystem::path& folder, const Manifest& manifest);
 
 struct Fault {

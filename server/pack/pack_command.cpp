@@ -247,6 +247,9 @@ void add_pack_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
   a.sequence.add_to(*command, "folder", "the package then depends on the speed of this machine");
+  command->add_flag("--best-effort", options.best_effort,
+                    "warn instead of failing where frames lie too far apart for the cube that they "
+                    "share, or where even the coarsest encoding exceeds the bit rate");
   command->add_flag("--force", options.force, "replace a package that is already there");
   a.json_option =
       command->add_option("--json", a.json, "print the summary as JSON, or write it to FILE")

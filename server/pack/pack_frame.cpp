@@ -8,6 +8,7 @@
 #include "codec/max_error.h"
 #include "codec/part_sizes.h"
 #include "common/base/try.h"
+#include "server/pack/collapse.h"
 
 namespace pointreel {
 namespace {
@@ -21,7 +22,15 @@ Result<void> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& gri
   frame.encode_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   limits.told(frame.encoded.depth, frame.encode_ms);
-  if (!cloud.empty()) frame.max_error = max_geometry_error(grid.cube, frame.encoded.depth);
+  frame.max_error = geometry_error(cloud, grid.cube, frame.encoded.depth);
+  if (!options.voxel) {
+    if (auto collapse = collapse_of(frame.encoded, cloud, grid, encode_options)) {
+      if (!options.best_effort) {
+        return fail(ErrorCode::limit, *collapse + ", or --best-effort to pack them nevertheless");
+      }
+      frame.warnings.push_back(std::move(*collapse));
+    }
+  }
   // The parts of an octree are only counted; those of Draco take more encodes.
   if (encode_options.id() == Codec::octree || options.measure_parts) {
     frame.parts = TRY(measure_part_sizes(frame.encoded, cloud, grid.cube, encode_options));
@@ -41,14 +50,14 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   frame.colors = options.encode.colors && cloud.has_colors();
   frame.normals = options.encode.normals && cloud.has_normals();
   frame.had_radii = cloud.has_radii();
-  for (const std::string& warning : loaded->warnings) {
-    frame.warnings.push_back(fmt::format("{}: {}", file, warning));
-  }
-  const Result<Grid> grid = input.grid_of(frame.box);
+  frame.unread = loaded->unread;
+  frame.warnings = loaded->warnings;
+  const Result<Grid> grid = input.grid_of(cloud);
   if (!grid) return fail_at(file, grid.error());
   if (const auto encoded = encode(frame, cloud, *grid, options, limits); !encoded) {
     return fail_at(file, encoded.error());
   }
+  for (std::string& warning : frame.warnings) warning = fmt::format("{}: {}", file, warning);
   return frame;
 }
 

@@ -27,7 +27,10 @@ struct PackOptions : EncodingOptions {
   /// (common/FORMULAS.md, "Cube of a frame").
   bool cube_per_frame = false;
   std::uint32_t segment_frames = 30;  ///< frames of a segment, at least 1
-  bool force = false;                 ///< replace a package that is already there
+  /// Pack frames that collapse because of their cube (collapse.h), and segments that exceed the bit
+  /// rate at their coarsest, with a warning. Otherwise both are errors.
+  bool best_effort = false;
+  bool force = false;  ///< replace a package that is already there
 };
 
 }  // namespace pointreel

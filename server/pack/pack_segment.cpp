@@ -50,6 +50,7 @@ class Writer {
     segment_.colors |= frame.colors;
     segment_.normals |= frame.normals;
     segment_.had_radii |= frame.had_radii;
+    segment_.unread.insert(frame.unread.begin(), frame.unread.end());
     segment_.points += encoded.source_points;
     segment_.coded_points += encoded.coded_points;
     if (frame.parts) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -26,6 +27,7 @@ struct PackedSegment {
   Box box;                               ///< of the source's points
   bool colors = false, normals = false;  ///< were encoded in any frame
   bool had_radii = false;
+  std::set<std::string> unread;  ///< names of properties that the files have, but clouds do not
   std::uint64_t points = 0, coded_points = 0;
   std::optional<Chunks<std::uint64_t>> parts;  ///< as PackSummary::parts
   std::vector<double> encode_ms;               ///< of each frame

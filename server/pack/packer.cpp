@@ -5,6 +5,7 @@
 #include <exception>
 #include <fstream>
 #include <new>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -135,9 +136,16 @@ class Packer {
       packed.summary.trials = control.trials();
       packed.summary.within_rate = bytes <= budget;
       if (!packed.summary.within_rate) {
-        packed.warnings.push_back(fmt::format(
+        const std::string excess = fmt::format(
             "frames {} to {} take {:.3g} Mbit/s at the coarsest, more than the bit rate",
-            first_frame, first_frame + input.size() - 1, 1e-6 * packed.summary.bits_per_second));
+            first_frame, first_frame + input.size() - 1, 1e-6 * packed.summary.bits_per_second);
+        if (!options_.best_effort) {
+          return fail(ErrorCode::limit,
+                      excess +
+                          ": give a higher --bitrate, or --best-effort to pack them "
+                          "nevertheless");
+        }
+        packed.warnings.push_back(excess);
       }
       return packed;
     }
@@ -148,6 +156,7 @@ class Packer {
       warn("radii are not packed: players derive them from the voxels");
       warned_of_radii_ = true;
     }
+    warn_of_unread(segment.unread);
     for (const std::string& warning : segment.warnings) warn(warning);
 
     manifest_.bounds.grow(segment.box);
@@ -172,6 +181,20 @@ class Packer {
     summary_.max_error = std::max(summary_.max_error, added.max_error);
     summary_.segments.push_back(added);
     encode_ms_.insert(encode_ms_.end(), segment.encode_ms.begin(), segment.encode_ms.end());
+  }
+
+  /// Names each property once for the whole package.
+  void warn_of_unread(const std::set<std::string>& names) {
+    constexpr std::size_t kMostNames = 8;
+    std::vector<std::string> fresh;
+    for (const std::string& name : names) {
+      if (told_unread_.insert(name).second) fresh.push_back(name);
+    }
+    if (fresh.empty()) return;
+    const std::size_t more = fresh.size() - std::min(fresh.size(), kMostNames);
+    fresh.resize(fresh.size() - more);
+    warn(fmt::format("PLY properties that are not packed: {}{}", fmt::join(fresh, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : ""));
   }
 
   void warn(const std::string& line) {
@@ -201,6 +224,7 @@ class Packer {
     drop_unused_layers();
     manifest_.depth_min = summary_.depth_min;
     manifest_.depth_max = summary_.depth_max;
+    manifest_.max_error = summary_.max_error;
     const std::string text = write_manifest(manifest_);
     if (const auto parsed = parse_manifest(text); !parsed) {
       return fail_at("the package would not be valid", parsed.error());
@@ -231,6 +255,7 @@ class Packer {
   PackSummary summary_;
   std::vector<double> encode_ms_;
   bool warned_of_radii_ = false;
+  std::set<std::string> told_unread_;
 };
 
 }  // namespace

@@ -72,6 +72,7 @@ Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& l
 }
 
 Result<double> max_error(const fs::path& folder, const Manifest& manifest) {
+  if (manifest.max_error) return *manifest.max_error;
   double largest = 0.0;
   for (const Segment& segment : manifest.segments) {
     const LayerFile& base = segment.layers.front();

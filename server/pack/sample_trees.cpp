@@ -22,7 +22,7 @@ constexpr std::size_t kMaxSegments = 4, kMaxFrames = 24;
 constexpr std::size_t kMaxNodes = 1'600'000;
 
 Result<Svo> build(const PointCloud& cloud, const SegmentInput& input) {
-  const Grid grid = TRY(input.grid_of(bounds(cloud)));
+  const Grid grid = TRY(input.grid_of(cloud));
   if (cloud.empty()) return Svo{};
   const auto points =
       TRY(sort_to_depth(cloud, grid.cube, std::get<OctreeOptions>(grid.encode.codec).depth));

@@ -144,5 +144,23 @@ TEST(MaxGeometryError, holds_for_prefixes_of_the_layers) {
   }
 }
 
+TEST(GeometryError, is_between_the_true_error_and_the_bound) {
+  for (const double extent : {1e-3, 1.7, 1e7}) {
+    for (const double away : {0.0, 1e6}) {
+      const PointCloud cloud = scattered(glm::dvec3(away, -away, 0.1) * extent, extent, 13);
+      const Cube cube = bounding_cube(bounds(cloud));
+      for (const int depth : {1, 7, 12, 19}) {
+        const double error = geometry_error(cloud, cube, depth);
+        EXPECT_LE(error, max_geometry_error(cube, depth) * (1.0 + 1e-12));
+        for (const EncodeOptions& options : {octree(depth), draco(depth, DracoMethod::kd_tree)}) {
+          const PointCloud back = decoded(cloud, cube, options);
+          EXPECT_GE(error, farthest(cloud, back));
+          EXPECT_GE(error, farthest(back, cloud));
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -78,7 +78,10 @@ struct ReelHead {
 struct Manifest : ReelHead {
   std::uint64_t duration_us = 0;  ///< of one pass, including the last frame's own duration
   std::uint32_t depth_min = 0, depth_max = 0;
-  Box bounds;                         ///< of all frames; empty if no frame has a point
+  Box bounds;  ///< of all frames; empty if no frame has a point
+  /// How far a point can be from its decoded position, in the units of the source, as the packer
+  /// measured it. Absent if nobody did.
+  std::optional<double> max_error;
   std::optional<PackageFile> tables;  ///< the reel's own context tables, if its frames need any
   std::optional<LiveManifest> live;   ///< only while frames may still be added
   /// Some frames have fewer layers than their headers say, because a live link did not carry all of

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pointreel/codec.h"
+#include "pointreel/geometry.h"
+#include "server/encode/grid.h"
+
+namespace pointreel {
+
+/// Why a frame that was encoded in this grid would be far coarser than was asked for: because its
+/// cube is too large for its points. That is so if the frame has fewer than half the voxels that a
+/// delta promises; or, with a fixed depth, if it lies in a cube more than 16 times as large as its
+/// own, and is itself less than 16 voxels long. Nothing if the frame is as it should be, or if its
+/// depth was lowered on request.
+///
+/// `cloud` is the source of `encoded`, `used` the options it was encoded with.
+std::optional<std::string> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
+                                       const Grid& grid, const EncodeOptions& used);
+
+}  // namespace pointreel

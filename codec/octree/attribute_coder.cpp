@@ -92,10 +92,13 @@ class Scales {
   NodeScales found_;
 };
 
-/// The result is bounded by 2^16, whatever the bytes say.
+/// No difference is larger, whatever the bytes say.
+constexpr std::int32_t kMostDifference = 65536;
+
 std::int32_t dequantize(std::int32_t q, std::int32_t step) {
   const std::int64_t magnitude = (std::int64_t{std::abs(q)} * step + 128) >> 8;
-  const auto bounded = static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, 65536));
+  const auto bounded =
+      static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, kMostDifference));
   return q < 0 ? -bounded : bounded;
 }
 
@@ -116,7 +119,7 @@ class LayerCoder {
  public:
   LayerCoder(const Svo& svo, int first_level, int last_level, const CoefficientSteps& steps,
              Neighborhoods* neighborhoods, CoefficientContexts& contexts, Coder& coder,
-             const SourceValues* source, Short4* decoded)
+             const SourceValues* source, Short4* decoded, bool exact)
       : svo_(svo),
         first_level_(first_level),
         last_level_(last_level),
@@ -127,7 +130,8 @@ class LayerCoder {
         contexts_(contexts),
         coder_(coder),
         source_(source),
-        decoded_(decoded) {}
+        decoded_(decoded),
+        exact_(exact) {}
 
   /// Codes up to the layer's last level, or up to `stop`.
   void run(int stop = kMaxDepth) {
@@ -202,9 +206,10 @@ class LayerCoder {
       const Short4* source = source_->at(first);
       for (std::size_t c = 0; c < children; ++c) {
         residuals[c] = load(source[c]);
-        if constexpr (kPredicts) residuals[c] -= expected[c];
+        if (kPredicts && !exact_) residuals[c] -= expected[c];
       }
-      coded = quantize_node(order, scales, residuals, contexts_, gradient, activity, q);
+      coded = exact_ ? exact_coefficients<kPredicts>(order, scales, residuals, q)
+                     : quantize_node(order, scales, residuals, contexts_, gradient, activity, q);
     }
     coded = code_coefficients<kPredicts>(order, gradient, activity, coded, q);
     last_activity_ = coded ? activity_of(order, q) : 0;
@@ -215,6 +220,7 @@ class LayerCoder {
     }
 
     if (!decodes_) return;
+    if (exact_) return decode_exactly<kPredicts>(order, scales, own, coded ? &q : nullptr, first);
     if (!coded) {
       for (std::size_t c = 0; c < children; ++c) {
         if constexpr (kPredicts) {
@@ -238,6 +244,43 @@ class LayerCoder {
     split(order, scales, values.data(), differences.data());
     for (std::size_t c = 0; c < children; ++c) {
       if constexpr (kPredicts) values[c] += expected[c];
+      decoded_[first + c] = stored_value(values[c] | fourth);
+    }
+  }
+
+  /// In exact layers coefficients are differences of the children's own values, which are undone in
+  /// integers without a loss. Prediction takes the expected differences from them. `values`: those
+  /// of the children, overwritten. Returns false if all coefficients are zero.
+  template <bool kPredicts>
+  bool exact_coefficients(const MergeOrder& order, const NodeScales& scales,
+                          std::array<Int4, 8>& values, std::array<Triple, 7>& q) const {
+    std::array<Int4, 7> differences;
+    merge(order, scales, values.data(), differences.data());
+    bool any = false;
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      if constexpr (kPredicts) differences[i] -= expected_differences_[i];
+      q[i] = {differences[i][0], differences[i][1], differences[i][2]};
+      any |= !is_zero(q[i]);
+    }
+    return any;
+  }
+
+  /// Undoes that. `q`: null if all of them are zero.
+  template <bool kPredicts>
+  void decode_exactly(const MergeOrder& order, const NodeScales& scales, const Int4& own,
+                      const std::array<Triple, 7>* q, std::uint32_t first) {
+    std::array<Int4, 7> differences;
+    for (std::size_t i = 0; i < order.pairs; ++i) {
+      Int4 d = {};
+      if (q != nullptr) d = Int4{(*q)[i][0], (*q)[i][1], (*q)[i][2], 0};
+      if constexpr (kPredicts) d += expected_differences_[i] & kComponents;
+      differences[i] = clamp(d, -kMostDifference, kMostDifference);
+    }
+    std::array<Int4, 8> values;
+    values[0] = own;
+    split(order, scales, values.data(), differences.data());
+    const Int4 fourth = fourth_lane(last_activity_);
+    for (std::size_t c = 0; c <= order.pairs; ++c) {
       decoded_[first + c] = stored_value(values[c] | fourth);
     }
   }
@@ -301,13 +344,14 @@ class LayerCoder {
   Coder& coder_;
   const SourceValues* source_;
   Short4* decoded_;
+  bool exact_;
   /// The activity of the node coded last. Contexts depend on it where neighbours are not known.
   std::int32_t last_activity_ = 0;
   ValueBlock block_;
   std::array<Int4, 7> expected_differences_;  ///< for the pairs of the current node
 };
 
-constexpr std::uint8_t kPredictionFlag = 1;
+constexpr std::uint8_t kPredictionFlag = 1, kExactFlag = 2;
 
 /// Computes the means of the nodes of a layer from those of its last level. They need not be exact,
 /// since a deviation from the transform's own mean is coded with the children.
@@ -341,19 +385,39 @@ void fill_means(const Svo& svo, int first_level, int last_level, const SourceVal
   }
 }
 
+/// Computes the means that an exact layer is undone from: those that merging gives, in integers.
+void fill_merged(const Svo& svo, int first_level, int last_level, const SourceValues& source,
+                 std::vector<Short4>& means) {
+  const Weights weights(svo, first_level, last_level);
+  Scales scales(svo, weights, kExactSteps);
+  const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
+  const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
+  for (std::uint32_t node = end; node-- > begin;) {
+    const std::uint32_t first = svo.first_child[node];
+    const MergeOrder& order = kMergeOrders[svo.masks[node]];
+    const Short4* child = source.at(first);
+    std::array<Int4, 8> values;
+    std::array<Int4, 7> differences;
+    for (std::size_t c = 0; c <= order.pairs; ++c) values[c] = load(child[c]) & kComponents;
+    merge(order, scales(node, first >= end), values.data(), differences.data());
+    means[node] = stored_value(values[0] | fourth_lane(0));
+  }
+}
+
 }  // namespace
 
 TransformEncoder::TransformEncoder(const Svo& svo, const std::vector<Short4>& leaves,
-                                   const std::vector<int>& layer_ends)
+                                   const std::vector<int>& layer_ends, bool exact)
     : svo_(svo),
       leaves_(leaves),
       layer_ends_(layer_ends),
+      exact_(exact),
       means_(svo.internal_count()),
       decoded_(svo.internal_count()),
       neighborhoods_(svo) {
   for (std::size_t layer = layer_ends.size(); layer-- > 0;) {
-    fill_means(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], {means_, leaves_},
-               means_);
+    const auto fill = exact ? fill_merged : fill_means;
+    fill(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], {means_, leaves_}, means_);
   }
 }
 
@@ -395,7 +459,8 @@ Bytes TransformEncoder::encode_layer(const CoefficientSteps& steps) {
   const bool predicts = layer_ == 0 || prediction_pays(first_level);
   Bytes out;
   ByteWriter writer(out);
-  writer.put(predicts ? kPredictionFlag : std::uint8_t{0});
+  const int flags = (predicts ? kPredictionFlag : 0) | (exact_ ? kExactFlag : 0);
+  writer.put(static_cast<std::uint8_t>(flags));
   writer.put(steps.luma);
   writer.put(steps.chroma);
   const SourceValues source{means_, leaves_};
@@ -406,7 +471,7 @@ Bytes TransformEncoder::encode_layer(const CoefficientSteps& steps) {
   CoefficientWriter coder(out);
   LayerCoder<CoefficientWriter>(svo_, first_level, layer_ends_[layer_], steps,
                                 predicts ? &neighborhoods_ : nullptr, contexts_, coder, &source,
-                                decoded_.data())
+                                decoded_.data(), exact_)
       .run();
   coder.finish();
   ++layer_;
@@ -429,13 +494,16 @@ Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level, int 
     for (int k = 0; k < 3; ++k) root[k] = reader.get<std::int16_t>();
     decoded_[0] = stored_value(root + fourth_lane(0));
   }
-  if (!reader.ok() || flags > kPredictionFlag || steps.luma == 0 || steps.chroma == 0) {
+  const bool exact = (flags & kExactFlag) != 0;
+  if (level_ == 0) exact_ = exact;
+  if (!reader.ok() || flags > (kPredictionFlag | kExactFlag) || exact != exact_ ||
+      steps.luma == 0 || steps.chroma == 0) {
     return fail("a field is out of range");
   }
   CoefficientReader coder(reader.rest());
   Neighborhoods* neighborhoods = (flags & kPredictionFlag) != 0 ? &neighborhoods_ : nullptr;
   LayerCoder<CoefficientReader>(svo_, level_, last_level, steps, neighborhoods, contexts_, coder,
-                                nullptr, decoded_.get())
+                                nullptr, decoded_.get(), exact)
       .run(stop);
   if (stop >= last_level && !coder.complete()) return fail("the bytes do not fit the tree");
   level_ = std::min(last_level, stop);

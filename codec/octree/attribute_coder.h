@@ -12,9 +12,9 @@
 #include "pointreel/error.h"
 #include "pointreel/octree.h"
 
-/// Codes the colours or normals of a tree's nodes, lossily and layer by layer: they are transformed
-/// (raht.h), quantised, and coded with adaptive binary contexts. FORMAT.md, "Transformed
-/// attributes".
+/// Codes the colours or normals of a tree's nodes layer by layer: they are transformed (raht.h),
+/// quantised, and coded with adaptive binary contexts. Exact layers are not quantised, and undone
+/// in integers. FORMAT.md, "Transformed attributes".
 ///
 /// The chunk of a layer gives values to the nodes of all its levels, starting from those of the
 /// level at which the layer before ended. It needs nothing of finer layers: the nodes of a layer's
@@ -32,6 +32,9 @@ struct CoefficientSteps {
   std::uint16_t luma = 256, chroma = 256;
 };
 
+/// What exact layers state as their steps. It selects contexts only.
+inline constexpr CoefficientSteps kExactSteps{256, 256};
+
 /// The steps of a whole frame for a quality from 1 to 99 (OctreeOptions). Chroma is quantised twice
 /// as coarsely as luma, because the eye is less sensitive to it; the usual weights of their squared
 /// errors, 6 to 1, would make it 2.4 times.
@@ -47,11 +50,12 @@ CoefficientSteps layer_steps(const CoefficientSteps& steps, std::uint32_t leaves
 class TransformEncoder {
  public:
   /// `leaves`: the value of each leaf. `layer_ends`: the last level of each layer. The tree and the
-  /// leaves must outlive the encoder.
+  /// leaves must outlive the encoder. `exact`: keep the leaves as they are; no two of their values
+  /// may then differ by more than 2^15.
   TransformEncoder(const Svo& svo, const std::vector<Short4>& leaves,
-                   const std::vector<int>& layer_ends);
+                   const std::vector<int>& layer_ends, bool exact = false);
 
-  /// Encodes the next layer.
+  /// Encodes the next layer. The steps of an exact one are kExactSteps.
   Bytes encode_layer(const CoefficientSteps& steps);
 
  private:
@@ -61,6 +65,7 @@ class TransformEncoder {
   const Svo& svo_;
   const std::vector<Short4>& leaves_;
   std::vector<int> layer_ends_;
+  bool exact_;
   std::size_t layer_ = 0;
   std::vector<Short4> means_;    ///< the values of the inner nodes before quantisation
   std::vector<Short4> decoded_;  ///< the values that a decoder has, for the inner nodes so far
@@ -87,6 +92,9 @@ class TransformDecoder {
   /// ancestors.
   void inherit(int last_level);
 
+  /// Whether the decoded layers are exact.
+  bool exact() const { return exact_; }
+
   /// The values of the nodes of a decoded level. Only the first three lanes are meaningful.
   std::span<const Short4> values(int level) const;
   /// The values of all nodes of the decoded levels.
@@ -95,6 +103,7 @@ class TransformDecoder {
  private:
   const Svo& svo_;
   int level_ = 0;
+  bool exact_ = false;
   std::unique_ptr<Short4[]> decoded_;  ///< for all nodes; uninitialised below level_
   Neighborhoods neighborhoods_;
   CoefficientContexts contexts_;

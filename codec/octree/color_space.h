@@ -48,4 +48,23 @@ inline glm::u16vec3 color_16_from_value(const Short4& value) {
           static_cast<std::uint16_t>(rgb[2])};
 }
 
+/// The colour space of exact layers: YCoCg-R (H. Malvar and G. Sullivan, "YCoCg-R: A color space
+/// with RGB reversibility and low dynamic range", JVT-I014r3, 2003) of 8-bit colours, as Y, Cg, Co.
+/// Y is 0 to 255, and the others are -255 to 255.
+inline Short4 exact_value_from_color(const glm::u16vec3& color) {
+  const auto scaled = [](int v) { return (v + 128) / 257; };
+  const int r = scaled(color.r), g = scaled(color.g), b = scaled(color.b);
+  const int co = r - b, t = b + (co >> 1), cg = g - t;
+  return stored_value(Int4{t + (cg >> 1), cg, co, 0} + fourth_lane(0));
+}
+
+/// The inverse. Values that no colour has are clamped.
+inline glm::u16vec3 color_from_exact_value(const Short4& value) {
+  const int cg = value.lanes[1], co = value.lanes[2], t = value.lanes[0] - (cg >> 1);
+  const int b = t - (co >> 1);
+  const Int4 rgb = clamp(Int4{b + co, cg + t, b, 0}, 0, 255) * 257;
+  return {static_cast<std::uint16_t>(rgb[0]), static_cast<std::uint16_t>(rgb[1]),
+          static_cast<std::uint16_t>(rgb[2])};
+}
+
 }  // namespace pointreel

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <memory>
+#include <optional>
 #include <string>
 
 #define XXH_INLINE_ALL
@@ -93,20 +94,21 @@ class AttributeDecoder {
   Codes codes_;
 };
 
-/// Encodes a transformed attribute of all layers into their chunks.
+/// Encodes a transformed attribute of all layers into their chunks: exactly, if there are no steps.
 void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, ChunkKind kind,
-                        const CoefficientSteps& frame_steps, FrameTag tag,
+                        const std::optional<CoefficientSteps>& frame_steps, FrameTag tag,
                         std::vector<Chunks<Bytes>>& layers) {
   std::vector<int> ends;
   for (int layer = 0; layer < static_cast<int>(layers.size()); ++layer) {
     ends.push_back(last_level_of_layer(layer, svo.depth));
   }
-  TransformEncoder encoder(svo, leaves, ends);
+  TransformEncoder encoder(svo, leaves, ends, !frame_steps);
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
     const ChunkHeader header{kind, Entropy::none, static_cast<std::uint8_t>(layer),
                              static_cast<std::uint8_t>(ends[layer]), 0};
     const CoefficientSteps steps =
-        layer_steps(frame_steps, svo.leaf_count(), svo.node_count(ends[layer]));
+        frame_steps ? layer_steps(*frame_steps, svo.leaf_count(), svo.node_count(ends[layer]))
+                    : kExactSteps;
     pack_chunk(header, tag, encoder.encode_layer(steps), chunk_of(layers[layer], kind));
   }
 }
@@ -117,10 +119,10 @@ Result<void> check_stopped(const DecodeLimits& limits) {
 }
 
 /// Decodes a transformed attribute from the base down to the first layer that lacks it, or to level
-/// `depth`. Returns null if the base lacks it.
+/// `depth`. Returns null if the base lacks it. `may_be_exact`: only colours of 8 bits may be.
 Result<std::unique_ptr<TransformDecoder>> decode_transformed(
     const Svo& svo, const std::vector<Chunks<ByteView>>& layers,
-    const std::vector<int>& last_levels, int depth, ChunkKind kind, FrameTag tag,
+    const std::vector<int>& last_levels, int depth, ChunkKind kind, bool may_be_exact, FrameTag tag,
     const DecodeLimits& limits) {
   if (chunk_of(layers.front(), kind).empty()) return nullptr;
   auto decoder = std::make_unique<TransformDecoder>(svo);
@@ -134,6 +136,7 @@ Result<std::unique_ptr<TransformDecoder>> decode_transformed(
       return fail("chunk header has a field out of range");
     }
     TRY(decoder->decode_layer(chunk.payload, last_levels[layer], depth));
+    if (decoder->exact() && !may_be_exact) return fail("a field is out of range");
   }
   decoder->inherit(std::min(depth, last_levels.back()));
   return decoder;
@@ -185,11 +188,13 @@ Result<void> decode_colors(const std::vector<Chunks<ByteView>>& layers,
                            const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                            OctreeFrame& frame) {
   if (!parsed.header.colors_transformed) return {};
-  const auto decoder =
-      TRY(at_place("colors", decode_transformed(frame.svo, layers, last_levels, depth,
-                                                ChunkKind::colors, parsed.tag, limits)));
+  const auto decoder = TRY(at_place(
+      "colors", decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::colors,
+                                   !parsed.header.colors_16_bit, parsed.tag, limits)));
   if (decoder == nullptr) return {};
-  if (parsed.header.colors_16_bit) {
+  if (decoder->exact()) {
+    set_colors(*decoder, limits, color_from_exact_value, frame);
+  } else if (parsed.header.colors_16_bit) {
     set_colors(*decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
   } else {
     set_colors(*decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
@@ -205,7 +210,7 @@ Result<void> decode_normals(const std::vector<Chunks<ByteView>>& layers,
   if (!parsed.header.normals_transformed) return {};
   const auto decoder =
       TRY(at_place("normals", decode_transformed(frame.svo, layers, last_levels, depth,
-                                                 ChunkKind::normals, parsed.tag, limits)));
+                                                 ChunkKind::normals, false, parsed.tag, limits)));
   if (decoder != nullptr) set_normals(*decoder, limits, frame);
   return {};
 }
@@ -314,8 +319,12 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   frame.depth = static_cast<std::uint8_t>(svo.depth);
   frame.has_colors = colors && cloud.has_colors();
   frame.has_normals = normals && cloud.has_normals();
-  frame.colors_transformed = frame.has_colors && options.color_quality < kLosslessColorQuality;
   frame.colors_16_bit = frame.has_colors && !colors_fit_8_bits(cloud);
+  const bool lossless_colors = options.color_quality == kLosslessColorQuality;
+  // The transform gives far fewer bytes, also without a loss. It has no room for 16 bits.
+  frame.colors_transformed =
+      frame.has_colors &&
+      (!lossless_colors || (options.entropy == Entropy::context && !frame.colors_16_bit));
   frame.normals_transformed = frame.has_normals && options.normal_quality < kBestNormalQuality;
   frame.layers = static_cast<std::uint8_t>(layer_count(svo.depth));
   frame.source_points = static_cast<std::uint32_t>(cloud.size());
@@ -361,9 +370,12 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
     first_level = last_level;
   }
   if (frame.colors_transformed) {
+    std::optional<CoefficientSteps> steps;
+    if (!lossless_colors) steps = color_steps(options.color_quality);
     encode_transformed(svo,
-                       values_of(mean_leaf_colors(svo, cloud, points.sorted), value_from_color),
-                       ChunkKind::colors, color_steps(options.color_quality), tag, encoded.layers);
+                       values_of(mean_leaf_colors(svo, cloud, points.sorted),
+                                 steps ? value_from_color : exact_value_from_color),
+                       ChunkKind::colors, steps, tag, encoded.layers);
   }
   if (frame.normals_transformed) {
     encode_transformed(

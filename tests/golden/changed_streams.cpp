@@ -321,6 +321,17 @@ void add_attributes(Collection& all) {
     all.forged(name, "context_three_layers", change);
   };
   lossy("lossy_flag", [=](Forger& f) { f.part(1, colors)[begin] |= 2; });
+  lossy("attribute_flag_unknown", [=](Forger& f) { f.part(1, colors)[begin] |= 4; });
+  const auto turn_exact = [=](Forger& f, ChunkKind kind) {
+    for (std::size_t layer = 0; layer < 3; ++layer) {
+      f.part(layer, kind)[Forger::payload(layer, kind)] |= 2;
+    }
+  };
+  lossy("exact_normals", [=](Forger& f) { turn_exact(f, normals); });
+  all.forged("exact_colors_of_16_bits", "colors_of_16_bits_lossy",
+             [=](Forger& f) { turn_exact(f, colors); });
+  all.forged("exact_not_everywhere", "context_lossless",
+             [=](Forger& f) { f.part(2, colors)[begin] ^= 2; });
   lossy("lossy_luma_step_0",
         [=](Forger& f) { f.set(1, colors, kChunkHeaderSize + 1, std::uint16_t{0}); });
   lossy("lossy_chroma_step_0",
@@ -375,7 +386,7 @@ void add_odd(Collection& all) {
   });
   all.odd("zeros_behind_colors", "context_three_layers",
           [](Forger& f) { f.resize_raw(1, colors, f.payload_size(1, colors) + 1); });
-  for (const std::string from : {"none_lossless", "context_three_layers"}) {
+  for (const std::string from : {"none_lossless", "context_three_layers", "context_lossless"}) {
     all.odd("no_base_colors_" + from, from, [](Forger& f) { f.part(0, colors).clear(); });
     all.odd("no_middle_colors_" + from, from, [](Forger& f) { f.part(1, colors).clear(); });
     all.odd("no_full_normals_" + from, from, [](Forger& f) { f.part(2, normals).clear(); });

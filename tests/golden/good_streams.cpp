@@ -91,8 +91,8 @@ PointCloud positions(const PointCloud& cloud) {
   return bare;
 }
 
-OctreeOptions octree(Entropy entropy, int depth, int colors = kDefaultColorQuality,
-                     int normals = kDefaultNormalQuality) {
+/// The qualities are given here, so that streams do not depend on what the defaults are.
+OctreeOptions octree(Entropy entropy, int depth, int colors = 50, int normals = 43) {
   OctreeOptions options;
   options.entropy = entropy;
   options.depth = DepthRule::fixed(depth);

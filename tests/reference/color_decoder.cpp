@@ -155,8 +155,10 @@ class Decoder {
   Result<void> layer(ByteView bytes, int first_level, int last_level, bool base) {
     ByteReader reader(bytes);
     const unsigned flags = reader.get<std::uint8_t>();
-    if (flags > 1) return fail("flags");
-    predicts_ = flags == 1;
+    if (flags > 3) return fail("flags");
+    predicts_ = (flags & 1) != 0;
+    if (base) exact_ = (flags & 2) != 0;
+    if (exact_ != ((flags & 2) != 0)) return fail("layers of both kinds");
     const std::int64_t luma = reader.get<std::uint16_t>(), chroma = reader.get<std::uint16_t>();
     steps_ = {luma, chroma, chroma};
     if (luma == 0 || chroma == 0) return fail("steps");
@@ -186,10 +188,11 @@ class Decoder {
     return range.complete() ? Result<void>{} : fail("coded bytes end elsewhere");
   }
 
-  std::vector<glm::ivec3> values() const {
-    std::vector<glm::ivec3> values;
+  Values values() const {
+    Values values;
+    values.exact = exact_;
     for (const auto& [key, node] : levels_.back()) {
-      values.emplace_back(node.value[0], node.value[1], node.value[2]);
+      values.nodes.emplace_back(node.value[0], node.value[1], node.value[2]);
     }
     return values;
   }
@@ -306,19 +309,22 @@ class Decoder {
     const auto top = static_cast<std::size_t>(moved_to[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       std::array<std::int64_t, 8> v{};
-      v[top] = node.value[k] - e[top][k];
+      v[top] = exact_ ? node.value[k] : node.value[k] - e[top][k];
       for (std::size_t i = pairs.size(); i-- > 0;) {
         const std::int64_t magnitude = std::min<std::int64_t>(
             (std::abs(q[i][k]) * step_of(pairs[i], steps_[k]) + (1 << 7)) >> 8, 1 << 16);
-        const std::int64_t d = q[i][k] < 0 ? -magnitude : magnitude;
+        const std::int64_t d =
+            exact_ ? std::clamp<std::int64_t>(q[i][k] + expected_difference[i][k], -65536, 65536)
+            : q[i][k] < 0 ? -magnitude
+                          : magnitude;
         auto& lower = v[static_cast<std::size_t>(pairs[i].lower)];
         lower -= (d * ratio_of(pairs[i]) + (1 << 13)) >> 14;
         v[static_cast<std::size_t>(pairs[i].higher)] = lower + d;
       }
       for (std::size_t octant = 0; octant < 8; ++octant) {
         if (child[octant] == nullptr) continue;
-        child[octant]->value[k] =
-            std::clamp<std::int64_t>(v[octant] + expected[octant][k], -16384, 16383);
+        const std::int64_t add = exact_ ? 0 : expected[octant][k];
+        child[octant]->value[k] = std::clamp<std::int64_t>(v[octant] + add, -16384, 16383);
         child[octant]->activity = node.activity;
       }
     }
@@ -361,16 +367,15 @@ class Decoder {
 
   std::vector<Level> levels_;
   AdaptiveBits bits_;
-  bool predicts_ = false;
+  bool predicts_ = false, exact_ = false;
   std::array<std::int64_t, 3> steps_{};
   std::int64_t last_activity_ = 0;
 };
 
 }  // namespace
 
-Result<std::vector<glm::ivec3>> decode_values(const std::vector<glm::uvec3>& leaves,
-                                              const std::vector<Bytes>& layers,
-                                              const std::vector<int>& layer_ends) {
+Result<Values> decode_values(const std::vector<glm::uvec3>& leaves,
+                             const std::vector<Bytes>& layers, const std::vector<int>& layer_ends) {
   Decoder decoder(leaves, layer_ends[layers.size() - 1]);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     TRY(decoder.layer(layers[i], i == 0 ? 0 : layer_ends[i - 1], layer_ends[i], i == 0));
@@ -392,13 +397,20 @@ glm::u16vec3 color_of_value(const glm::ivec3& value, int bits) {
           component(16384 * y + 30402 * b)};
 }
 
+glm::u16vec3 color_of_exact_value(const glm::ivec3& value) {
+  const int t = value.x - (value.y >> 1), g = value.y + t, b = t - (value.z >> 1);
+  return glm::u16vec3(glm::clamp(glm::ivec3(b + value.z, g, b), 0, 255) * 257);
+}
+
 std::vector<glm::u16vec3> decode_colors(const std::vector<glm::uvec3>& leaves,
                                         const std::vector<Bytes>& layers,
                                         const std::vector<int>& layer_ends) {
   std::vector<glm::u16vec3> colors;
   const auto values = decode_values(leaves, layers, layer_ends);
   if (!values) return colors;
-  for (const glm::ivec3& value : *values) colors.push_back(color_of_value(value, 8));
+  for (const glm::ivec3& value : values->nodes) {
+    colors.push_back(values->exact ? color_of_exact_value(value) : color_of_value(value, 8));
+  }
   return colors;
 }
 

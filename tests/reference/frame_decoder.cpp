@@ -240,11 +240,10 @@ glm::dvec3 normal_of(const Code& code) {
 }
 
 /// The leaves' values of a transformed attribute; empty if the base layer has none.
-Result<std::vector<glm::ivec3>> read_values(const Header& header, const Tree& tree,
-                                            const std::vector<Chunks<ByteView>>& layers,
-                                            unsigned kind) {
+Result<Values> read_values(const Header& header, const Tree& tree,
+                           const std::vector<Chunks<ByteView>>& layers, unsigned kind) {
   const auto part = kind == 1 ? &Chunks<ByteView>::colors : &Chunks<ByteView>::normals;
-  std::vector<glm::ivec3> values;
+  Values values;
   std::vector<Bytes> payloads;
   std::size_t have = 0;
   for (; have < tree.layer_ends.size() && !(layers[have].*part).empty(); ++have) {
@@ -255,11 +254,15 @@ Result<std::vector<glm::ivec3>> read_values(const Header& header, const Tree& tr
   if (have == 0) return values;
   const int level = tree.layer_ends[have - 1];
   const Cells& cells = tree.levels[static_cast<std::size_t>(level)];
-  const auto decoded = TRY(decode_values(cells, payloads, tree.layer_ends));
+  const Values decoded = TRY(decode_values(cells, payloads, tree.layer_ends));
   std::map<std::uint64_t, glm::ivec3> by_cell;
-  for (std::size_t i = 0; i < cells.size(); ++i) by_cell[morton_encode(cells[i])] = decoded[i];
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    by_cell[morton_encode(cells[i])] = decoded.nodes[i];
+  }
+  values.exact = decoded.exact;
   for (const glm::uvec3& leaf : tree.levels.back()) {
-    values.push_back(by_cell.at(morton_encode(leaf >> unsigned(tree.layer_ends.back() - level))));
+    values.nodes.push_back(
+        by_cell.at(morton_encode(leaf >> unsigned(tree.layer_ends.back() - level))));
   }
   return values;
 }
@@ -273,9 +276,11 @@ Result<void> read_attributes(const Header& header, const Tree& tree,
                              const std::vector<Chunks<ByteView>>& layers, Frame& frame) {
   const int bits = header.colors_16_bit() ? 16 : 8;
   if (header.colors_transformed()) {
-    const auto values = TRY(read_values(header, tree, layers, 1));
-    for (const glm::ivec3& value : values) {
-      frame.colors.push_back(color_of_value(value, bits));
+    const Values values = TRY(read_values(header, tree, layers, 1));
+    if (values.exact && bits == 16) return fail("exact colours of 16 bits");
+    for (const glm::ivec3& value : values.nodes) {
+      frame.colors.push_back(values.exact ? color_of_exact_value(value)
+                                          : color_of_value(value, bits));
     }
   } else if (header.colors()) {
     const auto width = static_cast<unsigned>(bits);
@@ -283,8 +288,9 @@ Result<void> read_attributes(const Header& header, const Tree& tree,
     for (const Code& code : codes) frame.colors.push_back(color_of(code, width));
   }
   if (header.normals_transformed()) {
-    const auto values = TRY(read_values(header, tree, layers, 2));
-    for (const glm::ivec3& value : values) frame.normals.push_back(normal_of(value));
+    const Values values = TRY(read_values(header, tree, layers, 2));
+    if (values.exact) return fail("exact normals");
+    for (const glm::ivec3& value : values.nodes) frame.normals.push_back(normal_of(value));
   } else if (header.normals()) {
     const auto codes = TRY(read_codes(header, tree, layers, 2, 2, 8));
     for (const Code& code : codes) frame.normals.push_back(normal_of(code));

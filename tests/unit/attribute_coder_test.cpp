@@ -112,6 +112,84 @@ TEST(ColorSpace, gives_greys_no_chroma_and_clamps_values_outside_the_gamut) {
   EXPECT_EQ(rgb_from_ycbcr(Int4{-16384, 0, 0, 1}), glm::u16vec3(0));
 }
 
+TEST(ColorSpace, of_exact_layers_restores_every_8_bit_colour) {
+  for (int r = 0; r < 256; r += 5) {
+    for (int g = 0; g < 256; ++g) {
+      for (int b = 0; b < 256; b += 3) {
+        const glm::u16vec3 color(r * 257, g * 257, b * 257);
+        EXPECT_EQ(color_from_exact_value(exact_value_from_color(color)), color);
+      }
+    }
+  }
+  const Short4 beyond{{-16384, 16383, 16383, 1}};
+  EXPECT_EQ(color_from_exact_value(beyond), glm::u16vec3(0));
+}
+
+/// Encodes without a loss, with colours that vary by up to `noise` from point to point.
+std::pair<std::vector<Bytes>, std::vector<glm::u16vec3>> encode_exactly(const Sample& s,
+                                                                        int noise) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> some(-noise, noise);
+  std::vector<Short4> leaves;
+  std::vector<glm::u16vec3> colors;
+  for (const glm::u16vec3& color : s.colors) {
+    const glm::ivec3 noisy =
+        glm::ivec3(color) / 257 + glm::ivec3(some(random), some(random), some(random));
+    colors.push_back(glm::u16vec3(glm::clamp(noisy, 0, 255) * 257));
+    leaves.push_back(exact_value_from_color(colors.back()));
+  }
+  TransformEncoder encoder(s.svo, leaves, s.layer_ends, true);
+  std::vector<Bytes> layers;
+  for (std::size_t i = 0; i < s.layer_ends.size(); ++i)
+    layers.push_back(encoder.encode_layer(kExactSteps));
+  return {std::move(layers), std::move(colors)};
+}
+
+TEST(ExactLayers, restore_all_colours_as_the_reference_does) {
+  for (const auto& [depth, ends] :
+       {std::pair(0, std::vector{0}), {4, {4}}, {8, {7, 8}}, {10, {3, 7, 10}}}) {
+    const Sample s = sample(3000, depth, ends);
+    for (const int noise : {0, 2, 20, 255}) {
+      const auto [layers, colors] = encode_exactly(s, noise);
+      TransformDecoder decoder(s.svo);
+      for (std::size_t i = 0; i < ends.size(); ++i) {
+        ASSERT_TRUE(decoder.decode_layer(layers[i], ends[i]));
+      }
+      ASSERT_TRUE(decoder.exact());
+      std::vector<glm::u16vec3> back;
+      for (const Short4& v : decoder.values(depth)) back.push_back(color_from_exact_value(v));
+      EXPECT_EQ(back, colors);
+      EXPECT_EQ(reference::decode_colors(leaf_cells(s.svo), layers, ends), colors);
+    }
+  }
+}
+
+TEST(ExactLayers, give_inner_nodes_colours_close_to_the_means_of_their_leaves) {
+  const Sample s = sample(3000, 9, {7, 9});
+  const auto [layers, colors] = encode_exactly(s, 3);
+  TransformDecoder decoder(s.svo);
+  ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
+  PointCloud leaves = leaf_centers(s.svo);
+  leaves.colors = colors;
+  const std::vector<glm::u16vec3> means = mean_attributes(s.svo, leaves).colors;
+  for (std::uint32_t node = s.svo.level_begin[7]; node < s.svo.level_begin[8]; ++node) {
+    const glm::ivec3 color(color_from_exact_value(decoder.values()[node]));
+    const glm::ivec3 off = glm::abs(color - glm::ivec3(means[node]));
+    EXPECT_LE(std::max({off.r, off.g, off.b}), 3 * 257) << node;
+  }
+}
+
+TEST(ExactLayers, must_all_be_exact) {
+  const Sample s = sample(500, 8, {7, 8});
+  auto [layers, colors] = encode_exactly(s, 3);
+  TransformDecoder decoder(s.svo);
+  ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
+  layers[1][0] ^= 2;
+  EXPECT_FALSE(decoder.decode_layer(layers[1], 8));
+  layers[1][0] ^= 2 + 4;
+  EXPECT_FALSE(decoder.decode_layer(layers[1], 8));
+}
+
 TEST(AdaptiveBit, adapts_fastest_to_its_first_decisions_and_never_becomes_certain) {
   AdaptiveBit bit;
   EXPECT_EQ(bit.probability(), 32768u);

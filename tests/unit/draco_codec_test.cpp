@@ -361,13 +361,13 @@ TEST(DracoCodec, options_and_cubes_out_of_range_are_refused) {
   const PointCloud cloud = sphere(10);
   const Cube cube = cube_of(cloud);
   for (int bits : {0, 22}) {
-    EXPECT_FALSE(encode_draco(cloud, cube, DracoOptions{bits, 8, 8, 7}, true, true));
+    EXPECT_FALSE(encode_draco(cloud, cube, DracoOptions{bits, 8, 7}, true, true));
   }
   for (int bits : {1, 17}) {
-    EXPECT_FALSE(encode_draco(cloud, cube, DracoOptions{11, bits, 8, 7}, true, true));
+    EXPECT_FALSE(encode_draco(cloud, cube, DracoOptions{11, bits, 7}, true, true));
   }
   for (int level : {-1, 11}) {
-    EXPECT_FALSE(encode_draco(cloud, cube, DracoOptions{11, 8, 8, level}, true, true));
+    EXPECT_FALSE(encode_draco(cloud, cube, DracoOptions{11, 8, level}, true, true));
   }
   for (double edge : {0.0, -1.0, 1e300, std::nan(""), HUGE_VAL}) {
     EXPECT_FALSE(encode_draco(cloud, Cube{{}, edge}, {}, true, true)) << edge;

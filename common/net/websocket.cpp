@@ -129,8 +129,9 @@ class Connection : public WebSocket {
     tcp.expires_never();
     websocket::stream_base::timeout timeout{};
     // closing_ limits the closing handshake. Beast's own timer would end a read that waits for the
-    // handshake with an error that Beast does not expect there.
-    timeout.handshake_timeout = websocket::stream_base::none();
+    // handshake with an error that Beast does not expect there. It must be far off, not switched
+    // off, or else the timer of the idle time before would go on.
+    timeout.handshake_timeout = std::chrono::hours(1);
     timeout.idle_timeout = options_.silence_timeout;
     timeout.keep_alive_pings = true;
     stream_.set_option(timeout);

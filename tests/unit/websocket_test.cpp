@@ -259,13 +259,15 @@ TEST(WebSocket, closing_ends_a_wait_in_another_thread) {
 TEST(WebSocket, closing_ends_although_the_peer_never_answers) {
   std::vector<std::unique_ptr<Peer>> peers;
   std::vector<std::unique_ptr<WebSocket>> sockets;
+  WebSocketOptions options;
+  options.silence_timeout = 600ms;  // checked after half of it, while the handshake is under way
   for (int i = 0; i < 16; ++i) {
     // Takes all bytes, the close frame included, without answering, until the client goes.
     peers.push_back(std::make_unique<Peer>(upgraded([](PeerStream& stream) {
       char bytes[64];
       for (;;) stream.next_layer().read_some(boost::asio::buffer(bytes));
     })));
-    auto socket = WebSocket::connect(peers.back()->url());
+    auto socket = WebSocket::connect(peers.back()->url(), options);
     ASSERT_TRUE(socket) << socket.error().message;
     sockets.push_back(std::move(*socket));
   }

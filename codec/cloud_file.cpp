@@ -113,10 +113,10 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
 
 }  // namespace
 
-Result<LoadedCloud> read_cloud(ByteView bytes) {
+Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits) {
   LoadedCloud loaded;
   if (begins_with(bytes, "DRACO")) {
-    loaded.cloud = TRY(read_drc(bytes));
+    loaded.cloud = TRY(read_drc(bytes, limits));
   } else if (begins_with(bytes, "ply")) {
     loaded.cloud = TRY(read_ply(bytes, &loaded.unread));
   } else if (bytes.empty()) {
@@ -129,9 +129,9 @@ Result<LoadedCloud> read_cloud(ByteView bytes) {
   return loaded;
 }
 
-Result<LoadedCloud> read_cloud_file(const fs::path& path) {
+Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
   const Bytes bytes = TRY(at_place(path.string(), read_bytes(path)));
-  return at_place(path.string(), read_cloud(bytes));
+  return at_place(path.string(), read_cloud(bytes, limits));
 }
 
 Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs) {

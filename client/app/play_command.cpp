@@ -133,6 +133,16 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->type_name("N")
       ->group(group);
   command
+      .add_option("--frame-memory", options_.frame_memory,
+                  fmt::format("The memory that decoding a frame may take, in MiB (default: {}). A "
+                              "frame that claims so many points that it would take more is not "
+                              "decoded, because few bytes can claim many points; this bounds its "
+                              "time too",
+                              kFrameMemory >> 20))
+      ->check(CLI::Range(1, 1 << 20))
+      ->type_name("MIB")
+      ->group(group);
+  command
       .add_option(
           "--fps", options_.fps,
           fmt::format("Frames per second of a folder of files (default {:g})", options_.fps))

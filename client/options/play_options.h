@@ -23,9 +23,10 @@ struct View {
 /// Everything that `pointreel play` can be told. The command line has checked that values are in
 /// range and go together.
 struct PlayOptions {
-  std::vector<Stage::Placed> sources;  ///< at least one
-  std::string token, ca_file;          ///< as in SourceOptions
-  Settings settings;                   ///< to begin with
+  std::vector<Stage::Placed> sources;               ///< at least one
+  std::string token, ca_file;                       ///< as in SourceOptions
+  std::uint64_t frame_memory = kFrameMemory >> 20;  ///< MiB that decoding a frame may take
+  Settings settings;                                ///< to begin with
   /// A window keeps in this file what the user changes of the settings; empty: nothing is kept.
   std::string settings_file;
   /// Layers of a package to fetch and decode, counted from the base; >= 1.

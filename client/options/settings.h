@@ -30,14 +30,13 @@ struct Settings {
   bool operator==(const Settings&) const = default;
 };
 
-/// How frames are prepared to be drawn with these settings, from at most this many layers.
-inline PrepareOptions prepare_options(const Settings& settings, std::uint32_t layers) {
-  PrepareOptions options;
+/// How frames are prepared to be drawn with these settings. What the settings do not determine
+/// stays as it is in `options`.
+inline PrepareOptions prepare_options(const Settings& settings, PrepareOptions options) {
   options.mode = settings.draw.mode;
   options.delta = settings.delta;
   options.show_normals = settings.draw.color == ColorSource::normals;
   options.pixel_size = settings.draw.pixel_size;
-  options.layers = layers;
   return options;
 }
 

@@ -45,10 +45,12 @@ Result<void> check(const std::stop_token& stop) {
   return {};
 }
 
-Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int level,
-                            const std::stop_token& stop) {
+Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
+                            const PrepareOptions& options, const std::stop_token& stop) {
+  DecodeLimits limits;
+  limits.max_memory = options.max_memory;
   if (fetched.layers.empty()) {
-    auto loaded = read_cloud(fetched.file.view());
+    auto loaded = read_cloud(fetched.file.view(), limits);
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
     DecodedFrame frame;
     frame.cloud = std::move(loaded->cloud);
@@ -58,13 +60,12 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube, int l
   }
   std::vector<Chunks<ByteView>> views;
   for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
-  DecodeLimits limits;
   limits.tables = fetched.tables.get();
   limits.executor = tbb_executor();
   limits.stopped = [&stop] { return stop.stop_requested(); };
   limits.inner_nodes = true;
   limits.leaves = false;
-  limits.depth = level;
+  limits.depth = options.level;
   auto frame = decode_frame(views, limits);
   // A cloud without a tree of its own gets one in the cube that all frames of its segment share, so
   // that voxels do not jump from frame to frame (common/FORMULAS.md, "Cube of a frame").
@@ -169,7 +170,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
                                  const PrepareOptions& options, const std::stop_token& stop) {
   Stopwatch watch;
   TRY(check(stop));
-  auto frame = TRY(decode(fetched, info.cube, options.level, stop));
+  auto frame = TRY(decode(fetched, info.cube, options, stop));
   TRY(check(stop));
 
   SceneFrame scene;

@@ -5,6 +5,7 @@
 
 #include "client/scene/frame.h"
 #include "client/source/source.h"
+#include "pointreel/codec.h"
 #include "pointreel/geometry.h"
 #include "pointreel/package.h"
 
@@ -21,6 +22,7 @@ struct PrepareOptions {
   bool show_normals = false;  ///< they are prepared in every mode, because they are what is shown
   float pixel_size = 1.0f;    ///< DrawOptions::pixel_size, which decides what level a camera sees
   std::uint32_t layers = kAllLayers;  ///< no more are fetched or decoded, however near the camera
+  std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 
   bool operator==(const PrepareOptions&) const = default;
 };

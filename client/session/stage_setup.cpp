@@ -12,7 +12,9 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.source.fps = options.fps;
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
-  stage.prepare = prepare_options(options.settings, options.layers);
+  stage.source.max_memory = stage.prepare.max_memory = options.frame_memory << 20;
+  stage.prepare.layers = options.layers;
+  stage.prepare = prepare_options(options.settings, stage.prepare);
   stage.reel.loop = options.settings.loop.value_or(!options.offscreen);
   stage.reel.speed = options.speed;
   stage.reel.start_us = start_us(options);

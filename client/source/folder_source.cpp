@@ -73,7 +73,7 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
   for (const std::filesystem::path& file : files) {
     if (options.stop.stop_requested())
       return fail(ErrorCode::cancelled, file.string() + ": reading was cancelled");
-    const auto loaded = read_cloud_file(file);
+    const auto loaded = read_cloud_file(file, {.max_memory = options.max_memory});
     if (!loaded) {
       if (!first_error) first_error = loaded.error();
       continue;

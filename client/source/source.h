@@ -101,7 +101,8 @@ class Source {
 Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes);
 
 struct SourceOptions {
-  double fps = 30.0;  ///< of folders of files, which do not tell it
+  double fps = 30.0;                        ///< of folders of files, which do not tell it
+  std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
   // For HTTP and WebSocket.
   std::string token;    ///< bearer token, sent if not empty
   std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's

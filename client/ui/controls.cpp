@@ -267,8 +267,7 @@ void Controls::set_settings(const Settings& settings) {
 }
 
 void Controls::set_prepare_options() {
-  if (stage_)
-    stage_->set_prepare_options(prepare_options(settings_, stage_->prepare_options().layers));
+  if (stage_) stage_->set_prepare_options(prepare_options(settings_, stage_->prepare_options()));
 }
 
 /// Sets A the first time, then B, then clears both, as in mpv.

@@ -69,9 +69,10 @@ Result<DecodedFrame> decode_draco(const std::vector<Chunks<ByteView>>& layers,
     return fail("chunk header has a field out of range");
   }
   // Decodes at most as many points as the header has. The check below notices if there are fewer.
+  DecodeLimits payload_limits = limits;
+  payload_limits.max_points = header.coded_points;
   DecodedFrame frame;
-  frame.cloud = TRY(decode_draco_payload(chunk.payload, header.cube, header.depth,
-                                         DecodeLimits{header.coded_points}));
+  frame.cloud = TRY(decode_draco_payload(chunk.payload, header.cube, header.depth, payload_limits));
   const PointCloud& cloud = frame.cloud;
   if (cloud.size() != header.coded_points ||
       (!cloud.empty() &&

@@ -1,12 +1,20 @@
 #include "codec/draco/draco_decode.h"
 
+#include <algorithm>
 #include <exception>
 #include <new>
+#include <optional>
+#include <utility>
 
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/compression/point_cloud/point_cloud_kd_tree_decoder.h>
+#include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 #include <draco/mesh/mesh.h>
 
+#include "codec/memory_budget.h"
 #include "common/base/concat.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
@@ -20,32 +28,93 @@ Bytes without_metadata(ByteView bytes, const DrcHeader& header) {
   return stripped;
 }
 
+/// For each point: the map of its values, and the cloud that callers make of the result. That a
+/// point counts for at least as much bounds the time of points with few attributes.
+constexpr std::uint64_t kPointBytes = 64;
+
+/// Takes the memory for the values of all points, as they are coded and as they are.
+Result<void> take_attributes(const draco::PointCloud& cloud, const DecodeLimits& limits,
+                             MemoryBudget& budget) {
+  if (cloud.num_points() > limits.max_points) {
+    return fail(ErrorCode::limit,
+                concat("the Draco data hold ", cloud.num_points(), " points, but at most ",
+                       limits.max_points, " are accepted"));
+  }
+  std::uint64_t bytes = kPointBytes;
+  for (int i = 0; i < cloud.num_attributes(); ++i) {
+    const draco::PointAttribute& attribute = *cloud.attribute(i);
+    const int value = std::max(draco::DataTypeLength(attribute.data_type()), 1);
+    bytes += 4 + attribute.num_components() * (static_cast<std::uint64_t>(value) + 4);
+  }
+  return budget.take(cloud.num_points(), bytes);
+}
+
+/// Takes the memory for the faces of a mesh: corners, and for edgebreaker their opposites, what
+/// attributes with seams add to them, and the order in which they are visited.
+Result<void> take_faces(const DrcHeader& header, MemoryBudget& budget) {
+  if (!header.mesh) return {};
+  if (header.method == 0) return budget.take(header.faces, 24);
+  TRY(budget.take(header.points, 32));
+  return budget.take(header.faces, 96 + 32 * std::uint64_t{header.seams});
+}
+
+/// One of Draco's decoders, stopped before it allocates the values of more points and attributes
+/// than the budget allows. Their numbers are known only once the connectivity of a mesh is decoded.
+template <class Decoder>
+class Budgeted : public Decoder {
+ public:
+  Budgeted(const DecodeLimits& limits, MemoryBudget& budget) : limits_(limits), budget_(budget) {}
+
+  const std::optional<Error>& refusal() const { return refusal_; }
+
+ protected:
+  bool DecodeAllAttributes() override {
+    const auto taken = take_attributes(*this->point_cloud(), limits_, budget_);
+    if (!taken) refusal_ = taken.error();
+    return taken.has_value() && Decoder::DecodeAllAttributes();
+  }
+
+ private:
+  const DecodeLimits& limits_;
+  MemoryBudget& budget_;
+  std::optional<Error> refusal_;
+};
+
+template <class Decoder, class Geometry>
+Result<std::unique_ptr<draco::PointCloud>> run(ByteView bytes, const DecodeLimits& limits,
+                                               MemoryBudget& budget) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  auto geometry = std::make_unique<Geometry>();
+  Budgeted<Decoder> decoder(limits, budget);
+  const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, geometry.get());
+  if (decoder.refusal()) return tl::unexpected(*decoder.refusal());
+  if (status.ok()) return geometry;
+  return fail(
+      concat("Draco cannot decode the data (", status.error_msg_string(), "): it is damaged"));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<draco::PointCloud>> run_draco_decoder(ByteView bytes,
                                                              const DrcHeader& header,
                                                              const DecodeLimits& limits) {
+  MemoryBudget budget(limits.max_memory);
+  TRY(take_faces(header, budget));
   try {
     Bytes stripped;
     if (header.metadata) {
       stripped = without_metadata(bytes, header);
       bytes = stripped;
     }
-    draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    draco::Decoder decoder;
-    auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
-    if (!decoded.ok()) {
-      return fail(concat("Draco cannot decode the data (", decoded.status().error_msg_string(),
-                         "): it is damaged"));
+    if (header.mesh) {
+      return header.method == 0
+                 ? run<draco::MeshSequentialDecoder, draco::Mesh>(bytes, limits, budget)
+                 : run<draco::MeshEdgebreakerDecoder, draco::Mesh>(bytes, limits, budget);
     }
-    std::unique_ptr<draco::PointCloud> cloud = std::move(decoded).value();
-    if (cloud->num_points() > limits.max_points) {
-      return fail(ErrorCode::limit,
-                  concat("the Draco data hold ", cloud->num_points(), " points, but at most ",
-                         limits.max_points, " are accepted"));
-    }
-    return cloud;
+    return header.method == 0
+               ? run<draco::PointCloudSequentialDecoder, draco::PointCloud>(bytes, limits, budget)
+               : run<draco::PointCloudKdTreeDecoder, draco::PointCloud>(bytes, limits, budget);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::limit, "not enough memory to decode the Draco data");
   } catch (const std::exception& error) {

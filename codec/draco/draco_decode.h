@@ -12,8 +12,8 @@
 namespace pointreel {
 
 /// Runs Draco on bytes whose header has been parsed and accepted, without their metadata.
-/// Exceptions, such as for lack of memory, become errors. The result has no more points than
-/// `limits`.
+/// Exceptions, such as for lack of memory, become errors. The result has no more points, and took
+/// no more memory, than `limits` allow; that includes a PointCloud made of it.
 Result<std::unique_ptr<draco::PointCloud>> run_draco_decoder(ByteView bytes,
                                                              const DrcHeader& header,
                                                              const DecodeLimits& limits);

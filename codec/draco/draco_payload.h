@@ -47,9 +47,9 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
 ///
 /// Trust: the payload may be hostile. Only what the encoder writes is accepted: a point cloud with
 /// the attributes above, in that order. Counts are bounded by `limits` and by kFreePoints +
-/// kPointsPerFrameByte * payload.size() before Draco allocates memory, which is about 100 bytes for
-/// each point. Positions outside the cube and NaN are refused, and nothing is thrown. Decoding
-/// itself is as memory-safe as the installed libdraco.
+/// kPointsPerFrameByte * payload.size() before Draco allocates memory, which `limits` bound too.
+/// Positions outside the cube and NaN are refused, and nothing is thrown. Decoding itself is as
+/// memory-safe as the installed libdraco.
 Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int position_bits,
                                         const DecodeLimits& limits = {});
 

@@ -196,7 +196,7 @@ Result<void> parse_mesh(DrcReader& in, DrcHeader& header, std::uint64_t max_poin
   if (header.version < version(2, 2)) new_vertices = in.count(header.version, version(2, 0));
   header.points = in.count(header.version, version(2, 0));
   header.faces = in.count(header.version, version(2, 0));
-  in.get<std::uint8_t>();  // the number of attributes with seams
+  header.seams = in.get<std::uint8_t>();
   const std::uint64_t symbols = in.count(header.version, version(2, 0));
   const std::uint64_t splits = in.count(header.version, version(2, 0));
   if (in.ok() && (symbols > header.faces || splits > symbols ||

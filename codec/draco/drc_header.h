@@ -43,6 +43,7 @@ struct DrcHeader {
   std::size_t body = 0;        ///< offset of the data after header and metadata
   std::uint64_t points = 0;    ///< as declared; for meshes coded by edgebreaker, vertices
   std::uint64_t faces = 0;     ///< meshes only
+  std::uint32_t seams = 0;     ///< edgebreaker: the number of attributes that have seams
   int attribute_decoders = 0;  ///< point clouds only
   std::vector<DrcAttribute> attributes;  ///< point clouds only
 

@@ -354,7 +354,8 @@ ContextDecoder::ContextDecoder(std::shared_ptr<const ContextTables> tables)
     : state_(std::move(tables)) {}
 
 Result<std::vector<RangeDecoder>> ContextDecoder::read_slabs(ByteReader& reader,
-                                                             std::size_t mask_count) {
+                                                             std::size_t mask_count,
+                                                             MemoryBudget* budget) {
   const std::size_t slabs = reader.get<std::uint8_t>();
   if (slabs != state_.slabs.size()) {
     if (state_.slabs.size() > 1 || slabs == 0 || slabs > kMostSlabs ||
@@ -375,6 +376,9 @@ Result<std::vector<RangeDecoder>> ContextDecoder::read_slabs(ByteReader& reader,
         last >= 1u << level.level) {
       return fail("chunk's slabs are out of range");
     }
+    if (budget != nullptr) {
+      TRY(budget->take(slabs, LevelWalk::kHugePlanes + state_.leaves.size() * sizeof(Leaf)));
+    }
     state_.slabs = split(level, cuts);
     state_.slab_leaves.assign(slabs, state_.leaves);
   }
@@ -394,7 +398,8 @@ Result<std::vector<RangeDecoder>> ContextDecoder::read_slabs(ByteReader& reader,
 
 Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int last_level,
                                           std::size_t mask_count, std::size_t most_nodes,
-                                          Bytes& masks, const Executor& executor) {
+                                          Bytes& masks, const Executor& executor,
+                                          MemoryBudget* budget) {
   const std::size_t levels = static_cast<std::size_t>(last_level - first_level);
   if (payload.size() < levels) return fail("chunk's level classes are cut short");
   const ByteView classes = payload.first(levels);
@@ -409,7 +414,7 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
   };
   if (first_level > 0) descend();
   ByteReader reader(payload.subspan(levels));
-  std::vector<RangeDecoder> decoders = TRY(read_slabs(reader, mask_count));
+  std::vector<RangeDecoder> decoders = TRY(read_slabs(reader, mask_count, budget));
   std::size_t left = mask_count;
   for (int level = first_level; level < last_level; ++level) {
     if (level > first_level) descend();

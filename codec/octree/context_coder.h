@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "codec/memory_budget.h"
 #include "codec/octree/context_model.h"
 #include "codec/octree/range_coder.h"
 #include "codec/octree/raster_walk.h"
@@ -67,11 +68,13 @@ class ContextDecoder {
   /// does not hold exactly `mask_count` masks, or a level has more than `most_nodes` nodes.
   Result<void> decode_layer(ByteView payload, int first_level, int last_level,
                             std::size_t mask_count, std::size_t most_nodes, Bytes& masks,
-                            const Executor& executor = {});
+                            const Executor& executor = {}, MemoryBudget* budget = nullptr);
 
  private:
-  /// Divides the level if this layer says so. Returns a decoder for the bytes of each slab.
-  Result<std::vector<RangeDecoder>> read_slabs(ByteReader& reader, std::size_t mask_count);
+  /// Divides the level if this layer says so, and takes the memory for that from the budget, if
+  /// there is one. Returns a decoder for the bytes of each slab.
+  Result<std::vector<RangeDecoder>> read_slabs(ByteReader& reader, std::size_t mask_count,
+                                               MemoryBudget* budget);
 
   ContextState state_;
   std::size_t nodes_ = 1, children_ = 0;  ///< of the current level

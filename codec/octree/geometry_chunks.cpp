@@ -49,7 +49,8 @@ void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader 
 }
 
 Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_level,
-                                           const Executor& executor, Bytes& masks) {
+                                           const Executor& executor, MemoryBudget& budget,
+                                           Bytes& masks) {
   // A tree has at most as many nodes on a level as it has leaves.
   const int levels = chunk.header.last_level - first_level;
   if (chunk.header.raw_size > std::uint64_t{points_} * static_cast<unsigned>(levels)) {
@@ -57,7 +58,7 @@ Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_l
   }
   const std::size_t begin = masks.size();
   if (chunk.header.entropy == Entropy::context) {
-    TRY(decode_context(chunk, first_level, executor, masks));
+    TRY(decode_context(chunk, first_level, executor, budget, masks));
   } else {
     if (context_) return fail("chunk has another entropy coding than the layers before it");
     const Bytes raw = TRY(unpack_chunk(chunk, chunk.header.raw_size));
@@ -67,7 +68,8 @@ Result<void> GeometryDecoder::decode_layer(const ParsedChunk& chunk, int first_l
 }
 
 Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first_level,
-                                             const Executor& executor, Bytes& masks) {
+                                             const Executor& executor, MemoryBudget& budget,
+                                             Bytes& masks) {
   ByteView payload = chunk.payload;
   if (chunk.header.raw_size == 0 || chunk.header.raw_size > max_raw_size(payload.size())) {
     return fail(concat("chunk cannot hold ", chunk.header.raw_size, " masks in ", payload.size(),
@@ -78,7 +80,7 @@ Result<void> GeometryDecoder::decode_context(const ParsedChunk& chunk, int first
   }
   if (!context_) return fail("chunk has another entropy coding than the layers before it");
   return context_->decode_layer(payload, first_level, chunk.header.last_level,
-                                chunk.header.raw_size, points_, masks, executor);
+                                chunk.header.raw_size, points_, masks, executor, &budget);
 }
 
 Result<std::shared_ptr<const ContextTables>> GeometryDecoder::take_tables(ByteView& payload) const {

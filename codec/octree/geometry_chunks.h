@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "codec/frame_header.h"
+#include "codec/memory_budget.h"
 #include "codec/octree/context_coder.h"
 #include "pointreel/bytes.h"
 #include "pointreel/codec.h"
@@ -44,14 +45,14 @@ class GeometryDecoder {
 
   /// Appends the masks of a layer, level by level in Morton order.
   Result<void> decode_layer(const ParsedChunk& chunk, int first_level, const Executor& executor,
-                            Bytes& masks);
+                            MemoryBudget& budget, Bytes& masks);
 
   /// The number of nodes at the level where the last decoded layer ends.
   std::uint64_t level_nodes() const { return level_nodes_; }
 
  private:
   Result<void> decode_context(const ParsedChunk& chunk, int first_level, const Executor& executor,
-                              Bytes& masks);
+                              MemoryBudget& budget, Bytes& masks);
   /// Finds the tables that the first layer's payload names, and removes the name from its front.
   Result<std::shared_ptr<const ContextTables>> take_tables(ByteView& payload) const;
   Result<void> count_nodes(ByteView masks, int levels);

@@ -10,6 +10,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "codec/memory_budget.h"
 #include "codec/octree/attribute_coder.h"
 #include "codec/octree/chunk_payload.h"
 #include "codec/octree/color_space.h"
@@ -241,10 +242,35 @@ void add_means(OctreeFrame& frame) {
   }
 }
 
+/// Takes the memory for the masks of a layer, their unpacking, and the index of their children.
+Result<void> take_geometry(const ParsedChunk& chunk, int levels, std::uint32_t points,
+                           MemoryBudget& budget) {
+  // If there claim to be more masks than these, the chunk is refused for that.
+  const std::uint64_t masks =
+      std::min({std::uint64_t{chunk.header.raw_size}, max_raw_size(chunk.payload.size()),
+                std::uint64_t{points} * static_cast<unsigned>(levels)});
+  TRY(budget.take(masks, 8));
+  if (chunk.header.entropy != Entropy::context) return {};
+  // Only the two finest levels are kept, which have at most as many nodes each as there are points.
+  return budget.take(std::min<std::uint64_t>(masks, 2 * std::uint64_t{points}), 40);
+}
+
+/// Takes the memory for one attribute, whose chunk in the base layer is `base`.
+Result<void> take_attribute(const Svo& svo, ByteView base, bool transformed,
+                            const DecodeLimits& limits, MemoryBudget& budget) {
+  if (base.empty()) return {};
+  const std::uint64_t nodes = svo.node_count(), leaves = svo.leaf_count();
+  if (limits.inner_nodes) TRY(budget.take(nodes, 2 * sizeof(glm::u16vec3)));
+  if (limits.leaves) TRY(budget.take(leaves, sizeof(glm::vec3)));
+  if (!transformed) return budget.take(leaves, 4 * sizeof(glm::u16vec3) + sizeof(glm::vec3));
+  TRY(budget.take(nodes, sizeof(Short4)));
+  return budget.take(svo.node_count(std::max(svo.depth - 2, 0)), 172);
+}
+
 /// Decodes the geometry of the layers that are given. Returns the last level of each.
 Result<std::vector<int>> decode_geometry(const std::vector<Chunks<ByteView>>& layers,
                                          const ParsedFrameHeader& frame, const DecodeLimits& limits,
-                                         Svo& svo) {
+                                         MemoryBudget& budget, Svo& svo) {
   const FrameHeader& header = frame.header;
   GeometryDecoder geometry(header.coded_points, limits.tables);
   std::vector<int> last_levels;
@@ -261,7 +287,8 @@ Result<std::vector<int>> decode_geometry(const std::vector<Chunks<ByteView>>& la
     if (chunk.header.last_level != last_level) return fail("layer ends at an unexpected level");
     const int first_level = last_levels.empty() ? 0 : last_levels.back();
     if (layer > 0 && !limits.leaves && first_level >= limits.depth) break;
-    TRY(geometry.decode_layer(chunk, first_level, limits.executor, svo.masks));
+    TRY(take_geometry(chunk, last_level - first_level, header.coded_points, budget));
+    TRY(geometry.decode_layer(chunk, first_level, limits.executor, budget, svo.masks));
     last_levels.push_back(last_level);
   }
   svo.depth = last_levels.back();
@@ -405,7 +432,13 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& laye
   OctreeFrame frame;
   frame.header = header;
   frame.svo.cube = header.cube;
-  const std::vector<int> last_levels = TRY(decode_geometry(layers, parsed, limits, frame.svo));
+  MemoryBudget budget(limits.max_memory);
+  const std::vector<int> last_levels =
+      TRY(decode_geometry(layers, parsed, limits, budget, frame.svo));
+  if (limits.leaves) TRY(budget.take(frame.svo.leaf_count(), 2 * sizeof(glm::vec3)));
+  TRY(take_attribute(frame.svo, layers.front().colors, header.colors_transformed, limits, budget));
+  TRY(take_attribute(frame.svo, layers.front().normals, header.normals_transformed, limits,
+                     budget));
 
   const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));

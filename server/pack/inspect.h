@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointreel/chunks.h"
+#include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 
@@ -47,15 +48,19 @@ struct InspectListener {
 
 /// Checks the size and checksum of every file, decodes every frame in full, and compares it with
 /// what the manifest and the frame's own header say. An error if the folder is not a package.
+///
+/// `max_memory`: as in DecodeLimits.
 Result<VerifyReport> verify(const std::filesystem::path& folder,
-                            const InspectListener& listener = {});
+                            const InspectListener& listener = {},
+                            std::uint64_t max_memory = kFrameMemory);
 
 struct UnpackOptions {
   std::filesystem::path input, output;
-  std::size_t layers = SIZE_MAX;   ///< how many layers to decode, from the base
-  std::uint32_t first_frame = 0;   ///< must exist, unless the reel is empty
-  std::uint32_t last_frame = ~0u;  ///< inclusive; clamped to the reel
-  bool force = false;              ///< replace a folder of frame_*.ply files
+  std::size_t layers = SIZE_MAX;            ///< how many layers to decode, from the base
+  std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
+  std::uint32_t last_frame = ~0u;           ///< inclusive; clamped to the reel
+  bool force = false;                       ///< replace a folder of frame_*.ply files
+  std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };
 
 /// Writes decoded frames as `frame_00000.ply`, ... at their original coordinates. Like a package,

@@ -162,7 +162,7 @@ ordered_json verify_json(const VerifyReport& report) {
           {"faults", faults}};
 }
 
-int run_verify(const std::string& reel, bool json) {
+int run_verify(const std::string& reel, bool json, std::uint64_t max_memory) {
   // A folder without a readable manifest is not a package. Only packages have faults.
   if (const Result<Manifest> manifest = read_manifest(reel); !manifest) {
     print_error(manifest.error().message);
@@ -170,7 +170,8 @@ int run_verify(const std::string& reel, bool json) {
   }
   const StopSignal stop;
   std::unique_ptr<Progress> progress;
-  const Result<VerifyReport> report = verify(reel, listener_for("verify", progress, stop));
+  const Result<VerifyReport> report =
+      verify(reel, listener_for("verify", progress, stop), max_memory);
   progress.reset();
   if (!report) {
     print_error(report.error().message);
@@ -230,9 +231,23 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   return kExitOk;
 }
 
+/// `mib`: the default, and where the value goes.
+void add_frame_memory(CLI::App& command, std::uint64_t& mib) {
+  command
+      .add_option("--frame-memory", mib,
+                  fmt::format("the memory that decoding a frame may take, in MiB (default: {}). A "
+                              "frame that claims so many points that it would take more is not "
+                              "decoded, because few bytes can claim many points; this bounds its "
+                              "time too",
+                              mib))
+      ->check(CLI::Range(1, 1 << 20))
+      ->type_name("MIB");
+}
+
 void add_unpack_command(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string input, output, frames;
+    std::uint64_t frame_memory = kFrameMemory >> 20;
     std::uint32_t layers = 0;
     bool force = false;
   };
@@ -254,6 +269,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
       ->add_option("--frames", a->frames,
                    "decode only frames A to B, including both, numbered from 0")
       ->type_name("A-B");
+  add_frame_memory(*unpack, a->frame_memory);
   unpack->add_flag("--force", a->force,
                    "replace a folder of unpacked frames that is already there");
   unpack->callback([a, layers, &exit_code] {
@@ -261,6 +277,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     options.input = a->input;
     options.output = a->output;
     options.force = a->force;
+    options.max_memory = a->frame_memory << 20;
     if (layers->count() > 0) options.layers = a->layers;
     exit_code = run_unpack(options, a->frames);
   });
@@ -269,20 +286,25 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
 }  // namespace
 
 void add_inspect_commands(CLI::App& app, int& exit_code) {
-  using Run = int (*)(const std::string&, bool);
-  const auto add = [&](const char* name, const char* what, Run run) {
-    struct Arguments {
-      std::string reel;
-      bool json = false;
-    };
-    const auto a = std::make_shared<Arguments>();
+  struct Arguments {
+    std::string reel;
+    bool json = false;
+    std::uint64_t frame_memory = kFrameMemory >> 20;
+  };
+  const auto add = [&](const char* name, const char* what, const std::shared_ptr<Arguments>& a) {
     CLI::App* command = app.add_subcommand(name, what);
     command->add_option("REEL", a->reel, "the folder of the package")->required()->type_name("");
     command->add_flag("--json", a->json, "print JSON");
-    command->callback([a, run, &exit_code] { exit_code = run(a->reel, a->json); });
+    return command;
   };
-  add("info", "Show what a package contains", run_info);
-  add("verify", "Check every file of a package and decode every frame", run_verify);
+  const auto a = std::make_shared<Arguments>();
+  add("info", "Show what a package contains", a)->callback([a, &exit_code] {
+    exit_code = run_info(a->reel, a->json);
+  });
+  CLI::App* verify = add("verify", "Check every file of a package and decode every frame", a);
+  add_frame_memory(*verify, a->frame_memory);
+  verify->callback(
+      [a, &exit_code] { exit_code = run_verify(a->reel, a->json, a->frame_memory << 20); });
   add_unpack_command(app, exit_code);
 }
 

@@ -54,18 +54,18 @@ Result<std::vector<Chunks<Bytes>>> read_frame(const fs::path& folder, const Mani
   return read;
 }
 
-Result<FrameDecoder> FrameDecoder::with_tables(const fs::path& folder, const PackageFile& tables) {
+Result<void> FrameDecoder::read_tables(const fs::path& folder, const PackageFile& tables) {
   std::ifstream in(folder / tables.path, std::ios::binary);
   Bytes bytes(tables.bytes);  // parse_manifest has bounded it
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!in) return fail(ErrorCode::io, "cannot be read, or is cut off");
-  FrameDecoder decoder;
-  decoder.tables_ = TRY(read_table_file(bytes));
-  return decoder;
+  tables_ = TRY(read_table_file(bytes));
+  return {};
 }
 
 Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& layers) const {
   DecodeLimits limits;
+  limits.max_memory = max_memory_;
   limits.tables = tables_.get();
   limits.executor = tbb_executor();
   return decode_frame(layers, limits);

@@ -30,15 +30,15 @@ Result<Chunks<Bytes>> read_layer(const std::filesystem::path& folder, const Mani
 /// Decodes the frames of one package.
 class FrameDecoder {
  public:
-  /// Without tables, as in a package that has none of its own.
-  FrameDecoder() = default;
+  /// Without tables, as in a package that has none of its own. `max_memory`: as in DecodeLimits.
+  explicit FrameDecoder(std::uint64_t max_memory) : max_memory_(max_memory) {}
   /// Reads the package's context tables. The error does not name the file.
-  static Result<FrameDecoder> with_tables(const std::filesystem::path& folder,
-                                          const PackageFile& tables);
+  Result<void> read_tables(const std::filesystem::path& folder, const PackageFile& tables);
 
   Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers) const;
 
  private:
+  std::uint64_t max_memory_;
   std::shared_ptr<const ContextTables> tables_;
 };
 

@@ -62,13 +62,10 @@ Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest
                             "one of each",
                             options.input.string(), frames, manifest.layer_names.size()));
   }
-  FrameDecoder decoder;
+  FrameDecoder decoder(options.max_memory);
   if (manifest.tables) {
-    auto with_tables = FrameDecoder::with_tables(options.input, *manifest.tables);
-    if (!with_tables) {
-      return fail_at((options.input / manifest.tables->path).string(), with_tables.error());
-    }
-    decoder = std::move(*with_tables);
+    const auto read = decoder.read_tables(options.input, *manifest.tables);
+    if (!read) return fail_at((options.input / manifest.tables->path).string(), read.error());
   }
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_frames : OutputFolder::MayReplace{}));

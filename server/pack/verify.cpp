@@ -130,7 +130,7 @@ class Faults {
 };
 
 VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
-                           const InspectListener& listener) {
+                           const InspectListener& listener, std::uint64_t max_memory) {
   VerifyReport report;
   report.frames = manifest.frame_count();
   const std::vector<const PackageFile*> files = manifest.files();
@@ -145,14 +145,12 @@ VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
       of_files.add(i, {files[i]->path, std::nullopt, good.error().message});
     }
   });
-  FrameDecoder decoder;
+  FrameDecoder decoder(max_memory);
   if (manifest.tables) {
-    auto with_tables = FrameDecoder::with_tables(folder, *manifest.tables);
-    if (with_tables) {
-      decoder = std::move(*with_tables);
-    } else if (of_files.empty()) {
-      // Otherwise a fault of the file has been reported already.
-      of_files.add(0, {manifest.tables->path, std::nullopt, with_tables.error().message});
+    const auto read = decoder.read_tables(folder, *manifest.tables);
+    // Otherwise a fault of the file has been reported already.
+    if (!read && of_files.empty()) {
+      of_files.add(0, {manifest.tables->path, std::nullopt, read.error().message});
     }
   }
   for_each_frame(report.frames, listener, [&](std::uint32_t i) {
@@ -167,9 +165,10 @@ VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
 
 }  // namespace
 
-Result<VerifyReport> verify(const fs::path& folder, const InspectListener& listener) {
+Result<VerifyReport> verify(const fs::path& folder, const InspectListener& listener,
+                            std::uint64_t max_memory) {
   return without_exceptions([&]() -> Result<VerifyReport> {
-    VerifyReport report = verify_parsed(folder, TRY(read_manifest(folder)), listener);
+    VerifyReport report = verify_parsed(folder, TRY(read_manifest(folder)), listener, max_memory);
     if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, "interrupted");
     return report;
   });

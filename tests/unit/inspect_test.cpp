@@ -310,5 +310,18 @@ TEST_F(Unpack, replaces_folders_of_unpacked_frames_only) {
   EXPECT_EQ(read_text(options.output / "frame_1.ply.bak"), "mine");
 }
 
+TEST_F(Verify, decodes_no_frame_that_takes_more_memory_than_allowed) {
+  ASSERT_TRUE(verify(reel())->faults.empty());
+  const Result<VerifyReport> report = verify(reel(), {}, 1024);
+  ASSERT_TRUE(report);
+  ASSERT_FALSE(report->faults.empty());
+  EXPECT_THAT(report->faults.front().what, HasSubstr("raise --frame-memory"));
+  UnpackOptions options = unpacking();
+  options.max_memory = 1024;
+  const Result<std::uint32_t> count = unpack(options);
+  ASSERT_FALSE(count);
+  EXPECT_THAT(count.error().message, HasSubstr("raise --frame-memory"));
+}
+
 }  // namespace
 }  // namespace pointreel

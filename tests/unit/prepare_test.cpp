@@ -372,5 +372,18 @@ TEST(PrepareFrame, reports_the_problem_with_damaged_bytes) {
   EXPECT_THAT(scene.error().message, testing::StartsWith("folder/f7.ply: "));
 }
 
+TEST(PrepareFrame, decodes_no_frame_that_takes_more_memory_than_allowed) {
+  const PointCloud cloud = sphere(1'000, true, true);
+  for (const EncodeOptions& codec : {octree(0.05), EncodeOptions{DracoOptions{}}}) {
+    const FetchedFrame frame = fetched(cloud, codec);
+    PrepareOptions options;
+    EXPECT_TRUE(prepare_frame(manifest_of(cloud), 0, frame, options));
+    options.max_memory = 1024;
+    const auto refused = prepare_frame(manifest_of(cloud), 0, frame, options);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, testing::HasSubstr("raise --frame-memory"));
+  }
+}
+
 }  // namespace
 }  // namespace pointreel

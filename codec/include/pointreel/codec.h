@@ -77,9 +77,17 @@ struct EncodedFrame {
 /// Views of the chunks of encoded layers, which must outlive them.
 std::vector<Chunks<ByteView>> layer_views(std::span<const Chunks<Bytes>> layers);
 
+/// The default of DecodeLimits::max_memory, in bytes. It suffices for about 10 million points.
+inline constexpr std::uint64_t kFrameMemory = std::uint64_t{1} << 30;
+
 /// What decoding may use and produce, however large the numbers in the frame are.
 struct DecodeLimits {
   std::uint32_t max_points = 1u << 26;  ///< a frame with more points is refused: ErrorCode::limit
+  /// A frame that takes more memory to decode, in bytes, is refused before that memory is
+  /// allocated: ErrorCode::limit. What counts are the frame's points, nodes and attributes, in
+  /// upper bounds; the time that decoding takes grows with the same numbers. In addition, decoding
+  /// takes a few MiB for tables.
+  std::uint64_t max_memory = kFrameMemory;
   /// The sequence's own context tables, if it has any. They must outlive the call.
   const ContextTables* tables = nullptr;
   Executor executor = {};  ///< decodes slabs, and colours and normals, in parallel
@@ -124,11 +132,11 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
 /// codec, `limit` if the frame exceeds `limits`, `not_found` if it needs tables that were not
 /// given, `cancelled` if `limits.stopped` says so.
 ///
-/// Trust: the bytes may be hostile. The memory that decoding takes is bounded beforehand by the
-/// size of the payload (zstd may expand 1024 times plus 64 KiB and no more), by the number of
-/// points in the header, and by `limits`. Masks that do not form a tree, sizes that disagree with
-/// the masks, and counts that disagree with the header are errors. The result is exactly the
-/// encoder's voxels, or an error.
+/// Trust: the bytes may be hostile. The memory that decoding takes is bounded beforehand by
+/// DecodeLimits::max_memory, by the size of the payload (a byte pays for 1024 masks of the octree,
+/// and 64 Ki masks are free), and by the number of points in the header. Masks that do not form a
+/// tree, sizes that disagree with the masks, and counts that disagree with the header are errors.
+/// The result is exactly the encoder's voxels, or an error.
 Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
                                    const DecodeLimits& limits = {});
 

@@ -53,8 +53,9 @@ Result<EncodedFrame> encode_frame(const PointCloud& cloud, const Cube& cube,
 ///
 /// Errors: as decode_octree.
 ///
-/// Trust: the bytes may be hostile. Headers and checksums are checked first, and Draco is given no
-/// payload that declares more points than its size can justify.
+/// Trust: the bytes may be hostile. Headers and checksums are checked first. Draco is given no
+/// payload that declares more points than its size can justify, and is stopped before it takes more
+/// memory than DecodeLimits::max_memory.
 Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
                                   const DecodeLimits& limits = {});
 

@@ -6,6 +6,7 @@
 
 #include "common/base/concat.h"
 #include "common/base/try.h"
+#include "common/stream/reel_rules.h"
 
 namespace pointreel {
 namespace {
@@ -137,56 +138,28 @@ std::optional<std::uint64_t> parse_hex(std::string_view text) {
   return value;
 }
 
-Result<std::vector<std::string>> parse_layer_names(const JsonValue& entries) {
-  const std::size_t count = entries.size();
-  if (count == 0 || count > kMaxLayers) {
-    return fail(concat("has ", count, " names, not 1 to ", kMaxLayers));
-  }
-  std::vector<std::string> names;
-  for (JsonItems item(entries); item.next();) {
-    const std::optional<std::string> layer = item.value().string();
-    if (!layer || !is_file_name(*layer)) {
-      return fail("a name may have only letters, digits, '.', '_' and '-'");
-    }
-    if (std::find(names.begin(), names.end(), *layer) != names.end()) {
-      return fail(concat("\"", *layer, "\" comes twice"));
-    }
-    names.push_back(*layer);
-  }
-  return names;
-}
-
 void read_reel_head(Fields& fields, ReelHead& head) {
   head.name = fields.text("name");
   head.codec = fields.text("codec");
-  head.fps = fields.number("fps");
-  const std::string up = fields.text("up");
-  head.colors = fields.boolean("colors");
-  head.normals = fields.boolean("normals");
-  const JsonValue layers = fields.array("layers");
   if (head.codec == "octree") {
     head.entropy = fields.text("entropy");
-    if (head.entropy != "none" && head.entropy != "zstd" && head.entropy != "context") {
-      fields.refuse("entropy", "is not \"none\", \"zstd\" or \"context\"");
-    }
-  } else if (head.codec != "draco") {
-    fields.refuse("codec", "is neither \"octree\" nor \"draco\"");
   } else if (fields.has("entropy")) {
     fields.refuse("entropy", "is given, but only the octree codec has one");
   }
-  if (!is_title(head.name)) {
-    fields.refuse("name", concat("has more than ", kMaxTitle, " bytes, or a control character"));
+  head.fps = fields.number("fps");
+  const std::string up = fields.text("up");
+  head.up = up.size() == 1 ? up.front() : '\0';
+  head.colors = fields.boolean("colors");
+  head.normals = fields.boolean("normals");
+  const JsonValue layers = fields.array("layers");
+  if (layers.size() > kMaxLayers) {
+    return fields.refuse("layers", concat("has more than ", kMaxLayers, " names"));
   }
-  if (!(head.fps > 0.0 && head.fps <= kMaxFps)) {
-    fields.refuse("fps", "is not a number above 0 and at most 1000000");
+  for (JsonItems item(layers); item.next();) {
+    std::optional<std::string> name = item.value().string();
+    if (!name) return fields.refuse("layers", "a name is not a string");
+    head.layer_names.push_back(std::move(*name));
   }
-  if (up != "y" && up != "z") fields.refuse("up", "is neither \"y\" nor \"z\"");
-  if (fields.error()) return;
-  head.up = up.front();
-  if (auto names = parse_layer_names(layers))
-    head.layer_names = std::move(*names);
-  else
-    fields.refuse("layers", names.error().message);
 }
 
 Result<Box> parse_box(const JsonValue& value) {
@@ -194,9 +167,7 @@ Result<Box> parse_box(const JsonValue& value) {
   Fields fields(value);
   const Box box{fields.vector("min"), fields.vector("max")};
   TRY(fields.check());
-  if (!(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z)) {
-    return fail("min is beyond max");
-  }
+  TRY(check_box(box));
   return box;
 }
 

@@ -26,6 +26,8 @@ inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 /// The length in bytes of a name, of a file or of a reel, at most.
 inline constexpr std::size_t kMaxTitle = 255;
 inline constexpr std::size_t kMaxLayers = 8;
+/// The length in bytes of a layer's name, at most. It is part of the names of files.
+inline constexpr std::size_t kMaxLayerName = 64;
 /// The value of "format" in reel.json.
 inline constexpr const char* kPackageFormat = "pointreel";
 
@@ -81,13 +83,12 @@ bool is_title(std::string_view text);
 /// Reads 16 lowercase hexadecimal digits, the most significant first.
 std::optional<std::uint64_t> parse_hex(std::string_view text);
 
-/// Reads 1 to kMaxLayers names made of the same characters as file names, no two alike.
-Result<std::vector<std::string>> parse_layer_names(const JsonValue& entries);
-
-/// Reads the members that packages and live streams have in common. An error is left in `fields`.
+/// Reads the members that packages and live streams have in common, and checks their types. An
+/// error is left in `fields`. Their values are left to check_head (reel_rules.h).
 void read_reel_head(Fields& fields, ReelHead& head);
 
-/// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box; box_json writes it.
+/// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box, and checks it; box_json
+/// writes it.
 Result<Box> parse_box(const JsonValue& value);
 nlohmann::ordered_json box_json(const Box& box);
 nlohmann::ordered_json vector_json(const glm::dvec3& v);

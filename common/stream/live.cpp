@@ -1,5 +1,6 @@
 #include "common/stream/live.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "common/base/byte_io.h"
 #include "common/base/try.h"
 #include "common/stream/json_fields.h"
+#include "common/stream/reel_rules.h"
 
 namespace pointreel {
 namespace {
@@ -21,8 +23,8 @@ std::uint32_t header_checksum(ByteView header) {
   return static_cast<std::uint32_t>(checksum_of(header));
 }
 
-Result<LiveHello> hello_of(const JsonValue& root) {
-  Fields fields(root);
+/// All members of a hello but the session or the secret.
+Result<LiveHello> hello_of(Fields& fields) {
   LiveHello hello;
   const std::uint64_t version = fields.integer("version", kMaxInteger);
   if (!fields.error() && version != kPackageVersion) {
@@ -30,31 +32,78 @@ Result<LiveHello> hello_of(const JsonValue& root) {
                                                     version, kPackageVersion));
   }
   read_reel_head(fields, hello);
-  const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
-  if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
   const JsonValue* bounds = fields.value("bounds");
   TRY(fields.check());
-  hello.session = *session;
+  TRY(check_head(hello));
   hello.bounds = TRY(at_place("bounds", parse_box(*bounds)));
   return hello;
+}
+
+Result<LiveHello> viewer_hello_of(const JsonValue& root) {
+  Fields fields(root);
+  const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
+  if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
+  LiveHello hello = TRY(hello_of(fields));
+  hello.session = *session;
+  return hello;
+}
+
+Result<PublisherHello> publisher_hello_of(const JsonValue& root) {
+  Fields fields(root);
+  const std::string secret = fields.text("secret");
+  const auto first = parse_hex(std::string_view(secret).substr(0, 16));
+  const auto second =
+      parse_hex(std::string_view(secret).substr(std::min<std::size_t>(secret.size(), 16)));
+  if (!first || !second) fields.refuse("secret", "is not 32 lowercase hexadecimal digits");
+  PublisherHello publisher{TRY(hello_of(fields)), {}};
+  for (std::size_t i = 0; i < 8; ++i) {
+    publisher.secret[i] = static_cast<std::uint8_t>(*first >> (56 - 8 * i));
+    publisher.secret[8 + i] = static_cast<std::uint8_t>(*second >> (56 - 8 * i));
+  }
+  return publisher;
+}
+
+/// A hello whose session or secret, `key`, has this value.
+std::string hello_text(const LiveHello& hello, const char* key, std::string value) {
+  ordered_json root = {{"type", "hello"},
+                       {"version", kPackageVersion},
+                       {"name", hello.name},
+                       {key, std::move(value)},
+                       {"codec", hello.codec}};
+  if (!hello.entropy.empty()) root["entropy"] = hello.entropy;
+  root["fps"] = hello.fps;
+  root["up"] = std::string(1, hello.up);
+  root["colors"] = hello.colors;
+  root["normals"] = hello.normals;
+  root["layers"] = hello.layer_names;
+  root["bounds"] = box_json(hello.bounds);
+  return dump(root);
+}
+
+struct TypedText {
+  JsonValue root;
+  std::string type;
+};
+
+Result<TypedText> parse_typed(std::string_view text) {
+  if (text.size() > kMaxLiveText) {
+    return fail(ErrorCode::limit, fmt::format("is longer than {} bytes", kMaxLiveText));
+  }
+  TypedText typed{TRY(parse_json(text)), {}};
+  Fields fields(typed.root);
+  typed.type = fields.text("type");
+  TRY(fields.check());
+  return typed;
 }
 
 }  // namespace
 
 std::string write_hello(const LiveHello& hello) {
-  ordered_json json = {{"type", "hello"},
-                       {"version", kPackageVersion},
-                       {"name", hello.name},
-                       {"session", fmt::format("{:016x}", hello.session)},
-                       {"codec", hello.codec}};
-  if (!hello.entropy.empty()) json["entropy"] = hello.entropy;
-  json["fps"] = hello.fps;
-  json["up"] = std::string(1, hello.up);
-  json["colors"] = hello.colors;
-  json["normals"] = hello.normals;
-  json["layers"] = hello.layer_names;
-  json["bounds"] = box_json(hello.bounds);
-  return dump(json);
+  return hello_text(hello, "session", fmt::format("{:016x}", hello.session));
+}
+
+std::string write_publisher_hello(const LiveHello& hello, const LiveSecret& secret) {
+  return hello_text(hello, "secret", fmt::format("{:02x}", fmt::join(secret, "")));
 }
 
 std::string write_drops(const LiveDrops& drops) {
@@ -64,22 +113,28 @@ std::string write_drops(const LiveDrops& drops) {
 std::string write_end() { return dump({{"type", "end"}}); }
 
 Result<LiveText> parse_live_text(std::string_view text) {
-  if (text.size() > kMaxLiveText) {
-    return fail(ErrorCode::limit, fmt::format("is longer than {} bytes", kMaxLiveText));
-  }
-  const JsonValue root = TRY(parse_json(text));
-  Fields fields(root);
-  const std::string type = fields.text("type");
-  TRY(fields.check());
-  if (type == "hello") return LiveText(TRY(at_place("hello", hello_of(root))));
-  if (type == "drops") {
+  const TypedText typed = TRY(parse_typed(text));
+  if (typed.type == "hello") return LiveText(TRY(at_place("hello", viewer_hello_of(typed.root))));
+  if (typed.type == "drops") {
+    Fields fields(typed.root);
     const LiveDrops drops{fields.integer("frames", kMaxInteger),
                           fields.integer("layers", kMaxInteger)};
     if (fields.error()) return fail_at("drops", *fields.error());
     return LiveText(drops);
   }
-  if (type == "end") return LiveText(LiveEnd{});
+  if (typed.type == "end") return LiveText(LiveEnd{});
   return LiveText(LiveUnknown{});
+}
+
+Result<std::optional<PublisherHello>> parse_publisher_text(std::string_view text) {
+  const TypedText typed = TRY(parse_typed(text));
+  if (typed.type == "hello") {
+    return std::optional(TRY(at_place("hello", publisher_hello_of(typed.root))));
+  }
+  if (typed.type == "drops" || typed.type == "end") {
+    return fail("publishers may send only hellos and layers");
+  }
+  return std::optional<PublisherHello>();
 }
 
 Bytes write_live_header(const LiveLayer& layer) {
@@ -126,7 +181,7 @@ Result<LiveLayer> parse_live_layer(ByteView message) {
   if (layer.layers == 0 || layer.layers > kMaxLayers || layer.layer >= layer.layers) {
     return fail(fmt::format("layer: its number is {} of {}", layer.layer, layer.layers));
   }
-  if (layer.capture_us > kMaxInteger) return fail("layer: its capture time is out of range");
+  if (layer.capture_us > kMaxCaptureTime) return fail("layer: its capture time is out of range");
   layer.bytes = in.rest();
   if (layer.sizes.geometry == 0) return fail("layer: has no geometry");
   if (total(layer.sizes) != layer.bytes.size()) {

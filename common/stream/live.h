@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -27,15 +29,26 @@ inline constexpr std::size_t kMaxLiveLayer = 64u << 20;
 /// The size of the header of a binary message.
 inline constexpr std::size_t kLiveHeaderSize = 40;
 
-/// Describes the stream. It is the first message, and is sent again when something in it changes;
-/// it then applies from the next frame on.
+/// Describes the stream to viewers. It is the first message, and is sent again when something in it
+/// changes; it then applies from the next frame on.
 struct LiveHello : ReelHead {
-  /// Chosen at random by the publisher when it starts. As long as it stays the same, frame numbers
-  /// and times continue, even after a lost connection; with a new session they begin again.
+  /// As long as it stays the same, frame numbers and times continue, even after a lost connection;
+  /// with a new session they begin again. The server derives it from the publisher's secret, which
+  /// it does not reveal.
   std::uint64_t session = 0;
   Box bounds;  ///< the bounds of all points so far; may be empty
 
   bool operator==(const LiveHello&) const = default;
+};
+
+/// Chosen at random by a publisher when it starts, and known only to it and the server. With it the
+/// publisher, and nobody else, continues its session after a lost connection.
+using LiveSecret = std::array<std::uint8_t, 16>;
+
+/// The first message of a publisher, which describes the stream to the server.
+struct PublisherHello {
+  LiveHello hello;  ///< without a session
+  LiveSecret secret{};
 };
 
 /// One layer of one frame. Frames come in order, and so do the layers of each frame, base first.
@@ -71,11 +84,16 @@ struct LiveUnknown {
 using LiveText = std::variant<LiveHello, LiveDrops, LiveEnd, LiveUnknown>;
 
 std::string write_hello(const LiveHello& hello);
+/// The same from a publisher: with the secret in place of the session.
+std::string write_publisher_hello(const LiveHello& hello, const LiveSecret& secret);
 std::string write_drops(const LiveDrops& drops);
 std::string write_end();
 /// Errors: `unsupported` for a hello of another version, `limit` for more than kMaxLiveText bytes,
 /// otherwise `invalid`.
 Result<LiveText> parse_live_text(std::string_view text);
+/// For the texts of publishers, which may send only hellos; nothing if the text is of an unknown
+/// type. The errors are the same.
+Result<std::optional<PublisherHello>> parse_publisher_text(std::string_view text);
 
 /// The header of a layer's message, which its chunks follow; `bytes` is ignored.
 Bytes write_live_header(const LiveLayer& layer);

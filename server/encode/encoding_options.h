@@ -11,7 +11,7 @@ namespace pointreel {
 /// What pack and publish are both told about a sequence of frames, and how to encode it.
 struct EncodingOptions {
   std::string name;   ///< for people
-  double fps = 30.0;  ///< nominal frames per second, above 0 and at most kMaxFps
+  double fps = 30.0;  ///< nominal frames per second, kMinFps to kMaxFps
   char up = 'y';      ///< the axis that points up, 'y' or 'z'
   EncodeOptions encode;
   /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, and it

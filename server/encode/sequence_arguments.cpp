@@ -42,7 +42,7 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
                                const char* about_frame_time) {
   command.add_option("--fps", sequence.fps, "frames per second")
       ->check(
-          number("above 0 and at most 1000000", [](double v) { return v > 0.0 && v <= kMaxFps; }))
+          number("from 0.000001 to 1000000", is_frame_rate))
       ->capture_default_str();
   add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
                    "the axis that points up");

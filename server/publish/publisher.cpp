@@ -33,9 +33,11 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-std::uint64_t random_session() {
+LiveSecret random_secret() {
   std::random_device device;
-  return std::uint64_t{device()} << 32 | device();
+  LiveSecret secret;
+  for (std::uint8_t& byte : secret) byte = static_cast<std::uint8_t>(device());
+  return secret;
 }
 
 /// The messages of an encoded frame, one for each layer.
@@ -68,7 +70,6 @@ class Publisher {
           return outbox;
         }()) {
     static_cast<ReelHead&>(hello_) = reel_head(options);
-    hello_.session = random_session();
   }
 
   Result<PublishSummary> run(FrameInput& input) {
@@ -124,7 +125,7 @@ class Publisher {
     if (greeted_ && hello == hello_) return;
     greeted_ = true;
     hello_ = std::move(hello);
-    outbox_.hello(text_message(write_hello(hello_)));
+    outbox_.hello(text_message(write_publisher_hello(hello_, secret_)));
   }
 
   void count(int depth, double ms) {
@@ -165,6 +166,7 @@ class Publisher {
   SteadyGrid grid_;
   const double frame_time_ms_;
   FrameTimeControl time_;
+  const LiveSecret secret_ = random_secret();
   LiveHello hello_;
   bool greeted_ = false;
   std::uint32_t number_ = 0;

@@ -2,10 +2,13 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "common/base/try.h"
 #include "server/relay/stream.h"
 
 namespace pointreel {
@@ -24,11 +27,13 @@ struct RelayState {
     if (--entry.users == 0) entry.ended = ++events;
   }
 
-  /// Removes the stream that has been unused for the longest time; null if all are in use.
+  /// Removes the stream that has been unused for the longest time; null if all are in use, or
+  /// belong to publishers that may come back.
   std::shared_ptr<Stream> evict() {
+    const auto now = options.now();
     auto oldest = streams.end();
     for (auto i = streams.begin(); i != streams.end(); ++i) {
-      if (i->second.users > 0) continue;
+      if (i->second.users > 0 || i->second.stream->is_owned(now)) continue;
       if (oldest == streams.end() || i->second.ended < oldest->second.ended) oldest = i;
     }
     if (oldest == streams.end()) return nullptr;
@@ -59,19 +64,72 @@ class Use {
   std::string name_;
 };
 
+/// A stream and its use.
+struct UsedStream {
+  std::unique_ptr<Use> use;
+  std::shared_ptr<Stream> stream;
+};
+
+/// The stream of this name, for a publisher. It is created if it does not exist yet; an error if
+/// there are too many.
+Result<UsedStream> stream_for_publisher(const std::shared_ptr<RelayState>& state,
+                                        const std::string& name) {
+  std::shared_ptr<Stream> evicted;  // destroyed without the lock, since it may have files to finish
+  const std::lock_guard lock(state->mutex);
+  auto found = state->streams.find(name);
+  if (found == state->streams.end()) {
+    if (state->streams.size() >= state->options.max_streams) {
+      evicted = state->evict();
+      if (evicted == nullptr) {
+        return fail(ErrorCode::limit,
+                    fmt::format("there are {} streams already", state->streams.size()));
+      }
+    }
+    std::vector<std::shared_ptr<LiveSink>> sinks;
+    if (state->options.sinks) sinks = state->options.sinks(name);
+    auto stream = std::make_shared<Stream>(name, state->options.viewer, std::move(sinks));
+    found = state->streams.emplace(name, RelayState::Entry{std::move(stream), 0, 0}).first;
+  }
+  ++found->second.users;
+  return UsedStream{std::make_unique<Use>(state, name), found->second.stream};
+}
+
+/// Has its stream once the hello has come.
 class StreamPublication : public Publication {
  public:
-  StreamPublication(std::unique_ptr<Use> use, std::shared_ptr<Stream> stream)
-      : use_(std::move(use)), stream_(std::move(stream)) {}
-  ~StreamPublication() override { stream_->leave(this); }
-
-  Result<void> message(LiveMessage message) override {
-    return stream_->message(this, std::move(message));
+  StreamPublication(std::shared_ptr<RelayState> state, std::string name)
+      : state_(std::move(state)), name_(std::move(name)) {}
+  ~StreamPublication() override {
+    if (!greeted()) return;
+    used_.stream->leave(this, ended_ ? Stream::Time::min() : now() + state_->options.grace);
   }
 
+  Result<void> message(LiveMessage message) override {
+    if (message.kind == LiveMessage::Kind::binary) {
+      if (!greeted()) return fail("the first message must be a hello");
+      return used_.stream->layer(this, std::move(message));
+    }
+    const std::string_view text(reinterpret_cast<const char*>(message.bytes->data()),
+                                message.bytes->size());
+    const auto hello = TRY(parse_publisher_text(text));
+    if (!hello) return {};
+    if (used_.stream) return used_.stream->hello(this, *hello, now());
+    UsedStream used = TRY(stream_for_publisher(state_, name_));
+    TRY(used.stream->hello(this, *hello, now()));
+    used_ = std::move(used);
+    return {};
+  }
+
+  bool greeted() const override { return used_.stream != nullptr; }
+  void end() override { ended_ = true; }
+
  private:
-  std::unique_ptr<Use> use_;
-  std::shared_ptr<Stream> stream_;
+  Stream::Time now() const { return state_->options.now(); }
+
+  const std::shared_ptr<RelayState> state_;
+  const std::string name_;
+  bool ended_ = false;
+  UsedStream used_;
 };
 
 class StreamViewer : public Viewer {
@@ -99,25 +157,7 @@ Result<std::unique_ptr<Publication>> Relay::publish(const std::string& name) {
     return fail(ErrorCode::argument,
                 "a stream's name consists of 1 to 64 letters, digits, '.', '_' and '-'");
   }
-  std::shared_ptr<Stream> evicted;  // destroyed without the lock, since it may have files to finish
-  const std::lock_guard lock(state_->mutex);
-  auto found = state_->streams.find(name);
-  if (found == state_->streams.end()) {
-    if (state_->streams.size() >= state_->options.max_streams) {
-      evicted = state_->evict();
-      if (evicted == nullptr) {
-        return fail(ErrorCode::limit,
-                    fmt::format("there are {} streams already", state_->streams.size()));
-      }
-    }
-    std::vector<std::shared_ptr<LiveSink>> sinks;
-    if (state_->options.sinks) sinks = state_->options.sinks(name);
-    auto stream = std::make_shared<Stream>(name, state_->options.viewer, std::move(sinks));
-    found = state_->streams.emplace(name, RelayState::Entry{std::move(stream), 0, 0}).first;
-  }
-  ++found->second.users;
-  return std::make_unique<StreamPublication>(std::make_unique<Use>(state_, name),
-                                             found->second.stream);
+  return std::make_unique<StreamPublication>(state_, name);
 }
 
 Result<std::unique_ptr<Viewer>> Relay::join(const std::string& name, std::function<void()> wake) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,9 +15,11 @@
 /// Passes live streams on from their publishers to their viewers, without sockets. Any thread may
 /// call anything, but each Publication and each Viewer only one thread at a time.
 ///
-/// Trust: publishers' messages are untrusted. Their headers, texts (live.h) and order are checked;
-/// the contents of layers are passed on unchecked. Memory is bounded: it holds the newest frame of
-/// each stream, and for each viewer what LiveQueueOptions allows.
+/// Trust: publishers' messages are untrusted. Their headers, texts (live.h), order and frame
+/// headers are checked, so that a package can be made of whatever is accepted (reel_rules.h); the
+/// contents of chunks are passed on unchecked. Memory is bounded: it holds the newest frame of each
+/// stream, and for each viewer what LiveQueueOptions allows. The secrets of publishers are not
+/// kept, and nothing that viewers, sinks or statistics get reveals them (session.h).
 namespace pointreel {
 
 /// Gets everything of a stream, for instance to record it. The calls come in order, one at a time,
@@ -32,8 +35,12 @@ class LiveSink {
 };
 
 struct RelayOptions {
+  using Clock = std::chrono::steady_clock;
   std::size_t max_streams = 64;  ///< a further one replaces the stream that ended first
-  LiveQueueOptions viewer;       ///< the queue of each viewer
+  /// For this time after a connection is lost, the stream's name belongs to its publisher.
+  std::chrono::milliseconds grace{10'000};
+  std::function<Clock::time_point()> now = [] { return Clock::now(); };
+  LiveQueueOptions viewer;  ///< the queue of each viewer
   /// Creates the sinks of a stream of this name, which are destroyed with it. May be empty.
   std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> sinks;
 };
@@ -52,10 +59,16 @@ struct StreamStatistics {
 class Publication {
  public:
   virtual ~Publication() = default;
-  /// Takes a message as it came from the network, in one piece. The first must be a hello. After an
-  /// error the connection to the publisher must be closed, with the message as the reason. It is
-  /// also an error if the same session has connected again and replaced this publication.
+  /// Takes a message as it came from the network, in one piece. The first must be a hello; before
+  /// it the publication holds nothing, neither a stream nor its name. After an error the connection
+  /// to the publisher must be closed, with the message as the reason. It is also an error if
+  /// somebody else owns the name, if there are too many streams, or if the same publisher has
+  /// connected again and replaced this publication.
   virtual Result<void> message(LiveMessage message) = 0;
+  /// Whether a hello has been accepted.
+  virtual bool greeted() const = 0;
+  /// The publisher has said that it will not come back: others may have the name at once.
+  virtual void end() = 0;
 };
 
 /// A viewer of a stream.
@@ -77,9 +90,10 @@ class Relay {
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  /// An error if the name is not a stream's name, or if there are too many streams. Whether another
-  /// publisher has the stream already is decided when the hello comes: with the same session it is
-  /// the same publisher, which has reconnected and replaces its old connection.
+  /// An error if the name is not a stream's name. Who has the stream is decided when the hello
+  /// comes: a name belongs to the publisher that uses it, and for RelayOptions::grace after its
+  /// connection was lost. With the same secret it is the same publisher, which has reconnected and
+  /// replaces its old connection.
   Result<std::unique_ptr<Publication>> publish(const std::string& name);
 
   /// A viewer gets the hello and as much of the newest frame as has come, and then everything that

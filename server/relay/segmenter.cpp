@@ -6,15 +6,20 @@
 
 #include <fmt/format.h>
 
-#include "codec/frame_header.h"
-#include "common/stream/json_fields.h"
+#include "common/stream/reel_rules.h"
 
 namespace pointreel {
 namespace {
 
-constexpr std::uint64_t kLongestFrameUs = 3'600'000'000;
-/// No frame is later, so that the end of the last one is still a whole number of a manifest.
-constexpr std::uint64_t kLatestUs = kMaxInteger - kLongestFrameUs;
+Box box_of(const Cube& cube) { return {cube.origin, cube.origin + cube.edge}; }
+
+/// The cube of a segment to which a frame with this cube is added.
+Cube joined_cube(const LiveSegment& segment, const Cube& cube) {
+  if (segment.entry.times_us.empty() || cube == segment.entry.cube) return cube;
+  Box box = segment.cubes;
+  box.grow(box_of(cube));
+  return bounding_cube(box);
+}
 
 }  // namespace
 
@@ -38,26 +43,32 @@ void Segmenter::end_frame() {
 std::uint64_t Segmenter::time_of(const LiveLayer& layer) const {
   std::uint64_t time = layer.capture_us + shift_us_;
   if (frames_ > 0 && time <= last_us_) time = last_us_ + frame_duration_us(hello_.fps);
-  return std::min(time, kLatestUs);
+  return std::min(time, kMaxCaptureTime);
+}
+
+/// Whether the frame that begins with this layer belongs to the next segment.
+bool Segmenter::ends_before(const LiveLayer& layer, const FrameHeader& header) const {
+  const Segment& entry = segment_.entry;
+  if (entry.times_us.empty()) return false;
+  return time_of(layer) >= entry.times_us.front() + segment_us_ ||
+         bytes_ + layer.bytes.size() > segment_bytes_ || entry.times_us.size() >= kMaxFrames ||
+         !check_cube(joined_cube(segment_, header.cube));
 }
 
 std::optional<LiveSegment> Segmenter::add(const LiveLayer& layer) {
   std::optional<LiveSegment> finished;
+  if (!check_chunks(hello_, layer.layer, layer.sizes, true)) return finished;
   if (layer.layer == 0) {
-    const Segment& entry = segment_.entry;
-    if (!entry.times_us.empty() && (time_of(layer) >= entry.times_us.front() + segment_us_ ||
-                                    bytes_ + layer.bytes.size() > segment_bytes_)) {
-      finished = flush();
-    }
     end_frame();
-    if (begin_frame(layer)) {
-      frame_ = layer.frame;
-      next_layer_ = 0;
+    const auto parsed = read_frame_header(layer.bytes.first(layer.sizes.geometry));
+    if (!parsed || name(parsed->header.codec) != hello_.codec) return finished;
+    if (!check_cube(parsed->header.cube) || layer.layers > hello_.layer_names.size()) {
+      return finished;
     }
+    if (ends_before(layer, parsed->header)) finished = flush();
+    begin_frame(layer, parsed->header);
   }
-  const bool odd =
-      (layer.sizes.colors > 0 && !hello_.colors) || (layer.sizes.normals > 0 && !hello_.normals);
-  if (frame_ != layer.frame || layer.layer != next_layer_ || odd) return finished;
+  if (frame_ != layer.frame || layer.layer != next_layer_) return finished;
   ++next_layer_;
   segment_.entry.layers[layer.layer].frames.back() = layer.sizes;
   segment_.files[layer.layer].append(reinterpret_cast<const char*>(layer.bytes.data()),
@@ -66,32 +77,21 @@ std::optional<LiveSegment> Segmenter::add(const LiveLayer& layer) {
   return finished;
 }
 
-/// Adds a frame without any layers. False if it must be left out.
-bool Segmenter::begin_frame(const LiveLayer& layer) {
-  const auto parsed = read_frame_header(layer.bytes.first(layer.sizes.geometry));
-  if (!parsed || name(parsed->header.codec) != hello_.codec) return false;
-  if ((layer.sizes.colors > 0 && !hello_.colors) || (layer.sizes.normals > 0 && !hello_.normals)) {
-    return false;
-  }
-  if (layer.layers > hello_.layer_names.size()) return false;
-  const FrameHeader& header = parsed->header;
+/// Adds a frame without any layers.
+void Segmenter::begin_frame(const LiveLayer& layer, const FrameHeader& header) {
   Segment& entry = segment_.entry;
   if (entry.times_us.empty()) {
     entry.first_frame = frames_;
-    entry.cube = header.cube;
     entry.layers.resize(hello_.layer_names.size());
     segment_.files.resize(hello_.layer_names.size());
     segment_.depth_min = header.depth;
   }
-  if (!(header.cube == entry.cube)) {
-    cubes_.grow(entry.cube.origin);
-    cubes_.grow(entry.cube.origin + entry.cube.edge);
-    cubes_.grow(header.cube.origin);
-    cubes_.grow(header.cube.origin + header.cube.edge);
-    entry.cube = bounding_cube(cubes_);
-  }
+  entry.cube = joined_cube(segment_, header.cube);
+  segment_.cubes.grow(box_of(header.cube));
   last_us_ = time_of(layer);
   shift_us_ = last_us_ > layer.capture_us ? last_us_ - layer.capture_us : 0;
+  frame_ = layer.frame;
+  next_layer_ = 0;
   ++frames_;
   expected_layers_ = header.layers;
   entry.times_us.push_back(last_us_);
@@ -100,7 +100,6 @@ bool Segmenter::begin_frame(const LiveLayer& layer) {
   segment_.depth_min = std::min<std::uint32_t>(segment_.depth_min, header.depth);
   segment_.depth_max = std::max<std::uint32_t>(segment_.depth_max, header.depth);
   segment_.any_point = segment_.any_point || header.source_points > 0;
-  return true;
 }
 
 std::optional<LiveSegment> Segmenter::flush() {
@@ -108,7 +107,6 @@ std::optional<LiveSegment> Segmenter::flush() {
   if (segment_.entry.times_us.empty()) return std::nullopt;
   LiveSegment finished = std::exchange(segment_, {});
   bytes_ = 0;
-  cubes_ = {};
   for (std::size_t i = 0; i < finished.files.size(); ++i) {
     finished.entry.layers[i].bytes = finished.files[i].size();
     finished.entry.layers[i].checksum =
@@ -132,8 +130,7 @@ void LiveTotals::add(const LiveSegment& segment) {
   any_frame = true;
   any_point = any_point || segment.any_point;
   partial = partial || segment.partial;
-  cubes.grow(segment.entry.cube.origin);
-  cubes.grow(segment.entry.cube.origin + segment.entry.cube.edge);
+  cubes.grow(segment.cubes);
 }
 
 Manifest live_head(const LiveHello& hello, const LiveTotals& totals) {
@@ -154,8 +151,7 @@ Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_
 }
 
 std::uint64_t frame_duration_us(double fps) {
-  const double us = std::min(1e6 / fps, static_cast<double>(kLongestFrameUs));
-  return static_cast<std::uint64_t>(std::llround(us));
+  return static_cast<std::uint64_t>(std::llround(1e6 / fps));
 }
 
 std::uint64_t end_of(const Segment& segment, double fps) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/frame_header.h"
 #include "common/stream/live.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -17,6 +18,7 @@ struct LiveSegment {
   /// have sizes and checksums, but no names yet.
   Segment entry;
   std::vector<std::string> files;  ///< the bytes of each layer's file
+  Box cubes;                       ///< bounds of the cubes of all frames
   std::uint32_t depth_min = 0, depth_max = 0;
   bool any_point = false;
   bool partial = false;  ///< as Manifest::partial
@@ -26,9 +28,13 @@ struct LiveSegment {
 /// part of a package are left out.
 class Segmenter {
  public:
-  /// A segment ends when it reaches this duration or this size.
+  /// A segment ends when it reaches this duration, this size or kMaxFrames, so that any number of
+  /// tiny frames in no time leaves the manifest short; or when the cube that would contain those of
+  /// all its frames is too large.
   explicit Segmenter(std::uint64_t segment_us, std::uint64_t segment_bytes = 32u << 20)
       : segment_us_(segment_us), segment_bytes_(segment_bytes) {}
+
+  static constexpr std::size_t kMaxFrames = 1000;
 
   /// Sets what describes the stream from the next frame on. With another session frames are counted
   /// from 0 again. Call flush before.
@@ -41,14 +47,14 @@ class Segmenter {
   std::optional<LiveSegment> flush();
 
  private:
-  bool begin_frame(const LiveLayer& layer);
+  bool ends_before(const LiveLayer& layer, const FrameHeader& header) const;
+  void begin_frame(const LiveLayer& layer, const FrameHeader& header);
   void end_frame();
   std::uint64_t time_of(const LiveLayer& layer) const;
 
   const std::uint64_t segment_us_, segment_bytes_;
   LiveHello hello_;
   LiveSegment segment_;
-  Box cubes_;  ///< bounds of the cubes of all frames
   std::uint64_t bytes_ = 0;
   std::uint32_t frames_ = 0;            ///< in the session so far
   std::uint64_t last_us_ = 0;           ///< the time of the newest frame
@@ -77,7 +83,7 @@ Manifest live_head(const LiveHello& hello, const LiveTotals& totals);
 /// The segment's entry in a manifest that begins with this frame at this time.
 Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_us);
 
-/// The nominal duration of a frame in microseconds, at most an hour.
+/// The nominal duration of a frame in microseconds.
 std::uint64_t frame_duration_us(double fps);
 
 /// When a segment of a manifest ends, including the duration of its last frame.

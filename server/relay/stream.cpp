@@ -1,29 +1,40 @@
 #include "server/relay/stream.h"
 
-#include <string_view>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "codec/frame_header.h"
 #include "common/base/try.h"
+#include "common/stream/reel_rules.h"
 
 namespace pointreel {
+namespace {
 
-Result<void> Stream::message(const void* publisher, LiveMessage message) {
-  const std::lock_guard lock(mutex_);
-  if (message.kind == LiveMessage::Kind::text) return text(publisher, std::move(message));
-  if (owner_ != publisher) {
-    return fail(replaced_ == publisher ? "the publisher has connected anew"
-                                       : "the first message must be a hello");
-  }
-  return layer(std::move(message));
+bool covers(const Box& outer, const Box& inner) {
+  return inner.empty() || (!outer.empty() && glm::all(glm::lessThanEqual(outer.min, inner.min)) &&
+                           glm::all(glm::greaterThanEqual(outer.max, inner.max)));
 }
 
-void Stream::leave(const void* publisher) {
+/// A hello covers all frames of the session so far, for which earlier ones spoke.
+bool takes_back(const LiveHello& before, const LiveHello& now) {
+  return (before.colors && !now.colors) || (before.normals && !now.normals) ||
+         !covers(now.bounds, before.bounds);
+}
+
+}  // namespace
+
+bool Stream::is_owned(Time now) const {
   const std::lock_guard lock(mutex_);
-  if (replaced_ == publisher) replaced_ = nullptr;
+  return owner_ != nullptr || now < reserved_until_;
+}
+
+void Stream::leave(const void* publisher, Time reserved_until) {
+  const std::lock_guard lock(mutex_);
   if (owner_ != publisher) return;
   owner_ = nullptr;
+  reserved_until_ = reserved_until;
   for (const auto& sink : sinks_) sink->end();
   const LiveMessage end = text_message(write_end());
   for (const auto& seat : seats_) {
@@ -78,26 +89,35 @@ StreamStatistics Stream::statistics() const {
   return statistics;
 }
 
-Result<void> Stream::text(const void* publisher, LiveMessage message) {
-  const std::string_view view(reinterpret_cast<const char*>(message.bytes->data()),
-                              message.bytes->size());
-  const LiveText parsed = TRY(parse_live_text(view));
-  if (std::holds_alternative<LiveUnknown>(parsed)) return {};
-  const LiveHello* hello = std::get_if<LiveHello>(&parsed);
-  if (hello == nullptr) return fail("publishers may send only hellos and layers");
-  const bool same_session = hello_.bytes && hello->session == parsed_hello_.session;
-  if (owner_ != nullptr && owner_ != publisher) {
-    if (!same_session) return fail(fmt::format("somebody else publishes {} already", name_));
-    replaced_ = owner_;
+Result<void> Stream::hello(const void* publisher, const PublisherHello& from, Time now) {
+  const SessionProof proof = proof_of(from.secret);
+  const std::lock_guard lock(mutex_);
+  const bool same_session = proof_ == proof;
+  if (!same_session && owner_ != nullptr) {
+    return fail(
+        owner_ == publisher
+            ? "the secret may not change within a connection"
+            : fmt::format("somebody else publishes {} already; choose another name", name_));
   }
-  if (owner_ == publisher && !same_session) {
-    return fail("the session may not change within a connection");
+  if (!same_session && now < reserved_until_) {
+    const auto left = std::chrono::ceil<std::chrono::seconds>(reserved_until_ - now);
+    return fail(fmt::format("{} is kept for {} s for its publisher, which lost its connection",
+                            name_, left.count()));
+  }
+  LiveHello hello = from.hello;
+  hello.session = session_of(proof);
+  if (same_session && takes_back(parsed_hello_, hello)) {
+    return fail("hello: takes back colours, normals or bounds that it has stated before");
   }
   resent_ = resent_ || (same_session && owner_ != publisher);
   owner_ = publisher;
-  parsed_hello_ = *hello;
-  hello_ = std::move(message);
-  if (!same_session) newest_.clear();
+  proof_ = proof;
+  parsed_hello_ = std::move(hello);
+  hello_ = text_message(write_hello(parsed_hello_));
+  if (!same_session) {
+    newest_.clear();
+    cubes_ = {};
+  }
   for (const auto& sink : sinks_) sink->hello(parsed_hello_);
   for (const auto& seat : seats_) {
     seat->queue.hello(hello_, !same_session);
@@ -106,7 +126,29 @@ Result<void> Stream::text(const void* publisher, LiveMessage message) {
   return {};
 }
 
-Result<void> Stream::layer(LiveMessage message) {
+/// Checks what a package would state about the frame.
+Result<void> Stream::check_frame(const LiveLayer& layer) {
+  TRY(check_chunks(parsed_hello_, layer.layer, layer.sizes, true));
+  if (layer.layer > 0) return {};
+  const FrameHeader frame = TRY(read_frame_header(layer.bytes.first(layer.sizes.geometry))).header;
+  if (pointreel::name(frame.codec) != parsed_hello_.codec) {
+    return fail(fmt::format("the codec of the frame is not {}", parsed_hello_.codec));
+  }
+  if (frame.source_points != layer.points) {
+    return fail(fmt::format("{} points, but the frame has {}", layer.points, frame.source_points));
+  }
+  TRY(at_place("cube", check_cube(frame.cube)));
+  Box cubes = cubes_;
+  cubes.grow(frame.cube.origin);
+  cubes.grow(frame.cube.origin + frame.cube.edge);
+  TRY(at_place("cube", check_box(cubes)));
+  cubes_ = cubes;
+  return {};
+}
+
+Result<void> Stream::layer(const void* publisher, LiveMessage message) {
+  const std::lock_guard lock(mutex_);
+  if (owner_ != publisher) return fail("the publisher has connected anew");
   const LiveLayer parsed = TRY(parse_live_layer(*message.bytes));
   if (parsed.layers > parsed_hello_.layer_names.size()) {
     return fail(fmt::format("layer: {} layers, the hello names {}", parsed.layers,
@@ -123,12 +165,19 @@ Result<void> Stream::layer(LiveMessage message) {
     if (!newest_.empty() && parsed.frame <= last_.frame) {
       return fail(fmt::format("layer: frame {} after {}", parsed.frame, last_.frame));
     }
+    if (!newest_.empty() && parsed.capture_us <= last_.capture_us) {
+      return fail(
+          fmt::format("layer: captured at {} after {}", parsed.capture_us, last_.capture_us));
+    }
+    TRY(at_place("layer", check_frame(parsed)));
     newest_.clear();
     ++frames_;
   } else if (newest_.empty() || parsed.frame != last_.frame || parsed.layer != last_.layer + 1 ||
              parsed.layers != last_.layers || parsed.capture_us != last_.capture_us) {
     return fail(fmt::format("layer: {} of frame {} does not follow what came before it",
                             parsed.layer, parsed.frame));
+  } else {
+    TRY(at_place("layer", check_frame(parsed)));
   }
   last_ = parsed;
   last_.bytes = {};

@@ -12,6 +12,7 @@
 #include "common/stream/live_queue.h"
 #include "pointreel/error.h"
 #include "server/relay/relay.h"
+#include "server/relay/session.h"
 
 namespace pointreel {
 
@@ -23,16 +24,24 @@ struct Seat {
 };
 
 /// One stream of the relay. Each has a lock of its own, so that streams do not wait for each other.
-/// Publishers are told apart by their addresses, `publisher`.
+/// Connections of publishers are told apart by their addresses, `publisher`, and publishers by the
+/// proofs of their secrets.
 class Stream {
  public:
+  using Time = RelayOptions::Clock::time_point;
+
   Stream(std::string name, const LiveQueueOptions& options,
          std::vector<std::shared_ptr<LiveSink>> sinks)
       : name_(std::move(name)), options_(options), sinks_(std::move(sinks)) {}
 
-  /// Takes a message of a publisher. A new publisher owns the stream once its hello is accepted.
-  Result<void> message(const void* publisher, LiveMessage message);
-  void leave(const void* publisher);
+  /// Takes the hello of a publisher, which owns the stream if it is accepted.
+  Result<void> hello(const void* publisher, const PublisherHello& hello, Time now);
+  /// Takes a layer from a publisher.
+  Result<void> layer(const void* publisher, LiveMessage message);
+  /// The publisher's connection has ended. Its name is reserved for it until then.
+  void leave(const void* publisher, Time reserved_until);
+  /// Whether the stream belongs to a publisher, be it connected or not.
+  bool is_owned(Time now) const;
 
   std::shared_ptr<Seat> join(std::function<void()> wake);
   void leave(const std::shared_ptr<Seat>& seat);
@@ -41,8 +50,7 @@ class Stream {
   StreamStatistics statistics() const;
 
  private:
-  Result<void> text(const void* publisher, LiveMessage message);
-  Result<void> layer(LiveMessage message);
+  Result<void> check_frame(const LiveLayer& layer);
   static void wake(Seat& seat);
 
   const std::string name_;
@@ -50,10 +58,12 @@ class Stream {
   const std::vector<std::shared_ptr<LiveSink>> sinks_;
   mutable std::mutex mutex_;  // guards what follows, including the seats
   const void* owner_ = nullptr;
-  const void* replaced_ = nullptr;  ///< the owner whose place the present one has taken
+  std::optional<SessionProof> proof_;  ///< of the publisher that owns the stream, or did last
+  Time reserved_until_ = Time::min();  ///< for that publisher, while it is not connected
   bool resent_ = false;  ///< the publisher has reconnected, and nothing new has come since
   LiveHello parsed_hello_;
-  LiveMessage hello_;
+  LiveMessage hello_;                ///< as viewers get it
+  Box cubes_;                        ///< of all frames of the session
   LiveLayer last_;                   ///< without its bytes
   std::vector<LiveMessage> newest_;  ///< layers of the newest frame
   std::vector<std::shared_ptr<Seat>> seats_;

@@ -134,6 +134,10 @@ Task<std::string> read_from_publisher(std::shared_ptr<Session> session, Publicat
       co_await session->stream.async_read_some(buffer, 0,
                                                asio::redirect_error(kUseAwaitable, error));
       if (error == websocket::error::message_too_big) co_return "the message is too large";
+      if (error == websocket::error::closed &&
+          session->stream.reason().code == websocket::close_code::normal) {
+        publication.end();
+      }
       if (error) co_return std::string();
       if (session->stream.got_text() && bytes.size() > kMaxLiveText) {
         co_return fmt::format("a text message has more than {} bytes", kMaxLiveText);

@@ -73,13 +73,14 @@ StagePublisher::~StagePublisher() {
 void StagePublisher::run() {
   LiveHello hello;
   hello.name = "ball";
-  static std::atomic<std::uint64_t> sessions{0};
-  hello.session = ++sessions;
+  static std::atomic<std::uint8_t> publishers{0};
+  LiveSecret secret{};
+  secret[0] = ++publishers;
   hello.codec = "octree";
   hello.entropy = "context";
   hello.colors = true;
   hello.layer_names = {"base", "middle", "full"};
-  const std::string text = write_hello(hello);
+  const std::string text = write_publisher_hello(hello, secret);
   auto due = std::chrono::steady_clock::now();
   std::uint32_t number = 0;
   while (!ending_) {

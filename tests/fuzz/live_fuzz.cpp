@@ -27,8 +27,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!std::equal(again.begin(), again.end(), message.begin(), message.end())) std::abort();
     return 0;
   }
-  const auto text = parse_live_text(
-      std::string_view(reinterpret_cast<const char*>(message.data()), message.size()));
+  const std::string_view view(reinterpret_cast<const char*>(message.data()), message.size());
+  if (const auto publisher = parse_publisher_text(view); publisher && *publisher) {
+    const std::string written = write_publisher_hello((*publisher)->hello, (*publisher)->secret);
+    const auto again = parse_publisher_text(written).value().value();
+    if (write_publisher_hello(again.hello, again.secret) != written) std::abort();
+  }
+  const auto text = parse_live_text(view);
   if (!text) {
     if (text.error().message.empty()) std::abort();
     return 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "codec/frame_header.h"
 #include "common/stream/live.h"
 #include "common/stream/live_queue.h"
 #include "tests/live_layer.h"
@@ -22,9 +23,20 @@ inline LiveHello plain_hello(std::uint64_t session = 1) {
   return hello;
 }
 
+/// The hello of the publisher of that number.
+inline LiveMessage publisher_message(std::uint8_t number = 1,
+                                     const LiveHello& hello = plain_hello()) {
+  return text_message(write_publisher_hello(hello, LiveSecret{number}));
+}
+
+/// The base begins with a frame header if it has the size for it.
 inline LiveMessage layer_message(std::uint32_t frame, std::uint8_t layer, std::uint8_t layers = 3,
-                                 std::size_t size = 10) {
-  const Bytes bytes(size, static_cast<std::uint8_t>(frame));
+                                 std::size_t size = kFrameHeaderSize) {
+  Bytes bytes;
+  if (layer == 0 && size >= kFrameHeaderSize) {
+    write_frame_header({.layers = layers, .source_points = 4, .cube = {}}, frame, bytes);
+  }
+  bytes.resize(size, static_cast<std::uint8_t>(frame));
   LiveLayer header;
   header.frame = frame;
   header.layer = layer;

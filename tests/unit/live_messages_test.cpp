@@ -8,6 +8,7 @@
 
 #include "common/stream/json_fields.h"
 #include "common/stream/live.h"
+#include "common/stream/reel_rules.h"
 #include "pointreel/chunks.h"
 #include "tests/live_layer.h"
 
@@ -67,6 +68,10 @@ TEST(LiveMessages, an_error_in_a_hello_names_the_member) {
   EXPECT_THAT(error_with("\"octree\"", "\"mesh\""), HasSubstr("codec"));
   EXPECT_THAT(error_with("\"context\"", "\"best\""), HasSubstr("entropy"));
   EXPECT_THAT(error_with("29.97", "-1"), HasSubstr("fps"));
+  EXPECT_THAT(error_with("29.97", "1e-300"), HasSubstr("fps"));
+  EXPECT_THAT(error_with("middle", std::string(65, 'm')), HasSubstr("layers"));
+  EXPECT_THAT(error_with("[-1.5,0.0,2.0],\"max\":[1.0", "[-1.7e308,0.0,2.0],\"max\":[1.7e308"),
+              HasSubstr("bounds: max"));
   EXPECT_THAT(error_with("\"up\":\"z\"", "\"up\":\"x\""), HasSubstr("up"));
   EXPECT_THAT(error_with("\"middle\"", "\"base\""), HasSubstr("layers"));
   EXPECT_THAT(error_with("\"middle\"", "\"../middle\""), HasSubstr("layers"));
@@ -74,6 +79,31 @@ TEST(LiveMessages, an_error_in_a_hello_names_the_member) {
   EXPECT_THAT(error_with("stage", "st\\u0007ge"), HasSubstr("name"));
   EXPECT_THAT(error_with("\"hello\"", "\"drops\""), HasSubstr("drops"));
   EXPECT_THAT(error_with("{", "["), HasSubstr("JSON"));
+}
+
+TEST(LiveMessages, the_hello_of_a_publisher_has_a_secret_and_no_session) {
+  LiveSecret secret;
+  for (std::size_t i = 0; i < secret.size(); ++i) secret[i] = static_cast<std::uint8_t>(17 * i);
+  const std::string text = write_publisher_hello(a_hello(), secret);
+  EXPECT_THAT(text, HasSubstr(R"("secret":"00112233445566778899aabbccddeeff")"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("session")));
+  const auto parsed = parse_publisher_text(text).value().value();
+  EXPECT_EQ(parsed.secret, secret);
+  LiveHello without = a_hello();
+  without.session = 0;
+  EXPECT_EQ(parsed.hello, without);
+  EXPECT_THAT(parse_live_text(text).error().message, HasSubstr("session: is missing"));
+  EXPECT_THAT(parse_publisher_text(write_hello(a_hello())).error().message,
+              HasSubstr("secret: is missing"));
+  for (const char* wrong :
+       {"", "00", "00112233445566778899aabbccddeef", "00112233445566778899aabbccddeeff0",
+        "00112233445566778899AABBCCDDEEFF", "0x112233445566778899aabbccddeeff"}) {
+    std::string changed = text;
+    changed.replace(changed.find("0011"), 32, wrong);
+    EXPECT_THAT(parse_publisher_text(changed).error().message, HasSubstr("secret")) << wrong;
+  }
+  EXPECT_FALSE(parse_publisher_text(R"({"type": "weather"})").value());
+  EXPECT_FALSE(parse_publisher_text(write_end()));
 }
 
 TEST(LiveMessages, drops_and_the_end_are_parsed_and_unknown_types_are_distinguished) {
@@ -148,6 +178,8 @@ TEST(LiveMessages, a_layer_that_no_frame_can_have_is_refused) {
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.layers = 0; }));
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.layers = 9; }));
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.capture_us = ~std::uint64_t{0}; }));
+  EXPECT_TRUE(refused([](LiveLayer& layer) { layer.capture_us = kMaxCaptureTime + 1; }));
+  EXPECT_FALSE(refused([](LiveLayer& layer) { layer.capture_us = kMaxCaptureTime; }));
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes = {0, 6, 1}; }));
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes.normals = 2; }));
   EXPECT_TRUE(refused([](LiveLayer& layer) { layer.sizes = {~0u, ~0u, ~0u}; }));

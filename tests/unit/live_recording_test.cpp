@@ -180,7 +180,7 @@ TEST_F(RecorderTest, frames_that_no_package_can_hold_are_skipped) {
   give_frames(recorder, 0, 3);  // they have normals
   hello.normals = true;
   recorder.hello(hello);
-  give(recorder, {layer_message(3, 0), layer_message(3, 1)});  // no frame at all
+  give(recorder, {layer_message(3, 0, 3, 10), layer_message(3, 1)});  // no frame at all
   give_frames(recorder, 4, 2);
   recorder.end();
   std::uint32_t frames = 0;
@@ -368,7 +368,8 @@ TEST(SinkThread, skips_the_rest_of_a_frame_if_the_sink_is_too_slow_and_reports_i
         [&](const std::string& line) { said.push_back(line); }, 25);
     const std::lock_guard held(gate);
     thread.hello(plain_hello());
-    give(thread, {layer_message(0, 0), layer_message(0, 1), layer_message(0, 2)});
+    give(thread,
+         {layer_message(0, 0, 3, 10), layer_message(0, 1, 3, 10), layer_message(0, 2, 3, 10)});
     give(thread, {layer_message(1, 0, 3, 20), layer_message(1, 1, 3, 1)});
   }
   EXPECT_THAT(notes, ElementsAre("hello", "0.0", "0.1"));

@@ -70,8 +70,8 @@ class LiveServerTest : public testing::TestWithParam<bool> {
         .send(*message.bytes, message.kind == LiveMessage::Kind::text ? Kind::text : Kind::binary)
         .has_value();
   }
-  static bool say_hello(WebSocket& socket, std::uint64_t session = 1) {
-    return send(socket, text_message(write_hello(plain_hello(session))));
+  static bool say_hello(WebSocket& socket, std::uint8_t publisher = 1) {
+    return send(socket, publisher_message(publisher));
   }
   /// Returns the next message in brief, or the reason why there is none.
   static std::string next(WebSocket& socket) {
@@ -110,7 +110,7 @@ TEST_P(LiveServerTest, forwards_a_stream_from_its_publisher_to_all_viewers) {
   }
   for (std::uint32_t frame = 0; frame < 5; ++frame) {
     for (std::uint8_t layer = 0; layer < 3; ++layer) {
-      ASSERT_TRUE(send(*publisher, layer_message(frame, layer, 3, frame == 3 ? 300'000 : 10)));
+      ASSERT_TRUE(send(*publisher, layer_message(frame, layer, 3, frame == 3 ? 300'000 : 100)));
       for (const auto& viewer : viewers) {
         EXPECT_EQ(next(*viewer), std::to_string(frame) + "." + std::to_string(layer));
       }

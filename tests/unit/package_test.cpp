@@ -86,7 +86,7 @@ TEST(Manifest, names_tables_only_if_frames_can_use_them) {
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("tables: path"));
   m.tables->path = m.segments[0].layers[0].path;
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("used twice"));
-  EXPECT_THAT(error_with({{"tables", {{"path", "a"}, {"bytes", 1}, {"xxh3", "0"}}}}),
+  EXPECT_THAT(error_with({{"tables", {{"path", "a"}, {"bytes", 1}, {"xxh3", "0123456789abcdef"}}}}),
               HasSubstr("belong to entropy"));
 }
 

@@ -3,6 +3,7 @@
 #include "server/relay/relay.h"
 
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,9 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-LiveMessage hello_message(std::uint64_t session = 1) {
-  return text_message(write_hello(plain_hello(session)));
-}
+LiveMessage hello_message(std::uint8_t publisher = 1) { return publisher_message(publisher); }
 
 void publish_frame(Publication& publication, std::uint32_t frame) {
   for (std::uint8_t i = 0; i < 3; ++i) {
@@ -39,6 +38,24 @@ std::vector<std::string> take_all(Viewer& viewer) {
 std::string refusal(Publication& publication, LiveMessage message) {
   const auto taken = publication.message(std::move(message));
   return taken ? std::string() : taken.error().message;
+}
+
+/// Keeps the hellos.
+class Hellos : public LiveSink {
+ public:
+  explicit Hellos(std::vector<LiveHello>& hellos) : hellos_(hellos) {}
+  void hello(const LiveHello& hello) override { hellos_.push_back(hello); }
+  void layer(const LiveLayer&, const LiveMessage&) override {}
+  void end() override {}
+
+ private:
+  std::vector<LiveHello>& hellos_;
+};
+
+RelayOptions with_sink(std::shared_ptr<LiveSink> sink) {
+  RelayOptions options;
+  options.sinks = [sink](const std::string&) { return std::vector{sink}; };
+  return options;
 }
 
 TEST(Relay, a_viewer_receives_the_newest_frame_on_joining_and_then_every_later_one) {
@@ -75,8 +92,11 @@ TEST(Relay, a_stream_cannot_be_joined_before_it_is_published) {
   EXPECT_FALSE(relay.join("stage", [] {}));
   EXPECT_FALSE(relay.publish("../stage"));
   const auto publication = relay.publish("stage").value();
-  const auto viewer = relay.join("stage", [] {});
-  ASSERT_TRUE(viewer);
+  EXPECT_FALSE(publication->greeted());
+  EXPECT_FALSE(relay.join("stage", [] {})) << "a connection alone is no stream";
+  ASSERT_TRUE(publication->message(hello_message()));
+  EXPECT_TRUE(publication->greeted());
+  EXPECT_TRUE(relay.join("stage", [] {}));
 }
 
 TEST(Relay, messages_out_of_order_end_the_publication) {
@@ -86,13 +106,15 @@ TEST(Relay, messages_out_of_order_end_the_publication) {
   EXPECT_THAT(refusal(*publication, text_message("{}")), HasSubstr("type"));
   EXPECT_THAT(refusal(*publication, text_message(write_end())), HasSubstr("hellos and layers"));
   ASSERT_TRUE(publication->message(hello_message()));
-  EXPECT_THAT(refusal(*publication, hello_message(2)), HasSubstr("session"));
+  EXPECT_THAT(refusal(*publication, hello_message(2)), HasSubstr("secret"));
   EXPECT_THAT(refusal(*publication, layer_message(0, 1)), HasSubstr("does not follow"));
   ASSERT_TRUE(publication->message(layer_message(7, 0)));
   EXPECT_THAT(refusal(*publication, layer_message(7, 2)), HasSubstr("does not follow"));
   EXPECT_THAT(refusal(*publication, layer_message(8, 1)), HasSubstr("does not follow"));
   EXPECT_THAT(refusal(*publication, layer_message(7, 0)), HasSubstr("frame 7 after 7"));
   EXPECT_THAT(refusal(*publication, layer_message(8, 0, 4)), HasSubstr("4 layers"));
+  EXPECT_THAT(refusal(*publication, layer_message(8, 0, 3, 10)),
+              HasSubstr("not a Pointreel frame"));
   LiveMessage damaged = layer_message(8, 0);
   Bytes bytes = *damaged.bytes;
   bytes[5] ^= 1;
@@ -134,6 +156,118 @@ TEST(Relay, a_publisher_that_reconnects_replaces_its_old_connection) {
   EXPECT_THAT(take_all(*viewer), ElementsAre("hello", "1.0", "1.1", "1.2"));
 }
 
+TEST(Relay, nothing_that_viewers_sinks_or_statistics_get_lets_them_publish) {
+  std::vector<LiveHello> heard;
+  Relay relay(with_sink(std::make_shared<Hellos>(heard)));
+  auto owner = relay.publish("stage").value();
+  LiveSecret secret;
+  secret.fill(0xab);
+  ASSERT_TRUE(owner->message(text_message(write_publisher_hello(plain_hello(), secret))));
+  const auto viewer = relay.join("stage", [] {}).value();
+  const auto seen = viewer->next().value();
+  const std::string text(seen.bytes->begin(), seen.bytes->end());
+  EXPECT_THAT(text, testing::Not(testing::AnyOf(HasSubstr("secret"), HasSubstr("abab"))));
+  const auto hello = std::get<LiveHello>(parse_live_text(text).value());
+  EXPECT_THAT(heard, ElementsAre(hello));
+  EXPECT_NE(hello.session, 0u);
+
+  // Whatever a viewer makes of the session, it is not the secret.
+  owner.reset();
+  const auto thief = relay.publish("stage").value();
+  EXPECT_THAT(refusal(*thief, text_message(text)), HasSubstr("secret"));
+  for (int shift = 0; shift < 64; shift += 8) {
+    LiveSecret guess;
+    for (std::size_t i = 0; i < guess.size(); ++i) {
+      guess[i] = static_cast<std::uint8_t>(hello.session >> ((shift + 8 * i) % 64));
+    }
+    EXPECT_THAT(refusal(*thief, text_message(write_publisher_hello(plain_hello(), guess))),
+                HasSubstr("kept"));
+  }
+  EXPECT_FALSE(relay.statistics()[0].publishing);
+}
+
+TEST(Relay,
+     a_session_is_the_same_after_the_server_was_started_again_and_differs_between_publishers) {
+  const auto session = [](std::uint8_t publisher) {
+    Relay relay;
+    const auto publication = relay.publish("stage").value();
+    EXPECT_TRUE(publication->message(hello_message(publisher)));
+    const auto seen = relay.join("stage", [] {}).value()->next().value();
+    const std::string text(seen.bytes->begin(), seen.bytes->end());
+    return std::get<LiveHello>(parse_live_text(text).value()).session;
+  };
+  EXPECT_EQ(session(1), session(1));
+  EXPECT_NE(session(1), session(2));
+}
+
+TEST(Relay, a_name_belongs_to_its_publisher_until_it_has_been_gone_for_the_grace_time) {
+  RelayOptions options;
+  RelayOptions::Clock::time_point now{std::chrono::hours(1)};
+  options.now = [&now] { return now; };
+  options.grace = std::chrono::seconds(10);
+  options.max_streams = 1;
+  Relay relay(options);
+  auto owner = relay.publish("stage").value();
+  ASSERT_TRUE(owner->message(hello_message(1)));
+  publish_frame(*owner, 0);
+  owner.reset();  // the connection is lost
+  now += std::chrono::milliseconds(9'999);
+  const auto other = relay.publish("stage").value(), elsewhere = relay.publish("hall").value();
+  EXPECT_THAT(refusal(*other, hello_message(2)), HasSubstr("kept for 1 s"));
+  EXPECT_THAT(refusal(*elsewhere, hello_message(2)), HasSubstr("streams already"))
+      << "a stream whose publisher may come back must not be replaced";
+  owner = relay.publish("stage").value();
+  ASSERT_TRUE(owner->message(hello_message(1)));
+  publish_frame(*owner, 1);
+  owner.reset();
+  now += std::chrono::seconds(10);
+  EXPECT_EQ(refusal(*other, hello_message(2)), "");
+  owner = relay.publish("stage").value();
+  EXPECT_THAT(refusal(*owner, hello_message(1)), HasSubstr("somebody else"));
+}
+
+TEST(Relay, a_publisher_that_says_goodbye_frees_its_name_at_once) {
+  Relay relay;
+  auto first = relay.publish("stage").value();
+  ASSERT_TRUE(first->message(hello_message(1)));
+  first->end();
+  first.reset();
+  const auto second = relay.publish("stage").value();
+  EXPECT_EQ(refusal(*second, hello_message(2)), "");
+}
+
+TEST(Relay, connections_without_a_hello_hold_no_stream) {
+  RelayOptions options;
+  options.max_streams = 2;
+  Relay relay(options);
+  std::vector<std::unique_ptr<Publication>> silent;
+  for (int i = 0; i < 100; ++i) {
+    silent.push_back(relay.publish("stage" + std::to_string(i)).value());
+    EXPECT_TRUE(silent.back()->message(text_message(R"({"type": "weather"})")));
+  }
+  EXPECT_THAT(relay.statistics(), IsEmpty());
+  const auto publication = relay.publish("stage7").value();
+  EXPECT_EQ(refusal(*publication, hello_message(1)), "");
+}
+
+TEST(Relay, a_hello_may_not_take_back_what_it_has_stated_about_earlier_frames) {
+  LiveHello hello = plain_hello();
+  hello.colors = true;
+  hello.bounds = {{0, 0, 0}, {1, 1, 1}};
+  Relay relay;
+  const auto publication = relay.publish("stage").value();
+  ASSERT_TRUE(publication->message(publisher_message(1, hello)));
+  const auto refused = [&](auto change) {
+    LiveHello changed = hello;
+    change(changed);
+    return refusal(*publication, publisher_message(1, changed));
+  };
+  EXPECT_THAT(refused([](LiveHello& h) { h.colors = false; }), HasSubstr("takes back"));
+  EXPECT_THAT(refused([](LiveHello& h) { h.bounds = {}; }), HasSubstr("takes back"));
+  EXPECT_THAT(refused([](LiveHello& h) { h.bounds.max.y = 0.5; }), HasSubstr("takes back"));
+  EXPECT_EQ(refused([](LiveHello& h) { h.bounds.grow(glm::dvec3(2.0)); }), "");
+}
+
 TEST(Relay, viewers_stay_when_the_publisher_leaves_and_see_the_next_one) {
   Relay relay;
   auto publication = relay.publish("stage").value();
@@ -142,6 +276,7 @@ TEST(Relay, viewers_stay_when_the_publisher_leaves_and_see_the_next_one) {
   int woken = 0;
   const auto viewer = relay.join("stage", [&] { ++woken; }).value();
   take_all(*viewer);
+  publication->end();
   publication.reset();
   EXPECT_EQ(woken, 1);
   EXPECT_THAT(take_all(*viewer), ElementsAre("end"));
@@ -191,14 +326,18 @@ TEST(Relay, statistics_include_the_drops_of_viewers_that_have_left) {
 }
 
 TEST(Relay, a_new_stream_beyond_the_limit_replaces_the_one_that_ended_first) {
-  Relay relay({.max_streams = 2, .viewer = {}, .sinks = {}});
-  auto a = relay.publish("a").value();
-  auto b = relay.publish("b").value();
-  EXPECT_FALSE(relay.publish("c"));
+  RelayOptions options;
+  options.max_streams = 2;
+  Relay relay(options);
+  auto a = relay.publish("a").value(), b = relay.publish("b").value();
+  ASSERT_TRUE(a->message(hello_message(1)) && b->message(hello_message(2)));
+  const auto c = relay.publish("c").value();
+  EXPECT_THAT(refusal(*c, hello_message(3)), HasSubstr("there are 2 streams already"));
+  b->end();
   b.reset();
+  a->end();
   a.reset();
-  const auto c = relay.publish("c");
-  ASSERT_TRUE(c);
+  EXPECT_EQ(refusal(*c, hello_message(3)), "");
   EXPECT_TRUE(relay.join("a", [] {}));
   EXPECT_FALSE(relay.join("b", [] {}));
 }

@@ -52,14 +52,15 @@ struct Segment {
 /// For a manifest that grows while its frames are captured. It may hold only the newest frames of a
 /// session; they and their times are still counted from 0, so that it is a reel like any other.
 struct LiveManifest {
-  std::uint64_t session = 0;      ///< random; a new one means that frame numbers begin again
+  std::uint64_t session = 0;      ///< a new one means that frame numbers begin again
   std::uint32_t first_frame = 0;  ///< number of frames of the session before the manifest's first
   std::uint64_t start_us = 0;     ///< Unix time of the manifest's time 0, by the publisher's clock
   bool ended = false;             ///< true while no publisher is connected; one may come back
 };
 
-/// The highest nominal frame rate.
-inline constexpr double kMaxFps = 1e6;
+/// The lowest and the highest nominal frame rate.
+inline constexpr double kMinFps = 1e-6, kMaxFps = 1e6;
+inline constexpr bool is_frame_rate(double fps) { return fps >= kMinFps && fps <= kMaxFps; }
 
 /// What reels and live streams have in common, and state before any frame.
 struct ReelHead {

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "codec/frame_header.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
 #include "common/net/websocket.h"
@@ -110,12 +111,11 @@ class NoisePublisher {
     auto socket = TRY(WebSocket::connect(url));
     LiveHello hello;
     hello.name = "noise";
-    hello.session = unix_time_us();
     hello.codec = "octree";
     hello.entropy = "none";
     hello.fps = kFps;
     hello.layer_names = {"base", "middle", "full"};
-    const std::string text = write_hello(hello);
+    const std::string text = write_publisher_hello(hello, LiveSecret{});
     TRY(socket->send(bytes_of(text), WebSocket::Kind::text));
     return std::unique_ptr<NoisePublisher>(new NoisePublisher(std::move(socket)));
   }
@@ -129,7 +129,11 @@ class NoisePublisher {
       : socket_(std::move(socket)), thread_([this] { run(); }) {}
 
   void run() {
-    const std::string content = noise(*std::max_element(kLayerBytes, kLayerBytes + 3), 9);
+    std::string content = noise(*std::max_element(kLayerBytes, kLayerBytes + 3), 9);
+    // The server looks at the header of each frame, with which its base begins.
+    Bytes header;
+    write_frame_header({.depth = 10, .layers = 3, .source_points = 1, .cube = {}}, 0, header);
+    std::copy(header.begin(), header.end(), content.begin());
     auto due = std::chrono::steady_clock::now();
     for (std::uint32_t frame = 0; !ending_; ++frame) {
       const std::uint64_t captured = unix_time_us();

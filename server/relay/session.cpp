@@ -1,0 +1,19 @@
+#include "server/relay/session.h"
+
+#include <openssl/sha.h>
+
+namespace pointreel {
+
+SessionProof proof_of(const LiveSecret& secret) {
+  SessionProof proof{};
+  SHA256(secret.data(), secret.size(), proof.data());
+  return proof;
+}
+
+std::uint64_t session_of(const SessionProof& proof) {
+  std::uint64_t session = 0;
+  for (std::size_t i = 0; i < sizeof(session); ++i) session = session << 8 | proof[i];
+  return session;
+}
+
+}  // namespace pointreel

@@ -16,6 +16,7 @@
 #include <tbb/info.h>
 
 #include "common/base/memory.h"
+#include "common/base/standard_output.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"
 #include "datasets_synthetic/write_sequence.h"
@@ -261,10 +262,11 @@ int parse_and_run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   pointreel::keep_freed_memory();
+  int exit_code = 1;
   try {
-    return pointreel::parse_and_run(argc, argv);
+    exit_code = pointreel::parse_and_run(argc, argv);
   } catch (const std::exception& error) {  // most likely out of memory
     std::fprintf(stderr, "pointreel-synth: %s\n", error.what());
-    return 1;
   }
+  return pointreel::finish_output("pointreel-synth", exit_code);
 }

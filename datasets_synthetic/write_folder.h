@@ -9,9 +9,9 @@
 
 namespace pointreel {
 
-/// Makes a folder that appears only once it is complete: `fill` writes into a folder beside
-/// `output`, which is then moved to `output`. An existing folder is replaced only if it is empty,
-/// or if `force` is set and `is_ours` accepts the name of every file in it.
+/// Makes a folder that appears only once it is complete (OutputFolder): `fill` writes its files. An
+/// existing folder is replaced only if it is empty, or if `force` is set, it holds nothing but
+/// files, and `is_ours` accepts the name of every one.
 Result<void> write_folder(const std::string& output, bool force,
                           const std::function<bool(std::string_view name)>& is_ours,
                           const std::function<Result<void>(const std::filesystem::path&)>& fill);

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "common/base/natural_order.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
 #include "common/cloud/ply.h"
@@ -61,7 +62,7 @@ Result<void> write_frames(const Motion& motion, const SequenceJob& job, const fs
 Result<SequenceSummary> write_sequence(const Motion& motion, const SequenceJob& job) {
   const auto begin = std::chrono::steady_clock::now();
   const auto is_frame = [](std::string_view name) {
-    return name.starts_with("frame_") && name.ends_with(".ply");
+    return is_numbered(name, "frame_", 4, ".ply");
   };
   std::vector<std::size_t> points(static_cast<std::size_t>(job.frames));
   TRY(write_folder(job.output, job.force, is_frame, [&](const fs::path& folder) {

@@ -1,3 +1,4 @@
+#include <exception>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -6,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/base/memory.h"
+#include "common/base/standard_output.h"
 #include "server/commands.h"
 
 namespace {
@@ -55,7 +57,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? pointreel::kExitOk : pointreel::kExitUsage;
+    exit_code = app.exit(error) == 0 ? pointreel::kExitOk : pointreel::kExitUsage;
+  } catch (const std::exception& error) {  // most likely out of memory
+    pointreel::print_error(error.what());
+    exit_code = pointreel::kExitFailed;
   }
-  return exit_code;
+  return pointreel::finish_output("pointreel-server", exit_code);
 }

@@ -9,6 +9,7 @@
 #include "client/app/play_command.h"
 #include "client/app/player.h"
 #include "common/base/memory.h"
+#include "common/base/standard_output.h"
 #include "pointreel/version.h"
 
 namespace pointreel {
@@ -45,10 +46,11 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   pointreel::keep_freed_memory();
+  int exit_code = 1;
   try {
-    return pointreel::run(argc, argv);
+    exit_code = pointreel::run(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "pointreel: {}\n", error.what());
-    return 1;
   }
+  return pointreel::finish_output("pointreel", exit_code);
 }

@@ -41,4 +41,15 @@ bool natural_less(std::string_view a, std::string_view b) {
   return a < b;
 }
 
+bool is_numbered(std::string_view name, std::string_view head, std::size_t digits,
+                 std::string_view tail) {
+  if (name.size() < head.size() + digits + tail.size() || !name.starts_with(head) ||
+      !name.ends_with(tail)) {
+    return false;
+  }
+  name.remove_prefix(head.size());
+  name.remove_suffix(tail.size());
+  return name.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 }  // namespace pointreel

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace pointreel {
@@ -9,5 +10,10 @@ namespace pointreel {
 /// frame10. Names that are equal in this sense (frame1, frame01) are ordered byte by byte, which
 /// makes the order total. O(length); allocates nothing.
 bool natural_less(std::string_view a, std::string_view b);
+
+/// True if `name` consists of `head`, at least `digits` digits 0 to 9, and `tail`, as in
+/// frame_00012.ply.
+bool is_numbered(std::string_view name, std::string_view head, std::size_t digits,
+                 std::string_view tail);
 
 }  // namespace pointreel

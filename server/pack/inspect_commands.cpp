@@ -115,12 +115,16 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   if (manifest.tables) fmt::print("    {:8} {}\n", "tables", manifest.tables->bytes);
 }
 
+/// Says why a manifest cannot be read. A folder without one is not a package, which is wrong usage;
+/// a damaged one is a fault of the package.
+int report_unreadable(const Error& error) {
+  print_error(error.message);
+  return error.code == ErrorCode::not_found ? kExitUsage : kExitFailed;
+}
+
 int run_info(const std::string& reel, bool json) {
   const Result<Manifest> manifest = read_manifest(reel);
-  if (!manifest) {
-    print_error(manifest.error().message);
-    return kExitUsage;
-  }
+  if (!manifest) return report_unreadable(manifest.error());
   Totals totals = totals_of(*manifest);
   if (const Result<double> error = max_error(reel, *manifest)) totals.max_error = *error;
   if (json) {
@@ -163,10 +167,8 @@ ordered_json verify_json(const VerifyReport& report) {
 }
 
 int run_verify(const std::string& reel, bool json, std::uint64_t max_memory) {
-  // A folder without a readable manifest is not a package. Only packages have faults.
   if (const Result<Manifest> manifest = read_manifest(reel); !manifest) {
-    print_error(manifest.error().message);
-    return kExitUsage;
+    return report_unreadable(manifest.error());
   }
   const StopSignal stop;
   std::unique_ptr<Progress> progress;
@@ -216,8 +218,7 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
     options.last_frame = range->second;
   }
   if (const Result<Manifest> manifest = read_manifest(options.input); !manifest) {
-    print_error(manifest.error().message);
-    return kExitUsage;
+    return report_unreadable(manifest.error());
   }
   const StopSignal stop;
   std::unique_ptr<Progress> progress;

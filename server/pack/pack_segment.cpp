@@ -9,9 +9,9 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include "common/base/output_folder.h"
 #include "common/base/try.h"
 #include "server/pack/layer_writer.h"
-#include "server/pack/output_folder.h"
 
 namespace pointreel {
 namespace {

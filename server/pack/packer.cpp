@@ -7,6 +7,7 @@
 #include <new>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 
 #include "codec/cloud_file.h"
 #include "codec/training/sequence_tables.h"
+#include "common/base/output_folder.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/stream/manifest.h"
@@ -23,7 +25,6 @@
 #include "pointreel/package.h"
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
-#include "server/pack/output_folder.h"
 #include "server/pack/pack_frame.h"
 #include "server/pack/pack_segment.h"
 #include "server/pack/sample_trees.h"
@@ -44,17 +45,25 @@ std::string default_name(const fs::path& output) {
 
 /// With --force, packages are replaced, but nothing else that someone may have put there.
 Result<void> may_replace_package(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_regular_file(folder / kManifestName, error)) {
+  const Result<Manifest> manifest = read_manifest(folder);
+  if (!manifest && manifest.error().code == ErrorCode::not_found) {
     return fail(ErrorCode::argument,
                 "is not a package, and --force replaces only packages; remove it first");
   }
+  if (!manifest) {
+    return fail(ErrorCode::argument,
+                fmt::format("nobody knows which files belong to it, because {} is damaged; remove "
+                            "it first",
+                            kManifestName));
+  }
+  std::set<std::string> parts = {kManifestName, kJournalName};
+  for (const PackageFile* file : manifest->files()) parts.insert(file->path);
+  std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const fs::path name = entry.path().filename();
-    if (name != kManifestName && name.extension() != ".prs") {
-      return fail(
-          ErrorCode::argument,
-          fmt::format("holds {}, which is not part of a package; remove it first", name.string()));
+    const std::string name = entry.path().filename().string();
+    if (!parts.contains(name)) {
+      return fail(ErrorCode::argument,
+                  fmt::format("holds {}, which is not part of the package; remove it first", name));
     }
   }
   if (error) return fail(ErrorCode::io, error.message());

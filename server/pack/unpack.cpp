@@ -6,32 +6,27 @@
 
 #include <fmt/format.h>
 
+#include "common/base/natural_order.h"
+#include "common/base/output_folder.h"
 #include "common/base/try.h"
 #include "common/cloud/ply.h"
 #include "common/stream/manifest.h"
 #include "server/pack/inspect.h"
-#include "server/pack/output_folder.h"
 #include "server/pack/read_package.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_unpacked_frame(const std::string& name) {
-  const std::string head = "frame_", tail = ".ply";
-  return name.size() > head.size() + tail.size() && name.starts_with(head) &&
-         name.ends_with(tail) &&
-         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(head.size()),
-                     name.end() - static_cast<std::ptrdiff_t>(tail.size()),
-                     [](char c) { return c >= '0' && c <= '9'; });
-}
+/// The least number of digits in the name of an unpacked frame.
+constexpr std::size_t kDigits = 5;
 
 /// With --force, folders of unpacked frames are replaced, but nothing else.
 Result<void> may_replace_frames(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (!is_unpacked_frame(name)) {
+    if (!is_numbered(name, "frame_", kDigits, ".ply")) {
       return fail(ErrorCode::argument,
                   fmt::format("holds {}, and --force replaces only folders of unpacked frames; "
                               "remove it first",
@@ -72,7 +67,7 @@ Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest
 
   const std::uint32_t last = std::min<std::uint32_t>(options.last_frame, frames - 1);
   const std::uint32_t count = frames == 0 ? 0 : last - options.first_frame + 1;
-  const std::size_t digits = std::max<std::size_t>(5, fmt::format("{}", last).size());
+  const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last).size());
   if (listener.begin) listener.begin(count);
   std::mutex mutex;
   std::optional<std::pair<std::uint32_t, Error>> first_error;

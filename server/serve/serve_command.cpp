@@ -77,7 +77,9 @@ Result<void> serve(const ServeArguments& arguments) {
       TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
   fmt::print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
              to_string(server->address()));
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) {
+    log.write(Log::Level::kWarning, "output", {{"what", "standard output cannot be written"}});
+  }
   int signal = 0;
   ::sigwait(&ending, &signal);
   server->stop();

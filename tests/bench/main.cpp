@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/base/memory.h"
+#include "common/base/standard_output.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
@@ -14,7 +15,9 @@
 #include "tests/bench/suites.h"
 #include "tests/bench/training/train_command.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   using namespace pointreel::bench;
   pointreel::keep_freed_memory();
   CLI::App app{
@@ -58,4 +61,10 @@ int main(int argc, char** argv) {
   const auto written = write_json(json, report);
   if (!written) std::cerr << "pointreel-bench: " << written.error().message << '\n';
   return written ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return pointreel::finish_output("pointreel-bench", run(argc, argv));
 }

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/base/standard_output.h"
 #include "tests/link/link_emulator.h"
 
 namespace {
@@ -40,7 +41,9 @@ int report(const pointreel::Error& error) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{
       "Emulates a bad network: a TCP proxy with a limited rate, a delay and faults. It listens on\n"
       "127.0.0.1, passes connections on to another address, and runs until it is interrupted.\n",
@@ -98,4 +101,10 @@ int main(int argc, char** argv) {
              statistics.connections, statistics.up_bytes, statistics.down_bytes,
              statistics.flipped_bits);
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return pointreel::finish_output("pointreel-link", run(argc, argv));
 }

@@ -7,9 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/base/standard_output.h"
 #include "tests/load/load_generator.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{
       "Simulates many viewers of a package or a live stream and measures how late their frames\n"
       "arrive. The viewers decode nothing.\n",
@@ -64,4 +67,10 @@ int main(int argc, char** argv) {
         100.0 * figures->cpu_seconds / figures->seconds);
   }
   return figures->broken > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return pointreel::finish_output("pointreel-load", run(argc, argv));
 }

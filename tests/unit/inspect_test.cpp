@@ -308,6 +308,12 @@ TEST_F(Unpack, replaces_folders_of_unpacked_frames_only) {
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("frame_1.ply.bak"));
   EXPECT_EQ(read_text(options.output / "frame_1.ply.bak"), "mine");
+  fs::remove(options.output / "frame_1.ply.bak");
+
+  fs::create_directory(options.output / "frame_00009.ply");
+  write_file(options.output / "frame_00009.ply" / "a", "mine");
+  EXPECT_THAT(unpack(options).error().message, HasSubstr("frame_00009.ply"));
+  EXPECT_EQ(read_text(options.output / "frame_00009.ply" / "a"), "mine");
 }
 
 TEST_F(Verify, decodes_no_frame_that_takes_more_memory_than_allowed) {

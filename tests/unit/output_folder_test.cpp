@@ -1,12 +1,16 @@
-#include "server/pack/output_folder.h"
+#include "common/base/output_folder.h"
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/unit/packed_clouds.h"
 
@@ -154,12 +158,108 @@ TEST(OutputFolder, asks_before_it_replaces_a_folder) {
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
-TEST(OutputFolder, refuses_a_place_in_a_missing_folder) {
+TEST(OutputFolder, makes_the_folders_above_it_and_removes_them_if_it_is_never_published) {
   const TemporaryFolder parent;
-  EXPECT_THAT(error_of(OutputFolder::create(parent.path() / "no/out")),
-              StartsWith((parent.path() / "no").string() + ": "));
+  fs::create_directory(parent.path() / "there");
+  for (const bool publish : {false, true}) {
+    EXPECT_THAT(names_in(parent.path() / "there"), IsEmpty());
+    Result<OutputFolder> folder = OutputFolder::create(parent.path() / "there/a/b/out/");
+    ASSERT_TRUE(folder) << folder.error().message;
+    write_file(folder->path() / "a", "1");
+    if (publish) {
+      ASSERT_TRUE(folder->publish());
+    }
+  }
+  EXPECT_EQ(read_text(parent.path() / "there/a/b/out/a"), "1");
+}
+
+TEST(OutputFolder, refuses_places_that_cannot_be_folders) {
+  const TemporaryFolder parent;
+  write_file(parent.path() / "file", "1");
+  EXPECT_THAT(error_of(OutputFolder::create(parent.path() / "file/out")),
+              StartsWith((parent.path() / "file").string() + ": "));
   EXPECT_THAT(error_of(OutputFolder::create("/")), StartsWith("/: "));
-  EXPECT_THAT(names_in(parent.path()), IsEmpty());
+  EXPECT_THAT(names_in(parent.path()), ElementsAre("file"));
+}
+
+TEST(OutputFolder, replaces_nothing_but_files) {
+  const TemporaryFolder parent;
+  const fs::path final = parent.path() / "out";
+  fs::create_directories(final / "folder");
+  fs::create_symlink("nowhere", final / "link");
+  for (const char* name : {"folder", "link"}) {
+    EXPECT_THAT(error_of(OutputFolder::create(final, kReplaceAll)), HasSubstr("not a plain file"));
+    fs::remove(final / name);
+    write_file(final / name, "1");
+  }
+  EXPECT_TRUE(OutputFolder::create(final, kReplaceAll));
+}
+
+TEST(OutputFolder, keeps_what_came_into_the_old_folder_meanwhile) {
+  const TemporaryFolder parent;
+  const fs::path final = parent.path() / "out";
+  fs::create_directory(final);
+  write_file(final / "old", "1");
+  {
+    Result<OutputFolder> folder = OutputFolder::create(final, kReplaceAll);
+    ASSERT_TRUE(folder) << folder.error().message;
+    write_file(folder->path() / "new", "2");
+    fs::create_directory(final / "mine");
+    write_file(final / "mine/a", "3");
+    const Result<void> published = folder->publish();
+    ASSERT_FALSE(published);
+    EXPECT_THAT(published.error().message, HasSubstr("mine"));
+  }
+  EXPECT_THAT(names_in(final), ElementsAre("mine", "old"));
+  EXPECT_EQ(read_text(final / "mine/a"), "3");
+  EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
+}
+
+TEST(OutputFolder, what_a_killed_program_left_behind_is_removed_and_nothing_else) {
+  const TemporaryFolder parent;
+  const fs::path final = parent.path() / "out";
+  const pid_t killed = ::fork();
+  if (killed == 0) {
+    Result<OutputFolder> folder = OutputFolder::create(final);
+    if (folder) write_file(folder->path() / "half", "1");
+    ::_exit(folder ? 0 : 1);  // without any destructor
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(killed, &status, 0), killed);
+  ASSERT_EQ(status, 0);
+  ASSERT_EQ(names_in(parent.path()).size(), 1u);
+  write_file(parent.path() / ".out.partial-file", "mine");
+  write_file(parent.path() / ".other.partial-1-0", "mine");
+  {
+    Result<OutputFolder> first = OutputFolder::create(final);
+    Result<OutputFolder> second = OutputFolder::create(final);
+    ASSERT_TRUE(first && second);
+    EXPECT_TRUE(fs::exists(first->path())) << "the second must not take it for abandoned";
+    ASSERT_TRUE(first->publish());
+  }
+  EXPECT_THAT(names_in(parent.path()),
+              ElementsAre(".other.partial-1-0", ".out.partial-file", "out"));
+}
+
+TEST(OutputFolder, many_programs_at_once_leave_one_whole_folder) {
+  const TemporaryFolder parent;
+  const fs::path final = parent.path() / "out";
+  std::vector<std::jthread> programs;
+  for (int i = 0; i < 8; ++i) {
+    programs.emplace_back([&, i] {
+      for (int round = 0; round < 20; ++round) {
+        Result<OutputFolder> folder = OutputFolder::create(final, kReplaceAll);
+        if (!folder) continue;
+        write_file(folder->path() / "a", std::to_string(i));
+        write_file(folder->path() / "b", std::to_string(i));
+        if (round % 3 == 0) continue;
+        EXPECT_TRUE(folder->publish() || fs::exists(final));
+      }
+    });
+  }
+  programs.clear();
+  EXPECT_EQ(read_text(final / "a"), read_text(final / "b"));
+  EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 
 }  // namespace

@@ -224,6 +224,27 @@ TEST_F(PackCommand, verify_distinguishes_good_packages_faulty_ones_and_other_fol
   EXPECT_THAT(run({"verify", reel_.string()}).out, HasSubstr(name + ": frame 1: "));
 }
 
+TEST_F(PackCommand, a_damaged_manifest_is_a_fault_and_a_missing_one_is_wrong_usage) {
+  write_frames(1);
+  ASSERT_EQ(run_pack({}).code, kExitOk);
+  const std::string back = (folder_.path() / "back").string();
+  const std::string good = read_text(reel_ / kManifestName);
+  for (const std::string& damaged :
+       {std::string(), std::string("{"), good.substr(0, good.size() / 2),
+        std::string(kMaxManifestBytes + 1, ' ')}) {
+    write_file(reel_ / kManifestName, damaged);
+    for (const char* command : {"info", "verify"}) {
+      EXPECT_EQ(run({command, reel_.string()}).code, kExitFailed) << command;
+    }
+    EXPECT_EQ(run({"unpack", "-i", reel_.string(), "-o", back}).code, kExitFailed);
+  }
+  std::filesystem::remove(reel_ / kManifestName);
+  for (const char* command : {"info", "verify"}) {
+    EXPECT_EQ(run({command, reel_.string()}).code, kExitUsage) << command;
+  }
+  EXPECT_EQ(run({"unpack", "-i", reel_.string(), "-o", back}).code, kExitUsage);
+}
+
 TEST_F(PackCommand, verify_detects_a_missing_layer_even_if_it_adds_no_points) {
   write_frames(1);
   ASSERT_EQ(run_pack({"--depth", "11"}).code, kExitOk);

@@ -260,6 +260,14 @@ TEST(Packer, never_replaces_a_folder_that_is_not_a_package_even_with_force) {
   write_file(options.output / "notes.txt", "mine");
   EXPECT_THAT(error_of(options), HasSubstr("notes.txt"));
   EXPECT_EQ(read_text(options.output / "notes.txt"), "mine");
+  fs::remove(options.output / "notes.txt");
+
+  write_file(options.output / "00000.base.00000000.prs", "mine");
+  EXPECT_THAT(error_of(options), HasSubstr("00000.base.00000000.prs"));
+  fs::remove(options.output / "00000.base.00000000.prs");
+
+  write_file(options.output / "reel.json", "damaged");
+  EXPECT_THAT(error_of(options), HasSubstr("reel.json is damaged"));
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
 }
 

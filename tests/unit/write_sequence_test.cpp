@@ -123,22 +123,21 @@ TEST(WriteFolder, leaves_nothing_behind_when_it_fails) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(WriteFolder, replaces_only_leftovers_of_an_interrupted_run) {
+TEST(WriteSequence, replaces_only_folders_of_its_own_frames) {
   const TemporaryFolder folder;
-  const fs::path beside = folder.path() / "out.partial";
-  const auto write = [&] {
-    return write_folder((folder.path() / "out").string(), false,
-                        [](std::string_view name) { return name == "ours"; },
-                        [](const fs::path&) { return Result<void>(); });
-  };
-  fs::create_directory(beside);
-  write_file(beside / "ours", "");
-  write_file(beside / "diary.txt", "");
-  EXPECT_THAT(write().error().message, HasSubstr("diary.txt"));
-  fs::remove(beside / "diary.txt");
-  EXPECT_TRUE(write());
-  EXPECT_FALSE(fs::exists(beside));
-  EXPECT_TRUE(fs::is_empty(folder.path() / "out"));
+  SequenceJob job = small_job(folder.path() / "new/out", Sampler::uniform);
+  ASSERT_TRUE(write_sequence(walking(), job)) << "it makes the folders above";
+  job.force = true;
+  ASSERT_TRUE(write_sequence(walking(), job));
+  for (const char* foreign : {"frame_mine.ply", "frame_12.ply", "frame_.ply"}) {
+    write_file(fs::path(job.output) / foreign, "mine");
+    const auto refused = write_sequence(walking(), job);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr(foreign));
+    fs::remove(fs::path(job.output) / foreign);
+  }
+  fs::create_directory(fs::path(job.output) / "frame_0009.ply");
+  EXPECT_FALSE(write_sequence(walking(), job));
 }
 
 TEST(WriteHard, writes_every_case_and_the_manifest) {

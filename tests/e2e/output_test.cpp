@@ -1,0 +1,63 @@
+// Every program notices that its standard output cannot be written.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/cloud/ply.h"
+#include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs a program whose standard output is a full disk.
+Outcome run_into_full_disk(const std::string& program, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"-c", "exec \"$@\" > /dev/full", "sh",
+                                       std::string(POINTREEL_BIN_DIR) + "/" + program});
+  return run("/bin/sh", arguments);
+}
+
+TEST(Output, a_full_standard_output_is_an_error_of_every_program) {
+  const TemporaryFolder folder;
+  PointCloud cloud;
+  for (int i = 0; i < 100; ++i) cloud.positions.emplace_back(0.01f * static_cast<float>(i), 0, 0);
+  fs::create_directories(folder / "in");
+  ASSERT_TRUE(write_ply(folder / "in" / "0.ply", cloud));
+  const std::string in = (folder / "in").string(), reel = (folder / "reel").string();
+  const std::string back = (folder / "back").string(), synth = (folder / "synth").string();
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", in, "-o", reel}).exit_code, 0);
+  const std::vector<std::vector<std::string>> commands = {
+      {"pointreel-server", "--help"},
+      {"pointreel-server", "pack", "--help"},
+      {"pointreel-server", "info", reel},
+      {"pointreel-server", "info", reel, "--json"},
+      {"pointreel-server", "verify", reel},
+      {"pointreel-server", "verify", reel, "--json"},
+      {"pointreel-server", "unpack", "-i", reel, "-o", back},
+      {"pointreel-server", "pack", "-i", in, "-o", reel, "--force"},
+      {"pointreel-server", "pack", "-i", in, "-o", reel, "--force", "--json"},
+      {"pointreel", "--version"},
+      {"pointreel", "play", "--help"},
+      {"pointreel", "play", reel, "--offscreen", "16x16", "--json", "-"},
+      {"pointreel-synth", "--list"},
+      {"pointreel-synth", "--help"},
+      {"pointreel-synth", "walk", "--frames", "1", "--points", "100", "--sampler", "uniform", "-o",
+       synth},
+      {"pointreel-link", "--help"},
+      {"pointreel-load", "--help"}};
+  for (const std::vector<std::string>& command : commands) {
+    const Outcome outcome = run_into_full_disk(command[0], {command.begin() + 1, command.end()});
+    EXPECT_EQ(outcome.exit_code, 1) << testing::PrintToString(command);
+    EXPECT_THAT(outcome.err, testing::HasSubstr("standard output cannot be written"))
+        << testing::PrintToString(command);
+  }
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

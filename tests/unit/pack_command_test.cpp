@@ -99,7 +99,7 @@ TEST_F(PackCommand, reports_how_a_bit_rate_changed_each_segment) {
     EXPECT_EQ(segment.at("frames"), 2);
     EXPECT_LE(segment.at("bits_per_second").get<double>(), rate);
     EXPECT_LE(segment.at("depth").at("max"), 9);
-    EXPECT_LT(segment.at("quality"), 50);
+    EXPECT_LT(segment.at("quality"), kDefaultColorQuality);
     EXPECT_TRUE(segment.at("within_bitrate").get<bool>());
     EXPECT_GT(segment.at("max_error").get<double>(), 0.0);
     frame += 2;

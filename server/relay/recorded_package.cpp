@@ -74,16 +74,18 @@ RecordedPackage::~RecordedPackage() {
 }
 
 Result<void> RecordedPackage::add(LiveSegment& segment, const LiveHello& hello) {
+  const Segment as_it_was = segment.entry;
   segment.entry = rebased(std::move(segment.entry), 0, start_us_);
   segment.entry.first_frame = frames_;  // there may be a gap before it
   name_files(segment, hello.layer_names);
-  const auto remove_files = [&] {
+  const auto undo = [&] {
     for (const LayerFile& file : segment.entry.layers) ::unlink((folder_ / file.path).c_str());
+    segment.entry = as_it_was;
   };
   for (std::size_t i = 0; i < segment.files.size(); ++i) {
     if (auto written = write_file(folder_, segment.entry.layers[i].path, segment.files[i]);
         !written) {
-      remove_files();
+      undo();
       return written;
     }
   }
@@ -106,7 +108,7 @@ Result<void> RecordedPackage::add(LiveSegment& segment, const LiveHello& hello) 
     totals_ = totals;
     duration_us_ = duration_us;
     lines_.pop_back();
-    remove_files();
+    undo();
     return written;
   }
   frames_ += segment.entry.frame_count();

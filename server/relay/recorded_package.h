@@ -31,7 +31,7 @@ class RecordedPackage {
   RecordedPackage(const RecordedPackage&) = delete;
   RecordedPackage& operator=(const RecordedPackage&) = delete;
 
-  /// Adds a segment. After an error the folder is as it was before.
+  /// Adds a segment. After an error the folder and the segment are as they were before.
   Result<void> add(LiveSegment& segment, const LiveHello& hello);
   /// Writes the whole manifest, without `live`. More segments may be added nevertheless.
   Result<void> complete(const LiveHello& hello);

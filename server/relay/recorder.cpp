@@ -9,6 +9,15 @@
 
 namespace pointreel {
 namespace fs = std::filesystem;
+namespace {
+
+std::uint64_t bytes_of(const LiveSegment& segment) {
+  std::uint64_t bytes = 0;
+  for (const std::string& file : segment.files) bytes += file.size();
+  return bytes;
+}
+
+}  // namespace
 
 LiveRecorder::LiveRecorder(LiveRecorderOptions options)
     : options_(std::move(options)), segmenter_(options_.segment_us) {}
@@ -42,16 +51,29 @@ void LiveRecorder::end() {
 }
 
 void LiveRecorder::append(LiveSegment segment) {
-  const std::uint32_t frames = segment.entry.frame_count();
-  if (package_ && package_->manifest_bytes() > options_.manifest_bytes) finish();
-  if (const auto recorded = record(segment); !recorded) {
-    if (lost_frames_ == 0) {
-      say(fmt::format("{}; recording {} has stopped until that is possible",
-                      recorded.error().message, options_.name));
+  waiting_bytes_ += bytes_of(segment);
+  waiting_.push_back(std::move(segment));
+  write_waiting();
+  for (; waiting_bytes_ > options_.waiting_bytes; waiting_.pop_front()) {
+    waiting_bytes_ -= bytes_of(waiting_.front());
+    lost_frames_ += waiting_.front().entry.frame_count();
+  }
+}
+
+void LiveRecorder::write_waiting() {
+  for (; !waiting_.empty(); waiting_.pop_front()) {
+    if (package_ && package_->manifest_bytes() > options_.manifest_bytes) complete();
+    if (const auto recorded = record(waiting_.front()); !recorded) {
+      if (!std::exchange(stopped_, true)) {
+        say(fmt::format("{}; recording {} has stopped until that is possible",
+                        recorded.error().message, options_.name));
+      }
+      return;
     }
-    lost_frames_ += frames;
-  } else if (lost_frames_ > 0) {
-    say(fmt::format("recording {} continues; {} frames before are lost", options_.name,
+    waiting_bytes_ -= bytes_of(waiting_.front());
+  }
+  if (std::exchange(stopped_, false)) {
+    say(fmt::format("recording {} continues; {} frames are lost", options_.name,
                     std::exchange(lost_frames_, 0)));
   }
 }
@@ -89,14 +111,21 @@ Result<void> LiveRecorder::open(const LiveSegment& first) {
                           error ? error.message() : "there are too many recordings"));
 }
 
-void LiveRecorder::finish() {
-  if (package_) {
-    if (const auto completed = package_->complete(hello_); !completed) {
-      say(completed.error().message);
-    }
+void LiveRecorder::complete() {
+  if (!package_) return;
+  if (const auto completed = package_->complete(hello_); !completed) {
+    say(completed.error().message);
   }
   package_.reset();
-  if (lost_frames_ > 0) {
+}
+
+void LiveRecorder::finish() {
+  write_waiting();
+  complete();
+  for (const LiveSegment& segment : waiting_) lost_frames_ += segment.entry.frame_count();
+  waiting_.clear();
+  waiting_bytes_ = 0;
+  if (std::exchange(stopped_, false)) {
     say(fmt::format("recording {} has ended; its last {} frames are lost", options_.name,
                     std::exchange(lost_frames_, 0)));
   }

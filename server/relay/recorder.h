@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -20,6 +21,8 @@ struct LiveRecorderOptions {
   std::uint64_t segment_us = 1'000'000;
   /// If the manifest gets longer than this, the recording continues in another package.
   std::size_t manifest_bytes = 8u << 20;
+  /// The most bytes of segments that wait in memory while nothing can be written.
+  std::uint64_t waiting_bytes = 16u << 20;
   /// Called with one line if something goes wrong, and when that is over. May be empty.
   std::function<void(const std::string& line)> say;
 };
@@ -27,8 +30,8 @@ struct LiveRecorderOptions {
 /// Records a stream into packages: FOLDER/NAME, and then NAME-2 and so on for each new session and
 /// whenever a manifest gets too long. Existing files and folders are never touched.
 ///
-/// While nothing can be written, for instance because the disk is full, segments are lost. The
-/// recording continues in the same package with the first segment that can be written.
+/// While nothing can be written, for instance because the disk is full, the newest segments wait in
+/// memory, and older ones are lost. Then the recording continues in the same package.
 class LiveRecorder : public LiveSink {
  public:
   explicit LiveRecorder(LiveRecorderOptions options);
@@ -40,9 +43,12 @@ class LiveRecorder : public LiveSink {
 
  private:
   void append(LiveSegment segment);
+  void write_waiting();
   Result<void> record(LiveSegment& segment);
   Result<void> open(const LiveSegment& first);
-  /// Ends the package, so that the next segment begins another one.
+  /// Completes the package, so that the next segment begins another one.
+  void complete();
+  /// Completes the package, and gives up what could not be written.
   void finish();
   void say(const std::string& line) const;
 
@@ -51,7 +57,10 @@ class LiveRecorder : public LiveSink {
   LiveHello hello_;
   bool greeted_ = false;
   std::optional<RecordedPackage> package_;
-  std::uint64_t lost_frames_ = 0;  ///< since a segment was recorded
+  std::deque<LiveSegment> waiting_;  ///< to be written, oldest first
+  std::uint64_t waiting_bytes_ = 0;
+  bool stopped_ = false;           ///< the oldest of them could not be written
+  std::uint64_t lost_frames_ = 0;  ///< since the recording stopped
 };
 
 }  // namespace pointreel

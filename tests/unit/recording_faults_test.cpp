@@ -108,6 +108,7 @@ TEST_F(RecordingFaultsTest, a_recording_continues_in_its_package_when_there_is_r
     said_.clear();
     LiveRecorderOptions named = options();
     named.name = "room-" + std::to_string(room);
+    named.waiting_bytes = 0;
     std::uint32_t frames = 0;
     {
       LiveRecorder recorder(named);
@@ -131,12 +132,54 @@ TEST_F(RecordingFaultsTest, a_recording_continues_in_its_package_when_there_is_r
     EXPECT_EQ(frame_time_us(manifest, 10), 30 * kPeriod) << "the gap remains in the times";
     EXPECT_EQ(contents(package(named.name)).size(), 1 + manifest.files().size());
     EXPECT_THAT(said_, ElementsAre(AllOf(HasSubstr("cannot be written"), HasSubstr("has stopped")),
-                                   HasSubstr("continues; 20 frames")));
+                                   HasSubstr("continues; 20 frames are lost")));
   }
 }
 
+TEST_F(RecordingFaultsTest, nothing_is_lost_if_there_is_soon_room_again) {
+  for (const rlim_t room : {0, 300, 1'500}) {
+    said_.clear();
+    LiveRecorderOptions named = options();
+    named.name = "room-" + std::to_string(room);
+    {
+      LiveRecorder recorder(named);
+      recorder.hello(real_hello());
+      give_frames(recorder, 0, 15);
+      {
+        const FullDisk full(room);
+        give_frames(recorder, 15, 20);
+      }
+      give_frames(recorder, 35, 20);
+    }
+    std::uint32_t frames = 0;
+    EXPECT_THAT(faults(package(named.name), frames), IsEmpty());
+    EXPECT_EQ(frames, 55u);
+    EXPECT_EQ(frame_time_us(read_manifest(package(named.name)).value(), 54), 54 * kPeriod);
+    EXPECT_THAT(said_, ElementsAre(HasSubstr("has stopped"), HasSubstr("0 frames are lost")));
+  }
+}
+
+TEST_F(RecordingFaultsTest, what_could_not_be_written_until_the_end_is_counted) {
+  {
+    LiveRecorder recorder(options());
+    recorder.hello(real_hello());
+    give_frames(recorder, 0, 12);
+    const FullDisk full(0);
+    give_frames(recorder, 12, 11);
+    recorder.end();
+    recorder.hello(real_hello(2));
+  }
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 10u);
+  ASSERT_FALSE(said_.empty());
+  EXPECT_THAT(said_.back(), HasSubstr("its last 13 frames are lost"));
+}
+
 TEST_F(RecordingFaultsTest, a_disk_that_is_full_from_the_beginning_leaves_no_empty_packages) {
-  LiveRecorder recorder(options());
+  LiveRecorderOptions impatient = options();
+  impatient.waiting_bytes = 0;
+  LiveRecorder recorder(impatient);
   recorder.hello(real_hello());
   {
     const FullDisk full(100);
@@ -163,13 +206,13 @@ TEST_F(RecordingFaultsTest, a_line_of_the_journal_that_was_cut_off_does_no_harm)
     EXPECT_EQ(read_manifest(package()).value().frame_count(), before);
   }
   give_small(recorder, given + 2, 3);
-  EXPECT_EQ(read_manifest(package()).value().frame_count(), before + 3);
+  EXPECT_EQ(read_manifest(package()).value().frame_count(), before + 5);
   std::uint32_t frames = 0;
   EXPECT_THAT(faults(package(), frames), IsEmpty());
 
   const fs::path copy = copy_as_if_killed("cut");
   std::ofstream(copy / kJournalName, std::ios::app) << "{\"segments\":[{\"first_fr";
-  EXPECT_EQ(read_manifest(copy).value().frame_count(), before + 3);
+  EXPECT_EQ(read_manifest(copy).value().frame_count(), before + 5);
   std::ofstream(copy / kJournalName, std::ios::app) << "\n";
   const auto damaged = read_manifest(copy);
   ASSERT_FALSE(damaged);

@@ -5,6 +5,8 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -138,6 +140,9 @@ class Connection : public WebSocket {
     stream_.auto_fragment(false);
     stream_.write_buffer_bytes(kWriteBuffer);
     stream_.read_message_max(options_.max_message);
+    stream_.control_callback([this](websocket::frame_type type, beast::string_view payload) {
+      if (type == websocket::frame_type::pong) take_answer(payload);
+    });
     return {};
   }
 
@@ -162,13 +167,22 @@ class Connection : public WebSocket {
         return;
       }
       stream_.binary(kind == Kind::binary);
-      stream_.async_write(buffers, [&](error_code e, std::size_t) { finish(done, error, e); });
+      stream_.async_write(buffers, [&](error_code e, std::size_t) {
+        if (!e) ++sent_;
+        finish(done, error, e);  // `done` and `error` are gone after this
+        ask();
+      });
     });
     std::unique_lock lock(mutex_);
     // When the thread has stopped, no handler will run any more, so `done` may never be set.
     changed_.wait(lock, [&] { return done || stopped_; });
     if (done && !error) return {};
     return tl::unexpected(how_it_ended(error));
+  }
+
+  std::uint64_t confirmed() const override {
+    const std::lock_guard lock(mutex_);
+    return confirmed_;
   }
 
   Result<std::optional<WebSocketMessage>> receive(std::chrono::milliseconds timeout) override {
@@ -222,6 +236,28 @@ class Connection : public WebSocket {
     done = true;
     result = error;
     changed_.notify_all();
+  }
+
+  /// Asks whether the peer has read what was sent, unless an answer is still awaited.
+  void ask() {
+    if (!options_.confirm || ended_ || closed_ || pinging_ || asked_ || sent_ == answered_) return;
+    asked_ = sent_;
+    pinging_ = true;
+    stream_.async_ping(websocket::ping_data(std::to_string(sent_)), [this](error_code) {
+      pinging_ = false;
+      ask();
+    });
+  }
+
+  void take_answer(beast::string_view payload) {
+    if (!asked_ || payload != std::to_string(*asked_)) return;
+    answered_ = *asked_;
+    asked_.reset();
+    {
+      const std::lock_guard lock(mutex_);
+      confirmed_ = answered_;
+    }
+    ask();
   }
 
   void read() {
@@ -298,8 +334,12 @@ class Connection : public WebSocket {
   std::optional<asio::dynamic_vector_buffer<std::uint8_t, std::allocator<std::uint8_t>>> buffer_;
   std::size_t last_size_ = 0;
   bool ended_ = false, closed_ = false;
+  std::uint64_t sent_ = 0, answered_ = 0;  ///< messages
+  std::optional<std::uint64_t> asked_;     ///< the number in the ping that awaits its answer
+  bool pinging_ = false;                   ///< it is being sent
 
-  std::mutex mutex_;  ///< guards the members below
+  mutable std::mutex mutex_;  ///< guards the members below
+  std::uint64_t confirmed_ = 0;
   std::condition_variable changed_;
   std::deque<WebSocketMessage> inbox_;
   std::size_t waiting_ = 0;

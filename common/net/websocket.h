@@ -34,6 +34,7 @@ struct WebSocketOptions {
   std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< a longer one ends the connection
   /// In bytes. If more messages than this wait for receive(), reading pauses until some are taken.
   std::size_t max_waiting = 64u << 20;
+  bool confirm = false;  ///< find out what the peer has read, for confirmed()
   std::stop_token stop;  ///< makes connecting fail soon, with `cancelled`
 };
 
@@ -68,6 +69,11 @@ class WebSocket {
   /// handed to the system. Fails if the connection has ended.
   virtual Result<void> send(std::span<const ByteView> pieces, Kind kind) = 0;
   Result<void> send(ByteView message, Kind kind) { return send({&message, 1}, kind); }
+
+  /// How many of the messages sent the peer is known to have read. With WebSocketOptions::confirm,
+  /// pings are sent behind messages, one at a time: a peer answers them in their order. Otherwise
+  /// 0.
+  virtual std::uint64_t confirmed() const = 0;
 
   /// The next message, or nothing after the timeout. Once the connection has ended and all messages
   /// are taken, fails with the reason, which is the peer's if it gave one: `cancelled` after

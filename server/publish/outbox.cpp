@@ -1,6 +1,9 @@
 #include "server/publish/outbox.h"
 
+#include <cstring>
 #include <utility>
+
+#include "pointreel/bytes.h"
 
 namespace pointreel {
 namespace {
@@ -16,6 +19,11 @@ constexpr auto kStallTimeout = 4000ms;
 constexpr auto kSilenceTimeout = 10'000ms;
 /// How often the connection is checked while there is nothing to send.
 constexpr auto kCheckInterval = 100ms;
+/// The same while the server has not yet accepted everything.
+constexpr auto kUnconfirmedInterval = 10ms;
+
+/// How long the server's reason for ending a connection may take after sending has failed.
+constexpr auto kReasonTime = 500ms;
 
 /// The server does not use messages about drops.
 constexpr LiveQueueOptions kQueueOptions{.tell_drops = false};
@@ -23,6 +31,15 @@ constexpr LiveQueueOptions kQueueOptions{.tell_drops = false};
 /// Errors that another attempt does not change, such as a wrong address or token.
 bool is_final(int status) {
   return status >= 400 && status < 500 && status != 408 && status != 429;
+}
+
+/// The numbers of a layer's frame and of the layer itself, from its header.
+std::pair<std::uint32_t, std::uint8_t> numbers_of(const LiveMessage& message) {
+  constexpr std::size_t kFrameAt = 4, kLayerAt = 20;
+  const Bytes& header = *message.bytes;
+  std::uint32_t frame = 0;
+  std::memcpy(&frame, header.data() + kFrameAt, sizeof(frame));
+  return {frame, header[kLayerAt]};
 }
 
 }  // namespace
@@ -57,7 +74,15 @@ std::optional<Error> Outbox::failure() const {
 
 void Outbox::flush(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, timeout, [&] { return failure_ || (queue_.empty() && !sending_); });
+  changed_.wait_for(lock, timeout, [&] {
+    const bool sent = hello_.bytes && queue_.empty() && !sending_;
+    return failure_ || (sent && unconfirmed_.empty() && trouble_.empty());
+  });
+}
+
+std::string Outbox::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_;
 }
 
 OutboxStatistics Outbox::statistics() const {
@@ -76,6 +101,7 @@ void Outbox::run(const std::stop_token& stop) {
   socket_options.silence_timeout = kSilenceTimeout;
   socket_options.stall_timeout = kStallTimeout;
   socket_options.max_message = kMaxLiveText;
+  socket_options.confirm = true;
   socket_options.stop = stop;
   while (!stop.stop_requested()) {
     const auto socket = WebSocket::connect(options_.url, socket_options);
@@ -89,7 +115,7 @@ void Outbox::run(const std::stop_token& stop) {
         changed_.notify_all();
         return;
       }
-      tell(socket.error().message + "; trying again");
+      tell(socket.error().message);
     }
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, stop, kPause, [] { return false; });
@@ -102,20 +128,22 @@ void Outbox::restart() {
   statistics_.drops.frames += queue_.drops().frames;
   statistics_.drops.layers += queue_.drops().layers;
   queue_ = LiveQueue(kQueueOptions);
+  unconfirmed_.clear();
   if (hello_.bytes) queue_.hello(hello_, true);
   const auto count = static_cast<std::uint8_t>(newest_.size());
   for (std::uint8_t i = 0; i < count; ++i) queue_.push(frame_, i, count, newest_[i]);
 }
 
 void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
-  bool any_layer_sent = false;
+  std::uint64_t messages = 0;
   const std::stop_callback closing(stop, [&] { socket.close(); });
   for (;;) {
     std::optional<LiveMessage> message;
     {
       std::unique_lock lock(mutex_);
       if (stop.stop_requested()) return;
-      changed_.wait_for(lock, stop, kCheckInterval, [&] { return !queue_.empty(); });
+      changed_.wait_for(lock, stop, unconfirmed_.empty() ? kCheckInterval : kUnconfirmedInterval,
+                        [&] { return !queue_.empty(); });
       message = queue_.next();
       sending_ = message.has_value();
     }
@@ -124,6 +152,7 @@ void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
     if (message) {
       sent = socket.send(message->pieces(),
                          is_layer ? WebSocket::Kind::binary : WebSocket::Kind::text);
+      if (sent) ++messages;
     } else if (const auto received = socket.receive(0ms); !received) {
       // The server has nothing to say, but it may have closed the connection.
       sent = tl::unexpected(received.error());
@@ -134,24 +163,48 @@ void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
       if (sent && is_layer) {
         ++statistics_.layers;
         statistics_.bytes += message->size();
-        any_layer_sent = true;
+        unconfirmed_.push_back({messages, numbers_of(*message)});
       }
-      changed_.notify_all();
     }
+    count_accepted(socket.confirmed());
     if (!sent) {
-      if (!stop.stop_requested()) tell(sent.error().message + "; trying again");
+      // Receiving fails with the server's own reason, which says more.
+      Result<std::optional<WebSocketMessage>> why = socket.receive(kReasonTime);
+      while (why && *why) why = socket.receive(kReasonTime);
+      const Error error = why ? sent.error() : why.error();
+      if (!stop.stop_requested()) tell(error.message);
       return;
-    }
-    if (any_layer_sent && !told_.empty()) {
-      tell("connected again");
-      told_.clear();
     }
   }
 }
 
-void Outbox::tell(const std::string& line) {
-  if (options_.say && line != told_) options_.say(line);
-  told_ = line;
+void Outbox::count_accepted(std::uint64_t confirmed) {
+  bool recovered = false;
+  {
+    const std::lock_guard lock(mutex_);
+    while (!unconfirmed_.empty() && unconfirmed_.front().message <= confirmed) {
+      const auto layer = unconfirmed_.front().layer;
+      unconfirmed_.pop_front();
+      recovered = recovered || !trouble_.empty();
+      trouble_.clear();
+      // The newest frame is sent once more over a new connection.
+      if (accepted_ && layer <= *accepted_) continue;
+      accepted_ = layer;
+      ++statistics_.accepted_layers;
+      if (layer.second == 0) ++statistics_.accepted_frames;
+    }
+    changed_.notify_all();
+  }
+  if (recovered && options_.say) options_.say("connected again");
+}
+
+void Outbox::tell(const std::string& trouble) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (trouble == trouble_) return;
+    trouble_ = trouble;
+  }
+  if (options_.say) options_.say(trouble + "; trying again");
 }
 
 }  // namespace pointreel

@@ -3,12 +3,14 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/net/websocket.h"
@@ -28,7 +30,9 @@ struct OutboxOptions {
 struct OutboxStatistics {
   std::uint64_t connections = 0;        ///< connections that were established
   std::uint64_t layers = 0, bytes = 0;  ///< sent
-  LiveDrops drops;                      ///< not sent, because the link was too slow
+  /// Frames, at least their bases, and layers that the server has accepted.
+  std::uint64_t accepted_frames = 0, accepted_layers = 0;
+  LiveDrops drops;  ///< not sent, because the link was too slow
 };
 
 /// A publisher's connection to a server, with a thread of its own. It sends what is pushed as far
@@ -47,7 +51,10 @@ class Outbox {
 
   /// The reason why nothing can ever be sent, such as a wrong token; nothing if there is none.
   std::optional<Error> failure() const;
-  /// Waits until everything that was pushed has been sent, but no longer than this.
+  /// Why nothing can be sent at present; empty if nothing is known to be wrong.
+  std::string trouble() const;
+  /// Waits until the server has accepted everything that was pushed and not dropped, but no longer
+  /// than this.
   void flush(std::chrono::milliseconds timeout);
   OutboxStatistics statistics() const;
 
@@ -56,7 +63,8 @@ class Outbox {
   /// Sends until the connection ends.
   void serve(WebSocket& socket, const std::stop_token& stop);
   void restart();
-  void tell(const std::string& line);
+  void tell(const std::string& trouble);
+  void count_accepted(std::uint64_t confirmed);
 
   const OutboxOptions options_;
   mutable std::mutex mutex_;  // guards what follows
@@ -66,9 +74,16 @@ class Outbox {
   std::vector<LiveMessage> newest_;  ///< layers of the newest frame
   std::uint32_t frame_ = 0;
   bool sending_ = false;
+  /// A layer that was sent over this connection, and is not known to be accepted.
+  struct Sent {
+    std::uint64_t message = 0;                     ///< how many messages were sent with it
+    std::pair<std::uint32_t, std::uint8_t> layer;  ///< the numbers of its frame and of itself
+  };
+  std::deque<Sent> unconfirmed_;
+  std::optional<std::pair<std::uint32_t, std::uint8_t>> accepted_;  ///< the last one
   std::optional<Error> failure_;
   OutboxStatistics statistics_;
-  std::string told_;  ///< the last line; used by the thread only
+  std::string trouble_;  ///< empty while the server accepts what is sent
   std::jthread thread_;
 };
 

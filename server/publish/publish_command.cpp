@@ -69,6 +69,8 @@ void print_json(const PublishSummary& summary) {
       {"sent",
        {{"layers", summary.sent.layers},
         {"bytes", summary.sent.bytes},
+        {"accepted_frames", summary.sent.accepted_frames},
+        {"accepted_layers", summary.sent.accepted_layers},
         {"dropped_frames", summary.sent.drops.frames},
         {"dropped_layers", summary.sent.drops.layers},
         {"connections", summary.sent.connections}}},
@@ -84,6 +86,8 @@ void print_summary(const PublishSummary& summary) {
              summary.depth_min, summary.depth_max);
   fmt::print("  sent    {} bytes; {} frames and {} layers dropped because the link was too slow\n",
              summary.sent.bytes, summary.sent.drops.frames, summary.sent.drops.layers);
+  fmt::print("  server  accepted {} frames, {} layers\n", summary.sent.accepted_frames,
+             summary.sent.accepted_layers);
 }
 
 int run_publish(const PublishArguments& arguments) {
@@ -111,7 +115,12 @@ int run_publish(const PublishArguments& arguments) {
   } else {
     print_summary(*summary);
   }
-  return kExitOk;
+  if (summary->sent.accepted_frames > 0) return kExitOk;
+  std::string reason = summary->trouble;
+  if (summary->frames == 0) reason = "the input gave no frame that could be encoded";
+  print_error(fmt::format("{}: nothing arrived there{}{}", arguments.to, reason.empty() ? "" : "; ",
+                          reason));
+  return kExitFailed;
 }
 
 }  // namespace
@@ -122,7 +131,8 @@ void add_publish_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "publish",
       "Encode frames as they come and send them to a server, until there are no more or SIGINT\n"
-      "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored.");
+      "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored. The\n"
+      "exit code is 1 if the server has accepted no frame.");
   command
       ->add_option("-i,--input", a.input,
                    "a folder of .ply or .drc files, which is played at --fps, or - for standard "

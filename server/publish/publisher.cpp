@@ -83,12 +83,13 @@ class Publisher {
         say(sent.error().message + "; left out");
       }
     }
-    if (!listener_.stop.stop_requested()) outbox_.flush(kFlushTime);
+    if (number_ > 0 && !listener_.stop.stop_requested()) outbox_.flush(kFlushTime);
     if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
     summary_.skipped = input.skipped();
     summary_.late = time_.late();
     summary_.encode_ms = spread_of(std::move(encode_ms_));
     summary_.sent = outbox_.statistics();
+    summary_.trouble = outbox_.trouble();
     summary_.seconds = 1e-3 * ms_since(start);
     return summary_;
   }

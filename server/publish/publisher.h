@@ -35,6 +35,7 @@ struct PublishSummary {
   int depth_min = 0, depth_max = 0;
   int lowered = 0;  ///< how often the depth was lowered because encoding took too long
   OutboxStatistics sent;
+  std::string trouble;  ///< why nothing could be sent at the end; may be empty
   double seconds = 0.0;
 };
 

@@ -55,6 +55,7 @@ class LiveServerTest : public testing::TestWithParam<bool> {
     options.ca_file = certificate_.certificate;
     options.silence_timeout = 20s;
     options.connect_timeout = 20s;
+    options.confirm = true;
     return WebSocket::connect((GetParam() ? "wss://localhost:" : "ws://127.0.0.1:") +
                                   std::to_string(server_->port()) + target,
                               options);
@@ -163,6 +164,23 @@ TEST_P(LiveServerTest, tells_a_publisher_why_its_connection_is_closed) {
   EXPECT_THAT(next(*publisher), testing::Not(HasSubstr("nothing")));
   EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
   EXPECT_FALSE(statistics().publishing);
+}
+
+TEST_P(LiveServerTest, confirms_to_a_publisher_what_it_has_accepted) {
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  for (std::uint32_t frame = 0; frame < 50; ++frame) {
+    ASSERT_TRUE(send(*publisher, layer_message(frame, 0, 1, frame == 3 ? 300'000 : 10)));
+  }
+  EXPECT_TRUE(wait_until([&] { return publisher->confirmed() == 51; }));
+  EXPECT_EQ(statistics().frames, 50u);
+  const auto second = connected("/live/stage?publish");
+  ASSERT_TRUE(second);
+  say_hello(*second, 2);
+  send(*second, layer_message(0, 0));
+  EXPECT_THAT(next(*second), HasSubstr("stage"));
+  EXPECT_EQ(second->confirmed(), 0u) << "it was refused";
 }
 
 TEST_P(LiveServerTest, limits_the_message_size_and_rate_of_publishers) {

@@ -1,0 +1,104 @@
+// What `publish` says about how much of a stream has arrived at the server.
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/cloud/ply.h"
+#include "common/stream/manifest.h"
+#include "pointreel/package.h"
+#include "tests/e2e/process.h"
+#include "tests/e2e/server_address.h"
+#include "tests/temporary_folder.h"
+#include "tests/wait.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+class PublishTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_ / "frames");
+    for (int i = 0; i < 10; ++i) {
+      PointCloud cloud;
+      for (int j = 0; j < 500; ++j)
+        cloud.positions.emplace_back(0.01f * static_cast<float>(j), i, 0);
+      ASSERT_TRUE(write_ply(folder_ / "frames" / fmt::format("{}.ply", i), cloud));
+    }
+  }
+
+  fs::path record() const { return folder_ / "record"; }
+  std::vector<std::string> publish(const std::string& address,
+                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {
+        "publish", "-i",   (folder_ / "frames").string(),    "--fps",
+        "20",      "--to", "ws://" + address + "/live/stage"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(PublishTest, counts_what_the_server_has_accepted) {
+  Background server("pointreel-server",
+                    {"serve", "--live", "--record", record().string(), "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const Outcome published = run("pointreel-server", publish(address, {"--json"}));
+  EXPECT_EQ(published.exit_code, 0) << published.err;
+  EXPECT_EQ(server.end(SIGTERM), 0);
+  const auto report = nlohmann::json::parse(published.out, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << published.out;
+  const auto& sent = report["sent"];
+  const auto manifest = read_manifest(record() / "stage");
+  ASSERT_TRUE(manifest) << manifest.error().message;
+  EXPECT_EQ(sent["accepted_frames"].get<std::uint32_t>(), manifest->frame_count());
+  EXPECT_EQ(sent["accepted_layers"], sent["layers"]);
+  EXPECT_EQ(report["frames"].get<int>(),
+            sent["accepted_frames"].get<int>() + sent["dropped_frames"].get<int>());
+}
+
+TEST_F(PublishTest, fails_if_nothing_answers) {
+  const Outcome published = run("pointreel-server", publish("127.0.0.1:1"));
+  EXPECT_EQ(published.exit_code, 1);
+  EXPECT_THAT(published.err, HasSubstr("nothing arrived"));
+}
+
+TEST_F(PublishTest, fails_if_no_frame_can_be_used) {
+  Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  for (const auto& file : fs::directory_iterator(folder_ / "frames")) fs::resize_file(file, 100);
+  const Outcome published = run("pointreel-server", publish(address));
+  EXPECT_EQ(published.exit_code, 1);
+  EXPECT_THAT(published.err, HasSubstr("no frame that could be encoded"));
+}
+
+TEST_F(PublishTest, says_once_that_a_name_is_taken_and_fails) {
+  Background server("pointreel-server",
+                    {"serve", "--live", "--record", record().string(), "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  Background first("pointreel-server", publish(address, {"--loop"}));
+  ASSERT_TRUE(wait_until([&] { return fs::exists(record() / "stage" / kManifestName); }));
+  const Outcome second = run("pointreel-server", publish(address));
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_LE(std::count(second.err.begin(), second.err.end(), '\n'), 2) << second.err;
+  EXPECT_THAT(second.err, HasSubstr("stage"));
+  EXPECT_THAT(second.err, Not(HasSubstr("connected again")));
+  EXPECT_EQ(first.end(SIGINT), 0) << "the first publisher is not disturbed";
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

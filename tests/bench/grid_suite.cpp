@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -14,6 +15,7 @@
 #include "codec/octree/octree_codec.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/cloud/lattice.h"
 #include "common/octree/morton.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
@@ -24,6 +26,8 @@
 namespace pointreel::bench {
 namespace {
 
+constexpr int kFinestBits = 12;
+
 /// Points at the centres of cells of edge 1, in a cube with 2^bits cells along each axis.
 struct GriddedCloud {
   std::string name;
@@ -33,11 +37,22 @@ struct GriddedCloud {
   Cube cube() const { return {glm::dvec3(0.0), std::ldexp(1.0, bits)}; }
 };
 
+/// The bits of the grid on which a voxelised cloud lies, if that is not finer than the grids here.
+std::optional<int> own_bits(const PointCloud& cloud) {
+  const std::optional<PointLattice> lattice = lattice_of(cloud);
+  if (!lattice) return std::nullopt;
+  const int bits = lattice_cube(bounds(cloud), *lattice).depth;
+  return bits >= 1 && bits <= kFinestBits ? std::optional(bits) : std::nullopt;
+}
+
+/// Moves the points to the cells of a grid: the cloud's own if it has as many bits, otherwise one
+/// that reaches from end to end of the cloud.
 GriddedCloud gridded(std::string name, const PointCloud& cloud, int bits) {
   const Box box = bounds(cloud);
   const glm::dvec3 extent = box.max - box.min;
   const double edge = std::max({extent.x, extent.y, extent.z, 1e-300});
-  const double cells = std::ldexp(1.0, bits) - 1.0;
+  const double cells =
+      own_bits(cloud) == bits ? edge / lattice_of(cloud)->step : std::ldexp(1.0, bits) - 1.0;
   GriddedCloud out{std::move(name), {}, bits};
   std::vector<std::uint64_t> keys;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -282,7 +297,8 @@ nlohmann::json run_grids(const SuiteOptions& options, std::vector<Bar>& bars) {
   for (const std::filesystem::path& file : options.files) {
     const auto loaded = read_cloud_file(file);
     if (!loaded || loaded->cloud.empty()) continue;  // run_rates reports it
-    for (const int bits : {10, 12}) {
+    const std::optional<int> own = own_bits(loaded->cloud);
+    for (const int bits : own ? std::vector{*own} : std::vector{10, kFinestBits}) {
       add(gridded(file.filename().string(), loaded->cloud, bits), false);
     }
   }

@@ -16,7 +16,10 @@
 #include <tbb/info.h>
 
 #include "common/base/memory.h"
+#include "common/base/print.h"
 #include "common/base/standard_output.h"
+#include "common/base/words.h"
+#include "common/command_line/program.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"
 #include "datasets_synthetic/write_sequence.h"
@@ -45,18 +48,18 @@ void print_list(bool json) {
   nlohmann::json all = nlohmann::json::array();
   for (const Motion& motion : motions()) {
     all.push_back({{"name", motion.name}, {"summary", motion.summary}, {"poses", motion.poses}});
-    if (!json) fmt::print("{:<16}{} ({} poses)\n", motion.name, motion.summary, motion.poses);
+    if (!json) print("{:<16}{} ({} poses)\n", motion.name, motion.summary, motion.poses);
   }
   all.push_back({{"name", kHard}, {"summary", kHardSummary}});
   if (json) {
-    fmt::print("{}\n", all.dump());
+    print_json(all, -1);
   } else {
-    fmt::print("{:<16}{}\n", kHard, kHardSummary);
+    print("{:<16}{}\n", kHard, kHardSummary);
   }
 }
 
 int report(const std::string& message, int code) {
-  fmt::print(stderr, "pointreel-synth: {}\n", message);
+  print_error("pointreel-synth", message);
   return code;
 }
 
@@ -64,10 +67,10 @@ int run_hard(const Options& options) {
   const auto files = write_hard(options.job.output, options.job.force);
   if (!files) return report(files.error().message, 1);
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json{{"output", options.job.output}, {"files", *files}}.dump());
+    print_json(nlohmann::json{{"output", options.job.output}, {"files", *files}}, -1);
   } else {
-    fmt::print("{}: {} files; {} says what reading each of them must give\n", options.job.output,
-               *files, kHardManifest);
+    print("{}: {}; {} says what reading each of them must give\n", options.job.output,
+          counted(*files, "file"), kHardManifest);
   }
   return 0;
 }
@@ -121,16 +124,16 @@ int run_sequence(const Motion& motion, const Options& options) {
   const auto summary = write_sequence(motion, job);
   if (!summary) return report(summary.error().message, 1);
   if (options.json) {
-    fmt::print("{}\n", summary_json(options, job, *summary, threads).dump());
+    print_json(summary_json(options, job, *summary, threads), -1);
     return 0;
   }
-  fmt::print("{}: {} frames of {:.0f} points on average in {:.1f} s ({:.1f} frames per second)\n",
-             job.output, job.frames, summary->mean_points, summary->seconds,
-             job.frames / summary->seconds);
+  print("{}: {} of {:.0f} points on average in {:.1f} s ({:.1f} frames per second)\n", job.output,
+        counted(static_cast<std::uint64_t>(job.frames), "frame"), summary->mean_points,
+        summary->seconds, job.frames / summary->seconds);
   if (sequence.voxels) {
     const VoxelGrid& grid = *sequence.voxels;
-    fmt::print("voxels of {:.4f} mm; voxel (0, 0, 0) is centred at ({:.4f}, {:.4f}, {:.4f}) m\n",
-               1e3 * grid.voxel, grid.origin.x, grid.origin.y, grid.origin.z);
+    print("voxels of {:.4f} mm; voxel (0, 0, 0) is centred at ({:.4f}, {:.4f}, {:.4f}) m\n",
+          1e3 * grid.voxel, grid.origin.x, grid.origin.y, grid.origin.z);
   }
   return 0;
 }
@@ -197,15 +200,15 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option_function<std::string>(
          "--sampler",
          [&sequence](const std::string& name) { sequence.sampler = kSamplers.at(name); },
-         "scan: curves that cameras see, with measurement errors\n"
-         "uniform: random points on the surface, uniform by area\n"
-         "ldc: layered depth cube, where three bundles of parallel rays meet the surface")
+         "scan: curves that cameras see, with measurement errors; uniform: random points on the "
+         "surface, uniform by area; ldc: layered depth cube, where three bundles of parallel rays "
+         "meet the surface")
       ->check(CLI::IsMember(kSamplers))
       ->type_name("NAME")
       ->default_str("scan")
       ->group(kSampling);
   app.add_option("--points", sequence.points,
-                 "points per frame (scan: on average over all frames); 0: as many as the scanned\n"
+                 "points per frame (scan: on average over all frames); 0: as many as the scanned "
                  "sequence of that name by Slomp et al. has, 61,000 to 102,000")
       ->capture_default_str()
       ->check(CLI::Range(0, 50000000))
@@ -226,7 +229,7 @@ void add_options(CLI::App& app, Options& options) {
                "ldc: move points to where rays cross, and keep one in each place")
       ->group(kSampling);
   app.add_option("--voxelize", options.voxel_bits,
-                 "do not sample, but write every voxel that the surface passes through, with\n"
+                 "do not sample, but write every voxel that the surface passes through, with "
                  "integer coordinates of this many bits in one grid for all frames")
       ->check(CLI::Range(1, 12))
       ->group(kSampling);
@@ -234,26 +237,19 @@ void add_options(CLI::App& app, Options& options) {
 
 int parse_and_run(int argc, char** argv) {
   CLI::App app{
-      "Writes a synthetic sequence of point clouds, of a moving figure whose true surface is\n"
+      "Writes a synthetic sequence of point clouds, of a moving figure whose true surface is "
       "known, as frame_0000.ply, frame_0001.ply, ... The figure faces +z and stands on y = 0, "
-      "with\n"
-      "y up and coordinates in metres. All points have normals and colours. The same options give\n"
-      "the same bytes on every machine.\n"
+      "with y up and coordinates in metres. All points have normals and colours. The same options "
+      "give the same bytes on every machine.\n"
       "\n"
       "The name \"hard\" writes a collection of difficult files instead, with a manifest.json "
-      "that\n"
-      "says what reading each of them must give. It uses only -o, --force and --json.\n",
+      "that says what reading each of them must give. It uses only -o, --force and --json.",
       "pointreel-synth"};
   app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage.");
   Options options;
   add_options(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    return report(fmt::format("{}; --help shows the options", error.what()), 2);
-  }
+  add_common_options(app);
+  if (const auto status = parse(app, argc, argv)) return *status;
   return run(app, options);
 }
 
@@ -266,7 +262,7 @@ int main(int argc, char** argv) {
   try {
     exit_code = pointreel::parse_and_run(argc, argv);
   } catch (const std::exception& error) {  // most likely out of memory
-    std::fprintf(stderr, "pointreel-synth: %s\n", error.what());
+    pointreel::print_error("pointreel-synth", error.what());
   }
   return pointreel::finish_output("pointreel-synth", exit_code);
 }

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <cstdio>
 #include <string>
 
 #include <CLI/CLI.hpp>
+
+#include "common/base/print.h"
 
 /// The subcommands of pointreel-server. Each is defined in the room that it belongs to.
 namespace pointreel {
@@ -18,8 +19,6 @@ void add_publish_command(CLI::App& app, int& exit_code);
 void add_serve_command(CLI::App& app, int& exit_code);
 
 /// Prints `pointreel-server: message` to standard error, as one line.
-inline void print_error(const std::string& message) {
-  std::fputs(("pointreel-server: " + message + "\n").c_str(), stderr);
-}
+inline void print_error(const std::string& message) { print_error("pointreel-server", message); }
 
 }  // namespace pointreel

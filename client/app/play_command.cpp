@@ -245,12 +245,10 @@ void PlayCommand::add_output(CLI::App& command) {
       ->type_name("FILE")
       ->group(group);
   command
-      .add_option(
-          "--supersample", options_.supersample,
-          fmt::format("Draw pictures that are written N times as wide and high, and average "
-                      "them down (1 to {}; default 1)",
-                      kMaxSupersample))
+      .add_option("--supersample", options_.supersample,
+                  "Draw pictures that are written N times as wide and high, and average them down")
       ->check(CLI::Range(1, kMaxSupersample))
+      ->capture_default_str()
       ->type_name("N")
       ->group(group);
   command

@@ -6,6 +6,7 @@
 
 #include "client/app/offscreen_player.h"
 #include "client/window/window_player.h"
+#include "common/base/print.h"
 #include "common/base/stop_signal.h"
 
 namespace pointreel {
@@ -14,7 +15,7 @@ bool play(const PlayOptions& options) {
   const StopSignal stop;
   if (!options.offscreen) return play_in_window(options, stop.token());
   const Result<void> played = play_offscreen(options, stop.token());
-  if (!played) fmt::print(stderr, "pointreel: {}\n", played.error().message);
+  if (!played) print_error("pointreel", played.error().message);
   return played.has_value();
 }
 

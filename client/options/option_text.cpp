@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/base/try.h"
+#include "common/base/words.h"
 
 namespace pointreel {
 namespace {
@@ -29,7 +30,7 @@ std::string text_of(const Option::Size& size, const Settings& from) {
 
 std::string accepted(const Option::Flag&) { return {}; }
 std::string accepted(const Option::Number& number) {
-  return fmt::format("{:g} to {:g}", number.range.min, number.range.max);
+  return fmt::format("{} to {}", number_text(number.range.min), number_text(number.range.max));
 }
 std::string accepted(const Option::Choice& choice) {
   return fmt::format("{}", fmt::join(choice.names, ", "));
@@ -79,8 +80,8 @@ Result<void> set_from_text(const Option& option, std::string_view text, Settings
 Result<double> parse_number(std::string_view text, const Range& range) {
   std::array<double, 1> number{};
   if (!parse_numbers(text, ',', number) || !range.contains(number[0]))
-    return fail(ErrorCode::argument, fmt::format("\"{}\" is not a number from {:g} to {:g}", text,
-                                                 range.min, range.max));
+    return fail(ErrorCode::argument, fmt::format("\"{}\" is not a number from {} to {}", text,
+                                                 number_text(range.min), number_text(range.max)));
   return number[0];
 }
 

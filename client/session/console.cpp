@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "common/base/print.h"
+
 namespace pointreel {
 namespace {
 
@@ -11,12 +13,10 @@ namespace {
 constexpr std::size_t kMaxLines = 10'000;
 
 void print_line(Progress* progress, const std::string& text) {
-  const std::string line = "pointreel: " + text;
-  if (progress != nullptr) {
-    progress->print(line);
-  } else {
-    fmt::print(stderr, "{}\n", line);
-  }
+  if (progress != nullptr)
+    progress->print("pointreel: " + text);
+  else
+    print_error("pointreel", text);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/render/gl_context.h"
+#include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
 
@@ -117,9 +118,7 @@ Result<void> Presenter::write_report() const {
   if (options_.json.empty()) return {};
   const std::string text = report_.to_json();
   if (options_.json == "-") {
-    const bool written =
-        std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-    if (!written) return fail(ErrorCode::io, "standard output cannot be written");
+    if (!print_lines(text)) return fail(ErrorCode::io, "standard output cannot be written");
     return {};
   }
   std::ofstream out(options_.json, std::ios::binary);

@@ -187,7 +187,7 @@ std::string PlayReport::to_json() const {
   for (const SourceReport& source : sources) each.push_back(json_of(source));
   json["sources"] = each;
   if (window) json["window"] = json_of(*window);
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace pointreel

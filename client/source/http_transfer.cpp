@@ -8,6 +8,7 @@
 #include <curl/curl.h>
 #include <fmt/format.h>
 
+#include "common/base/words.h"
 #include "common/net/url.h"
 
 namespace pointreel {
@@ -252,8 +253,8 @@ std::uint64_t HttpTransfer::missing() const {
 
 HttpFailure HttpTransfer::stalled(std::chrono::milliseconds limit) const {
   return failure(Kind::passing, newest_byte_
-                                    ? fmt::format("nothing came for {:g} s, after {} bytes",
-                                                  seconds(limit), body_.size())
+                                    ? fmt::format("nothing came for {:g} s, after {}",
+                                                  seconds(limit), counted(body_.size(), "byte"))
                                     : fmt::format("no answer within {:g} s", seconds(limit)));
 }
 
@@ -276,7 +277,7 @@ HttpFailure HttpTransfer::transfer_failure(int code) const {
     case CURLE_GOT_NOTHING:
     case CURLE_RECV_ERROR:
     case CURLE_SEND_ERROR:
-      return because(fmt::format("the connection broke after {} bytes", body_.size()));
+      return because(fmt::format("the connection broke after {}", counted(body_.size(), "byte")));
     case CURLE_PEER_FAILED_VERIFICATION:
       return because(fmt::format("the server's certificate is not trusted ({})",
                                  curl_easy_strerror(CURLE_PEER_FAILED_VERIFICATION)),
@@ -319,8 +320,8 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
     return failure(Kind::doubtful, fmt::format("the server answers {} where {} is expected",
                                                answered, wanted_.is_range() ? 206 : 200));
   if (wanted_.is_range() && body_.size() != wanted_.size)
-    return failure(Kind::passing,
-                   fmt::format("{} bytes came instead of {}", body_.size(), wanted_.size));
+    return failure(Kind::passing, fmt::format("{} came instead of {}",
+                                              counted(body_.size(), "byte"), wanted_.size));
   return std::nullopt;
 }
 

@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "common/base/print.h"
+#include "common/base/words.h"
+
 namespace pointreel {
 namespace {
 
@@ -77,19 +80,20 @@ void add_reel(std::vector<StatisticsLine>& lines, const ReelPlayback& reel) {
                                          statistics.buffered_seconds)});
   lines.push_back({"Fetched", short_bytes(statistics.fetched_bytes)});
   if (statistics.stalls > 0)
-    lines.push_back({"Stalled", fmt::format("{} times, {:.1f} s", statistics.stalls,
+    lines.push_back({"Stalled", fmt::format("{}, {:.1f} s", counted(statistics.stalls, "time"),
                                             statistics.stalled_seconds)});
   lines.push_back({"Buffers", fmt::format("{} ready, {} coded", short_bytes(statistics.frame_bytes),
                                           short_bytes(statistics.stored_bytes))});
 }
 
 void add_live(std::vector<StatisticsLine>& lines, const LiveCounts& counts) {
-  lines.push_back(
-      {"Received", fmt::format("{} frames, {}", counts.frames, short_bytes(counts.bytes))});
+  lines.push_back({"Received", fmt::format("{}, {}", counted(counts.frames, "frame"),
+                                           short_bytes(counts.bytes))});
   if (counts.dropped > 0)
-    lines.push_back({"Left out", fmt::format("{} layers, by the server", counts.dropped)});
+    lines.push_back(
+        {"Left out", fmt::format("{}, by the server", counted(counts.dropped, "layer"))});
   if (counts.reconnections > 0)
-    lines.push_back({"Reconnected", fmt::format("{} times", counts.reconnections)});
+    lines.push_back({"Reconnected", counted(counts.reconnections, "time")});
 }
 
 }  // namespace
@@ -163,7 +167,7 @@ std::vector<StatisticsLine> statistics_lines(const Stage& stage, const RecentFra
   if (!left_out.empty()) lines.push_back({"Not drawn", left_out});
   for (std::size_t i = 0; i < stage.size(); ++i) {
     const Playback& playback = stage.playback(i);
-    if (stage.size() > 1) lines.push_back({playback.name(), ""});
+    if (stage.size() > 1) lines.push_back({visible(playback.name()), ""});
     const SceneFrame* frame = stage.scene()[i].frame.get();
     if (frame) lines.push_back({"Frame", tree_text(*frame)});
     if (const ReelPlayback* reel = stage.reel(i))

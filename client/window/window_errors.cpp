@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "common/base/print.h"
+
 namespace pointreel {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr std::chrono::milliseconds kBrokenFrameShown{4000}, kFailureShown{8000}
 void WindowErrors::failed(const std::string& message, Now now) {
   failure_ = message;
   failed_at_ = now;
-  fmt::print(stderr, "pointreel: {}\n", message);
+  print_error("pointreel", message);
 }
 
 bool WindowErrors::look(const Stage& stage, Now now) {

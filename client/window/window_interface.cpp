@@ -7,6 +7,7 @@
 #include <GLFW/glfw3.h>
 
 #include "client/ui/timeline_view.h"
+#include "common/base/print.h"
 
 namespace pointreel {
 namespace {
@@ -68,7 +69,7 @@ void WindowInterface::build(TimePoint now, const std::optional<Gui::Held>& held)
   int width = 1, height = 1;
   glfwGetWindowSize(window_.handle(), &width, &height);
   view_.size = {width, height};
-  view_.error = errors_.shown();
+  view_.error = visible(errors_.shown());
   view_.hint = errors_.failure().empty() || session_.stage()
                    ? ""
                    : "Drop a package, a folder or PLY files here, or press q to quit";

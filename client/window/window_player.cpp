@@ -30,6 +30,7 @@
 #include "client/window/window_picture.h"
 #include "client/window/window_report.h"
 #include "client/window/window_session.h"
+#include "common/base/print.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -299,7 +300,7 @@ class WindowPlayer {
       const std::string path = NumberedPath::parse("pointreel-%04d.png")->first_free();
       const auto written = picture_->painter().write(path);
       const std::string said = written ? "wrote " + path : written.error().message;
-      fmt::print(stderr, "pointreel: {}\n", said);
+      print_error("pointreel", said);
       interface_.parts().say(said, now);
     }
   }
@@ -348,7 +349,7 @@ bool play_in_window(const PlayOptions& options, const std::stop_token& stop) {
   if (!window) {
     const std::string message =
         window.error().message + "; --offscreen WIDTHxHEIGHT draws without a display";
-    fmt::print(stderr, "pointreel: {}\n", message);
+    print_error("pointreel", message);
     show_error_window("Pointreel", message, options.duration, stop);
     return false;
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/session/stage_setup.h"
+#include "common/base/print.h"
 
 namespace pointreel {
 namespace {
@@ -20,7 +21,7 @@ std::string short_names(const std::vector<Stage::Placed>& sources) {
   std::string names;
   for (const Stage::Placed& source : sources)
     names += (names.empty() ? "" : ", ") + short_name(source.where);
-  return names;
+  return visible(names);
 }
 
 WindowSession::WindowSession(const PlayOptions& options, WindowErrors& errors,
@@ -71,13 +72,14 @@ std::string WindowSession::playing_names() const {
   std::string names;
   for (std::size_t i = 0; stage_ && i < stage_->size(); ++i)
     names += (i > 0 ? ", " : "") + stage_->playback(i).name();
-  return names;
+  return visible(names);
 }
 
 std::string WindowSession::waiting() const {
   if (opening_) {
     const auto trouble = opening_->trouble();
-    return "Loading " + opened_names() + (trouble ? "\n" + *trouble + "; ESC gives up" : "");
+    return "Loading " + opened_names() +
+           (trouble ? "\n" + visible(*trouble) + "; ESC gives up" : "");
   }
   return stage_ && !has_frame() ? "Waiting for the first picture" : "";
 }

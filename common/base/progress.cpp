@@ -8,6 +8,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "common/base/print.h"
+
 namespace pointreel {
 namespace {
 
@@ -64,7 +66,7 @@ void Progress::tick() {
 void Progress::print(const std::string& line) {
   const std::lock_guard lock(mutex_);
   wipe();
-  std::fputs((line + "\n").c_str(), stderr);
+  std::fputs((visible(line) + "\n").c_str(), stderr);
 }
 
 void Progress::draw() {

@@ -47,12 +47,9 @@ constexpr int kUnsentLimit = 64 << 10;
 /// The number of bytes of a refusal's body that are quoted in an error.
 constexpr std::size_t kMostExcuse = 200;
 
-/// The first line of a server's explanation, in a form that fits into an error message.
+/// The first line of a server's explanation.
 std::string excuse(const std::string& body) {
-  std::string line = body.substr(0, std::min(body.find_first_of("\r\n"), kMostExcuse));
-  std::replace_if(
-      line.begin(), line.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+  const std::string line = body.substr(0, std::min(body.find_first_of("\r\n"), kMostExcuse));
   return line.empty() ? line : ": " + line;
 }
 

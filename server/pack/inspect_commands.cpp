@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
+#include "common/base/words.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
 #include "server/pack/inspect.h"
@@ -19,11 +21,6 @@ namespace pointreel {
 namespace {
 
 using nlohmann::ordered_json;
-
-void print_json(const ordered_json& json) {
-  const std::string text = json.dump(2, ' ', false, ordered_json::error_handler_t::replace);
-  std::fputs((text + "\n").c_str(), stdout);
-}
 
 /// What `info` prints in addition to the manifest's own fields.
 struct Totals {
@@ -89,30 +86,29 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
 
 void print_info(const Manifest& manifest, const Totals& totals) {
   const double seconds = static_cast<double>(manifest.duration_us) * 1e-6;
-  fmt::print("{}: {} frames, {:.2f} s at {:g} fps, {} segments, up {}\n", manifest.name,
-             manifest.frame_count(), seconds, manifest.fps, manifest.segments.size(), manifest.up);
-  fmt::print("  codec   {}{}{}, depth {} to {}\n", manifest.codec,
-             manifest.entropy.empty() ? "" : " ", manifest.entropy, manifest.depth_min,
-             manifest.depth_max);
-  fmt::print("  points  {} ({} to {} per frame), colors {}, normals {}\n", totals.points,
-             totals.fewest, totals.most, manifest.colors ? "yes" : "no",
-             manifest.normals ? "yes" : "no");
+  print("{}: {}, {:.2f} s at {} fps, {}, up {}\n", manifest.name,
+        counted(manifest.frame_count(), "frame"), seconds, number_text(manifest.fps),
+        counted(manifest.segments.size(), "segment"), manifest.up);
+  print("  codec   {}{}{}, depth {}\n", manifest.codec, manifest.entropy.empty() ? "" : " ",
+        manifest.entropy, span_text(manifest.depth_min, manifest.depth_max));
+  print("  points  {} ({} per frame), colors {}, normals {}\n", totals.points,
+        span_text(totals.fewest, totals.most), manifest.colors ? "yes" : "no",
+        manifest.normals ? "yes" : "no");
   if (!manifest.bounds.empty()) {
     const glm::dvec3 &low = manifest.bounds.min, &high = manifest.bounds.max;
-    fmt::print("  bounds  ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", low.x, low.y, low.z, high.x,
-               high.y, high.z);
+    print("  bounds  ({}, {}, {}) to ({}, {}, {})\n", number_text(low.x), number_text(low.y),
+          number_text(low.z), number_text(high.x), number_text(high.y), number_text(high.z));
   }
   if (totals.max_error) {
-    fmt::print("  error   at most {:.4g}, in the source's units\n", *totals.max_error);
+    print("  error   at most {}, in the source's units\n", number_text(*totals.max_error, 4));
   }
-  fmt::print("  bytes   {}", totals.bytes);
-  if (seconds > 0.0)
-    fmt::print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
-  fmt::print("\n");
+  print("  bytes   {}", totals.bytes);
+  if (seconds > 0.0) print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
+  print("\n");
   for (std::size_t i = 0; i < manifest.layer_names.size(); ++i) {
-    fmt::print("    {:8} {}\n", manifest.layer_names[i], totals.layer_bytes[i]);
+    print("    {:8} {}\n", manifest.layer_names[i], totals.layer_bytes[i]);
   }
-  if (manifest.tables) fmt::print("    {:8} {}\n", "tables", manifest.tables->bytes);
+  if (manifest.tables) print("    {:8} {}\n", "tables", manifest.tables->bytes);
 }
 
 /// Says why a manifest cannot be read. A folder without one is not a package, which is wrong usage;
@@ -182,11 +178,11 @@ int run_verify(const std::string& reel, bool json, std::uint64_t max_memory) {
   if (json) {
     print_json(verify_json(*report));
   } else if (report->faults.empty()) {
-    fmt::print("{}: good, {} frames in {} files, {} bytes\n", reel, report->frames, report->files,
-               report->bytes);
+    print("{}: good, {} in {}, {}\n", reel, counted(report->frames, "frame"),
+          counted(report->files, "file"), counted(report->bytes, "byte"));
   } else {
-    for (const Fault& fault : report->faults) fmt::print("{}\n", fault_line(fault));
-    fmt::print("{}: {} faults\n", reel, report->faults.size());
+    for (const Fault& fault : report->faults) print("{}\n", fault_line(fault));
+    print("{}: {}\n", reel, counted(report->faults.size(), "fault"));
   }
   return report->faults.empty() ? kExitOk : kExitFailed;
 }
@@ -228,7 +224,7 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
     print_error(count.error().message);
     return kExitFailed;
   }
-  fmt::print("{}: {} frames\n", options.output.string(), *count);
+  print("{}: {}\n", options.output.string(), counted(*count, "frame"));
   return kExitOk;
 }
 

@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/pack/packer.h"
@@ -123,44 +125,42 @@ void print_segment(const SegmentSummary& segment) {
   } else {
     quality = fmt::format("qn {}", std::get<DracoOptions>(segment.encode.codec).normal_bits);
   }
-  fmt::print("  frames {:>5} to {:>5}  {:.3f} Mbit/s{}, depth {} to {}, {}\n", segment.first_frame,
-             segment.first_frame + segment.frames - 1, 1e-6 * segment.bits_per_second,
-             segment.within_rate ? "" : " (too much)", segment.depth_min, segment.depth_max,
-             quality);
+  print("  frames {:>5} to {:>5}  {:.3f} Mbit/s{}, depth {}, {}\n", segment.first_frame,
+        segment.first_frame + segment.frames - 1, 1e-6 * segment.bits_per_second,
+        segment.within_rate ? "" : " (too much)", span_text(segment.depth_min, segment.depth_max),
+        quality);
 }
 
 void print_summary(const PackOptions& options, const PackSummary& summary) {
-  fmt::print("{}: {} frames, {} points, {} bytes, {:.1f} s\n", options.output.string(),
-             summary.frames, summary.points, summary.bytes, summary.seconds);
-  fmt::print("  bits per point  {:.2f}", bits_per_point(summary.segment_bytes, summary));
+  print("{}: {}, {}, {}, {:.1f} s\n", options.output.string(), counted(summary.frames, "frame"),
+        counted(summary.points, "point"), counted(summary.bytes, "byte"), summary.seconds);
+  print("  bits per point  {:.2f}", bits_per_point(summary.segment_bytes, summary));
   if (summary.parts) {
-    fmt::print(" (geometry {:.2f}, colors {:.2f}, normals {:.2f})",
-               bits_per_point(summary.parts->geometry, summary),
-               bits_per_point(summary.parts->colors, summary),
-               bits_per_point(summary.parts->normals, summary));
+    print(" (geometry {:.2f}, colors {:.2f}, normals {:.2f})",
+          bits_per_point(summary.parts->geometry, summary),
+          bits_per_point(summary.parts->colors, summary),
+          bits_per_point(summary.parts->normals, summary));
   }
-  fmt::print("\n  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n",
-             summary.encode_ms.median, summary.encode_ms.min, summary.encode_ms.max);
-  fmt::print("  codec           {}{}{}, depth {} to {}\n", summary.codec,
-             summary.entropy.empty() ? "" : " ", summary.entropy, summary.depth_min,
-             summary.depth_max);
-  fmt::print("  error           at most {:.4g}, in the source's units\n", summary.max_error);
+  print("\n  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
+        summary.encode_ms.min, summary.encode_ms.max);
+  print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
+        summary.entropy, span_text(summary.depth_min, summary.depth_max));
+  print("  error           at most {}, in the source's units\n", number_text(summary.max_error, 4));
   if (options.frame_time_ms) {
-    fmt::print("  late            {} frames took longer than {} ms\n", summary.late_frames,
-               *options.frame_time_ms);
+    print("  late            {} took longer than {} ms\n", counted(summary.late_frames, "frame"),
+          number_text(*options.frame_time_ms));
   }
   if (options.bitrate) {
     for (const SegmentSummary& segment : summary.segments) print_segment(segment);
   }
   if (!summary.learnt) return;
   if (summary.learnt->bytes == 0) {
-    fmt::print("  tables          built-in; tables learnt from {} frames would save nothing\n",
-               summary.learnt->samples);
+    print("  tables          built-in; tables learnt from {} would save nothing\n",
+          counted(summary.learnt->samples, "frame"));
   } else {
-    fmt::print(
-        "  tables          learnt from {} frames; after their own {} bytes they save about "
-        "{:.0f}\n",
-        summary.learnt->samples, summary.learnt->bytes, summary.learnt->saved_bytes);
+    print("  tables          learnt from {}; after their own {} they save about {:.0f}\n",
+          counted(summary.learnt->samples, "frame"), counted(summary.learnt->bytes, "byte"),
+          summary.learnt->saved_bytes);
   }
 }
 
@@ -169,14 +169,12 @@ int report(const PackArguments& arguments, const PackOptions& options, const Pac
     print_summary(options, summary);
     return kExitOk;
   }
-  const std::string text =
-      to_json(summary).dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
   if (arguments.json.empty() || arguments.json == "-") {
-    std::fputs(text.c_str(), stdout);
+    print_json(to_json(summary));
     return kExitOk;
   }
   std::ofstream out(arguments.json, std::ios::binary);
-  out << text;
+  out << to_json(summary).dump(2, ' ', true, ordered_json::error_handler_t::replace) << "\n";
   out.close();
   if (!out) {
     print_error(arguments.json + ": cannot be written (the package is complete)");

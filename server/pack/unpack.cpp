@@ -9,6 +9,7 @@
 #include "common/base/natural_order.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "common/cloud/ply.h"
 #include "common/stream/manifest.h"
 #include "server/pack/inspect.h"
@@ -53,9 +54,10 @@ Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest
   if (options.layers == 0 || options.first_frame > options.last_frame ||
       (options.first_frame >= frames && frames > 0)) {
     return fail(ErrorCode::argument,
-                fmt::format("{}: has {} frames, numbered from 0, and {} layers; ask for at least "
+                fmt::format("{}: has {}, numbered from 0, and {}; ask for at least "
                             "one of each",
-                            options.input.string(), frames, manifest.layer_names.size()));
+                            options.input.string(), counted(frames, "frame"),
+                            counted(manifest.layer_names.size(), "layer")));
   }
   FrameDecoder decoder(options.max_memory);
   if (manifest.tables) {

@@ -11,6 +11,7 @@
 
 #include "codec/frame_header.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "common/stream/manifest.h"
 #include "server/pack/inspect.h"
 #include "server/pack/read_package.h"
@@ -39,7 +40,7 @@ Result<void> check_file(const fs::path& folder, const PackageFile& file) {
   const std::uintmax_t size = fs::file_size(folder / file.path, error);
   if (error) return fail(ErrorCode::io, error.message());
   if (size != file.bytes) {
-    return fail(fmt::format("has {} bytes, the manifest says {}", size, file.bytes));
+    return fail(fmt::format("has {}, the manifest says {}", counted(size, "byte"), file.bytes));
   }
   const std::uint64_t checksum = TRY(file_checksum(folder / file.path));
   if (checksum != file.checksum) {
@@ -66,18 +67,18 @@ Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::s
     return fail(fmt::format("is a frame of the {} codec", name(header.codec)));
   }
   if (decoded.source_points != points) {
-    return fail(
-        fmt::format("was made of {} points, the manifest says {}", decoded.source_points, points));
+    return fail(fmt::format("was made of {}, the manifest says {}",
+                            counted(decoded.source_points, "point"), points));
   }
   // Fewer layers may decode to the same number of points, if the finer ones divide no cell.
   const bool coarser = manifest.partial && layers < header.layers;
   if (layers != header.layers && !coarser) {
-    return fail(fmt::format("has {} layers, its header says {}: a layer is missing", layers,
-                            header.layers));
+    return fail(fmt::format("has {}, its header says {}: a layer is missing",
+                            counted(layers, "layer"), header.layers));
   }
   if (!coarser && decoded.cloud.size() != header.coded_points) {
-    return fail(fmt::format("decodes to {} points, its header says {}", decoded.cloud.size(),
-                            header.coded_points));
+    return fail(fmt::format("decodes to {}, its header says {}",
+                            counted(decoded.cloud.size(), "point"), header.coded_points));
   }
   if (header.depth < manifest.depth_min || header.depth > manifest.depth_max) {
     return fail(fmt::format("has depth {}, the manifest says {} to {}", header.depth,

@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/base/print.h"
 #include "common/base/stop_signal.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/publish/publisher.h"
@@ -75,19 +77,20 @@ void print_json(const PublishSummary& summary) {
         {"dropped_layers", summary.sent.drops.layers},
         {"connections", summary.sent.connections}}},
       {"seconds", summary.seconds}};
-  fmt::print("{}\n", json.dump(2));
+  pointreel::print_json(json);
 }
 
 void print_summary(const PublishSummary& summary) {
-  fmt::print("{} frames in {:.1f} s, {} skipped, {} unusable\n", summary.frames, summary.seconds,
-             summary.skipped, summary.unusable);
-  fmt::print("  encode  {:.1f} ms per frame ({:.1f} to {:.1f}), {} late, depth {} to {}\n",
-             summary.encode_ms.median, summary.encode_ms.min, summary.encode_ms.max, summary.late,
-             summary.depth_min, summary.depth_max);
-  fmt::print("  sent    {} bytes; {} frames and {} layers dropped because the link was too slow\n",
-             summary.sent.bytes, summary.sent.drops.frames, summary.sent.drops.layers);
-  fmt::print("  server  accepted {} frames, {} layers\n", summary.sent.accepted_frames,
-             summary.sent.accepted_layers);
+  print("{} in {:.1f} s, {} skipped, {} unusable\n", counted(summary.frames, "frame"),
+        summary.seconds, summary.skipped, summary.unusable);
+  print("  encode  {:.1f} ms per frame ({:.1f} to {:.1f}), {} late, depth {}\n",
+        summary.encode_ms.median, summary.encode_ms.min, summary.encode_ms.max, summary.late,
+        span_text(summary.depth_min, summary.depth_max));
+  print("  sent    {}; {} and {} dropped because the link was too slow\n",
+        counted(summary.sent.bytes, "byte"), counted(summary.sent.drops.frames, "frame"),
+        counted(summary.sent.drops.layers, "layer"));
+  print("  server  accepted {}, {}\n", counted(summary.sent.accepted_frames, "frame"),
+        counted(summary.sent.accepted_layers, "layer"));
 }
 
 int run_publish(const PublishArguments& arguments) {
@@ -103,7 +106,7 @@ int run_publish(const PublishArguments& arguments) {
     return kExitFailed;
   }
   PublishListener listener;
-  listener.say = print_error;
+  listener.say = [](const std::string& line) { print_error(line); };
   listener.stop = stop.token();
   const Result<PublishSummary> summary = publish(**input, *options, listener);
   if (!summary) {

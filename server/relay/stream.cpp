@@ -7,6 +7,7 @@
 
 #include "codec/frame_header.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "common/stream/reel_rules.h"
 
 namespace pointreel {
@@ -151,7 +152,7 @@ Result<void> Stream::layer(const void* publisher, LiveMessage message) {
   if (owner_ != publisher) return fail("the publisher has connected anew");
   const LiveLayer parsed = TRY(parse_live_layer(*message.bytes));
   if (parsed.layers > parsed_hello_.layer_names.size()) {
-    return fail(fmt::format("layer: {} layers, the hello names {}", parsed.layers,
+    return fail(fmt::format("layer: {}, the hello names {}", counted(parsed.layers, "layer"),
                             parsed_hello_.layer_names.size()));
   }
   // A publisher that has reconnected sends its newest frame again, of which some layers may already

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "server/serve/entity_tag.h"
@@ -90,8 +91,9 @@ Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed
                 fmt::format("{}: {}", listed.path, std::generic_category().message(errno)));
   }
   if (static_cast<std::uint64_t>(status.st_size) != listed.bytes) {
-    return fail(fmt::format("{}: has {} bytes, the manifest says {}; pack it again", listed.path,
-                            status.st_size, listed.bytes));
+    return fail(fmt::format("{}: has {}, the manifest says {}; pack it again", listed.path,
+                            counted(static_cast<std::uint64_t>(status.st_size), "byte"),
+                            listed.bytes));
   }
   Resource resource;
   resource.kind = Resource::Kind::kFile;

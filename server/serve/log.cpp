@@ -67,7 +67,8 @@ std::string write_log_line(Log::Level level, std::string_view event,
     std::visit([&](auto value) { line[std::string(field.name)] = value; }, field.value);
   }
   // Untrusted text may not be UTF-8, but JSON must be.
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  // In ASCII, because the log may be watched in a terminal.
+  return line.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace pointreel

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "common/base/print.h"
 #include "common/base/try.h"
 #include "server/commands.h"
 #include "server/relay/relay.h"
@@ -75,8 +76,8 @@ Result<void> serve(const ServeArguments& arguments) {
   Relay relay(std::move(relay_options));
   const std::unique_ptr<HttpServer> server =
       TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
-  fmt::print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
-             to_string(server->address()));
+  print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
+        to_string(server->address()));
   if (std::fflush(stdout) != 0) {
     log.write(Log::Level::kWarning, "output", {{"what", "standard output cannot be written"}});
   }
@@ -94,7 +95,7 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "serve",
       "Serve packages and live streams over HTTP until SIGINT or SIGTERM\n"
-      "The package in folder NAME is served at /NAME. GET / lists all packages, /healthz answers\n"
+      "The package in folder NAME is served at /NAME. GET / lists all packages, /healthz answers "
       "ok, and /metrics is for Prometheus. Live streams are at /live/NAME, over WebSocket or "
       "HTTP.\n"
       "--config FILE reads options from a file: a line [serve], then lines NAME = VALUE.");

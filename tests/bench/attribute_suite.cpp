@@ -7,6 +7,7 @@
 #include "codec/octree/color_space.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/octree_codec.h"
+#include "common/base/print.h"
 #include "common/octree/build.h"
 #include "common/surface/normals.h"
 #include "datasets_synthetic/motion.h"
@@ -92,7 +93,7 @@ void measure_colors(const SuiteOptions& options, const PointCloud& cloud, const 
   for (const int quality : {29, 36, 43, 50, 57, 64, 71}) {
     const Coded coded = code(leaves, color_steps(quality), runs);
     const glm::dvec3 db = psnr(leaves.values, coded.values);
-    fmt::print(
+    print(
         "colours, quality {:>3} {:>8.3f} bits, luma {:.2f} Cb {:.2f} Cr {:.2f} dB, {:>7.2f} / "
         "{:.2f} ms\n",
         quality, coded.bits, db.x, db.y, db.z, coded.encode.median, coded.decode.median);
@@ -121,7 +122,7 @@ void measure_colors(const SuiteOptions& options, const PointCloud& cloud, const 
 void measure_normals(const PointCloud& cloud, const Leaves& leaves, int runs,
                      nlohmann::json& rows) {
   const auto row = [&](const std::string& method, double bits, double degrees) {
-    fmt::print("normals, {:<13} {:>6.3f} bits, mean error {:.2f} degrees\n", method, bits, degrees);
+    print("normals, {:<13} {:>6.3f} bits, mean error {:.2f} degrees\n", method, bits, degrees);
     rows.push_back({{"attribute", "normals"},
                     {"points", cloud.size()},
                     {"method", method},
@@ -147,11 +148,11 @@ void run_attributes(const SuiteOptions& options, nlohmann::json& rows, std::vect
   const VoxelGrid grid = voxel_grid(bounds(body.surface), options.quick ? 8 : 10);
   const auto cloud = voxelize(body, grid);
   if (!cloud) {
-    fmt::print(stderr, "pointreel-bench: {}\n", cloud.error().message);
+    print_error("pointreel-bench", cloud.error().message);
     return;
   }
-  fmt::print("Attributes of a human of {} voxels at {} bits, without the tree\n", cloud->size(),
-             grid.bits);
+  print("Attributes of a human of {} voxels at {} bits, without the tree\n", cloud->size(),
+        grid.bits);
   const Cube cube{cloud->origin - 0.5, std::ldexp(1.0, grid.bits)};
   const SortedPoints sorted = sort_points(*cloud, cube, grid.bits);
   Leaves leaves{build_svo(sorted, grid.bits), {}};

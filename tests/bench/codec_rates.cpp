@@ -10,6 +10,7 @@
 
 #include "codec/cloud_file.h"
 #include "codec/part_sizes.h"
+#include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/cloud/lattice.h"
 #include "pointreel/draco.h"
@@ -129,7 +130,7 @@ Result<nlohmann::json> measure_setting(const RateSource& source, const Setting& 
   const bool colored = error.colors().has_value();
   const double degrees = error.normals() ? glm::degrees(error.normals()->mean) : 0.0;
   const auto nanoseconds = [n](const Timing& timing) { return 1e6 * timing.median / n; };
-  fmt::print(
+  print(
       "{:<14} {:<16} {:<25} {:>7.3f} {:>7.3f} {:>7.3f} {:>6} {:>5.2f} {:>6} {:>6} {:>8.2f} "
       "{:>8.2f} {:>8.2f} {:>8.2f} {:>5.0f} {:>5.0f} {:>5.0f} {:>5.0f}\n",
       source.name, setting.codec, setting.name, bits(parts.geometry), bits(parts.colors),
@@ -209,15 +210,15 @@ Result<std::vector<RateSource>> rate_sources(const SuiteOptions& options) {
 nlohmann::json run_rates(const SuiteOptions& options) {
   const auto sources = rate_sources(options);
   if (!sources) {
-    fmt::print(stderr, "pointreel-bench: {}\n", sources.error().message);
+    print_error("pointreel-bench", sources.error().message);
     return nlohmann::json::array();
   }
-  fmt::print(
+  print(
       "\nCodecs at {} bits per coordinate: bits per point, D1 PSNR, largest error in cells, luma "
       "PSNR, mean angle of\nnormals; median ms on one thread, ms per frame with frames on all "
       "cores, ns per point, and MiB\n",
       kBits);
-  fmt::print(
+  print(
       "{:<14} {:<16} {:<25} {:>7} {:>7} {:>7} {:>6} {:>5} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8} "
       "{:>5} {:>5} {:>5} {:>5}\n",
       "dataset", "codec", "setting", "geom", "colors", "normals", "D1 dB", "max", "Y dB", "deg",
@@ -228,8 +229,8 @@ nlohmann::json run_rates(const SuiteOptions& options) {
     for (const Setting& setting : settings_of(options.quick)) {
       auto row = measure_setting(source, setting, runs);
       if (!row) {
-        fmt::print(stderr, "pointreel-bench: {}, {} {}: {}\n", source.name, setting.codec,
-                   setting.name, row.error().message);
+        print_error("pointreel-bench", fmt::format("{}, {} {}: {}", source.name, setting.codec,
+                                                   setting.name, row.error().message));
         continue;
       }
       rows.push_back(std::move(*row));

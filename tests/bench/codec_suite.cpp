@@ -2,6 +2,7 @@
 
 #include "codec/frame_header.h"
 #include "codec/octree/octree_codec.h"
+#include "common/base/print.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
@@ -37,11 +38,10 @@ nlohmann::json run_plain(const SuiteOptions& options, std::vector<Bar>& bars) {
   const PointCloud scan = scan_like_cloud(88'315);
   const Cube cube = bounding_cube(bounds(scan));
   const int runs = options.quick ? 5 : 25;
-  fmt::print(
-      "Positions of 88,315 points like a scanner's, depth {}, one thread, median of {} runs\n",
-      kDepth, runs);
-  fmt::print("{:<16} {:>8} {:>12} {:>10} {:>14}\n", "entropy", "bits/pt", "bits/inner", "encode ms",
-             "to a tree, ms");
+  print("Positions of 88,315 points like a scanner's, depth {}, one thread, median of {} runs\n",
+        kDepth, runs);
+  print("{:<16} {:>8} {:>12} {:>10} {:>14}\n", "entropy", "bits/pt", "bits/inner", "encode ms",
+        "to a tree, ms");
   auto rows = nlohmann::json::array();
   for (const Limits& limits : kLimits) {
     OctreeOptions octree;
@@ -52,15 +52,15 @@ nlohmann::json run_plain(const SuiteOptions& options, std::vector<Bar>& bars) {
     const auto layers = frame ? layer_views(frame->layers) : std::vector<Chunks<ByteView>>{};
     const auto tree = decode_octree_tree(layers, {});
     if (!tree) {
-      fmt::print(stderr, "pointreel-bench: {}\n", tree.error().message);
+      print_error("pointreel-bench", tree.error().message);
       continue;
     }
     const Timing encode = measure(runs, [&] { (void)encode_frame(scan, cube, encoding); });
     const Timing decode = measure(runs, [&] { (void)decode_octree_tree(layers, {}); });
     const double inner = bits_an_inner_node(*frame, tree->svo);
     const double bits = 8.0 * static_cast<double>(frame->size()) / static_cast<double>(scan.size());
-    fmt::print("{:<16} {:>8.3f} {:>12.3f} {:>10.2f} {:>14.2f}\n", name(limits.entropy), bits, inner,
-               encode.median, decode.median);
+    print("{:<16} {:>8.3f} {:>12.3f} {:>10.2f} {:>14.2f}\n", name(limits.entropy), bits, inner,
+          encode.median, decode.median);
     rows.push_back({{"entropy", name(limits.entropy)},
                     {"bits_per_point", bits},
                     {"bits_per_inner_node", inner},

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
+#include "common/base/print.h"
 #include "common/base/try.h"
 #include "tests/bench/output.h"
 #include "tests/distance/distance.h"
@@ -61,7 +62,7 @@ nlohmann::json to_json(const OneWayDistance& distance, double peak) {
 Result<PointCloud> load(const std::string& path) {
   LoadedCloud loaded = TRY(read_cloud_file(path));
   for (const std::string& warning : loaded.warnings) {
-    fmt::print(stderr, "pointreel-bench: {}: {}\n", path, warning);
+    print_error("pointreel-bench", path + ": " + warning);
   }
   if (loaded.cloud.empty()) return fail(path + ": has no points to compare");
   return std::move(loaded.cloud);
@@ -72,7 +73,7 @@ class Table {
  public:
   Table(const CloudDistance& distance, double voxel)
       : columns_{distance.a_to_b, distance.b_to_a, symmetric(distance)}, voxel_(voxel) {
-    fmt::print("{:<26} {:>12} {:>12} {:>12}\n", "", "a to b", "b to a", "symmetric");
+    print("{:<26} {:>12} {:>12} {:>12}\n", "", "a to b", "b to a", "symmetric");
   }
 
   using Figure = std::function<std::optional<double>(const OneWayDistance&)>;
@@ -93,14 +94,14 @@ class Table {
       if (!value) return;
       line += fmt::format(" {:>12.5g}", *value / scale);
     }
-    fmt::print("{}\n", line);
+    print("{}\n", line);
   }
 
   std::array<OneWayDistance, 3> columns_;
   double voxel_;
 };
 
-void print(const CloudDistance& distance, double peak, double voxel) {
+void print_distance(const CloudDistance& distance, double peak, double voxel) {
   const Table table(distance, voxel);
   const auto psnr = [peak](std::optional<double> mean_squared) {
     return mean_squared ? std::optional(geometry_psnr(*mean_squared, peak)) : std::nullopt;
@@ -127,8 +128,8 @@ void print(const CloudDistance& distance, double peak, double voxel) {
   });
   const auto normals = distance.normals();
   if (normals && normals->unknown > 0) {
-    fmt::print("{} pairs of points, of both directions, have an unknown normal and no angle\n",
-               grouped(normals->unknown));
+    print("{} pairs of points, of both directions, have an unknown normal and no angle\n",
+          grouped(normals->unknown));
   }
 }
 
@@ -159,12 +160,12 @@ Result<void> compare(const Options& options) {
 
   const Grid grid = grid_of(a, options);
   if (options.json != "-") {
-    fmt::print("a: {}, {} points\nb: {}, {} points\n", options.a, grouped(a.size()), options.b,
-               grouped(b.size()));
-    fmt::print("peak {:g} ({})", grid.peak, grid.reason);
-    if (grid.voxel > 0.0) fmt::print(", voxel {:g} ({} bits)", grid.voxel, options.bits);
-    fmt::print("\n\n");
-    print(distance, grid.peak, grid.voxel);
+    print("a: {}, {} points\nb: {}, {} points\n", options.a, grouped(a.size()), options.b,
+          grouped(b.size()));
+    print("peak {:g} ({})", grid.peak, grid.reason);
+    if (grid.voxel > 0.0) print(", voxel {:g} ({} bits)", grid.voxel, options.bits);
+    print("\n\n");
+    print_distance(distance, grid.peak, grid.voxel);
   }
   if (options.json.empty()) return {};
   nlohmann::json report = {{"a_to_b", to_json(distance.a_to_b, grid.peak)},
@@ -213,7 +214,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   command->callback([options, json, &exit_code] {
     if (json->count() > 0 && options->json.empty()) options->json = "-";
     const auto done = compare(*options);
-    if (!done) fmt::print(stderr, "pointreel-bench: {}\n", done.error().message);
+    if (!done) print_error("pointreel-bench", done.error().message);
     exit_code = done ? 0 : 1;
   });
 }

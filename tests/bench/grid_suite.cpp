@@ -13,6 +13,7 @@
 
 #include "codec/cloud_file.h"
 #include "codec/octree/octree_codec.h"
+#include "common/base/print.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/cloud/lattice.h"
@@ -114,17 +115,18 @@ nlohmann::json run_grid(const GriddedCloud& data, int runs, std::vector<Bar>& ba
   for (const auto& [name, options] : settings) {
     const auto figures = measure_coding(data, options, runs);
     if (!figures) {
-      fmt::print(stderr, "pointreel-bench: {}, {}: {}\n", data.name, name, figures.error().message);
+      print_error("pointreel-bench",
+                  fmt::format("{}, {}: {}", data.name, name, figures.error().message));
       continue;
     }
     if (!peer) peer = *figures;
     best = *figures;
-    fmt::print("{:<22} {:>4} {:<16} {:>9} {:>9.4f} {:>9.2f} {:>9.2f} {:>8.3f} {:>7.3f} {:>7.3f}\n",
-               data.name, data.bits, name, data.cloud.size(), figures->bits_per_voxel,
-               figures->encode.median, figures->decode.median,
-               figures->bits_per_voxel / peer->bits_per_voxel,
-               figures->encode.median / peer->encode.median,
-               figures->decode.median / peer->decode.median);
+    print("{:<22} {:>4} {:<16} {:>9} {:>9.4f} {:>9.2f} {:>9.2f} {:>8.3f} {:>7.3f} {:>7.3f}\n",
+          data.name, data.bits, name, data.cloud.size(), figures->bits_per_voxel,
+          figures->encode.median, figures->decode.median,
+          figures->bits_per_voxel / peer->bits_per_voxel,
+          figures->encode.median / peer->encode.median,
+          figures->decode.median / peer->decode.median);
     rows.push_back({{"dataset", data.name},
                     {"grid_bits", data.bits},
                     {"setting", name},
@@ -200,7 +202,7 @@ nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& b
   const auto whole = encode_frame(data.cloud, data.cube(), one);
   const auto parted = encode_frame(data.cloud, data.cube(), two);
   if (!whole || !parted) {
-    fmt::print(stderr, "pointreel-bench: {}\n", (whole ? parted : whole).error().message);
+    print_error("pointreel-bench", (whole ? parted : whole).error().message);
     return nullptr;
   }
   const double size = static_cast<double>(parted->size()) / static_cast<double>(whole->size());
@@ -248,10 +250,10 @@ nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& b
   const Timing encode_critical = summarise(encode_path), decode_critical = summarise(decode_path);
   const double bits =
       8.0 * static_cast<double>(parted->size()) / static_cast<double>(data.cloud.size());
-  fmt::print("{:<22} {:>4} {:<16} {:>9} {:>9.4f} {:>9.2f} {:>9.2f} {:>8.3f} {:>7.3f} {:>7.3f}\n",
-             data.name, data.bits, "context, 2 slabs", data.cloud.size(), bits, encoding.median,
-             decoding.median, size, encode_by.median, decode_by.median);
-  fmt::print(
+  print("{:<22} {:>4} {:<16} {:>9} {:>9.4f} {:>9.2f} {:>9.2f} {:>8.3f} {:>7.3f} {:>7.3f}\n",
+        data.name, data.bits, "context, 2 slabs", data.cloud.size(), bits, encoding.median,
+        decoding.median, size, encode_by.median, decode_by.median);
+  print(
       "  (2 threads; ratios to one slab on one thread. Critical path: encode {:.3f}, decode "
       "{:.3f})\n",
       encode_critical.median, decode_critical.median);
@@ -280,9 +282,9 @@ nlohmann::json run_slabs(const GriddedCloud& data, int runs, std::vector<Bar>& b
 
 nlohmann::json run_grids(const SuiteOptions& options, std::vector<Bar>& bars) {
   const int runs = options.quick ? 3 : 9;
-  fmt::print("\nGeometry of voxels, one thread: medians of {} runs, ratios to Draco\n", runs);
-  fmt::print("{:<22} {:>4} {:<16} {:>9} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7}\n", "dataset", "grid",
-             "setting", "voxels", "bits/vox", "encode ms", "decode ms", "size", "encode", "decode");
+  print("\nGeometry of voxels, one thread: medians of {} runs, ratios to Draco\n", runs);
+  print("{:<22} {:>4} {:<16} {:>9} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7}\n", "dataset", "grid",
+        "setting", "voxels", "bits/vox", "encode ms", "decode ms", "size", "encode", "decode");
   auto rows = nlohmann::json::array();
   const auto add = [&](const GriddedCloud& data, bool dense) {
     for (auto& row : run_grid(data, runs, bars, dense)) rows.push_back(std::move(row));

@@ -1,9 +1,9 @@
-#include <iostream>
-
 #include <CLI/CLI.hpp>
 
 #include "common/base/memory.h"
+#include "common/base/print.h"
 #include "common/base/standard_output.h"
+#include "common/command_line/program.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
@@ -21,9 +21,9 @@ int run(int argc, char** argv) {
   using namespace pointreel::bench;
   pointreel::keep_freed_memory();
   CLI::App app{
-      "Measures the speed and the errors of Pointreel. Times are medians, and ratios compare with\n"
+      "Measures the speed and the errors of Pointreel. Times are medians, and ratios compare with "
       "another program or a reference implementation that was measured in the same run.\n"
-      "\"pointreel-bench SUBCOMMAND --help\" shows the options of a subcommand.\n",
+      "\"pointreel-bench SUBCOMMAND --help\" shows the options of a subcommand.",
       "pointreel-bench"};
   app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage.");
   app.require_subcommand(1);
@@ -48,18 +48,15 @@ int run(int argc, char** argv) {
   add_stream_command(app, exit_code);
   add_train_command(app, exit_code);
   add_truth_command(app, exit_code);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  pointreel::add_common_options(app);
+  if (const auto status = pointreel::parse(app, argc, argv)) return *status;
   if (!svo->parsed() && !codec->parsed()) return exit_code;
   nlohmann::json report = svo->parsed() ? run_svo(options) : run_codec(options);
   report["benchmark"] = svo->parsed() ? "svo" : "codec";
   report["machine"] = machine();
   if (json.empty()) return 0;
   const auto written = write_json(json, report);
-  if (!written) std::cerr << "pointreel-bench: " << written.error().message << '\n';
+  if (!written) pointreel::print_error("pointreel-bench", written.error().message);
   return written ? 0 : 1;
 }
 

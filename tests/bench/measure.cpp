@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "common/base/print.h"
+
 namespace pointreel::bench {
 namespace {
 
@@ -56,10 +58,10 @@ nlohmann::json to_json(const std::vector<Bar>& bars) {
 }
 
 void print(const std::vector<Bar>& bars) {
-  fmt::print("\n");
+  print("\n");
   for (const Bar& bar : bars) {
-    fmt::print("{:<5} {:<52} {:>9.3f} {:<4} (bar: {} {:g})\n", bar.holds() ? "holds" : "FAILS",
-               bar.name, bar.value, bar.unit, bar.at_least ? "at least" : "at most", bar.limit);
+    print("{:<5} {:<52} {:>9.3f} {:<4} (bar: {} {:g})\n", bar.holds() ? "holds" : "FAILS", bar.name,
+          bar.value, bar.unit, bar.at_least ? "at least" : "at most", bar.limit);
   }
 }
 

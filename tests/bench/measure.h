@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/print.h"
+
 /// The tools of every benchmark: repeated timing, bars, and a description of the machine.
 namespace pointreel::bench {
 
@@ -37,6 +39,7 @@ nlohmann::json machine();
 
 nlohmann::json to_json(const Timing& timing);
 nlohmann::json to_json(const std::vector<Bar>& bars);
+using pointreel::print;
 void print(const std::vector<Bar>& bars);
 
 Timing summarise(std::vector<double> milliseconds);

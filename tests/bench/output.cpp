@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "common/base/print.h"
+
 namespace pointreel::bench {
 
 std::string grouped(std::size_t n) {
@@ -21,9 +23,10 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
 }
 
 Result<void> write_json(const std::string& file, const nlohmann::json& report) {
-  const std::string text = report.dump(2) + "\n";
+  const std::string text =
+      report.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
   if (file != "-") return write_text(file, text);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+  if (!print_lines(text)) {
     return fail(ErrorCode::io, "standard output: cannot be written");
   }
   return {};

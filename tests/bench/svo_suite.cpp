@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "client/scene/cut.h"
+#include "common/base/print.h"
 #include "common/octree/build.h"
 #include "datasets_synthetic/sequences.h"
 #include "pointreel/octree.h"
@@ -63,7 +64,7 @@ nlohmann::json measure_traversal(int runs, std::vector<Bar>& bars) {
     emitted += cut.nodes().size();
   }
   const Timing timing = summarise(milliseconds);
-  fmt::print(
+  print(
       "traversal of baseball, depth {}, {}x{}, one thread: {:.2f} ms ({:.2f} to {:.2f}), {} of "
       "{} leaves emitted\n",
       kDepth, kPicture.x, kPicture.y, timing.median, timing.min, timing.max, emitted / kPoses,
@@ -81,9 +82,9 @@ nlohmann::json measure_traversal(int runs, std::vector<Bar>& bars) {
 
 nlohmann::json run_svo(const SuiteOptions& options) {
   const int runs = options.quick ? 5 : 25;
-  fmt::print("Building an SVO, delta {} %, one thread, ms: median (min to max)\n", kDelta * 100);
-  fmt::print("{:>9} {:>6} {:>9} {:>9} {:>8} {:>22} {:>10} {:>22} {:>7}\n", "points", "depth",
-             "nodes", "leaves", "lost", "build", "+ means", "recursive", "ratio");
+  print("Building an SVO, delta {} %, one thread, ms: median (min to max)\n", kDelta * 100);
+  print("{:>9} {:>6} {:>9} {:>9} {:>8} {:>22} {:>10} {:>22} {:>7}\n", "points", "depth", "nodes",
+        "leaves", "lost", "build", "+ means", "recursive", "ratio");
   auto rows = nlohmann::json::array();
   std::vector<Bar> bars;
   double small_per_point = 0.0;
@@ -96,9 +97,9 @@ nlohmann::json run_svo(const SuiteOptions& options) {
     const auto cell = [](const Timing& t) {
       return fmt::format("{:.2f} ({:.2f} to {:.2f})", t.median, t.min, t.max);
     };
-    fmt::print("{:>9} {:>6} {:>9} {:>9} {:>6.2f} % {:>22} {:>10.2f} {:>22} {:>6.1f}x\n", n,
-               row.svo.depth, row.svo.internal_count(), row.svo.leaf_count(), 100 * lost,
-               cell(row.fast), row.attributes.median, cell(row.reference), ratio);
+    print("{:>9} {:>6} {:>9} {:>9} {:>6.2f} % {:>22} {:>10.2f} {:>22} {:>6.1f}x\n", n,
+          row.svo.depth, row.svo.internal_count(), row.svo.leaf_count(), 100 * lost, cell(row.fast),
+          row.attributes.median, cell(row.reference), ratio);
     rows.push_back({{"points", n},
                     {"depth", row.svo.depth},
                     {"nodes", row.svo.internal_count()},

@@ -9,7 +9,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/base/print.h"
 #include "common/base/standard_output.h"
+#include "common/base/words.h"
+#include "common/command_line/program.h"
 #include "tests/link/link_emulator.h"
 
 namespace {
@@ -35,7 +38,7 @@ constexpr const char* kFooter =
 Exit codes: 0 ended by a signal, 1 failure, 2 wrong usage.)";
 
 int report(const pointreel::Error& error) {
-  fmt::print(stderr, "pointreel-link: {}\n", error.message);
+  pointreel::print_error("pointreel-link", error.message);
   return 1;
 }
 
@@ -45,8 +48,8 @@ namespace {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Emulates a bad network: a TCP proxy with a limited rate, a delay and faults. It listens on\n"
-      "127.0.0.1, passes connections on to another address, and runs until it is interrupted.\n",
+      "Emulates a bad network: a TCP proxy with a limited rate, a delay and faults. It listens on "
+      "127.0.0.1, passes connections on to another address, and runs until it is interrupted.",
       "pointreel-link"};
   app.footer(kFooter);
   pointreel::LinkEmulator::Options options;
@@ -66,13 +69,10 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--script", script_path, "a file of changes over time; see below")
       ->type_name("FILE");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-
   using namespace pointreel;
+  add_common_options(app);
+  if (const auto status = parse(app, argc, argv)) return *status;
+
   LinkScript script{{std::chrono::milliseconds(0), "rate " + rate},
                     {std::chrono::milliseconds(0), fmt::format("delay {}", delay)}};
   if (!script_path.empty()) {
@@ -92,14 +92,14 @@ int run(int argc, char** argv) {
   auto link = LinkEmulator::start(options);
   if (!link) return report(link.error());
   if (const auto running = (*link)->run(script); !running) return report(running.error());
-  fmt::print("listening on {}\n", (*link)->address());
+  print("listening on {}\n", (*link)->address());
   std::fflush(stdout);
   int signal = 0;
   sigwait(&signals, &signal);
   const LinkStatistics statistics = (*link)->statistics();
-  fmt::print("{} connections, {} bytes up, {} bytes down, {} bits flipped\n",
-             statistics.connections, statistics.up_bytes, statistics.down_bytes,
-             statistics.flipped_bits);
+  print("{}, {} up, {} down, {} flipped\n", counted(statistics.connections, "connection"),
+        counted(statistics.up_bytes, "byte"), counted(statistics.down_bytes, "byte"),
+        counted(statistics.flipped_bits, "bit"));
   return 0;
 }
 

@@ -7,21 +7,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/base/print.h"
 #include "common/base/standard_output.h"
+#include "common/base/words.h"
+#include "common/command_line/program.h"
 #include "tests/load/load_generator.h"
 
 namespace {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Simulates many viewers of a package or a live stream and measures how late their frames\n"
-      "arrive. The viewers decode nothing.\n",
+      "Simulates many viewers of a package or a live stream and measures how late their frames "
+      "arrive. The viewers decode nothing.",
       "pointreel-load"};
   app.footer("Exit codes: 0 success, 1 failure or a broken connection, 2 wrong usage.");
   pointreel::LoadOptions options;
   bool json = false;
   app.add_option("url", options.url,
-                 "http://ADDRESS:PORT/NAME for a package, ws://ADDRESS:PORT/live/NAME for a live\n"
+                 "http://ADDRESS:PORT/NAME for a package, ws://ADDRESS:PORT/live/NAME for a live "
                  "stream; ADDRESS must be numeric, such as 127.0.0.1")
       ->required();
   app.add_option("--viewers", options.viewers, "number of viewers")->capture_default_str();
@@ -30,14 +33,12 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--token", options.token, "bearer token, if the server requires one");
   app.add_flag("--json", json, "print the figures as JSON");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  const auto figures = pointreel::run_load(options);
+  using namespace pointreel;
+  add_common_options(app);
+  if (const auto status = parse(app, argc, argv)) return *status;
+  const auto figures = run_load(options);
   if (!figures) {
-    fmt::print(stderr, "pointreel-load: {}\n", figures.error().message);
+    print_error("pointreel-load", figures.error().message);
     return 1;
   }
   if (json) {
@@ -53,14 +54,13 @@ int run(int argc, char** argv) {
                                     {{"p50", figures->delay_ms(0.5)},
                                      {"p95", figures->delay_ms(0.95)},
                                      {"p99", figures->delay_ms(0.99)}}}};
-    fmt::print("{}\n", report.dump(1));
+    print_json(report, 1);
   } else {
-    fmt::print(
-        "{} viewers, {:.1f} Mbit/s in total; {} frames complete, {} incomplete, {} missing; {} "
-        "connections broken\n",
-        options.viewers, figures->bits_per_second() / 1e6, figures->frames, figures->incomplete,
-        figures->missing, figures->broken);
-    fmt::print(
+    print("{}, {:.1f} Mbit/s in total; {} complete, {} incomplete, {} missing; {} broken\n",
+          counted(static_cast<std::uint64_t>(options.viewers), "viewer"),
+          figures->bits_per_second() / 1e6, counted(figures->frames, "frame"), figures->incomplete,
+          figures->missing, counted(figures->broken, "connection"));
+    print(
         "frame delay: median {:.2f} ms, 95 % {:.2f} ms, 99 % {:.2f} ms; this program used "
         "{:.0f} % of a core\n",
         figures->delay_ms(0.5), figures->delay_ms(0.95), figures->delay_ms(0.99),

@@ -7,14 +7,16 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/base/print.h"
+#include "common/command_line/program.h"
 #include "tests/soak/scenario.h"
 #include "tests/temporary_folder.h"
 
 int main(int argc, char** argv) {
   using namespace pointreel::soak;
   CLI::App app{
-      "Streams packages and live streams at the same time, over links that slow down, break,\n"
-      "corrupt bytes and recover.\n",
+      "Streams packages and live streams at the same time, over links that slow down, break, "
+      "corrupt bytes and recover.",
       "pointreel_soak"};
   app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage; sanitizers use their own codes.");
   int seconds = 10;
@@ -23,7 +25,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  pointreel::add_common_options(app);
+  if (const auto status = pointreel::parse(app, argc, argv)) return *status;
   options.time = std::chrono::seconds(seconds);
 
   const pointreel::TemporaryFolder scratch;
@@ -40,8 +43,8 @@ int main(int argc, char** argv) {
   bool good = true;
   for (std::size_t i = 0; i < scenarios.size(); ++i) {
     good = good && outcomes[i];
-    fmt::print("{}: {}\n", scenarios[i].first,
-               outcomes[i] ? *outcomes[i] : "FAILED: " + outcomes[i].error().message);
+    pointreel::print("{}: {}\n", scenarios[i].first,
+                     outcomes[i] ? *outcomes[i] : "FAILED: " + outcomes[i].error().message);
   }
   return good ? 0 : 1;
 }

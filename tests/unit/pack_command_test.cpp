@@ -114,7 +114,7 @@ TEST_F(PackCommand, writes_json_to_a_file_and_prints_a_summary_for_people) {
   const auto path = folder_.path() / "pack.json";
   const Outcome outcome = run_pack({"--json", path.string()});
   EXPECT_EQ(outcome.code, kExitOk);
-  EXPECT_THAT(outcome.out, HasSubstr("1 frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("1 frame,"));
   EXPECT_EQ(json::parse(read_text(path)).at("frames"), 1);
 }
 

@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/app/help_formatter.h"
 #include "client/options/option_table.h"
 #include "client/options/option_text.h"
+#include "common/command_line/help_formatter.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel {
@@ -182,6 +182,30 @@ TEST_F(PlayCommandTest, help_shows_every_option_of_the_table_with_its_default_in
   std::size_t begin = 0;
   for (std::size_t end; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1)
     EXPECT_LE(end - begin, 80u) << help.substr(begin, end - begin);
+}
+
+TEST(HelpFormatter, says_what_an_option_accepts_without_the_names_of_types) {
+  CLI::App app("An app.\nMore about it.", "app");
+  app.formatter(std::make_shared<HelpFormatter>());
+  int number = 5;
+  double share = 0.0;
+  std::string word = "one", place, file, named;
+  app.add_option("--number", number, "a number")->check(CLI::Range(0, 21))->capture_default_str();
+  app.add_option("--share", share, "a share (of all)")->check(CLI::Range(0.0, 1e9));
+  app.add_option("--word", word, "a word")
+      ->check(CLI::IsMember(std::vector<std::string>{"one", "two"}))
+      ->capture_default_str();
+  app.add_option("--place", place, "a place")->type_name("HOST:PORT")->required();
+  app.add_option("--file", file, "ldc: a file")->type_name("FILE.pem")->check(CLI::ExistingFile);
+  app.add_option("--named", named, "a name")->envname("NAMED");
+  const std::string help = app.help();
+  for (const char* line :
+       {"--number N               A number (0 to 21; default 5)\n",
+        "--share NUMBER           A share (of all; 0 to 1000000000)\n",
+        "--word NAME              A word (one, two; default one)\n",
+        "--place HOST:PORT        A place (required)\n", "--file FILE.pem          ldc: a file\n",
+        "--named TEXT             A name (or NAMED in the environment)\n"})
+    EXPECT_THAT(help, HasSubstr(line)) << help;
 }
 
 TEST(Wrap, breaks_between_words_only) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/render/gl_context.h"
+#include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
 #include "tests/bench/measure.h"
@@ -165,7 +166,7 @@ Result<json> write_render_report(const Options& options) {
   if (options.gpu && software) {
     return fail(ErrorCode::unsupported, "--gpu asks for a graphics card, but this is " + gl);
   }
-  if (options.json != "-") fmt::print("{}\n", gl);
+  if (options.json != "-") print("{}\n", gl);
   const auto choices = TRY(choose_scenes(options, software ? effort.even_points : kGpuEvenPoints));
   Renderer renderer = TRY(Renderer::create());
 
@@ -194,7 +195,7 @@ Result<json> write_render_report(const Options& options) {
 Result<void> write_files(const Options& options, const json& report) {
   const fs::path folder = options.folder;
   const std::string text = to_render_markdown(report);
-  if (options.json != "-") fmt::print("{}", text);
+  if (options.json != "-") print_lines(text);
   TRY(write_text(folder / "report.md", text));
   TRY(write_text(folder / "report.json", report.dump(2) + "\n"));
   return options.json.empty() ? Result<void>{} : write_json(options.json, report);
@@ -223,7 +224,7 @@ void add_render_command(CLI::App& app, int& exit_code) {
     const auto report = write_render_report(*options);
     const auto written = report ? write_files(*options, *report) : tl::unexpected(report.error());
     if (written) return;
-    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
+    print_error("pointreel-bench", written.error().message);
     exit_code = 1;
   });
 }

@@ -10,6 +10,7 @@
 #include "client/record/open_recorder.h"
 #include "client/render/supersampling.h"
 #include "client/scene/camera_path.h"
+#include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
 #include "datasets_synthetic/motion.h"
@@ -78,7 +79,7 @@ void add_truth_command(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] {
     const auto written = write_truth(*options);
     if (written) return;
-    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
+    print_error("pointreel-bench", written.error().message);
     exit_code = 1;
   });
 }

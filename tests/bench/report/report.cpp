@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
 #include "tests/bench/measure.h"
@@ -287,7 +288,7 @@ void add_report_command(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] {
     const auto written = write_report(options->folder, options->quick);
     if (written) return;
-    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
+    print_error("pointreel-bench", written.error().message);
     exit_code = 1;
   });
 }

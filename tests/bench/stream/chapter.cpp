@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/print.h"
 #include "tests/bench/output.h"
 #include "tests/temporary_folder.h"
 
@@ -35,7 +36,9 @@ Result<json> run_chapters(const std::string& name, const std::vector<StreamChapt
     if (!figures) return fail_at(chapter.name, figures.error());
     (*figures)["seconds"] = (now_ms() - chapter_begin) / 1000.0;
     if (options.json != "-") {
-      fmt::print("{}: {}\n{}\n\n", chapter.name, chapter.about, figures->dump(1));
+      print("{}: {}\n", chapter.name, chapter.about);
+      print_json(*figures, 1);
+      print("\n");
       std::fflush(stdout);
     }
     report[chapter.name] = *std::move(figures);
@@ -73,7 +76,7 @@ void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name
                          : options->json.empty() ? Result<void>{}
                                                  : write_json(options->json, *report);
     if (written) return;
-    fmt::print(stderr, "pointreel-bench: {}\n", written.error().message);
+    print_error("pointreel-bench", written.error().message);
     exit_code = 1;
   });
 }

@@ -10,6 +10,7 @@
 #include <zstd.h>
 
 #include "codec/training/context_trainer.h"
+#include "common/base/print.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/training/training_clouds.h"
 
@@ -25,16 +26,16 @@ struct Options {
 int train(const Options& options) {
   const double begin = now_ms();
   ContextTrainer trainer;
-  const auto made = for_each_training_tree(options.seed, [&](const std::string& name,
-                                                             const Svo& svo) {
-    trainer.add(svo);
-    fmt::print("{:<28} {:>9} cells {:>9} nodes\n", name, svo.leaf_count(), svo.internal_count());
-  });
+  const auto made =
+      for_each_training_tree(options.seed, [&](const std::string& name, const Svo& svo) {
+        trainer.add(svo);
+        print("{:<28} {:>9} cells {:>9} nodes\n", name, svo.leaf_count(), svo.internal_count());
+      });
   if (!made) {
-    fmt::print(stderr, "pointreel-bench: {}\n", made.error().message);
+    print_error("pointreel-bench", made.error().message);
     return 1;
   }
-  fmt::print("{} decisions after {:.0f} s\n", trainer.sample_count(), (now_ms() - begin) / 1e3);
+  print("{} decisions after {:.0f} s\n", trainer.sample_count(), (now_ms() - begin) / 1e3);
   const ContextTrainer::Result result = trainer.train(options.training);
   const Bytes tables = write_tables(result.slots);
   Bytes packed(ZSTD_compressBound(tables.size()));
@@ -45,11 +46,11 @@ int train(const Options& options) {
              static_cast<std::streamsize>(packed.size()));
   file.close();
   if (!file) {
-    fmt::print(stderr, "pointreel-bench: {}: cannot be written\n", options.output.string());
+    print_error("pointreel-bench", options.output.string() + ": cannot be written");
     return 1;
   }
-  fmt::print("{} cells, {} leaves, {:.4f} bits per decision, {} bytes, {:.0f} s\n", result.cells,
-             result.leaves, result.bits_per_decision, packed.size(), (now_ms() - begin) / 1e3);
+  print("{} cells, {} leaves, {:.4f} bits per decision, {} bytes, {:.0f} s\n", result.cells,
+        result.leaves, result.bits_per_decision, packed.size(), (now_ms() - begin) / 1e3);
   return 0;
 }
 

@@ -7,8 +7,9 @@
 
 namespace pointreel {
 
-/// Prints --help in 80 columns: the names of an option and its argument on the left, the
-/// description on the right.
+/// Prints --help in 80 columns: the names of an option and its argument on the left, and on the
+/// right its description, what it accepts, and its default. What the description already tells in
+/// words ("default", the name of the variable in the environment) is not told again.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter();
@@ -18,6 +19,8 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override;
   std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
+  std::string make_subcommand(const CLI::App* command) const override;
+  std::string make_description(const CLI::App* app) const override;
 
  private:
   static constexpr std::size_t kColumn = 26;

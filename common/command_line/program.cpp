@@ -1,0 +1,38 @@
+#include "common/command_line/program.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "common/base/print.h"
+#include "common/command_line/help_formatter.h"
+#include "pointreel/version.h"
+
+namespace pointreel {
+
+void add_common_options(CLI::App& app) {
+  const auto formatter = std::make_shared<HelpFormatter>();
+  const auto add = [&](CLI::App& to) {
+    to.formatter(formatter);
+    to.set_help_flag("-h,--help", "Print this help and exit");
+    to.set_version_flag("--version", app.get_name() + " " POINTREEL_VERSION,
+                        "Print the version and exit");
+  };
+  add(app);
+  for (CLI::App* command : app.get_subcommands({})) add(*command);
+}
+
+std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::string command = app.get_name();
+    for (const CLI::App* given : app.get_subcommands()) command += " " + given->get_name();
+    print_error(app.get_name(), fmt::format("{}; see {} --help", error.what(), command));
+    return 2;
+  }
+}
+
+}  // namespace pointreel

@@ -1,10 +1,13 @@
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 
 #include <CLI/CLI.hpp>
 
 #include "client/app/play_command.h"
 #include "client/app/player.h"
+#include "client/playback/opening.h"
 #include "common/base/memory.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
@@ -28,7 +31,14 @@ int run(int argc, char** argv) {
   if (const auto read = play_command.read_settings(*options); !read)
     print_error("pointreel", read.error().message);
   options->started = started;
-  return play(*options) ? 0 : 1;
+  const int status = play(*options) ? 0 : 1;
+  // A lookup or a decoder that could not be interrupted ends with the process. It must not see how
+  // the things that it uses are destroyed one by one.
+  if (unfinished()) {
+    std::fflush(nullptr);
+    std::_Exit(status);
+  }
+  return status;
 }
 
 }  // namespace

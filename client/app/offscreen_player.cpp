@@ -8,9 +8,11 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <utility>
 
 #include "client/app/bell.h"
+#include "client/playback/opening.h"
 #include "client/playback/stage.h"
 #include "client/record/frame_plan.h"
 #include "client/record/open_recorder.h"
@@ -20,6 +22,7 @@
 #include "client/session/stage_setup.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {
@@ -42,6 +45,7 @@ class OffscreenPlayer {
   Result<void> run() {
     if (!options_.record.empty()) TRY(check_recording(options_.record));
     stage_ = TRY(open_stage());
+    if (!stage_) return {};
     const OffscreenContext context = TRY(OffscreenContext::create());
     presenter_ = TRY(Presenter::create(options_));
     presenter_->begin(*stage_);
@@ -53,24 +57,48 @@ class OffscreenPlayer {
       presenter_->count(*stage_, lost_);
     else
       presenter_->count(*stage_);
-    stage_.reset();
+    // Whoever interrupts it does not wait until large frames are decoded.
+    if (stop_.stop_requested())
+      retire(std::move(stage_));
+    else
+      stage_.reset();
     if (ended) ended = presenter_->write_report();
     presenter_.reset();  // before its context
     return ended;
   }
 
  private:
+  /// Null if it was stopped.
   Result<std::unique_ptr<Stage>> open_stage() {
     Stage::Options stage = stage_options(options_);
     stage.on_ready = [this] { bell_.ring(); };
-    return Stage::open(
-        options_.sources, stage,
+    Opening opening(
+        options_.sources, std::move(stage),
         [this](const Box& bounds, char up) { return first_camera(options_, bounds, up, size_); },
         [this](std::size_t source, std::uint32_t frame, const Error& error) {
           const auto& sources = options_.sources;
           errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
                         error);
         });
+    while (!stop_.stop_requested()) {
+      if (auto opened = opening.poll()) return std::move(*opened);
+      const auto now = steady_clock::now();
+      if (is_remote() && now >= patience_ends_) return given_up(opening.trouble());
+      bell_.wait(std::min(now + kLookPeriod, patience_ends_), stop_);
+    }
+    return nullptr;
+  }
+
+  bool is_remote() const {
+    return std::any_of(options_.sources.begin(), options_.sources.end(),
+                       [](const auto& source) { return !scheme_of(source.where).empty(); });
+  }
+
+  /// The error if a server has brought nothing by the time that is allowed.
+  tl::unexpected<Error> given_up(const std::optional<std::string>& trouble) const {
+    Error error = nothing_came(options_);
+    if (trouble) error.message += " (" + *trouble + ")";
+    return tl::unexpected(std::move(error));
   }
 
   /// A single reel needs no clock; several sources do, to stay together.
@@ -116,7 +144,8 @@ class OffscreenPlayer {
         stage_->look(camera_, size_);
       }
       const FrameBuffer::State state = await(reel, picture.frame);
-      if (state == FrameBuffer::State::waiting) break;
+      if (state == FrameBuffer::State::waiting && stop_.stop_requested()) break;
+      if (state == FrameBuffer::State::waiting) return given_up(reel.trouble());
       if (state == FrameBuffer::State::ready)
         TRY(draw(stage_->take(0, reel.best())));
       else
@@ -127,12 +156,16 @@ class OffscreenPlayer {
     return {};
   }
 
-  /// Waits until the frame is ready or has failed; it is still waiting if playing was stopped.
+  /// Waits until the frame is ready or has failed. It is still waiting if playing was stopped, or
+  /// if the duration has passed and nothing has come over the network at all.
   FrameBuffer::State await(ReelPlayback& reel, std::uint32_t frame) {
     FrameBuffer::State state = FrameBuffer::State::waiting;
     while (state == FrameBuffer::State::waiting && !stop_.stop_requested()) {
       state = reel.await(frame, milliseconds(50));
       troubles_.look(*stage_, progress_ ? &*progress_ : nullptr);
+      if (steady_clock::now() >= patience_ends_ && is_remote() &&
+          reel.statistics().fetched_bytes == 0)
+        break;
     }
     return state;
   }
@@ -144,8 +177,10 @@ class OffscreenPlayer {
     while (!stop_.stop_requested()) {
       const auto now = steady_clock::now();
       const std::uint64_t time_us = microseconds(presenter_->seconds());
-      if (options_.duration && presenter_->shown() && time_us >= microseconds(*options_.duration))
+      if (now >= end_of_duration(options_)) {
+        if (!presenter_->shown()) return tl::unexpected(nothing_came(options_));
         break;
+      }
       const Stage::Update update = stage_->update(now);
       if (update.ended) break;
       // The bounds of a live stream are known only after it is connected.
@@ -170,13 +205,8 @@ class OffscreenPlayer {
   /// The time at which there is something to do even if the bell does not ring.
   steady_clock::time_point next_round(steady_clock::time_point now,
                                       const Stage::Update& update) const {
-    auto next = std::min(now + kLookPeriod, update.due.value_or(now + kLookPeriod));
-    if (options_.duration && presenter_->shown()) {
-      const double left = std::max(0.0, *options_.duration - presenter_->seconds());
-      next = std::min(next, now + std::chrono::ceil<steady_clock::duration>(
-                                      std::chrono::duration<double>(left)));
-    }
-    return next;
+    const auto next = std::min(now + kLookPeriod, update.due.value_or(now + kLookPeriod));
+    return std::min(next, end_of_duration(options_));
   }
 
   Result<void> open_recording(const std::optional<FrameRate>& rate) {
@@ -201,6 +231,9 @@ class OffscreenPlayer {
   const PlayOptions& options_;
   const std::stop_token stop_;
   const glm::ivec2 size_ = options_.picture_size();
+  /// A reel of less than a second is given that long to come.
+  const steady_clock::time_point patience_ends_ =
+      std::max(end_of_duration(options_), options_.started + std::chrono::seconds(1));
   Bell bell_;
   std::optional<Progress> progress_;
   ErrorLines errors_;

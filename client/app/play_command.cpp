@@ -126,6 +126,11 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->type_name("FILE.pem")
       ->group(group);
   command
+      .add_flag("--follow-redirects", options_.follow_redirects,
+                "Follow redirects to other hosts, too. Those from https:// to http:// are never "
+                "followed")
+      ->group(group);
+  command
       .add_option("--layers", options_.layers,
                   "Fetch and decode only this many layers of a package, from coarse to fine "
                   "(default: as many as the view needs)")
@@ -169,7 +174,9 @@ void PlayCommand::add_playback(CLI::App& command) {
       ->group(group);
   command
       .add_option("--duration", options_.duration,
-                  "Stop after this much time of the reel (offscreen) or of the clock (window)")
+                  "Stop this long after the start of the program. Offscreen, a package or a folder "
+                  "of files stops after this much of its own time, or, if nothing of it comes over "
+                  "the network, this long after the start of the program")
       ->check(within(kSeconds))
       ->type_name("SECONDS")
       ->group(group);

@@ -25,6 +25,7 @@ struct View {
 struct PlayOptions {
   std::vector<Stage::Placed> sources;               ///< at least one
   std::string token, ca_file;                       ///< as in SourceOptions
+  bool follow_redirects = false;                    ///< as in SourceOptions
   std::uint64_t frame_memory = kFrameMemory >> 20;  ///< MiB that decoding a frame may take
   Settings settings;                                ///< to begin with
   /// A window keeps in this file what the user changes of the settings; empty: nothing is kept.
@@ -35,14 +36,15 @@ struct PlayOptions {
   double fps = 30.0;                      ///< frame rate of folders of files
   std::optional<glm::ivec2> offscreen;    ///< draw pictures of this size, without a window
   std::optional<double> at;               ///< seconds
-  std::optional<double> duration;         ///< seconds
+  std::optional<double> duration;         ///< seconds; of a reel drawn offscreen, of its own time
   std::optional<View> view;               ///< default: that of Camera::frame_bounds
   std::optional<CameraPath> camera_path;  ///< in place of a view
   /// Size of the window's interface, where 1 is for 96 pixels per inch; default: the display's.
   std::optional<double> ui_scale;
   int supersample = 1;  ///< pictures that are written are drawn this many times as wide and high
-  std::string screenshot, record, json;             ///< paths of files to write; empty: none
-  std::chrono::steady_clock::time_point started{};  ///< when the process began
+  std::string screenshot, record, json;  ///< paths of files to write; empty: none
+  /// When the process began. A duration counts from here.
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 
   /// The size of the pictures at first, in pixels.
   glm::ivec2 picture_size() const { return offscreen.value_or(settings.size); }

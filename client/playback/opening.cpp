@@ -1,5 +1,6 @@
 #include "client/playback/opening.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -12,12 +13,17 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience{100};
 
+std::atomic<int> errands_under_way = 0;
+
 /// Something that a thread does while another waits for a short time.
 class Errand {
  public:
+  Errand() { ++errands_under_way; }
+
   void end() {
     const std::lock_guard lock(mutex_);
     ended_ = true;
+    --errands_under_way;
     changed_.notify_all();
   }
   void wait(std::chrono::milliseconds at_most) {
@@ -115,6 +121,8 @@ std::optional<std::string> Opening::trouble() const {
   const std::lock_guard lock(shared_->mutex);
   return shared_->trouble;
 }
+
+bool unfinished() { return errands_under_way > 0; }
 
 void retire(std::unique_ptr<Stage> stage) {
   if (!stage) return;

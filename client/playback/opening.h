@@ -36,6 +36,10 @@ class Opening {
   const std::shared_ptr<Shared> shared_;
 };
 
+/// Whether something that was given up or retired has still not ended. A program that is to exit
+/// now must not destroy what it may use.
+bool unfinished();
+
 /// Ends a stage that is not shown any more, in no longer than a tenth of a second: what takes
 /// longer, such as decoding a large frame, ends later by itself. None of the stage's functions is
 /// called any more.

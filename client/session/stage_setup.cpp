@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <thread>
+
+#include <fmt/format.h>
+
+#include "common/base/words.h"
 
 namespace pointreel {
 
@@ -12,6 +17,7 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.source.fps = options.fps;
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
+  stage.source.follow_redirects = options.follow_redirects;
   stage.source.max_memory = stage.prepare.max_memory = options.frame_memory << 20;
   stage.prepare.layers = options.layers;
   stage.prepare = prepare_options(options.settings, stage.prepare);
@@ -25,6 +31,22 @@ Stage::Options stage_options(const PlayOptions& options) {
 
 bool is_single_frame(const PlayOptions& options) {
   return options.offscreen && options.at && !options.duration && options.sources.size() == 1;
+}
+
+std::chrono::steady_clock::time_point end_of_duration(const PlayOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  if (!options.duration) return Clock::time_point::max();
+  return options.started +
+         std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(*options.duration));
+}
+
+Error nothing_came(const PlayOptions& options) {
+  std::string names;
+  for (const Stage::Placed& source : options.sources)
+    names += (names.empty() ? "" : ", ") + source.where;
+  return {fmt::format("{}: no frame came within the {} s of --duration", names,
+                      number_text(*options.duration)),
+          ErrorCode::io};
 }
 
 std::uint64_t start_us(const PlayOptions& options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -9,6 +10,7 @@
 #include "client/playback/stage.h"
 #include "client/scene/camera.h"
 #include "client/scene/floor_grid.h"
+#include "pointreel/error.h"
 
 /// What the options of `pointreel play` mean for a stage and for the camera in front of it.
 namespace pointreel {
@@ -17,6 +19,12 @@ Stage::Options stage_options(const PlayOptions& options);
 
 /// Whether a single frame of a single source is to be shown.
 bool is_single_frame(const PlayOptions& options);
+
+/// When a duration that counts from the start of the program is over; without one, never.
+std::chrono::steady_clock::time_point end_of_duration(const PlayOptions& options);
+
+/// The error if no frame has come until then.
+Error nothing_came(const PlayOptions& options);
 
 /// The time of the reel at which playback begins.
 std::uint64_t start_us(const PlayOptions& options);

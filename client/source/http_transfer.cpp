@@ -126,6 +126,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   if (handle_ == nullptr) return nullptr;
   content_range_.clear();
   tag_.clear();
+  redirect_ = {};
   newest_byte_.reset();
   came_ = discarded_ = 0;
   compressions_ = 0;
@@ -142,7 +143,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   set(CURLOPT_NOSIGNAL, 1L);
   set(CURLOPT_QUICK_EXIT, 1L);  // does not wait until the lookup of a host's name ends
   set(CURLOPT_PROTOCOLS_STR, "http,https");
-  set(CURLOPT_REDIR_PROTOCOLS_STR, wanted_.url.starts_with("https") ? "https" : "http,https");
+  set(CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
   set(CURLOPT_FOLLOWLOCATION, 1L);
   set(CURLOPT_MAXREDIRS, 4L);
   set(CURLOPT_USERAGENT, "pointreel");
@@ -195,9 +196,20 @@ std::size_t HttpTransfer::on_header(char* data, std::size_t, std::size_t size, v
     if (const auto value = field(line, name)) self.compressions_ += compressions(*value);
   }
   if (self.compressions_ > 1) return 0;
+  if (const auto value = field(line, "location"); value && !self.may_follow(*value)) return 0;
   if (const auto value = field(line, "content-range")) self.content_range_ = *value;
   if (const auto value = field(line, "etag"); value && value->size() <= kMaxTag) self.tag_ = *value;
   return size;
+}
+
+/// Whether a redirect from the address of the answer that is coming leads to where it may.
+bool HttpTransfer::may_follow(std::string_view location) {
+  if (const long answered = status(); answered < 300 || answered >= 400) return true;
+  const char* from = nullptr;
+  curl_easy_getinfo(handle_, CURLINFO_EFFECTIVE_URL, &from);
+  redirect_ =
+      judge_redirect(from == nullptr ? "" : from, std::string(location), options_.follow_redirects);
+  return redirect_.verdict == Redirect::Verdict::follow;
 }
 
 bool HttpTransfer::is_range_asked_for() const {
@@ -297,6 +309,13 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
     if (answered == 404) failed.error.code = ErrorCode::not_found;
     return failed;
   }
+  if (redirect_.verdict == Redirect::Verdict::not_secure)
+    return failure(Kind::final, fmt::format("the server redirects from https to {}", redirect_.to),
+                   "that is not followed, because it is not secure");
+  if (redirect_.verdict == Redirect::Verdict::another_host)
+    return failure(Kind::final,
+                   fmt::format("the server redirects to another host, {}", redirect_.to),
+                   "give that address, or --follow-redirects");
   if (wanted_.is_range() && !wanted_.is_whole_file() && answered == 200)
     return failure(Kind::final, "the server sends whole files instead of ranges",
                    "it must support Range requests");

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "client/source/redirect.h"
 #include "client/source/source.h"
 
 // As in curl/curl.h, so that only http_transfer.cpp and http_client.cpp include that.
@@ -41,7 +43,8 @@ struct HttpFailure {
 ///
 /// Trust: the server may be hostile. A body is bounded while it arrives, after decompression, takes
 /// memory as it comes, and is kept only if the status and Content-Range match the request. It may
-/// be compressed once.
+/// be compressed once. A redirect to another host is refused before anything is sent there, unless
+/// SourceOptions::follow_redirects is set, and one from https to http always.
 class HttpTransfer {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -86,6 +89,7 @@ class HttpTransfer {
   static std::size_t on_header(char* data, std::size_t, std::size_t size, void* user);
   bool accept_body();
   bool is_range_asked_for() const;
+  bool may_follow(std::string_view location);
   long status() const;
   HttpFailure transfer_failure(int code) const;
 
@@ -96,6 +100,7 @@ class HttpTransfer {
   Bytes body_;
   // What follows is about the attempt.
   std::string range_, content_range_, tag_;
+  Redirect redirect_;  ///< the newest
   Time begun_{};
   std::optional<Time> newest_byte_;
   std::uint64_t asked_for_ = 0;  ///< bytes, if a range is asked for

@@ -106,6 +106,7 @@ struct SourceOptions {
   // For HTTP and WebSocket.
   std::string token;    ///< bearer token, sent if not empty
   std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's
+  bool follow_redirects = false;  ///< also to other hosts; never from https to http
   std::chrono::milliseconds connect_timeout{2'000};  ///< TLS included
   /// How long a connection may bring no byte. Doubles, up to four times as long, while a server
   /// that can be reached stays silent.

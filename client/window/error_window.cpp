@@ -11,14 +11,13 @@
 namespace pointreel {
 
 void show_error_window(const std::string& title, const std::string& message,
-                       std::optional<double> seconds, const std::stop_token& stop) {
+                       std::chrono::steady_clock::time_point until, const std::stop_token& stop) {
   auto window = WindowContext::create_of_any_version(title, 800, 300);
   if (!window) return;
   WindowInput input(window->handle());
   Gui gui(window->handle(), window->content_scale());
-  const double until = glfwGetTime() + seconds.value_or(1e9);
   while (!stop.stop_requested() && !glfwWindowShouldClose(window->handle()) &&
-         glfwGetTime() < until) {
+         std::chrono::steady_clock::now() < until) {
     int width = 1, height = 1;
     glfwGetWindowSize(window->handle(), &width, &height);
     gui.begin();

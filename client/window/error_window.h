@@ -1,14 +1,14 @@
 #pragma once
 
-#include <optional>
+#include <chrono>
 #include <stop_token>
 #include <string>
 
 namespace pointreel {
 
-/// Shows an error in a window until the user closes it, or for so many seconds. For a display that
+/// Shows an error in a window until the user closes it, or until that time. For a display that
 /// lacks the OpenGL version to play with; does nothing if there is no display.
 void show_error_window(const std::string& title, const std::string& message,
-                       std::optional<double> seconds, const std::stop_token& stop);
+                       std::chrono::steady_clock::time_point until, const std::stop_token& stop);
 
 }  // namespace pointreel

@@ -18,6 +18,7 @@
 #include "client/playback/stage.h"
 #include "client/record/numbered_path.h"
 #include "client/render/gl_context.h"
+#include "client/session/stage_setup.h"
 #include "client/ui/controls.h"
 #include "client/ui/window_input.h"
 #include "client/window/camera_recorder.h"
@@ -150,8 +151,7 @@ class WindowPlayer {
   }
 
   Result<void> loop() {
-    began_ = steady_clock::now();
-    auto before = began_, last_look = began_;
+    auto before = steady_clock::now(), last_look = before;
     while (!stop_.stop_requested() && !quit_ && !glfwWindowShouldClose(window_.handle())) {
       wakeups_->wait(next_round(steady_clock::now()));
       const auto now = steady_clock::now();
@@ -162,7 +162,10 @@ class WindowPlayer {
       if (input.any) interface_.refresh();
       if (picture_) play_what_was_opened();
       act(input, now, seconds);
-      if (const auto end = end_of_duration(now); end && now >= *end) break;
+      if (now >= end_of_duration(options_)) {
+        if (!shown() && errors_.failure().empty()) fail_with(nothing_came(options_).message);
+        break;
+      }
       if (now - last_look >= kLookPeriod) {
         last_look = now;
         if (session_.stage() && errors_.look(*session_.stage(), now)) interface_.refresh_once();
@@ -185,28 +188,13 @@ class WindowPlayer {
     const auto at_most = [&](std::optional<steady_clock::time_point> time) {
       if (time) next = std::min(next, *time);
     };
-    at_most(end_of_duration(now));
+    at_most(end_of_duration(options_));
     if (minimized_) return next;
     at_most(update_due_);
     if (const auto build = interface_.next_build())
       at_most(std::max(*build, scrubbing_.awaited_until()));
     if (picture_) at_most(picture_->next_draw(now));
     return next;
-  }
-
-  /// Counted from the first picture, or if there is none because of an error, from the beginning.
-  std::optional<steady_clock::time_point> end_of_duration(steady_clock::time_point now) const {
-    if (!options_.duration) return std::nullopt;
-    double elapsed = 0.0;
-    if (shown())
-      elapsed = picture_->presenter().seconds();
-    else if (!errors_.failure().empty())
-      elapsed = seconds_between(began_, now);
-    else
-      return std::nullopt;
-    // The duration may be too long for the clock.
-    const double left = std::min(*options_.duration - elapsed, 3600.0);
-    return now + std::chrono::ceil<steady_clock::duration>(std::chrono::duration<double>(left));
   }
 
   void update_size() {
@@ -336,7 +324,6 @@ class WindowPlayer {
   CameraRecorder camera_recorder_;
   bool flying_ = false;                                 ///< keys that fly the camera are held
   std::optional<steady_clock::time_point> update_due_;  ///< of the stage
-  steady_clock::time_point began_{};                    ///< when the loop began
   bool quit_ = false;
   WindowReport report_;
 };
@@ -350,7 +337,7 @@ bool play_in_window(const PlayOptions& options, const std::stop_token& stop) {
     const std::string message =
         window.error().message + "; --offscreen WIDTHxHEIGHT draws without a display";
     print_error("pointreel", message);
-    show_error_window("Pointreel", message, options.duration, stop);
+    show_error_window("Pointreel", message, end_of_duration(options), stop);
     return false;
   }
   return WindowPlayer(options, stop, *window).run();

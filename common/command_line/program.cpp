@@ -1,5 +1,6 @@
 #include "common/command_line/program.h"
 
+#include <exception>
 #include <memory>
 
 #include <fmt/format.h>
@@ -32,6 +33,9 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
     for (const CLI::App* given : app.get_subcommands()) command += " " + given->get_name();
     print_error(app.get_name(), fmt::format("{}; see {} --help", error.what(), command));
     return 2;
+  } catch (const std::exception& error) {  // from a subcommand; most likely out of memory
+    print_error(app.get_name(), error.what());
+    return 1;
   }
 }
 

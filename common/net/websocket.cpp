@@ -27,6 +27,7 @@
 #include <sys/socket.h>
 
 #include "common/base/try.h"
+#include "common/net/lookup.h"
 
 namespace pointreel {
 namespace {
@@ -79,21 +80,13 @@ class Connection : public WebSocket {
           0});
     };
     const auto timed_out = std::chrono::steady_clock::now() + options_.connect_timeout;
-    error_code error = asio::error::timed_out;
-    asio::ip::tcp::resolver resolver(context_);
-    asio::ip::tcp::resolver::results_type found;
-    resolver.async_resolve(url.host, std::to_string(url.port), [&](error_code e, auto results) {
-      error = e;
-      found = std::move(results);
-    });
-    context_.run_for(options_.connect_timeout);
-    resolver.cancel();
-    run();
-    if (error) return failed("the name is not known: " + error.message());
+    const auto found = look_up(url.host, url.port, options_.connect_timeout, options_.stop);
+    if (!found) return failed(found.error().message);
 
+    error_code error;
     auto& tcp = beast::get_lowest_layer(stream_);
     tcp.expires_at(timed_out);
-    tcp.async_connect(found, [&](error_code e, const auto&) { error = e; });
+    tcp.async_connect(*found, [&](error_code e, const auto&) { error = e; });
     run();
     if (error) return failed("nothing answers there: " + error.message());
     set_options(tcp.socket().native_handle());

@@ -102,6 +102,11 @@ TEST_F(PlayCommandTest, wrong_values_are_errors_that_say_what_is_accepted) {
               HasSubstr("2 times for 1 source"));
 }
 
+TEST_F(PlayCommandTest, redirects_to_other_hosts_are_followed_only_if_told_so) {
+  EXPECT_FALSE(parse({})->follow_redirects);
+  EXPECT_TRUE(parse({"--follow-redirects"})->follow_redirects);
+}
+
 TEST_F(PlayCommandTest, speeds_backward_are_accepted) {
   EXPECT_EQ(parse({"--speed", "-0.5"})->speed, -0.5);
   EXPECT_EQ(parse({"--speed", "4"})->speed, 4.0);

@@ -1,0 +1,144 @@
+// The player ends when it is told to, whatever it waits for.
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
+#include "tests/unit/scripted_http_server.h"
+#include "tests/wait.h"
+
+namespace pointreel::e2e {
+namespace {
+
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+using testing::HasSubstr;
+
+/// On an idle machine it ends at once. Before the player could be interrupted everywhere it took
+/// longer than this, or for ever.
+constexpr seconds kSoon{5};
+
+/// A server that brings its clients nothing they can use, until it ends.
+class UselessServer {
+ public:
+  enum class Way {
+    silent,     ///< it accepts connections and answers nothing
+    dripping,   ///< the head of its answer comes one byte at a time and never ends
+    no_frames,  ///< it sends the manifest, but no frame
+  };
+  UselessServer(Way way, std::string manifest = {})
+      : server_([this, way, manifest = std::move(manifest)](int socket, const std::string& head) {
+          if (way == Way::no_frames && head.find("/reel.json ") != std::string::npos) {
+            answer(socket, "200 OK", "", manifest);
+            return true;
+          }
+          ++stuck_;
+          if (way == Way::dripping) send_text(socket, "HTTP/1.1 200 OK\r\n");
+          while (!ended_.stop_requested()) {
+            if (way == Way::dripping) send_text(socket, "X-Filler: 1\r\n");
+            wait_until([this] { return ended_.stop_requested(); }, std::chrono::milliseconds(100));
+          }
+          return false;
+        }) {}
+  ~UselessServer() { ended_.request_stop(); }
+
+  std::string url(const std::string& scheme, const std::string& path) const {
+    return scheme + server_.url().substr(server_.url().find(':')) + path;
+  }
+  /// Whether a client waits for what will never come.
+  bool stuck() const { return stuck_ > 0; }
+
+ private:
+  std::stop_source ended_;
+  std::atomic<int> stuck_ = 0;
+  ScriptedHttpServer server_;
+};
+
+class Interrupt : public testing::Test {
+ protected:
+  /// Interrupts the player once `stuck`. Returns what it printed.
+  template <class Condition>
+  std::string interrupted(const std::string& source, int signal, const Condition& stuck,
+                          const std::vector<std::string>& environment = {}) {
+    const std::string err = (folder_ / "err").string();
+    Background player("pointreel", {"play", source, "--offscreen", "64x64"}, {environment, err});
+    EXPECT_TRUE(wait_until(stuck)) << source;
+    EXPECT_TRUE(player.running());
+    const auto begin = steady_clock::now();
+    EXPECT_EQ(player.end(signal), 0) << source;
+    EXPECT_LT(steady_clock::now() - begin, kSoon) << source;
+    std::ifstream in(err, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(Interrupt, ends_the_player_while_a_server_answers_nothing_or_drips) {
+  using Way = UselessServer::Way;
+  for (const Way way : {Way::silent, Way::dripping}) {
+    for (const auto& [scheme, path] : {std::pair("http", "/walk"), std::pair("http", "/live/walk"),
+                                       std::pair("ws", "/live/walk")}) {
+      const UselessServer server(way);
+      interrupted(server.url(scheme, path), way == Way::silent ? SIGINT : SIGTERM,
+                  [&] { return server.stuck(); });
+    }
+  }
+}
+
+TEST_F(Interrupt, ends_the_player_while_no_frame_ever_comes) {
+  const auto cloud =
+      folder_.write("in/a.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                    "property float z\nend_header\n0 0 0\n1 1 1\n");
+  const std::string reel = (folder_ / "reel").string();
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", cloud.string(), "-o", reel}).exit_code, 0);
+  std::ifstream in(reel + "/reel.json", std::ios::binary);
+  const UselessServer server(UselessServer::Way::no_frames,
+                             std::string(std::istreambuf_iterator<char>(in), {}));
+  interrupted(server.url("http", "/reel"), SIGINT, [&] { return server.stuck(); });
+
+  const Outcome played = run("pointreel", {"play", server.url("http", "/reel"), "--offscreen",
+                                           "64x64", "--duration", "1"});
+  EXPECT_EQ(played.exit_code, 1);
+  EXPECT_THAT(played.err, HasSubstr("no frame came within the 1 s of --duration"));
+}
+
+TEST_F(Interrupt, a_duration_ends_the_player_even_if_nothing_ever_comes) {
+  const UselessServer server(UselessServer::Way::silent);
+  for (const auto& [scheme, path] : {std::pair("http", "/walk"), std::pair("http", "/live/walk"),
+                                     std::pair("ws", "/live/walk")}) {
+    const auto begin = steady_clock::now();
+    const Outcome played = run("pointreel", {"play", server.url(scheme, path), "--offscreen",
+                                             "64x64", "--duration", "0.5"});
+    EXPECT_EQ(played.exit_code, 1) << path;
+    EXPECT_THAT(played.err, HasSubstr("no frame came within the 0.5 s of --duration")) << path;
+    EXPECT_LT(steady_clock::now() - begin, kSoon) << path;
+  }
+}
+
+#ifdef POINTREEL_NO_LOOKUP
+TEST_F(Interrupt, ends_the_player_while_the_lookup_of_a_name_hangs) {
+  const std::vector<std::string> hang = {"LD_PRELOAD=" POINTREEL_NO_LOOKUP};
+  for (const char* source : {"http://somewhere.example/walk", "ws://somewhere.example/live/walk"}) {
+    // Nothing tells from outside that the lookup has begun; it takes a moment after the start.
+    const auto begun = steady_clock::now();
+    const auto stuck = [&] { return steady_clock::now() - begun > std::chrono::milliseconds(300); };
+    interrupted(source, SIGINT, stuck, hang);
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace pointreel::e2e

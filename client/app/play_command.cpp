@@ -240,7 +240,8 @@ void PlayCommand::add_output(CLI::App& command) {
       ->check(check([](const std::string& text) { return parse_size(text, kPictureSide); }))
       ->type_name("WIDTHxHEIGHT")
       ->group(group);
-  command.add_option("--screenshot", options_.screenshot, "Write the last picture")
+  command.add_option("--screenshot", options_.screenshot, "Write the last picture, as PNG")
+      ->check(check(check_picture_name))
       ->type_name("FILE.png")
       ->group(group);
   command

@@ -81,8 +81,8 @@ std::vector<Option> make_table() {
        "Mode"},
       {"color",
        choice([](auto& s) -> auto& { return s.draw.color; }, {"Colours", "Normals", "Plain"}),
-       "How to colour what is drawn: with its own colours, by the direction of its normals, or in "
-       "plain grey, which shows shape by light alone",
+       "How to colour what is drawn: with its own colours, or grey if it has none; by the "
+       "direction of its normals; or in plain grey, which shows shape by light alone",
        "Colour"},
       {"lighting", flag([](auto& s) -> auto& { return s.draw.lighting; }),
        "Light the scene from over the viewer's shoulder (the default), or show the colours as they "

@@ -11,6 +11,7 @@
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "common/net/url.h"
 
 namespace pointreel {
@@ -35,6 +36,20 @@ std::string stream_name(const std::string& address) {
   if (begin == std::string::npos) return address;
   const std::string name = address.substr(begin + kLivePath.size());
   return name.substr(0, name.find('/'));
+}
+
+/// Playback begins within at least one of the reels.
+Result<void> check_start(const std::vector<std::unique_ptr<Source>>& reels,
+                         const std::vector<Stage::Placed>& sources, std::uint64_t start_us) {
+  std::optional<std::size_t> longest;
+  const auto end_of = [&](std::size_t i) { return reels[i]->manifest().duration_us; };
+  for (std::size_t i = 0; i < reels.size(); ++i)
+    if (reels[i] && (!longest || end_of(i) > end_of(*longest))) longest = i;
+  if (!longest || start_us <= end_of(*longest)) return {};
+  const auto seconds = [](std::uint64_t us) { return number_text(static_cast<double>(us) / 1e6); };
+  return fail(ErrorCode::argument,
+              fmt::format("{}: ends at {} s, before {} s, where --at says to begin",
+                          sources[*longest].where, seconds(end_of(*longest)), seconds(start_us)));
 }
 
 }  // namespace
@@ -88,6 +103,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     if (reels[i]->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
     grow(bounds, reels[i]->manifest().bounds, sources[i].place);
   }
+  TRY(check_start(reels, sources, options.reel.start_us));
   const auto first_reel =
       std::find_if(reels.begin(), reels.end(), [](const auto& reel) { return reel != nullptr; });
   const Camera camera =

@@ -1,5 +1,8 @@
 #include "client/record/open_recorder.h"
 
+#include <cctype>
+#include <filesystem>
+
 #include "client/record/picture_sequence.h"
 #include "client/record/video_writer.h"
 #include "common/base/try.h"
@@ -19,9 +22,18 @@ Result<NumberedPath> numbered(const std::string& path) {
 
 }  // namespace
 
+Result<void> check_picture_name(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".png") return {};
+  return fail(ErrorCode::argument,
+              "\"" + path + "\" does not end in .png; pictures are written as PNG");
+}
+
 Result<void> check_recording_name(const std::string& path) {
-  if (!is_video(path)) TRY(numbered(path));
-  return {};
+  if (is_video(path)) return {};
+  TRY(numbered(path));
+  return check_picture_name(path);
 }
 
 Result<void> check_recording(const std::string& path) {

@@ -11,8 +11,10 @@
 
 namespace pointreel {
 
-/// Fails with ErrorCode::argument if the path names neither a video (is_video) nor numbered files
-/// (NumberedPath).
+/// Fails with ErrorCode::argument if the name does not end in .png: pictures are written as PNG.
+Result<void> check_picture_name(const std::string& path);
+/// Fails with ErrorCode::argument if the path names neither a video (is_video) nor numbered
+/// pictures (NumberedPath).
 Result<void> check_recording_name(const std::string& path);
 /// Checks the name, and for videos that ffmpeg is installed. Writes nothing.
 Result<void> check_recording(const std::string& path);

@@ -36,13 +36,13 @@ glm::u16vec4 pack_color(const glm::u16vec3& c) {
   return {kLinear[c.x], kLinear[c.y], kLinear[c.z], 0};
 }
 
-/// The colour of every element with ColorSource::plain, sRGB.
+/// The colour of every element with ColorSource::plain, and of those without one, sRGB.
 constexpr glm::u16vec3 kPlain(0xd0d0);
 
 glm::u16vec3 color_of(ColorSource source, const std::vector<glm::u16vec3>& colors, std::size_t i,
                       const glm::i16vec4& normal) {
-  if (source == ColorSource::plain) return kPlain;
-  return source == ColorSource::normals || colors.empty() ? fake_color(normal) : colors[i];
+  if (source == ColorSource::normals) return fake_color(normal);
+  return source == ColorSource::plain || colors.empty() ? kPlain : colors[i];
 }
 
 /// Bit a is set if coordinate a of the eye is higher than that of the centre.

@@ -14,8 +14,8 @@
 
 namespace pointreel {
 
-/// The colour of an element that has none of its own: 0.5 + 0.5 n, read as sRGB, and middle grey if
-/// the normal is unknown. Slomp et al., Geometry Instancing, section III only says that its fake
+/// The colour of an element with ColorSource::normals: 0.5 + 0.5 n, read as sRGB, and middle grey
+/// if the normal is unknown. Slomp et al., Geometry Instancing, section III only says that its fake
 /// colour is "based on their normal vectors".
 glm::u16vec3 fake_color(const glm::i16vec4& normal);
 

@@ -7,12 +7,14 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <initializer_list>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "common/stream/json_fields.h"
 
 namespace pointreel {
@@ -68,11 +70,22 @@ double hermite(double a, double b, double a_slope, double b_slope, double length
 
 void refuse_outside(Fields& fields, const char* key, double value, double min, double max) {
   if (!(value >= min && value <= max))
-    fields.refuse(key, fmt::format("is not from {:g} to {:g}", min, max));
+    fields.refuse(key, fmt::format("is not from {} to {}", number_text(min), number_text(max)));
+}
+
+/// A misspelt name would have no effect, and nobody would be told.
+void refuse_others(Fields& fields, const nlohmann::json& json,
+                   std::initializer_list<std::string_view> known) {
+  if (fields.error()) return;
+  for (const auto& [name, ignored] : json.items())
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      fields.refuse(name,
+                    fmt::format("is not known here; there may be {}", fmt::join(known, ", ")));
 }
 
 Result<CameraKey> parse_key(const JsonValue& json) {
   Fields fields(json);
+  refuse_others(fields, json, {"seconds", "target", "distance", "yaw", "pitch", "fov"});
   CameraKey key;
   const double seconds = fields.number("seconds");
   refuse_outside(fields, "seconds", seconds, 0.0, kMaxSeconds);
@@ -178,6 +191,7 @@ Result<CameraPath> parse_camera_path(std::string_view text) {
     return fail(ErrorCode::unsupported,
                 fmt::format("is a camera path of format {}, but this player reads format {}",
                             version, kVersion));
+  refuse_others(fields, root, {"pointreel_camera_path", "up", "keys"});
   CameraPath path;
   if (fields.has("up")) {
     path.up = parse_up(fields.text("up"));

@@ -60,7 +60,7 @@ struct SplatScales {
 
 /// Where the colours of the elements come from.
 enum class ColorSource {
-  colors,   ///< the frame; made from the normals if it has no colours
+  colors,   ///< the frame; plain grey if it has no colours
   normals,  ///< made from the normals, to show which way a surface faces
   plain,    ///< the same light grey everywhere, to show shape by light alone
 };

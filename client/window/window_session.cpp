@@ -36,6 +36,8 @@ void WindowSession::open(std::vector<Stage::Placed> sources, const Settings& set
   opening_since_ = std::chrono::steady_clock::now();
   PlayOptions options = options_;
   options.settings = settings;
+  // --at is about what the command line names.
+  if (std::exchange(opened_any_, true)) options.at.reset();
   Stage::Options stage = stage_options(options);
   stage.size = size;
   stage.on_ready = on_ready_;

@@ -55,6 +55,7 @@ class WindowSession {
   WindowErrors& errors_;
   const Playback::OnReady on_ready_;
   std::vector<Stage::Placed> opened_;
+  bool opened_any_ = false;
   TimePoint opening_since_{};
   std::unique_ptr<Stage> stage_;
   std::optional<Opening> opening_;

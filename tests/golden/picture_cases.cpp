@@ -134,7 +134,9 @@ std::vector<PictureCase> picture_cases(const PointCloud& cloud) {
 
   PointCloud colorless = cloud;
   colorless.colors.clear();
-  keep("surfel-without-colors", pulled);
+  DrawOptions by_normals = pulled;
+  by_normals.color = ColorSource::normals;
+  keep("surfel-without-colors", by_normals);
   cases.back().frame = frame_of(std::move(colorless));
 
   PointCloud bare = cloud;

@@ -185,17 +185,22 @@ TEST(CameraPathFile, names_the_problem_and_its_place_in_an_invalid_file) {
             "up: is not one of x, -x, y, -y, z, -z");
   EXPECT_EQ(keys(""), "keys: must be a list of 1 to 10000");
   EXPECT_EQ(keys("{}"), "keys[0]: seconds: is missing");
-  EXPECT_EQ(keys(R"({"seconds": -1})"), "keys[0]: seconds: is not from 0 to 1e+09");
+  EXPECT_EQ(keys(R"({"seconds": -1})"), "keys[0]: seconds: is not from 0 to 1000000000");
   EXPECT_EQ(keys(R"({"seconds": 1}, {"seconds": 1})"),
             "keys[1]: seconds: must be greater than those of the key before");
   EXPECT_EQ(keys(R"({"seconds": 0, "pitch": 90.5})"), "keys[0]: pitch: is not from -90 to 90");
   EXPECT_EQ(keys(R"({"seconds": 0, "distance": 0})"),
-            "keys[0]: distance: is not from 1e-09 to 1e+12");
+            "keys[0]: distance: is not from 1e-09 to 1000000000000");
   EXPECT_EQ(keys(R"({"seconds": 0, "target": [0, 1]})"),
             "keys[0]: target: is not three finite numbers");
   EXPECT_EQ(keys(R"({"seconds": 0, "target": [0, 1, 1e13]})"),
-            "keys[0]: target: is not from -1e+12 to 1e+12");
+            "keys[0]: target: is not from -1000000000000 to 1000000000000");
   EXPECT_EQ(keys(R"({"seconds": 0, "fov": "wide"})"), "keys[0]: fov: is not a number");
+  EXPECT_EQ(keys(R"({"seconds": 0}, {"seconds": 1, "pich": 3})"),
+            "keys[1]: pich: is not known here; there may be seconds, target, distance, yaw, pitch, "
+            "fov");
+  EXPECT_EQ(error(R"({"pointreel_camera_path": 1, "Up": "z", "keys": [{"seconds": 0}]})"),
+            "Up: is not known here; there may be pointreel_camera_path, up, keys");
 }
 
 TEST(CameraPathFile, names_the_file_in_every_error) {

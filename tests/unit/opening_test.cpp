@@ -90,6 +90,17 @@ TEST_F(OpeningTest, gives_the_error_if_there_is_nothing_to_open) {
   EXPECT_THAT(error_, HasSubstr("nothing: no such file or folder"));
 }
 
+TEST_F(OpeningTest, refuses_to_begin_beyond_the_end_of_every_reel) {
+  Stage::Options options;
+  options.reel.start_us = 40'000;
+  Opening opening({{ply("frame.ply")}}, options, looking, nobody);
+  EXPECT_FALSE(wait(opening));
+  EXPECT_THAT(error_, HasSubstr("frame.ply: ends at 0.033333 s, before 0.04 s"));
+  options.reel.start_us = 33'333;  // the end itself shows the last frame
+  Opening again({{ply("frame.ply")}}, options, looking, nobody);
+  EXPECT_TRUE(wait(again)) << error_;
+}
+
 TEST_F(OpeningTest, can_be_abandoned_while_a_host_does_not_answer) {
   std::atomic<int> asked{0};
   std::atomic<bool> over{false};

@@ -102,6 +102,15 @@ TEST_F(PlayCommandTest, wrong_values_are_errors_that_say_what_is_accepted) {
               HasSubstr("2 times for 1 source"));
 }
 
+TEST_F(PlayCommandTest, a_picture_is_png_or_refused) {
+  EXPECT_EQ(parse({"--screenshot", "x.PNG"})->screenshot, "x.PNG");
+  for (const char* name : {"x.jpg", "x", ".png.txt"})
+    EXPECT_THAT(error({"--screenshot", name}), HasSubstr("does not end in .png"));
+  EXPECT_THAT(error({"--offscreen", "64x64", "--record", "out-%04d.jpg"}),
+              HasSubstr("does not end in .png"));
+  EXPECT_EQ(parse({"--offscreen", "64x64", "--record", "out-%04d.png"})->record, "out-%04d.png");
+}
+
 TEST_F(PlayCommandTest, redirects_to_other_hosts_are_followed_only_if_told_so) {
   EXPECT_FALSE(parse({})->follow_redirects);
   EXPECT_TRUE(parse({"--follow-redirects"})->follow_redirects);

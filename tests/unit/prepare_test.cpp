@@ -303,7 +303,7 @@ TEST(PrepareFrame, estimates_attributes_that_a_file_lacks_and_the_mode_needs) {
   EXPECT_EQ(voxels->attributes.normals.size(), voxels->svo.node_count());
   EXPECT_NEAR(voxels->svo.cube.edge, 2.0, 0.05) << "a file has a cube of its own";
   const auto points = prepare_frame(manifest, 0, file, {DrawMode::point, 0.05});
-  EXPECT_TRUE(points->cloud.has_normals()) << "the fake colour needs them";
+  EXPECT_TRUE(points->cloud.has_normals()) << "the light needs them";
   EXPECT_FALSE(points->cloud.has_radii());
 }
 

@@ -75,6 +75,10 @@ TEST_F(RendererTest, takes_colours_from_the_frame_or_from_its_normals_or_none) {
     }
     options.color = ColorSource::colors;
     EXPECT_EQ(largest_difference(own, picture(frame, front_camera(), options)), 0);
+    PointCloud colorless = cloud;
+    colorless.colors.clear();
+    EXPECT_EQ(largest_difference(gray, picture(frame_of(colorless), front_camera(), options)), 0)
+        << "what has no colours is grey";
   }
 }
 

@@ -80,7 +80,8 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
                                 const PictureSetting& setting, bool whole) {
   const TruthPicture& truth = view.truth;
   const glm::ivec2 size(truth.image.width, truth.image.height);
-  const DrawOptions& options = setting.options;
+  DrawOptions options = setting.options;
+  if (!scene.surfels->cloud.has_colors()) options.color = ColorSource::normals;  // as in the truth
   const bool voxels = options.mode == DrawMode::voxel;
   const auto& frame = frame_of(scene, options.mode);
   const auto draw = [&](const std::shared_ptr<const SceneFrame>& what, const DrawOptions& how) {

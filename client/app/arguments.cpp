@@ -4,31 +4,25 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
 
 #include "client/options/option_text.h"
+#include "client/scene/named_views.h"
 #include "common/base/try.h"
 
 namespace pointreel {
 
 Result<CameraArgument> parse_camera(const std::string& text) {
-  // In degrees. The camera can look straight up or down, but not over its head.
-  static const std::map<std::string, View> kNamed = {
-      {"front", {0.0, 0.0}},  {"back", {180.0, 0.0}}, {"left", {-90.0, 0.0}},
-      {"right", {90.0, 0.0}}, {"top", {0.0, 90.0}},   {"bottom", {0.0, -90.0}}};
-  const auto view = [](double yaw, double pitch) {
-    return View{glm::radians(yaw), glm::radians(pitch)};
-  };
-  if (const auto named = kNamed.find(text); named != kNamed.end())
-    return view(named->second.yaw, named->second.pitch);
+  for (const NamedView& named : kNamedViews)
+    if (named.name == text) return View{named.yaw, named.pitch};
+  // The camera can look straight up or down, but not over its head.
   std::array<double, 2> angles{};
   const bool numbers = parse_numbers(text, ',', angles);
   if (numbers && std::isfinite(angles[0]) && std::abs(angles[1]) <= 90.0)
-    return view(angles[0], angles[1]);
+    return View{glm::radians(angles[0]), glm::radians(angles[1])};
   std::error_code ignored;
   if (!numbers && std::filesystem::exists(text, ignored)) return TRY(load_camera_path(text));
   return fail(ErrorCode::argument,

@@ -20,7 +20,7 @@ namespace pointreel {
 namespace {
 
 constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0, 1e9},
-    kUiScale{0.5, 4.0}, kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
+    kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
 constexpr int kMaxLayers = 255, kMaxSupersample = 4;
 
 /// Accepts what `parse` accepts; its error is the message.
@@ -213,14 +213,6 @@ void PlayCommand::add_settings(CLI::App& command) const {
 
 void PlayCommand::add_window(CLI::App& command) {
   const std::string group = "Window";
-  command
-      .add_option("--ui-scale", options_.ui_scale,
-                  fmt::format("Size of panels and text, {:g} to {:g} (default: as the display "
-                              "asks)",
-                              kUiScale.min, kUiScale.max))
-      ->check(within(kUiScale))
-      ->type_name("FACTOR")
-      ->group(group);
   command
       .add_option("--config", config_,
                   "The JSON file in which the window keeps its size and what you change with keys "

@@ -145,6 +145,11 @@ std::vector<Option> make_table() {
        "Drafts",
        "Fewer pixels if time is short: never, while you move the camera or\n"
        "drag the time, or also while it plays"},
+      {.name = "ui_scale",
+       .value = number([](auto& s) -> auto& { return s.ui_scale; }, {0, 4}, {{0, 4}, "%.2f"}),
+       .help = "Size of panels and text, 0.5 to 4; 0 as the screen asks, and larger on 4K screens. "
+               "The window keeps what you choose with + and -",
+       .group = "Window"},
       {"drawing_panel", flag([](auto& s) -> auto& { return s.drawing_panel; })},
       {"statistics_panel", flag([](auto& s) -> auto& { return s.statistics_panel; })},
   };

@@ -39,8 +39,6 @@ struct PlayOptions {
   std::optional<double> duration;         ///< seconds; of a reel drawn offscreen, of its own time
   std::optional<View> view;               ///< default: that of Camera::frame_bounds
   std::optional<CameraPath> camera_path;  ///< in place of a view
-  /// Size of the window's interface, where 1 is for 96 pixels per inch; default: the display's.
-  std::optional<double> ui_scale;
   int supersample = 1;  ///< pictures that are written are drawn this many times as wide and high
   std::string screenshot, record, json;  ///< paths of files to write; empty: none
   /// When the process began. A duration counts from here.

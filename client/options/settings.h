@@ -24,6 +24,8 @@ struct Settings {
   Drafts drafts = Drafts::playing;  ///< in a window; pictures that are written are never drafts
   bool floor = false;               ///< draw a grid on the floor
   bool drawing_panel = false, statistics_panel = false;  ///< whether they are open
+  /// Size of the window's interface, where 1 is for 96 pixels per inch; 0: as the screen asks.
+  double ui_scale = 0.0;
   /// In place of what the package says. Not kept for the next time: it is about what plays.
   std::optional<Up> up;
 

@@ -1,6 +1,5 @@
 #include "client/render/gl_context.h"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
@@ -186,12 +185,6 @@ WindowContext::~WindowContext() {
   if (!window_) return;
   glfwDestroyWindow(window_);
   glfwTerminate();
-}
-
-float WindowContext::content_scale() const {
-  float x = 1.0f, y = 1.0f;
-  glfwGetWindowContentScale(window_, &x, &y);
-  return std::max(x, y);
 }
 
 void WindowContext::clear(const glm::vec3& color) {

@@ -53,8 +53,6 @@ class WindowContext {
 
   /// For input and its callbacks. This object keeps ownership of the window.
   GLFWwindow* handle() const { return window_; }
-  /// The scale that the display wants for text: 1 for 96 pixels per inch.
-  float content_scale() const;
 
   /// Fills the window's framebuffer with an sRGB colour.
   void clear(const glm::vec3& color);

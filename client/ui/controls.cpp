@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "client/scene/named_views.h"
 #include "client/ui/time_text.h"
 
 namespace pointreel {
@@ -27,6 +28,7 @@ void Controls::begin(Stage* stage, std::function<Camera()> home) {
   home_ = std::move(home);
   moved_ = flying_ = false;
   loop_a_.reset();
+  settings_.up = given_up_;
   if (stage_) camera_ = home_();
   set_prepare_options();
 }
@@ -34,7 +36,7 @@ void Controls::begin(Stage* stage, std::function<Camera()> home) {
 std::optional<std::string> Controls::take_said() { return std::exchange(said_, std::nullopt); }
 
 bool Controls::act(Action action, Now now) {
-  if (act_on_settings(action)) return true;
+  if (act_on_settings(action) || act_on_view(action)) return true;
   switch (action) {
     case Action::help:
       show_help = !show_help;
@@ -46,16 +48,10 @@ bool Controls::act(Action action, Now now) {
         said_ = "no longer flying";
       }
       return true;
-    case Action::reset_view:
-      if (stage_) camera_ = home_();
-      moved_ = false;
-      return true;
-    case Action::toggle_fly:
-      flying_ = stage_ != nullptr && !flying_;
-      if (!flying_) said_ = "no longer flying";
-      return true;
     case Action::add_camera_key:
     case Action::toggle_fullscreen:
+    case Action::larger_interface:
+    case Action::smaller_interface:
     case Action::screenshot:
     case Action::quit:
       return false;
@@ -93,6 +89,47 @@ bool Controls::act_on_settings(Action action) {
   }
   set_settings(settings);
   return true;
+}
+
+bool Controls::act_on_view(Action action) {
+  switch (action) {
+    case Action::reset_view:
+      if (stage_) camera_ = home_();
+      moved_ = false;
+      return true;
+    case Action::view_front:
+    case Action::view_back:
+    case Action::view_left:
+    case Action::view_right:
+    case Action::view_top:
+    case Action::view_bottom: {
+      const NamedView& view = kNamedViews.at(static_cast<std::size_t>(action) -
+                                             static_cast<std::size_t>(Action::view_front));
+      if (!stage_) return true;
+      camera_.yaw = view.yaw;
+      camera_.pitch = view.pitch;
+      moved_ = true;
+      said_ = view.name;
+      return true;
+    }
+    case Action::turn_over: {
+      if (!stage_) return true;
+      // The eye stays where the user has put it, and only the picture turns over.
+      camera_.up = camera_.up.opposite();
+      camera_.yaw = M_PI - camera_.yaw;
+      camera_.pitch = -camera_.pitch;
+      settings_.up = camera_.up;
+      look_home_unless_moved();
+      said_ = camera_.up.text() + " is up";
+      return true;
+    }
+    case Action::toggle_fly:
+      flying_ = stage_ != nullptr && !flying_;
+      if (!flying_) said_ = "no longer flying";
+      return true;
+    default:
+      return false;
+  }
 }
 
 bool Controls::act_on_time(Action action, Now now) {

@@ -23,7 +23,7 @@ class Controls {
  public:
   using Now = Clock::TimePoint;
 
-  explicit Controls(const Settings& settings) : settings_(settings) {}
+  explicit Controls(const Settings& settings) : settings_(settings), given_up_(settings.up) {}
 
   /// Controls this stage from now on, and has its frames prepared as the settings say. The stage
   /// must live until the next call; null: nothing plays. `home` gives the view that reset_view
@@ -78,6 +78,7 @@ class Controls {
 
  private:
   bool act_on_settings(Action action);
+  bool act_on_view(Action action);
   bool act_on_time(Action action, Now now);
   void seek_by(std::int64_t us, Now now);
   void set_speed(double speed, Now now);
@@ -86,6 +87,7 @@ class Controls {
   std::string time_text(Now now) const;
 
   Settings settings_;
+  std::optional<Up> given_up_;  ///< by the user, for everything that plays
   Stage* stage_ = nullptr;
   ReelPlayback* reel_ = nullptr;  ///< the first reel of the stage
   std::size_t source_ = 0;

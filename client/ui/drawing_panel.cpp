@@ -139,12 +139,10 @@ void restore_defaults(Settings& settings) {
 
 }  // namespace
 
-bool drawing_panel(Settings& settings, glm::vec2 size, float scale) {
-  // Below the messages in the same corner; the statistics panel is on the right.
-  ImGui::SetNextWindowPos({12.0f * scale, std::min(48.0f * scale, 0.1f * size.y)},
-                          ImGuiCond_FirstUseEver);
+bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float scale) {
+  set_next_panel(at, place);
   const Settings before = settings;
-  if (begin_panel("Drawing", settings.drawing_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
+  if (begin_panel(kDrawingPanel, settings.drawing_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
     ImGui::PushItemWidth(150.0f * scale);
     edit("mode", settings);
     edit_elements(settings);

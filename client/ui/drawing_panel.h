@@ -1,15 +1,14 @@
 #pragma once
 
-#include <glm/glm.hpp>
-
 #include "client/options/settings.h"
+#include "client/ui/panel_layout.h"
 
 namespace pointreel {
 
 /// The panel with the settings of the current mode, which are changed by mouse alone: the keyboard
-/// stays the player's. It is in the upper left corner of a window of `size` until the user moves
-/// it. To be called between Gui::begin and end. True if the user has changed the settings, which
-/// stay in the ranges of the option table; closing the panel clears settings.drawing_panel.
-bool drawing_panel(Settings& settings, glm::vec2 size, float scale);
+/// stays the player's. Put there if `place`, otherwise where it was. To be called between
+/// Gui::begin and end. True if the user has changed the settings, which stay in the ranges of the
+/// option table; closing the panel clears settings.drawing_panel.
+bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float scale);
 
 }  // namespace pointreel

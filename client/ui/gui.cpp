@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
+#include <utility>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -55,6 +56,7 @@ void sample_nearest() {
 
 void set_style(float scale) {
   ImGuiStyle& style = ImGui::GetStyle();
+  style = ImGuiStyle();
   ImGui::StyleColorsDark();
   style.WindowRounding = style.FrameRounding = style.GrabRounding = 4.0f;
   style.WindowBorderSize = 0.0f;
@@ -135,6 +137,16 @@ Gui::Gui(GLFWwindow* window, float scale)
   sample_nearest();
 }
 
+void Gui::set_scale(float scale) {
+  if (std::exchange(scale_, scale) == scale) return;
+  ImGui::GetIO().Fonts->Clear();
+  add_font(scale);
+  set_style(scale);
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+  sample_nearest();
+}
+
 Gui::~Gui() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
@@ -160,7 +172,7 @@ void Gui::begin(const std::optional<Held>& held) {
   ImGuiIO& io = ImGui::GetIO();
   if (held && held->button >= 0 && held->button < static_cast<int>(std::size(io.MouseDown))) {
     io.MousePos = ImVec2(static_cast<float>(held->cursor.x), static_cast<float>(held->cursor.y));
-    io.MouseDown[held->button] = true;
+    io.MouseDown[held->button] = held->down;
   }
   ImGui::NewFrame();
 }

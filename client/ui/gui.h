@@ -26,14 +26,17 @@ class Gui {
   Gui& operator=(const Gui&) = delete;
 
   float scale() const { return scale_; }
+  /// Takes effect when the interface is built again; not between begin() and end().
+  void set_scale(float scale);
   /// Whether, when it was last built, an ImGui window that takes the mouse was at `cursor`. Windows
   /// called `but` do not count.
   bool covers(glm::dvec2 cursor, std::string_view but = {}) const;
 
-  /// A mouse button that is down, and where.
+  /// Where a mouse button is down, or was released.
   struct Held {
     glm::dvec2 cursor{0.0};
     int button = 0;  ///< GLFW's
+    bool down = true;
   };
 
   /// Between these two, calls of ImGui's functions build the interface. Then draw() draws it, as

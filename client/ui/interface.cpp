@@ -6,6 +6,8 @@
 
 #include "client/ui/drawing_panel.h"
 #include "client/ui/overlay.h"
+#include "client/ui/panel.h"
+#include "client/ui/panel_layout.h"
 #include "client/ui/statistics_panel.h"
 
 namespace pointreel {
@@ -87,8 +89,9 @@ TimelineUse Interface::build_once(const View& view, Controls& controls) {
   }
   if (Seconds(view.now - said_at_).count() > kSaidSeconds) said_.clear();
   const std::string said = said_.empty() ? controls.unusual_keys() : said_;
+  float error = 0.0f;
   if (!view.error.empty())
-    draw_error(view.error, view.hint, view.size, scale);
+    error = draw_error(view.error, view.hint, view.size, scale);
   else if (!said.empty())
     draw_said(said, scale);
   empty_ = empty_ && view.error.empty() && said.empty();
@@ -104,16 +107,7 @@ TimelineUse Interface::build_once(const View& view, Controls& controls) {
     empty_ = false;
   }
   busy_ = use.hovered_us || controls.scrubbing();
-  Settings settings = controls.settings();
-  if (settings.statistics_panel && !view.statistics.empty()) {
-    settings.statistics_panel = draw_statistics(view.statistics, view.recent, view.size, scale);
-    empty_ = false;
-  }
-  if (settings.drawing_panel) {
-    drawing_panel(settings, view.size, scale);
-    empty_ = false;
-  }
-  if (settings != controls.settings()) controls.set_settings(settings);
+  build_panels(view, error, controls);
   if (controls.show_help) {
     const HelpUse help = draw_help(view.size, scale, std::exchange(help_lines_down_, 0));
     controls.show_help = help.open;
@@ -124,6 +118,31 @@ TimelineUse Interface::build_once(const View& view, Controls& controls) {
   }
   gui_.end();
   return use;
+}
+
+void Interface::build_panels(const View& view, float error, Controls& controls) {
+  Settings settings = controls.settings();
+  const bool drawing = settings.drawing_panel;
+  const bool statistics = settings.statistics_panel && !view.statistics.empty();
+  const float scale = gui_.scale();
+  const PanelLayout layout = place_panels(
+      view.size, error, scale, drawing ? natural_size(kDrawingPanel) : glm::vec2(0.0f),
+      statistics
+          ? glm::max(natural_size(kStatisticsPanel), glm::vec2(kStatisticsWidth * scale, 0.0f))
+          : glm::vec2(0.0f));
+  // The user may drag panels elsewhere. They are placed again when their room has changed, and once
+  // more because ImGui knows the size of a new panel only then.
+  const PanelState state{view.size, scale, error, drawing, statistics, layout.stacked};
+  if (state != std::exchange(panels_, state)) placings_due_ = 2;
+  const bool place = placings_due_ > 0;
+  if (place) --placings_due_;
+  if (statistics) {
+    settings.statistics_panel =
+        draw_statistics(view.statistics, view.recent, layout.statistics, place, scale);
+  }
+  if (drawing) drawing_panel(settings, layout.drawing, place, scale);
+  empty_ = empty_ && !drawing && !statistics;
+  if (settings != controls.settings()) controls.set_settings(settings);
 }
 
 void Interface::draw() { gui_.draw(); }

@@ -37,6 +37,7 @@ class Interface {
   Interface(GLFWwindow* window, float scale) : gui_(window, scale) {}
 
   float scale() const { return gui_.scale(); }
+  void set_scale(float scale) { gui_.set_scale(scale); }
 
   /// Shows the bar for a moment because the mouse has moved.
   void wake(Now now) { awake_ = now; }
@@ -65,6 +66,7 @@ class Interface {
  private:
   float opacity(Now now) const;
   TimelineUse build_once(const View& view, Controls& controls);
+  void build_panels(const View& view, float error, Controls& controls);
 
   Gui gui_;
   Now awake_{}, said_at_{};
@@ -75,6 +77,15 @@ class Interface {
   bool empty_ = true;
   // The bar takes the mouse even while it is hidden: the first move shows it.
   float bar_top_ = 1e9f;
+  /// What the places of the panels depend on, besides their sizes.
+  struct PanelState {
+    glm::vec2 window{0.0f};
+    float scale = 0.0f, error = 0.0f;
+    bool drawing = false, statistics = false, stacked = false;
+    bool operator==(const PanelState&) const = default;
+  };
+  PanelState panels_;
+  int placings_due_ = 0;
   std::optional<TrackArea> track_;
 };
 

@@ -83,7 +83,7 @@ void draw_waiting(const std::string& text, glm::vec2 size, float scale, double s
   ImGui::End();
 }
 
-void draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale) {
+float draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale) {
   const float width = std::max(1.0f, size.x - 44.0f * scale);
   const std::string all = hint.empty() ? text : text + "\n" + hint;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.36f, 0.07f, 0.07f, 0.94f));
@@ -92,8 +92,10 @@ void draw_error(const std::string& text, const std::string& hint, glm::vec2 size
   ImGui::PushTextWrapPos(width + ImGui::GetStyle().WindowPadding.x);
   ImGui::TextUnformatted(all.c_str());
   ImGui::PopTextWrapPos();
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
   ImGui::PopStyleColor();
+  return bottom + 8.0f * scale;
 }
 
 HelpUse draw_help(glm::vec2 size, float scale, int lines_down) {

@@ -16,7 +16,8 @@ void draw_said(const std::string& text, float scale);
 void draw_waiting(const std::string& text, glm::vec2 size, float scale, double seconds);
 
 /// An error at the top, in lines that wrap, and below it a hint what to do, which may be empty.
-void draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale);
+/// Returns how far down it reaches, with a margin.
+float draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale);
 
 struct HelpUse {
   bool open = true;      ///< false once it is closed

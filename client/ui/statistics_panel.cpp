@@ -54,19 +54,15 @@ void draw_plots(const RecentFrames& recent, ImVec2 size) {
 }  // namespace
 
 bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrames& recent,
-                     glm::vec2 size, float scale) {
+                     const PanelPlace& at, bool place, float scale) {
   bool open = true;
-  const float margin = 8.0f * scale;
-  ImGui::SetNextWindowPos(ImVec2(size.x - margin, margin), ImGuiCond_Appearing, ImVec2(1.0f, 0.0f));
-  // Wide enough for most figures, so that the width does not change with each of them.
-  const ImVec2 most(size.x - 2.0f * margin, size.y - 2.0f * margin);
-  ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(430.0f * scale, most.x), 0.0f), most);
-  begin_panel("Statistics", open, ImGuiWindowFlags_NoFocusOnAppearing);
+  set_next_panel(at, place, kStatisticsWidth * scale);
+  begin_panel(kStatisticsPanel, open, ImGuiWindowFlags_NoFocusOnAppearing);
   draw_lines(lines);
   if (recent.size() > 0) {
     ImGui::Separator();
     // Plots are narrower if the window has no room for the numbers beside them.
-    draw_plots(recent, ImVec2(std::clamp(most.x - 250.0f * scale, 20.0f * scale, 190.0f * scale),
+    draw_plots(recent, ImVec2(std::clamp(at.most.x - 250.0f * scale, 20.0f * scale, 190.0f * scale),
                               26.0f * scale));
   }
   ImGui::End();

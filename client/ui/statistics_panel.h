@@ -2,15 +2,18 @@
 
 #include <vector>
 
-#include <glm/glm.hpp>
-
+#include "client/ui/panel_layout.h"
 #include "client/ui/play_statistics.h"
 
 namespace pointreel {
 
-/// The panel that shows how playing goes, in the upper right corner of a window of `size`. To be
+/// The least width of the panel at scale 1, if there is room for it: enough for most figures, so
+/// that the width does not change with each of them.
+inline constexpr float kStatisticsWidth = 430.0f;
+
+/// The panel that shows how playing goes. Put there if `place`, otherwise where it was. To be
 /// called between Gui::begin and end. False once the user closes it.
 bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrames& recent,
-                     glm::vec2 size, float scale);
+                     const PanelPlace& at, bool place, float scale);
 
 }  // namespace pointreel

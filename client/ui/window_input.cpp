@@ -77,9 +77,12 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
     self.input_.any = true;
     if (action == GLFW_PRESS) {
       self.press_button(button, (modifiers & GLFW_MOD_SHIFT) != 0);
-      if (self.while_down_) self.while_down_(self.cursor_, button);
+      if (self.on_button_) self.on_button_(self.cursor_, button, true);
     } else {
-      if (self.while_down_) self.while_down_(self.cursor_, button);
+      // The cursor may move on before the interface is built the next time, and a button of it is
+      // pressed only where the mouse is released.
+      for (const bool down : {true, false})
+        if (self.on_button_) self.on_button_(self.cursor_, button, down);
       self.dragging_ = false;
       self.scrubbed_.reset();
     }

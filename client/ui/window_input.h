@@ -49,9 +49,9 @@ class WindowInput {
   };
   using TrackAt = std::function<std::optional<Track>(glm::dvec2 cursor)>;
 
-  /// Called when a mouse button goes down, and again just before it is released, while it still
-  /// counts as down at `cursor`.
-  using WhileDown = std::function<void(glm::dvec2 cursor, int button)>;
+  /// Called when a mouse button goes down, again just before it is released, while it still counts
+  /// as down at `cursor`, and once more when it has been released there.
+  using OnButton = std::function<void(glm::dvec2 cursor, int button, bool down)>;
 
   explicit WindowInput(GLFWwindow* window);
   ~WindowInput();
@@ -60,7 +60,7 @@ class WindowInput {
 
   void set_covered(Covered covered) { covered_ = std::move(covered); }
   void set_track(TrackAt track) { track_at_ = std::move(track); }
-  void set_while_down(WhileDown call) { while_down_ = std::move(call); }
+  void set_on_button(OnButton call) { on_button_ = std::move(call); }
   /// While flying, W, A, S, D, E and Q move the camera and are not actions.
   void set_flying(bool flying) { flying_ = flying; }
 
@@ -80,7 +80,7 @@ class WindowInput {
   GLFWwindow* const window_;
   Covered covered_;
   TrackAt track_at_;
-  WhileDown while_down_;
+  OnButton on_button_;
   Input input_;
   glm::dvec2 cursor_{0.0};
   bool dragging_ = false;          ///< a button went down on the picture and is still down

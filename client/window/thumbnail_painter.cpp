@@ -10,14 +10,15 @@ constexpr glm::ivec2 kSize{176, 99};
 }  // namespace
 
 std::optional<Thumbnail> ThumbnailPainter::draw(const PlacedFrame& frame, const Box& bounds,
-                                                const Camera& camera, const glm::vec3& background) {
+                                                const Camera& camera, const glm::vec3& background,
+                                                float scale) {
   if (!renderer_ && !failed_) {
     auto renderer = Renderer::create();
     failed_ = !renderer;
     if (renderer) renderer_ = *std::move(renderer);
   }
   if (!renderer_) return std::nullopt;
-  if (frame.frame != frame_.frame || camera != camera_) {
+  if (frame.frame != frame_.frame || camera != camera_ || scale != scale_) {
     // From the same direction, but far enough away to see everything.
     Camera near = camera;
     near.frame_bounds(bounds, static_cast<double>(kSize.x) / kSize.y);
@@ -26,12 +27,13 @@ std::optional<Thumbnail> ThumbnailPainter::draw(const PlacedFrame& frame, const 
     DrawOptions options;
     options.mode = DrawMode::point;
     // Nodes are not divided below the size of a point.
-    options.point_size = options.pixel_size = 2.0f * scale_;
+    options.point_size = options.pixel_size = 2.0f * scale;
     options.background = background;
-    if (!renderer_->draw(Scene{frame}, near, glm::ivec2(glm::vec2(kSize) * scale_), options))
+    if (!renderer_->draw(Scene{frame}, near, glm::ivec2(glm::vec2(kSize) * scale), options))
       return std::nullopt;
     frame_ = frame;
     camera_ = camera;
+    scale_ = scale;
   }
   return Thumbnail{renderer_->texture(), kSize};
 }

@@ -16,20 +16,17 @@ namespace pointreel {
 /// current when the first one was drawn.
 class ThumbnailPainter {
  public:
-  /// `scale` is that of the interface.
-  explicit ThumbnailPainter(float scale) : scale_(scale) {}
-
   /// Looks in the direction of the camera at all of `bounds`. Nothing if OpenGL cannot draw it. The
-  /// last picture is kept for as long as frame and camera stay the same.
+  /// last picture is kept for as long as nothing changes. `scale` is that of the interface.
   std::optional<Thumbnail> draw(const PlacedFrame& frame, const Box& bounds, const Camera& camera,
-                                const glm::vec3& background);
+                                const glm::vec3& background, float scale);
 
  private:
-  const float scale_;
   std::optional<Renderer> renderer_;
   bool failed_ = false;
   PlacedFrame frame_;
   Camera camera_;
+  float scale_ = 0.0f;
 };
 
 }  // namespace pointreel

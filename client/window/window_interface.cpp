@@ -6,6 +6,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "client/ui/interface_scale.h"
 #include "client/ui/timeline_view.h"
 #include "common/base/print.h"
 
@@ -22,6 +23,7 @@ constexpr milliseconds kPeriod{33};
 constexpr int kBuildsAfterInput = 3;
 /// Nobody reads numbers that change faster.
 constexpr milliseconds kStatisticsPeriod{200};
+constexpr milliseconds kScalePeriod{1000};
 
 double ms_since(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
@@ -30,12 +32,12 @@ double ms_since(steady_clock::time_point start) {
 }  // namespace
 
 WindowInterface::WindowInterface(WindowContext& window, const WindowSession& session,
-                                 const WindowErrors& errors, Controls& controls, float scale)
+                                 const WindowErrors& errors, Controls& controls)
     : window_(window),
       session_(session),
       errors_(errors),
       controls_(controls),
-      interface_(window.handle(), scale) {}
+      interface_(window.handle(), interface_scale(window.handle(), controls.settings().ui_scale)) {}
 
 void WindowInterface::forget() {
   hovered_us_.reset();
@@ -52,8 +54,8 @@ std::optional<WindowInterface::TimePoint> WindowInterface::next_build() const {
   return std::nullopt;
 }
 
-void WindowInterface::build_while_down(glm::dvec2 cursor, int button) {
-  build(steady_clock::now(), Gui::Held{cursor, button});
+void WindowInterface::build_for_button(glm::dvec2 cursor, int button, bool down) {
+  build(steady_clock::now(), Gui::Held{cursor, button, down});
 }
 
 void WindowInterface::update_waiting(TimePoint now) {
@@ -66,6 +68,7 @@ void WindowInterface::build(TimePoint now, const std::optional<Gui::Held>& held)
   built_ = now;
   view_.now = now;
   view_.held = held;
+  update_scale(now);
   int width = 1, height = 1;
   glfwGetWindowSize(window_.handle(), &width, &height);
   view_.size = {width, height};
@@ -84,6 +87,15 @@ void WindowInterface::build(TimePoint now, const std::optional<Gui::Held>& held)
   hovered_us_ = use.hovered_us;
   if (use.action) pressed_.push_back(*use.action);
   build_ms_ += ms_since(start);
+}
+
+void WindowInterface::update_scale(TimePoint now) {
+  // To ask for the screen takes a while, and the window seldom moves to another one.
+  const double wanted = controls_.settings().ui_scale;
+  if (wanted == wanted_scale_ && now - scale_updated_ < kScalePeriod) return;
+  wanted_scale_ = wanted;
+  scale_updated_ = now;
+  interface_.set_scale(interface_scale(window_.handle(), wanted));
 }
 
 void WindowInterface::update_statistics(TimePoint now) {
@@ -105,7 +117,8 @@ std::optional<Thumbnail> WindowInterface::thumbnail() {
   auto base = reel.thumbnail(reel.timeline().frame_at(*hovered_us_));
   if (!base) return std::nullopt;
   return thumbnails_.draw({std::move(base), stage.place(controls_.source())}, stage.bounds(),
-                          controls_.camera(), controls_.settings().draw.background);
+                          controls_.camera(), controls_.settings().draw.background,
+                          interface_.scale());
 }
 
 void WindowInterface::draw(bool timed) {

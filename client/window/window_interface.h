@@ -28,7 +28,7 @@ class WindowInterface {
   /// All arguments must outlive it. It chains itself to the callbacks of WindowInput, which must
   /// therefore be made before.
   WindowInterface(WindowContext& window, const WindowSession& session, const WindowErrors& errors,
-                  Controls& controls, float scale);
+                  Controls& controls);
 
   /// Has it built a few times, because something has happened.
   void refresh();
@@ -38,9 +38,9 @@ class WindowInterface {
   std::optional<TimePoint> next_build() const;
 
   void build(TimePoint now) { build(now, std::nullopt); }
-  /// While a button of the mouse is down, so that panels see each press and each whole drag,
+  /// When a button of the mouse goes down or up, so that panels see each press and each whole drag,
   /// however long a picture takes.
-  void build_while_down(glm::dvec2 cursor, int button);
+  void build_for_button(glm::dvec2 cursor, int button, bool down);
   /// Builds it if it shows something else than what the user waits for now.
   void update_waiting(TimePoint now);
   /// Draws into the window's framebuffer. If `timed`, waits for OpenGL and counts the time.
@@ -60,6 +60,7 @@ class WindowInterface {
 
  private:
   void build(TimePoint now, const std::optional<Gui::Held>& held);
+  void update_scale(TimePoint now);
   void update_statistics(TimePoint now);
   std::optional<Thumbnail> thumbnail();
 
@@ -69,12 +70,13 @@ class WindowInterface {
   Controls& controls_;
   Interface interface_;
   Interface::View view_;
-  ThumbnailPainter thumbnails_{interface_.scale()};
+  ThumbnailPainter thumbnails_;
   RecentFrames recent_;
   std::optional<std::uint64_t> hovered_us_;  ///< the time under the cursor
   std::vector<Action> pressed_;
   int builds_due_ = 0;
-  TimePoint built_{}, statistics_updated_{};
+  TimePoint built_{}, statistics_updated_{}, scale_updated_{};
+  double wanted_scale_ = 0.0;
   double build_ms_ = 0.0;  ///< since it was drawn last
   TimeSamples times_;
 };

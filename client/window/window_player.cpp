@@ -20,6 +20,7 @@
 #include "client/render/gl_context.h"
 #include "client/session/stage_setup.h"
 #include "client/ui/controls.h"
+#include "client/ui/interface_scale.h"
 #include "client/ui/window_input.h"
 #include "client/window/camera_recorder.h"
 #include "client/window/error_window.h"
@@ -57,16 +58,16 @@ class WindowPlayer {
         session_(options, errors_, [wakeups = wakeups_] { wakeups->wake(); }),
         controls_(options.settings),
         input_(window.handle()),
-        interface_(window, session_, errors_, controls_,
-                   static_cast<float>(options.ui_scale.value_or(window.content_scale()))) {
+        interface_(window, session_, errors_, controls_) {
     input_.set_covered([this](glm::dvec2 cursor) { return interface_.parts().covers(cursor); });
     input_.set_track([this](glm::dvec2 cursor) -> std::optional<WindowInput::Track> {
       const auto area = interface_.parts().track_at(cursor);
       if (!area) return std::nullopt;
       return WindowInput::Track{area->left, area->right};
     });
-    input_.set_while_down(
-        [this](glm::dvec2 cursor, int button) { interface_.build_while_down(cursor, button); });
+    input_.set_on_button([this](glm::dvec2 cursor, int button, bool down) {
+      interface_.build_for_button(cursor, button, down);
+    });
   }
 
   bool run() {
@@ -280,6 +281,12 @@ class WindowPlayer {
     } else if (action == Action::toggle_fullscreen ||
                (action == Action::leave && input_.fullscreen())) {
       input_.toggle_fullscreen();
+    } else if (action == Action::larger_interface || action == Action::smaller_interface) {
+      Settings settings = controls_.settings();
+      settings.ui_scale =
+          next_interface_scale(interface_.parts().scale(), action == Action::larger_interface);
+      controls_.set_settings(settings);
+      interface_.parts().say(fmt::format("interface {:.0f} %", 100.0 * settings.ui_scale), now);
     } else if (action == Action::add_camera_key) {
       if (const ReelPlayback* reel = controls_.reel())
         interface_.parts().say(camera_recorder_.add(controls_.camera(), reel->position_us(now)),
@@ -337,7 +344,8 @@ bool play_in_window(const PlayOptions& options, const std::stop_token& stop) {
     const std::string message =
         window.error().message + "; --offscreen WIDTHxHEIGHT draws without a display";
     print_error("pointreel", message);
-    show_error_window("Pointreel", message, end_of_duration(options), stop);
+    show_error_window("Pointreel", message, options.settings.ui_scale, end_of_duration(options),
+                      stop);
     return false;
   }
   return WindowPlayer(options, stop, *window).run();

@@ -257,5 +257,42 @@ TEST(TimeText, has_hours_only_if_there_are_any) {
   EXPECT_EQ(format_time(3'600'000'000), "1:00:00.000");
 }
 
+TEST_F(ControlsTest, the_view_keys_look_from_the_six_sides_at_the_same_place) {
+  const Camera home = controls_.camera();
+  const std::pair<Action, glm::dvec3> sides[] = {
+      {Action::view_front, {0, 0, 1}}, {Action::view_back, {0, 0, -1}},
+      {Action::view_left, {-1, 0, 0}}, {Action::view_right, {1, 0, 0}},
+      {Action::view_top, {0, 1, 0}},   {Action::view_bottom, {0, -1, 0}}};
+  for (const auto& [action, side] : sides) {
+    EXPECT_TRUE(act(action));
+    const Camera camera = controls_.camera();
+    EXPECT_LT(glm::distance(camera.axes()[2], side), 1e-9) << said();
+    EXPECT_EQ(camera.target, home.target);
+    EXPECT_EQ(camera.distance, home.distance);
+  }
+  controls_.look_home_unless_moved();
+  EXPECT_NE(controls_.camera(), home) << "the user has chosen the view";
+  act(Action::reset_view);
+  EXPECT_EQ(controls_.camera(), home);
+}
+
+TEST_F(ControlsTest, turning_over_reverses_the_axis_that_points_up_until_something_else_plays) {
+  const auto up = [&] { return controls_.camera().axes()[1].y; };
+  act(Action::view_front);
+  EXPECT_GT(up(), 0.9);
+  const glm::dvec3 eye = controls_.camera().eye();
+  act(Action::turn_over);
+  EXPECT_EQ(said(), "-y is up");
+  EXPECT_LT(up(), -0.9);
+  EXPECT_LT(glm::distance(controls_.camera().eye(), eye), 1e-6) << "it is seen from the same side";
+  EXPECT_EQ(controls_.settings().up, Up('y', true));
+  act(Action::turn_over);
+  EXPECT_EQ(said(), "y is up");
+  EXPECT_GT(up(), 0.9);
+  act(Action::turn_over);
+  controls_.begin(stage_.get(), [this] { return home_for(stage_->bounds(), 'y'); });
+  EXPECT_EQ(controls_.settings().up, std::nullopt);
+}
+
 }  // namespace
 }  // namespace pointreel

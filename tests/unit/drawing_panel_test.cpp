@@ -34,7 +34,8 @@ class DrawingPanelTest : public testing::Test {
     ImGui::NewFrame();
     settings_.drawing_panel = open_;
     const Settings before = settings_;
-    const bool changed = drawing_panel(settings_, kSize, 1.0f);
+    const bool changed = drawing_panel(settings_, {{12.0f, 48.0f}, kSize - glm::vec2(20.0f, 56.0f)},
+                                       std::exchange(place_, false), 1.0f);
     EXPECT_EQ(changed, before != settings_);
     open_ = std::exchange(settings_.drawing_panel, false);
     ImGui::Render();
@@ -89,6 +90,7 @@ class DrawingPanelTest : public testing::Test {
 
   Settings settings_;
   bool open_ = true;
+  bool place_ = true;
 };
 
 TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {

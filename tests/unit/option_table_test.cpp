@@ -28,7 +28,7 @@ TEST(OptionTable, names_in_the_settings_file_do_not_change) {
                                                "fill_holes", "delta", "visibility_scale", "edl",
                                                "color", "point_size", "shading_scale", "lighting",
                                                "pixel_size", "drafts", "background", "floor",
-                                               "drawing_panel", "statistics_panel"}));
+                                               "drawing_panel", "statistics_panel", "ui_scale"}));
 }
 
 TEST(OptionTable, defaults_and_both_ends_of_ranges_are_accepted_and_what_lies_beyond_is_not) {

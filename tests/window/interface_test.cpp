@@ -215,5 +215,45 @@ TEST_F(InterfaceWindow, the_s_key_saves_the_current_picture_without_the_interfac
   quit();
 }
 
+TEST_F(InterfaceWindow, the_plus_and_minus_keys_change_the_size_of_the_interface_which_is_kept) {
+  open();
+  pause();
+  const auto bar_rows = [&](int from, int to) {
+    player().move_to({400, 300});
+    player().move_to({410, 300});
+    return drawn(player().size().y - to, player().size().y - from);
+  };
+  EXPECT_TRUE(wait_until([&] { return bar_rows(0, 60) > 1000; }));
+  EXPECT_EQ(bar_rows(80, 130), bar_rows(140, 190)) << "the bar is lower than this";
+  for (int i = 0; i < 4; ++i) player().key("plus");
+  EXPECT_TRUE(wait_until([&] { return bar_rows(80, 130) > 500; }));
+  keep("interface 200 %");
+  player().key("minus");
+  quit();
+  open();
+  pause();
+  EXPECT_TRUE(wait_until([&] { return bar_rows(60, 110) > 500; })) << "it is kept";
+  player().key("minus");
+  for (int i = 0; i < 3; ++i) player().key("minus");
+  EXPECT_TRUE(wait_until([&] { return bar_rows(75, 110) < 500; }));
+  quit();
+}
+
+TEST_F(InterfaceWindow, the_interface_is_larger_on_a_4k_screen) {
+  auto large = VirtualDisplay::start({3840, 2160});
+  ASSERT_TRUE(large) << large.error().message;
+  auto opened = PlayerWindow::open(**large, {{plate().reel()}, folder_.path(), {}});
+  ASSERT_TRUE(opened) << opened.error().message;
+  player_ = *std::move(opened);
+  pause();
+  EXPECT_TRUE(wait_until([&] {
+    player().move_to({400, 300});
+    player().move_to({410, 300});
+    return drawn(player().size().y - 104, player().size().y - 75) > 500;
+  }));
+  keep("4k screen");
+  quit();
+}
+
 }  // namespace
 }  // namespace pointreel::window

@@ -191,5 +191,39 @@ TEST_F(LookingWindow, the_f_key_fills_the_screen_and_escape_restores_the_window)
   quit();
 }
 
+TEST_F(LookingWindow, the_number_keys_look_from_the_six_sides) {
+  open({"--at", "6"});
+  pause();
+  const int from = frame();
+  const auto first = patch();
+  player().key("3");
+  // The plate is nearly flat, and is seen from its edge.
+  EXPECT_TRUE(wait_until([&] { return times(first) < 0.5; })) << times(first);
+  keep("from the left");
+  player().key("1");
+  EXPECT_TRUE(wait_until([&] { return times(first) > 0.8; })) << times(first);
+  player().key("5");
+  EXPECT_TRUE(wait_until([&] { return times(first) < 0.5; })) << times(first);
+  keep("from the top");
+  player().key("2");
+  EXPECT_TRUE(wait_until([&] { return times(first) < 0.1 || times(first) > 0.8; }));
+  const auto report = quit();
+  EXPECT_NEAR(std::abs(report["window"]["camera"]["yaw"].get<double>()), M_PI, 1e-3);
+  EXPECT_EQ(report["window"]["frame"], from);
+}
+
+TEST_F(LookingWindow, the_u_key_turns_the_scene_upside_down_and_back) {
+  open({"--at", "6"});
+  pause();
+  const int from = frame();
+  player().key("u");
+  // The front is now on the other side, from which the plate is invisible.
+  EXPECT_TRUE(wait_until([&] { return frame() < 0; })) << frame();
+  keep("upside down");
+  player().key("u");
+  EXPECT_TRUE(wait_for_frame(from)) << frame();
+  quit();
+}
+
 }  // namespace
 }  // namespace pointreel::window

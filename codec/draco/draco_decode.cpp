@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
@@ -32,9 +33,13 @@ Bytes without_metadata(ByteView bytes, const DrcHeader& header) {
 /// point counts for at least as much bounds the time of points with few attributes.
 constexpr std::uint64_t kPointBytes = 64;
 
+/// Draco 1.5.5 believes any number of orientations of texture coordinates in edgebreaker meshes:
+/// up to 2^31 of them, which take 256 MiB and ten seconds. They count for that time.
+constexpr std::uint64_t kOrientationBytes = std::uint64_t{512} << 20;
+
 /// Takes the memory for the values of all points, as they are coded and as they are.
-Result<void> take_attributes(const draco::PointCloud& cloud, const DecodeLimits& limits,
-                             MemoryBudget& budget) {
+Result<void> take_attributes(const draco::PointCloud& cloud, bool edgebreaker,
+                             const DecodeLimits& limits, MemoryBudget& budget) {
   if (cloud.num_points() > limits.max_points) {
     return fail(ErrorCode::limit,
                 concat("the Draco data hold ", cloud.num_points(), " points, but at most ",
@@ -45,6 +50,9 @@ Result<void> take_attributes(const draco::PointCloud& cloud, const DecodeLimits&
     const draco::PointAttribute& attribute = *cloud.attribute(i);
     const int value = std::max(draco::DataTypeLength(attribute.data_type()), 1);
     bytes += 4 + attribute.num_components() * (static_cast<std::uint64_t>(value) + 4);
+    if (edgebreaker && attribute.attribute_type() == draco::GeometryAttribute::TEX_COORD) {
+      TRY(budget.take(1, kOrientationBytes));
+    }
   }
   return budget.take(cloud.num_points(), bytes);
 }
@@ -69,7 +77,8 @@ class Budgeted : public Decoder {
 
  protected:
   bool DecodeAllAttributes() override {
-    const auto taken = take_attributes(*this->point_cloud(), limits_, budget_);
+    constexpr bool kEdgebreaker = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
+    const auto taken = take_attributes(*this->point_cloud(), kEdgebreaker, limits_, budget_);
     if (!taken) refusal_ = taken.error();
     return taken.has_value() && Decoder::DecodeAllAttributes();
   }

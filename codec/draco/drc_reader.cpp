@@ -11,6 +11,7 @@
 
 #include "codec/draco/draco_decode.h"
 #include "codec/draco/drc_header.h"
+#include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -195,13 +196,11 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, bool mesh) {
 }  // namespace
 
 Result<PointCloud> read_drc(ByteView bytes, const DecodeLimits& limits) {
-  const DrcHeader header = TRY(parse_drc_header(bytes, kPointsPerFileByte, limits));
-  const auto decoded = TRY(run_draco_decoder(bytes, header, limits));
-  try {
+  return or_out_of_memory([&]() -> Result<PointCloud> {
+    const DrcHeader header = TRY(parse_drc_header(bytes, kPointsPerFileByte, limits));
+    const auto decoded = TRY(run_draco_decoder(bytes, header, limits));
     return convert(*decoded, header.mesh);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::limit, "not enough memory for the points of the Draco data");
-  }
+  });
 }
 
 }  // namespace pointreel

@@ -19,11 +19,10 @@ namespace pointreel {
 ///
 /// Trust: the bytes may be hostile. Before Draco runs, the counts for which it allocates memory are
 /// bounded (drc_header.h) and metadata are removed; what it returns is checked before it is read,
-/// and nothing is thrown. Decoding itself is as memory-safe as the installed libdraco. Its memory
-/// is bounded for point clouds, by kMaxComponents values for each point. For meshes it is bounded
-/// by the number of points times the number of attributes that fit into the file, and each
-/// attribute of quantised texture coordinates may make Draco 1.5.5 take up to 256 MiB and ten
-/// seconds more. Therefore read meshes only from files that a user chose, not from a network.
+/// and nothing is thrown. Decoding itself is as memory-safe as the installed libdraco, which is
+/// stopped before it takes more memory than DecodeLimits::max_memory. An attribute of texture
+/// coordinates of a mesh counts as 512 MiB, because it may make Draco 1.5.5 take half as much and
+/// ten seconds.
 Result<PointCloud> read_drc(ByteView bytes, const DecodeLimits& limits = {});
 
 }  // namespace pointreel

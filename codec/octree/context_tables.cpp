@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include "common/base/concat.h"
+#include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "pointreel/package.h"
 
@@ -55,7 +56,9 @@ Result<Bytes> write_table_file(ByteView tables) {
   return file;
 }
 
-Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file) {
+namespace {
+
+Result<std::shared_ptr<const ContextTables>> read(ByteView file) {
   if (file.empty()) return fail("context tables are cut short");
   if (file.size() > kMaxTablesBytes) {
     return fail(ErrorCode::limit, "context tables are larger than 1 MiB");
@@ -64,6 +67,12 @@ Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file) {
   ContextTables tables = TRY(unpack(file.subspan(1), base.get()));
   tables.checksum = checksum_of(file);
   return std::make_shared<const ContextTables>(std::move(tables));
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file) {
+  return or_out_of_memory([&] { return read(file); });
 }
 
 }  // namespace pointreel

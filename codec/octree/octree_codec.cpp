@@ -20,6 +20,7 @@
 #include "codec/octree/slabs.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
+#include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/octree/build.h"
 #include "pointreel/chunks.h"
@@ -334,9 +335,10 @@ int layer_count(int depth) {
   return layers;
 }
 
-Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
-                                   const OctreeOptions& options, bool normals, bool colors,
-                                   const Executor& executor) {
+namespace {
+
+Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const OctreeOptions& options,
+                            bool normals, bool colors, const Executor& executor) {
   TRY(check(cloud, cube, options));
   const SortedToDepth points = TRY(sort_to_depth(cloud, cube, options.depth));
   const Svo svo = build_svo(points.sorted, cloud.empty() ? 0 : points.depth);
@@ -412,8 +414,8 @@ Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
   return encoded;
 }
 
-Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& layers,
-                                       const DecodeLimits& limits) {
+Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
+                                const DecodeLimits& limits) {
   if (layers.empty()) return fail(ErrorCode::argument, "a frame needs at least its base layer");
   const ParsedFrameHeader parsed = TRY(read_frame_header(layers.front().geometry));
   const FrameHeader& header = parsed.header;
@@ -470,9 +472,9 @@ Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& laye
   return frame;
 }
 
-Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
-                                   const DecodeLimits& limits) {
-  OctreeFrame tree = TRY(decode_octree_tree(layers, limits));
+Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers,
+                            const DecodeLimits& limits) {
+  OctreeFrame tree = TRY(decode_tree(layers, limits));
   DecodedFrame frame;
   frame.cube = tree.header.cube;
   frame.depth = tree.header.depth;
@@ -485,6 +487,24 @@ Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
   frame.attributes = std::move(tree.nodes);
   frame.svo = std::move(tree.svo);
   return frame;
+}
+
+}  // namespace
+
+Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
+                                   const OctreeOptions& options, bool normals, bool colors,
+                                   const Executor& executor) {
+  return or_out_of_memory([&] { return encode(cloud, cube, options, normals, colors, executor); });
+}
+
+Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& layers,
+                                       const DecodeLimits& limits) {
+  return or_out_of_memory([&] { return decode_tree(layers, limits); });
+}
+
+Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
+                                   const DecodeLimits& limits) {
+  return or_out_of_memory([&] { return decode(layers, limits); });
 }
 
 }  // namespace pointreel

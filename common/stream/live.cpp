@@ -107,10 +107,10 @@ std::string write_publisher_hello(const LiveHello& hello, const LiveSecret& secr
 }
 
 std::string write_drops(const LiveDrops& drops) {
-  return dump({{"type", "drops"}, {"frames", drops.frames}, {"layers", drops.layers}});
+  return fmt::format(R"({{"type":"drops","frames":{},"layers":{}}})", drops.frames, drops.layers);
 }
 
-std::string write_end() { return dump({{"type", "end"}}); }
+std::string write_end() { return R"({"type":"end"})"; }
 
 Result<LiveText> parse_live_text(std::string_view text) {
   const TypedText typed = TRY(parse_typed(text));

@@ -46,9 +46,10 @@ void LiveQueue::push(std::uint32_t frame, std::uint8_t layer, std::uint8_t layer
     return;
   }
   if (newest.messages.empty()) newest.first = layer;
-  ++newest.next;
-  bytes_ += message.size();
+  const std::size_t size = message.size();
   newest.messages.push_back(std::move(message));
+  ++newest.next;
+  bytes_ += size;
   if (bytes_ <= options_.bytes) return;
   drop_before_newest();
   while (bytes_ > options_.bytes && !newest.messages.empty() &&
@@ -103,8 +104,9 @@ void LiveQueue::fall_behind(std::uint8_t layers) {
 std::optional<LiveMessage> LiveQueue::next() {
   if (hello_) return std::exchange(hello_, std::nullopt);
   if (drops_untold()) {
+    LiveMessage message = text_message(write_drops(drops_));
     told_ = drops_;
-    return text_message(write_drops(drops_));
+    return message;
   }
   while (frames_.size() > 1 && frames_.front().messages.empty()) frames_.pop_front();
   if (frames_.empty() || frames_.front().messages.empty()) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/base/concat.h"
+#include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/stream/json_fields.h"
 #include "common/stream/reel_rules.h"
@@ -179,7 +180,7 @@ Result<Manifest> parse_manifest(std::string_view text) {
   if (text.size() > kMaxManifestBytes) {
     return fail(ErrorCode::limit, concat("is longer than ", kMaxManifestBytes, " bytes"));
   }
-  return parse_root(TRY(parse_json(text)));
+  return or_out_of_memory([&]() -> Result<Manifest> { return parse_root(TRY(parse_json(text))); });
 }
 
 }  // namespace pointreel

@@ -50,31 +50,37 @@ struct RelayState {
 
 namespace {
 
-/// Keeps a stream from being evicted.
+/// Keeps a stream from being evicted, from `begin` on. It is made before, because afterwards
+/// nothing may fail, and destroyed without the lock.
 class Use {
  public:
   Use(std::shared_ptr<RelayState> state, std::string name)
       : state_(std::move(state)), name_(std::move(name)) {}
-  ~Use() { state_->release(name_); }
+  ~Use() {
+    if (stream_) state_->release(name_);
+  }
   Use(const Use&) = delete;
   Use& operator=(const Use&) = delete;
+
+  /// With the lock held. `entry` is that of the name.
+  void begin(RelayState::Entry& entry) {
+    ++entry.users;
+    stream_ = entry.stream;
+  }
+  Stream& stream() const { return *stream_; }
 
  private:
   std::shared_ptr<RelayState> state_;
   std::string name_;
-};
-
-/// A stream and its use.
-struct UsedStream {
-  std::unique_ptr<Use> use;
-  std::shared_ptr<Stream> stream;
+  std::shared_ptr<Stream> stream_;
 };
 
 /// The stream of this name, for a publisher. It is created if it does not exist yet; an error if
 /// there are too many.
-Result<UsedStream> stream_for_publisher(const std::shared_ptr<RelayState>& state,
-                                        const std::string& name) {
+Result<std::unique_ptr<Use>> use_for_publisher(const std::shared_ptr<RelayState>& state,
+                                               const std::string& name) {
   std::shared_ptr<Stream> evicted;  // destroyed without the lock, since it may have files to finish
+  auto use = std::make_unique<Use>(state, name);
   const std::lock_guard lock(state->mutex);
   auto found = state->streams.find(name);
   if (found == state->streams.end()) {
@@ -90,8 +96,8 @@ Result<UsedStream> stream_for_publisher(const std::shared_ptr<RelayState>& state
     auto stream = std::make_shared<Stream>(name, state->options.viewer, std::move(sinks));
     found = state->streams.emplace(name, RelayState::Entry{std::move(stream), 0, 0}).first;
   }
-  ++found->second.users;
-  return UsedStream{std::make_unique<Use>(state, name), found->second.stream};
+  use->begin(found->second);
+  return use;
 }
 
 /// Has its stream once the hello has come.
@@ -101,26 +107,26 @@ class StreamPublication : public Publication {
       : state_(std::move(state)), name_(std::move(name)) {}
   ~StreamPublication() override {
     if (!greeted()) return;
-    used_.stream->leave(this, ended_ ? Stream::Time::min() : now() + state_->options.grace);
+    use_->stream().leave(this, ended_ ? Stream::Time::min() : now() + state_->options.grace);
   }
 
   Result<void> message(LiveMessage message) override {
     if (message.kind == LiveMessage::Kind::binary) {
       if (!greeted()) return fail("the first message must be a hello");
-      return used_.stream->layer(this, std::move(message));
+      return use_->stream().layer(this, std::move(message));
     }
     const std::string_view text(reinterpret_cast<const char*>(message.bytes->data()),
                                 message.bytes->size());
     const auto hello = TRY(parse_publisher_text(text));
     if (!hello) return {};
-    if (used_.stream) return used_.stream->hello(this, *hello, now());
-    UsedStream used = TRY(stream_for_publisher(state_, name_));
-    TRY(used.stream->hello(this, *hello, now()));
-    used_ = std::move(used);
+    if (greeted()) return use_->stream().hello(this, *hello, now());
+    std::unique_ptr<Use> use = TRY(use_for_publisher(state_, name_));
+    TRY(use->stream().hello(this, *hello, now()));
+    use_ = std::move(use);
     return {};
   }
 
-  bool greeted() const override { return used_.stream != nullptr; }
+  bool greeted() const override { return use_ != nullptr; }
   void end() override { ended_ = true; }
 
  private:
@@ -129,20 +135,19 @@ class StreamPublication : public Publication {
   const std::shared_ptr<RelayState> state_;
   const std::string name_;
   bool ended_ = false;
-  UsedStream used_;
+  std::unique_ptr<Use> use_;  ///< null before the hello
 };
 
 class StreamViewer : public Viewer {
  public:
-  StreamViewer(std::unique_ptr<Use> use, std::shared_ptr<Stream> stream, std::function<void()> wake)
-      : use_(std::move(use)), stream_(std::move(stream)), seat_(stream_->join(std::move(wake))) {}
-  ~StreamViewer() override { stream_->leave(seat_); }
+  StreamViewer(std::unique_ptr<Use> use, std::function<void()> wake)
+      : use_(std::move(use)), seat_(use_->stream().join(std::move(wake))) {}
+  ~StreamViewer() override { use_->stream().leave(seat_); }
 
-  std::optional<LiveMessage> next() override { return stream_->next(*seat_); }
+  std::optional<LiveMessage> next() override { return use_->stream().next(*seat_); }
 
  private:
   std::unique_ptr<Use> use_;
-  std::shared_ptr<Stream> stream_;
   std::shared_ptr<Seat> seat_;
 };
 
@@ -161,14 +166,15 @@ Result<std::unique_ptr<Publication>> Relay::publish(const std::string& name) {
 }
 
 Result<std::unique_ptr<Viewer>> Relay::join(const std::string& name, std::function<void()> wake) {
-  const std::lock_guard lock(state_->mutex);
+  auto use = std::make_unique<Use>(state_, name);
+  std::unique_lock lock(state_->mutex);
   const auto found = state_->streams.find(name);
   if (found == state_->streams.end()) {
     return fail(ErrorCode::not_found, fmt::format("nobody publishes {}", name));
   }
-  ++found->second.users;
-  return std::make_unique<StreamViewer>(std::make_unique<Use>(state_, name), found->second.stream,
-                                        std::move(wake));
+  use->begin(found->second);
+  lock.unlock();
+  return std::make_unique<StreamViewer>(std::move(use), std::move(wake));
 }
 
 std::vector<StreamStatistics> Relay::statistics() const {

@@ -1,6 +1,7 @@
 #include "server/relay/stream.h"
 
 #include <chrono>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,9 +38,8 @@ void Stream::leave(const void* publisher, Time reserved_until) {
   owner_ = nullptr;
   reserved_until_ = reserved_until;
   for (const auto& sink : sinks_) sink->end();
-  const LiveMessage end = text_message(write_end());
   for (const auto& seat : seats_) {
-    seat->queue.end(end);
+    seat->queue.end(end_);
     wake(*seat);
   }
 }
@@ -51,7 +51,7 @@ std::shared_ptr<Seat> Stream::join(std::function<void()> wake) {
   for (std::size_t i = 0; i < newest_.size(); ++i) {
     seat->queue.push(last_.frame, static_cast<std::uint8_t>(i), last_.layers, newest_[i]);
   }
-  if (owner_ == nullptr) seat->queue.end(text_message(write_end()));
+  if (owner_ == nullptr) seat->queue.end(end_);
   seats_.push_back(seat);
   return seat;
 }
@@ -180,6 +180,9 @@ Result<void> Stream::layer(const void* publisher, LiveMessage message) {
   } else {
     TRY(at_place("layer", check_frame(parsed)));
   }
+  // First what may lack memory. If it does, this layer has not come, and the publisher, whose
+  // connection ends then, may send it again.
+  newest_.push_back(message);
   last_ = parsed;
   last_.bytes = {};
   ++layers_;
@@ -189,14 +192,17 @@ Result<void> Stream::layer(const void* publisher, LiveMessage message) {
     seat->queue.push(parsed.frame, parsed.layer, parsed.layers, message);
     wake(*seat);
   }
-  newest_.push_back(std::move(message));
   return {};
 }
 
 void Stream::wake(Seat& seat) {
   if (!seat.asleep || seat.queue.empty()) return;
-  seat.asleep = false;
-  seat.wake();
+  try {
+    seat.wake();
+    seat.asleep = false;
+  } catch (const std::bad_alloc&) {
+    // It sleeps on until the next message comes.
+  }
 }
 
 }  // namespace pointreel

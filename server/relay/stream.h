@@ -54,6 +54,8 @@ class Stream {
   static void wake(Seat& seat);
 
   const std::string name_;
+  /// Made beforehand, because a publisher also leaves when there is no memory.
+  const LiveMessage end_ = text_message(write_end());
   const LiveQueueOptions options_;
   const std::vector<std::shared_ptr<LiveSink>> sinks_;
   mutable std::mutex mutex_;  // guards what follows, including the seats

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string_view>
-#include <system_error>
 
+#include <dirent.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -50,12 +50,13 @@ void write_process(Page& page) {
     page.one("process_resident_memory_bytes", "gauge", "Resident memory size in bytes.",
              static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)));
   }
-  std::error_code error;
-  const std::filesystem::directory_iterator descriptors("/proc/self/fd", error);
-  if (!error) {
-    const auto count = std::distance(begin(descriptors), end(descriptors));
-    page.one("process_open_fds", "gauge", "Number of open file descriptors.",
-             static_cast<double>(count));
+  // A directory_iterator ends the program if there is no memory for it.
+  const auto close = [](DIR* folder) { ::closedir(folder); };
+  if (const std::unique_ptr<DIR, decltype(close)> descriptors(::opendir("/proc/self/fd"));
+      descriptors != nullptr) {
+    int count = -2;  // "." and ".."
+    while (::readdir(descriptors.get()) != nullptr) ++count;
+    page.one("process_open_fds", "gauge", "Number of open file descriptors.", count);
   }
   timespec used{};
   ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);

@@ -59,11 +59,14 @@ Decoding frame_decoding(std::string name, const PointCloud& cloud, const EncodeO
                         bool inner_nodes = false) {
   const auto frame =
       std::make_shared<const EncodedFrame>(encode_frame(cloud, Cube{}, options).value());
+  const auto views =
+      std::make_shared<const std::vector<Chunks<ByteView>>>(layer_views(frame->layers));
   return {std::move(name), [=](const DecodeLimits& given) -> Result<std::size_t> {
             DecodeLimits limits = given;
             limits.inner_nodes = inner_nodes;
             limits.leaves = !inner_nodes;
-            const DecodedFrame decoded = TRY(decode_frame(layer_views(frame->layers), limits));
+            const DecodedFrame decoded = TRY(decode_frame(*views, limits));
+            (void)frame;  // the views are of its bytes
             return inner_nodes ? decoded.svo->leaf_count() : decoded.cloud.size();
           }};
 }

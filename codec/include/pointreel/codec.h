@@ -17,6 +17,11 @@
 
 /// The octree codec, and what it shares with the Draco codec (draco.h). Every encoded frame stands
 /// alone: decoding it needs no other frame. FORMAT.md describes the format byte by byte.
+///
+/// No function that returns a Result throws. If there is not enough memory, it returns the error
+/// `limit`, and nothing is leaked. Where the codec is compiled without exceptions (CMake's
+/// POINTREEL_EXCEPTIONS=OFF), a lack of memory ends the program; DecodeLimits::max_memory then
+/// keeps frames below what there is.
 namespace pointreel {
 
 /// Trained probability tables for Entropy::context. read_table_file reads them.

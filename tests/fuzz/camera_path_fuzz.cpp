@@ -1,3 +1,5 @@
+//   camera_path_fuzz -max_len=262144 CORPUS_COPY tests/fuzz/corpus/camera_path
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -6,6 +8,7 @@
 #include <string_view>
 
 #include "client/scene/camera_path.h"
+#include "tests/fuzz/repetition.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Reads hostile .drc bytes as a user's file and as a frame's payload. libdraco itself is not
 // instrumented, so crashes within it are found, but small reads beyond the input may not be.
 //
-//   drc_fuzz -max_len=4096 -timeout=30 CORPUS_COPY tests/fuzz/corpus/drc
+//   drc_fuzz -max_len=4096 CORPUS_COPY tests/fuzz/corpus/drc
 
 #include <cmath>
 #include <cstddef>
@@ -28,7 +28,7 @@ void check_sizes(const pointreel::PointCloud& cloud, std::uint32_t most) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const pointreel::ByteView bytes(data, size);
-  const pointreel::DecodeLimits limits{1u << 13};
+  const pointreel::DecodeLimits limits{1u << 13, std::uint64_t{64} << 20};
   if (auto cloud = pointreel::read_drc(bytes, limits)) {
     check_sizes(*cloud, limits.max_points);
     pointreel::sanitize(*cloud);

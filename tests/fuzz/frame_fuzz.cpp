@@ -14,7 +14,7 @@ using namespace pointreel;
 
 namespace {
 
-const DecodeLimits kLimits{1u << 16};
+const DecodeLimits kLimits{1u << 16, std::uint64_t{256} << 20};
 
 void require(bool condition) {
   if (!condition) std::abort();

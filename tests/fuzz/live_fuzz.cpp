@@ -1,3 +1,5 @@
+//   live_fuzz -max_len=65536 CORPUS_COPY tests/fuzz/corpus/live
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -5,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "tests/fuzz/repetition.h"
 #include "tests/live_layer.h"
 
 /// Parses messages of live streams, which are text or binary as the first byte says. An accepted

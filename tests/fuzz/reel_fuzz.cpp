@@ -1,3 +1,5 @@
+//   reel_fuzz -max_len=1048576 CORPUS_COPY tests/fuzz/corpus/reel
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -6,6 +8,7 @@
 
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
+#include "tests/fuzz/repetition.h"
 
 /// An accepted manifest must satisfy what the parser guarantees: every frame can be located, its
 /// bytes are inside their files, and writing and parsing the manifest again changes nothing.

@@ -74,13 +74,15 @@ void refuse_outside(Fields& fields, const char* key, double value, double min, d
 }
 
 /// A misspelt name would have no effect, and nobody would be told.
-void refuse_others(Fields& fields, const nlohmann::json& json,
+void refuse_others(Fields& fields, const JsonValue& json,
                    std::initializer_list<std::string_view> known) {
   if (fields.error()) return;
-  for (const auto& [name, ignored] : json.items())
+  for (JsonItems item(json); item.next();) {
+    const std::string name = item.key().string().value_or(std::string());
     if (std::find(known.begin(), known.end(), name) == known.end())
       fields.refuse(name,
                     fmt::format("is not known here; there may be {}", fmt::join(known, ", ")));
+  }
 }
 
 Result<CameraKey> parse_key(const JsonValue& json) {

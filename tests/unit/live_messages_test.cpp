@@ -122,7 +122,7 @@ TEST(LiveMessages, the_longest_hello_has_room) {
   hello.name = std::string(kMaxTitle, '"');
   hello.layer_names.clear();
   for (char c = 'a'; hello.layer_names.size() < kMaxLayers; ++c) {
-    hello.layer_names.emplace_back(kMaxTitle, c);
+    hello.layer_names.emplace_back(kMaxLayerName, c);
   }
   hello.fps = 29.970029970029973;
   hello.bounds = {};

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "common/stream/manifest.h"
+#include "common/stream/reel_rules.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
@@ -213,10 +214,9 @@ TEST_F(RecorderTest, frames_keep_their_pace_when_the_publishers_clock_is_set_bac
 TEST_F(RecorderTest, times_and_rates_of_any_size_give_a_package) {
   LiveRecorder recorder(options());
   LiveHello hello = real_hello();
-  hello.fps = 1e-300;
+  hello.fps = kMinFps;
   recorder.hello(hello);
-  const std::uint64_t latest = (std::uint64_t{1} << 53) - 1;
-  for (std::uint32_t i = 0; i < 20; ++i) give_at(recorder, i, i % 2 == 0 ? 0 : latest);
+  for (std::uint32_t i = 0; i < 20; ++i) give_at(recorder, i, i % 2 == 0 ? 0 : kMaxCaptureTime);
   recorder.end();
   std::uint32_t frames = 0;
   EXPECT_THAT(faults(package(), frames), IsEmpty());

@@ -16,6 +16,7 @@
 #include <tbb/info.h>
 
 #include "common/base/memory.h"
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
@@ -189,7 +190,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(0, 1000000));
   app.add_option("--fps", sequence.fps, "frames per second")
       ->capture_default_str()
-      ->check(CLI::Range(0.001, 100000.0));
+      ->check(pointreel::number_within(0.001, 100000.0));
   app.add_option("--threads", options.threads, "number of threads; 0: one for each core")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
@@ -219,11 +220,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--noise", sequence.noise,
                  "additional noise: its standard deviation along each axis in metres")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(pointreel::number_within(0.0, 1.0))
       ->group(kSampling);
   app.add_option("--spacing", options.spacing, "ldc: distance between the rays in millimetres")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(pointreel::number_within(0.1, 1000.0))
       ->group(kSampling);
   app.add_flag("--reduce", sequence.ldc.reduce,
                "ldc: move points to where rays cross, and keep one in each place")

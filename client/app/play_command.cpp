@@ -14,6 +14,7 @@
 #include "client/playback/clock.h"
 #include "client/record/open_recorder.h"
 #include "client/ui/bindings.h"
+#include "common/base/number_option.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -280,6 +281,8 @@ Result<void> PlayCommand::set_given(Settings& settings) const {
 Result<PlayOptions> PlayCommand::options() const {
   PlayOptions options = options_;
   TRY(set_given(options.settings));
+  if (std::string fault = fault_of_token(*command_->get_option("--token")); !fault.empty())
+    return fail(ErrorCode::argument, std::move(fault));
   if (positions_.size() > sources_.size())
     return fail(ErrorCode::argument,
                 fmt::format("--at-position is given {} times for {} source{}", positions_.size(),

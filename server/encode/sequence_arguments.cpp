@@ -1,32 +1,14 @@
 #include "server/encode/sequence_arguments.h"
 
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "codec/octree/slabs.h"
+#include "common/base/number_option.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
-
-namespace {
-
-/// Accepts the numbers for which `good` holds. CLI::Range would let NaN pass.
-CLI::Validator number(const char* what, bool (*good)(double)) {
-  const auto check = [what, good](const std::string& text) {
-    double value = 0.0;
-    if (CLI::detail::lexical_cast(text, value) && good(value)) return std::string();
-    return fmt::format("{} is not {}", text, what);
-  };
-  return CLI::Validator(check, "");
-}
-
-CLI::Validator positive() {
-  return number("a number above 0", [](double v) { return v > 0.0 && std::isfinite(v); });
-}
-
-}  // namespace
 
 CLI::Option* SequenceArguments::only_with(Codec of, CLI::Option* option) {
   of_codec_.emplace_back(of, option);
@@ -41,8 +23,7 @@ CLI::Option* SequenceArguments::only_with_context(CLI::Option* option) {
 void SequenceArguments::add_to(CLI::App& command, const char* default_name,
                                const char* about_frame_time) {
   command.add_option("--fps", sequence.fps, "frames per second")
-      ->check(
-          number("from 0.000001 to 1000000", is_frame_rate))
+      ->check(number_option("a number from 0.000001 to 1000000", is_frame_rate))
       ->capture_default_str();
   add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
                    "the axis that points up");
@@ -58,7 +39,7 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
           fmt::format("milliseconds that encoding a frame may take; the depth is lowered to "
                       "achieve this ({})",
                       about_frame_time))
-      ->check(positive())
+      ->check(positive_number())
       ->type_name("MS");
   add_choice<Codec>(command, "--codec", codec,
                     {{name(Codec::octree), Codec::octree}, {name(Codec::draco), Codec::draco}},
@@ -84,7 +65,7 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
           .add_option_function<double>(
               "--delta", [this](double share) { octree.depth = DepthRule::by_delta(share); },
               "divide the octree until at most this share of the points has merged into others")
-          ->check(number("a number of at least 0", [](double v) { return v >= 0.0; }))
+          ->check(number_option("a number of at least 0", [](double v) { return v >= 0.0; }))
           ->default_str(fmt::format("{}", octree.depth.delta)));
   CLI::Option* depth =
       only_with(Codec::octree,
@@ -100,7 +81,7 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
           .add_option("--voxel", sequence.voxel,
                       "instead of --delta: voxels of this size in the source's units, centred on "
                       "its multiples")
-          ->check(positive()));
+          ->check(positive_number()));
   delta->excludes(depth)->excludes(voxel);
   depth->excludes(voxel);
   only_with(Codec::octree, add_choice<Entropy>(command, "--entropy", octree.entropy,

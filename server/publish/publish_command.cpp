@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/stop_signal.h"
 #include "common/base/try.h"
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 struct PublishArguments {
   std::string input, to, token, ca_file;
   bool loop = false, follow = false, json = false;
+  const CLI::Option* token_option = nullptr;
   SequenceArguments sequence;
 };
 
@@ -32,6 +34,9 @@ std::string stream_name(const std::string& url) { return url.substr(url.rfind('/
 
 Result<PublishOptions> make_options(const PublishArguments& arguments) {
   TRY(parse_websocket_url(arguments.to));
+  if (std::string fault = fault_of_token(*arguments.token_option); !fault.empty()) {
+    return fail(ErrorCode::argument, std::move(fault));
+  }
   if (arguments.to.find_first_of("?#") != std::string::npos ||
       !is_stream_name(stream_name(arguments.to))) {
     return fail(ErrorCode::argument,
@@ -146,8 +151,8 @@ void add_publish_command(CLI::App& app, int& exit_code) {
   command->add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")
       ->required()
       ->type_name("URL");
-  command->add_option("--token", a.token, "the server's token for publishers")
-      ->envname("POINTREEL_TOKEN");
+  a.token_option = command->add_option("--token", a.token, "the server's token for publishers")
+                       ->envname("POINTREEL_TOKEN");
   command
       ->add_option("--ca-file", a.ca_file,
                    "for wss://: certificates to trust instead of the system's, in PEM form")

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/try.h"
 #include "tests/bench/output.h"
@@ -198,7 +199,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       ->add_option("--peak", options->peak,
                    "the peak of PSNR in the units of the files, such as 1023 for 10-bit voxels\n"
                    "[the largest extent of A]")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       ->add_option("--bits", options->bits,
                    "also show distances in voxels, where the peak is 2^bits - 1 voxels; if all\n"

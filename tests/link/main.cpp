@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
@@ -65,6 +66,7 @@ int run(int argc, char** argv) {
       ->type_name("RATE")
       ->capture_default_str();
   app.add_option("--delay", delay, "milliseconds one way, which is half of the round trip")
+      ->check(pointreel::number_within(0.0, 60'000.0))
       ->type_name("MS")
       ->capture_default_str();
   app.add_option("--script", script_path, "a file of changes over time; see below")

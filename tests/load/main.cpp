@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
@@ -28,8 +29,11 @@ int run(int argc, char** argv) {
                  "stream; ADDRESS must be numeric, such as 127.0.0.1")
       ->required();
   app.add_option("--viewers", options.viewers, "number of viewers")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "how long to measure")->capture_default_str();
+  app.add_option("--seconds", options.seconds, "how long to measure")
+      ->check(pointreel::positive_number())
+      ->capture_default_str();
   app.add_option("--warm-up", options.warm_up, "seconds before the measurement starts")
+      ->check(pointreel::number_within(0.0, 86'400.0))
       ->capture_default_str();
   app.add_option("--token", options.token, "bearer token, if the server requires one");
   app.add_flag("--json", json, "print the figures as JSON");

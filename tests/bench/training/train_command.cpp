@@ -10,6 +10,7 @@
 #include <zstd.h>
 
 #include "codec/training/context_trainer.h"
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/training/training_clouds.h"
@@ -70,7 +71,7 @@ void add_train_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--leaf-cost", options->training.leaf_cost,
                    "bits that each leaf must save; a higher cost gives smaller tables")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = train(*options); });
 }

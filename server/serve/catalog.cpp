@@ -18,6 +18,9 @@
 #include "server/serve/entity_tag.h"
 #include "server/serve/request_target.h"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 namespace pointreel {
 namespace {
 
@@ -25,8 +28,50 @@ namespace fs = std::filesystem;
 
 constexpr const char* kJson = "application/json";
 
-std::int64_t modified_ns(const struct stat& status) {
-  return std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+FileIdentity identity_of(const struct stat& status) {
+  const auto ns = [](const timespec& t) {
+    return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+  };
+  return {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
+          ns(status.st_mtim), ns(status.st_ctim)};
+}
+
+/// Whether the content of the open file has the size and the checksum of the resource.
+bool has_content(int file, const Resource& resource) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  std::vector<std::uint8_t> piece(1u << 20);
+  std::uint64_t size = 0;
+  for (ssize_t got = 0;
+       (got = ::pread(file, piece.data(), piece.size(), static_cast<off_t>(size)));) {
+    if (got < 0) return false;
+    XXH3_64bits_update(&state, piece.data(), static_cast<std::size_t>(got));
+    size += static_cast<std::uint64_t>(got);
+    if (size > resource.size) return false;
+  }
+  return size == resource.size && XXH3_64bits_digest(&state) == resource.checksum;
+}
+
+/// Whether the file is right, which is found out once for each identity. With the lock held.
+bool is_right(KnownFile& known, int file, const Resource& resource) {
+  struct stat status{};
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  if (status.st_nlink == 0) return false;  // removed, or another was put in its place
+  const FileIdentity identity = identity_of(status);
+  if (identity == known.right) return true;
+  if (identity.size != resource.size || known.wrong == identity) return false;
+  const bool right = has_content(file, resource);
+  if (right) {
+    known.right = identity;
+  } else {
+    known.wrong = identity;
+  }
+  return right;
+}
+
+/// The name of a folder may not be UTF-8, but JSON must be.
+std::string text_of(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 /// The name under which the package in a folder is served.
@@ -102,28 +147,29 @@ Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed
   resource.etag = make_etag(listed.checksum);
   resource.file = file;
   resource.size = listed.bytes;
-  resource.modified_ns = modified_ns(status);
+  resource.checksum = listed.checksum;
+  resource.known = std::make_shared<KnownFile>();
+  resource.known->right = identity_of(status);
   return resource;
 }
 
 }  // namespace
 
-FileHandle::~FileHandle() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
+FileHandle::~FileHandle() { ::close(descriptor_); }
 
-tl::expected<FileHandle, OpenError> open_resource(const Resource& resource) {
-  FileHandle file(::open(resource.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  if (file.get() < 0) {
+tl::expected<SharedFile, OpenError> open_resource(const Resource& resource) {
+  KnownFile& known = *resource.known;
+  const std::lock_guard lock(known.mutex);
+  SharedFile file = known.open.lock();
+  if (file && is_right(known, file->get(), resource)) return file;
+  const int opened = ::open(resource.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (opened < 0) {
     const bool busy = errno == EMFILE || errno == ENFILE || errno == ENOMEM;
     return tl::unexpected(busy ? OpenError::kBusy : OpenError::kChanged);
   }
-  struct stat status{};
-  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
-      static_cast<std::uint64_t>(status.st_size) != resource.size ||
-      modified_ns(status) != resource.modified_ns) {
-    return tl::unexpected(OpenError::kChanged);
-  }
+  file = std::make_shared<const FileHandle>(opened);
+  if (!is_right(known, opened, resource)) return tl::unexpected(OpenError::kChanged);
+  known.open = file;
   return file;
 }
 
@@ -188,14 +234,25 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
                        {"codec", manifest->codec}});
   }
 
-  nlohmann::ordered_json root;
-  root["packages"] = std::move(listing);
-  // The name of a folder may not be UTF-8, but JSON must be.
-  using Handler = nlohmann::ordered_json::error_handler_t;
+  catalog.packages_ = text_of(listing);
   resources.erase("/healthz");  // may be the redirect of a package of that name
-  add("/", text_resource(kJson, kRevalidate, root.dump(2, ' ', false, Handler::replace) + "\n"));
   add("/healthz", text_resource("text/plain; charset=utf-8", "no-store", "ok\n"));
   return catalog;
+}
+
+std::shared_ptr<const Resource> Catalog::list(const std::vector<StreamStatistics>& streams) const {
+  nlohmann::ordered_json live = nlohmann::ordered_json::array();
+  for (const StreamStatistics& stream : streams) {
+    const std::string url = "/live/" + stream.name;
+    live.push_back({{"name", stream.name},
+                    {"url", url},
+                    {"manifest", fmt::format("{}/{}", url, kManifestName)},
+                    {"publishing", stream.publishing},
+                    {"viewers", stream.viewers}});
+  }
+  return std::make_shared<const Resource>(text_resource(
+      kJson, kRevalidate,
+      fmt::format("{{\"packages\": {},\n\"streams\": {}}}\n", packages_, text_of(live))));
 }
 
 std::shared_ptr<const Resource> Catalog::find(std::string_view path) const {

@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "pointreel/error.h"
+#include "server/relay/relay.h"
 #include "server/serve/live_resources.h"
 #include "server/serve/resource.h"
 
@@ -16,38 +16,19 @@
 /// outside these tables can be reached, whatever a request says.
 namespace pointreel {
 
-/// An open file descriptor with one owner.
-class FileHandle {
- public:
-  FileHandle() = default;
-  explicit FileHandle(int descriptor) : descriptor_(descriptor) {}
-  FileHandle(FileHandle&& other) noexcept : descriptor_(other.descriptor_) {
-    other.descriptor_ = -1;
-  }
-  FileHandle& operator=(FileHandle&& other) noexcept {
-    std::swap(descriptor_, other.descriptor_);
-    return *this;
-  }
-  ~FileHandle();
-  int get() const { return descriptor_; }
-
- private:
-  int descriptor_ = -1;
-};
-
 enum class OpenError {
-  kChanged,  ///< the file is gone, or its size or modification time has changed
+  kChanged,  ///< the file is gone, or has another content
   kBusy,     ///< no file descriptor is free at present
 };
 
-/// Opens the file of a kFile resource, if it has not changed since the table was made.
-tl::expected<FileHandle, OpenError> open_resource(const Resource& resource);
+/// The file of a kFile resource, opened unless it is open already. If it is not the file that the
+/// table was made of, or was touched since, its content is compared with the checksum, once.
+tl::expected<SharedFile, OpenError> open_resource(const Resource& resource);
 
 class Catalog {
  public:
   /// Reads the manifests and checks that every file that they name exists, has the right size and
   /// lies in its package. The paths are:
-  ///   /                   list of the packages, JSON
   ///   /healthz            "ok"
   ///   /NAME, /NAME/       redirects to the manifest
   ///   /NAME/reel.json     the manifest as it is on disk now
@@ -61,11 +42,15 @@ class Catalog {
   /// before the catalog is served.
   void add(std::shared_ptr<const LiveResources> live) { live_ = std::move(live); }
 
+  /// The list of the packages and of these streams, JSON, which is served at /. From any thread.
+  std::shared_ptr<const Resource> list(const std::vector<StreamStatistics>& streams) const;
+
   /// The resource at a decoded path; null if there is none. From any thread.
   std::shared_ptr<const Resource> find(std::string_view path) const;
 
  private:
   ResourceTable resources_;
+  std::string packages_ = "[]";  ///< JSON
   std::shared_ptr<const LiveResources> live_;
 };
 

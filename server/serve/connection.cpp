@@ -39,14 +39,14 @@ Task<HeadReader::State> read_head(Transport& transport, HeadReader& reader,
 
 Task<bool> write(Transport& transport, const Response& response, bool keep_alive) {
   const std::string head = write_head(response, keep_alive, unix_time());
-  if (response.file.get() < 0) {
+  if (!response.file) {
     const std::string_view body =
         response.own_text.empty() ? response.text : std::string_view(response.own_text);
     if (!co_await transport.write(head, !body.empty())) co_return false;
     co_return body.empty() || co_await transport.write(body, false);
   }
   if (!co_await transport.write(head, response.size > 0)) co_return false;
-  co_return co_await transport.write_file(response.file.get(), response.offset, response.size);
+  co_return co_await transport.write_file(response.file->get(), response.offset, response.size);
 }
 
 }  // namespace
@@ -60,6 +60,7 @@ Task<void> serve_connection(std::shared_ptr<Transport> transport, ConnectionTabl
     co_return;
   }
   HeadReader reader;
+  SharedFile kept;  // The file of the last response: the next request is often for the same.
   while (true) {
     const HeadReader::State state =
         co_await read_head(*transport, reader, place, limits.header_timeout);
@@ -96,6 +97,7 @@ Task<void> serve_connection(std::shared_ptr<Transport> transport, ConnectionTabl
                            {"ms", took.count()},
                            {"whole", written}});
     }
+    if (response.file) kept = response.file;
     if (!written) break;
     if (!keep_alive) {
       co_await transport->linger();

@@ -41,11 +41,18 @@ Request request_of(const http::request<http::empty_body>& message) {
   request.forwarded = message.count(http::field::forwarded) > 0 ||
                       message.count("X-Forwarded-For") > 0 || message.count("X-Real-IP") > 0 ||
                       message.count(http::field::via) > 0;
-  request.has_origin = message.count(http::field::origin) > 0;
+  request.host = joined(http::field::host);
+  request.origin = joined(http::field::origin);
   request.websocket = message.method() == http::verb::get && !request.http_1_0 &&
                       http::token_list(message[http::field::connection]).exists("upgrade") &&
                       http::token_list(message[http::field::upgrade]).exists("websocket");
   const std::string length = joined(http::field::content_length);
+  // Whoever is in front of this server may understand another combination of these, or another
+  // coding, in another way, and take the body for a second request (RFC 9112, section 6.1).
+  const bool coded = message.count(http::field::transfer_encoding) > 0;
+  request.bad_framing =
+      coded && (request.http_1_0 || message.count(http::field::content_length) > 0 ||
+                !boost::beast::iequals(joined(http::field::transfer_encoding), "chunked"));
   request.has_body = message.chunked() || (!length.empty() && length != "0");
   return request;
 }

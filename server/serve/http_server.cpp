@@ -30,6 +30,12 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 /// Between two log lines that say that there is no room.
 constexpr std::chrono::seconds kWarningPause{10};
 
+ServiceOptions service_options(const HttpServerOptions& options) {
+  ServiceOptions service = options.service;
+  service.loopback = is_loopback(options.listen);
+  return service;
+}
+
 /// Adds one to a counter while it lives.
 class Count {
  public:
@@ -49,7 +55,7 @@ class Count {
 struct HttpServer::State {
   State(Catalog catalog, const HttpServerOptions& wanted, Relay* relay)
       : options(wanted),
-        service(std::move(catalog), relay, wanted.service, wanted.requests_per_second),
+        service(std::move(catalog), relay, service_options(wanted), wanted),
         table(wanted.max_connections, wanted.max_connections_per_address) {
     service.watch(table);
   }

@@ -19,6 +19,9 @@ struct ListenAddress {
 /// not looked up, because a server listens on addresses of its own machine.
 Result<ListenAddress> parse_listen_address(std::string_view text);
 
+/// Whether only this machine can reach the address.
+bool is_loopback(const ListenAddress& address);
+
 /// "127.0.0.1:8090", "[::1]:8090".
 std::string to_string(const ListenAddress& address);
 

@@ -1,19 +1,43 @@
 #include "server/serve/log.h"
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <ctime>
+#include <future>
+#include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/async.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
+#include <unistd.h>
 
 namespace pointreel {
 namespace {
 
 constexpr std::size_t kWaitingLines = 8192;
+/// How long the end of the log may take to write the lines that wait.
+constexpr std::chrono::milliseconds kLastLines{500};
 constexpr std::array<std::string_view, 5> kLevels = {"debug", "info", "warning", "error", "off"};
+
+/// Writes to standard error, but not with stdio: a thread that waits for a reader would hold its
+/// lock, for which the end of the process would wait.
+class ErrorOutput : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    for (std::size_t at = 0; at < line.size();) {
+      const ssize_t put = ::write(STDERR_FILENO, line.data() + at, line.size() - at);
+      if (put < 0 && errno != EINTR) return;
+      if (put > 0) at += static_cast<std::size_t>(put);
+    }
+  }
+  void flush_() override {}
+};
 
 }  // namespace
 
@@ -21,9 +45,9 @@ struct Log::Writer {
   // Not spdlog's global pool, which would outlive the log.
   std::shared_ptr<spdlog::details::thread_pool> pool =
       std::make_shared<spdlog::details::thread_pool>(kWaitingLines, 1);
-  std::shared_ptr<spdlog::async_logger> logger = std::make_shared<spdlog::async_logger>(
-      "pointreel", std::make_shared<spdlog::sinks::stderr_sink_mt>(), pool,
-      spdlog::async_overflow_policy::overrun_oldest);
+  std::shared_ptr<spdlog::async_logger> logger =
+      std::make_shared<spdlog::async_logger>("pointreel", std::make_shared<ErrorOutput>(), pool,
+                                             spdlog::async_overflow_policy::overrun_oldest);
 };
 
 Log::Log(Level least) : least_(least) {
@@ -33,7 +57,17 @@ Log::Log(Level least) : least_(least) {
   writer_->logger->flush_on(spdlog::level::trace);
 }
 
-Log::~Log() = default;
+Log::~Log() {
+  if (!writer_) return;
+  // The thread that writes may wait for a pipe that nobody reads. It then ends with the process.
+  std::promise<void> ending;
+  const std::future<void> ended = ending.get_future();
+  std::thread([writer = std::move(writer_), ending = std::move(ending)]() mutable {
+    writer.reset();
+    ending.set_value();
+  }).detach();
+  ended.wait_for(kLastLines);
+}
 
 void Log::write(Level level, std::string_view event, std::initializer_list<Field> fields) {
   if (!writes(level) || !writer_) return;

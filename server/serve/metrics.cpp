@@ -1,6 +1,7 @@
 #include "server/serve/metrics.h"
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -126,6 +127,17 @@ std::string write_metrics(const Metrics& metrics, const Gauges& gauges) {
   page.begin("pointreel_live_sessions_total", "counter", "Live sessions that began.");
   page.value(number(metrics.viewers), "kind=\"view\"");
   page.value(number(metrics.publishers), "kind=\"publish\"");
+  page.begin("pointreel_live_refused_publishers_total", "counter", "Publishers that were refused.");
+  constexpr std::array kReasons = {"hellos", "no-hello", "slow", "bytes", "message"};
+  static_assert(kReasons.size() == static_cast<std::size_t>(Metrics::Refused::kCount));
+  for (std::size_t i = 0; i < kReasons.size(); ++i) {
+    page.value(number(metrics.refused_publishers[i]), fmt::format("reason=\"{}\"", kReasons[i]));
+  }
+  page.one("pointreel_live_waiting_hellos", "gauge", "Publishers that have not said hello.",
+           static_cast<double>(gauges.waiting_hellos));
+  page.one("pointreel_live_unfinished_bytes", "gauge",
+           "Bytes of publishers' messages that are not complete.",
+           static_cast<double>(gauges.unfinished_bytes));
   write_streams(page, gauges.streams);
   write_process(page);
   return std::move(page.text_);

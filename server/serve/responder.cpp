@@ -48,6 +48,8 @@ std::string_view reason_phrase(int status) {
       return "Content Too Large";
     case 416:
       return "Range Not Satisfiable";
+    case 421:
+      return "Misdirected Request";
     case 429:
       return "Too Many Requests";
     case 431:
@@ -63,17 +65,12 @@ std::string_view reason_phrase(int status) {
   }
 }
 
-/// The response to OPTIONS, including CORS preflights. It is the same for every path, so that it
-/// does not reveal which paths exist.
+/// The response to OPTIONS. It is the same for every path, so that it does not reveal which paths
+/// exist.
 Response options_response() {
   Response response;
   response.status = 204;
-  response.fields = fmt::format(
-      "Allow: {0}\r\n"
-      "Access-Control-Allow-Methods: {0}\r\n"
-      "Access-Control-Allow-Headers: Range, If-Range, If-Match, If-None-Match, Authorization\r\n"
-      "Access-Control-Max-Age: 86400\r\n",
-      kMethods);
+  response.fields = fmt::format("Allow: {}\r\n", kMethods);
   return response;
 }
 
@@ -156,6 +153,10 @@ Response error_response(int status, std::string_view line, std::string_view extr
 
 tl::expected<std::string, Response> path_of(const Request& request) {
   const auto refuse = [](Response response) { return tl::unexpected(std::move(response)); };
+  if (request.bad_framing) {
+    return refuse(error_response(
+        400, "a request may have either Content-Length or Transfer-Encoding: chunked"));
+  }
   if (request.host_fields > 1 || (request.host_fields == 0 && !request.http_1_0)) {
     return refuse(error_response(400, "a request needs exactly one Host field"));
   }
@@ -171,8 +172,7 @@ tl::expected<std::string, Response> path_of(const Request& request) {
   return *std::move(path);
 }
 
-Response respond(const Catalog& catalog, std::string_view path, const Request& request) {
-  std::shared_ptr<const Resource> resource = catalog.find(path);
+Response respond(std::shared_ptr<const Resource> resource, const Request& request) {
   if (resource == nullptr) {
     return error_response(404, "no such resource; GET / lists all packages");
   }
@@ -187,9 +187,9 @@ Response respond(const Catalog& catalog, std::string_view path, const Request& r
 
 void finish_response(Response& response, const Request& request) {
   // Bodies of requests are never read, so nothing after such a head can be understood.
-  response.close = request.has_body;
+  response.close = request.has_body || request.bad_framing;
   if (request.method == "HEAD") {
-    response.file = FileHandle();
+    response.file = nullptr;
     response.text = {};
     response.own_text.clear();
     response.size = 0;
@@ -215,9 +215,6 @@ std::string write_head(const Response& response, bool keep_alive, std::int64_t u
       "Date: {}\r\n"
       "Server: pointreel\r\n"
       "Connection: {}\r\n"
-      "Access-Control-Allow-Origin: *\r\n"
-      "Access-Control-Expose-Headers: Accept-Ranges, Content-Length, Content-Range, ETag\r\n"
-      "Cross-Origin-Resource-Policy: cross-origin\r\n"
       "X-Content-Type-Options: nosniff\r\n"
       "{}\r\n",
       response.status, reason_phrase(response.status), cached_date(unix_time),

@@ -17,12 +17,15 @@ namespace pointreel {
 struct Request {
   std::string_view method, target;
   std::string range, if_range, if_match, if_none_match, authorization;
-  int host_fields = 0;      ///< the number of Host fields
-  bool http_1_0 = false;    ///< Host may be absent
-  bool has_body = false;    ///< a body follows, which no resource accepts
-  bool websocket = false;   ///< asks for an upgrade to WebSocket
-  bool forwarded = false;   ///< comes through a proxy
-  bool has_origin = false;  ///< comes from a page in a browser
+  std::string host;        ///< the Host field
+  std::string origin;      ///< of the page in a browser that sends this; programs send none
+  int host_fields = 0;     ///< the number of Host fields
+  bool http_1_0 = false;   ///< Host may be absent
+  bool has_body = false;   ///< a body follows, which no resource accepts
+  bool websocket = false;  ///< asks for an upgrade to WebSocket
+  bool forwarded = false;  ///< comes through a proxy
+  /// Says in two ways, or in none that is known, where its body ends.
+  bool bad_framing = false;
 };
 
 /// A response without the header fields that concern the connection.
@@ -31,7 +34,7 @@ struct Response {
   std::string fields;     ///< header lines, including Content-Length, each ending in CRLF
   std::string own_text;   ///< the body, if it was made for this response
   std::string_view text;  ///< otherwise the body, which belongs to `resource`
-  FileHandle file;        ///< or, if open, the body is `size` bytes of this file from `offset`
+  SharedFile file;        ///< or, if not null, the body is `size` bytes of it from `offset`
   std::uint64_t offset = 0, size = 0;
   std::shared_ptr<const Resource> resource;  ///< owns what `text` points to
   bool close = false;  ///< nothing that follows on the connection can be understood
@@ -41,8 +44,8 @@ struct Response {
 /// an error, or the answer to OPTIONS.
 tl::expected<std::string, Response> path_of(const Request& request);
 
-/// The response to a request for this path.
-Response respond(const Catalog& catalog, std::string_view path, const Request& request);
+/// The response to a request for this resource; null: there is none.
+Response respond(std::shared_ptr<const Resource> resource, const Request& request);
 
 /// Finishes a response of any kind. Responses to HEAD get no body.
 void finish_response(Response& response, const Request& request);

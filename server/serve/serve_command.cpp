@@ -1,16 +1,19 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/try.h"
 #include "server/commands.h"
@@ -29,6 +32,9 @@ struct ServeArguments {
   std::string log = name(options.service.log);
   bool live = false;
   std::filesystem::path record;
+  std::vector<std::string> origins;
+  double grace = 10.0;  ///< seconds
+  const CLI::Option *view_token = nullptr, *publish_token = nullptr;
 };
 
 /// Each connection may need its socket and one file, but the usual soft limit is 1024 descriptors.
@@ -42,13 +48,46 @@ void allow_open_files(std::size_t connections) {
   }
 }
 
+/// Prints a line to standard output. Whoever reads it may have stopped reading, which must keep the
+/// server neither from serving nor from ending.
+void announce(std::string line) {
+  std::thread([line = std::move(line)] {
+    if (::write(STDOUT_FILENO, line.data(), line.size()) < 0) return;  // nobody wants to know
+  }).detach();
+}
+
+/// The options that the command line may not give in this combination.
+Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
+  HttpServerOptions options = arguments.options;
+  options.listen = TRY(parse_listen_address(arguments.listen));
+  options.service.log = TRY(parse_log_level(arguments.log));
+  for (const CLI::Option* token : {arguments.view_token, arguments.publish_token}) {
+    if (std::string fault = fault_of_token(*token); !fault.empty()) {
+      return fail(ErrorCode::argument, std::move(fault));
+    }
+  }
+  options.service.origins = TRY(Origins::parse(arguments.origins));
+  if (arguments.live && options.service.publish_token.empty() && !is_loopback(options.listen) &&
+      !options.service.allow_local_publish) {
+    return fail(ErrorCode::argument,
+                fmt::format("--live on {} needs --publish-token, or else nobody may publish; with "
+                            "--allow-local-publish programs on this machine may, and everybody for "
+                            "whom a proxy on this machine connects",
+                            arguments.listen));
+  }
+  if (std::min(options.max_unfinished, options.max_unfinished_per_address) < options.max_message) {
+    return fail(ErrorCode::argument,
+                "--max-unfinished and --max-unfinished-per-address must not be less than "
+                "--max-message");
+  }
+  return options;
+}
+
 Result<void> serve(const ServeArguments& arguments) {
   if (arguments.reels.empty() && !arguments.live) {
     return fail(ErrorCode::argument, "there is nothing to serve; name packages, or use --live");
   }
-  HttpServerOptions options = arguments.options;
-  options.listen = TRY(parse_listen_address(arguments.listen));
-  options.service.log = TRY(parse_log_level(arguments.log));
+  const HttpServerOptions options = TRY(options_of(arguments));
   Catalog catalog = TRY(Catalog::load(arguments.reels));
   allow_open_files(options.max_connections);
 
@@ -66,6 +105,8 @@ Result<void> serve(const ServeArguments& arguments) {
 
   Log log(options.service.log);
   RelayOptions relay_options;
+  relay_options.grace =
+      std::chrono::milliseconds(static_cast<std::int64_t>(arguments.grace * 1000.0));
   if (arguments.live) {
     const auto resources = std::make_shared<LiveResources>();
     catalog.add(resources);
@@ -76,11 +117,8 @@ Result<void> serve(const ServeArguments& arguments) {
   Relay relay(std::move(relay_options));
   const std::unique_ptr<HttpServer> server =
       TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
-  print("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
-        to_string(server->address()));
-  if (std::fflush(stdout) != 0) {
-    log.write(Log::Level::kWarning, "output", {{"what", "standard output cannot be written"}});
-  }
+  announce(fmt::format("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
+                       to_string(server->address())));
   int signal = 0;
   ::sigwait(&ending, &signal);
   server->stop();
@@ -128,7 +166,7 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--max-requests", options.requests_per_second,
                    "requests per second from one address; further ones get 429; 0: unlimited")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(number_within(0.0, 1e9))
       ->type_name("RATE")
       ->capture_default_str();
   CLI::Option* live = command->add_flag(
@@ -138,17 +176,29 @@ void add_serve_command(CLI::App& app, int& exit_code) {
                    "record live streams as packages NAME, NAME-2, ... in this folder")
       ->type_name("FOLDER")
       ->needs(live);
+  arguments->view_token =
+      command
+          ->add_option("--view-token", options.service.view_token,
+                       "serve only requests with this token: Authorization: Bearer TOKEN")
+          ->type_name("TOKEN")
+          ->envname("POINTREEL_VIEW_TOKEN");
+  arguments->publish_token =
+      command
+          ->add_option("--publish-token", options.service.publish_token,
+                       "accept only publishers with this token; without one, only programs on this "
+                       "machine may publish, and only if the server listens on loopback alone")
+          ->type_name("TOKEN")
+          ->envname("POINTREEL_PUBLISH_TOKEN");
+  command->add_flag("--allow-local-publish", options.service.allow_local_publish,
+                    "without a publish token, let connections from this machine publish although "
+                    "the server listens on other addresses too; so may everybody for whom a proxy "
+                    "on this machine connects");
   command
-      ->add_option("--view-token", options.service.view_token,
-                   "serve only requests with this token: Authorization: Bearer TOKEN")
-      ->type_name("TOKEN")
-      ->envname("POINTREEL_VIEW_TOKEN");
-  command
-      ->add_option("--publish-token", options.service.publish_token,
-                   "accept only publishers with this token; without one, only programs on this "
-                   "machine may publish")
-      ->type_name("TOKEN")
-      ->envname("POINTREEL_PUBLISH_TOKEN");
+      ->add_option("--allow-origin", arguments->origins,
+                   "let pages of this origin, such as https://example.org, read what the server "
+                   "answers and connect to live streams; * for all pages; may be repeated")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
   command
       ->add_option("--log", arguments->log,
                    "what to write to standard error, as JSON lines: debug, info (each request), "
@@ -165,8 +215,43 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       ->add_option(
           "--publish-rate", options.publish_rate,
           "bytes per second that a publisher may send before it is slowed down; 0: unlimited")
-      ->check(CLI::Range(0.0, 1e12))
+      ->check(number_within(0.0, 1e12))
       ->type_name("BYTES")
+      ->capture_default_str();
+  command
+      ->add_option("--least-rate", options.least_rate,
+                   "bytes per second, on average, at which a publisher's message must come once it "
+                   "has begun, with five seconds in addition; 0: none")
+      ->check(number_within(0.0, 1e9))
+      ->type_name("BYTES")
+      ->capture_default_str();
+  const auto add_count = [command](const char* flag, std::size_t& value, const char* description) {
+    command->add_option(flag, value, description)
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+  };
+  add_count("--max-hellos", options.max_hellos,
+            "publishers at a time that have connected and not said hello; further ones get 503");
+  add_count("--max-hellos-per-address", options.max_hellos_per_address,
+            "of these, from one address");
+  const auto add_size = [command](const char* flag, std::size_t& value, const char* description) {
+    command->add_option(flag, value, description)
+        ->transform(CLI::AsSizeValue(false))
+        ->check(CLI::Range(kMaxLiveText, std::size_t{1} << 40))
+        ->capture_default_str();
+  };
+  add_size(
+      "--max-unfinished", options.max_unfinished,
+      "bytes of publishers' messages that have begun and are not complete; the publisher whose "
+      "message exceeds this is disconnected");
+  add_size("--max-unfinished-per-address", options.max_unfinished_per_address,
+           "of these, from one address");
+  command
+      ->add_option("--publisher-grace", arguments->grace,
+                   "for how long a stream's name is kept for a publisher that has lost its "
+                   "connection")
+      ->check(number_within(0.0, 86400.0))
+      ->type_name("SECONDS")
       ->capture_default_str();
   command->add_option("--threads", options.threads, "threads that serve; 0: one for each processor")
       ->check(CLI::Range(0, 1024))
@@ -188,12 +273,13 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       value = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
     };
     command->add_option_function<double>(flag, set, description)
-        ->check(CLI::Range(0.1, 86400.0))
+        ->check(number_within(0.1, 86400.0))
         ->type_name("SECONDS")
         ->default_str(fmt::format("{:g}", std::chrono::duration<double>(value).count()));
   };
   add_seconds("--header-timeout", options.header_timeout,
-              "close a connection if the head of a request takes longer than this");
+              "close a connection if the head of a request, or the hello of a publisher, takes "
+              "longer than this");
   add_seconds("--idle-timeout", options.idle_timeout,
               "close a connection on which no request comes for this time");
   add_seconds("--stall-timeout", options.stall_timeout,

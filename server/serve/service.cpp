@@ -39,12 +39,16 @@ Response token_wanted() {
 
 }  // namespace
 
-Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options,
-                 double requests_per_second)
+Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options, const Limits& limits)
     : catalog_(std::move(catalog)),
       relay_(relay),
       access_(options.view_token, options.publish_token),
-      rate_(requests_per_second),
+      loopback_(options.loopback),
+      local_publish_(options.loopback || options.allow_local_publish),
+      origins_(options.origins),
+      rate_(limits.requests_per_second),
+      hellos_(limits.max_hellos, limits.max_hellos_per_address),
+      unfinished_(limits.max_unfinished, limits.max_unfinished_per_address),
       log_(options.log) {}
 
 std::variant<Response, LiveCall> Service::answer(const Request& request, const Peer& peer,
@@ -52,6 +56,7 @@ std::variant<Response, LiveCall> Service::answer(const Request& request, const P
   auto decided = decide(request, peer, std::move(wake));
   if (auto* response = std::get_if<Response>(&decided)) {
     finish_response(*response, request);
+    response->fields += origins_.fields(request.origin, request.method == "OPTIONS");
     metrics_.count_response(response->status);
   }
   return decided;
@@ -65,7 +70,12 @@ std::variant<Response, LiveCall> Service::decide(const Request& request, const P
   }
   auto path = path_of(request);
   if (!path) return std::move(path.error());
-  if (*path == "/healthz") return respond(catalog_, *path, request);
+  if (*path == "/healthz") return respond(catalog_.find(*path), request);
+  if (loopback_ && request.host_fields > 0 && !origins_.answers_on_loopback_for(request.host)) {
+    return error_response(421,
+                          "this server is on loopback and does not answer for this host; start it "
+                          "with --allow-origin http://HOST to let it");
+  }
   if (request.websocket && relay_ != nullptr && path->starts_with(kLivePath) &&
       is_stream_name(std::string_view(*path).substr(kLivePath.size()))) {
     return live_call(request, peer, path->substr(kLivePath.size()), std::move(wake));
@@ -75,7 +85,7 @@ std::variant<Response, LiveCall> Service::decide(const Request& request, const P
     return token_wanted();
   }
   if (*path == "/metrics") return metrics_page();
-  Response response = respond(catalog_, *path, request);
+  Response response = respond(*path == "/" ? list() : catalog_.find(*path), request);
   if (!access_.viewing_is_public()) make_private(response);
   return response;
 }
@@ -84,9 +94,16 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
                                                     std::string stream,
                                                     std::function<void()> wake) {
   const bool publishes = query_has(request.target, "publish");
+  if (!origins_.allows(request.origin, request.host)) {
+    return error_response(403,
+                          "pages of this origin may not connect; start the server with "
+                          "--allow-origin to let them");
+  }
   // A request through a proxy comes from elsewhere, and a page in a browser on this machine does
-  // not act on behalf of its user.
-  const bool nearby = peer.loopback && !request.forwarded && !request.has_origin;
+  // not act on behalf of its user. A proxy need not say that it is one, so a connection counts as
+  // local only if it must be, or if somebody has said so.
+  const bool nearby =
+      local_publish_ && peer.loopback && !request.forwarded && request.origin.empty();
   switch (access_.check(publishes ? Access::Right::kPublish : Access::Right::kView,
                         request.authorization, nearby)) {
     case Access::Verdict::kGranted:
@@ -96,12 +113,19 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
     case Access::Verdict::kOnlyNearby:
       return error_response(
           403,
-          "only programs on the server's own machine may publish, since no publish token is set");
+          "only programs on the server's own machine may publish, since no publish token is set, "
+          "and only if the server listens on loopback alone");
   }
   LiveCall call;
   if (publishes) {
     auto publication = relay_->publish(stream);
     if (!publication) return error_response(409, publication.error().message);
+    call.hello = PeerQuota::Share(hellos_, peer);
+    if (!call.hello.grow(1)) {
+      metrics_.count_refused(Metrics::Refused::kHellos);
+      return error_response(503, "too many publishers have not said hello yet; try again",
+                            "Retry-After: 1\r\n");
+    }
     call.publication = *std::move(publication);
   } else {
     auto viewer = relay_->join(stream, std::move(wake));
@@ -117,6 +141,10 @@ Response Service::refuse(Response refusal) {
   return refusal;
 }
 
+std::shared_ptr<const Resource> Service::list() const {
+  return catalog_.list(relay_ != nullptr ? relay_->statistics() : std::vector<StreamStatistics>());
+}
+
 Response Service::metrics_page() const {
   Gauges gauges;
   if (table_ != nullptr) {
@@ -124,6 +152,8 @@ Response Service::metrics_page() const {
     gauges.evicted_connections = table_->evicted();
   }
   if (relay_ != nullptr) gauges.streams = relay_->statistics();
+  gauges.waiting_hellos = hellos_.held();
+  gauges.unfinished_bytes = unfinished_.held();
   Response response;
   response.own_text = write_metrics(metrics_, gauges);
   response.size = response.own_text.size();

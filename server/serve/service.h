@@ -10,9 +10,12 @@
 #include "server/serve/access.h"
 #include "server/serve/catalog.h"
 #include "server/serve/connection_table.h"
+#include "server/serve/limits.h"
 #include "server/serve/log.h"
 #include "server/serve/metrics.h"
+#include "server/serve/origin.h"
 #include "server/serve/peer.h"
+#include "server/serve/peer_quota.h"
 #include "server/serve/rate_limiter.h"
 #include "server/serve/responder.h"
 
@@ -22,6 +25,11 @@ namespace pointreel {
 
 struct ServiceOptions {
   std::string view_token, publish_token;  ///< as Access takes them
+  bool loopback = false;  ///< the server listens on loopback alone; HttpServer sets this
+  /// Without a publish token, connections from loopback may publish even if the server listens on
+  /// other addresses too: whoever sets this knows that no proxy on this machine forwards others.
+  bool allow_local_publish = false;
+  Origins origins;
   Log::Level log = Log::Level::kWarning;
 };
 
@@ -30,13 +38,13 @@ struct LiveCall {
   std::string stream;
   std::unique_ptr<Publication> publication;
   std::unique_ptr<Viewer> viewer;
+  PeerQuota::Share hello;  ///< until the publisher has said hello
 };
 
 class Service {
  public:
   /// `relay` must outlive the service; null: no live streams.
-  Service(Catalog catalog, Relay* relay, const ServiceOptions& options,
-          double requests_per_second = 0);
+  Service(Catalog catalog, Relay* relay, const ServiceOptions& options, const Limits& limits = {});
 
   /// Answers a request. From any thread. `wake` is for viewers, as in Relay::join.
   std::variant<Response, LiveCall> answer(const Request& request, const Peer& peer,
@@ -47,6 +55,8 @@ class Service {
   Metrics& metrics() { return metrics_; }
   Log& log() { return log_; }
   Relay* relay() { return relay_; }
+  /// The messages of publishers that are not complete.
+  PeerQuota& unfinished() { return unfinished_; }
   /// Sets the table whose connections /metrics reports. Call this before the first answer.
   void watch(const ConnectionTable& table) { table_ = &table; }
 
@@ -56,11 +66,15 @@ class Service {
   std::variant<Response, LiveCall> live_call(const Request& request, const Peer& peer,
                                              std::string stream, std::function<void()> wake);
   Response metrics_page() const;
+  std::shared_ptr<const Resource> list() const;
 
   Catalog catalog_;
   Relay* relay_;
   Access access_;
+  const bool loopback_, local_publish_;
+  const Origins origins_;
   RateLimiter rate_;
+  PeerQuota hellos_, unfinished_;
   const ConnectionTable* table_ = nullptr;
   Log log_;
   Metrics metrics_;

@@ -20,6 +20,7 @@
 #include <sys/socket.h>
 
 #include "pointreel/bytes.h"
+#include "server/serve/message_pace.h"
 #include "server/serve/transport_stream.h"
 
 namespace pointreel {
@@ -99,9 +100,9 @@ Task<void> read_from_viewer(std::shared_ptr<Session> session) {
 }
 
 /// Holds a publisher to a rate. The bytes of one second may come at once.
-class Pace {
+class RateLimit {
  public:
-  explicit Pace(double bytes_per_second) : rate_(bytes_per_second) {}
+  explicit RateLimit(double bytes_per_second) : rate_(bytes_per_second) {}
 
   void add(std::size_t bytes) {
     if (rate_ <= 0) return;
@@ -119,49 +120,154 @@ class Pace {
   Clock::time_point paid_{};
 };
 
-/// Passes a publisher's messages to the relay. Returns what was wrong, for the publisher; empty if
-/// the publisher has ended the connection.
-Task<std::string> read_from_publisher(std::shared_ptr<Session> session, Publication& publication,
-                                      const Limits& limits) {
+/// Why a publisher is disconnected.
+struct Fault {
+  Metrics::Refused kind = Metrics::Refused::kMessages;
+  std::string text;  ///< for the publisher; empty if there is no fault
+};
+
+/// A session of a publisher. Shared by the coroutines that read and that watch the time.
+struct PublisherSession : Session {
+  PublisherSession(std::shared_ptr<Transport> on, const Limits& wanted, PeerQuota::Share share)
+      : Session(std::move(on), wanted, true),
+        limits(wanted),
+        unfinished(std::move(share)),
+        pace(wanted.least_rate, Clock::now() + wanted.header_timeout),
+        tick(transport->executor()) {}
+
+  Fault too_slow() const {
+    if (pace.awaits_hello()) return {Metrics::Refused::kNoHello, "no hello came in time"};
+    return {Metrics::Refused::kSlow,
+            fmt::format("the message comes at less than {:.0f} bytes a second", limits.least_rate)};
+  }
+
+  const Limits& limits;
+  PeerQuota::Share unfinished;  ///< bytes of the message under way
+  MessagePace pace;
+  Timer tick;
+  Fault fault;
+  bool over = false;
+};
+
+/// Ends the session of a publisher from which nothing comes although something is due. One that
+/// sends too little is noticed when it sends.
+Task<void> watch_pace(std::shared_ptr<PublisherSession> session) {
+  error_code ignored;
+  while (!session->over) {
+    if (Clock::now() >= session->pace.due()) {
+      session->fault = session->too_slow();
+      session->transport->close();
+      break;
+    }
+    session->tick.expires_after(std::chrono::seconds(1));
+    co_await session->tick.async_wait(asio::redirect_error(kUseAwaitable, ignored));
+  }
+}
+
+/// Reads one message. False if the session must end; its `fault` then says why, if it is a fault.
+Task<bool> read_message(std::shared_ptr<PublisherSession> session, Publication& publication,
+                        Bytes& bytes) {
+  constexpr std::size_t kSpace = 64 * 1024;
+  auto& stream = session->stream;
+  std::size_t size = 0;
+  do {
+    // Memory is taken for what has come, not for what is announced.
+    if (bytes.size() - size < kSpace / 2) bytes.resize(size + std::max(kSpace, size / 2));
+    error_code error;
+    const std::size_t more =
+        co_await stream.async_read_some(asio::buffer(bytes.data() + size, bytes.size() - size),
+                                        asio::redirect_error(kUseAwaitable, error));
+    if (error == websocket::error::message_too_big) {
+      session->fault.text = "the message is too large";
+    }
+    if (error == websocket::error::closed &&
+        stream.reason().code == websocket::close_code::normal) {
+      publication.end();
+    }
+    if (error) co_return false;
+    size += more;
+    const auto now = Clock::now();
+    session->pace.came(more, now);
+    if (stream.got_text() && size > kMaxLiveText) {
+      session->fault.text = fmt::format("a text message has more than {} bytes", kMaxLiveText);
+      co_return false;
+    }
+    if (!session->unfinished.grow(more)) {
+      session->fault = {Metrics::Refused::kBytes,
+                        "too many bytes of messages are not complete; send smaller ones"};
+      co_return false;
+    }
+    if (!stream.is_message_done() && now >= session->pace.due()) {
+      session->fault = session->too_slow();
+      co_return false;
+    }
+  } while (!stream.is_message_done());
+  bytes.resize(size);
+  session->pace.ended();
+  session->unfinished.clear();
+  co_return true;
+}
+
+/// Passes a publisher's messages to the relay until the session ends.
+Task<void> read_from_publisher(std::shared_ptr<PublisherSession> session, LiveCall& call) {
+  const Limits& limits = session->limits;
+  Publication& publication = *call.publication;
   session->stream.read_message_max(limits.max_message);
   Timer pause(session->transport->executor());
-  Pace all(limits.publish_rate), text(limits.publish_text_rate);
+  RateLimit all(limits.publish_rate), text(limits.publish_text_rate);
   while (true) {
     Bytes bytes;
-    auto buffer = asio::dynamic_buffer(bytes, limits.max_message);
-    error_code error;
-    do {
-      co_await session->stream.async_read_some(buffer, 0,
-                                               asio::redirect_error(kUseAwaitable, error));
-      if (error == websocket::error::message_too_big) co_return "the message is too large";
-      if (error == websocket::error::closed &&
-          session->stream.reason().code == websocket::close_code::normal) {
-        publication.end();
-      }
-      if (error) co_return std::string();
-      if (session->stream.got_text() && bytes.size() > kMaxLiveText) {
-        co_return fmt::format("a text message has more than {} bytes", kMaxLiveText);
-      }
-    } while (!session->stream.is_message_done());
+    if (!co_await read_message(session, publication, bytes)) co_return;
     all.add(bytes.size());
     if (session->stream.got_text()) text.add(bytes.size());
     LiveMessage message;
     message.kind = session->stream.got_text() ? LiveMessage::Kind::text : LiveMessage::Kind::binary;
     message.bytes = std::make_shared<const Bytes>(std::move(bytes));
     if (auto taken = publication.message(std::move(message)); !taken) {
-      co_return taken.error().message;
+      session->fault.text = taken.error().message;
+      co_return;
     }
-    if (all.is_exceeded()) co_return fmt::format("more than {} bytes a second came", all.rate());
-    if (text.is_exceeded()) {
-      co_return fmt::format("more than {} bytes of text a second came", text.rate());
+    if (session->pace.awaits_hello() && publication.greeted()) {
+      session->pace.greeted();
+      call.hello.clear();
+    }
+    for (const RateLimit* limit : {&all, &text}) {
+      if (!limit->is_exceeded()) continue;
+      session->fault.text = fmt::format("more than {} bytes{} a second came", limit->rate(),
+                                        limit == &text ? " of text" : "");
+      co_return;
     }
     // The peer is not read from for up to five seconds, so that TCP holds it back; but not for more
     // than a second at a time, so that its pings are still answered.
     const auto now = Clock::now(), paid = std::max(all.paid(), text.paid());
     if (paid <= now) continue;
+    error_code ignored;
     pause.expires_at(std::min(paid, now + std::chrono::seconds(1)));
-    co_await pause.async_wait(asio::redirect_error(kUseAwaitable, error));
+    co_await pause.async_wait(asio::redirect_error(kUseAwaitable, ignored));
   }
+}
+
+/// Serves a publisher until the session ends.
+Task<void> serve_publisher(std::shared_ptr<PublisherSession> session, LiveCall& call,
+                           const Peer& peer, Service& service) {
+  asio::co_spawn(session->transport->executor(), watch_pace(session), asio::detached);
+  co_await read_from_publisher(session, call);
+  session->over = true;
+  session->tick.cancel();
+  session->unfinished.clear();
+  call.publication.reset();
+  const Fault& fault = session->fault;
+  if (fault.text.empty()) co_return;
+  service.metrics().count_refused(fault.kind);
+  service.log().write(
+      Log::Level::kWarning, "live.refused",
+      {{"peer", peer.address}, {"stream", call.stream}, {"fault", std::string_view(fault.text)}});
+  // A control frame has no room for more than 123 bytes of text.
+  const websocket::close_reason reason(websocket::close_code::policy_error,
+                                       beast::string_view(fault.text).substr(0, 123));
+  error_code ignored;
+  co_await session->stream.async_close(reason, asio::redirect_error(kUseAwaitable, ignored));
+  co_await session->transport->linger();
 }
 
 }  // namespace
@@ -184,7 +290,14 @@ Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string rec
                            LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
                            const Limits& limits) {
   const bool publishes = call.publication != nullptr;
-  const auto session = std::make_shared<Session>(transport, limits, publishes);
+  std::shared_ptr<Session> session;
+  std::shared_ptr<PublisherSession> publisher;
+  if (publishes) {
+    session = publisher = std::make_shared<PublisherSession>(
+        transport, limits, PeerQuota::Share(service.unfinished(), peer));
+  } else {
+    session = std::make_shared<Session>(transport, limits, false);
+  }
   error_code error;
   co_await session->stream.async_accept(asio::buffer(received),
                                         asio::redirect_error(kUseAwaitable, error));
@@ -193,24 +306,12 @@ Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string rec
   ++(publishes ? service.metrics().publishers : service.metrics().viewers);
   service.log().write(Log::Level::kInfo, publishes ? "live.publisher" : "live.viewer",
                       {{"peer", peer.address}, {"stream", call.stream}});
-  std::string fault;
   if (publishes) {
-    fault = co_await read_from_publisher(session, *call.publication, limits);
-    call.publication.reset();
+    co_await serve_publisher(publisher, call, peer, service);
   } else {
     asio::co_spawn(transport->executor(), write_messages(session, std::move(call.viewer), wake),
                    asio::detached);
     co_await read_from_viewer(session);
-  }
-  if (!fault.empty()) {
-    service.log().write(
-        Log::Level::kWarning, "live.refused",
-        {{"peer", peer.address}, {"stream", call.stream}, {"fault", std::string_view(fault)}});
-    // A control frame has no room for more than 123 bytes of text.
-    const websocket::close_reason reason(websocket::close_code::policy_error,
-                                         beast::string_view(fault).substr(0, 123));
-    co_await session->stream.async_close(reason, asio::redirect_error(kUseAwaitable, error));
-    co_await transport->linger();
   }
   service.log().write(Log::Level::kInfo, publishes ? "live.publisher_ended" : "live.viewer_ended",
                       {{"peer", peer.address}, {"stream", call.stream}});

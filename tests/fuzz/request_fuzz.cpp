@@ -49,7 +49,7 @@ Conversation converse(Service& service, std::string_view bytes, std::size_t piec
       // No text of a request may end the head of the answer early.
       if (!head.starts_with("HTTP/1.1 ") || head.find("\r\n\r\n") != head.size() - 4) std::abort();
       const std::size_t body = std::max(response.own_text.size(), response.text.size());
-      if (response.file.get() >= 0 || response.size != body) std::abort();
+      if (response.file || response.size != body) std::abort();
       talk.answers += head.substr(0, 12) + std::to_string(response.fields.size());
       if (response.close || !reader.keep_alive()) return talk;
       continue;

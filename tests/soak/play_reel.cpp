@@ -63,7 +63,7 @@ void knock(std::uint16_t port, std::mt19937_64& random) {
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) {
-    std::string text = "GET /reel/reel.json HTTP/1.1\r\nHost: a\r\n\r\n";
+    std::string text = "GET /reel/reel.json HTTP/1.1\r\nHost: localhost\r\n\r\n";
     if (random() % 2 == 0) text[random() % text.size()] = static_cast<char>(random());
     if (random() % 3 == 0) text.resize(random() % text.size());
     (void)!::send(descriptor, text.data(), text.size(), MSG_NOSIGNAL);

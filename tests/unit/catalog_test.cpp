@@ -40,8 +40,8 @@ TEST_F(CatalogTest, holds_only_the_files_that_the_manifest_names) {
   write_file(reel_ / "sub" / "0.base.prs", "base");
   const auto catalog = Catalog::load({reel_});
   ASSERT_TRUE(catalog) << catalog.error().message;
-  for (const char* path : {"/", "/healthz", "/walk", "/walk/", "/walk/reel.json",
-                           "/walk/0.base.prs", "/walk/0.full.prs"}) {
+  for (const char* path :
+       {"/healthz", "/walk", "/walk/", "/walk/reel.json", "/walk/0.base.prs", "/walk/0.full.prs"}) {
     EXPECT_NE(catalog->find(path), nullptr) << path;
   }
   for (const char* path : {"", "walk", "/walk/notes.txt", "/walk/sub", "/walk/sub/0.base.prs",
@@ -59,7 +59,7 @@ TEST_F(CatalogTest, lists_the_packages) {
   write_package(temporary_.path() / "a b", "1", "22");
   const auto catalog = Catalog::load({reel_, temporary_.path() / "a b"});
   ASSERT_TRUE(catalog) << catalog.error().message;
-  const auto listing = nlohmann::json::parse(catalog->find("/")->text).at("packages");
+  const auto listing = nlohmann::json::parse(catalog->list({})->text).at("packages");
   ASSERT_EQ(listing.size(), 2u);
   EXPECT_EQ(listing[0].at("name"), "walk");
   EXPECT_EQ(listing[0].at("url"), "/walk");
@@ -70,6 +70,24 @@ TEST_F(CatalogTest, lists_the_packages) {
   EXPECT_EQ(listing[0].at("bytes"), 4 + 8 + fs::file_size(reel_ / "reel.json"));
   EXPECT_EQ(listing[1].at("name"), "a b");
   EXPECT_EQ(listing[1].at("url"), "/a%20b");
+}
+
+TEST_F(CatalogTest, lists_live_streams_beside_the_packages) {
+  StreamStatistics stream;
+  stream.name = "stage";
+  stream.publishing = true;
+  stream.viewers = 3;
+  const auto both = nlohmann::json::parse(Catalog::load({reel_})->list({stream})->text);
+  EXPECT_EQ(both.at("packages").size(), 1u);
+  ASSERT_EQ(both.at("streams").size(), 1u);
+  EXPECT_EQ(both["streams"][0], (nlohmann::json{{"name", "stage"},
+                                                {"url", "/live/stage"},
+                                                {"manifest", "/live/stage/reel.json"},
+                                                {"publishing", true},
+                                                {"viewers", 3}}));
+  const auto none = nlohmann::json::parse(Catalog().list({})->text);
+  EXPECT_EQ(none, (nlohmann::json{{"packages", nlohmann::json::array()},
+                                  {"streams", nlohmann::json::array()}}));
 }
 
 TEST_F(CatalogTest, names_a_package_after_its_folder_however_the_path_is_written) {
@@ -145,6 +163,15 @@ TEST_F(CatalogTest, does_not_open_a_file_that_was_changed_or_replaced) {
   fs::last_write_time(full.file, modified + std::chrono::seconds(1));
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
 
+  // Neither its size nor the time of its last modification gives this one away.
+  fs::last_write_time(full.file, modified);
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+  fs::remove(full.file);
+  write_file(temporary_.path() / "other", "The Rest");
+  fs::last_write_time(temporary_.path() / "other", modified);
+  fs::rename(temporary_.path() / "other", full.file);
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+
   write_file(full.file, "the res");
   fs::last_write_time(full.file, modified);
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
@@ -158,6 +185,31 @@ TEST_F(CatalogTest, does_not_open_a_file_that_was_changed_or_replaced) {
 
   fs::remove(full.file);
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+}
+
+TEST_F(CatalogTest, opens_another_file_with_the_same_content) {
+  const auto catalog = Catalog::load({reel_});
+  const Resource& full = *catalog->find("/walk/0.full.prs");
+  fs::permissions(full.file, fs::perms::owner_read);
+  EXPECT_TRUE(open_resource(full)) << "only its attributes have changed";
+  write_file(temporary_.path() / "copy", "the rest");
+  fs::rename(temporary_.path() / "copy", full.file);
+  EXPECT_TRUE(open_resource(full));
+}
+
+TEST_F(CatalogTest, a_file_stays_open_while_somebody_holds_it_unless_it_is_replaced_or_changes) {
+  const auto catalog = Catalog::load({reel_});
+  const Resource& full = *catalog->find("/walk/0.full.prs");
+  const auto first = open_resource(full), second = open_resource(full);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(*first, *second);
+  write_file(temporary_.path() / "other", "THE REST");
+  fs::rename(temporary_.path() / "other", full.file);
+  EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+  const auto base = open_resource(*catalog->find("/walk/0.base.prs"));
+  ASSERT_TRUE(base);
+  write_file(reel_ / "0.base.prs", "BASE");
+  EXPECT_EQ(open_resource(*catalog->find("/walk/0.base.prs")).error(), OpenError::kChanged);
 }
 
 TEST_F(CatalogTest, live_resources_come_and_go_and_never_hide_a_package) {

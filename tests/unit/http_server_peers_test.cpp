@@ -40,7 +40,7 @@ TEST_F(HttpServerTest, refuses_connections_beyond_its_limit_and_recovers) {
     EXPECT_TRUE(refused.ends());
   }
   for (const auto& client : clients) {
-    client->send("Host: test\r\n\r\n");
+    client->send("Host: localhost\r\n\r\n");
     EXPECT_EQ(client->read_answer().body, "ok\n");
   }
   EXPECT_EQ(server_->connection_count(), 8u);
@@ -62,7 +62,7 @@ TEST_F(HttpServerTest, evicts_the_longest_idle_connection_when_it_is_full) {
   EXPECT_EQ(get("/healthz").status, 200);
   EXPECT_TRUE(oldest.ends());
   EXPECT_EQ(newest.get("/healthz").status, 200);
-  busy.send("Host: test\r\n\r\n");
+  busy.send("Host: localhost\r\n\r\n");
   EXPECT_EQ(busy.read_answer().status, 200);
   EXPECT_THAT(newest.get("/metrics").body, HasSubstr("pointreel_connections_evicted_total 1\n"));
 }
@@ -78,7 +78,7 @@ TEST_F(HttpServerTest, limits_the_connections_and_requests_of_one_address) {
   const Answer refused = get("/healthz");
   EXPECT_EQ(refused.status, 503);
   EXPECT_THAT(refused.body, HasSubstr("from your address"));
-  first.send("Host: test\r\n\r\n");
+  first.send("Host: localhost\r\n\r\n");
   ASSERT_EQ(first.read_answer().status, 200);
   int limited = 0;
   for (int i = 0; i < 200; ++i) {
@@ -104,7 +104,7 @@ TEST_F(HttpServerTest, keeps_answering_while_far_too_many_peers_connect) {
   {
     std::vector<std::unique_ptr<RawHttpClient>> silent;
     for (int i = 0; i < 200; ++i) silent.push_back(std::make_unique<RawHttpClient>(port()));
-    kept.send("Host: test\r\n\r\n");
+    kept.send("Host: localhost\r\n\r\n");
     EXPECT_EQ(kept.read_answer().body, base_);
     EXPECT_LE(server_->connection_count(), 4u);
   }
@@ -121,7 +121,7 @@ TEST_F(HttpServerTest, never_lets_a_stalled_reader_delay_others) {
   std::vector<std::unique_ptr<RawHttpClient>> stalled;
   for (int i = 0; i < 4; ++i) {
     stalled.push_back(std::make_unique<RawHttpClient>(port(), 4096));
-    ASSERT_TRUE(stalled.back()->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+    ASSERT_TRUE(stalled.back()->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   }
   ASSERT_TRUE(wait_until([&] { return server_->connection_count() == 4; }));
   RawHttpClient prompt(port());
@@ -139,7 +139,7 @@ TEST_F(HttpServerTest, drops_readers_that_take_nothing) {
   options.stall_timeout = 300ms;
   start(options);
   RawHttpClient stalled(port(), 4096);
-  ASSERT_TRUE(stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+  ASSERT_TRUE(stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   ASSERT_TRUE(stalled.has_something());
   EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
   const Answer cut = stalled.read_answer();
@@ -155,7 +155,7 @@ TEST_F(HttpServerTest, waits_for_a_reader_that_is_slow_but_still_reads) {
   options.stall_timeout = 10min;
   start(options);
   RawHttpClient slow(port(), 4096);
-  ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+  ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   // Later connections are closed, the first because it sends no request, the second because it
   // sends no further one. By then the slow reader has outlasted both timeouts.
   RawHttpClient silent(port()), idle(port());
@@ -199,7 +199,7 @@ TEST_F(HttpServerTest, reports_files_that_changed_and_cuts_off_files_that_shrink
   write_package(reel_, base_, full_);
   start();
   RawHttpClient slow(port(), 4096);
-  ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+  ASSERT_TRUE(slow.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   // The head has been sent before the rest of the file changes.
   ASSERT_TRUE(slow.has_something());
   RawHttpClient second(port());
@@ -235,7 +235,7 @@ TEST_F(HttpServerTest, leaks_no_descriptor_over_a_thousand_connections) {
         client.send("GET /wal");
         break;
       case 2:
-        client.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+        client.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n");
         break;
       case 3:
         EXPECT_EQ(client.get("/walk/0.base.prs").status, 200);
@@ -276,7 +276,7 @@ TEST_F(HttpServerTest, stops_at_once_and_closes_open_connections) {
   RawHttpClient idle(port()), half(port()), stalled(port(), 4096), silent(port());
   EXPECT_EQ(idle.get("/healthz").status, 200);
   half.send("GET /hea");
-  stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+  stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n");
   ASSERT_TRUE(wait_until([&] { return server_->connection_count() == 4; }));
   const auto begin = Clock::now();
   const std::uint16_t old_port = port();

@@ -30,8 +30,8 @@ TEST_F(HttpServerTest, serves_whole_files_with_all_fields_that_caches_and_browse
   EXPECT_EQ(answer.field("etag"), make_etag(checksum_of_text(full_)));
   EXPECT_EQ(answer.field("cache-control"), "public, max-age=31536000, immutable");
   EXPECT_EQ(answer.field("accept-ranges"), "bytes");
-  EXPECT_EQ(answer.field("access-control-allow-origin"), "*");
-  EXPECT_THAT(answer.field("access-control-expose-headers"), HasSubstr("Content-Range"));
+  EXPECT_EQ(answer.field("access-control-allow-origin"), "");
+  EXPECT_EQ(answer.field("cross-origin-resource-policy"), "same-origin");
   EXPECT_EQ(answer.field("x-content-type-options"), "nosniff");
   EXPECT_EQ(answer.field("server"), "pointreel");
   EXPECT_THAT(answer.field("date"), testing::EndsWith(" GMT"));
@@ -132,9 +132,8 @@ TEST_F(HttpServerTest, answers_preflights_and_refuses_other_methods) {
                                           "Access-Control-Request-Method: GET\r\n"
                                           "Access-Control-Request-Headers: range\r\n");
     EXPECT_EQ(options.status, 204) << target;
-    EXPECT_EQ(options.field("access-control-allow-origin"), "*");
-    EXPECT_EQ(options.field("access-control-allow-methods"), "GET, HEAD, OPTIONS");
-    EXPECT_THAT(options.field("access-control-allow-headers"), HasSubstr("Range"));
+    EXPECT_EQ(options.field("access-control-allow-origin"), "");
+    EXPECT_EQ(options.field("access-control-allow-methods"), "");
     EXPECT_EQ(options.field("allow"), "GET, HEAD, OPTIONS");
   }
   for (const char* method : {"POST", "PUT", "DELETE", "PATCH", "TRACE", "BREW"}) {
@@ -144,15 +143,105 @@ TEST_F(HttpServerTest, answers_preflights_and_refuses_other_methods) {
   }
 }
 
+TEST_F(HttpServerTest, lets_pages_read_answers_only_if_their_origin_is_allowed) {
+  const auto cors = [&](const std::string& origin, const char* method = "GET") {
+    return RawHttpClient(port()).request(method, "/walk/0.base.prs",
+                                         origin.empty() ? "" : "Origin: " + origin + "\r\n");
+  };
+  const auto allow = [&](const std::vector<std::string>& origins) {
+    HttpServerOptions options;
+    options.service.origins = Origins::parse(origins).value();
+    start(options);
+  };
+  allow({});
+  EXPECT_EQ(cors("http://example.org").body, base_) << "the browser keeps it from the page";
+  EXPECT_EQ(cors("http://example.org").field("access-control-allow-origin"), "");
+  allow({"http://example.org", "https://EXAMPLE.net:8443"});
+  for (const char* origin : {"http://example.org", "https://example.net:8443"}) {
+    EXPECT_EQ(cors(origin).field("access-control-allow-origin"), origin);
+    EXPECT_EQ(cors(origin).field("vary"), "Origin");
+    EXPECT_EQ(cors(origin).field("cross-origin-resource-policy"), "cross-origin");
+    EXPECT_THAT(cors(origin).field("access-control-expose-headers"), HasSubstr("Content-Range"));
+    const Answer preflight = cors(origin, "OPTIONS");
+    EXPECT_EQ(preflight.status, 204);
+    EXPECT_EQ(preflight.field("access-control-allow-methods"), "GET, HEAD, OPTIONS");
+    EXPECT_THAT(preflight.field("access-control-allow-headers"), HasSubstr("Range"));
+  }
+  for (const char* origin : {"", "null", "https://example.org", "http://example.org.evil",
+                             "http://example.org:80", "http://example.org, http://a"}) {
+    EXPECT_EQ(cors(origin).field("access-control-allow-origin"), "") << origin;
+    EXPECT_EQ(cors(origin).field("vary"), "Origin") << "a cache must tell them apart";
+  }
+  allow({"*"});
+  for (const char* origin : {"", "null", "http://example.org"}) {
+    EXPECT_EQ(cors(origin).field("access-control-allow-origin"), "*");
+    EXPECT_EQ(cors(origin).field("vary"), "");
+  }
+}
+
+TEST_F(HttpServerTest, answers_on_loopback_only_for_hosts_that_no_page_can_point_there) {
+  start();
+  const auto status = [&](const std::string& host, const std::string& target = "/") {
+    RawHttpClient client(port());
+    client.send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
+    return client.read_answer().status;
+  };
+  for (const char* host :
+       {"localhost", "LOCALHOST:80", "127.0.0.1:8090", "127.9.9.9", "[::1]:1", "a.localhost"}) {
+    EXPECT_EQ(status(host), 200) << host;
+  }
+  for (const char* host : {"evil.example", "evil.example:8090", "localhost.evil.example",
+                           "10.0.0.1", "127.0.0.1.evil.example", "notlocalhost", "[::2]"}) {
+    EXPECT_EQ(status(host), 421) << host;
+    EXPECT_EQ(status(host, "/metrics"), 421) << host;
+    EXPECT_EQ(status(host, "/healthz"), 200) << "for load balancers";
+  }
+  HttpServerOptions options;
+  options.service.origins = Origins::parse({"https://here.example:8443"}).value();
+  start(options);
+  EXPECT_EQ(status("here.example"), 200);
+  EXPECT_EQ(status("evil.example"), 421);
+  EXPECT_FALSE(Origins::parse({"example.org"}));
+  EXPECT_FALSE(Origins::parse({"https://example.org/page"}));
+  EXPECT_FALSE(Origins::parse({""}));
+}
+
+TEST_F(HttpServerTest, refuses_every_request_whose_end_others_may_see_elsewhere) {
+  start();
+  const std::string smuggled = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  for (const char* fields :
+       {"Transfer-Encoding: identity\r\n", "Transfer-Encoding: gzip, chunked\r\n",
+        "Transfer-Encoding: chunked, identity\r\n", "Transfer-Encoding: xchunked\r\n",
+        "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n",
+        "Transfer-Encoding: chunked\r\nTransfer-Encoding: identity\r\n", "Transfer-Encoding: \r\n",
+        "Transfer-Encoding: \"chunked\"\r\n", "Transfer-Encoding: chunked;x=1\r\n",
+        "Transfer-Encoding\t: chunked\r\n", "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n",
+        "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n",
+        "Content-Length: 0\r\nTransfer-Encoding: identity\r\n",
+        "Content-Length: 5\r\nContent-Length: 6\r\n", "Content-Length: -1\r\n",
+        "Content-Length: 5, 6\r\n", "Content-Length : 5\r\n"}) {
+    for (const char* method : {"GET", "POST"}) {
+      RawHttpClient client(port());
+      client.send(std::string(method) + " / HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n" +
+                  smuggled);
+      EXPECT_EQ(client.read_answer().status, 400) << method << ' ' << fields;
+      EXPECT_TRUE(client.ends()) << "what follows must not be answered: " << fields;
+    }
+  }
+  RawHttpClient old(port());
+  old.send("GET / HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n");
+  EXPECT_EQ(old.read_answer().status, 400);
+}
+
 TEST_F(HttpServerTest, refuses_request_bodies_and_closes_the_connection) {
   start();
-  const std::string smuggled = "GET /healthz HTTP/1.1\r\nHost: test\r\n\r\n";
+  const std::string smuggled = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
   for (const std::string& fields :
        {"Content-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n" + smuggled,
         std::string("Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n"),
         std::string("Expect: 100-continue\r\nContent-Length: 5\r\n\r\n")}) {
     RawHttpClient client(port());
-    client.send("GET / HTTP/1.1\r\nHost: test\r\n" + fields);
+    client.send("GET / HTTP/1.1\r\nHost: localhost\r\n" + fields);
     const Answer answer = client.read_answer();
     EXPECT_EQ(answer.status, 413) << fields;
     EXPECT_EQ(answer.field("connection"), "close");
@@ -209,9 +298,10 @@ TEST_F(HttpServerTest, keeps_connections_alive_and_answers_pipelined_requests_in
   RawHttpClient client(port());
   std::string requests;
   for (int i = 0; i < 20; ++i) {
-    requests += "GET /walk/0.base.prs HTTP/1.1\r\nHost: test\r\nRange: bytes=" + std::to_string(i) +
-                "-" + std::to_string(i) + "\r\n\r\n" +
-                "GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n";
+    requests +=
+        "GET /walk/0.base.prs HTTP/1.1\r\nHost: localhost\r\nRange: bytes=" + std::to_string(i) +
+        "-" + std::to_string(i) + "\r\n\r\n" +
+        "GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n";
   }
   std::thread sender([&] { EXPECT_TRUE(client.send(requests)); });
   for (int i = 0; i < 20; ++i) {
@@ -242,7 +332,7 @@ TEST_F(HttpServerTest, accepts_requests_that_arrive_byte_by_byte) {
   start();
   RawHttpClient client(port());
   const std::string request =
-      "GET /walk/0.base.prs HTTP/1.1\r\nHost: test\r\nRange: bytes=5-6\r\n\r\n";
+      "GET /walk/0.base.prs HTTP/1.1\r\nHost: localhost\r\nRange: bytes=5-6\r\n\r\n";
   for (int round = 0; round < 3; ++round) {
     for (const char c : request) {
       ASSERT_TRUE(client.send(std::string_view(&c, 1)));
@@ -298,7 +388,7 @@ TEST_F(HttpServerTest, refuses_malformed_requests_in_one_line_and_closes_the_con
 
 TEST_F(HttpServerTest, accepts_heads_up_to_8_kib) {
   start();
-  const std::string start_line = "GET /healthz HTTP/1.1\r\nHost: test\r\nX: ";
+  const std::string start_line = "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ";
   const std::string fits(8192 - start_line.size() - 4, 'a');
   RawHttpClient client(port());
   client.send(start_line + fits + "\r\n\r\n");

@@ -270,6 +270,102 @@ TEST_P(LiveServerTest, accepts_local_publishers_only_without_origin_and_proxy) {
   EXPECT_EQ(status("Via: 1.1 proxy\r\n"), 403);
 }
 
+TEST_P(LiveServerTest, lets_no_page_of_another_origin_connect_unless_it_is_allowed) {
+  if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
+  options_.service.origins = Origins::parse({"https://allowed.example"}).value();
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto status = [&](const std::string& origin) {
+    return RawHttpClient(server_->port())
+        .get("/live/stage", kUpgrade + ("Origin: " + origin + "\r\n"))
+        .status;
+  };
+  EXPECT_EQ(status("https://allowed.example"), 101);
+  EXPECT_EQ(status("http://localhost"), 101) << "the same origin";
+  for (const char* origin : {"http://example.org", "null", "http://localhost:1",
+                             "http://localhost.example", "https://allowed.example:444"}) {
+    EXPECT_EQ(status(origin), 403) << origin;
+  }
+}
+
+TEST_P(LiveServerTest, does_not_guess_who_is_local_if_it_listens_on_other_addresses_too) {
+  if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
+  options_.listen.host = "0.0.0.0";
+  start();
+  EXPECT_EQ(connect("/live/stage?publish").error().status, 403);
+  options_.service.allow_local_publish = true;
+  start();
+  EXPECT_TRUE(connect("/live/stage?publish"));
+}
+
+TEST_P(LiveServerTest, gives_the_places_of_publishers_that_say_no_hello_to_others) {
+  options_.max_hellos_per_address = 2;
+  options_.header_timeout = 300ms;
+  start();
+  const auto one = connected("/live/one?publish"), two = connected("/live/two?publish");
+  ASSERT_TRUE(one && two);
+  // A text of an unknown type is no hello.
+  ASSERT_TRUE(send(*two, text_message(R"({"type": "weather"})")));
+  EXPECT_FALSE(one->receive(20s));
+  EXPECT_FALSE(two->receive(20s));
+  EXPECT_TRUE(wait_until([&] { return connect("/live/two?publish").has_value(); }));
+  EXPECT_TRUE(relay_.statistics().empty());
+}
+
+TEST_P(LiveServerTest, limits_how_many_publishers_have_not_said_hello) {
+  options_.max_hellos_per_address = 2;
+  start();
+  const auto one = connected("/live/one?publish"), two = connected("/live/two?publish");
+  ASSERT_TRUE(one && two);
+  EXPECT_EQ(connect("/live/three?publish").error().status, 503);
+  ASSERT_TRUE(say_hello(*one));
+  EXPECT_TRUE(wait_until([&] { return connect("/live/three?publish").has_value(); }))
+      << "whoever has said hello no longer counts";
+}
+
+/// The beginning of a binary message of that size, as a client frames it.
+std::string begun_message(std::uint32_t size) {
+  std::string frame("\x82\xff\0\0\0\0", 6);
+  for (int shift = 24; shift >= 0; shift -= 8) frame += static_cast<char>(size >> shift);
+  return frame + std::string(4, '\0');
+}
+/// A text message of 126 bytes to 64 KiB.
+std::string framed_text(const LiveMessage& message) {
+  const Bytes& text = *message.bytes;
+  std::string frame = {'\x81', '\xfe', static_cast<char>(text.size() >> 8),
+                       static_cast<char>(text.size() & 0xff)};
+  return frame + std::string(4, '\0') + std::string(text.begin(), text.end());
+}
+
+TEST_P(LiveServerTest, refuses_unfinished_messages_beyond_the_limit_of_an_address) {
+  if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
+  options_.max_unfinished_per_address = 3'500'000;
+  start();
+  std::vector<std::unique_ptr<RawHttpClient>> clients;
+  const std::string million(1'000'000, '\0');
+  for (std::uint8_t i = 0; i < 6; ++i) {
+    auto client = std::make_unique<RawHttpClient>(server_->port());
+    ASSERT_EQ(client->get("/live/s" + std::to_string(i) + "?publish", kUpgrade).status, 101);
+    client->send(framed_text(publisher_message(i)) + begun_message(2'000'000));
+    client->send(million);
+    clients.push_back(std::move(client));
+  }
+  const auto metric = [&](const std::string& name) {
+    const std::string page = RawHttpClient(server_->port()).get("/metrics").body;
+    const auto at = page.find("\n" + name + " ");
+    return at == std::string::npos ? -1.0 : std::stod(page.substr(at + name.size() + 2));
+  };
+  // Those whose bytes fit wait for the rest of their messages.
+  EXPECT_TRUE(wait_until([&] {
+    return metric("pointreel_live_refused_publishers_total{reason=\"bytes\"}") == 3.0 &&
+           metric("pointreel_live_unfinished_bytes") == 3'000'000.0;
+  })) << metric("pointreel_live_unfinished_bytes");
+  clients.clear();
+  EXPECT_TRUE(wait_until([&] { return metric("pointreel_live_unfinished_bytes") == 0.0; }));
+}
+
 TEST_P(LiveServerTest, survives_hostile_websocket_frames) {
   if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
   start();

@@ -99,7 +99,7 @@ class RawHttpClient {
 
   Answer request(const std::string& method, const std::string& target,
                  const std::string& fields = "") {
-    send(method + " " + target + " HTTP/1.1\r\nHost: test\r\n" + fields + "\r\n");
+    send(method + " " + target + " HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n");
     return read_answer(method == "HEAD");
   }
   Answer get(const std::string& target, const std::string& fields = "") {

@@ -140,7 +140,7 @@ TEST_F(ServeCommandTest, serves_until_a_signal_and_then_exits_at_once) {
     ASSERT_NE(port, 0);
     RawHttpClient idle(port), stalled(port, 4096), silent(port);
     EXPECT_EQ(idle.get("/walk/0.base.prs").body, "base");
-    stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+    stalled.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n");
     ASSERT_TRUE(stalled.has_something());
     server.signal(number);
     EXPECT_EQ(server.exit_code(), 0) << number;
@@ -155,7 +155,7 @@ TEST_F(ServeCommandTest, survives_readers_that_disconnect_in_the_middle) {
   ASSERT_NE(port, 0);
   for (int i = 0; i < 50; ++i) {
     RawHttpClient leaving(port);
-    leaving.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+    leaving.send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n");
     if (i % 2 == 1) continue;
     EXPECT_TRUE(leaving.has_something()) << "no response has begun before the client leaves";
   }
@@ -187,10 +187,49 @@ TEST_F(ServeCommandTest, recovers_from_running_out_of_file_descriptors) {
   EXPECT_EQ(RawHttpClient(port).get("/walk/0.base.prs").body, "base");
 }
 
+TEST_F(ServeCommandTest, takes_an_empty_token_for_a_mistake_wherever_it_is_set) {
+  for (const std::string option : {"--view-token", "--publish-token"}) {
+    EXPECT_THAT(failure_of({reel_.string(), option, ""}), HasSubstr(option + ": is empty"));
+    EXPECT_THAT(failure_of({reel_.string(), option, "two words"}), HasSubstr(option));
+  }
+  for (const char* variable : {"POINTREEL_VIEW_TOKEN", "POINTREEL_PUBLISH_TOKEN"}) {
+    ::setenv(variable, "", 1);
+    EXPECT_THAT(failure_of({reel_.string()}), HasSubstr(std::string(variable) + ": is empty"));
+    ::unsetenv(variable);
+  }
+}
+
+TEST_F(ServeCommandTest, refuses_numbers_that_are_none) {
+  for (const char* option :
+       {"--idle-timeout", "--header-timeout", "--stall-timeout", "--max-requests", "--publish-rate",
+        "--least-rate", "--publisher-grace"}) {
+    for (const std::string number : {"nan", "-nan", "inf", "-1", "1e300"}) {
+      ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0", option + ("=" + number)});
+      EXPECT_EQ(server.exit_code(), 2) << option << ' ' << number;
+    }
+  }
+}
+
+TEST_F(ServeCommandTest, ends_although_nobody_reads_what_it_prints) {
+  ServerProcess server({reel_.string(), "--listen", "127.0.0.1:0", "--log", "info"});
+  const std::uint16_t port = server.port();
+  ASSERT_NE(port, 0);
+  // Far more than a pipe holds.
+  RawHttpClient client(port);
+  const std::string target = "/" + std::string(2000, 'x');
+  for (int i = 0; i < 200; ++i) ASSERT_EQ(client.get(target).status, 404);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.exit_code(), 0);
+}
+
 TEST_F(ServeCommandTest, reports_every_failure_in_one_line) {
   EXPECT_THAT(failure_of({temporary_.path().string()}), HasSubstr("holds no reel.json"));
   EXPECT_THAT(failure_of({reel_.string(), reel_.string()}), HasSubstr("another package is named"));
   EXPECT_THAT(failure_of({reel_.string(), "--listen", "nowhere"}), HasSubstr("--listen nowhere"));
+  EXPECT_THAT(failure_of({reel_.string(), "--allow-origin", "example.org"}),
+              HasSubstr("--allow-origin example.org"));
+  EXPECT_THAT(failure_of({"--live", "--listen", "0.0.0.0:0"}), HasSubstr("needs --publish-token"));
+  EXPECT_THAT(failure_of({"--live", "--max-unfinished", "1M"}), HasSubstr("--max-unfinished"));
   ServerProcess first({reel_.string(), "--listen", "127.0.0.1:0"});
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
   EXPECT_THAT(failure_of({reel_.string(), "--listen", taken}),

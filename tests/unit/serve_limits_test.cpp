@@ -16,8 +16,10 @@
 #include "server/serve/access.h"
 #include "server/serve/connection_table.h"
 #include "server/serve/log.h"
+#include "server/serve/message_pace.h"
 #include "server/serve/metrics.h"
 #include "server/serve/peer.h"
+#include "server/serve/peer_quota.h"
 #include "server/serve/rate_limiter.h"
 
 namespace pointreel {
@@ -102,6 +104,50 @@ TEST(ConnectionTable, evicts_within_an_address_that_is_at_its_limit) {
   two->idle(kTime + 1s);
   EXPECT_TRUE(all.admit(4, 7));
   EXPECT_THAT(all.closed, testing::ElementsAre(3));
+}
+
+TEST(PeerQuota, limits_what_peers_hold_together_and_each_address_on_its_own) {
+  PeerQuota quota(100, 60);
+  PeerQuota::Share one(quota, v4(10, 1)), again(quota, v4(10, 1)), other(quota, v4(10, 2));
+  EXPECT_TRUE(one.grow(40));
+  EXPECT_FALSE(again.grow(21)) << "of one address";
+  EXPECT_TRUE(again.grow(20));
+  EXPECT_FALSE(other.grow(41)) << "of all";
+  EXPECT_TRUE(other.grow(40));
+  EXPECT_EQ(quota.held(), 100u);
+  one.clear();
+  EXPECT_EQ(quota.held(), 60u);
+  EXPECT_TRUE(again.grow(40));
+  EXPECT_FALSE(again.grow(~std::size_t{0}));
+  {
+    const PeerQuota::Share moved(std::move(again));
+    EXPECT_EQ(quota.held(), 100u);
+  }
+  EXPECT_EQ(quota.held(), 40u);
+  other = PeerQuota::Share();
+  EXPECT_EQ(quota.held(), 0u);
+}
+
+TEST(MessagePace, is_due_by_the_hello_and_then_by_the_rate_of_the_message_under_way) {
+  constexpr auto kNever = MessagePace::Clock::time_point::max();
+  MessagePace pace(1000, kTime + 10s);
+  EXPECT_EQ(pace.due(), kTime + 10s);
+  pace.came(1000, kTime);
+  EXPECT_EQ(pace.due(), kTime + MessagePace::kPatience + 1s);
+  pace.came(9000, kTime + 5s);
+  EXPECT_EQ(pace.due(), kTime + 10s) << "the hello is due before";
+  pace.ended();
+  EXPECT_TRUE(pace.awaits_hello());
+  pace.greeted();
+  EXPECT_EQ(pace.due(), kNever) << "nothing is under way";
+  pace.came(1, kTime + 60s);
+  EXPECT_EQ(pace.due(), kTime + 60s + MessagePace::kPatience + 1ms);
+  pace.came(1999, kTime + 61s);
+  EXPECT_EQ(pace.due(), kTime + 60s + MessagePace::kPatience + 2s);
+  MessagePace any(0, kTime);
+  any.greeted();
+  any.came(1, kTime);
+  EXPECT_EQ(any.due(), kNever);
 }
 
 TEST(RateLimiter, permits_a_burst_of_one_second_and_then_the_given_rate) {

@@ -79,8 +79,8 @@ TEST_F(TlsServerTest, answers_pipelined_requests_and_waits_for_slow_readers) {
   start();
   const auto peer = client(4096);
   ASSERT_TRUE(
-      peer->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n"
-                 "GET /walk/0.base.prs HTTP/1.1\r\nHost: test\r\n\r\n"));
+      peer->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                 "GET /walk/0.base.prs HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   ASSERT_TRUE(peer->has_something());
   // The server is stuck in the middle of a record. A later connection is closed because it is
   // silent: by then, the reader's timeouts would have passed too.
@@ -93,7 +93,7 @@ TEST_F(TlsServerTest, drops_peers_that_do_not_speak_tls_or_stop_in_the_handshake
   options_.header_timeout = 800ms;
   start();
   RawHttpClient plain(server_->port());
-  plain.send("GET / HTTP/1.1\r\nHost: test\r\n\r\n");
+  plain.send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(plain.read_answer().status, 0);
   RawHttpClient half(server_->port());
   half.send(std::string("\x16\x03\x01\x02", 4));
@@ -109,7 +109,7 @@ TEST_F(TlsServerTest, survives_readers_that_disconnect_in_the_middle) {
   write_package(reel_, base_, full_);
   start();
   for (int i = 0; i < 20; ++i) {
-    client()->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: test\r\n\r\n");
+    client()->send("GET /walk/0.full.prs HTTP/1.1\r\nHost: localhost\r\n\r\n");
   }
   EXPECT_EQ(client()->get("/healthz").status, 200);
   EXPECT_TRUE(becomes_empty());

@@ -171,7 +171,7 @@ TEST_P(LiveServerTest, confirms_to_a_publisher_what_it_has_accepted) {
   const auto publisher = connected("/live/stage?publish");
   ASSERT_TRUE(publisher && say_hello(*publisher));
   for (std::uint32_t frame = 0; frame < 50; ++frame) {
-    ASSERT_TRUE(send(*publisher, layer_message(frame, 0, 1, frame == 3 ? 300'000 : 10)));
+    ASSERT_TRUE(send(*publisher, layer_message(frame, 0, 1, frame == 3 ? 300'000 : 100)));
   }
   EXPECT_TRUE(wait_until([&] { return publisher->confirmed() == 51; }));
   EXPECT_EQ(statistics().frames, 50u);

@@ -214,11 +214,11 @@ TEST(HelpFormatter, says_what_an_option_accepts_without_the_names_of_types) {
   app.add_option("--named", named, "a name")->envname("NAMED");
   const std::string help = app.help();
   for (const char* line :
-       {"--number N               A number (0 to 21; default 5)\n",
-        "--share NUMBER           A share (of all; 0 to 1000000000)\n",
-        "--word NAME              A word (one, two; default one)\n",
-        "--place HOST:PORT        A place (required)\n", "--file FILE.pem          ldc: a file\n",
-        "--named TEXT             A name (or NAMED in the environment)\n"})
+       {"--number N              A number (0 to 21; default 5)\n",
+        "--share NUMBER          A share (of all; 0 to 1000000000)\n",
+        "--word NAME             A word (one, two; default one)\n",
+        "--place HOST:PORT       A place (required)\n", "--file FILE.pem         ldc: a file\n",
+        "--named TEXT            A name (or NAMED in the environment)\n"})
     EXPECT_THAT(help, HasSubstr(line)) << help;
 }
 

@@ -87,6 +87,7 @@ TEST(Truth, agrees_with_the_picture_of_very_many_points) {
     const auto frame = prepare_cloud(cloud, DrawMode::surfel, 0.7).value();
     for (const bool lighting : {true, false}) {
       DrawOptions options;
+      options.color = texture ? ColorSource::colors : ColorSource::normals;
       options.lighting = lighting;
       options.fill_holes = false;  // filling would widen outlines
       options.background = {0.2f, 0.6f, 0.4f};

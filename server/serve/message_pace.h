@@ -20,18 +20,22 @@ class MessagePace {
   void greeted() { hello_due_ = Clock::time_point::max(); }
   bool awaits_hello() const { return hello_due_ != Clock::time_point::max(); }
 
-  /// So many more bytes of a message have come.
+  /// A piece of a message with so many bytes has come. It may be empty.
   void came(std::size_t bytes, Clock::time_point now) {
-    if (size_ == 0) began_ = now;
+    if (!under_way_) began_ = now;
+    under_way_ = true;
     size_ += bytes;
   }
   /// The message is complete.
-  void ended() { size_ = 0; }
+  void ended() {
+    under_way_ = false;
+    size_ = 0;
+  }
 
   /// When the publisher is too slow, unless more comes before; the end of time if nothing is due.
   Clock::time_point due() const {
     Clock::time_point message = Clock::time_point::max();
-    if (size_ > 0 && least_rate_ > 0) {
+    if (under_way_ && least_rate_ > 0) {
       message = began_ + kPatience +
                 std::chrono::duration_cast<Clock::duration>(
                     std::chrono::duration<double>(static_cast<double>(size_) / least_rate_));
@@ -42,6 +46,7 @@ class MessagePace {
  private:
   double least_rate_;
   Clock::time_point hello_due_, began_{};
+  bool under_way_ = false;
   std::size_t size_ = 0;
 };
 

@@ -144,6 +144,10 @@ TEST(MessagePace, is_due_by_the_hello_and_then_by_the_rate_of_the_message_under_
   EXPECT_EQ(pace.due(), kTime + 60s + MessagePace::kPatience + 1ms);
   pace.came(1999, kTime + 61s);
   EXPECT_EQ(pace.due(), kTime + 60s + MessagePace::kPatience + 2s);
+  pace.ended();
+  pace.came(0, kTime + 90s);
+  pace.came(0, kTime + 94s);
+  EXPECT_EQ(pace.due(), kTime + 90s + MessagePace::kPatience) << "empty pieces gain no time";
   MessagePace any(0, kTime);
   any.greeted();
   any.came(1, kTime);

@@ -84,18 +84,22 @@ Result<std::vector<fs::path>> make_parents(const fs::path& path) {
   return made;
 }
 
-/// Takes the lock of a folder, for as long as the descriptor is open. -1 if another program has it
-/// (errno is EWOULDBLOCK), if the folder has gone meanwhile, or on file systems without locks.
+/// Takes the lock of a folder, for as long as the descriptor is open. -1, and errno says why, if
+/// another program has it (EWOULDBLOCK), if the folder has gone (ENOENT) or another has come in its
+/// place meanwhile (ESTALE), or on file systems without locks.
 int lock_folder(const fs::path& folder, int wait) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return -1;
   struct stat locked{}, present{};
-  if (::flock(descriptor, LOCK_EX | wait) == 0 && ::fstat(descriptor, &locked) == 0 &&
-      ::lstat(folder.c_str(), &present) == 0 && locked.st_ino == present.st_ino &&
-      locked.st_dev == present.st_dev) {
+  int why = 0;
+  if (::flock(descriptor, LOCK_EX | wait) != 0 || ::fstat(descriptor, &locked) != 0 ||
+      ::lstat(folder.c_str(), &present) != 0) {
+    why = errno;
+  } else if (locked.st_ino == present.st_ino && locked.st_dev == present.st_dev) {
     return descriptor;
+  } else {
+    why = ESTALE;
   }
-  const int why = errno;
   ::close(descriptor);
   errno = why;
   return -1;
@@ -143,7 +147,7 @@ Result<OutputFolder> OutputFolder::create(const fs::path& path, const MayReplace
     if (fs::create_directory(temporary, error)) {
       // Another program may take it for abandoned before it is locked, and remove it.
       folder.lock_ = lock_folder(temporary, 0);
-      if (folder.lock_ < 0 && !fs::exists(temporary, error)) continue;
+      if (folder.lock_ < 0 && (errno == ENOENT || errno == ESTALE)) continue;
       folder.temporary_ = std::move(temporary);
       return folder;
     }

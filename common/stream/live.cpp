@@ -63,21 +63,24 @@ Result<PublisherHello> publisher_hello_of(const JsonValue& root) {
   return publisher;
 }
 
-/// A hello whose session or secret, `key`, has this value.
-std::string hello_text(const LiveHello& hello, const char* key, std::string value) {
-  ordered_json root = {{"type", "hello"},
-                       {"version", kPackageVersion},
-                       {"name", hello.name},
-                       {key, std::move(value)},
-                       {"codec", hello.codec}};
-  if (!hello.entropy.empty()) root["entropy"] = hello.entropy;
-  root["fps"] = hello.fps;
-  root["up"] = std::string(1, hello.up);
-  root["colors"] = hello.colors;
-  root["normals"] = hello.normals;
-  root["layers"] = hello.layer_names;
-  root["bounds"] = box_json(hello.bounds);
-  return dump(root);
+std::string vector_text(const glm::dvec3& v) {
+  return fmt::format("[{},{},{}]", dump(v.x), dump(v.y), dump(v.z));
+}
+
+/// A hello whose session or secret, `key`, has this value. Put together from single values, because
+/// a tree of them that is being built does not survive a lack of memory, which must not end a
+/// server.
+std::string hello_text(const LiveHello& hello, std::string_view key, std::string_view value) {
+  std::string text =
+      fmt::format(R"({{"type":"hello","version":{},"name":{},"{}":"{}","codec":"{}")",
+                  kPackageVersion, dump(hello.name), key, value, hello.codec);
+  if (!hello.entropy.empty()) text += fmt::format(R"(,"entropy":"{}")", hello.entropy);
+  text += fmt::format(R"(,"fps":{},"up":"{}","colors":{},"normals":{},"layers":["{}"],"bounds":)",
+                      dump(hello.fps), hello.up, hello.colors, hello.normals,
+                      fmt::join(hello.layer_names, "\",\""));
+  if (hello.bounds.empty()) return text + "null}";
+  return text + fmt::format(R"({{"min":{},"max":{}}}}})", vector_text(hello.bounds.min),
+                            vector_text(hello.bounds.max));
 }
 
 struct TypedText {

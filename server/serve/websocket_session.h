@@ -31,10 +31,10 @@ class Wake : public std::enable_shared_from_this<Wake> {
 ///
 /// Trust: messages are untrusted. Those of a viewer may have up to 64 KiB and are ignored. Those of
 /// a publisher are bounded by Limits::max_message, or if they are text by kMaxLiveText, and checked
-/// by the relay. A publisher that exceeds Limits::publish_rate or publish_text_rate is not read from
-/// for a while, so that TCP holds it back. One that does not say hello in time, sends a message more
-/// slowly than Limits::least_rate, or would exceed the bytes that unfinished messages may have, is
-/// disconnected.
+/// by the relay. A publisher that exceeds Limits::publish_rate or publish_text_rate is not read
+/// from for a while, so that TCP holds it back. One that does not say hello in time, sends a
+/// message more slowly than Limits::least_rate, or would exceed the bytes that unfinished messages
+/// may have, is disconnected.
 Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string received,
                            LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
                            const Limits& limits);

@@ -96,7 +96,7 @@ void connection(const Work& work) {
 /// to lack memory.
 const std::vector<LiveMessage>& sent() {
   static const std::vector<LiveMessage> messages = [] {
-    std::vector<LiveMessage> all = {text_message(write_hello(plain_hello()))};
+    std::vector<LiveMessage> all = {publisher_message()};
     for (std::uint32_t frame = 0; frame < 2; ++frame) {
       for (std::uint8_t layer = 0; layer < 3; ++layer) all.push_back(layer_message(frame, layer));
     }
@@ -148,13 +148,16 @@ TEST(NoMemory, leaves_a_stream_as_good_as_before) {
     {
       const heap::Failure failure(nth);
       connection([&] { publish_all(*first); });
-      connection([&] { first.reset(); });
+      connection([&] {
+        first->end();
+        first.reset();
+      });
       happened = failure.happened();
     }
     while (viewer->next()) {
     }
     const auto second = relay.publish("stage").value();
-    ASSERT_TRUE(second->message(text_message(write_hello(plain_hello(2)))));
+    ASSERT_TRUE(second->message(publisher_message(2)));
     for (std::uint8_t layer = 0; layer < 3; ++layer) {
       ASSERT_TRUE(second->message(layer_message(0, layer)));
     }

@@ -61,7 +61,7 @@ EncodeOptions options_of(Input& input) {
     if (choice >= 224) {
       octree.entropy = Entropy::context;
       octree.slabs = 1 + parameter % 4;
-      octree.depth = DepthRule::fixed(8 + parameter % 3);  // a greater depth takes seconds
+      octree.depth = DepthRule::fixed(8);  // a greater depth takes seconds on a busy machine
     }
     options.codec = octree;
   }

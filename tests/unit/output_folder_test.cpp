@@ -25,6 +25,14 @@ using testing::StartsWith;
 
 const OutputFolder::MayReplace kReplaceAll = [](const fs::path&) { return Result<void>(); };
 
+/// A folder "out" that is there already, with a file "old" in it.
+fs::path make_old_folder(const TemporaryFolder& parent) {
+  const fs::path folder = parent.path() / "out";
+  fs::create_directory(folder);
+  write_file(folder / "old", "1");
+  return folder;
+}
+
 std::string error_of(const Result<OutputFolder>& folder) {
   return folder ? "made" : folder.error().message;
 }
@@ -124,9 +132,7 @@ TEST(OutputFolder, refuses_an_existing_folder_that_is_not_empty) {
 
 TEST(OutputFolder, replaces_a_folder_only_if_allowed_and_only_when_published) {
   const TemporaryFolder parent;
-  const fs::path final = parent.path() / "out";
-  fs::create_directory(final);
-  write_file(final / "old", "1");
+  const fs::path final = make_old_folder(parent);
   {
     Result<OutputFolder> folder = OutputFolder::create(final, kReplaceAll);
     ASSERT_TRUE(folder) << folder.error().message;
@@ -145,9 +151,7 @@ TEST(OutputFolder, replaces_a_folder_only_if_allowed_and_only_when_published) {
 
 TEST(OutputFolder, asks_before_it_replaces_a_folder) {
   const TemporaryFolder parent;
-  const fs::path final = parent.path() / "out";
-  fs::create_directory(final);
-  write_file(final / "old", "1");
+  const fs::path final = make_old_folder(parent);
   fs::path asked;
   const auto folder = OutputFolder::create(final, [&](const fs::path& path) -> Result<void> {
     asked = path;
@@ -197,9 +201,7 @@ TEST(OutputFolder, replaces_nothing_but_files) {
 
 TEST(OutputFolder, keeps_what_came_into_the_old_folder_meanwhile) {
   const TemporaryFolder parent;
-  const fs::path final = parent.path() / "out";
-  fs::create_directory(final);
-  write_file(final / "old", "1");
+  const fs::path final = make_old_folder(parent);
   {
     Result<OutputFolder> folder = OutputFolder::create(final, kReplaceAll);
     ASSERT_TRUE(folder) << folder.error().message;

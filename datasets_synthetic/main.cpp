@@ -16,10 +16,10 @@
 #include <tbb/info.h>
 
 #include "common/base/memory.h"
-#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
+#include "common/command_line/option_checks.h"
 #include "common/command_line/program.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"

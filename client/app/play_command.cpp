@@ -14,8 +14,8 @@
 #include "client/playback/clock.h"
 #include "client/record/open_recorder.h"
 #include "client/ui/bindings.h"
-#include "common/base/number_option.h"
 #include "common/base/try.h"
+#include "common/command_line/option_checks.h"
 
 namespace pointreel {
 namespace {

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-/// Checks of options that CLI11 lacks. Only rooms that use CLI11 include this.
+/// Checks of options that CLI11 lacks.
 namespace pointreel {
 
 /// Accepts the numbers for which `good` holds; `what` describes them. CLI::Range and

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "codec/octree/slabs.h"
-#include "common/base/number_option.h"
+#include "common/command_line/option_checks.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/stop_signal.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/command_line/option_checks.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/publish/publisher.h"

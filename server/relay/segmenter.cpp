@@ -11,8 +11,6 @@
 namespace pointreel {
 namespace {
 
-Box box_of(const Cube& cube) { return {cube.origin, cube.origin + cube.edge}; }
-
 /// The cube of a segment to which a frame with this cube is added.
 Cube joined_cube(const LiveSegment& segment, const Cube& cube) {
   if (segment.entry.times_us.empty() || cube == segment.entry.cube) return cube;

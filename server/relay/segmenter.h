@@ -12,6 +12,9 @@
 
 namespace pointreel {
 
+/// What the cube fills.
+inline Box box_of(const Cube& cube) { return {cube.origin, cube.origin + cube.edge}; }
+
 /// Consecutive frames of a live stream, as they stand in a package.
 struct LiveSegment {
   /// Counts frames from the beginning of the session, and its times are those of capture. Its files

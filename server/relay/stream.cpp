@@ -10,6 +10,7 @@
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/stream/reel_rules.h"
+#include "server/relay/segmenter.h"
 
 namespace pointreel {
 namespace {
@@ -140,8 +141,7 @@ Result<void> Stream::check_frame(const LiveLayer& layer) {
   }
   TRY(at_place("cube", check_cube(frame.cube)));
   Box cubes = cubes_;
-  cubes.grow(frame.cube.origin);
-  cubes.grow(frame.cube.origin + frame.cube.edge);
+  cubes.grow(box_of(frame.cube));
   TRY(at_place("cube", check_box(cubes)));
   cubes_ = cubes;
   return {};

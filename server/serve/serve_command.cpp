@@ -13,9 +13,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/try.h"
+#include "common/command_line/option_checks.h"
 #include "server/commands.h"
 #include "server/relay/relay.h"
 #include "server/serve/catalog.h"

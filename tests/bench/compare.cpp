@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "codec/cloud_file.h"
-#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/try.h"
+#include "common/command_line/option_checks.h"
 #include "tests/bench/output.h"
 #include "tests/distance/distance.h"
 

@@ -9,10 +9,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
+#include "common/command_line/option_checks.h"
 #include "common/command_line/program.h"
 #include "tests/link/link_emulator.h"
 

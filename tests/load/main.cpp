@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/base/number_option.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
+#include "common/command_line/option_checks.h"
 #include "common/command_line/program.h"
 #include "tests/load/load_generator.h"
 

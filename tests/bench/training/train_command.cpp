@@ -10,8 +10,8 @@
 #include <zstd.h>
 
 #include "codec/training/context_trainer.h"
-#include "common/base/number_option.h"
 #include "common/base/print.h"
+#include "common/command_line/option_checks.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/training/training_clouds.h"
 

@@ -1,5 +1,6 @@
 #include "common/base/output_folder.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -9,7 +10,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/unit/packed_clouds.h"
@@ -220,15 +220,20 @@ TEST(OutputFolder, keeps_what_came_into_the_old_folder_meanwhile) {
 TEST(OutputFolder, what_a_killed_program_left_behind_is_removed_and_nothing_else) {
   const TemporaryFolder parent;
   const fs::path final = parent.path() / "out";
-  const pid_t killed = ::fork();
-  if (killed == 0) {
-    Result<OutputFolder> folder = OutputFolder::create(final);
-    if (folder) write_file(folder->path() / "half", "1");
-    ::_exit(folder ? 0 : 1);  // without any destructor
-  }
-  int status = 0;
-  ASSERT_EQ(::waitpid(killed, &status, 0), killed);
-  ASSERT_EQ(status, 0);
+  // The program that dies is this one, run again from the start of this test. A mere fork could
+  // wait forever for a lock of the allocator that another thread held.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const char* variable = "POINTREEL_TEST_DIES_WRITING";
+  ::setenv(variable, final.c_str(), 0);
+  EXPECT_EXIT(
+      {
+        fs::remove(parent.path());
+        Result<OutputFolder> folder = OutputFolder::create(std::getenv(variable));
+        if (folder) write_file(folder->path() / "half", "1");
+        ::_exit(folder ? 0 : 1);  // without any destructor
+      },
+      testing::ExitedWithCode(0), "");
+  ::unsetenv(variable);
   ASSERT_EQ(names_in(parent.path()).size(), 1u);
   write_file(parent.path() / ".out.partial-file", "mine");
   write_file(parent.path() / ".other.partial-1-0", "mine");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
@@ -13,11 +14,13 @@
 namespace pointreel {
 
 /// A transport as Beast requires it (an AsyncStream). The peer must accept each piece that is
-/// written within the transport's stall time.
+/// written within the transport's stall time. Operations that are under way keep the transport
+/// alive: Beast's pings belong to nobody, and may end after the session that they were sent for.
 class TransportStream {
  public:
   using executor_type = Strand;
-  explicit TransportStream(Transport& transport) : transport_(&transport) {}
+  explicit TransportStream(std::shared_ptr<Transport> transport)
+      : transport_(std::move(transport)) {}
   executor_type get_executor() const { return transport_->executor(); }
   Transport& transport() { return *transport_; }
 
@@ -35,7 +38,7 @@ class TransportStream {
  private:
   template <class Buffers, bool kReads>
   struct Operation {
-    Transport* transport;
+    std::shared_ptr<Transport> transport;
     Buffers buffers;
     enum class At { kBegin, kPlain, kWaiting, kPosted } at = At::kBegin;
     std::size_t moved = 0;
@@ -110,12 +113,12 @@ class TransportStream {
     void finish(Self& self, error_code error) {
       if (at == At::kWaiting) return complete(self, error, 0);
       at = At::kPlain;
-      asio::post(transport->executor(),
-                 [self = std::move(self), error]() mutable { self(error, 0); });
+      const Strand strand = transport->executor();  // `transport` moves with `self`
+      asio::post(strand, [self = std::move(self), error]() mutable { self(error, 0); });
     }
   };
 
-  Transport* transport_;
+  std::shared_ptr<Transport> transport_;
 };
 
 // Beast calls these to close a stream of a type that is not its own.

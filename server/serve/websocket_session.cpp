@@ -55,7 +55,7 @@ struct Session {
   }
 
   std::shared_ptr<Transport> transport;
-  Stream stream{TransportStream(*transport)};
+  Stream stream{TransportStream(transport)};
 };
 
 /// Sends a viewer what the relay has for it, until the connection ends.

@@ -9,7 +9,8 @@ std::atomic<std::uint32_t> allowed{~0u};
 
 std::uint32_t detect() {
 #if defined(__x86_64__)
-  return __builtin_cpu_supports("bmi2") ? kCpuBmi2 : 0u;
+  return (__builtin_cpu_supports("bmi2") ? kCpuBmi2 : 0u) |
+         (__builtin_cpu_supports("avx2") ? kCpuAvx2 : 0u);
 #else
   return 0;
 #endif

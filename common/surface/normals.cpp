@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/octree/build.h"
 #include "common/surface/cell_neighbors.h"
+#include "common/surface/cells.h"
 #include "common/surface/openness.h"
 #include "pointreel/octree.h"
 
@@ -24,8 +26,6 @@ constexpr double kPointsPerCell = 2.0;
 /// kMaxCoarser times.
 constexpr double kMinPoints = 8;
 constexpr int kMaxCoarser = 3;
-/// Points that share a cell this many levels further down count as one.
-constexpr int kDuplicateLevels = 6;
 /// The number of points in a cell of the openness grid: enough that no cell of a surface is empty
 /// by chance.
 constexpr double kPointsPerOpenCell = 6.0;
@@ -128,39 +128,12 @@ float finite_radius(double radius) {
   return static_cast<float>(std::clamp<double>(radius, Limits::denorm_min(), Limits::max()));
 }
 
-/// The finest level, at most `limit`, whose cells contain at least that many distinct points on
-/// average.
-int choose_level(const SortedPoints& sorted, double points_per_cell, int limit) {
-  const double cells = sorted.occupied.back() / points_per_cell;
-  int level = 0;
-  while (level < limit && sorted.occupied[static_cast<std::size_t>(level) + 1] <= cells) ++level;
-  return level;
-}
-
-/// Sorts the points into the leaves of an octree whose cells contain kPointsPerCell points on
-/// average.
-SortedPoints sort_into_cells(const PointCloud& cloud, int& level) {
-  const Cube tight = bounding_cube(bounds(cloud));
-  // Few levels are faster to sort, and usually tell most points apart.
-  SortedPoints sorted = sort_points(cloud, tight, 12);
-  if (sorted.occupied.back() < cloud.size() / 2) sorted = sort_points(cloud, tight);
-  level = choose_level(sorted, kPointsPerCell, sorted.levels - 1);
-  // Cells of this level may be up to twice as large as they should be. Enlarging the cube by the
-  // right factor gives those of the next level the right size.
-  const double per_cell = static_cast<double>(sorted.occupied.back()) /
-                          sorted.occupied[static_cast<std::size_t>(level) + 1];
-  const double factor = std::clamp(std::sqrt(kPointsPerCell / per_cell), 1.0, 2.0);
-  level = std::min(level + 1, kMaxDepth - 1);
-  Cube cube = tight;
-  cube.edge *= factor;
-  cube.origin -= 0.5 * (cube.edge - tight.edge);
-  return sort_points(cloud, cube, std::min(level + kDuplicateLevels, kMaxDepth));
-}
-
 class SurfaceEstimate {
  public:
-  explicit SurfaceEstimate(const PointCloud& cloud)
-      : cloud_(cloud), sorted_(sort_into_cells(cloud, level_)), svo_(build_svo(sorted_, level_)) {
+  explicit SurfaceEstimate(const PointCloud& cloud) : cloud_(cloud) {
+    SortedIntoCells cells = sort_into_cells(cloud, kPointsPerCell);
+    sorted_ = std::move(cells.sorted);
+    svo_ = build_svo(sorted_, cells.level);
     blocks_ = node_blocks(svo_);
     list_neighbors();
     sum_moments();
@@ -371,7 +344,6 @@ class SurfaceEstimate {
   }
 
   const PointCloud& cloud_;
-  int level_ = 0;
   SortedPoints sorted_;
   Svo svo_;
   std::vector<glm::vec3> positions_;  ///< sorted, relative to the cube's centre

@@ -4,10 +4,11 @@
 
 namespace pointreel {
 
-/// Instruction sets that the codec uses where the processor has them. They make it faster and never
+/// Instruction sets that Pointreel uses where the processor has them. They make it faster and never
 /// change a result.
 enum CpuFeature : std::uint32_t {
-  kCpuBmi2 = 1u << 0,
+  kCpuBmi2 = 1u << 0,  ///< by the codec
+  kCpuAvx2 = 1u << 1,  ///< by the surface of points
 };
 
 /// Restricts the codec to those features of the processor that are in the mask: ~0u, the default,

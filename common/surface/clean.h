@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "pointreel/cloud.h"
+#include "pointreel/executor.h"
+
+namespace pointreel {
+
+/// How `clean` looks for the surface, and how densely it samples it. Lengths are in the units of
+/// the cloud.
+struct CleanOptions {
+  /// The radius of support of every place. Absent: chosen for each place by the spacing and the
+  /// noise of the points around it, and clouds that are smooth or voxelised stay as they are.
+  std::optional<double> radius;
+};
+
+/// What `clean` found and did. Lengths are in the units of the cloud.
+struct CleanReport {
+  bool cleaned = false;     ///< false: the cloud is as it was
+  double spacing = 0.0;     ///< between neighbouring points, the median
+  double noise = 0.0;       ///< standard deviation across the surface, the median
+  double radius = 0.0;      ///< of support, the median
+  std::size_t removed = 0;  ///< points that no surface supports
+};
+
+/// Moves the points of a scanned cloud onto the surface that they are noisy samples of
+/// (point_surface.h), gives them its normals, and removes points that no surface supports, such as
+/// those between an edge and what lies behind it. Colours and radii stay.
+///
+/// The normals of the cloud tell its two sides apart; without normals they are estimated
+/// (normals.h). The noise is estimated from the distances between points and surface. The radius of
+/// support grows with the square root of noise times spacing, because a wider one averages more
+/// noise away but flattens what is curved.
+///
+/// The cloud's positions are finite (`sanitize`). The result depends neither on the order of the
+/// points nor on the executor. O(n) for scans of surfaces.
+CleanReport clean(PointCloud& cloud, const CleanOptions& options = {},
+                  const Executor& executor = {});
+
+}  // namespace pointreel

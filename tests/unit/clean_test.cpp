@@ -1,0 +1,210 @@
+#include "common/surface/clean.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/base/tbb_executor.h"
+
+namespace pointreel {
+namespace {
+
+/// Points of the unit sphere with Gaussian noise along each axis, with normals and with colours
+/// that tell each point.
+PointCloud noisy_sphere(std::size_t count, double noise) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return glm::dvec3(normal(random), normal(random), normal(random)); };
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::dvec3 n = glm::normalize(vector());
+    cloud.positions.emplace_back(n + noise * vector());
+    cloud.normals.emplace_back(glm::normalize(n + 0.2 * vector()));
+    cloud.colors.emplace_back(i & 0xff, i >> 8 & 0xff, i >> 16);
+  }
+  return cloud;
+}
+
+double distance_from_sphere(const PointCloud& cloud) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double distance = glm::length(cloud.world(i)) - 1.0;
+    sum += distance * distance;
+  }
+  return std::sqrt(sum / static_cast<double>(cloud.size()));
+}
+
+double degrees_from_sphere(const PointCloud& cloud) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec3 exact = glm::normalize(cloud.world(i));
+    sum += std::acos(std::clamp(glm::dot(exact, glm::dvec3(cloud.normals[i])), -1.0, 1.0));
+  }
+  return 57.3 * sum / static_cast<double>(cloud.size());
+}
+
+bool equal(const PointCloud& a, const PointCloud& b) {
+  return a.origin == b.origin && a.positions == b.positions && a.normals == b.normals &&
+         a.colors == b.colors && a.radii == b.radii;
+}
+
+TEST(Clean, moves_noisy_points_onto_the_surface) {
+  for (const double noise : {0.01, 0.03}) {
+    PointCloud cloud = noisy_sphere(20'000, noise);
+    const double distance = distance_from_sphere(cloud), degrees = degrees_from_sphere(cloud);
+    const CleanReport report = clean(cloud);
+    EXPECT_TRUE(report.cleaned);
+    EXPECT_NEAR(report.noise, noise, 0.3 * noise);
+    EXPECT_NEAR(report.spacing, std::sqrt(4.0 * 3.14159 / 20'000), 0.3 * report.spacing);
+    EXPECT_LT(distance_from_sphere(cloud), 0.3 * distance);
+    EXPECT_LT(degrees_from_sphere(cloud), 0.3 * degrees);
+  }
+}
+
+TEST(Clean, gives_clouds_without_normals_those_of_the_surface) {
+  PointCloud cloud = noisy_sphere(20'000, 0.01);
+  cloud.normals.clear();
+  EXPECT_TRUE(clean(cloud).cleaned);
+  ASSERT_TRUE(cloud.has_normals());
+  EXPECT_LT(degrees_from_sphere(cloud), 3.0);
+}
+
+TEST(Clean, leaves_smooth_clouds_as_they_are) {
+  const PointCloud exact = noisy_sphere(20'000, 0.0);
+  PointCloud cloud = exact;
+  const CleanReport report = clean(cloud);
+  EXPECT_FALSE(report.cleaned);
+  EXPECT_LT(report.noise, 0.1 * report.spacing);
+  EXPECT_TRUE(equal(cloud, exact));
+  cloud.normals.clear();
+  clean(cloud);
+  EXPECT_FALSE(cloud.has_normals());
+}
+
+TEST(Clean, leaves_voxelised_surfaces_as_they_are) {
+  std::set<std::array<int, 3>> cells;
+  for (const glm::vec3& p : noisy_sphere(200'000, 0.0).positions) {
+    const glm::ivec3 cell(glm::round(p * 60.0f));
+    cells.insert({cell.x, cell.y, cell.z});
+  }
+  PointCloud voxels;
+  for (const auto& [x, y, z] : cells) voxels.positions.emplace_back(x, y, z);
+  PointCloud cloud = voxels;
+  EXPECT_FALSE(clean(cloud).cleaned);
+  EXPECT_TRUE(equal(cloud, voxels));
+}
+
+TEST(Clean, removes_points_that_no_surface_supports_and_keeps_attributes_together) {
+  PointCloud cloud = noisy_sphere(20'000, 0.01);
+  cloud.radii.assign(cloud.size(), 0.5f);
+  const PointCloud source = cloud;
+  std::mt19937 random(2);
+  std::normal_distribution<float> normal;
+  for (int i = 0; i < 50; ++i) {
+    const glm::vec3 p(normal(random), normal(random), normal(random));
+    cloud.positions.push_back(1.5f * p + glm::normalize(p));
+    cloud.normals.push_back(glm::normalize(p));
+    cloud.colors.emplace_back(0xffff, 0xffff, 0xffff);
+    cloud.radii.push_back(2.0f);
+  }
+  const CleanReport report = clean(cloud);
+  EXPECT_GE(report.removed, 45u);
+  EXPECT_LT(report.removed, 100u);
+  ASSERT_EQ(cloud.size(), source.size() + 50 - report.removed);
+  ASSERT_EQ(cloud.colors.size(), cloud.size());
+  ASSERT_EQ(cloud.normals.size(), cloud.size());
+  ASSERT_EQ(cloud.radii.size(), cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::u16vec3 color = cloud.colors[i];
+    if (color.x == 0xffff) continue;
+    const std::size_t from = color.x + (std::size_t{color.y} << 8) + (std::size_t{color.z} << 16);
+    EXPECT_LT(glm::distance(cloud.positions[i], source.positions[from]), 0.1f);
+  }
+}
+
+TEST(Clean, takes_the_radius_that_it_is_given) {
+  PointCloud little = noisy_sphere(20'000, 0.03), much = little;
+  const CleanReport report = clean(little, {.radius = 0.05});
+  EXPECT_FLOAT_EQ(static_cast<float>(report.radius), 0.05f);
+  clean(much, {.radius = 0.2});
+  EXPECT_LT(distance_from_sphere(much), 0.5 * distance_from_sphere(little));
+  PointCloud smooth = noisy_sphere(20'000, 0.0);
+  EXPECT_TRUE(clean(smooth, {.radius = 0.05}).cleaned);
+}
+
+TEST(Clean, depends_neither_on_the_order_of_the_points_nor_on_the_executor) {
+  const PointCloud source = noisy_sphere(10'000, 0.02);
+  PointCloud cloud = source, parallel = source, shuffled = source;
+  std::vector<std::size_t> order(source.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    shuffled.positions[i] = source.positions[order[i]];
+    shuffled.normals[i] = source.normals[order[i]];
+    shuffled.colors[i] = source.colors[order[i]];
+  }
+  clean(cloud);
+  clean(parallel, {}, tbb_executor());
+  clean(shuffled);
+  EXPECT_TRUE(equal(cloud, parallel));
+  const auto points = [](const PointCloud& of) {
+    std::vector<std::array<float, 6>> all;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const glm::vec3 &p = of.positions[i], &n = of.normals[i];
+      all.push_back({p.x, p.y, p.z, n.x, n.y, n.z});
+    }
+    std::ranges::sort(all);
+    return all;
+  };
+  EXPECT_EQ(points(cloud), points(shuffled));
+}
+
+TEST(Clean, far_from_zero_gives_the_same_to_a_float) {
+  PointCloud cloud = noisy_sphere(10'000, 0.02);
+  PointCloud far = cloud;
+  far.origin = glm::dvec3(1e6, -3e6, 5e6);
+  clean(cloud);
+  clean(far);
+  ASSERT_EQ(cloud.size(), far.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_LT(glm::distance(cloud.positions[i], far.positions[i]), 1e-3f);
+  }
+}
+
+TEST(Clean, survives_clouds_that_are_no_surfaces) {
+  for (const int dimensions : {0, 1, 2, 3}) {
+    PointCloud cloud;
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> uniform;
+    for (int i = 0; i < 5000; ++i) {
+      const glm::vec3 p(uniform(random), uniform(random), uniform(random));
+      cloud.positions.emplace_back(dimensions > 0 ? p.x : 0.5f, dimensions > 1 ? p.y : 0.5f,
+                                   dimensions > 2 ? p.z : 0.5f);
+      cloud.normals.push_back(i % 3 == 0 ? glm::vec3(0.0f) : glm::normalize(p - 0.5f));
+    }
+    for (const bool normals : {true, false}) {
+      if (!normals) cloud.normals.clear();
+      for (const CleanOptions& options : {CleanOptions{}, CleanOptions{0.1}, CleanOptions{1e6}}) {
+        PointCloud result = cloud;
+        clean(result, options);
+        for (const glm::vec3& p : result.positions) {
+          ASSERT_TRUE(std::isfinite(p.x + p.y + p.z)) << dimensions;
+        }
+        for (const glm::vec3& n : result.normals) {
+          ASSERT_TRUE(n == glm::vec3(0.0f) || std::abs(glm::length(n) - 1.0f) < 1e-3f);
+        }
+      }
+    }
+  }
+  PointCloud empty;
+  EXPECT_FALSE(clean(empty).cleaned);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -1,0 +1,179 @@
+#include "common/surface/point_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/base/tbb_executor.h"
+#include "common/surface/algebraic_sphere.h"
+#include "pointreel/cpu.h"
+
+namespace pointreel {
+namespace {
+
+constexpr float kRadius = 0.15f;
+
+/// Points on the unit sphere, moved along the normals by up to `noise`.
+PointCloud rough_sphere(std::size_t count, double noise, std::uint32_t seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-noise, noise);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::dvec3 n = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    cloud.positions.emplace_back(n * (1.0 + uniform(random)));
+    cloud.normals.emplace_back(n);
+  }
+  return cloud;
+}
+
+/// One projection of a point, over all points of the cloud and in double precision.
+SurfaceSample slow_sample(const PointCloud& cloud, std::size_t index, float radius, double beta,
+                          int steps) {
+  const glm::dvec3 start(cloud.positions[index]);
+  glm::dvec3 place = start, normal(cloud.normals[index]);
+  double weight = 0.0;
+  for (int step = 0; step < steps; ++step) {
+    SphereSums sums;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const glm::dvec3 p = glm::dvec3(cloud.positions[i]) - place;
+      const glm::dvec3 n(cloud.normals[i]);
+      const double share = 1.0 - glm::dot(p, p) / (double{radius} * radius);
+      if (share > 0.0 && glm::dot(n, normal) > 0.3) sums.add(p, n, std::pow(share, 4.0));
+    }
+    const auto found = fit_sphere(sums, beta)->project(start - place);
+    place += found->position;
+    normal = found->normal;
+    weight = sums.w;
+  }
+  return {glm::vec3(place), glm::vec3(normal), static_cast<float>(weight)};
+}
+
+std::vector<float> all(const PointCloud& cloud, float radius) {
+  return std::vector<float>(cloud.size(), radius);
+}
+
+bool equal(const SurfaceSample& a, const SurfaceSample& b) {
+  return a.position == b.position && a.normal == b.normal && a.weight == b.weight;
+}
+
+TEST(PointSurface, agrees_with_sums_over_all_points) {
+  const PointCloud cloud = rough_sphere(3000, 0.02);
+  const PointSurface surface(cloud);
+  std::vector<float> radii = all(cloud, kRadius);
+  // Neighbours with very different radii, too.
+  for (std::size_t i = 0; i < radii.size(); i += 3) radii[i] = 0.02f + 0.0003f * float(i % 2000);
+  for (const int steps : {1, 3}) {
+    const std::vector<SurfaceSample> samples = surface.project(radii, 0.7, steps);
+    for (std::size_t i = 0; i < samples.size(); i += 11) {
+      const SurfaceSample slow = slow_sample(cloud, surface.order()[i].index, radii[i], 0.7, steps);
+      EXPECT_NEAR(samples[i].weight, slow.weight, 1e-3 * slow.weight);
+      EXPECT_LT(glm::distance(samples[i].position, slow.position), 1e-5f) << i;
+      EXPECT_LT(glm::distance(samples[i].normal, slow.normal), 1e-4f) << i;
+    }
+  }
+}
+
+TEST(PointSurface, is_the_same_to_the_bit_on_every_processor_and_with_any_executor) {
+  const PointCloud cloud = rough_sphere(5000, 0.02);
+  const PointSurface surface(cloud);
+  const std::vector<SurfaceSample> expected = surface.project(all(cloud, kRadius), 1.0, 2);
+  set_cpu_feature_mask(0);
+  const std::vector<SurfaceSample> portable = surface.project(all(cloud, kRadius), 1.0, 2);
+  set_cpu_feature_mask(~0u);
+  const std::vector<SurfaceSample> parallel =
+      surface.project(all(cloud, kRadius), 1.0, 2, tbb_executor());
+  EXPECT_TRUE(std::ranges::equal(expected, portable, equal));
+  EXPECT_TRUE(std::ranges::equal(expected, parallel, equal));
+}
+
+TEST(PointSurface, keeps_sheets_apart_that_face_away_from_each_other) {
+  PointCloud cloud;
+  for (int x = 0; x < 60; ++x) {
+    for (int z = 0; z < 60; ++z) {
+      for (const float side : {-1.0f, 1.0f}) {
+        cloud.positions.emplace_back(0.01f * float(x), 0.004f * side, 0.01f * float(z));
+        cloud.normals.emplace_back(0.0f, side, 0.0f);
+      }
+    }
+  }
+  const PointSurface surface(cloud);
+  for (const SurfaceSample& sample : surface.project(all(cloud, 0.05f), 1.0, 3)) {
+    EXPECT_NEAR(sample.position.y, 0.004f * sample.normal.y, 1e-6f);
+  }
+}
+
+TEST(PointSurface, points_without_a_normal_take_no_part) {
+  PointCloud cloud = rough_sphere(3000, 0.0);
+  for (std::size_t i = 0; i < cloud.size(); i += 2) {
+    cloud.normals[i] = glm::vec3(0.0f);
+    cloud.positions[i] *= 1.05f;
+  }
+  const PointSurface surface(cloud);
+  const std::vector<SurfaceSample> samples = surface.project(all(cloud, kRadius), 1.0, 2);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (surface.order()[i].index % 2 == 0) {
+      EXPECT_EQ(samples[i].weight, 0.0f);
+    } else {
+      EXPECT_NEAR(glm::length(samples[i].position), 1.0f, 1e-4f);
+    }
+  }
+}
+
+TEST(PointSurface, a_radius_of_zero_leaves_a_point_out) {
+  const PointCloud cloud = rough_sphere(1000, 0.0);
+  const PointSurface surface(cloud);
+  std::vector<float> radii = all(cloud, kRadius);
+  radii[5] = 0.0f;
+  const std::vector<SurfaceSample> samples = surface.project(radii, 1.0, 1);
+  EXPECT_EQ(samples[5].weight, 0.0f);
+  EXPECT_GT(samples[6].weight, 0.0f);
+}
+
+TEST(PointSurface, many_points_on_one_spot_take_bounded_work) {
+  PointCloud cloud = rough_sphere(200'000, 0.0);
+  std::fill(cloud.positions.begin() + 1000, cloud.positions.end(), cloud.positions[0]);
+  std::fill(cloud.normals.begin() + 1000, cloud.normals.end(), cloud.normals[0]);
+  const PointSurface surface(cloud);
+  const std::vector<float> radii = surface.radii_of(50.0);
+  EXPECT_TRUE(std::ranges::all_of(radii, [](float radius) { return radius > 0.0f; }));
+  for (const SurfaceSample& sample : surface.project(all(cloud, kRadius), 1.0, 1)) {
+    EXPECT_NEAR(glm::length(sample.position), 1.0f, 1e-2f);
+  }
+}
+
+TEST(PointSurface, radii_hold_about_as_many_points_as_asked_for) {
+  const PointCloud cloud = rough_sphere(20'000, 0.0);
+  const std::vector<float> radii = PointSurface(cloud).radii_of(50.0);
+  const float exact = std::sqrt(4.0f * 50.0f / 20'000.0f);  // of a flat disc
+  const float mean = std::accumulate(radii.begin(), radii.end(), 0.0f) / float(radii.size());
+  EXPECT_NEAR(mean, exact, 0.3f * exact);
+}
+
+TEST(PointSurface, means_are_those_of_the_points_nearby) {
+  const PointCloud cloud = rough_sphere(20'000, 0.0);
+  const PointSurface surface(cloud);
+  std::vector<float> values(cloud.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = i % 7 == 0 ? -1.0f : 2.0f + cloud.positions[surface.order()[i].index].x;
+  }
+  const std::vector<float> means = surface.local_mean(values, 30);
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    EXPECT_NEAR(means[i], 2.0f + cloud.positions[surface.order()[i].index].x, 0.4f);
+  }
+}
+
+TEST(PointSurface, of_no_points_is_empty) {
+  const PointSurface surface{PointCloud()};
+  EXPECT_TRUE(surface.order().empty());
+  EXPECT_TRUE(surface.radii_of(50.0).empty());
+  EXPECT_TRUE(surface.project({}, 1.0, 2).empty());
+  EXPECT_TRUE(surface.local_mean({}, 10).empty());
+}
+
+}  // namespace
+}  // namespace pointreel

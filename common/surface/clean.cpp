@@ -20,7 +20,7 @@ constexpr std::size_t kLeastPoints = 100;
 constexpr double kBeta = 0.5;
 /// Around how many points noise and spacing are measured.
 constexpr double kSupport = 50.0;
-constexpr std::size_t kAveraged = 15;
+constexpr std::size_t kAveraged = 60;
 constexpr std::size_t kMeasuredOneIn = 4;
 constexpr int kMeasurements = 3;
 constexpr int kSteps = 2;

@@ -300,13 +300,15 @@ std::vector<float> PointSurface::local_mean(std::span<const float> values,
   }
   std::vector<float> means(positions_.size(), 0.0f);
   for (std::uint32_t leaf = leaves; leaf < nodes_.size(); ++leaf) {
-    std::uint32_t node = leaf;
-    while (counts[node] < points && node != 0) node = nodes_[node].parent;
     double sum = 0.0, count = 0.0;
-    for (const std::uint32_t near : blocks_[node]) {
-      if (near == kNoNode) continue;
-      sum += sums[near];
-      count += counts[near];
+    for (std::uint32_t node = leaf;; node = nodes_[node].parent) {
+      sum = count = 0.0;
+      for (const std::uint32_t near : blocks_[node]) {
+        if (near == kNoNode) continue;
+        sum += sums[near];
+        count += counts[near];
+      }
+      if (count >= static_cast<double>(points) || node == 0) break;
     }
     const auto mean = static_cast<float>(count > 0.0 ? sum / count : 0.0);
     std::fill(means.begin() + nodes_[leaf].begin, means.begin() + nodes_[leaf].end, mean);

@@ -52,8 +52,9 @@ class PointSurface {
   std::vector<SurfaceSample> project(std::span<const float> radii, double beta, int steps,
                                      const Executor& executor = {}) const;
 
-  /// The mean of `values` (in order()) around each point: over the smallest octree cell with at
-  /// least `points` points and the cells around it. Points with a negative value do not count.
+  /// The mean of `values` (in order()) around each point: over the smallest octree cell that,
+  /// together with the cells around it, has at least `points` points. Points with a negative value
+  /// do not count.
   std::vector<float> local_mean(std::span<const float> values, std::size_t points) const;
 
  private:

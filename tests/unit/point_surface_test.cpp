@@ -163,7 +163,7 @@ TEST(PointSurface, means_are_those_of_the_points_nearby) {
   }
   const std::vector<float> means = surface.local_mean(values, 30);
   for (std::size_t i = 0; i < means.size(); ++i) {
-    EXPECT_NEAR(means[i], 2.0f + cloud.positions[surface.order()[i].index].x, 0.4f);
+    EXPECT_NEAR(means[i], 2.0f + cloud.positions[surface.order()[i].index].x, 0.2f);
   }
 }
 

@@ -17,4 +17,9 @@ ReelHead reel_head(const EncodingOptions& options) {
   return head;
 }
 
+CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options) {
+  if (!options.clean || (options.voxel && !options.clean->radius)) return {};
+  return clean(cloud, *options.clean, options.encode.executor);
+}
+
 }  // namespace pointreel

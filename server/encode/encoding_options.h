@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/surface/clean.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
 
@@ -17,6 +18,8 @@ struct EncodingOptions {
   /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, and it
   /// determines the depth of the octree.
   std::optional<double> voxel;
+  /// How frames are cleaned before they are encoded. Nothing: they stay as they are.
+  std::optional<CleanOptions> clean;
   /// Milliseconds, above 0, that encoding a frame may take. FrameTimeControl lowers the depth to
   /// achieve this, so the encoded bytes depend on the machine.
   std::optional<double> frame_time_ms;
@@ -26,5 +29,8 @@ struct EncodingOptions {
 /// What a reel or a live stream of such frames says about itself. Colours and normals are not known
 /// before there is a frame.
 ReelHead reel_head(const EncodingOptions& options);
+
+/// Cleans a frame as the options say. With `voxel`, only if a radius is given.
+CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
 
 }  // namespace pointreel

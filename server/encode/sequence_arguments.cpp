@@ -9,6 +9,18 @@
 #include "pointreel/octree.h"
 
 namespace pointreel {
+namespace {
+
+/// What --clean says, which has been checked.
+std::optional<CleanOptions> cleaning_of(const std::string& text) {
+  if (text == "off") return std::nullopt;
+  if (text == "auto") return CleanOptions{};
+  double radius = 0.0;
+  CLI::detail::lexical_cast(text, radius);
+  return CleanOptions{radius};
+}
+
+}  // namespace
 
 CLI::Option* SequenceArguments::only_with(Codec of, CLI::Option* option) {
   of_codec_.emplace_back(of, option);
@@ -44,6 +56,20 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
   add_choice<Codec>(command, "--codec", codec,
                     {{name(Codec::octree), Codec::octree}, {name(Codec::draco), Codec::draco}},
                     "octrees, in layers that refine each other, or Draco");
+  command
+      .add_option_function<std::string>(
+          "--clean", [this](const std::string& text) { sequence.clean = cleaning_of(text); },
+          "move the points of noisy scans onto the surface that they are samples of, and remove "
+          "points without a surface: off, auto (where it helps, by as much as the noise asks for), "
+          "or the radius within which the surface is smoothed, in the source's units")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const bool good = text == "off" || text == "auto" || positive_number()(text).empty();
+            return good ? std::string() : text + " is not off, auto or a radius above 0";
+          },
+          ""))
+      ->type_name("HOW")
+      ->default_str("off");
   CLI::Option* normals = add_choice<bool>(
       command, "--normals", sequence.encode.normals, {{"send", true}, {"derive", false}},
       "send the normals of the source, or let players derive them from the points");

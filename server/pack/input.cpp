@@ -19,6 +19,12 @@ std::size_t memory_of(const PointCloud& cloud) {
 
 }  // namespace
 
+Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
+  SourceFrame source{TRY(read_cloud_file(files_[frame])), {}};
+  source.cleaning = clean_frame(source.cloud, options_);
+  return source;
+}
+
 Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& stop) {
   struct Frame {
     std::optional<Error> error;
@@ -30,7 +36,7 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
   std::atomic<std::size_t> kept_bytes = 0;
   tbb::parallel_for(std::size_t{0}, files_.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
-    Result<LoadedCloud> loaded = read_cloud_file(files_[i]);
+    Result<SourceFrame> loaded = read(i);
     if (!loaded) {
       frames[i].error = std::move(loaded.error());
       return;
@@ -38,7 +44,7 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     frames[i] = {{}, bounds(loaded->cloud), lattice_of(loaded->cloud), loaded->cloud.size()};
     const std::size_t bytes = memory_of(loaded->cloud);
     if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
-      kept_[i] = std::make_shared<const LoadedCloud>(std::move(*loaded));
+      kept_[i] = std::make_shared<const SourceFrame>(std::move(*loaded));
     }
   });
   Extent all;
@@ -83,7 +89,7 @@ Result<Grid> SegmentInput::grid_of(const PointCloud& cloud) const {
 
 Result<SegmentInput::Cloud> SegmentInput::look(std::size_t frame) const {
   if (kept_[frame] != nullptr) return kept_[frame];
-  return std::make_shared<const LoadedCloud>(TRY(read_cloud_file(files_[frame])));
+  return std::make_shared<const SourceFrame>(TRY(read(frame)));
 }
 
 Result<SegmentInput::Cloud> SegmentInput::take(std::size_t frame) {

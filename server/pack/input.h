@@ -17,6 +17,11 @@
 
 namespace pointreel {
 
+/// A frame as it is encoded: read, and cleaned if that was asked for.
+struct SourceFrame : LoadedCloud {
+  CleanReport cleaning;
+};
+
 /// The source files of one segment. If the frames share a cube, the files are read once to find it,
 /// and once more to be encoded. Clouds are kept in memory from the first time to the second as long
 /// as they fit a budget, so that memory does not grow with the length of the segment.
@@ -36,7 +41,7 @@ class SegmentInput {
   /// The grid to encode a frame in: the shared one, or its own.
   Result<Grid> grid_of(const PointCloud& cloud) const;
 
-  using Cloud = std::shared_ptr<const LoadedCloud>;
+  using Cloud = std::shared_ptr<const SourceFrame>;
 
   /// The cloud of a frame, which stays in memory if it was kept. From any thread. The errors of
   /// this and of `take` begin with the file.
@@ -53,6 +58,7 @@ class SegmentInput {
     std::size_t largest = 0;              ///< the frame with the most points
   };
   Result<Extent> read_extent(const std::stop_token& stop);
+  Result<SourceFrame> read(std::size_t frame) const;
 
   std::span<const std::filesystem::path> files_;
   const PackOptions& options_;

@@ -105,6 +105,14 @@ ordered_json to_json(const PackSummary& summary) {
                       {"bytes", summary.learnt->bytes},
                       {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
   }
+  json["cleaning"] = nullptr;
+  if (summary.cleaning.frames > 0) {
+    json["cleaning"] = {{"frames", summary.cleaning.frames},
+                        {"removed_points", summary.cleaning.removed},
+                        {"spacing", summary.cleaning.spacing},
+                        {"noise", summary.cleaning.noise},
+                        {"radius", summary.cleaning.radius}};
+  }
   json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
   json["segments"] = ordered_json::array();
@@ -146,6 +154,15 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
   print("  error           at most {}, in the source's units\n", number_text(summary.max_error, 4));
+  if (options.clean && summary.cleaning.frames == 0) {
+    print("  cleaning        none: the frames are smooth or voxelised\n");
+  } else if (options.clean) {
+    const CleaningSummary& cleaning = summary.cleaning;
+    print("  cleaning        {}: noise {}, spacing {}, radius {}; {} removed\n",
+          counted(cleaning.frames, "frame"), number_text(cleaning.noise, 3),
+          number_text(cleaning.spacing, 3), number_text(cleaning.radius, 3),
+          counted(cleaning.removed, "point"));
+  }
   if (options.frame_time_ms) {
     print("  late            {} took longer than {} ms\n", counted(summary.late_frames, "frame"),
           number_text(*options.frame_time_ms));

@@ -50,6 +50,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   frame.colors = options.encode.colors && cloud.has_colors();
   frame.normals = options.encode.normals && cloud.has_normals();
   frame.had_radii = cloud.has_radii();
+  frame.cleaning = loaded->cleaning;
   frame.unread = loaded->unread;
   frame.warnings = loaded->warnings;
   const Result<Grid> grid = input.grid_of(cloud);

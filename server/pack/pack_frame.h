@@ -27,6 +27,7 @@ struct PackedFrame {
   double encode_ms = 0.0, max_error = 0.0;
   bool colors = false, normals = false;  ///< were encoded
   bool had_radii = false;
+  CleanReport cleaning;
   std::vector<std::string> unread;  ///< as LoadedCloud::unread
   std::vector<std::string> warnings;
 };

@@ -51,7 +51,11 @@ class Writer {
     segment_.normals |= frame.normals;
     segment_.had_radii |= frame.had_radii;
     segment_.unread.insert(frame.unread.begin(), frame.unread.end());
-    segment_.points += encoded.source_points;
+    segment_.points += encoded.source_points + frame.cleaning.removed;
+    if (frame.cleaning.cleaned) {
+      const CleanReport& of = frame.cleaning;
+      segment_.cleaning.add({1, of.removed, of.spacing, of.noise, of.radius});
+    }
     segment_.coded_points += encoded.coded_points;
     if (frame.parts) {
       if (!segment_.parts) segment_.parts.emplace();

@@ -177,6 +177,7 @@ class Packer {
     const SegmentSummary& added = segment.summary;
     summary_.frames += added.frames;
     summary_.points += segment.points;
+    summary_.cleaning.add(segment.cleaning);
     summary_.coded_points += segment.coded_points;
     summary_.segment_bytes += added.bytes;
     if (segment.parts) {
@@ -268,6 +269,15 @@ class Packer {
 };
 
 }  // namespace
+
+void CleaningSummary::add(const CleaningSummary& later) {
+  if (later.frames == 0) return;
+  frames += later.frames;
+  removed += later.removed;
+  spacing = later.spacing;
+  noise = later.noise;
+  radius = later.radius;
+}
 
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) try {
   const Clock::time_point start = Clock::now();

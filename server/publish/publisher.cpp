@@ -76,7 +76,7 @@ class Publisher {
     const Clock::time_point start = Clock::now();
     for (;;) {
       if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
-      const std::optional<InputFrame> frame = TRY(input.next(listener_.stop));
+      std::optional<InputFrame> frame = TRY(input.next(listener_.stop));
       if (!frame) break;
       if (const Result<void> sent = send(*frame); !sent) {
         ++summary_.unusable;
@@ -95,14 +95,15 @@ class Publisher {
   }
 
  private:
-  Result<void> send(const InputFrame& frame) {
+  Result<void> send(InputFrame& frame) {
     if (!frame.cloud) return tl::unexpected(frame.cloud.error());
-    const PointCloud& cloud = frame.cloud->cloud;
+    const Clock::time_point start = Clock::now();
+    PointCloud& cloud = frame.cloud->cloud;
+    clean_frame(cloud, options_);
     const Box box = bounds(cloud);
     const Result<Grid> grid = grid_.of(box);
     if (!grid) return fail_at(frame.name, grid.error());
 
-    const Clock::time_point start = Clock::now();
     Result<EncodedFrame> encoded =
         encode_frame(cloud, grid->cube, no_deeper_than(grid->encode, time_.depth()));
     const double ms = ms_since(start);

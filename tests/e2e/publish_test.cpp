@@ -100,5 +100,30 @@ TEST_F(PublishTest, says_once_that_a_name_is_taken_and_fails) {
   EXPECT_EQ(first.end(SIGINT), 0) << "the first publisher is not disturbed";
 }
 
+TEST_F(PublishTest, cleans_frames_before_it_encodes_them) {
+  // A rough sheet, and a point far above it.
+  PointCloud sheet;
+  for (int i = 0; i < 2500; ++i) {
+    sheet.positions.emplace_back(i % 50, 0.4f * static_cast<float>(i * 7919 % 11 - 5) / 5.0f,
+                                 i / 50);
+    sheet.normals.emplace_back(0.0f, 1.0f, 0.0f);
+  }
+  sheet.positions.emplace_back(25.0f, 40.0f, 25.0f);
+  sheet.normals.emplace_back(0.0f, 1.0f, 0.0f);
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(write_ply(folder_ / "frames" / fmt::format("{}.ply", i), sheet));
+  }
+  Background server("pointreel-server",
+                    {"serve", "--live", "--record", record().string(), "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const Outcome published = run("pointreel-server", publish(address, {"--clean", "auto"}));
+  EXPECT_EQ(published.exit_code, 0) << published.err;
+  EXPECT_EQ(server.end(SIGTERM), 0);
+  const auto manifest = read_manifest(record() / "stage");
+  ASSERT_TRUE(manifest);
+  EXPECT_LT(manifest->bounds.max.y, 1.0) << "the point far above is gone";
+}
+
 }  // namespace
 }  // namespace pointreel::e2e

@@ -1,0 +1,87 @@
+// Packing with --clean.
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "server/encode/encoding_options.h"
+#include "server/pack/inspect.h"
+#include "server/pack/packer.h"
+#include "tests/unit/packed_clouds.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PackClean : public testing::Test {
+ protected:
+  PackClean() {
+    fs::create_directory(in());
+    options_ = pack_options(in(), folder_.path() / "reel");
+    options_.force = true;
+  }
+  fs::path in() const { return folder_.path() / "in"; }
+
+  void write(int frame, const PointCloud& cloud) {
+    ASSERT_TRUE(write_ply(in() / fmt::format("{}.ply", frame), cloud));
+  }
+
+  PackSummary packed() {
+    const Result<PackSummary> summary = pack(options_);
+    EXPECT_TRUE(summary) << summary.error().message;
+    return summary.value_or(PackSummary{});
+  }
+
+  TemporaryFolder folder_;
+  PackOptions options_;
+};
+
+/// A scan with noise, and a few specks around it.
+PointCloud noisy(std::uint32_t seed) {
+  PointCloud cloud = ellipsoid(8000);
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  const auto vector = [&] { return glm::vec3(normal(random), normal(random), normal(random)); };
+  for (glm::vec3& p : cloud.positions) p += 0.01f * vector();
+  for (glm::vec3& n : cloud.normals) n = glm::normalize(n + 0.3f * vector());
+  for (std::size_t i = 0; i < 10; ++i) cloud.positions[i] *= 2.0f + 0.2f * static_cast<float>(i);
+  return cloud;
+}
+
+TEST_F(PackClean, takes_noise_out_and_says_what_it_did) {
+  for (int i = 0; i < 3; ++i) write(i, noisy(static_cast<std::uint32_t>(i)));
+  const PackSummary source = packed();
+  EXPECT_EQ(source.cleaning.frames, 0u);
+  options_.clean = CleanOptions{};
+  const PackSummary cleaned = packed();
+  EXPECT_EQ(cleaned.cleaning.frames, 3u);
+  EXPECT_NEAR(cleaned.cleaning.noise, 0.01, 0.004);
+  EXPECT_GE(cleaned.cleaning.removed, 3u * 9);
+  EXPECT_EQ(cleaned.points, source.points) << "are those of the source";
+  EXPECT_LT(cleaned.parts->normals, source.parts->normals * 3 / 4);
+  EXPECT_TRUE(verify(options_.output)->faults.empty());
+}
+
+TEST_F(PackClean, reads_large_segments_twice_with_the_same_result) {
+  write(0, noisy(1));
+  options_.clean = CleanOptions{0.1};
+  const PackSummary once = packed();
+  options_.cube_per_frame = true;  // the frame is read only once
+  EXPECT_EQ(packed().cleaning.removed, once.cleaning.removed);
+}
+
+TEST_F(PackClean, leaves_frames_alone_that_are_smooth_or_have_voxels) {
+  write(0, ellipsoid(8000));
+  options_.clean = CleanOptions{};
+  EXPECT_EQ(packed().cleaning.frames, 0u);
+  write(0, noisy(1));
+  EXPECT_EQ(packed().cleaning.frames, 1u);
+  options_.voxel = 0.01;
+  EXPECT_EQ(packed().cleaning.frames, 0u);
+  options_.clean = CleanOptions{0.1};
+  EXPECT_EQ(packed().cleaning.frames, 1u) << "was asked for";
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -18,7 +18,7 @@ std::optional<std::uint32_t> PlayOrder::after(std::uint32_t from, std::uint32_t 
     steps -= count - at;
     at = 0;
     if (steps <= cycle->last) return turned(steps);
-    return std::nullopt;  // frames only come again
+    return std::nullopt;  // frames would only repeat
   }
   if (steps <= cycle->last - at) return turned(at + steps);
   steps -= cycle->last - at + 1;

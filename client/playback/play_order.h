@@ -20,7 +20,7 @@ struct PlayOrder {
   int direction = 1;        ///< or -1
   std::optional<FrameRange> range;
 
-  /// The frame `steps` after `from`; none beyond an end, or once frames only come again.
+  /// The frame `steps` after `from`; none beyond an end, or once frames would only repeat.
   std::optional<std::uint32_t> after(std::uint32_t from, std::uint32_t steps) const;
   /// How many steps after `from` playback first reaches `to`; none if it never does.
   std::optional<std::uint32_t> steps(std::uint32_t from, std::uint32_t to) const;

@@ -62,9 +62,9 @@ class VoxelCut {
   /// A cell's coordinates on its level, and its node.
   using Item = std::array<std::int32_t, 4>;
 
-  /// These are written without growing, because no cut has more nodes than the tree has leaves, and
-  /// no list of a level has more than the level, plus what is written ahead. So their sizes only
-  /// ever grow, and `emitted_` counts.
+  /// The lists are made large enough before they are written: a cut has no more nodes than the tree
+  /// has leaves, and a list of a level no more than the level, plus what is written ahead. They are
+  /// never shrunk; `emitted_` is the number of nodes in use.
   std::vector<CutNode> nodes_;
   std::size_t emitted_ = 0;
   std::vector<Item> inside_, next_inside_;

@@ -40,7 +40,7 @@ class Presenter {
   /// fewer pixels than it is shown if there is no time for all of them (Draft).
   Result<void> draw(const Stage& stage, const std::vector<Stage::Change>& changes,
                     const Shot& shot);
-  /// Whether the last picture was drawn like this, with whatever reduction.
+  /// Whether the last picture was drawn for this shot, whatever its reduction.
   bool shows(const Shot& shot) const;
   const DrawStats& drawn() const { return drawn_; }  ///< of the last picture
   bool shown() const { return shown_; }              ///< any frame, since begin()

@@ -11,8 +11,8 @@ namespace pointreel {
 /// that the width does not change with each of them.
 inline constexpr float kStatisticsWidth = 430.0f;
 
-/// The panel that shows how playing goes. Put there if `place`, otherwise where it was. To be
-/// called between Gui::begin and end. False once the user closes it.
+/// The panel that shows how playing goes. It is moved to `at` if `place`, and else stays where it
+/// is. To be called between Gui::begin and end. False once the user closes it.
 bool draw_statistics(const std::vector<StatisticsLine>& lines, const RecentFrames& recent,
                      const PanelPlace& at, bool place, float scale);
 

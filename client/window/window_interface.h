@@ -30,9 +30,9 @@ class WindowInterface {
   WindowInterface(WindowContext& window, const WindowSession& session, const WindowErrors& errors,
                   Controls& controls);
 
-  /// Has it built a few times, because something has happened.
+  /// Requests a few builds, because something has happened.
   void refresh();
-  /// Has it built once more, because what it shows has changed.
+  /// Requests one more build, because what it shows has changed.
   void refresh_once();
   /// When it is to be built again; none: not before something happens.
   std::optional<TimePoint> next_build() const;

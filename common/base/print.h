@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 /// The only way in which programs print for people. File names, names of reels and answers of
-/// servers may hold anything, also what moves a terminal's cursor, renames its window or turns the
-/// direction of writing around. All of it is shown as visible text.
+/// servers may hold anything, even characters that move a terminal's cursor, rename its window or
+/// reverse the direction of writing. All of them are shown as visible text.
 namespace pointreel {
 
 /// Text of any origin as it may be printed. Control characters (C0, DEL and C1), characters that

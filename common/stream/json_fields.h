@@ -23,15 +23,15 @@ namespace pointreel {
 /// The largest whole number that is exact in readers that hold every number as a double, as
 /// JavaScript does.
 inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
-/// The length in bytes of a name, of a file or of a reel, at most.
+/// The greatest length of the name of a file or of a reel, in bytes.
 inline constexpr std::size_t kMaxTitle = 255;
 inline constexpr std::size_t kMaxLayers = 8;
-/// The length in bytes of a layer's name, at most. It is part of the names of files.
+/// The greatest length of a layer's name, in bytes. It is part of the names of files.
 inline constexpr std::size_t kMaxLayerName = 64;
 /// The value of "format" in reel.json.
 inline constexpr const char* kPackageFormat = "pointreel";
 
-/// The number of members of an object that is read, at most, unknown ones included.
+/// The most members that an object may have, counting those that are not known.
 inline constexpr std::size_t kMaxMembers = 1000;
 
 /// Writes the value on one line. Bytes that are not valid UTF-8, which names may contain, are

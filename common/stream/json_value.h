@@ -63,7 +63,7 @@ class JsonItems {
   JsonValue key_, value_;
 };
 
-/// True if the value is the string `text`. This takes no longer than `text` is long.
+/// True if the value is the string `text`. Takes time in proportion to `text`.
 bool is_text(const JsonValue& value, std::string_view text);
 
 /// The value of a whole text, which may have spaces around it.

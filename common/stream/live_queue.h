@@ -44,8 +44,8 @@ struct LiveQueueOptions {
 ///
 /// A receiver that takes messages as they come gets all of them. If more frames wait than the
 /// options allow, the receiver is behind: everything before the newest frame is dropped, because it
-/// would arrive late, and from then on the receiver gets one layer less of each frame until it has
-/// kept up for a while. That while doubles each time an additional layer turns out to be too much.
+/// would arrive late, and from then on the receiver gets one layer fewer of each frame until it has
+/// kept up for some time. That time doubles whenever an additional layer turns out to be too much.
 /// A receiver behind a slow link therefore gets coarser frames, then fewer frames, and always the
 /// newest base layer.
 class LiveQueue {

@@ -28,7 +28,7 @@ std::string write_journal_line(const Manifest& manifest, const std::string& segm
 /// The text of a manifest in this folder, with what the journal adds to it, if there is one. The
 /// text itself may be anything: parse the result. Errors begin with the path of the journal.
 ///
-/// Trust: the journal may be hostile. It is as long as a manifest at most.
+/// Trust: the journal may be hostile. One longer than kMaxManifestBytes is an error.
 Result<std::string> with_journal(const std::filesystem::path& folder, std::string text);
 
 /// Reads FOLDER/reel.json and the journal, if there is one. The error begins with the path; its

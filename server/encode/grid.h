@@ -24,7 +24,7 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
                       const std::optional<PointLattice>& lattice = {});
 
 /// Whether a cloud within `box`, whose points lie on the lattice, would be divided down to the
-/// voxels of the lattice. Only then it pays to code it on them.
+/// voxels of the lattice. Only then does coding it on them pay.
 bool reaches(const PointLattice& lattice, const Box& box, const PointCloud& cloud,
              const EncodeOptions& options);
 

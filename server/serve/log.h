@@ -18,7 +18,7 @@ namespace pointreel {
 /// Structured lines, one JSON object each, on standard error:
 ///   {"time":"2026-01-31T12:00:00.123Z","level":"warning","event":"...",...}
 /// Any thread may write, and none waits for the reader: if lines are written faster than they are
-/// read, the oldest are dropped. Neither does the end of the log, for longer than half a second.
+/// read, the oldest are dropped. The destructor waits for the reader, but only half a second.
 class Log {
  public:
   enum class Level { kDebug, kInfo, kWarning, kError, kOff };

@@ -12,8 +12,8 @@
 #include "pointreel/geometry.h"
 
 /// A package is a folder of plain files that holds a sequence of frames, a reel, and that any HTTP
-/// server can serve: a manifest, `reel.json`, and segment files that never change, one for each
-/// layer of each segment. PROTOCOL.md describes it.
+/// server can serve: a manifest, `reel.json`, and layer files that never change, one for each layer
+/// of each segment. PROTOCOL.md describes it.
 namespace pointreel {
 
 inline constexpr int kPackageVersion = 1;

@@ -198,8 +198,10 @@ class Connection : public WebSocket {
       if (ended_ || closed_) return;
       closed_ = true;
       closing_.expires_after(kCloseTime);
+      // Closing the socket is not enough: it ends what waits for the socket, but the operations of
+      // Beast can also wait for each other.
       closing_.async_wait([this](error_code error) {
-        if (!error) beast::get_lowest_layer(stream_).close();
+        if (!error) end(asio::error::operation_aborted);
       });
       stream_.async_close(websocket::close_code::normal,
                           [this](error_code) { end(asio::error::operation_aborted); });

@@ -279,6 +279,31 @@ TEST(WebSocket, closing_ends_although_the_peer_never_answers) {
   }
 }
 
+TEST(WebSocket, closing_ends_although_a_ping_waits_for_its_answer) {
+  std::promise<void> closing;
+  const Peer peer(upgraded([&](PeerStream& stream) {
+    stream.ping({});
+    closing.get_future().wait();
+    std::this_thread::sleep_for(50ms);  // let the closing handshake queue behind the message
+    // Takes all bytes without answering.
+    std::vector<char> bytes(1 << 20);
+    for (;;) stream.next_layer().read_some(boost::asio::buffer(bytes));
+  }));
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_TRUE(socket) << socket.error().message;
+  // While a message is being written, neither the ping can be answered nor the handshake begin.
+  const Bytes much(32 << 20);
+  auto sending = std::async(std::launch::async,
+                            [&] { return (*socket)->send(much, WebSocket::Kind::binary); });
+  EXPECT_FALSE(*(*socket)->receive(100ms));
+  (*socket)->close();
+  closing.set_value();
+  const auto message = (*socket)->receive(kLong);
+  ASSERT_FALSE(message) << "the connection did not end";
+  EXPECT_EQ(message.error().code, ErrorCode::cancelled) << message.error().message;
+  sending.wait();
+}
+
 TEST(WebSocket, connecting_can_be_stopped) {
   std::promise<void> over;
   std::stop_source stop;

@@ -7,7 +7,9 @@
 #include <span>
 #include <utility>
 
+#include "client/scene/brick_cells.h"
 #include "common/octree/build.h"
+#include "common/octree/morton.h"
 
 namespace pointreel {
 namespace {
@@ -21,125 +23,11 @@ constexpr double kRandomGrowth = 3.9, kLeastRandomPoints = 1.5, kMostRandomPoint
 /// If the leaves are coarser than the delta rule wants them, for a view from afar, the gaps are as
 /// wide as before but have fewer cells.
 constexpr double kCoarsePointsPerLeaf = 5.0;
-constexpr int kWidest = 3, kWidestOfCoarse = 1;
+constexpr int kWidestOfCoarse = 1;
 
-/// A node two levels above the leaves and its 4^3 cells: bit x + 4 y + 16 z.
-using Cells = std::uint64_t;
-
-constexpr unsigned cell_number(int x, int y, int z) {
-  return static_cast<unsigned>(x + 4 * y + 16 * z);
-}
-
-/// All cells of a node's first child. Those of the next child are two further along an axis.
-constexpr Cells kChild = 0x330033;
-constexpr unsigned child_shift(unsigned child) {
-  return cell_number(2 * static_cast<int>(child & 1u), 2 * static_cast<int>(child >> 1 & 1u),
-                     2 * static_cast<int>(child >> 2));
-}
-
-/// The cells of that child that its mask names, and the mask from the cells.
-constexpr auto kSpread = [] {
-  std::array<Cells, 256> spread{};
-  for (unsigned mask = 0; mask < 256; ++mask) {
-    for (int c = 0; c < 8; ++c) {
-      if (mask >> c & 1u) spread[mask] |= Cells{1} << cell_number(c & 1, c >> 1 & 1, c >> 2);
-    }
-  }
-  return spread;
-}();
-constexpr unsigned mask_of(Cells cells) {
-  return static_cast<unsigned>((cells & 3u) | (cells >> 4 & 3u) << 2 | (cells >> 16 & 3u) << 4 |
-                               (cells >> 20 & 3u) << 6);
-}
-
-/// The position of each cell in the order of the leaves, and the cells in that order.
-constexpr auto kOrder = [] {
-  std::array<std::uint8_t, 64> order{};
-  for (unsigned i = 0; i < 64; ++i) {
-    const unsigned cell = child_shift(i >> 3) + child_shift(i & 7u) / 2;
-    order[cell] = static_cast<std::uint8_t>(i);
-  }
-  return order;
-}();
-constexpr Cells in_order(Cells cells) {
-  Cells ordered = 0;
-  for (unsigned child = 0; child < 8; ++child)
-    ordered |= Cells{mask_of(cells >> child_shift(child))} << 8 * child;
-  return ordered;
-}
-
-/// The numbers of a node and of the nodes around it on its level, at 1 + x + 3 (1 + y) + 9 (1 + z)
-/// with each coordinate from -1 to 1. Where there is no node, a number beyond the last.
+/// The numbers of a node and of the nodes around it on its level (number_around). Where there is no
+/// node, a number beyond the last.
 using Around = std::array<std::uint32_t, 27>;
-constexpr std::size_t kMiddle = 13;
-
-/// For each cell of a brick, the cell that lies `distance` further along a line. Together these are
-/// parts of up to eight bricks around it, moved.
-struct Move {
-  struct Part {
-    std::uint8_t brick;  ///< its index in Around
-    std::int8_t ahead;   ///< cell i is seen from cell i - ahead, if the mask has that
-    Cells seen_from;
-  };
-  std::array<Part, 8> parts{};
-  unsigned count = 0;
-
-  constexpr Move() = default;
-  constexpr Move(const std::array<int, 3>& line, int distance) {
-    for (unsigned crossing = 0; crossing < 8; ++crossing) {
-      // For each axis, whether the cells that are seen lie in the next brick.
-      std::array<int, 3> step{}, brick{};
-      bool possible = true;
-      for (unsigned axis = 0; axis < 3; ++axis) {
-        const bool crosses = (crossing >> axis & 1u) != 0;
-        possible = possible && (line[axis] != 0 || !crosses);
-        brick[axis] = crosses ? line[axis] : 0;
-        step[axis] = distance * line[axis] - 4 * brick[axis];
-      }
-      if (!possible) continue;
-      Part part{static_cast<std::uint8_t>(1 + brick[0] + 3 * (1 + brick[1]) + 9 * (1 + brick[2])),
-                static_cast<std::int8_t>(step[0] + 4 * step[1] + 16 * step[2]), 0};
-      for (int z = 0; z < 4; ++z) {
-        for (int y = 0; y < 4; ++y) {
-          for (int x = 0; x < 4; ++x) {
-            const auto inside = [](int c) { return c >= 0 && c < 4; };
-            if (inside(x + step[0]) && inside(y + step[1]) && inside(z + step[2]))
-              part.seen_from |= Cells{1} << cell_number(x, y, z);
-          }
-        }
-      }
-      parts[count++] = part;
-    }
-  }
-};
-
-/// Moves the cells of a part's brick to the cells that they are seen from. Bits that are shifted
-/// out come in on the other side, where the mask drops them.
-constexpr Cells seen(const Move::Part& part, Cells cells) {
-  const auto ahead = static_cast<unsigned>(part.ahead) & 63u;
-  return (cells >> ahead | cells << (-ahead & 63u)) & part.seen_from;
-}
-
-/// The 13 lines, each in both directions, by distances of 1 to kWidest.
-constexpr std::size_t kLines = 13;
-struct Line {
-  std::array<std::array<Move, kWidest>, 2> moves;  ///< forwards, backwards
-};
-constexpr auto kMoves = [] {
-  std::array<Line, kLines> lines{};
-  for (std::size_t i = 0; i < kLines; ++i) {
-    const int n = static_cast<int>(kMiddle + 1 + i);
-    for (int sign : {1, -1}) {
-      const std::array<int, 3> line = {sign * (n % 3 - 1), sign * (n / 3 % 3 - 1),
-                                       sign * (n / 9 - 1)};
-      for (int distance = 1; distance <= kWidest; ++distance) {
-        lines[i].moves[sign > 0 ? 0 : 1][static_cast<std::size_t>(distance - 1)] =
-            Move(line, distance);
-      }
-    }
-  }
-  return lines;
-}();
 
 /// The nodes around each node of a level. They follow from those of the level above.
 std::vector<Around> nodes_around(const Svo& svo, int level) {
@@ -187,27 +75,125 @@ Cells cells_between(const std::array<Cells, 27>& there, int widest) {
     return cells;
   };
   Cells between = 0;
-  for (const Line& line : kMoves) {
+  std::array<Cells, 27> beside;
+  beside[kMiddle] = there[kMiddle];
+  for (std::size_t l = 0; l < kLines; ++l) {
+    const Line& line = kMoves[l];
     // Cells within a distance backwards: the nearer the leaf ahead, the farther the leaf behind may
     // be.
     std::array<Cells, kWidest> behind{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(widest); ++i)
       behind[i] = see(line.moves[1][i]) | (i > 0 ? behind[i - 1] : 0);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(widest); ++i)
-      between |= see(line.moves[0][i]) & behind[static_cast<std::size_t>(widest) - 1 - i];
+    for (std::size_t i = 0; i < static_cast<std::size_t>(widest); ++i) {
+      const Cells ahead = see(line.moves[0][i]);
+      between |= ahead & behind[static_cast<std::size_t>(widest) - 1 - i];
+      if (i == 0) beside[kMiddle + 1 + l] = ahead;
+    }
+    beside[kMiddle - 1 - l] = behind[0];
+  }
+  for (const UnevenPair& pair : kUneven) {
+    Cells others = 0;
+    for (unsigned i = 0; i < pair.other_count; ++i) others |= beside[pair.others[i]];
+    between |= beside[pair.ends[0]] & beside[pair.ends[1]] & ~others;
   }
   return between & ~there[kMiddle];
 }
 
-/// The cells of a node two levels above the leaves.
+/// A node two levels above the leaves.
 struct Brick {
+  std::uint64_t key = 0;         ///< its Morton key among the nodes of its level
   Cells before = 0, after = 0;   ///< without and with the cells that fill gaps
   Cells ordered = 0;             ///< `after` in the order of the leaves
   std::uint32_t first_leaf = 0;  ///< its index among the leaves of the new tree
 };
 
+/// The Morton keys of the nodes of a level.
+std::vector<std::uint64_t> keys_of(const Svo& svo, int level) {
+  std::vector<std::uint64_t> keys(1), below;
+  for (int l = 0; l < level; ++l) {
+    below.clear();
+    const std::uint32_t first = svo.level_begin[static_cast<std::size_t>(l)];
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      for (unsigned mask = svo.masks[first + i]; mask != 0; mask &= mask - 1)
+        below.push_back(keys[i] << 3 | static_cast<unsigned>(std::countr_zero(mask)));
+    }
+    std::swap(keys, below);
+  }
+  return keys;
+}
+
+/// A place beside a brick, across one of its faces, and the bricks around both.
+struct Across {
+  std::array<int, 3> step{};
+  std::size_t place = 0;  ///< its number around the brick
+  struct Seen {
+    std::uint8_t from_place, from_brick;
+  };
+  std::array<Seen, 18> around{};  ///< the eight beside the place that do not touch the face first
+};
+constexpr auto kAcross = [] {
+  std::array<Across, 6> all{};
+  for (std::size_t face = 0; face < all.size(); ++face) {
+    const std::size_t axis = face / 2;
+    Across& across = all[face];
+    across.step[axis] = face % 2 == 0 ? 1 : -1;
+    across.place = number_around(across.step);
+    std::size_t count = 0;
+    for (const bool first : {true, false}) {
+      for (std::size_t n = 0; n < 27; ++n) {
+        std::array<int, 3> at = place_around(n);
+        if ((at[axis] == 0 && n != kMiddle) != first) continue;
+        at[axis] += across.step[axis];
+        if (at[axis] < -1 || at[axis] > 1) continue;
+        across.around[count++] = {static_cast<std::uint8_t>(n),
+                                  static_cast<std::uint8_t>(number_around(at))};
+      }
+    }
+  }
+  return all;
+}();
+constexpr std::size_t kBeside = 8;
+
+/// The bricks that do not exist but have cells between two leaves, by their keys. No gap is wide
+/// enough to cross a brick along any axis. So of the two leaves, one lies across a face, and the
+/// other in one of the eight bricks that touch the new one elsewhere but not that face.
+std::vector<Brick> new_bricks(const std::vector<Around>& around, std::span<const Cells> cells,
+                              std::span<const std::uint64_t> keys, int widest) {
+  const std::size_t none = around.size();
+  std::vector<Brick> found;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    for (const Across& across : kAcross) {
+      if (around[i][across.place] != none) continue;
+      if (std::none_of(across.around.begin(), across.around.begin() + kBeside,
+                       [&](const auto& seen) { return around[i][seen.from_brick] != none; }))
+        continue;
+      std::array<Cells, 27> there{};
+      for (const Across::Seen& seen : across.around)
+        there[seen.from_place] = cells[around[i][seen.from_brick]];
+      const Cells between = cells_between(there, widest);
+      if (between == 0) continue;
+      const glm::ivec3 place = glm::ivec3(morton_decode(keys[i])) +
+                               glm::ivec3(across.step[0], across.step[1], across.step[2]);
+      found.push_back({morton_encode(glm::uvec3(place)), 0, between});
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Brick& a, const Brick& b) { return a.key < b.key; });
+  std::size_t count = 0;
+  for (const Brick& brick : found) {
+    if (count > 0 && found[count - 1].key == brick.key) {
+      found[count - 1].after |= brick.after;
+    } else {
+      found[count++] = brick;
+    }
+  }
+  found.resize(count);
+  return found;
+}
+
 std::vector<Brick> find_bricks(const Svo& svo, const std::vector<Around>& around, int widest) {
-  const std::uint32_t first = svo.level_begin[static_cast<std::size_t>(svo.depth) - 2];
+  const int level = svo.depth - 2;
+  const std::uint32_t first = svo.level_begin[static_cast<std::size_t>(level)];
   std::vector<Cells> cells(around.size() + 1, 0);  // the last stands for a missing brick
   for (std::size_t i = 0; i < around.size(); ++i) {
     std::uint32_t child = svo.first_child[first + i];
@@ -216,44 +202,77 @@ std::vector<Brick> find_bricks(const Svo& svo, const std::vector<Around>& around
       cells[i] |= kSpread[svo.masks[child]] << child_shift(octant);
     }
   }
-  std::vector<Brick> bricks(around.size());
-  std::uint32_t leaf = 0;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
+  const std::vector<std::uint64_t> keys = keys_of(svo, level);
+  const std::vector<Brick> added = new_bricks(around, cells, keys, widest);
+  std::vector<Brick> bricks;
+  bricks.reserve(around.size() + added.size());
+  auto next = added.begin();
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    for (; next != added.end() && next->key < keys[i]; ++next) bricks.push_back(*next);
     std::array<Cells, 27> there;
     for (std::size_t n = 0; n < 27; ++n) there[n] = cells[around[i][n]];
-    const Cells after = cells[i] | cells_between(there, widest);
-    bricks[i] = {cells[i], after, in_order(after), leaf};
-    leaf += static_cast<std::uint32_t>(std::popcount(after));
+    bricks.push_back({keys[i], cells[i], cells[i] | cells_between(there, widest)});
+  }
+  bricks.insert(bricks.end(), next, added.end());
+  std::uint32_t leaf = 0;
+  for (Brick& brick : bricks) {
+    brick.ordered = in_order(brick.after);
+    brick.first_leaf = leaf;
+    leaf += static_cast<std::uint32_t>(std::popcount(brick.after));
   }
   return bricks;
 }
 
 /// The tree with these leaves, and which of its nodes are new.
 std::pair<Svo, FilledNodes> tree_of(const Svo& before, std::span<const Brick> bricks) {
-  Svo svo;
-  svo.cube = before.cube;
-  svo.depth = before.depth;
-  const std::uint32_t first = before.level_begin[static_cast<std::size_t>(svo.depth) - 2];
-  svo.masks.assign(before.masks.begin(), before.masks.begin() + first);
-  FilledNodes filled(first + bricks.size());
-  std::vector<std::uint8_t> last;
+  struct Level {
+    std::vector<std::uint8_t> masks;
+    FilledNodes filled;
+  };
+  // From the leaves up: those, their parents, the bricks, and what is above them.
+  std::vector<Level> levels(static_cast<std::size_t>(before.depth) + 1);
+  Level &leaves = levels[0], &parents = levels[1], &middle = levels[2];
+  std::vector<std::uint64_t> keys;
   for (const Brick& brick : bricks) {
     unsigned children = 0;
     for (unsigned child = 0; child < 8; ++child) {
       const Cells cells = kChild << child_shift(child);
       if ((brick.after & cells) == 0) continue;
       children |= 1u << child;
-      last.push_back(static_cast<std::uint8_t>(mask_of(brick.after >> child_shift(child))));
-      filled.push_back((brick.before & cells) == 0);
+      parents.masks.push_back(
+          static_cast<std::uint8_t>(mask_of(brick.after >> child_shift(child))));
+      parents.filled.push_back((brick.before & cells) == 0);
     }
-    svo.masks.push_back(static_cast<std::uint8_t>(children));
-  }
-  for (const Brick& brick : bricks) {
+    middle.masks.push_back(static_cast<std::uint8_t>(children));
+    middle.filled.push_back(brick.before == 0);
+    keys.push_back(brick.key);
     const Cells before_it = in_order(brick.before);
     for (Cells left = brick.ordered; left != 0; left &= left - 1)
-      filled.push_back((before_it >> std::countr_zero(left) & 1u) == 0);
+      leaves.filled.push_back((before_it >> std::countr_zero(left) & 1u) == 0);
   }
-  svo.masks.insert(svo.masks.end(), last.begin(), last.end());
+  for (std::size_t l = 3; l < levels.size(); ++l) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const std::uint64_t parent = keys[i] >> 3;
+      const unsigned octant = static_cast<unsigned>(keys[i]) & 7u;
+      if (count == 0 || keys[count - 1] != parent) {
+        keys[count++] = parent;
+        levels[l].masks.push_back(0);
+        levels[l].filled.push_back(true);
+      }
+      levels[l].masks.back() |= static_cast<std::uint8_t>(1u << octant);
+      if (!levels[l - 1].filled[i]) levels[l].filled.back() = false;
+    }
+    keys.resize(count);
+  }
+  Svo svo;
+  svo.cube = before.cube;
+  svo.depth = before.depth;
+  FilledNodes filled;
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+    svo.masks.insert(svo.masks.end(), level->masks.begin(), level->masks.end());
+    filled.insert(filled.end(), level->filled.begin(), level->filled.end());
+  }
   index_svo(svo, true);
   return {std::move(svo), std::move(filled)};
 }
@@ -305,11 +324,11 @@ Cells fill_cells(std::span<Value> leaves, std::span<const Brick> bricks, const A
   return found;
 }
 
-/// Gives new leaves values, outwards from the old ones. Leaves that are not reached that way get
-/// the value of their brick.
+/// Gives new leaves values, outwards from the old ones. Between any new leaf and the old ones that
+/// it lies between, there are only leaves, so each is reached.
 template <class Value>
-void fill_leaves(std::span<Value> leaves, std::span<const Value> brick_values,
-                 std::span<const Brick> bricks, const std::vector<Around>& around) {
+void fill_leaves(std::span<Value> leaves, std::span<const Brick> bricks,
+                 const std::vector<Around>& around) {
   std::vector<Cells> known(bricks.size() + 1, 0), found(bricks.size());
   for (std::size_t i = 0; i < bricks.size(); ++i) known[i] = bricks[i].before;
   for (bool more = true; more;) {
@@ -320,10 +339,6 @@ void fill_leaves(std::span<Value> leaves, std::span<const Value> brick_values,
       more = more || found[i] != 0;
     }
     for (std::size_t i = 0; i < bricks.size(); ++i) known[i] |= found[i];
-  }
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    for (Cells cells = bricks[i].after & ~known[i]; cells != 0; cells &= cells - 1)
-      leaves[leaf_at(bricks[i], static_cast<unsigned>(std::countr_zero(cells)))] = brick_values[i];
   }
 }
 
@@ -337,12 +352,8 @@ void fill_values(std::vector<Value>& values, const Svo& svo, const FilledNodes& 
   for (std::size_t node = 0; node < after.size(); ++node) {
     if (!filled[node]) after[node] = *carried++;
   }
-  const std::uint32_t parents = svo.level_begin[static_cast<std::size_t>(svo.depth) - 1];
-  const std::span<Value> all(after);
-  fill_leaves(all.subspan(svo.internal_count()),
-              std::span<const Value>(all.subspan(parents - bricks.size(), bricks.size())), bricks,
-              around);
-  for (std::uint32_t node = parents; node < svo.internal_count(); ++node) {
+  fill_leaves(std::span<Value>(after).subspan(svo.internal_count()), bricks, around);
+  for (std::uint32_t node = svo.internal_count(); node-- > 0;) {
     if (!filled[node]) continue;
     const int count = std::popcount(svo.masks[node]);
     glm::ivec3 sum(0);
@@ -365,13 +376,14 @@ int gap_to_fill(const Svo& svo, std::uint32_t points) {
 
 FilledNodes fill_gaps(Svo& svo, NodeAttributes& attributes, int widest) {
   if (svo.depth < 2 || svo.leaf_count() == 0) return {};
-  const std::vector<Around> around = nodes_around(svo, svo.depth - 2);
+  std::vector<Around> around = nodes_around(svo, svo.depth - 2);
   const std::vector<Brick> bricks = find_bricks(svo, around, widest);
   if (std::all_of(bricks.begin(), bricks.end(),
                   [](const Brick& brick) { return brick.before == brick.after; }))
     return {};
   auto [after, filled] = tree_of(svo, bricks);
   svo = std::move(after);
+  if (bricks.size() > around.size()) around = nodes_around(svo, svo.depth - 2);
   fill_values(attributes.colors, svo, filled, bricks, around);
   fill_values(attributes.normals, svo, filled, bricks, around);
   return std::move(filled);

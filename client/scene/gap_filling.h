@@ -7,12 +7,12 @@
 
 namespace pointreel {
 
-// Scanned points lie along curves. At the level at which most of them have a voxel of their own,
-// there are gaps between the voxels, through which the background shows. A coarser level has no
-// gaps but shows less. So the gaps are filled with voxels of the same size instead: an empty cell
-// is filled if it lies between two leaves along one of the 13 lines through it and its neighbours.
-// That closes nets and random holes, keeps outlines, thickens no surface, and adds nothing to
-// single points.
+// Scanned points lie along curves. At the level at which most have a voxel of their own, the
+// background shows through gaps. A coarser level has none but shows less. So gaps are filled with
+// voxels of the same size: an empty cell is filled if it lies between two leaves along one of the
+// 13 lines through it and its neighbours, or nearest to the middle of two that are a knight's move
+// or the like apart with no leaf as near to it. That closes nets and random holes, keeps outlines,
+// thickens no surface, and adds nothing to single points.
 
 /// The widest gap, in cells, that is worth filling in a tree of this many points (duplicates
 /// included): 0 to 3. It is 0 if the leaves already meet, or if they are so much finer than the
@@ -23,10 +23,10 @@ int gap_to_fill(const Svo& svo, std::uint32_t points);
 /// there is none.
 using FilledNodes = std::vector<bool>;
 
-/// Fills gaps of at most `widest` cells (1 to 3), but only within existing nodes two levels above
-/// the leaves, because hardly any gap of a scan lies outside them. A new leaf has the mean
-/// attributes of the leaves that touch it; where only new leaves do, their mean. Attributes of
-/// existing nodes do not change. `attributes` holds those of all nodes, before and afterwards.
+/// Fills gaps of at most `widest` cells (1 to 3). A new leaf has the mean attributes of the leaves
+/// that touch it; where only new leaves do, their mean. A new inner node has that of its children.
+/// Attributes of existing nodes do not change. `attributes` holds those of all nodes, before and
+/// afterwards.
 FilledNodes fill_gaps(Svo& svo, NodeAttributes& attributes, int widest);
 
 }  // namespace pointreel

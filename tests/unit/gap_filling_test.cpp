@@ -20,29 +20,48 @@ CellSet set_of(const std::vector<glm::uvec3>& cells) {
   return set;
 }
 
-/// The cells to be filled, found cell by cell: those between two others, inside a node of 4^3
-/// cells.
+/// The cells to be filled, found cell by cell: those between two others along a line, and one of
+/// those nearest to the middle of two that have no cell exactly between them.
 CellSet slowly_filled(const std::vector<glm::uvec3>& cells, int depth, int widest) {
   const CellSet there = set_of(cells);
-  CellSet filled, bricks;
-  for (const glm::uvec3& cell : cells) bricks.insert({cell.x / 4, cell.y / 4, cell.z / 4});
+  CellSet filled;
   const int edge = 1 << depth;
-  const auto distance = [&there, widest](glm::ivec3 at, glm::ivec3 line) {
+  const auto occupied = [&there](const glm::ivec3& at) {
+    return there.contains({at.x, at.y, at.z});
+  };
+  const auto distance = [&occupied, widest](glm::ivec3 at, glm::ivec3 line) {
     for (int i = 1; i <= widest; ++i) {
       at += line;
-      if (there.contains({at.x, at.y, at.z})) return i;
+      if (occupied(at)) return i;
     }
     return widest + 1;
   };
   for (int i = 0; i < edge * edge * edge; ++i) {
     const glm::ivec3 at(i % edge, i / edge % edge, i / edge / edge);
-    if (there.contains({at.x, at.y, at.z}) || !bricks.contains({at.x / 4, at.y / 4, at.z / 4}))
-      continue;
+    if (occupied(at)) continue;
     for (int n = 14; n < 27; ++n) {
       const glm::ivec3 line(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
       if (distance(at, line) + distance(at, -line) > widest + 1) continue;
       filled.insert({at.x, at.y, at.z});
       break;
+    }
+  }
+  for (const glm::uvec3& cell : cells) {
+    const glm::ivec3 from(cell);
+    for (int n = 0; n < 125; ++n) {
+      const glm::ivec3 step(n % 5 - 2, n / 5 % 5 - 2, n / 25 - 2);
+      if (glm::all(glm::lessThan(glm::abs(step), glm::ivec3(2))) || !occupied(from + step))
+        continue;
+      const glm::ivec3 first(glm::floor(0.5f * glm::vec3(step)));
+      const glm::ivec3 last(glm::ceil(0.5f * glm::vec3(step)));
+      bool any = false;
+      for (int z = first.z; z <= last.z; ++z) {
+        for (int y = first.y; y <= last.y; ++y) {
+          for (int x = first.x; x <= last.x; ++x) any = any || occupied(from + glm::ivec3(x, y, z));
+        }
+      }
+      const glm::ivec3 at = from + first;
+      if (!any) filled.insert({at.x, at.y, at.z});
     }
   }
   return filled;
@@ -77,7 +96,7 @@ TEST(GapFilling, fills_gaps_between_two_leaves_in_any_of_13_directions) {
       const auto cells = random_cells(static_cast<unsigned>(depth + widest), depth,
                                       depth == 2   ? 6
                                       : depth == 3 ? 25
-                                                   : 700);
+                                                   : 300);
       Svo svo = tree_of_cells(cells, depth);
       NodeAttributes nothing;
       const FilledNodes filled = fill_gaps(svo, nothing, widest);
@@ -90,14 +109,27 @@ TEST(GapFilling, fills_gaps_between_two_leaves_in_any_of_13_directions) {
 }
 
 TEST(GapFilling, gives_the_same_tree_as_one_built_from_its_leaves) {
-  const auto cells = random_cells(1, 5, 700);
-  Svo svo = tree_of_cells(cells, 5);
-  NodeAttributes nothing;
-  ASSERT_FALSE(fill_gaps(svo, nothing, 3).empty());
-  const Svo again = tree_of_cells(leaf_cells(svo), 5);
-  EXPECT_EQ(svo.masks, again.masks);
-  EXPECT_EQ(svo.level_begin, again.level_begin);
-  EXPECT_EQ(svo.first_child, again.first_child);
+  bool new_bricks = false;
+  for (const std::size_t count : {20u, 30u, 40u, 100u, 300u}) {
+    auto cells = random_cells(1, 4, count);
+    for (glm::uvec3& cell : cells) cell += 16u;  // the root has only its last child
+    Svo svo = tree_of_cells(cells, 5);
+    const Svo before = svo;
+    NodeAttributes nothing;
+    const FilledNodes filled = fill_gaps(svo, nothing, 3);
+    const Svo again = tree_of_cells(leaf_cells(svo), 5);
+    EXPECT_EQ(svo.masks, again.masks);
+    EXPECT_EQ(svo.level_begin, again.level_begin);
+    EXPECT_EQ(svo.first_child, again.first_child);
+    ASSERT_EQ(filled.size(), svo.node_count());
+    for (int level = 0; level <= 5; ++level) {
+      const auto begin = filled.begin() + svo.level_begin[static_cast<std::size_t>(level)];
+      EXPECT_EQ(std::count(begin, begin + svo.node_count(level), false), before.node_count(level))
+          << level;
+    }
+    new_bricks = new_bricks || svo.node_count(3) > before.node_count(3);
+  }
+  EXPECT_TRUE(new_bricks) << "new nodes above those just above the leaves";
 }
 
 TEST(GapFilling, colours_new_leaves_like_the_leaves_that_touch_them) {

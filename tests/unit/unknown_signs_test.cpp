@@ -93,6 +93,41 @@ TEST_F(UnknownSigns, the_far_side_of_a_sparse_sphere_does_not_show_through_its_n
   EXPECT_GT(red_without, 200) << "there are holes that must be filled";
 }
 
+TEST_F(UnknownSigns, voxels_close_a_sparse_sphere_from_all_sides) {
+  const auto shows_through = [](const glm::u8vec3& p) { return p == kFar || p == kBackground; };
+  const glm::ivec2 size(480, 360);
+  DrawOptions filled = plain(DrawMode::voxel), open = filled;
+  open.fill_holes = false;
+  PrepareOptions prepare;
+  prepare.mode = DrawMode::voxel;
+  int all = 0, through = 0, through_open = 0;
+  for (const int points : {1000, 4000, 20000}) {
+    for (const float noise : {0.0f, 0.01f}) {
+      PointCloud cloud = sparse_sphere(points, 5, noise);
+      for (const auto& [yaw, pitch] :
+           {std::pair{0.0, 0.0}, {0.5, 0.2}, {0.8, 0.6}, {2.0, -0.3}, {3.5, 1.4}}) {
+        Camera camera = front_camera();
+        camera.yaw = yaw;
+        camera.pitch = pitch;
+        for (std::size_t i = 0; i < cloud.size(); ++i) {
+          const double facing = glm::dot(glm::dvec3(cloud.positions[i]), camera.eye());
+          cloud.colors[i] = facing > 0.0 ? kBlue : kRed;
+        }
+        const auto frame = frame_of_file(cloud, prepare);
+        const auto count = [&](const DrawOptions& options, const auto& condition) {
+          return count_inside(picture(frame, camera, options, size), camera, 0.85, condition);
+        };
+        all += count(filled, [](const glm::u8vec3&) { return true; });
+        through += count(filled, shows_through);
+        through_open += count(open, shows_through);
+      }
+    }
+  }
+  // Hardly any gap is wider than those that are filled.
+  EXPECT_LE(through, all / 5000) << "of " << all;
+  EXPECT_GT(through_open, all / 50) << "there are holes that must be filled";
+}
+
 TEST_F(UnknownSigns, openings_and_depressions_wider_than_holes_stay_as_they_are) {
   // A red wall, and in front of it a blue one with a round opening, fourteen spacings wide.
   PointCloud cloud;

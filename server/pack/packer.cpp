@@ -23,6 +23,7 @@
 #include "common/stream/manifest.h"
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
+#include "server/encode/unread_properties.h"
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
 #include "server/pack/pack_frame.h"
@@ -165,7 +166,8 @@ class Packer {
       warn("radii are not packed: players derive them from the voxels");
       warned_of_radii_ = true;
     }
-    warn_of_unread(segment.unread);
+    if (const std::string names = unread_.fresh(segment.unread); !names.empty())
+      warn("PLY properties that are not packed: " + names);
     for (const std::string& warning : segment.warnings) warn(warning);
 
     manifest_.bounds.grow(segment.box);
@@ -191,20 +193,6 @@ class Packer {
     summary_.max_error = std::max(summary_.max_error, added.max_error);
     summary_.segments.push_back(added);
     encode_ms_.insert(encode_ms_.end(), segment.encode_ms.begin(), segment.encode_ms.end());
-  }
-
-  /// Names each property once for the whole package.
-  void warn_of_unread(const std::set<std::string>& names) {
-    constexpr std::size_t kMostNames = 8;
-    std::vector<std::string> fresh;
-    for (const std::string& name : names) {
-      if (told_unread_.insert(name).second) fresh.push_back(name);
-    }
-    if (fresh.empty()) return;
-    const std::size_t more = fresh.size() - std::min(fresh.size(), kMostNames);
-    fresh.resize(fresh.size() - more);
-    warn(fmt::format("PLY properties that are not packed: {}{}", fmt::join(fresh, ", "),
-                     more > 0 ? fmt::format(" and {} more", more) : ""));
   }
 
   void warn(const std::string& line) {
@@ -265,7 +253,7 @@ class Packer {
   PackSummary summary_;
   std::vector<double> encode_ms_;
   bool warned_of_radii_ = false;
-  std::set<std::string> told_unread_;
+  UnreadProperties unread_;
 };
 
 }  // namespace

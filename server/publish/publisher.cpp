@@ -14,6 +14,7 @@
 
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "server/encode/unread_properties.h"
 #include "server/rate/coarsening.h"
 #include "server/rate/frame_time_control.h"
 
@@ -97,11 +98,13 @@ class Publisher {
  private:
   Result<void> send(InputFrame& frame) {
     if (!frame.cloud) return tl::unexpected(frame.cloud.error());
+    if (const std::string names = unread_.fresh(frame.cloud->unread); !names.empty())
+      say("PLY properties that are not sent: " + names);
     const Clock::time_point start = Clock::now();
     PointCloud& cloud = frame.cloud->cloud;
     clean_frame(cloud, options_);
     const Box box = bounds(cloud);
-    const Result<Grid> grid = grid_.of(box);
+    const Result<Grid> grid = grid_.of(cloud, box);
     if (!grid) return fail_at(frame.name, grid.error());
 
     Result<EncodedFrame> encoded =
@@ -166,6 +169,7 @@ class Publisher {
   const PublishListener& listener_;
   std::mutex say_mutex_;
   SteadyGrid grid_;
+  UnreadProperties unread_;
   const double frame_time_ms_;
   FrameTimeControl time_;
   const LiveSecret secret_ = random_secret();

@@ -27,10 +27,23 @@ bool contains(const Box& outer, const Box& inner) {
                            glm::all(glm::greaterThanEqual(outer.max, inner.max)));
 }
 
+bool same(const PointLattice& a, const PointLattice& b) {
+  return a.point == b.point && a.step == b.step;
+}
+
 }  // namespace
 
-Result<Grid> SteadyGrid::of(const Box& box) {
-  if (grid_ && contains({grid_->cube.origin, grid_->cube.origin + grid_->cube.edge}, box)) {
+Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box) {
+  if (grid_ && box.empty()) return *grid_;
+  std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
+  // Together with the frames before, if their cells are still fine enough.
+  if (lattice && lattice_) {
+    if (const auto both = common_lattice(*lattice_, *lattice)) lattice = both;
+  }
+  const bool fits_cells = on_lattice_ ? lattice && same(*lattice, *lattice_)
+                                      : !lattice || (lattice_ && same(*lattice, *lattice_));
+  if (grid_ && fits_cells &&
+      contains({grid_->cube.origin, grid_->cube.origin + grid_->cube.edge}, box)) {
     return *grid_;
   }
   Box roomy = with_margin(box);
@@ -38,8 +51,10 @@ Result<Grid> SteadyGrid::of(const Box& box) {
   Box both = roomy;
   both.grow(held_);
   if (longest_edge(both) <= kMaxGrowth * longest_edge(roomy)) roomy = both;
-  grid_ = TRY(grid_for(roomy, options_));
+  on_lattice_ = lattice && reaches(*lattice, roomy, cloud, options_.encode);
+  grid_ = TRY(grid_for(roomy, options_, on_lattice_ ? lattice : std::nullopt));
   held_ = roomy;
+  lattice_ = lattice;
   return *grid_;
 }
 

@@ -3,10 +3,13 @@
 #include "server/publish/frame_input.h"
 
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -14,7 +17,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "pointreel/draco.h"
 #include "server/commands.h"
+#include "server/encode/unread_properties.h"
 #include "server/publish/publisher.h"
 #include "tests/unit/packed_clouds.h"
 
@@ -222,13 +227,13 @@ TEST(PipeInput, stopping_ends_a_wait_for_the_next_frame) {
 TEST(SteadyGrid, stays_the_same_until_a_frame_does_not_fit) {
   SteadyGrid steady{PublishOptions{}};
   const Box box{{0, 0, 0}, {1, 2, 1}};
-  const Cube first = steady.of(box).value().cube;
-  EXPECT_EQ(steady.of({{-0.05, 0.1, 0}, {1.05, 2.1, 0.5}}).value().cube, first);
-  EXPECT_EQ(steady.of(Box{}).value().cube, first);
-  const Cube second = steady.of({{2, 0, 0}, {3, 2, 1}}).value().cube;
+  const Cube first = steady.of({}, box).value().cube;
+  EXPECT_EQ(steady.of({}, {{-0.05, 0.1, 0}, {1.05, 2.1, 0.5}}).value().cube, first);
+  EXPECT_EQ(steady.of({}, Box{}).value().cube, first);
+  const Cube second = steady.of({}, {{2, 0, 0}, {3, 2, 1}}).value().cube;
   EXPECT_FALSE(second == first);
-  EXPECT_EQ(steady.of(box).value().cube, second) << "it held the new box before";
-  const Cube far = steady.of({{30, 0, 0}, {31, 2, 1}}).value().cube;
+  EXPECT_EQ(steady.of({}, box).value().cube, second) << "it held the new box before";
+  const Cube far = steady.of({}, {{30, 0, 0}, {31, 2, 1}}).value().cube;
   EXPECT_LE(far.edge, 2.5) << "the cube does not reach back to the old place";
 }
 
@@ -236,9 +241,66 @@ TEST(SteadyGrid, keeps_the_requested_voxel_size) {
   PublishOptions options;
   options.voxel = 0.01;
   SteadyGrid steady(options);
-  const Grid grid = steady.of({{0, 0, 0}, {1, 2, 1}}).value();
+  const Grid grid = steady.of({}, {{0, 0, 0}, {1, 2, 1}}).value();
   const auto& octree = std::get<OctreeOptions>(grid.encode.codec);
   EXPECT_NEAR(grid.cube.edge / std::exp2(octree.depth.depth), 0.01, 1e-9);
+}
+
+/// Points at these multiples of the step.
+PointCloud voxelised(double step, int first, int last) {
+  PointCloud cloud;
+  for (int x = first; x <= last; ++x) {
+    for (int y = first; y <= last; ++y)
+      cloud.positions.emplace_back(static_cast<float>(x * step), static_cast<float>(y * step), 0);
+  }
+  return cloud;
+}
+
+TEST(SteadyGrid, gives_voxelised_frames_back_exactly) {
+  for (const double step : {1.0, 0.01}) {
+    SteadyGrid steady{PublishOptions{}};
+    std::optional<Cube> first;
+    for (const int moved : {0, 1, 2, 40}) {
+      const PointCloud cloud = voxelised(step, 5 + moved, 40 + moved);
+      const Grid grid = steady.of(cloud, bounds(cloud)).value();
+      if (!first) first = grid.cube;
+      EXPECT_TRUE(moved > 2 || grid.cube == *first) << "voxels must not jump";
+      const EncodedFrame encoded = encode_frame(cloud, grid.cube, grid.encode).value();
+      const PointCloud back = decode_frame(layer_views(encoded.layers), {}).value().cloud;
+      ASSERT_EQ(back.size(), cloud.size()) << step << ", " << moved;
+      std::set<std::pair<long, long>> places;
+      for (const glm::vec3& p : back.positions) {
+        const glm::dvec3 at = (back.origin + glm::dvec3(p)) / step;
+        EXPECT_LT(glm::length(at - glm::round(at)), 1e-3) << step << ", " << moved;
+        places.insert({std::lround(at.x), std::lround(at.y)});
+      }
+      EXPECT_EQ(places.size(), cloud.size());
+    }
+  }
+}
+
+TEST(SteadyGrid, leaves_a_lattice_for_a_frame_that_is_not_on_it) {
+  SteadyGrid steady{PublishOptions{}};
+  const PointCloud on = voxelised(1.0, 0, 20);
+  PointCloud off = on;
+  for (glm::vec3& p : off.positions) p += 0.1f * glm::sin(7.0f * p);
+  const Box box{{-1, -1, 0}, {21, 21, 0}};
+  const auto most = [](const Grid& grid) {
+    return std::get<OctreeOptions>(grid.encode.codec).depth.most;
+  };
+  EXPECT_LT(most(steady.of(on, box).value()), 10);
+  EXPECT_EQ(most(steady.of(off, box).value()), kMaxDepth);
+  EXPECT_LT(most(steady.of(on, box).value()), 10);
+}
+
+TEST(UnreadProperties, are_named_once) {
+  UnreadProperties unread;
+  EXPECT_EQ(unread.fresh(std::vector<std::string>{"a", "b"}), "a, b");
+  EXPECT_EQ(unread.fresh(std::vector<std::string>{"b", "c"}), "c");
+  EXPECT_EQ(unread.fresh(std::vector<std::string>{"a", "c"}), "");
+  std::set<std::string> many;
+  for (int i = 10; i < 30; ++i) many.insert("p" + std::to_string(i));
+  EXPECT_THAT(unread.fresh(many), HasSubstr("p17 and 12 more"));
 }
 
 /// The usage error that `publish` prints for a command line it refuses.

@@ -177,7 +177,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
       int running = 0;
       curl_multi_perform(multi_, &running);
       finish_ended();
-      give_up_stalled(Clock::now());
+      give_up_slow(Clock::now());
       publish();
       const auto wait = std::chrono::ceil<milliseconds>(next_deadline() - Clock::now());
       curl_multi_poll(multi_, nullptr, 0,
@@ -260,7 +260,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     }
   }
 
-  void give_up_stalled(Time now) {
+  void give_up_slow(Time now) {
     std::erase_if(jobs_, [&](const std::unique_ptr<Job>& job) {
       if (job->active == nullptr) return false;
       if (job->batch == nullptr) {
@@ -269,8 +269,10 @@ class HttpClient::Loop : HttpTransfer::Listener {
         return true;
       }
       const auto deadline = stall_deadline(*job);
-      if (!deadline || now < *deadline) return false;
-      const HttpFailure failure = job->transfer.stalled(job->stall_limit.wait());
+      const bool stalled = deadline && now >= *deadline;
+      if (!stalled && now < job->transfer.due()) return false;
+      const HttpFailure failure =
+          stalled ? job->transfer.stalled(job->stall_limit.wait()) : job->transfer.too_slow(now);
       if (job->transfer.newest_byte())
         job->stall_limit.succeeded();
       else
@@ -335,7 +337,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
       else if (job->batch == nullptr)
         next = std::min(next, job->read_until);
       else if (const auto deadline = stall_deadline(*job))
-        next = std::min(next, *deadline);
+        next = std::min({next, *deadline, job->transfer.due()});
       else
         // No event tells when the connection has been made.
         next = std::min(next, Clock::now() + options_.stall_timeout / 2);

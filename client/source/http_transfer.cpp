@@ -128,6 +128,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   tag_.clear();
   redirect_ = {};
   newest_byte_.reset();
+  pace_.ended();
   came_ = discarded_ = 0;
   compressions_ = 0;
   accepted_ = wrong_range_ = too_long_ = unchanged_ = false;
@@ -183,7 +184,9 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
 std::size_t HttpTransfer::on_header(char* data, std::size_t, std::size_t size, void* user) {
   auto& self = *static_cast<HttpTransfer*>(user);
   const std::string_view line(data, size);
-  self.newest_byte_ = std::chrono::steady_clock::now();
+  const auto now = std::chrono::steady_clock::now();
+  self.newest_byte_ = now;
+  self.pace_.came(size, now);
   // Only the last response counts: redirects have earlier ones.
   if (line.starts_with("HTTP/")) {
     self.content_range_.clear();
@@ -236,6 +239,7 @@ std::size_t HttpTransfer::on_body(char* data, std::size_t, std::size_t size, voi
   auto& self = *static_cast<HttpTransfer*>(user);
   const auto now = std::chrono::steady_clock::now();
   self.newest_byte_ = now;
+  self.pace_.came(size, now);
   if (const long answered = self.status(); answered != 200 && answered != 206) {
     self.discarded_ += size;
     return self.discarded_ <= kMaxErrorPage ? size : 0;
@@ -268,6 +272,14 @@ HttpFailure HttpTransfer::stalled(std::chrono::milliseconds limit) const {
                                     ? fmt::format("nothing came for {:g} s, after {}",
                                                   seconds(limit), counted(body_.size(), "byte"))
                                     : fmt::format("no answer within {:g} s", seconds(limit)));
+}
+
+HttpFailure HttpTransfer::too_slow(Time now) const {
+  const auto time = std::chrono::round<std::chrono::seconds>(now - pace_.began());
+  return failure(
+      Kind::passing,
+      fmt::format("only {} came within {} s", counted(pace_.size(), "byte"), time.count()),
+      "check the link, and what the server is");
 }
 
 HttpFailure HttpTransfer::transfer_failure(int code) const {

@@ -8,6 +8,7 @@
 
 #include "client/source/redirect.h"
 #include "client/source/source.h"
+#include "common/base/pace.h"
 
 // As in curl/curl.h, so that only http_transfer.cpp and http_client.cpp include that.
 typedef void CURL;
@@ -48,6 +49,9 @@ struct HttpFailure {
 class HttpTransfer {
  public:
   using Time = std::chrono::steady_clock::time_point;
+  /// Bytes per second that an answer must bring on average. At 56 kbit/s, each of eight brings
+  /// three times as much.
+  static constexpr double kLeastRate = 256;
 
   /// `options` outlives the transfer.
   HttpTransfer(HttpWanted wanted, const SourceOptions& options);
@@ -65,11 +69,15 @@ class HttpTransfer {
   std::optional<HttpFailure> finish(int code);
   /// Call this instead if no byte came for as long as `limit`.
   HttpFailure stalled(std::chrono::milliseconds limit) const;
+  /// Call this instead if `due` has passed.
+  HttpFailure too_slow(Time now) const;
 
   /// When the attempt's request was sent; none while there is no connection.
   std::optional<Time> sent_at() const;
   /// When the newest byte of the attempt came, headers included; none if none did.
   std::optional<Time> newest_byte() const { return newest_byte_; }
+  /// When the attempt's answer is too slow, unless more of it comes before.
+  Time due() const { return pace_.due(); }
   /// Bytes of the body that are still to come; for a whole file, the most that may come.
   std::uint64_t missing() const;
 
@@ -103,6 +111,7 @@ class HttpTransfer {
   Redirect redirect_;  ///< the newest
   Time begun_{};
   std::optional<Time> newest_byte_;
+  Pace pace_{kLeastRate};
   std::uint64_t asked_for_ = 0;  ///< bytes, if a range is asked for
   std::uint64_t came_ = 0, discarded_ = 0;
   int compressions_ = 0;  ///< how many times the body was compressed

@@ -278,6 +278,33 @@ TEST(HttpSource, gives_up_on_a_silent_server) {
               testing::AllOf(HasSubstr("no answer within"), HasSubstr("3 attempts")));
 }
 
+TEST(HttpSource, gives_up_on_a_server_that_sends_next_to_nothing) {
+  SourceOptions options = patient();
+  options.open_attempts = 1;
+  const std::string heads[] = {"HTTP/1.1 200 OK\r\n",
+                               "HTTP/1.1 200 OK\r\nContent-Length: 100000\r\n\r\n"};
+  std::vector<std::jthread> players;  // at the same time, because each takes some seconds
+  for (const std::string& begin : heads) {
+    players.emplace_back([&options, begin] {
+      std::atomic<bool> refused = false;
+      ScriptedHttpServer server([&](int socket, const std::string&) {
+        send_text(socket, begin);
+        const std::string drop = begin.ends_with("\r\n\r\n") ? " " : "A: b\r\n";
+        while (!refused) {
+          send_text(socket, drop);
+          wait_until([&] { return refused.load(); }, milliseconds(100));
+        }
+        return false;
+      });
+      const auto source = open_source(server.url(), options);
+      refused = true;
+      ASSERT_FALSE(source);
+      EXPECT_THAT(source.error().message,
+                  testing::AllOf(HasSubstr(" bytes came within "), testing::Not(HasSubstr("\n"))));
+    });
+  }
+}
+
 TEST(HttpSource, retries_over_a_new_connection_if_an_answer_stalls) {
   std::atomic<int> asked{0};
   SourceOptions options = patient();

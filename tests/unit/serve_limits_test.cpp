@@ -133,7 +133,7 @@ TEST(MessagePace, is_due_by_the_hello_and_then_by_the_rate_of_the_message_under_
   MessagePace pace(1000, kTime + 10s);
   EXPECT_EQ(pace.due(), kTime + 10s);
   pace.came(1000, kTime);
-  EXPECT_EQ(pace.due(), kTime + MessagePace::kPatience + 1s);
+  EXPECT_EQ(pace.due(), kTime + Pace::kPatience + 1s);
   pace.came(9000, kTime + 5s);
   EXPECT_EQ(pace.due(), kTime + 10s) << "the hello is due before";
   pace.ended();
@@ -141,13 +141,13 @@ TEST(MessagePace, is_due_by_the_hello_and_then_by_the_rate_of_the_message_under_
   pace.greeted();
   EXPECT_EQ(pace.due(), kNever) << "nothing is under way";
   pace.came(1, kTime + 60s);
-  EXPECT_EQ(pace.due(), kTime + 60s + MessagePace::kPatience + 1ms);
+  EXPECT_EQ(pace.due(), kTime + 60s + Pace::kPatience + 1ms);
   pace.came(1999, kTime + 61s);
-  EXPECT_EQ(pace.due(), kTime + 60s + MessagePace::kPatience + 2s);
+  EXPECT_EQ(pace.due(), kTime + 60s + Pace::kPatience + 2s);
   pace.ended();
   pace.came(0, kTime + 90s);
   pace.came(0, kTime + 94s);
-  EXPECT_EQ(pace.due(), kTime + 90s + MessagePace::kPatience) << "empty pieces gain no time";
+  EXPECT_EQ(pace.due(), kTime + 90s + Pace::kPatience) << "empty pieces gain no time";
   MessagePace any(0, kTime);
   any.greeted();
   any.came(1, kTime);

@@ -9,6 +9,7 @@
 #include "client/ui/panel.h"
 #include "client/ui/panel_layout.h"
 #include "client/ui/statistics_panel.h"
+#include "common/base/print.h"
 
 namespace pointreel {
 namespace {
@@ -21,7 +22,7 @@ constexpr int kLinesPerPage = 10;  ///< of the help
 }  // namespace
 
 void Interface::say(const std::string& text, Now now) {
-  said_ = text;
+  said_ = visible(text);
   said_at_ = now;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/characters.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
 #include "common/stream/reel_rules.h"
@@ -121,11 +122,7 @@ bool is_file_name(std::string_view path) {
          std::all_of(path.begin(), path.end(), allowed);
 }
 
-bool is_title(std::string_view text) {
-  return text.size() <= kMaxTitle && std::none_of(text.begin(), text.end(), [](char c) {
-           return static_cast<unsigned char>(c) < 32 || c == 127;
-         });
-}
+bool is_title(std::string_view text) { return text.size() <= kMaxTitle && is_harmless(text); }
 
 std::optional<std::uint64_t> parse_hex(std::string_view text) {
   if (text.size() != 16) return std::nullopt;

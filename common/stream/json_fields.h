@@ -77,7 +77,8 @@ class Fields {
 /// True if the name is that of a plain file in the package's own folder on every system.
 bool is_file_name(std::string_view path);
 
-/// True if the text may be shown to people: at most kMaxTitle bytes without control characters.
+/// True if the text may be shown to people: at most kMaxTitle bytes of harmless
+/// characters (common/base/characters.h).
 bool is_title(std::string_view text);
 
 /// Reads 16 lowercase hexadecimal digits, the most significant first.

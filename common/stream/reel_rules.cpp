@@ -105,7 +105,9 @@ Result<void> check_segment(const Segment& segment, const ReelHead& head, std::ui
 
 Result<void> check_head(const ReelHead& head) {
   if (!is_title(head.name)) {
-    return fail(concat("name: has more than ", kMaxTitle, " bytes, or a control character"));
+    return fail(concat("name: has more than ", kMaxTitle,
+                       " bytes, or a character that must not be shown: a control character, or one "
+                       "that turns the direction of writing"));
   }
   if (head.codec == "octree") {
     if (head.entropy != "none" && head.entropy != "zstd" && head.entropy != "context") {

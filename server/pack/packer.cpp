@@ -18,6 +18,7 @@
 #include "codec/cloud_file.h"
 #include "codec/training/sequence_tables.h"
 #include "common/base/output_folder.h"
+#include "common/base/print.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/stream/manifest.h"
@@ -41,7 +42,7 @@ using Clock = std::chrono::steady_clock;
 std::string default_name(const fs::path& output) {
   const fs::path normal = fs::absolute(output).lexically_normal();
   const fs::path last = normal.has_filename() ? normal.filename() : normal.parent_path().filename();
-  return last.extension() == ".reel" ? last.stem().string() : last.string();
+  return visible(last.extension() == ".reel" ? last.stem().string() : last.string());
 }
 
 /// With --force, packages are replaced, but nothing else that someone may have put there.

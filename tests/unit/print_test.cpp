@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "common/base/words.h"
+#include "common/stream/json_fields.h"
+#include "common/stream/reel_rules.h"
 #include "server/serve/log.h"
 #include "tests/terminal_text.h"
 
@@ -51,6 +53,24 @@ TEST(Visible, makes_any_bytes_harmless) {
     EXPECT_EQ(visible(shown), shown);
     EXPECT_LE(shown.size(), 6 * text.size());
   }
+}
+
+TEST(Title, is_text_that_may_be_shown_as_it_is) {
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 20'000; ++trial) {
+    const std::string text = foreign_text(random).substr(0, kMaxTitle);
+    EXPECT_EQ(is_title(text), visible(text) == text) << visible(text);
+  }
+  for (const char* text : {"", "frame 3: a\\b", "Grüße, 世界, עברית, 🙂"})
+    EXPECT_TRUE(is_title(text));
+  ReelHead head;
+  head.codec = "draco";
+  head.name = "gnp.\xe2\x80\xaexe";
+  EXPECT_FALSE(check_head(head));
+  head.name =
+      "\xc2\x9b"
+      "31m";
+  EXPECT_FALSE(check_head(head));
 }
 
 TEST(FormatVisible, breaks_lines_only_where_the_format_says_so) {

@@ -171,7 +171,7 @@ int run(const CLI::App& app, const Options& options) {
   if (motion == nullptr && !hard) {
     return report(options.name + ": unknown name; --list shows all names", 2);
   }
-  if (options.job.output.empty()) return report("no folder given to write to; add -o DIR", 2);
+  if (options.job.output.empty()) return report("no folder given to write to; add -o FOLDER", 2);
   if (hard) return run_hard(options);
   const std::string wrong = contradiction(app, options);
   if (!wrong.empty()) return report(wrong, 2);
@@ -180,10 +180,10 @@ int run(const CLI::App& app, const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   SequenceOptions& sequence = options.job.options;
-  app.add_option("name", options.name,
-                 "a motion of the figure, or \"hard\"; --list shows them all");
+  app.add_option("NAME", options.name, "a motion of the figure, or \"hard\"; --list shows them all")
+      ->type_name("");
   app.add_option("-o,--output", options.job.output, "the folder to write to; created if missing")
-      ->type_name("DIR");
+      ->type_name("FOLDER");
   app.add_flag("--force", options.job.force, "replace the folder if this program wrote it");
   app.add_option("--frames", options.frames, "number of frames; 0: the length of the motion")
       ->capture_default_str()

@@ -90,7 +90,7 @@ bool status_may_pass(long status) {
 const char* explain(long status) {
   switch (status) {
     case 401:
-      return " (it wants another token; give --token)";
+      return " (it requires a valid token; give it with --token)";
     case 403:
       return " (forbidden)";
     case 404:

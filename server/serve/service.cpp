@@ -33,7 +33,7 @@ void make_private(Response& response) {
 }
 
 Response token_wanted() {
-  return error_response(401, "a token is required: Authorization: Bearer TOKEN",
+  return error_response(401, "a valid token is required: Authorization: Bearer TOKEN",
                         "WWW-Authenticate: Bearer realm=\"pointreel\"\r\n");
 }
 

@@ -2,6 +2,8 @@
 
 #include <exception>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -31,7 +33,12 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::string command = app.get_name();
     for (const CLI::App* given : app.get_subcommands()) command += " " + given->get_name();
-    print_error(app.get_name(), fmt::format("{}; see {} --help", error.what(), command));
+    std::string what = error.what();
+    // CLI11's words for an option in a configuration file that it does not know.
+    constexpr std::string_view kUnknown = "INI was not able to parse ";
+    if (what.starts_with(kUnknown))
+      what.replace(0, kUnknown.size(), "--config: there is no option ");
+    print_error(app.get_name(), fmt::format("{}; see {} --help", what, command));
     return 2;
   } catch (const std::exception& error) {  // from a subcommand; most likely out of memory
     print_error(app.get_name(), error.what());

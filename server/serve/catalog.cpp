@@ -101,7 +101,7 @@ Result<fs::path> file_inside(const fs::path& folder, const std::string& name) {
   std::error_code error;
   const fs::path file = fs::canonical(folder / name, error);
   if (error) {
-    return fail(ErrorCode::not_found, fmt::format("{}: {}; pack it again", name, error.message()));
+    return fail(fmt::format("{}: {}; pack it again", name, error.message()));
   }
   const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
   if (end != folder.end() || rest == file.end()) {

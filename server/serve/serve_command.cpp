@@ -288,7 +288,9 @@ void add_serve_command(CLI::App& app, int& exit_code) {
     const auto served = serve(*arguments);
     if (served) return;
     print_error(served.error().message);
-    exit_code = kExitFailed;
+    const ErrorCode code = served.error().code;
+    exit_code =
+        code == ErrorCode::argument || code == ErrorCode::not_found ? kExitUsage : kExitFailed;
   });
 }
 

@@ -120,10 +120,11 @@ class ServeCommandTest : public testing::Test {
  protected:
   ServeCommandTest() { write_package(reel_, "base", patterned(16 << 20)); }
 
-  /// Returns the single line on standard error of a run that must fail with exit code 1.
-  std::string failure_of(const std::vector<std::string>& arguments) {
+  /// Returns the single line on standard error of a run that must fail: with exit code 2 if its
+  /// command line is wrong, or a folder is not a package, and with 1 otherwise.
+  std::string failure_of(const std::vector<std::string>& arguments, int exit_code = 2) {
     ServerProcess server(arguments);
-    EXPECT_EQ(server.exit_code(), 1);
+    EXPECT_EQ(server.exit_code(), exit_code);
     std::string text = server.errors();
     EXPECT_EQ(text.find('\n'), text.size() - 1) << text;
     return text;
@@ -236,8 +237,18 @@ TEST_F(ServeCommandTest, reports_every_failure_in_one_line) {
   EXPECT_THAT(failure_of({"--live", "--max-unfinished", "1M"}), HasSubstr("--max-unfinished"));
   ServerProcess first({reel_.string(), "--listen", "127.0.0.1:0"});
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
-  EXPECT_THAT(failure_of({reel_.string(), "--listen", taken}),
+  EXPECT_THAT(failure_of({reel_.string(), "--listen", taken}, 1),
               HasSubstr("cannot listen on " + taken + ": Address already in use"));
+  EXPECT_THAT(failure_of({(reel_ / "nowhere").string()}), HasSubstr("No such file or directory"));
+  fs::remove(reel_ / "0.base.prs");
+  EXPECT_THAT(failure_of({reel_.string()}, 1), HasSubstr("0.base.prs"));
+}
+
+TEST_F(ServeCommandTest, names_an_unknown_option_of_a_configuration_file) {
+  const fs::path config = temporary_.path() / "server.toml";
+  std::ofstream(config) << "[serve]\nlistem = \"127.0.0.1:0\"\n";
+  EXPECT_THAT(failure_of({reel_.string(), "--config", config.string()}),
+              HasSubstr("--config: there is no option serve.listem"));
 }
 
 }  // namespace

@@ -127,7 +127,12 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
 std::string HelpFormatter::make_description(const CLI::App* app) const {
   std::istringstream lines(app->get_description());
   std::string text;
-  for (std::string line; std::getline(lines, line);) text += wrap(line, 80) + "\n";
+  int number = 0;
+  for (std::string line; std::getline(lines, line); ++number) {
+    // The first line of a command's description is its heading (make_subcommand).
+    if (number == 1 && app->get_parent() != nullptr) text += "\n";
+    text += wrap(line, 80) + "\n";
+  }
   return text + "\n";
 }
 

@@ -120,6 +120,9 @@ Result<Manifest> read_manifest(const fs::path& folder) {
   const fs::path path = folder / kManifestName;
   std::error_code error;
   if (!fs::is_regular_file(path, error)) {
+    if (!fs::exists(folder, error)) {
+      return fail(ErrorCode::not_found, fmt::format("{}: no such file or folder", folder.string()));
+    }
     return fail(ErrorCode::not_found,
                 fmt::format("{}: is not a package: it has no {}", folder.string(), kManifestName));
   }

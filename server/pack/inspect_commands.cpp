@@ -207,7 +207,8 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   if (!frames.empty()) {
     const auto range = parse_frames(frames);
     if (!range) {
-      print_error(fmt::format("--frames {}: is not A-B or A, numbered from 0", frames));
+      print_error(fmt::format(
+          "--frames {}: is neither a frame's number, from 0 on, nor A-B with A <= B", frames));
       return kExitUsage;
     }
     options.first_frame = range->first;
@@ -264,7 +265,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
           ->check(CLI::Range(1, 255));
   unpack
       ->add_option("--frames", a->frames,
-                   "decode only frames A to B, including both, numbered from 0")
+                   "decode only frames A to B, including both, or only frame A, numbered from 0")
       ->type_name("A-B");
   add_frame_memory(*unpack, a->frame_memory);
   unpack->add_flag("--force", a->force,

@@ -139,7 +139,7 @@ void add_publish_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "publish",
       "Encode frames as they come and send them to a server, until there are no more or SIGINT\n"
-      "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored. The\n"
+      "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored. The "
       "exit code is 1 if the server has accepted no frame.");
   command
       ->add_option("-i,--input", a.input,

@@ -1,7 +1,11 @@
+#include <sstream>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/command_line/program.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
 #include "tests/unit/packed_reel.h"
@@ -248,6 +252,14 @@ TEST_F(PackCommand, a_damaged_manifest_is_a_fault_and_a_missing_one_is_wrong_usa
   EXPECT_EQ(run({"unpack", "-i", reel_.string(), "-o", back}).code, kExitUsage);
 }
 
+TEST_F(PackCommand, a_folder_that_does_not_exist_is_not_called_a_package_without_a_manifest) {
+  for (const char* command : {"info", "verify"}) {
+    const Outcome outcome = run({command, reel_.string()});
+    EXPECT_EQ(outcome.code, kExitUsage) << command;
+    EXPECT_THAT(outcome.errors, HasSubstr(reel_.string() + ": no such file or folder"));
+  }
+}
+
 TEST_F(PackCommand, verify_detects_a_missing_layer_even_if_it_adds_no_points) {
   write_frames(1);
   ASSERT_EQ(run_pack({"--depth", "11"}).code, kExitOk);
@@ -286,6 +298,26 @@ TEST_F(PackCommand, unpack_writes_only_the_requested_range_of_frames) {
   }
   EXPECT_EQ(run({"unpack", "-i", reel_.string(), "-o", back, "--frames", "1"}).code, kExitOk);
   EXPECT_EQ(contents(back).size(), 1u);
+}
+
+/// A line that ends early in the middle of a sentence comes from a line break in the source.
+TEST(ServerHelp, breaks_the_lines_of_descriptions_only_where_the_next_word_does_not_fit) {
+  int code = 0;
+  CLI::App app("Description", "pointreel-server");
+  add_pack_command(app, code);
+  add_inspect_commands(app, code);
+  add_publish_command(app, code);
+  add_serve_command(app, code);
+  add_common_options(app);
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    std::istringstream lines(command->help());
+    std::string last;
+    for (std::string line; std::getline(lines, line) && !line.starts_with("Usage:"); last = line) {
+      EXPECT_LE(line.size(), 80u) << line;
+      if (line.empty() || line[0] < 'a' || line[0] > 'z') continue;
+      EXPECT_GT(last.size() + 1 + line.find(' '), 80u) << command->get_name() << ": " << last;
+    }
+  }
 }
 
 }  // namespace

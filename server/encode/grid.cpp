@@ -1,5 +1,7 @@
 #include "server/encode/grid.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "common/octree/build.h"
@@ -25,6 +27,22 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
   if (!lattice || box.empty()) return Grid{bounding_cube(box), options.encode};
   const VoxelCube voxels = lattice_cube(box, *lattice);
   return Grid{voxels.cube, no_deeper_than(options.encode, voxels.depth)};
+}
+
+bool cells_follow_spacing(const EncodingOptions& options) {
+  const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec);
+  return octree != nullptr && octree->depth.kind == DepthRule::Kind::delta && !options.voxel;
+}
+
+PointLattice lattice_for_spacing(double spacing) {
+  // From multiplications only, because the last bit of libm's functions differs between machines.
+  constexpr double kFactor = 1.0905077326652577;
+  constexpr double kCellsPerSpacing = 2.0;
+  int exponent = 0;
+  const double mantissa = std::frexp(spacing / kCellsPerSpacing, &exponent);
+  double step = 0.5;
+  while (step * kFactor <= mantissa) step *= kFactor;
+  return {glm::dvec3(0.0), std::ldexp(step, exponent)};
 }
 
 bool reaches(const PointLattice& lattice, const Box& box, const PointCloud& cloud,

@@ -1,5 +1,6 @@
 #include "server/pack/input.h"
 
+#include <algorithm>
 #include <atomic>
 #include <utility>
 
@@ -31,6 +32,7 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     Box box;
     std::optional<PointLattice> lattice;
     std::size_t points = 0;
+    CleanReport cleaning;
   };
   std::vector<Frame> frames(files_.size());
   std::atomic<std::size_t> kept_bytes = 0;
@@ -41,17 +43,25 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
       frames[i].error = std::move(loaded.error());
       return;
     }
-    frames[i] = {{}, bounds(loaded->cloud), lattice_of(loaded->cloud), loaded->cloud.size()};
+    frames[i] = {{},
+                 bounds(loaded->cloud),
+                 lattice_of(loaded->cloud),
+                 loaded->cloud.size(),
+                 loaded->cleaning};
     const std::size_t bytes = memory_of(loaded->cloud);
     if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
       kept_[i] = std::make_shared<const SourceFrame>(std::move(*loaded));
     }
   });
   Extent all;
+  std::vector<double> spacings;
+  std::size_t frames_with_points = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Frame& frame = frames[i];
     if (frame.error) return tl::unexpected(*frame.error);
     if (frame.points == 0) continue;
+    if (frame.cleaning.cleaned) spacings.push_back(frame.cleaning.spacing);
+    ++frames_with_points;
     const bool first = all.box.empty();
     if (first) {
       all.lattice = frame.lattice;
@@ -61,13 +71,20 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     if (first || frame.points > frames[all.largest].points) all.largest = i;
     all.box.grow(frame.box);
   }
+  if (!spacings.empty() && spacings.size() == frames_with_points) {
+    const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
+    std::nth_element(spacings.begin(), middle, spacings.end());
+    all.spacing = *middle;
+  }
   return all;
 }
 
 Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   if (options_.cube_per_frame) return {};
   Extent extent = TRY(read_extent(stop));
-  if (extent.lattice && !options_.voxel) {
+  if (extent.spacing && cells_follow_spacing(options_)) {
+    extent.lattice = lattice_for_spacing(*extent.spacing);
+  } else if (extent.lattice && !options_.voxel) {
     const Cloud largest = TRY(look(extent.largest));
     if (!reaches(*extent.lattice, extent.box, largest->cloud, options_.encode)) {
       extent.lattice.reset();
@@ -79,9 +96,13 @@ Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   return {};
 }
 
-Result<Grid> SegmentInput::grid_of(const PointCloud& cloud) const {
+Result<Grid> SegmentInput::grid_of(const SourceFrame& frame) const {
   if (shared_) return *shared_;
+  const PointCloud& cloud = frame.cloud;
   const Box box = bounds(cloud);
+  if (frame.cleaning.cleaned && cells_follow_spacing(options_)) {
+    return grid_for(box, options_, lattice_for_spacing(frame.cleaning.spacing));
+  }
   std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
   if (lattice && !reaches(*lattice, box, cloud, options_.encode)) lattice.reset();
   return grid_for(box, options_, lattice);

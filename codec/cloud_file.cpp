@@ -55,6 +55,8 @@ Result<Bytes> read_bytes(const fs::path& path) {
   const fs::file_status status = fs::status(path, code);
   if (!fs::exists(status)) return fail(ErrorCode::not_found, "no such file");
   if (fs::is_directory(status)) return fail("is a folder, not a point cloud file");
+  if (fs::is_character_file(status) || fs::is_block_file(status))
+    return fail("is a device, not a point cloud file");
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     return fail(ErrorCode::io, fmt::format("cannot be opened: {}", std::strerror(errno)));

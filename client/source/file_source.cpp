@@ -19,7 +19,8 @@ namespace {
 class OpenFile {
  public:
   explicit OpenFile(const std::filesystem::path& path)
-      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+      // Opening a pipe would otherwise wait for somebody who writes.
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
   ~OpenFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
@@ -41,11 +42,12 @@ Result<Bytes> read_range(const std::filesystem::path& folder, const PackageFile&
                 fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
   // The file's length is checked before memory is taken, because the manifest may be wrong.
   const off_t end = ::lseek(file.get(), 0, SEEK_END);
-  if (end < 0 || static_cast<std::uint64_t>(end) < offset + size)
+  if (end < 0) return fail(fmt::format("{}: is not a regular file", path.string()));
+  if (static_cast<std::uint64_t>(end) < offset + size)
     return fail(
         fmt::format("{}: ends at byte {}, but by the manifest the frame's bytes end at {}; the "
                     "package is damaged",
-                    path.string(), static_cast<std::int64_t>(end), offset + size));
+                    path.string(), end, offset + size));
   Bytes bytes(size);
   std::size_t got = 0;
   while (got < size) {

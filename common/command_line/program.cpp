@@ -1,5 +1,6 @@
 #include "common/command_line/program.h"
 
+#include <csignal>
 #include <exception>
 #include <memory>
 #include <string>
@@ -26,6 +27,8 @@ void add_common_options(CLI::App& app) {
 }
 
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
+  // A file that exceeds a limit of the system (ulimit -f) is then reported like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     app.parse(argc, argv);
     return std::nullopt;

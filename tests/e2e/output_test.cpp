@@ -59,5 +59,34 @@ TEST(Output, a_full_standard_output_is_an_error_of_every_program) {
   }
 }
 
+TEST(Output, a_limit_on_the_size_of_files_is_an_error_and_kills_no_program) {
+  const TemporaryFolder folder;
+  PointCloud cloud;
+  for (int i = 0; i < 20'000; ++i) {
+    cloud.positions.emplace_back(i % 141, i / 141, i * 7919 % 100);
+    cloud.colors.emplace_back(257 * (i % 256), 257 * (i / 256), 0);
+  }
+  fs::create_directories(folder / "in");
+  ASSERT_TRUE(write_ply(folder / "in" / "0.ply", cloud));
+  const std::string in = (folder / "in").string(), reel = (folder / "reel").string();
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", in, "-o", reel}).exit_code, 0);
+  const auto output = [&](const char* name) { return (folder / name).string(); };
+  const std::vector<std::vector<std::string>> commands = {
+      {"pointreel-server", "pack", "-i", in, "-o", output("package")},
+      {"pointreel-server", "unpack", "-i", reel, "-o", output("back")},
+      {"pointreel", "play", reel, "--offscreen", "256x256", "--screenshot", output("a.png")},
+      {"pointreel-synth", "walk", "--frames", "1", "-o", output("synth")}};
+  for (const std::vector<std::string>& command : commands) {
+    std::vector<std::string> arguments = {"-c", "ulimit -f 8; exec \"$@\"", "sh"};
+    arguments.push_back(std::string(POINTREEL_BIN_DIR) + "/" + command[0]);
+    arguments.insert(arguments.end(), command.begin() + 1, command.end());
+    const Outcome outcome = run("/bin/sh", arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << testing::PrintToString(command);
+    EXPECT_THAT(outcome.err, testing::HasSubstr("cannot be written"))
+        << testing::PrintToString(command);
+    EXPECT_FALSE(fs::exists(command.back())) << testing::PrintToString(command);
+  }
+}
+
 }  // namespace
 }  // namespace pointreel::e2e

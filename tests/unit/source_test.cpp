@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "client/source/open_source.h"
 #include "common/stream/manifest.h"
 #include "pointreel/chunks.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/packed_reel.h"
 #include "tests/unit/scripted_http_server.h"
 #include "tests/unit/small_package.h"
 
@@ -181,6 +183,21 @@ TEST(FolderSource, takes_its_files_in_natural_order_and_its_times_from_the_rate)
 TEST(FolderSource, refuses_a_folder_without_frames) {
   const TemporaryFolder folder;
   EXPECT_FALSE(open_source(folder.path().string()));
+}
+
+using PackedSource = PackTest;
+
+TEST_F(PackedSource, does_not_wait_for_a_layer_that_is_a_pipe) {
+  write_frames(1);
+  ASSERT_TRUE(pack(options()));
+  const auto source = open_source(reel_.string());
+  ASSERT_TRUE(source) << source.error().message;
+  const fs::path layer = reel_ / (*source)->manifest().segments[0].layers[0].path;
+  fs::remove(layer);
+  ASSERT_EQ(::mkfifo(layer.c_str(), 0600), 0);
+  const auto fetched = (*source)->fetch(FetchRequest{0});
+  ASSERT_FALSE(fetched);
+  EXPECT_THAT(fetched.error().message, HasSubstr("is not a regular file"));
 }
 
 }  // namespace

@@ -189,6 +189,8 @@ bool is_text(const JsonValue& value, std::string_view text) {
 Result<JsonValue> parse_json(std::string_view text) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  // To the library a NUL is the end of the text, whatever comes after it.
+  if (text.find('\0') != std::string_view::npos) return fail("is not valid JSON");
   TokenGuard guard;
   if (!json::sax_parse(text.begin(), text.end(), &guard)) return fail(guard.fault());
   return JsonValue(skip_spaces(text));

@@ -106,12 +106,19 @@ TEST(JsonValue, refuses_what_another_parser_refuses) {
         text.insert(at, 1, "{}[],:\"\\0e-.tn \xff"[random() % 17]);
     }
     const std::string error = error_of(text);
-    const bool valid = json::accept(text);
+    // The other parser takes a NUL for the end of the text.
+    const bool valid = json::accept(text) && text.find('\0') == std::string::npos;
     refused += !valid;
     EXPECT_EQ(error == "is not valid JSON", !valid && error.find("twice") == std::string::npos)
         << text;
   }
   EXPECT_GT(refused, 100);
+}
+
+TEST(JsonValue, nothing_may_follow_behind_a_nul) {
+  for (const std::string& text : {std::string("{}\0", 3), std::string("{}\0garbage", 10)}) {
+    EXPECT_EQ(error_of(text), "is not valid JSON");
+  }
 }
 
 TEST(JsonValue, whole_numbers_have_no_fraction_no_exponent_and_no_sign) {

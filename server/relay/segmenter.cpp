@@ -106,6 +106,7 @@ std::optional<LiveSegment> Segmenter::flush() {
   LiveSegment finished = std::exchange(segment_, {});
   bytes_ = 0;
   for (std::size_t i = 0; i < finished.files.size(); ++i) {
+    finished.files[i].shrink_to_fit();  // it may be kept for long
     finished.entry.layers[i].bytes = finished.files[i].size();
     finished.entry.layers[i].checksum =
         checksum_of({reinterpret_cast<const std::uint8_t*>(finished.files[i].data()),

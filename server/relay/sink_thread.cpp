@@ -35,8 +35,8 @@ void SinkThread::layer(const LiveLayer& layer, const LiveMessage& message) {
   bool full = false;
   {
     const std::lock_guard lock(mutex_);
-    full = bytes_ + layer.bytes.size() > max_bytes_;
-    if (!full) bytes_ += layer.bytes.size();
+    full = bytes_ + memory_of(layer) > max_bytes_;
+    if (!full) bytes_ += memory_of(layer);
   }
   if (!full) {
     put(Layer{layer, message});
@@ -74,7 +74,7 @@ void SinkThread::run() {
       sink_->end();
     }
     lock.lock();
-    if (const auto* layer = std::get_if<Layer>(&event)) bytes_ -= layer->layer.bytes.size();
+    if (const auto* layer = std::get_if<Layer>(&event)) bytes_ -= memory_of(layer->layer);
   }
 }
 

@@ -20,6 +20,9 @@ namespace pointreel {
 /// disk. The memory for what waits is bounded: frames that do not fit are left out and reported.
 class SinkThread : public LiveSink {
  public:
+  /// What a waiting layer takes in memory in addition to its bytes. Tiny layers are mostly this.
+  static constexpr std::size_t kLayerOverhead = 512;
+
   /// `say` may be empty.
   SinkThread(std::unique_ptr<LiveSink> sink, std::function<void(const std::string& line)> say,
              std::size_t max_bytes = 64u << 20);
@@ -36,6 +39,10 @@ class SinkThread : public LiveSink {
     LiveMessage message;
   };
   using Event = std::variant<LiveHello, Layer, LiveEnd>;
+
+  static std::size_t memory_of(const LiveLayer& layer) {
+    return layer.bytes.size() + kLayerOverhead;
+  }
   void put(Event event);
   void run();
 

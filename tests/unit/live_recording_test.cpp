@@ -365,7 +365,8 @@ TEST(SinkThread, skips_the_rest_of_a_frame_if_the_sink_is_too_slow_and_reports_i
   {
     SinkThread thread(
         std::make_unique<HeldSink>(gate, notes),
-        [&](const std::string& line) { said.push_back(line); }, 25);
+        [&](const std::string& line) { said.push_back(line); },
+        2 * SinkThread::kLayerOverhead + 25);
     const std::lock_guard held(gate);
     thread.hello(plain_hello());
     give(thread,
@@ -374,6 +375,20 @@ TEST(SinkThread, skips_the_rest_of_a_frame_if_the_sink_is_too_slow_and_reports_i
   }
   EXPECT_THAT(notes, ElementsAre("hello", "0.0", "0.1"));
   EXPECT_THAT(said, ElementsAre(HasSubstr("frame 0"), HasSubstr("frame 1")));
+}
+
+TEST(SinkThread, counts_more_than_the_bytes_of_tiny_layers) {
+  std::mutex gate;
+  std::vector<std::string> notes;
+  {
+    SinkThread thread(std::make_unique<HeldSink>(gate, notes), {}, 10 * SinkThread::kLayerOverhead);
+    const std::lock_guard held(gate);
+    for (std::uint32_t frame = 0; frame < 1000; ++frame) {
+      give(thread, {layer_message(frame, 0, 1, 1)});
+    }
+  }
+  EXPECT_GE(notes.size(), 9u);
+  EXPECT_LE(notes.size(), 11u) << "one more may have been taken out before the gate was held";
 }
 
 }  // namespace

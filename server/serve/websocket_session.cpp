@@ -203,6 +203,9 @@ Task<bool> read_message(std::shared_ptr<PublisherSession> session, Publication& 
     }
   } while (!stream.is_message_done());
   bytes.resize(size);
+  // Tiny messages that wait, for a disk or a viewer, must not keep the space that was made for
+  // more.
+  if (bytes.capacity() / 2 > size) bytes.shrink_to_fit();
   session->pace.ended();
   session->unfinished.clear();
   co_return true;

@@ -124,6 +124,22 @@ TEST_P(LiveServerTest, forwards_a_stream_from_its_publisher_to_all_viewers) {
   EXPECT_TRUE(wait_until([&] { return server_->connection_count() == 0; }));
 }
 
+TEST_P(LiveServerTest, tiny_messages_take_little_memory_while_they_wait) {
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto viewer = relay_.join("stage", [] {});
+  ASSERT_TRUE(viewer);
+  ASSERT_TRUE(send(*publisher, layer_message(0, 0)));
+  std::optional<LiveMessage> message;
+  ASSERT_TRUE(wait_until([&] {
+    message = (*viewer)->next();
+    return message && message->kind == LiveMessage::Kind::binary;
+  }));
+  EXPECT_LE(message->bytes->capacity(), 2 * message->bytes->size());
+}
+
 TEST_P(LiveServerTest, answers_404_for_unknown_streams) {
   start();
   const auto viewer = connect("/live/nobody");

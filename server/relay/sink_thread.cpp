@@ -7,9 +7,10 @@
 
 namespace pointreel {
 
-SinkThread::SinkThread(std::unique_ptr<LiveSink> sink,
+SinkThread::SinkThread(std::unique_ptr<LiveSink> sink, std::string does,
                        std::function<void(const std::string& line)> say, std::size_t max_bytes)
     : sink_(std::move(sink)),
+      does_(std::move(does)),
       say_(std::move(say)),
       max_bytes_(max_bytes),
       thread_([this] { run(); }) {}
@@ -46,9 +47,9 @@ void SinkThread::layer(const LiveLayer& layer, const LiveMessage& message) {
   // Reports the first frame, and then, more and more rarely, the 2nd, 4th, 8th and so on.
   ++left_out_frames_;
   if (say_ && std::has_single_bit(left_out_frames_)) {
-    say_(
-        fmt::format("frame {} is not recorded completely, because the disk is too slow ({} so far)",
-                    layer.frame, left_out_frames_));
+    say_(fmt::format(
+        "frame {} is not {} completely, because this machine is too slow for it ({} so far)",
+        layer.frame, does_, left_out_frames_));
   }
 }
 

@@ -23,9 +23,9 @@ class SinkThread : public LiveSink {
   /// What a waiting layer takes in memory in addition to its bytes. Tiny layers are mostly this.
   static constexpr std::size_t kLayerOverhead = 512;
 
-  /// `say` may be empty.
-  SinkThread(std::unique_ptr<LiveSink> sink, std::function<void(const std::string& line)> say,
-             std::size_t max_bytes = 64u << 20);
+  /// `does` completes "frame 7 is not ...", such as "recorded". `say` may be empty.
+  SinkThread(std::unique_ptr<LiveSink> sink, std::string does,
+             std::function<void(const std::string& line)> say, std::size_t max_bytes = 64u << 20);
   /// Waits until the sink has got everything.
   ~SinkThread() override;
 
@@ -47,6 +47,7 @@ class SinkThread : public LiveSink {
   void run();
 
   const std::unique_ptr<LiveSink> sink_;
+  const std::string does_;
   const std::function<void(const std::string& line)> say_;
   const std::size_t max_bytes_;
   std::optional<std::uint32_t> left_out_;  ///< the frame of which no more layers are passed on

@@ -44,14 +44,14 @@ std::function<std::vector<std::shared_ptr<LiveSink>>(const std::string& name)> l
   return [=](const std::string& name) {
     std::vector<std::shared_ptr<LiveSink>> sinks;
     sinks.push_back(std::make_shared<SinkThread>(
-        std::make_unique<HttpWindow>(output_to(resources, name)), say));
+        std::make_unique<HttpWindow>(output_to(resources, name)), "served over HTTP", say));
     if (!record.empty()) {
       LiveRecorderOptions options;
       options.folder = record;
       options.name = name;
       options.say = say;
-      sinks.push_back(
-          std::make_shared<SinkThread>(std::make_unique<LiveRecorder>(std::move(options)), say));
+      sinks.push_back(std::make_shared<SinkThread>(
+          std::make_unique<LiveRecorder>(std::move(options)), "recorded", say));
     }
     return sinks;
   };

@@ -349,7 +349,7 @@ TEST(SinkThread, forwards_everything_in_order_without_blocking_its_caller) {
   std::mutex gate;
   std::vector<std::string> notes, said;
   {
-    SinkThread thread(std::make_unique<HeldSink>(gate, notes), {});
+    SinkThread thread(std::make_unique<HeldSink>(gate, notes), "recorded", {});
     const std::lock_guard held(gate);
     thread.hello(plain_hello());
     give(thread, {layer_message(0, 0), layer_message(0, 1)});
@@ -364,7 +364,7 @@ TEST(SinkThread, skips_the_rest_of_a_frame_if_the_sink_is_too_slow_and_reports_i
   std::vector<std::string> notes, said;
   {
     SinkThread thread(
-        std::make_unique<HeldSink>(gate, notes),
+        std::make_unique<HeldSink>(gate, notes), "recorded",
         [&](const std::string& line) { said.push_back(line); },
         2 * SinkThread::kLayerOverhead + 25);
     const std::lock_guard held(gate);
@@ -374,14 +374,15 @@ TEST(SinkThread, skips_the_rest_of_a_frame_if_the_sink_is_too_slow_and_reports_i
     give(thread, {layer_message(1, 0, 3, 20), layer_message(1, 1, 3, 1)});
   }
   EXPECT_THAT(notes, ElementsAre("hello", "0.0", "0.1"));
-  EXPECT_THAT(said, ElementsAre(HasSubstr("frame 0"), HasSubstr("frame 1")));
+  EXPECT_THAT(said, ElementsAre(HasSubstr("frame 0 is not recorded"), HasSubstr("frame 1")));
 }
 
 TEST(SinkThread, counts_more_than_the_bytes_of_tiny_layers) {
   std::mutex gate;
   std::vector<std::string> notes;
   {
-    SinkThread thread(std::make_unique<HeldSink>(gate, notes), {}, 10 * SinkThread::kLayerOverhead);
+    SinkThread thread(std::make_unique<HeldSink>(gate, notes), "recorded", {},
+                      10 * SinkThread::kLayerOverhead);
     const std::lock_guard held(gate);
     for (std::uint32_t frame = 0; frame < 1000; ++frame) {
       give(thread, {layer_message(frame, 0, 1, 1)});

@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include "client/ui/panel.h"
+#include "common/base/median.h"
 
 namespace pointreel {
 namespace {
@@ -41,10 +42,7 @@ void draw_plots(const RecentFrames& recent, ImVec2 size) {
     ImGui::PlotLines(fmt::format("##{}", name(step)).c_str(), times.data(),
                      static_cast<int>(times.size()), 0, nullptr, 0.0f, std::max(most, 0.01f), size);
     ImGui::TableNextColumn();
-    std::vector<float> sorted = times;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    ImGui::TextUnformatted(fmt::format("{:.1f} ms, max. {:.1f}", *middle, most).c_str());
+    ImGui::TextUnformatted(fmt::format("{:.1f} ms, max. {:.1f}", median(times), most).c_str());
   }
   ImGui::EndDisabled();
   ImGui::PopStyleVar();

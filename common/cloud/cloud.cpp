@@ -3,27 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/cloud/keep_points.h"
+
 namespace pointreel {
 namespace {
 
 bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-/// Moves point `from` to place `to` in every array that the cloud has.
-void move_point(PointCloud& cloud, std::size_t from, std::size_t to) {
-  cloud.positions[to] = cloud.positions[from];
-  if (cloud.has_normals()) cloud.normals[to] = cloud.normals[from];
-  if (cloud.has_colors()) cloud.colors[to] = cloud.colors[from];
-  if (cloud.has_radii()) cloud.radii[to] = cloud.radii[from];
-}
-
-void resize(PointCloud& cloud, std::size_t n) {
-  const bool normals = cloud.has_normals(), colors = cloud.has_colors(), radii = cloud.has_radii();
-  cloud.positions.resize(n);
-  if (normals) cloud.normals.resize(n);
-  if (colors) cloud.colors.resize(n);
-  if (radii) cloud.radii.resize(n);
 }
 
 /// Sets unusable radii to zero and returns their number.
@@ -69,14 +55,8 @@ bool colors_fit_8_bits(const PointCloud& cloud) {
 
 SanitizeReport sanitize(PointCloud& cloud) {
   SanitizeReport report;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!finite(cloud.positions[i])) continue;
-    if (kept != i) move_point(cloud, i, kept);
-    ++kept;
-  }
-  report.dropped_positions = cloud.size() - kept;
-  resize(cloud, kept);
+  report.dropped_positions =
+      keep_points(cloud, [&](std::size_t i) { return finite(cloud.positions[i]); });
 
   for (glm::vec3& n : cloud.normals) {
     // In double, so that the square of a tiny component does not vanish and that of a huge one does

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/median.h"
+#include "common/cloud/keep_points.h"
 #include "common/cloud/lattice.h"
 #include "common/surface/normals.h"
 #include "common/surface/point_surface.h"
@@ -42,12 +44,6 @@ constexpr float kPi = 3.14159265f;
 float weight_of_plane(float radius, float spacing) {
   const float ratio = radius / spacing;
   return kPi / 5.0f * ratio * ratio;
-}
-
-float median(std::vector<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Noise and spacing around each point.
@@ -99,16 +95,6 @@ bool is_voxelised(const PointCloud& cloud, double spacing) {
   return lattice && spacing < kVoxelSpacing * lattice->step;
 }
 
-template <class T>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& kept) {
-  if (values.empty()) return;
-  std::size_t to = 0;
-  for (std::size_t from = 0; from < values.size(); ++from) {
-    if (kept[from] != 0) values[to++] = values[from];
-  }
-  values.resize(to);
-}
-
 }  // namespace
 
 CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor& executor) {
@@ -141,11 +127,7 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
     cloud.positions[index] = sample.position;
     cloud.normals[index] = sample.normal;
   }
-  report.removed = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), 0));
-  keep(cloud.positions, kept);
-  keep(cloud.normals, kept);
-  keep(cloud.colors, kept);
-  keep(cloud.radii, kept);
+  report.removed = keep_points(cloud, [&](std::size_t i) { return kept[i] != 0; });
   report.cleaned = true;
   return report;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/median.h"
 #include "common/octree/build.h"
 #include "common/surface/cell_neighbors.h"
 #include "common/surface/cells.h"
@@ -338,9 +339,7 @@ class SurfaceEstimate {
       if (cell.spacing > 0.0f) known.push_back(cell.spacing);
     }
     if (known.empty()) return finite_radius(0.5 * svo_.cube.edge);
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::nth_element(known.begin(), middle, known.end());
-    return *middle;
+    return median(std::move(known));
   }
 
   const PointCloud& cloud_;

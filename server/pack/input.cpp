@@ -1,11 +1,11 @@
 #include "server/pack/input.h"
 
-#include <algorithm>
 #include <atomic>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "common/base/median.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -72,9 +72,7 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     all.box.grow(frame.box);
   }
   if (!spacings.empty() && spacings.size() == frames_with_points) {
-    const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
-    std::nth_element(spacings.begin(), middle, spacings.end());
-    all.spacing = *middle;
+    all.spacing = median(std::move(spacings));
   }
   return all;
 }

@@ -7,35 +7,12 @@
 #include "server/encode/encoding_options.h"
 #include "server/pack/inspect.h"
 #include "server/pack/packer.h"
-#include "tests/unit/packed_clouds.h"
+#include "tests/unit/pack_folder.h"
 
 namespace pointreel {
 namespace {
 
-namespace fs = std::filesystem;
-
-class PackClean : public testing::Test {
- protected:
-  PackClean() {
-    fs::create_directory(in());
-    options_ = pack_options(in(), folder_.path() / "reel");
-    options_.force = true;
-  }
-  fs::path in() const { return folder_.path() / "in"; }
-
-  void write(int frame, const PointCloud& cloud) {
-    ASSERT_TRUE(write_ply(in() / fmt::format("{}.ply", frame), cloud));
-  }
-
-  PackSummary packed() {
-    const Result<PackSummary> summary = pack(options_);
-    EXPECT_TRUE(summary) << summary.error().message;
-    return summary.value_or(PackSummary{});
-  }
-
-  TemporaryFolder folder_;
-  PackOptions options_;
-};
+using PackClean = PackFolder;
 
 /// A scan with noise, and a few specks around it.
 PointCloud noisy(std::uint32_t seed) {

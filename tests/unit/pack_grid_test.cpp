@@ -11,7 +11,7 @@
 #include "pointreel/draco.h"
 #include "server/pack/inspect.h"
 #include "server/pack/packer.h"
-#include "tests/unit/packed_clouds.h"
+#include "tests/unit/pack_folder.h"
 
 namespace pointreel {
 namespace {
@@ -23,26 +23,9 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 /// In which grid frames are packed, and what happens if none suits them.
-class PackGrid : public testing::Test {
+class PackGrid : public PackFolder {
  protected:
-  PackGrid() {
-    fs::create_directory(in());
-    options_ = pack_options(in(), folder_.path() / "reel");
-    options_.encode.codec = OctreeOptions{};
-    options_.force = true;
-  }
-
-  fs::path in() const { return folder_.path() / "in"; }
-
-  void write(int frame, const PointCloud& cloud) {
-    ASSERT_TRUE(write_ply(in() / fmt::format("{}.ply", frame), cloud));
-  }
-
-  PackSummary packed() {
-    const Result<PackSummary> summary = pack(options_);
-    EXPECT_TRUE(summary) << summary.error().message;
-    return summary.value_or(PackSummary{});
-  }
+  PackGrid() { options_.encode.codec = OctreeOptions{}; }
 
   std::string error() {
     const Result<PackSummary> summary = pack(options_);
@@ -55,9 +38,6 @@ class PackGrid : public testing::Test {
   }
 
   void use(const EncodeOptions& encode) { options_.encode = encode; }
-
-  TemporaryFolder folder_;
-  PackOptions options_;
 };
 
 EncodeOptions octree(DepthRule depth) { return {OctreeOptions{Entropy::context, depth}}; }

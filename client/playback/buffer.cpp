@@ -57,6 +57,12 @@ void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_pass
   // Among the frames that the playhead left behind, the nearest is kept until there is a newer one.
   // If the whole of what is played fits the window, they are still in it.
   const std::uint32_t moved = order_before.steps(before, playhead_).value_or(0);
+  // What could not be had is tried again when it comes into the window again. A short loop never
+  // leaves the window, so what the playhead has left behind, or jumped from, counts as outside.
+  const auto forgiven = [&](std::uint32_t f) {
+    return !in_fetch_window(f) || !keep_newest_passed ||
+           order_before.steps(before, f).value_or(0) < moved;
+  };
   std::int64_t newest = -1;
   std::shared_ptr<const SceneFrame> passed;
   for (auto it = finished_.begin(); it != finished_.end();) {
@@ -69,13 +75,14 @@ void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_pass
       newest = from;
       passed = it->second.frame;
     }
-    it = stays ? std::next(it) : finished_.erase(it);
+    const bool failed = !it->second.frame;
+    it = stays && !(failed && forgiven(it->first)) ? std::next(it) : finished_.erase(it);
   }
   if (!keep_newest_passed)
     passed_ = nullptr;
   else if (passed)
     passed_ = std::move(passed);
-  store_.forgive([this](std::uint32_t f) { return !in_fetch_window(f); });
+  store_.forgive(forgiven);
   store_.shrink(options_.store_bytes, [this](std::uint32_t f) -> std::uint64_t {
     return in_fetch_window(f) ? 0 : distance(f);
   });

@@ -175,6 +175,28 @@ TEST(FrameBuffer, a_failed_frame_is_requested_again_when_the_playhead_returns) {
   EXPECT_EQ(buffer.next_fetch()->frame, 0u);
 }
 
+TEST(FrameBuffer, a_short_loop_requests_a_failed_frame_again_on_the_next_round) {
+  FrameBuffer buffer(options(3, 2, true));
+  EXPECT_EQ(serve(buffer, 1), (Frames{0}));
+  buffer.fetch_failed(*buffer.next_fetch());
+  EXPECT_EQ(serve(buffer, 1), (Frames{2}));
+  buffer.advance(1);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::failed) << "not tried again at once";
+  buffer.advance(2);
+  EXPECT_EQ(serve(buffer, 1), (Frames{1}));
+  buffer.advance(1);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
+}
+
+TEST(FrameBuffer, a_jump_to_a_failed_frame_nearby_requests_it_again) {
+  FrameBuffer buffer(options(100, 2, false));
+  EXPECT_EQ(serve(buffer, 1), (Frames{0}));
+  buffer.fetch_failed(*buffer.next_fetch());
+  buffer.seek(1);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::waiting);
+  EXPECT_EQ(buffer.next_fetch()->frame, 1u);
+}
+
 TEST(FrameBuffer, a_stopped_fetch_is_requested_again) {
   FrameBuffer buffer(options(100, 2, false));
   const auto job = buffer.next_fetch();

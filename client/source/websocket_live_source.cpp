@@ -65,7 +65,6 @@ class WebSocketLiveSource : public LiveSource {
       auto socket = WebSocket::connect(url_, options);
       if (socket) {
         if (std::exchange(connected_before, true)) assembler_.reconnected();
-        set_trouble(std::nullopt);
         if (receive(**socket)) pause.succeeded();
       } else {
         set_trouble(reason(socket.error()));

@@ -288,7 +288,9 @@ class Connection : public WebSocket {
     asio::post(context_, [this] { context_.stop(); });
     std::string how;
     ErrorCode code = ErrorCode::io;
-    if (error == websocket::error::closed) {
+    // A peer may tell its reason and then fail to end the connection properly, which is an error of
+    // its own.
+    if (error == websocket::error::closed || (!closed_ && stream_.reason())) {
       const auto reason = excuse(stream_.reason().reason.c_str());
       how = reason.empty() ? ": the server has closed the connection" : reason;
     } else if (error == beast::error::timeout) {
@@ -301,6 +303,10 @@ class Connection : public WebSocket {
     } else if (closed_) {
       how = ": the connection was closed";
       code = ErrorCode::cancelled;
+    } else if (error == asio::error::bad_descriptor) {
+      // Beast began to close the connection, did not see the peer do the same, and has lost the
+      // reason.
+      how = ": the peer broke the WebSocket protocol, or closed the connection improperly";
     } else {
       how = ": " + error.message();
     }

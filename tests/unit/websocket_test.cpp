@@ -184,6 +184,42 @@ TEST(WebSocket, the_reason_of_a_server_for_closing_is_reported) {
   EXPECT_FALSE((*socket)->send(view("more"), WebSocket::Kind::text));
 }
 
+/// Sends these bytes behind the upgrade and leaves the connection open until the end of the test.
+class RawPeer {
+ public:
+  explicit RawPeer(const std::string& bytes)
+      : peer_(upgraded([this, bytes](PeerStream& stream) {
+          boost::asio::write(stream.next_layer(), boost::asio::buffer(bytes));
+          over_.get_future().wait();
+        })) {}
+  ~RawPeer() { over_.set_value(); }
+
+  std::string how_a_client_ended() const {
+    WebSocketOptions options;
+    options.silence_timeout = 200ms;
+    const auto socket = WebSocket::connect(peer_.url(), options);
+    return socket ? how_it_ended(**socket) : socket.error().message;
+  }
+
+ private:
+  std::promise<void> over_;
+  const Peer peer_;
+};
+
+TEST(WebSocket, the_reason_of_a_server_that_does_not_end_the_connection_is_reported) {
+  EXPECT_THAT(RawPeer("\x88\x06\x03\xf0"
+                      "full")
+                  .how_a_client_ended(),
+              HasSubstr(": full"));
+}
+
+TEST(WebSocket, broken_frames_are_named_as_such) {
+  const std::string reserved_bit("\xc1\x01x"),
+      endless("\x82\x7f\x7f\xff\xff\xff\xff\xff\xff\xff", 10);
+  for (const std::string& bytes : {reserved_bit, endless})
+    EXPECT_THAT(RawPeer(bytes).how_a_client_ended(), HasSubstr("broke the WebSocket protocol"));
+}
+
 TEST(WebSocket, a_lost_connection_ends_waits_with_an_error) {
   const Peer peer(upgraded([](PeerStream& stream) { stream.next_layer().close(); }));
   const auto socket = WebSocket::connect(peer.url());

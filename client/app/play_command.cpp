@@ -16,9 +16,18 @@
 #include "client/ui/bindings.h"
 #include "common/base/try.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/shared_options.h"
 
 namespace pointreel {
 namespace {
+
+Result<void> check_folder_of(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return fail(ErrorCode::argument,
+              fmt::format("{}: there is no folder {}; make it first", file, folder.string()));
+}
 
 constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0, 1e9},
     kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
@@ -138,16 +147,7 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->check(CLI::Range(1, kMaxLayers))
       ->type_name("N")
       ->group(group);
-  command
-      .add_option("--frame-memory", options_.frame_memory,
-                  fmt::format("The memory that decoding a frame may take, in MiB (default: {}). A "
-                              "frame that claims so many points that it would take more is not "
-                              "decoded, because few bytes can claim many points; this bounds its "
-                              "time too",
-                              kFrameMemory >> 20))
-      ->check(CLI::Range(1, 1 << 20))
-      ->type_name("MIB")
-      ->group(group);
+  add_frame_memory_option(command, options_.frame_memory)->group(group);
   command
       .add_option(
           "--fps", options_.fps,
@@ -299,6 +299,9 @@ Result<PlayOptions> PlayCommand::options() const {
   }
   if (!options.record.empty() && !options.offscreen)
     return fail(ErrorCode::argument, "--record needs --offscreen WIDTHxHEIGHT");
+  // These files are written at the end, which may be hours away.
+  for (const std::string* file : {&options.screenshot, &options.record, &options.json})
+    TRY(check_folder_of(*file));
   return options;
 }
 

@@ -13,6 +13,7 @@
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
+#include "common/command_line/shared_options.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
 #include "server/pack/inspect.h"
@@ -229,23 +230,10 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   return kExitOk;
 }
 
-/// `mib`: the default, and where the value goes.
-void add_frame_memory(CLI::App& command, std::uint64_t& mib) {
-  command
-      .add_option("--frame-memory", mib,
-                  fmt::format("the memory that decoding a frame may take, in MiB (default: {}). A "
-                              "frame that claims so many points that it would take more is not "
-                              "decoded, because few bytes can claim many points; this bounds its "
-                              "time too",
-                              mib))
-      ->check(CLI::Range(1, 1 << 20))
-      ->type_name("MIB");
-}
-
 void add_unpack_command(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string input, output, frames;
-    std::uint64_t frame_memory = kFrameMemory >> 20;
+    std::uint64_t frame_memory = 0;
     std::uint32_t layers = 0;
     bool force = false;
   };
@@ -267,7 +255,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
       ->add_option("--frames", a->frames,
                    "decode only frames A to B, including both, or only frame A, numbered from 0")
       ->type_name("A-B");
-  add_frame_memory(*unpack, a->frame_memory);
+  add_frame_memory_option(*unpack, a->frame_memory);
   unpack->add_flag("--force", a->force,
                    "replace a folder of unpacked frames that is already there");
   unpack->callback([a, layers, &exit_code] {
@@ -287,7 +275,7 @@ void add_inspect_commands(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string reel;
     bool json = false;
-    std::uint64_t frame_memory = kFrameMemory >> 20;
+    std::uint64_t frame_memory = 0;
   };
   const auto add = [&](const char* name, const char* what, const std::shared_ptr<Arguments>& a) {
     CLI::App* command = app.add_subcommand(name, what);
@@ -300,7 +288,7 @@ void add_inspect_commands(CLI::App& app, int& exit_code) {
     exit_code = run_info(a->reel, a->json);
   });
   CLI::App* verify = add("verify", "Check every file of a package and decode every frame", a);
-  add_frame_memory(*verify, a->frame_memory);
+  add_frame_memory_option(*verify, a->frame_memory);
   verify->callback(
       [a, &exit_code] { exit_code = run_verify(a->reel, a->json, a->frame_memory << 20); });
   add_unpack_command(app, exit_code);

@@ -9,9 +9,8 @@
 namespace pointreel {
 
 LayerWriter::LayerWriter(const std::filesystem::path& folder, const std::string& name)
-    : folder_(folder), out_(folder / name, std::ios::binary), hash_(XXH3_createState()) {
+    : folder_(folder), out_(folder / name, std::ios::binary) {
   file_.path = name;
-  XXH3_64bits_reset(hash_.get());
 }
 
 void LayerWriter::append(const Chunks<Bytes>& layer) {
@@ -29,7 +28,7 @@ Result<LayerFile> LayerWriter::finish() {
   };
   out_.close();
   if (!out_) return failed();
-  file_.checksum = XXH3_64bits_digest(hash_.get());
+  file_.checksum = checksum_.value();
   const std::string name = fmt::format("{}.{:08x}.prs", file_.path, file_.checksum >> 32);
   std::error_code error;
   std::filesystem::rename(folder_ / file_.path, folder_ / name, error);
@@ -41,7 +40,7 @@ Result<LayerFile> LayerWriter::finish() {
 void LayerWriter::write(const Bytes& bytes) {
   out_.write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
-  XXH3_64bits_update(hash_.get(), bytes.data(), bytes.size());
+  checksum_.add(bytes);
   file_.bytes += bytes.size();
 }
 

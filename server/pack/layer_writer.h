@@ -2,11 +2,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <string>
 
-#include <xxhash.h>
-
+#include "common/stream/running_checksum.h"
 #include "pointreel/chunks.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -30,12 +28,9 @@ class LayerWriter {
  private:
   void write(const Bytes& bytes);
 
-  struct FreeState {
-    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-  };
   std::filesystem::path folder_;
   std::ofstream out_;
-  std::unique_ptr<XXH3_state_t, FreeState> hash_;
+  RunningChecksum checksum_;
   LayerFile file_;
 };
 

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include "codec/frame_header.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/stream/manifest.h"
+#include "common/stream/running_checksum.h"
 #include "server/pack/inspect.h"
 #include "server/pack/read_package.h"
 
@@ -21,17 +21,15 @@ namespace fs = std::filesystem;
 namespace {
 
 Result<std::uint64_t> file_checksum(const fs::path& path) {
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(XXH3_createState(),
-                                                                      &XXH3_freeState);
-  XXH3_64bits_reset(hash.get());
+  RunningChecksum checksum;
   std::ifstream in(path, std::ios::binary);
-  std::vector<char> block(1 << 20);
+  Bytes block(1 << 20);
   while (in) {
-    in.read(block.data(), static_cast<std::streamsize>(block.size()));
-    XXH3_64bits_update(hash.get(), block.data(), static_cast<std::size_t>(in.gcount()));
+    in.read(reinterpret_cast<char*>(block.data()), static_cast<std::streamsize>(block.size()));
+    checksum.add({block.data(), static_cast<std::size_t>(in.gcount())});
   }
   if (!in.eof()) return fail(ErrorCode::io, "cannot be read");
-  return XXH3_64bits_digest(hash.get());
+  return checksum.value();
 }
 
 /// Checks the size and the checksum of a file.

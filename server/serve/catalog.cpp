@@ -14,12 +14,10 @@
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/stream/manifest.h"
+#include "common/stream/running_checksum.h"
 #include "pointreel/package.h"
 #include "server/serve/entity_tag.h"
 #include "server/serve/request_target.h"
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 namespace pointreel {
 namespace {
@@ -38,18 +36,17 @@ FileIdentity identity_of(const struct stat& status) {
 
 /// Whether the content of the open file has the size and the checksum of the resource.
 bool has_content(int file, const Resource& resource) {
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
+  RunningChecksum checksum;
   std::vector<std::uint8_t> piece(1u << 20);
   std::uint64_t size = 0;
   for (ssize_t got = 0;
        (got = ::pread(file, piece.data(), piece.size(), static_cast<off_t>(size)));) {
     if (got < 0) return false;
-    XXH3_64bits_update(&state, piece.data(), static_cast<std::size_t>(got));
+    checksum.add({piece.data(), static_cast<std::size_t>(got)});
     size += static_cast<std::uint64_t>(got);
     if (size > resource.size) return false;
   }
-  return size == resource.size && XXH3_64bits_digest(&state) == resource.checksum;
+  return size == resource.size && checksum.value() == resource.checksum;
 }
 
 /// Whether the file is right, which is found out once for each identity. With the lock held.

@@ -119,7 +119,7 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
   LiveCall call;
   if (publishes) {
     auto publication = relay_->publish(stream);
-    if (!publication) return error_response(409, publication.error().message);
+    if (!publication) return error_response(400, publication.error().message);
     call.hello = PeerQuota::Share(hellos_, peer);
     if (!call.hello.grow(1)) {
       metrics_.count_refused(Metrics::Refused::kHellos);

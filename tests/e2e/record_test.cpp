@@ -138,6 +138,17 @@ TEST_F(Record, a_missing_ffmpeg_is_reported_in_one_line_before_anything_is_drawn
   EXPECT_FALSE(fs::exists(folder_ / "last.png"));
 }
 
+TEST_F(Record, a_folder_that_does_not_exist_is_reported_before_anything_is_drawn) {
+  for (const std::string option : {"--record", "--screenshot", "--json"}) {
+    const std::string file = path("none/out.png");
+    const Outcome played =
+        play({option, option == "--record" ? path("none/%d.png") : file, "--camera", "front"});
+    EXPECT_EQ(played.exit_code, 2) << option;
+    EXPECT_THAT(played.err, HasSubstr("there is no folder " + path("none"))) << option;
+    EXPECT_EQ(played.out, "") << option;
+  }
+}
+
 TEST_F(Record, an_invalid_camera_path_is_a_usage_error) {
   const Outcome played = play({"--camera", path("in/frame0.ply")});
   EXPECT_EQ(played.exit_code, 2);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -23,9 +24,16 @@ constexpr double kBeta = 0.5;
 /// Around how many points noise and spacing are measured.
 constexpr double kSupport = 50.0;
 constexpr std::size_t kAveraged = 60;
-constexpr std::size_t kMeasuredOneIn = 4;
-constexpr int kMeasurements = 3;
-constexpr int kSteps = 2;
+constexpr std::uint32_t kMeasuredOneIn = 16;
+constexpr int kMeasurements = 4;
+/// Scans often consist of curves with gaps between them. Where the points around a place extend
+/// less than this in some direction, compared with the radius, the radius grows: along a single
+/// curve, the surface could turn around it freely.
+constexpr float kLeastExtent = 0.035f;
+constexpr float kMostWidening = 3.0f;
+/// Above so many spacings of noise, points lie so far from the surface that it takes a second step
+/// to look for it where it is.
+constexpr double kNoisy = 0.25;
 /// The radius of support is at least so many spacings, and at least so many times the root of
 /// spacing times noise.
 constexpr float kLeastSpacings = 3.0f;
@@ -46,46 +54,56 @@ float weight_of_plane(float radius, float spacing) {
   return kPi / 5.0f * ratio * ratio;
 }
 
-/// Noise and spacing around each point.
+/// What was measured around each point.
 struct Measured {
-  std::vector<float> noise, spacing;
+  float noise = 0.0f, spacing = 0.0f;
+  float widening = 1.0f;  ///< by which the radius must grow to reach points on all sides
 };
 
-std::vector<float> support(const Measured& measured) {
-  std::vector<float> radii(measured.noise.size());
-  for (std::size_t i = 0; i < radii.size(); ++i) {
-    const float spacing = measured.spacing[i];
-    radii[i] =
-        std::max(kLeastSpacings * spacing, kNoiseFactor * std::sqrt(measured.noise[i] * spacing));
-  }
+float support(const Measured& at) {
+  return at.widening *
+         std::max(kLeastSpacings * at.spacing, kNoiseFactor * std::sqrt(at.noise * at.spacing));
+}
+
+std::vector<float> support(const std::vector<Measured>& measured) {
+  std::vector<float> radii(measured.size());
+  std::ranges::transform(measured, radii.begin(), [](const Measured& at) { return support(at); });
   return radii;
 }
 
+float median_of(const std::vector<Measured>& measured, float Measured::* member) {
+  std::vector<float> values(measured.size());
+  std::ranges::transform(measured, values.begin(), std::mem_fn(member));
+  return median(values);
+}
+
 /// Noise is the distance to a surface that is fitted within a radius, which in turn depends on the
-/// noise. Three rounds are enough, and so is a part of the points.
-Measured measure(const PointSurface& surface, const PointCloud& cloud, const Executor& executor) {
-  Measured measured;
+/// noise. A few rounds are enough, and so is a part of the points.
+std::vector<Measured> measure(const PointSurface& surface, const Executor& executor) {
+  std::vector<Measured> measured(surface.order().size());
   std::vector<float> radii = surface.radii_of(kSupport);
-  const auto leave_most_out = [&] {
-    for (std::size_t i = 0; i < radii.size(); ++i) {
-      if (i % kMeasuredOneIn != 0) radii[i] = 0.0f;
-    }
-  };
-  leave_most_out();
   for (int round = 0; round < kMeasurements; ++round) {
-    const std::vector<SurfaceSample> samples = surface.project(radii, kBeta, 1, executor);
-    std::vector<float> squares(samples.size()), spacings(samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const glm::vec3 step = samples[i].position - cloud.positions[surface.order()[i].index];
-      const bool known = samples[i].weight > 0.0f;
-      squares[i] = known ? glm::dot(step, step) : -1.0f;
-      spacings[i] = known ? radii[i] * std::sqrt(kPi / (5.0f * samples[i].weight)) : -1.0f;
+    const std::vector<SurfaceEvidence> evidence =
+        surface.measure(radii, kBeta, kMeasuredOneIn, executor);
+    std::vector<glm::vec3> values(evidence.size());
+    for (std::size_t i = 0; i < evidence.size(); ++i) {
+      const auto& [square, weight, extent] = evidence[i];
+      const float spacing = radii[i] * std::sqrt(kPi / (5.0f * weight));
+      const float wider = std::sqrt(kLeastExtent / std::max(extent, kLeastExtent / 4.0f));
+      const float widening =
+          std::clamp(measured[i].widening * std::max(wider, 1.0f), 1.0f, kMostWidening);
+      values[i] = weight > 0.0f ? glm::vec3(square, spacing, widening) : glm::vec3(-1.0f);
     }
-    measured.noise = surface.local_mean(squares, kAveraged);
-    for (float& noise : measured.noise) noise = std::sqrt(noise);
-    if (round == 0) measured.spacing = surface.local_mean(spacings, kAveraged);
+    const std::vector<glm::vec3> means = surface.local_means(values, kAveraged);
+    for (std::size_t i = 0; i < means.size(); ++i) {
+      measured[i].noise = std::sqrt(means[i].x);
+      if (round == 0) {
+        measured[i].spacing = means[i].y;
+      } else {
+        measured[i].widening = std::max(means[i].z, 1.0f);
+      }
+    }
     radii = support(measured);
-    leave_most_out();
   }
   return measured;
 }
@@ -102,10 +120,10 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
   if (cloud.size() < kLeastPoints) return report;
   const bool had_normals = cloud.has_normals();
   if (!had_normals) estimate_normals(cloud);
-  const PointSurface surface(cloud);
-  const Measured measured = measure(surface, cloud, executor);
-  report.spacing = median(measured.spacing);
-  report.noise = median(measured.noise);
+  PointSurface surface(cloud);
+  const std::vector<Measured> measured = measure(surface, executor);
+  report.spacing = median_of(measured, &Measured::spacing);
+  report.noise = median_of(measured, &Measured::noise);
   if (!options.radius &&
       (report.noise < kSmooth * report.spacing || is_voxelised(cloud, report.spacing))) {
     if (!had_normals) cloud.normals.clear();
@@ -116,12 +134,14 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
       options.radius ? std::vector<float>(cloud.size(), static_cast<float>(*options.radius))
                      : support(measured);
   report.radius = median(radii);
-  const std::vector<SurfaceSample> samples = surface.project(radii, kBeta, kSteps, executor);
+  surface.fit_normals(radii, executor);
+  const int steps = report.noise > kNoisy * report.spacing ? 2 : 1;
+  const std::vector<SurfaceSample> samples = surface.project(radii, kBeta, steps, executor);
   std::vector<std::uint8_t> kept(cloud.size(), 0);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::uint32_t index = surface.order()[i].index;
     const SurfaceSample& sample = samples[i];
-    const float whole = weight_of_plane(radii[i], measured.spacing[i]);
+    const float whole = weight_of_plane(radii[i], measured[i].spacing);
     if (!(sample.weight > kLeastSupport * whole)) continue;
     kept[index] = 1;
     cloud.positions[index] = sample.position;

@@ -32,7 +32,8 @@ struct CleanReport {
 /// The normals of the cloud tell its two sides apart; without normals they are estimated
 /// (normals.h). The noise is estimated from the distances between points and surface. The radius of
 /// support grows with the square root of noise times spacing, because a wider one averages more
-/// noise away but flattens what is curved.
+/// noise away but flattens what is curved, and across gaps between scanned curves. The formulas are
+/// in common/FORMULAS.md, "Noise and support".
 ///
 /// The cloud's positions are finite (`sanitize`). The result depends neither on the order of the
 /// points nor on the executor. O(n) for scans of surfaces.

@@ -1,6 +1,7 @@
 #include "common/surface/point_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -11,95 +12,93 @@
 #include "common/octree/morton.h"
 #include "common/surface/algebraic_sphere.h"
 #include "common/surface/cells.h"
-#include "pointreel/cpu.h"
+#include "common/surface/place_sums.h"
 
 namespace pointreel {
 namespace {
 
 /// Few enough that a group's candidates are near most of its points, and enough that finding them
 /// pays.
-constexpr double kPointsPerCell = 3.0;
+constexpr double kPointsPerCell = 12.0;
+/// How many points rows are made of together.
+constexpr std::uint32_t kPointsPerBundle = 64;
 /// The cosine of the largest angle between the surface's normal and those of its points.
 constexpr float kLeastCosine = 0.3f;
-/// How many points may be near a group; beyond, a part of them is left out.
-constexpr std::size_t kMostCandidates = 4096;
+/// By what factor more points are selected than the first step needs, because later ones begin
+/// elsewhere.
+constexpr float kSpareReach = 1.05f;
+/// How many rows of a node may be near a group; beyond, a part of them is left out. Each of the
+/// nodes around the group has as many, so that a spot with very many points hides no other.
+constexpr std::uint32_t kMostRowsOfNode = 128;
 /// Groups that one call of an executor works on.
-constexpr std::size_t kGroupsPerTask = 256;
-
-constexpr std::size_t kLanes = 8;
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
-using LaneMask = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));
-
-/// Some points, one in each lane. Lanes without a point have a normal of zero, so that they never
-/// count.
-struct alignas(sizeof(Lanes)) Row {
-  Lanes x, y, z, nx, ny, nz;
-};
-
-/// Where the surface is evaluated.
-struct Place {
-  glm::vec3 position, normal;
-  float radius;
-};
-
-[[gnu::always_inline]] inline float sum_of(const Lanes& v) {
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-
-/// The sums over the points within the radius whose normals agree with that of the place.
-[[gnu::always_inline]] inline SphereSums sums(std::span<const Row> rows, const Place& at) {
-  const float per_square = 1.0f / (at.radius * at.radius);
-  Lanes w{}, px{}, py{}, pz{}, nx{}, ny{}, nz{}, pp{}, pn{};
-  for (const Row& row : rows) {
-    const Lanes dx = row.x - at.position.x, dy = row.y - at.position.y, dz = row.z - at.position.z;
-    const Lanes square = dx * dx + dy * dy + dz * dz;
-    const Lanes cosine = row.nx * at.normal.x + row.ny * at.normal.y + row.nz * at.normal.z;
-    Lanes weight = 1.0f - square * per_square;
-    const LaneMask counts = (weight > 0.0f) & (cosine > kLeastCosine);
-    weight = weight * weight;
-    weight = weight * weight;
-    weight = reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(weight) & counts);
-    w += weight;
-    px += weight * dx;
-    py += weight * dy;
-    pz += weight * dz;
-    nx += weight * row.nx;
-    ny += weight * row.ny;
-    nz += weight * row.nz;
-    pp += weight * square;
-    pn += weight * (dx * row.nx + dy * row.ny + dz * row.nz);
-  }
-  SphereSums total;
-  total.w = sum_of(w);
-  total.p = {sum_of(px), sum_of(py), sum_of(pz)};
-  total.n = {sum_of(nx), sum_of(ny), sum_of(nz)};
-  total.pp = sum_of(pp);
-  total.pn = sum_of(pn);
-  return total;
-}
-
-// Both give the same sums to the bit, because the lanes are the same and nothing is contracted.
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] SphereSums sums_avx2(std::span<const Row> rows, const Place& at) {
-  return sums(rows, at);
-}
-#endif
-SphereSums sums_portable(std::span<const Row> rows, const Place& at) { return sums(rows, at); }
-
-using Summation = SphereSums (*)(std::span<const Row>, const Place&);
-Summation summation() {
-#if defined(__x86_64__)
-  if ((cpu_features() & kCpuAvx2) != 0) return sums_avx2;
-#endif
-  return sums_portable;
-}
+constexpr std::size_t kGroupsPerTask = 64;
 
 }  // namespace
 
-/// Points around a group.
-struct PointSurface::Candidates {
-  std::vector<Row> rows;
+/// What is near a group, and memory that is used again for the next one.
+struct PointSurface::Nearby {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;
+  std::vector<std::uint32_t> rows;
+  std::vector<std::uint32_t> points;  ///< the first `near` of them
+  std::size_t near = 0;
+};
+
+/// The points of a row as places of the surface.
+struct PointSurface::RowPlaces {
+  const PointRow& row;
+  Places places;
+  Lanes start_x{}, start_y{}, start_z{}, radius{}, square{};
+  LaneMask wanted{};
+  float reach = 0.0f;  ///< of the ball around the row whose points are known to be near
+
+  RowPlaces(const PointRow& points, std::span<const PointNormal> all, std::span<const float> radii,
+            float least_cosine)
+      : row(points) {
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      const std::uint32_t i = row.points[lane];
+      const auto& [position, normal] = all[i];
+      start_x[lane] = position.x;
+      start_y[lane] = position.y;
+      start_z[lane] = position.z;
+      places.nx[lane] = normal.x;
+      places.ny[lane] = normal.y;
+      places.nz[lane] = normal.z;
+      radius[lane] = radii[i];
+      wanted[lane] = radii[i] > 0.0f ? -1 : 0;
+    }
+    square = radius * radius;
+    places.per_square = 1.0f / (wanted ? square : Lanes{} + 1.0f);
+    places.least_cosine = least_cosine;
+    places.x = start_x;
+    places.y = start_y;
+    places.z = start_z;
+  }
+
+  /// Finds the points around the places of these lanes, unless they are known.
+  void look_around(std::span<const PointRow> rows, const LaneMask& lanes, Nearby& nearby) {
+    float needed = 0.0f;
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      if (!lanes[lane]) continue;
+      const glm::vec3 place(places.x[lane], places.y[lane], places.z[lane]);
+      needed = std::max(needed, glm::distance(row.center, place) + radius[lane]);
+    }
+    if (needed <= reach) return;
+    reach = needed * kSpareReach;
+    nearby.near = select_points(rows, nearby.rows, row.center, reach, nearby.points);
+  }
+
+  /// The nearest places of the spheres that are fitted around the places. Those further away than
+  /// the radius do not count.
+  PlacesFound step(const PlaceSums& sums, double beta) const {
+    PlacesFound found = project_onto_spheres(sums, static_cast<float>(beta), start_x - places.x,
+                                             start_y - places.y, start_z - places.z);
+    found.x += places.x;
+    found.y += places.y;
+    found.z += places.z;
+    const Lanes x = found.x - start_x, y = found.y - start_y, z = found.z - start_z;
+    found.found &= wanted & (x * x + y * y + z * z <= square);
+    return found;
+  }
 };
 
 PointSurface::PointSurface(const PointCloud& cloud) {
@@ -109,11 +108,10 @@ PointSurface::PointSurface(const PointCloud& cloud) {
   svo_ = build_svo(sorted_, cells.level);
   blocks_ = node_blocks(svo_);
   offset_ = cloud.origin - svo_.cube.origin - 0.5 * svo_.cube.edge;
-  positions_.reserve(cloud.size());
-  normals_.reserve(cloud.size());
+  points_.reserve(cloud.size());
   for (const KeyIndex& point : sorted_.points) {
-    positions_.push_back(glm::vec3(glm::dvec3(cloud.positions[point.index]) + offset_));
-    normals_.push_back(cloud.normals[point.index]);
+    points_.push_back({glm::vec3(glm::dvec3(cloud.positions[point.index]) + offset_),
+                       cloud.normals[point.index]});
   }
   nodes_.resize(svo_.node_count());
   for (int level = 0; level <= svo_.depth; ++level) {
@@ -130,38 +128,97 @@ PointSurface::PointSurface(const PointCloud& cloud) {
     }
   }
   for (std::uint32_t node = 0; node < svo_.internal_count(); ++node) {
-    const auto children = static_cast<std::uint32_t>(std::popcount(svo_.masks[node]));
-    for (std::uint32_t i = 0; i < children; ++i) nodes_[svo_.first_child[node] + i].parent = node;
+    for (std::uint32_t i = 0; i < child_count(node); ++i)
+      nodes_[svo_.first_child[node] + i].parent = node;
+  }
+  make_rows();
+}
+
+std::uint32_t PointSurface::child_count(std::uint32_t node) const {
+  return node < svo_.internal_count() ? static_cast<std::uint32_t>(std::popcount(svo_.masks[node]))
+                                      : 0;
+}
+
+void PointSurface::make_rows() {
+  rows_.reserve(points_.size() / kLanes * 5 / 4 + 1);
+  // In the order of the points, so that the rows of every node are consecutive.
+  std::vector<std::uint32_t> open = {0};
+  while (!open.empty()) {
+    const std::uint32_t index = open.back();
+    open.pop_back();
+    Node& node = nodes_[index];
+    const std::uint32_t children = child_count(index);
+    if (node.end - node.begin > kPointsPerBundle && children > 0) {
+      for (std::uint32_t i = children; i-- > 0;) open.push_back(svo_.first_child[index] + i);
+      continue;
+    }
+    node.first_row = static_cast<std::uint32_t>(rows_.size());
+    append_rows(points_, node.begin, node.end, rows_);
+    node.end_row = static_cast<std::uint32_t>(rows_.size());
+  }
+  const auto is_bundle = [](const Node& node) { return node.end_row > node.first_row; };
+  for (std::uint32_t index = svo_.internal_count(); index-- > 0;) {
+    Node& node = nodes_[index];
+    const std::uint32_t first = svo_.first_child[index], last = first + child_count(index) - 1;
+    if (is_bundle(node) || !is_bundle(nodes_[first])) continue;
+    node.first_row = nodes_[first].first_row;
+    node.end_row = nodes_[last].end_row;
+  }
+  for (std::uint32_t index = 1; index < nodes_.size(); ++index) {
+    Node& node = nodes_[index];
+    if (is_bundle(node)) continue;  // or above one
+    node.first_row = nodes_[node.parent].first_row;
+    node.end_row = nodes_[node.parent].end_row;
+  }
+}
+
+/// Calls `has_enough(node, block)` down the tree as long as it returns true, and
+/// `done(points' begin, end, last node that had enough)` for the points below.
+template <class Enough, class Done>
+void PointSurface::for_smallest_blocks(const Enough& has_enough, const Done& done) const {
+  if (nodes_.empty()) return;
+  has_enough(0);
+  std::vector<std::uint32_t> open = {0};
+  while (!open.empty()) {
+    const std::uint32_t node = open.back();
+    open.pop_back();
+    const std::uint32_t children = child_count(node);
+    if (children == 0) done(nodes_[node].begin, nodes_[node].end, node);
+    for (std::uint32_t i = 0; i < children; ++i) {
+      const std::uint32_t child = svo_.first_child[node] + i;
+      if (has_enough(child)) {
+        open.push_back(child);
+      } else {
+        done(nodes_[child].begin, nodes_[child].end, node);
+      }
+    }
   }
 }
 
 std::vector<float> PointSurface::radii_of(double points) const {
-  std::vector<float> radii(positions_.size());
-  if (nodes_.empty()) return radii;
-  const std::uint32_t leaves = svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
-  for (std::uint32_t leaf = leaves; leaf < nodes_.size(); ++leaf) {
-    std::uint32_t node = leaf;
-    double count = 0.0;
-    while (true) {
-      count = 0.0;
-      for (const std::uint32_t near : blocks_[node]) {
-        if (near != kNoNode) count += nodes_[near].end - nodes_[near].begin;
-      }
-      if (count >= points || node == 0) break;
-      node = nodes_[node].parent;
-    }
-    // A plane through the block has about the area of a disc with 1.7 times the edge as radius.
-    const double radius = 1.7 * nodes_[node].edge * std::sqrt(points / std::max(count, 1.0));
-    std::fill(radii.begin() + nodes_[leaf].begin, radii.begin() + nodes_[leaf].end,
-              static_cast<float>(radius));
-  }
+  std::vector<float> radii(points_.size());
+  std::vector<float> radius(nodes_.size());
+  for_smallest_blocks(
+      [&](std::uint32_t node) {
+        std::size_t count = 0;
+        for (const std::uint32_t near : blocks_[node]) {
+          if (near != kNoNode) count += nodes_[near].end - nodes_[near].begin;
+        }
+        // A plane through the block has about the area of a disc with 1.7 times the edge as radius.
+        radius[node] = static_cast<float>(1.7 * nodes_[node].edge *
+                                          std::sqrt(points / static_cast<double>(count)));
+        return static_cast<double>(count) >= points;
+      },
+      [&](std::uint32_t begin, std::uint32_t end, std::uint32_t node) {
+        std::fill(radii.begin() + begin, radii.begin() + end, radius[node]);
+      });
   return radii;
 }
 
 std::vector<PointSurface::Group> PointSurface::groups(std::span<const float> radii) const {
   std::vector<float> largest(nodes_.size(), 0.0f);
-  const std::uint32_t leaves = svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
-  for (std::uint32_t node = leaves; node < nodes_.size(); ++node) {
+  for (std::uint32_t node = svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
+       node < nodes_.size(); ++node) {
     for (std::uint32_t i = nodes_[node].begin; i < nodes_[node].end; ++i) {
       largest[node] = std::max(largest[node], radii[i]);
     }
@@ -170,149 +227,181 @@ std::vector<PointSurface::Group> PointSurface::groups(std::span<const float> rad
     float& parent = largest[nodes_[node].parent];
     parent = std::max(parent, largest[node]);
   }
-  // The parent of a group has cells wider than the radius, so that all points within the radius are
-  // in the block around it.
+  // A group consists of whole rows.
   std::vector<Group> found;
   std::vector<std::uint32_t> open = {0};
   while (!open.empty()) {
-    const std::uint32_t node = open.back();
+    const std::uint32_t index = open.back();
     open.pop_back();
-    if (node >= leaves || nodes_[node].edge <= largest[node]) {
-      if (largest[node] > 0.0f) found.push_back({node, largest[node]});
+    const Node& node = nodes_[index];
+    const bool splits = node.end - node.begin > kPointsPerBundle && index < svo_.internal_count();
+    if (!splits || node.edge <= largest[index]) {
+      if (largest[index] > 0.0f) found.push_back({index, largest[index]});
       continue;
     }
-    const auto children = static_cast<std::uint32_t>(std::popcount(svo_.masks[node]));
-    for (std::uint32_t i = children; i-- > 0;) open.push_back(svo_.first_child[node] + i);
+    for (std::uint32_t i = child_count(index); i-- > 0;)
+      open.push_back(svo_.first_child[index] + i);
   }
   return found;
 }
 
-void PointSurface::gather(const Group& group, Candidates& into) const {
+void PointSurface::gather(const Group& group, Nearby& nearby) const {
+  // The block around a node with an edge of at least the radius holds all points within it.
+  std::uint32_t middle = group.node;
+  while (middle != 0 && nodes_[middle].edge < group.radius) middle = nodes_[middle].parent;
+  nearby.ranges.clear();
+  for (const std::uint32_t near : blocks_[middle]) {
+    if (near != kNoNode) nearby.ranges.emplace_back(nodes_[near].first_row, nodes_[near].end_row);
+  }
+  // Several nodes may share rows, and each row counts once.
+  std::sort(nearby.ranges.begin(), nearby.ranges.end());
+  nearby.rows.clear();
   const Node& own = nodes_[group.node];
-  into.ranges.clear();
-  std::size_t count = 0;
-  const auto add = [&](std::uint32_t node) {
-    const Node& near = nodes_[node];
-    // The distance between the two cells.
-    const glm::vec3 gap = glm::max(
-        glm::max(near.corner - (own.corner + own.edge), own.corner - (near.corner + near.edge)),
-        glm::vec3(0.0f));
-    if (glm::dot(gap, gap) >= group.radius * group.radius) return;
-    into.ranges.emplace_back(near.begin, near.end);
-    count += near.end - near.begin;
-  };
-  if (group.node == 0) {
-    add(0);
-  } else {
-    for (const std::uint32_t near : blocks_[own.parent]) {
-      if (near == kNoNode) continue;
-      const auto children = static_cast<std::uint32_t>(std::popcount(svo_.masks[near]));
-      for (std::uint32_t i = 0; i < children; ++i) add(svo_.first_child[near] + i);
+  const float half = 0.5f * own.edge;
+  const glm::vec3 center = own.corner + half;
+  std::uint32_t next = 0;
+  for (const auto& [first, end] : nearby.ranges) {
+    const std::uint32_t stride = (end - first) / kMostRowsOfNode + 1;
+    for (std::uint32_t r = std::max(first, next); r < end; r += stride) {
+      const PointRow& row = rows_[r];
+      const glm::vec3 gap = glm::max(glm::abs(row.center - center) - half, glm::vec3(0.0f));
+      const float reach = group.radius + row.radius;
+      if (glm::dot(gap, gap) < reach * reach) nearby.rows.push_back(r);
     }
-  }
-  const std::size_t stride = (count + kMostCandidates - 1) / kMostCandidates;
-  into.rows.resize((count / std::max<std::size_t>(stride, 1) + into.ranges.size() + kLanes) /
-                   kLanes);
-  std::size_t filled = 0;
-  for (const auto& [begin, end] : into.ranges) {
-    for (std::size_t i = begin; i < end; i += stride) {
-      Row& row = into.rows[filled / kLanes];
-      const std::size_t lane = filled++ % kLanes;
-      row.x[lane] = positions_[i].x;
-      row.y[lane] = positions_[i].y;
-      row.z[lane] = positions_[i].z;
-      row.nx[lane] = normals_[i].x;
-      row.ny[lane] = normals_[i].y;
-      row.nz[lane] = normals_[i].z;
-    }
-  }
-  into.rows.resize((filled + kLanes - 1) / kLanes);
-  for (; filled % kLanes != 0; ++filled) {
-    Row& row = into.rows[filled / kLanes];
-    const std::size_t lane = filled % kLanes;
-    row.x[lane] = row.y[lane] = row.z[lane] = 0.0f;
-    row.nx[lane] = row.ny[lane] = row.nz[lane] = 0.0f;
+    next = std::max(next, end);
   }
 }
 
-void PointSurface::project(const Group& group, std::span<const float> radii, double beta, int steps,
-                           Candidates& candidates, std::span<SurfaceSample> samples) const {
-  gather(group, candidates);
-  const Summation sums_at = summation();
-  for (std::uint32_t i = nodes_[group.node].begin; i < nodes_[group.node].end; ++i) {
-    if (!(radii[i] > 0.0f)) continue;
-    const glm::vec3 start = positions_[i];
-    glm::vec3 place = start, normal = normals_[i];
-    float weight = 0.0f;
-    for (int step = 0; step < steps; ++step) {
-      const SphereSums sums = sums_at(candidates.rows, {place, normal, radii[i]});
-      weight = static_cast<float>(sums.w);
-      const std::optional<AlgebraicSphere> sphere = fit_sphere(sums, beta);
-      const std::optional<SurfacePoint> found =
-          sphere ? sphere->project(glm::dvec3(start - place)) : std::nullopt;
-      const glm::vec3 next = found ? place + glm::vec3(found->position) : start;
-      const glm::vec3 way = next - start;
-      if (!found || glm::dot(way, way) > radii[i] * radii[i]) {
-        place = start;
-        weight = 0.0f;
-        break;
-      }
-      place = next;
-      normal = glm::vec3(found->normal);
+/// Calls `work(row, nearby)` for one in `one_in` rows that have a point with a radius, after
+/// gathering what is near.
+template <class Work>
+void PointSurface::for_each_row(std::span<const float> radii, std::uint32_t one_in,
+                                const Executor& executor, const Work& work) const {
+  if (nodes_.empty()) return;
+  const std::vector<Group> all = groups(radii);
+  const std::size_t tasks = (all.size() + kGroupsPerTask - 1) / kGroupsPerTask;
+  for_each(executor, static_cast<int>(tasks), [&](int task) {
+    Nearby nearby;
+    const std::size_t begin = static_cast<std::size_t>(task) * kGroupsPerTask;
+    for (std::size_t i = begin; i < std::min(begin + kGroupsPerTask, all.size()); ++i) {
+      const Node& node = nodes_[all[i].node];
+      const std::uint32_t first = (node.first_row + one_in - 1) / one_in * one_in;
+      if (first >= node.end_row) continue;
+      gather(all[i], nearby);
+      for (std::uint32_t row = first; row < node.end_row; row += one_in) work(rows_[row], nearby);
     }
-    samples[i] = {glm::vec3(glm::dvec3(place) - offset_), normal, weight};
-  }
+  });
+}
+
+std::vector<SurfaceEvidence> PointSurface::measure(std::span<const float> radii, double beta,
+                                                   std::uint32_t one_in,
+                                                   const Executor& executor) const {
+  std::vector<SurfaceEvidence> evidence(points_.size());
+  for_each_row(radii, one_in, executor, [&](const PointRow& row, Nearby& nearby) {
+    RowPlaces at(row, points_, radii, kLeastCosine);
+    at.look_around(rows_, at.wanted, nearby);
+    PlaceMoments moments;
+    const PlaceSums sums =
+        sum_around(points_, std::span(nearby.points).first(nearby.near), at.places, &moments);
+    const PlacesFound found = at.step(sums, beta);
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      if (!found.found[lane]) continue;
+      const glm::vec3 way(found.x[lane] - at.start_x[lane], found.y[lane] - at.start_y[lane],
+                          found.z[lane] - at.start_z[lane]);
+      const glm::dvec3 normal(found.nx[lane], found.ny[lane], found.nz[lane]);
+      const double extent =
+          SecondMoments(moments, lane).least_along(normal) / (sums.w[lane] * at.square[lane]);
+      evidence[row.points[lane]] = {glm::dot(way, way), sums.w[lane], static_cast<float>(extent)};
+    }
+  });
+  return evidence;
+}
+
+void PointSurface::fit_normals(std::span<const float> radii, const Executor& executor) {
+  std::vector<glm::vec3> normals(points_.size());
+  for (std::size_t i = 0; i < points_.size(); ++i) normals[i] = points_[i].normal;
+  for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
+    RowPlaces at(row, points_, radii, 0.0f);
+    at.look_around(rows_, at.wanted, nearby);
+    PlaceMoments moments;
+    const PlaceSums sums =
+        sum_around(points_, std::span(nearby.points).first(nearby.near), at.places, &moments);
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      if (!at.wanted[lane] || !(sums.w[lane] > 0.0f)) continue;
+      const SphereSums s = sums.at(lane);
+      const std::optional<glm::dvec3> normal =
+          SecondMoments(moments, lane).around(s.p, s.w).least_axis(s.n);
+      if (normal) normals[row.points[lane]] = glm::vec3(*normal);
+    }
+  });
+  for (std::size_t i = 0; i < points_.size(); ++i) points_[i].normal = normals[i];
 }
 
 std::vector<SurfaceSample> PointSurface::project(std::span<const float> radii, double beta,
                                                  int steps, const Executor& executor) const {
-  std::vector<SurfaceSample> samples(positions_.size());
-  if (nodes_.empty()) return samples;
-  const std::vector<Group> all = groups(radii);
-  const std::size_t tasks = (all.size() + kGroupsPerTask - 1) / kGroupsPerTask;
-  for_each(executor, static_cast<int>(tasks), [&](int task) {
-    Candidates candidates;
-    const std::size_t begin = static_cast<std::size_t>(task) * kGroupsPerTask;
-    for (std::size_t i = begin; i < std::min(begin + kGroupsPerTask, all.size()); ++i) {
-      project(all[i], radii, beta, steps, candidates, samples);
+  std::vector<SurfaceSample> samples(points_.size());
+  for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
+    RowPlaces at(row, points_, radii, kLeastCosine);
+    LaneMask alive = at.wanted;
+    PlaceSums sums;
+    for (int step = 0; step < steps; ++step) {
+      at.look_around(rows_, alive, nearby);
+      sums = sum_around(points_, std::span(nearby.points).first(nearby.near), at.places);
+      const PlacesFound found = at.step(sums, beta);
+      alive &= found.found;
+      at.places.x = alive ? found.x : at.start_x;
+      at.places.y = alive ? found.y : at.start_y;
+      at.places.z = alive ? found.z : at.start_z;
+      at.places.nx = alive ? found.nx : at.places.nx;
+      at.places.ny = alive ? found.ny : at.places.ny;
+      at.places.nz = alive ? found.nz : at.places.nz;
+    }
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      if (!at.wanted[lane]) continue;
+      const glm::dvec3 place(at.places.x[lane], at.places.y[lane], at.places.z[lane]);
+      samples[row.points[lane]] = {
+          glm::vec3(place - offset_),
+          glm::vec3(at.places.nx[lane], at.places.ny[lane], at.places.nz[lane]),
+          alive[lane] ? sums.w[lane] : 0.0f};
     }
   });
   return samples;
 }
 
-std::vector<float> PointSurface::local_mean(std::span<const float> values,
-                                            std::size_t points) const {
-  std::vector<double> sums(nodes_.size(), 0.0);
-  std::vector<std::uint32_t> counts(nodes_.size(), 0);
+std::vector<glm::vec3> PointSurface::local_means(std::span<const glm::vec3> values,
+                                                 std::size_t points) const {
+  struct Sum {
+    glm::vec3 total{0.0f};
+    float count = 0.0f;
+    void add(const Sum& other) {
+      total += other.total;
+      count += other.count;
+    }
+  };
+  std::vector<Sum> sums(nodes_.size());
   const std::uint32_t leaves =
       nodes_.empty() ? 0 : svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
   for (std::size_t node = nodes_.size(); node-- > 0;) {
     if (node >= leaves) {
       for (std::uint32_t i = nodes_[node].begin; i < nodes_[node].end; ++i) {
-        if (values[i] < 0.0f) continue;
-        sums[node] += values[i];
-        ++counts[node];
+        if (values[i].x >= 0.0f) sums[node].add({values[i], 1.0f});
       }
     }
-    if (node == 0) break;
-    sums[nodes_[node].parent] += sums[node];
-    counts[nodes_[node].parent] += counts[node];
+    if (node > 0) sums[nodes_[node].parent].add(sums[node]);
   }
-  std::vector<float> means(positions_.size(), 0.0f);
-  for (std::uint32_t leaf = leaves; leaf < nodes_.size(); ++leaf) {
-    double sum = 0.0, count = 0.0;
-    for (std::uint32_t node = leaf;; node = nodes_[node].parent) {
-      sum = count = 0.0;
-      for (const std::uint32_t near : blocks_[node]) {
-        if (near == kNoNode) continue;
-        sum += sums[near];
-        count += counts[near];
-      }
-      if (count >= static_cast<double>(points) || node == 0) break;
-    }
-    const auto mean = static_cast<float>(count > 0.0 ? sum / count : 0.0);
-    std::fill(means.begin() + nodes_[leaf].begin, means.begin() + nodes_[leaf].end, mean);
-  }
+  std::vector<glm::vec3> means(points_.size()), mean_of(nodes_.size(), glm::vec3(0.0f));
+  for_smallest_blocks(
+      [&](std::uint32_t node) {
+        Sum sum;
+        for (const std::uint32_t near : blocks_[node]) {
+          if (near != kNoNode) sum.add(sums[near]);
+        }
+        if (sum.count > 0.0f) mean_of[node] = sum.total / sum.count;
+        return sum.count >= static_cast<float>(points);
+      },
+      [&](std::uint32_t begin, std::uint32_t end, std::uint32_t node) {
+        std::fill(means.begin() + begin, means.begin() + end, mean_of[node]);
+      });
   return means;
 }
 

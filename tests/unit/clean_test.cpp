@@ -67,6 +67,30 @@ TEST(Clean, moves_noisy_points_onto_the_surface) {
   }
 }
 
+TEST(Clean, finds_normals_across_the_gaps_between_scanned_curves) {
+  // Meridians and parallels, with normals that were estimated along them: they turn around the
+  // curve freely.
+  PointCloud cloud;
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto add = [&](double latitude, double longitude, const glm::dvec3& along) {
+    const glm::dvec3 n(std::cos(latitude) * std::cos(longitude), std::sin(latitude),
+                       std::cos(latitude) * std::sin(longitude));
+    const glm::dvec3 aside = glm::cross(n, along);
+    cloud.positions.emplace_back(n * (1.0 + 0.003 * normal(random)));
+    cloud.normals.emplace_back(glm::normalize(n + 0.7 * normal(random) * aside));
+  };
+  for (int curve = -7; curve <= 7; ++curve) {
+    for (int i = 0; i < 900; ++i) {
+      const double a = 6.2832 * i / 900, latitude = 0.1 * curve;
+      add(latitude, a, {-std::sin(a), 0.0, std::cos(a)});
+    }
+  }
+  const double degrees = degrees_from_sphere(cloud);
+  EXPECT_TRUE(clean(cloud).cleaned);
+  EXPECT_LT(degrees_from_sphere(cloud), 0.2 * degrees);
+}
+
 TEST(Clean, gives_clouds_without_normals_those_of_the_surface) {
   PointCloud cloud = noisy_sphere(20'000, 0.01);
   cloud.normals.clear();

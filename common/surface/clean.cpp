@@ -13,6 +13,7 @@
 #include "common/cloud/lattice.h"
 #include "common/surface/normals.h"
 #include "common/surface/point_surface.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 namespace {
@@ -44,6 +45,10 @@ constexpr double kSmooth = 0.1;
 constexpr double kVoxelSpacing = 1.1;
 /// Points with less than this share of the weight that a surface would give them are alone.
 constexpr float kLeastSupport = 0.2f;
+/// What a point contributes itself is at most 1.
+constexpr float kOwnWeight = 1.01f;
+/// A cloud of which a smaller share has a surface is no scan of one.
+constexpr double kLeastKept = 0.5;
 
 constexpr float kPi = 3.14159265f;
 
@@ -108,6 +113,26 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
   return measured;
 }
 
+/// Whether squares of its extent and of the distances within it are floats of full precision.
+bool has_usable_scale(const PointCloud& cloud) {
+  const double edge = bounding_cube(bounds(cloud)).edge;
+  return edge > 1e-12 && edge < 1e15;
+}
+
+/// Gives normals to the points that have none.
+void complete_normals(PointCloud& cloud) {
+  const auto lacks = [](const glm::vec3& normal) { return normal == glm::vec3(0.0f); };
+  if (!cloud.has_normals()) {
+    estimate_normals(cloud);
+  } else if (std::ranges::any_of(cloud.normals, lacks)) {
+    std::vector<glm::vec3> given = std::move(cloud.normals);
+    estimate_normals(cloud);
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (!lacks(given[i])) cloud.normals[i] = given[i];
+    }
+  }
+}
+
 bool is_voxelised(const PointCloud& cloud, double spacing) {
   const auto lattice = lattice_of(cloud);
   return lattice && spacing < kVoxelSpacing * lattice->step;
@@ -117,16 +142,16 @@ bool is_voxelised(const PointCloud& cloud, double spacing) {
 
 CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor& executor) {
   CleanReport report;
-  if (cloud.size() < kLeastPoints) return report;
-  const bool had_normals = cloud.has_normals();
-  if (!had_normals) estimate_normals(cloud);
+  if (cloud.size() < kLeastPoints || !has_usable_scale(cloud)) return report;
+  const std::vector<glm::vec3> given_normals = cloud.normals;
+  complete_normals(cloud);
   PointSurface surface(cloud);
   const std::vector<Measured> measured = measure(surface, executor);
   report.spacing = median_of(measured, &Measured::spacing);
   report.noise = median_of(measured, &Measured::noise);
   if (!options.radius &&
-      (report.noise < kSmooth * report.spacing || is_voxelised(cloud, report.spacing))) {
-    if (!had_normals) cloud.normals.clear();
+      (report.noise <= kSmooth * report.spacing || is_voxelised(cloud, report.spacing))) {
+    cloud.normals = given_normals;
     return report;
   }
 
@@ -138,14 +163,21 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
   const int steps = report.noise > kNoisy * report.spacing ? 2 : 1;
   const std::vector<SurfaceSample> samples = surface.project(radii, kBeta, steps, executor);
   std::vector<std::uint8_t> kept(cloud.size(), 0);
+  std::size_t kept_count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const float whole = weight_of_plane(radii[i], measured[i].spacing);
+    if (!(samples[i].weight > std::max(kLeastSupport * whole, kOwnWeight))) continue;
+    kept[surface.order()[i].index] = 1;
+    ++kept_count;
+  }
+  if (static_cast<double>(kept_count) < kLeastKept * static_cast<double>(cloud.size())) {
+    cloud.normals = given_normals;
+    return report;
+  }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::uint32_t index = surface.order()[i].index;
-    const SurfaceSample& sample = samples[i];
-    const float whole = weight_of_plane(radii[i], measured[i].spacing);
-    if (!(sample.weight > kLeastSupport * whole)) continue;
-    kept[index] = 1;
-    cloud.positions[index] = sample.position;
-    cloud.normals[index] = sample.normal;
+    cloud.positions[index] = samples[i].position;
+    cloud.normals[index] = samples[i].normal;
   }
   report.removed = keep_points(cloud, [&](std::size_t i) { return kept[i] != 0; });
   report.cleaned = true;

@@ -35,6 +35,9 @@ struct CleanReport {
 /// noise away but flattens what is curved, and across gaps between scanned curves. The formulas are
 /// in common/FORMULAS.md, "Noise and support".
 ///
+/// Clouds that are no scans of surfaces stay as they are: fewer than 100 points, a scale at which
+/// squares are no floats, or more points without a surface around them than with one.
+///
 /// The cloud's positions are finite (`sanitize`). The result depends neither on the order of the
 /// points nor on the executor. O(n) for scans of surfaces.
 CleanReport clean(PointCloud& cloud, const CleanOptions& options = {},

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -31,10 +32,11 @@ PointCloud noisy_sphere(std::size_t count, double noise) {
   return cloud;
 }
 
-double distance_from_sphere(const PointCloud& cloud) {
+/// In shares of the sphere's radius.
+double distance_from_sphere(const PointCloud& cloud, double radius = 1.0) {
   double sum = 0.0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const double distance = glm::length(cloud.world(i)) - 1.0;
+    const double distance = glm::length(cloud.world(i)) / radius - 1.0;
     sum += distance * distance;
   }
   return std::sqrt(sum / static_cast<double>(cloud.size()));
@@ -199,6 +201,52 @@ TEST(Clean, far_from_zero_gives_the_same_to_a_float) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     EXPECT_LT(glm::distance(cloud.positions[i], far.positions[i]), 1e-3f);
   }
+}
+
+TEST(Clean, gives_points_without_a_normal_one) {
+  const PointCloud source = noisy_sphere(20'000, 0.02);
+  for (const std::size_t one_in : {1u, 10u}) {
+    PointCloud cloud = source;
+    for (std::size_t i = 0; i < cloud.size(); i += one_in) cloud.normals[i] = glm::vec3(0.0f);
+    const CleanReport report = clean(cloud);
+    EXPECT_TRUE(report.cleaned);
+    EXPECT_LT(report.removed, 20u);
+    EXPECT_LT(degrees_from_sphere(cloud), 5.0);
+  }
+}
+
+TEST(Clean, leaves_clouds_as_they_are_that_have_no_surface) {
+  PointCloud line;
+  for (int i = 0; i < 20'000; ++i) {
+    line.positions.emplace_back(1e-4f * float(i), 0.0f, 0.0f);
+    line.normals.emplace_back(0.0f, i % 3 == 0 ? 1.0f : -1.0f, 0.0f);
+  }
+  PointCloud sphere = noisy_sphere(20'000, 0.02);
+  for (const auto& [source, options] :
+       {std::pair{line, CleanOptions{}}, std::pair{sphere, CleanOptions{1e-6}}}) {
+    PointCloud cloud = source;
+    EXPECT_FALSE(clean(cloud, options).cleaned);
+    EXPECT_TRUE(equal(cloud, source));
+  }
+}
+
+TEST(Clean, does_the_same_at_every_scale_or_nothing) {
+  const PointCloud source = noisy_sphere(5'000, 0.02);
+  PointCloud expected = source;
+  const CleanReport report = clean(expected);
+  for (const float scale : {1e-30f, 1e-20f, 1e-10f, 1e-5f, 1e5f, 1e10f, 1e20f, 1e30f}) {
+    PointCloud cloud = source;
+    for (glm::vec3& p : cloud.positions) p *= scale;
+    const PointCloud scaled = cloud;
+    if (clean(cloud).cleaned) {
+      EXPECT_EQ(cloud.size(), expected.size()) << scale;
+      EXPECT_LT(distance_from_sphere(cloud, scale), 1.01 * distance_from_sphere(expected)) << scale;
+    } else {
+      EXPECT_TRUE(equal(cloud, scaled)) << scale;
+      EXPECT_TRUE(scale < 1e-12f || scale > 1e14f) << scale;
+    }
+  }
+  EXPECT_TRUE(report.cleaned);
 }
 
 TEST(Clean, survives_clouds_that_are_no_surfaces) {

@@ -375,6 +375,30 @@ std::optional<RayHit> first_hit(const SurfaceGrid& grid, const Ray& ray, double 
   return first;
 }
 
+std::optional<NearHit> hit_near(const SurfaceGrid& grid, const glm::dvec3& origin,
+                                const glm::dvec3& way, double depth) {
+  for (int step = 0; step < 5; ++step) {
+    const glm::dvec3 p = origin + depth * way;
+    const glm::ivec3 cell = grid.cell_at(p);
+    if (glm::any(glm::lessThan(cell, glm::ivec3(0))) ||
+        glm::any(glm::greaterThanEqual(cell, grid.size()))) {
+      return std::nullopt;
+    }
+    const std::uint32_t number = grid.find(cell);
+    if (number == SurfaceGrid::kNone) return std::nullopt;
+    const SurfaceDistance at = grid.distance(grid.cells()[number], p);
+    const double slope = glm::dot(at.distance.gradient, way);
+    if (!(slope < -1e-3)) return std::nullopt;
+    const double move = -at.distance.value / slope;
+    depth += move;
+    // The remaining error is about the curvature times the square of the last move.
+    if (std::abs(move) < 2e-5) {
+      return NearHit{depth, origin + depth * way, at.distance.gradient, at.primitive};
+    }
+  }
+  return std::nullopt;
+}
+
 bool hits_anything(const SurfaceGrid& grid, const Ray& ray, double from, double to) {
   bool any = false;
   Caster(grid, ray).cast(from, to, [&](const CellRay&, double, bool) {

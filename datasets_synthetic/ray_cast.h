@@ -35,6 +35,21 @@ struct RayHit {
 std::optional<RayHit> first_hit(const SurfaceGrid& grid, const Ray& ray, double from = 0.0,
                                 double to = std::numeric_limits<double>::infinity());
 
+/// A point of the surface at origin + depth * way.
+struct NearHit {
+  double depth = 0.0;
+  glm::dvec3 position{0.0};
+  glm::dvec3 gradient{0.0};  ///< of the distance: along the normal, but not always of length 1
+  std::uint16_t primitive = 0;
+};
+
+/// The point where a line of sight enters the surface, if that lies near the place `depth`, by
+/// Newton's method; a few times faster than first_hit. What hides the point is not noticed, and a
+/// point may be missed. It is within 1e-7 m of the surface where its curvature radius is above
+/// 4 mm.
+std::optional<NearHit> hit_near(const SurfaceGrid& grid, const glm::dvec3& origin,
+                                const glm::dvec3& way, double depth);
+
 /// Whether first_hit would find anything; a little faster.
 bool hits_anything(const SurfaceGrid& grid, const Ray& ray, double from, double to);
 

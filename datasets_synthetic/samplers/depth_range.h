@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "datasets_synthetic/samplers/scan_rig.h"
+#include "datasets_synthetic/samplers/pinhole.h"
 #include "datasets_synthetic/surface_grid.h"
 
 namespace pointreel {

@@ -11,6 +11,7 @@
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/ray_cast.h"
 #include "datasets_synthetic/samplers/depth_range.h"
+#include "datasets_synthetic/samplers/measurement_error.h"
 #include "datasets_synthetic/surface_grid.h"
 
 // A curve of the pattern is followed by rays from its projector, in steps of a few pixels, and in
@@ -65,13 +66,6 @@ struct Patch {
   std::array<Ball, 3> balls;
 };
 
-/// A small rigid motion.
-struct Calibration {
-  glm::dvec3 shift{0.0}, turn{0.0};
-
-  glm::dvec3 apply(const glm::dvec3& p) const { return p + shift + glm::cross(turn, p); }
-};
-
 /// The data that all curves of a frame share.
 struct Scene {
   const Body& body;
@@ -84,18 +78,6 @@ struct Scene {
   std::vector<Patch> patches;
   std::uint64_t frame_seed;
 };
-
-/// Approximately normal with standard deviation 1 and never beyond +-4.9: the scaled sum of eight
-/// uniform 16-bit numbers.
-double quick_normal(Random& random) {
-  double sum = 0.0;
-  for (int draw = 0; draw < 2; ++draw) {
-    const std::uint64_t bits = random.bits();
-    sum += static_cast<double>((bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) +
-                               (bits >> 48));
-  }
-  return (sum - 4.0 * 0xffff) * (1.0 / 0xffff) * 1.22474487139158905;
-}
 
 double luminance(const glm::u8vec3& color) {
   return (0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b) / 255.0;
@@ -366,31 +348,14 @@ class Curve {
     const double rise = b.depth - a.depth;
     const double c2 = 3.0 * rise - h * (2.0 * a.slope + b.slope);
     const double c3 = h * (a.slope + b.slope) - 2.0 * rise;
-    double depth = a.depth + s * (h * a.slope + s * (c2 + s * c3));
+    const double depth = a.depth + s * (h * a.slope + s * (c2 + s * c3));
     const glm::dvec3 way = toward(along);
-    for (int step = 0; step < 5; ++step) {
-      const glm::dvec3 p = view_.position + depth * way;
-      const glm::ivec3 cell = scene_.grid.cell_at(p);
-      if (glm::any(glm::lessThan(cell, glm::ivec3(0))) ||
-          glm::any(glm::greaterThanEqual(cell, scene_.grid.size()))) {
-        return false;
-      }
-      const std::uint32_t number = scene_.grid.find(cell);
-      if (number == SurfaceGrid::kNone) return false;
-      const SurfaceDistance at = scene_.grid.distance(scene_.grid.cells()[number], p);
-      const glm::dvec3& gradient = at.distance.gradient;
-      const double slope = glm::dot(gradient, way);
-      if (!(slope < -1e-3)) return false;
-      const double move = -at.distance.value / slope;
-      depth += move;
-      // The remaining error is about the curvature times the square of the last move.
-      if (std::abs(move) < 2e-5) {
-        const double square = glm::dot(gradient, gradient);
-        found = {depth, view_.position + depth * way, gradient / std::sqrt(square), at.primitive};
-        return -slope > scene_.options.least_cosine * std::sqrt(square * glm::dot(way, way));
-      }
-    }
-    return false;
+    const auto hit = hit_near(scene_.grid, view_.position, way, depth);
+    if (!hit) return false;
+    const double square = glm::dot(hit->gradient, hit->gradient);
+    found = {hit->depth, hit->position, hit->gradient / std::sqrt(square), hit->primitive};
+    return -glm::dot(hit->gradient, way) >
+           scene_.options.least_cosine * std::sqrt(square * glm::dot(way, way));
   }
 
   /// Finds the point of the surface at `along` for a camera; false if there is none or the
@@ -494,11 +459,8 @@ std::vector<Calibration> calibrate(std::size_t pairs, const ScanOptions& options
                                    std::uint64_t seed) {
   std::vector<Calibration> calibrations(pairs);
   for (std::size_t i = 0; i < pairs; ++i) {
-    Random random(seed, stream(Use::calibration, i));
-    for (int axis = 0; axis < 3; ++axis) {
-      calibrations[i].shift[axis] = options.calibration_shift * random.normal();
-      calibrations[i].turn[axis] = options.calibration_turn * random.normal();
-    }
+    calibrations[i] = random_calibration(Random(seed, stream(Use::calibration, i)),
+                                         options.calibration_shift, options.calibration_turn);
   }
   return calibrations;
 }

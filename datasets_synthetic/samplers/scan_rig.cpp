@@ -3,17 +3,8 @@
 #include <cmath>
 
 #include "datasets_synthetic/trigonometry.h"
-#include "datasets_synthetic/vectors.h"
 
 namespace pointreel {
-Pinhole look_at(const glm::dvec3& position, const glm::dvec3& target) {
-  Pinhole view;
-  view.position = position;
-  view.forward = unit(target - position);
-  view.right = unit(glm::cross(view.forward, glm::dvec3(0, 1, 0)));
-  view.up = glm::cross(view.right, view.forward);
-  return view;
-}
 
 double working_distance(const RigOptions& options) {
   const double below = options.low - options.target, above = options.high - options.target;

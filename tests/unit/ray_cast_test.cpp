@@ -247,5 +247,28 @@ TEST(RayCast, only_hits_between_the_ends_of_a_ray_count) {
   EXPECT_FALSE(first_hit(grid, ray, 3.0, 1.0));
 }
 
+TEST(RayCast, hit_near_finds_what_first_hit_finds_from_a_place_nearby) {
+  const SurfaceGrid grid = grid_of(pose_body(walk(0.4)).surface);
+  Random random(5, 0);
+  std::size_t hits = 0, found = 0;
+  while (hits < 2000) {
+    const glm::dvec3 from = glm::dvec3(0, 0.9, 0) + 2.0 * random_direction(random);
+    const glm::dvec3 to = random_point(random, {-0.3, 0.0, -0.3}, {0.3, 1.8, 0.3});
+    const glm::dvec3 way = 0.8 * unit(to - from);
+    const auto hit = first_hit(grid, {from, unit(way)});
+    if (!hit || glm::dot(hit->normal, unit(way)) > -0.5) continue;
+    ++hits;
+    const double depth = hit->t / 0.8;
+    const auto near = hit_near(grid, from, way, depth + 0.003 * (2.0 * random.uniform() - 1.0));
+    if (!near || std::abs(near->depth - depth) > 0.005) continue;  // it may find another passage
+    ++found;
+    EXPECT_NEAR(near->depth, depth, 1e-6);
+    EXPECT_LT(glm::distance(near->position, hit->position), 1e-6);
+    EXPECT_GT(glm::dot(unit(near->gradient), hit->normal), 0.999);
+  }
+  EXPECT_GT(found, hits * 97 / 100);
+  EXPECT_FALSE(hit_near(grid, {0, 0.9, 5}, {0, 0, -1}, 1.0)) << "there is nothing";
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -31,8 +31,14 @@ namespace {
 constexpr const char* kHard = "hard";
 constexpr const char* kHardSummary = "difficult files, to test programs that read point clouds";
 
-const std::map<std::string, Sampler> kSamplers = {
-    {"scan", Sampler::scan}, {"uniform", Sampler::uniform}, {"ldc", Sampler::ldc}};
+const std::map<std::string, Sampler> kSamplers = {{"scan", Sampler::scan},
+                                                  {"uniform", Sampler::uniform},
+                                                  {"ldc", Sampler::ldc},
+                                                  {"depth-cameras", Sampler::depth_cameras}};
+
+/// How far cameras are turned for each metre that they are shifted, in radians: 0.2 degrees for
+/// 3 mm.
+constexpr double kTurnPerShift = 1.1636;
 
 struct Options {
   std::string name;
@@ -87,6 +93,7 @@ nlohmann::json summary_json(const Options& options, const SequenceJob& job,
                       {"points_min", summary.min_points},
                       {"points_max", summary.max_points},
                       {"fps", sequence.fps},
+                      {"still", sequence.still},
                       {"threads", threads},
                       {"seconds", summary.seconds}};
   if (sequence.voxels) {
@@ -101,6 +108,11 @@ nlohmann::json summary_json(const Options& options, const SequenceJob& job,
   }
   json["seed"] = sequence.seed;
   json["noise"] = sequence.noise;
+  if (sequence.sampler == Sampler::depth_cameras) {
+    json["cameras"] = sequence.depth_cameras.cameras;
+    json["depth_noise"] = sequence.depth_cameras.noise;
+    json["calibration_error"] = sequence.depth_cameras.calibration_shift;
+  }
   if (sequence.sampler == Sampler::ldc) {
     json["spacing"] = sequence.ldc.spacing;
     json["reduced"] = sequence.ldc.reduce;
@@ -118,9 +130,11 @@ int run_sequence(const Motion& motion, const Options& options) {
                    ? options.frames
                    : std::max(1, static_cast<int>(std::round(motion.seconds() * sequence.fps)));
   sequence.ldc.spacing = 1e-3 * options.spacing;
+  sequence.depth_cameras.calibration_turn =
+      kTurnPerShift * sequence.depth_cameras.calibration_shift;
   if (options.voxel_bits > 0) {  // all frames share one grid, so that the voxels do not jump
-    sequence.voxels =
-        voxel_grid(sequence_bounds(motion, sequence.fps, job.frames), options.voxel_bits);
+    sequence.voxels = voxel_grid(
+        sequence_bounds(motion, sequence.fps, sequence.still ? 1 : job.frames), options.voxel_bits);
   }
   const auto summary = write_sequence(motion, job);
   if (!summary) return report(summary.error().message, 1);
@@ -144,8 +158,8 @@ std::string contradiction(const CLI::App& app, const Options& options) {
   const auto given = [&app](const char* name) { return app.count(name) > 0; };
   const bool ldc = options.job.options.sampler == Sampler::ldc;
   if (options.voxel_bits > 0) {
-    for (const char* name :
-         {"--sampler", "--points", "--seed", "--noise", "--spacing", "--reduce"}) {
+    for (const char* name : {"--sampler", "--points", "--seed", "--noise", "--spacing", "--reduce",
+                             "--cameras", "--depth-noise", "--calibration-error"}) {
       if (given(name)) {
         return fmt::format("--voxelize writes every voxel: it cannot be combined with {}", name);
       }
@@ -156,6 +170,11 @@ std::string contradiction(const CLI::App& app, const Options& options) {
   }
   for (const char* name : {"--spacing", "--reduce"}) {
     if (!ldc && given(name)) return fmt::format("{} needs --sampler ldc", name);
+  }
+  for (const char* name : {"--cameras", "--depth-noise", "--calibration-error"}) {
+    if (options.job.options.sampler != Sampler::depth_cameras && given(name)) {
+      return fmt::format("{} needs --sampler depth-cameras", name);
+    }
   }
   return {};
 }
@@ -191,6 +210,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--fps", sequence.fps, "frames per second")
       ->capture_default_str()
       ->check(pointreel::number_within(0.001, 100000.0));
+  app.add_flag("--still", sequence.still,
+               "all frames show the pose of the first, and only their sampling differs, as if the "
+               "figure stood still");
   app.add_option("--threads", options.threads, "number of threads; 0: one for each core")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
@@ -201,15 +223,17 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option_function<std::string>(
          "--sampler",
          [&sequence](const std::string& name) { sequence.sampler = kSamplers.at(name); },
-         "scan: curves that cameras see, with measurement errors; uniform: random points on the "
-         "surface, uniform by area; ldc: layered depth cube, where three bundles of parallel rays "
-         "meet the surface")
+         "scan: curves that cameras see, with measurement errors; depth-cameras: depth images from "
+         "all sides, with noise, flying pixels, badly aligned cameras and wrong colours at edges; "
+         "uniform: random points on the surface, uniform by area; ldc: layered depth cube, where "
+         "three bundles of parallel rays meet the surface")
       ->check(CLI::IsMember(kSamplers))
       ->type_name("NAME")
       ->default_str("scan")
       ->group(kSampling);
   app.add_option("--points", sequence.points,
-                 "points per frame (scan: on average over all frames); 0: as many as the scanned "
+                 "points per frame (scan, depth-cameras: on average over the motion); 0: as many "
+                 "as the scanned "
                  "sequence of that name by Slomp et al. has, 61,000 to 102,000")
       ->capture_default_str()
       ->check(CLI::Range(0, 50000000))
@@ -218,9 +242,28 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->group(kSampling);
   app.add_option("--noise", sequence.noise,
-                 "additional noise: its standard deviation along each axis in metres")
+                 "noise, in addition to that of the sampler: its standard deviation along each "
+                 "axis in metres")
       ->capture_default_str()
       ->check(pointreel::number_within(0.0, 1.0))
+      ->group(kSampling);
+  app.add_option("--cameras", sequence.depth_cameras.cameras,
+                 "depth-cameras: number of cameras in a ring around the figure")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100))
+      ->group(kSampling);
+  app.add_option("--depth-noise", sequence.depth_cameras.noise,
+                 "depth-cameras: standard deviation in metres of the depth of a surface that faces "
+                 "the camera at the distance of the ring, 2.3 m; it grows with the square of the "
+                 "distance and with the slant")
+      ->capture_default_str()
+      ->check(pointreel::number_within(0.0, 0.1))
+      ->group(kSampling);
+  app.add_option("--calibration-error", sequence.depth_cameras.calibration_shift,
+                 "depth-cameras: how far in metres each camera is off its place, the same in all "
+                 "frames; it is also turned, by 0.2 degrees for each 0.003 m")
+      ->capture_default_str()
+      ->check(pointreel::number_within(0.0, 0.1))
       ->group(kSampling);
   app.add_option("--spacing", options.spacing, "ldc: distance between the rays in millimetres")
       ->capture_default_str()

@@ -62,7 +62,7 @@ Result<std::vector<PointCloud>> make_clouds(const Dataset& dataset, const std::v
 
 Result<DistanceSummary> distance_to_truth(const Dataset& dataset, int pose,
                                           const PointCloud& cloud) {
-  const Body body = pose_body(dataset.motion->pose(pose / dataset.options.fps));
+  const Body body = pose_body(frame_pose(*dataset.motion, dataset.options, pose));
   const auto grid = SurfaceGrid::build(body.surface);
   if (!grid) return fail_at(dataset.name, grid.error());
   const auto& voxels = dataset.options.voxels;

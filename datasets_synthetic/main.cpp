@@ -36,10 +36,6 @@ const std::map<std::string, Sampler> kSamplers = {{"scan", Sampler::scan},
                                                   {"ldc", Sampler::ldc},
                                                   {"depth-cameras", Sampler::depth_cameras}};
 
-/// How far cameras are turned for each metre that they are shifted, in radians: 0.2 degrees for
-/// 3 mm.
-constexpr double kTurnPerShift = 1.1636;
-
 struct Options {
   std::string name;
   SequenceJob job;

@@ -11,6 +11,10 @@
 
 namespace pointreel {
 
+/// How far a badly calibrated camera is usually turned for each metre that it is shifted, in
+/// radians: 0.2 degrees for 3 mm.
+inline constexpr double kTurnPerShift = 1.1636;
+
 /// The properties of a rig of cameras that each take a depth image and a colour image. Lengths are
 /// in metres. Those marked * hold at the working distance of the rig. Shares are from 0 to 1.
 struct DepthCameraOptions {
@@ -48,7 +52,7 @@ struct DepthCameraOptions {
   /// The calibration error of a camera, the same in every frame: the root mean square of a shift
   /// and of a rotation, in radians, about the point that the cameras look at.
   double calibration_shift = 0.003;
-  double calibration_turn = 0.0035;
+  double calibration_turn = kTurnPerShift * calibration_shift;
   /// * The error of the colour image against the depth image, the same in every frame: standard
   /// deviation along each axis.
   double color_shift = 0.006;

@@ -109,7 +109,8 @@ void Outbox::run(const std::stop_token& stop) {
       restart();
       serve(**socket, stop);
     } else if (!stop.stop_requested()) {
-      if (is_final(socket.error().status)) {
+      const bool is_ours = socket.error().code == ErrorCode::argument;
+      if (is_ours || is_final(socket.error().status)) {
         const std::lock_guard lock(mutex_);
         failure_ = socket.error();
         changed_.notify_all();

@@ -99,6 +99,11 @@ Result<TlsContext> TlsContext::load(const std::filesystem::path& certificate,
     return fail(fmt::format("{}: {}; give the certificate's key in PEM form, without a password",
                             key.string(), reason()));
   }
+  // Keys of another type than the certificate's are only found here.
+  if (SSL_CTX_check_private_key(context) != 1) {
+    return fail(
+        fmt::format("{}: is not the key of {} ({})", key.string(), certificate.string(), reason()));
+  }
   return tls;
 }
 

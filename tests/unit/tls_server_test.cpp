@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -136,6 +137,13 @@ TEST_F(TlsServerTest, reports_certificate_problems_in_one_line) {
   fs::create_directory(temporary_.path() / "other");
   options_.key = TestCertificate(temporary_.path() / "other").key;
   EXPECT_THAT(failure(), HasSubstr("key values mismatch"));
+  options_.key = temporary_.path() / "rsa.pem";
+  const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> rsa(EVP_RSA_gen(2048), EVP_PKEY_free);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(options_.key.c_str(), "w"),
+                                                             std::fclose);
+  PEM_write_PrivateKey(file.get(), rsa.get(), nullptr, nullptr, 0, nullptr, nullptr);
+  std::fflush(file.get());
+  EXPECT_THAT(failure(), HasSubstr("rsa.pem: is not the key of")) << "a key of another type";
 }
 
 }  // namespace

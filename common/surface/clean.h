@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -23,6 +25,11 @@ struct CleanReport {
   double noise = 0.0;       ///< standard deviation across the surface, the median
   double radius = 0.0;      ///< of support, the median
   std::size_t removed = 0;  ///< points that no surface supports
+
+  /// The size of cells that tell apart what the cleaned points tell apart. Finer ones would tell
+  /// samples of the same spot apart: points are `spacing` apart, and details much smaller than the
+  /// support, which is about 8 sqrt(noise spacing), are gone.
+  double cell() const { return std::max(0.5 * spacing, std::sqrt(noise * spacing)); }
 };
 
 /// Moves the points of a scanned cloud onto the surface that they are noisy samples of

@@ -29,17 +29,16 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
   return Grid{voxels.cube, no_deeper_than(options.encode, voxels.depth)};
 }
 
-bool cells_follow_spacing(const EncodingOptions& options) {
+bool cells_follow_points(const EncodingOptions& options) {
   const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec);
   return octree != nullptr && octree->depth.kind == DepthRule::Kind::delta && !options.voxel;
 }
 
-PointLattice lattice_for_spacing(double spacing) {
+PointLattice lattice_for_cells(double cell) {
   // From multiplications only, because the last bit of libm's functions differs between machines.
   constexpr double kFactor = 1.0905077326652577;
-  constexpr double kCellsPerSpacing = 2.0;
   int exponent = 0;
-  const double mantissa = std::frexp(spacing / kCellsPerSpacing, &exponent);
+  const double mantissa = std::frexp(cell, &exponent);
   double step = 0.5;
   while (step * kFactor <= mantissa) step *= kFactor;
   return {glm::dvec3(0.0), std::ldexp(step, exponent)};

@@ -23,14 +23,13 @@ struct Grid {
 Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
                       const std::optional<PointLattice>& lattice = {});
 
-/// Whether the cells of cleaned frames follow the spacing of their points: with octrees whose depth
+/// Whether cleaned frames are divided into cells that fit their points: with octrees whose depth
 /// was not fixed.
-bool cells_follow_spacing(const EncodingOptions& options);
+bool cells_follow_points(const EncodingOptions& options);
 
-/// A lattice for cleaned points that are `spacing` apart. Its step is about half of that: finer
-/// cells would tell points apart that are samples of the same spot, coarser ones would show. Steps
-/// are powers of the eighth root of two, so that frames of nearly the same spacing share one.
-PointLattice lattice_for_spacing(double spacing);
+/// A lattice whose step is at most `cell`. Steps are powers of the eighth root of two, so that
+/// frames whose points are cleaned to nearly the same cells share one.
+PointLattice lattice_for_cells(double cell);
 
 /// Whether a cloud within `box`, whose points lie on the lattice, would be divided down to the
 /// voxels of the lattice. Only then does coding it on them pay.

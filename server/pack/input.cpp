@@ -54,13 +54,13 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     }
   });
   Extent all;
-  std::vector<double> spacings;
+  std::vector<double> cells;
   std::size_t frames_with_points = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Frame& frame = frames[i];
     if (frame.error) return tl::unexpected(*frame.error);
     if (frame.points == 0) continue;
-    if (frame.cleaning.cleaned) spacings.push_back(frame.cleaning.spacing);
+    if (frame.cleaning.cleaned) cells.push_back(frame.cleaning.cell());
     ++frames_with_points;
     const bool first = all.box.empty();
     if (first) {
@@ -71,8 +71,8 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     if (first || frame.points > frames[all.largest].points) all.largest = i;
     all.box.grow(frame.box);
   }
-  if (!spacings.empty() && spacings.size() == frames_with_points) {
-    all.spacing = median(std::move(spacings));
+  if (!cells.empty() && cells.size() == frames_with_points) {
+    all.cell = median(std::move(cells));
   }
   return all;
 }
@@ -80,8 +80,8 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
 Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   if (options_.cube_per_frame) return {};
   Extent extent = TRY(read_extent(stop));
-  if (extent.spacing && cells_follow_spacing(options_)) {
-    extent.lattice = lattice_for_spacing(*extent.spacing);
+  if (extent.cell && cells_follow_points(options_)) {
+    extent.lattice = lattice_for_cells(*extent.cell);
   } else if (extent.lattice && !options_.voxel) {
     const Cloud largest = TRY(look(extent.largest));
     if (!reaches(*extent.lattice, extent.box, largest->cloud, options_.encode)) {
@@ -98,8 +98,8 @@ Result<Grid> SegmentInput::grid_of(const SourceFrame& frame) const {
   if (shared_) return *shared_;
   const PointCloud& cloud = frame.cloud;
   const Box box = bounds(cloud);
-  if (frame.cleaning.cleaned && cells_follow_spacing(options_)) {
-    return grid_for(box, options_, lattice_for_spacing(frame.cleaning.spacing));
+  if (frame.cleaning.cleaned && cells_follow_points(options_)) {
+    return grid_for(box, options_, lattice_for_cells(frame.cleaning.cell()));
   }
   std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
   if (lattice && !reaches(*lattice, box, cloud, options_.encode)) lattice.reset();

@@ -56,7 +56,7 @@ class SegmentInput {
     Box box;
     std::optional<PointLattice> lattice;  ///< on which all of them lie
     std::size_t largest = 0;              ///< the frame with the most points
-    std::optional<double> spacing;        ///< the median, if all of them were cleaned
+    std::optional<double> cell;           ///< the median, if all of them were cleaned
   };
   Result<Extent> read_extent(const std::stop_token& stop);
   Result<SourceFrame> read(std::size_t frame) const;

@@ -10,8 +10,8 @@ namespace {
 constexpr double kMargin = 0.1;
 /// The largest edge of the cube, relative to what the box of one frame needs.
 constexpr double kMaxGrowth = 2.0;
-/// The cells of cleaned frames stay until their spacing differs by this factor.
-constexpr double kSameSpacing = 1.25;
+/// The cells of cleaned frames stay until those that fit a frame differ by this factor.
+constexpr double kSameCells = 1.25;
 
 Box with_margin(const Box& box) {
   if (box.empty()) return box;
@@ -34,22 +34,22 @@ bool same(const PointLattice& a, const PointLattice& b) {
 }
 
 bool nearly_same(const PointLattice& a, const PointLattice& b) {
-  return a.point == b.point && a.step < kSameSpacing * b.step && b.step < kSameSpacing * a.step;
+  return a.point == b.point && a.step < kSameCells * b.step && b.step < kSameCells * a.step;
 }
 
 }  // namespace
 
 Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const CleanReport& cleaning) {
   if (grid_ && box.empty()) return *grid_;
-  const bool by_spacing = cleaning.cleaned && cells_follow_spacing(options_);
+  const bool by_points = cleaning.cleaned && cells_follow_points(options_);
   std::optional<PointLattice> lattice;
-  if (by_spacing) {
-    lattice = lattice_for_spacing(cleaning.spacing);
+  if (by_points) {
+    lattice = lattice_for_cells(cleaning.cell());
   } else if (!options_.voxel) {
     lattice = lattice_of(cloud);
   }
   // Together with the frames before, if their cells are still fine enough.
-  if (by_spacing && lattice_ && nearly_same(*lattice, *lattice_)) {
+  if (by_points && lattice_ && nearly_same(*lattice, *lattice_)) {
     lattice = lattice_;
   } else if (lattice && lattice_) {
     if (const auto both = common_lattice(*lattice_, *lattice)) lattice = both;
@@ -65,7 +65,7 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const Clean
   Box both = roomy;
   both.grow(held_);
   if (longest_edge(both) <= kMaxGrowth * longest_edge(roomy)) roomy = both;
-  on_lattice_ = lattice && (by_spacing || reaches(*lattice, roomy, cloud, options_.encode));
+  on_lattice_ = lattice && (by_points || reaches(*lattice, roomy, cloud, options_.encode));
   grid_ = TRY(grid_for(roomy, options_, on_lattice_ ? lattice : std::nullopt));
   held_ = roomy;
   lattice_ = lattice;

@@ -118,12 +118,15 @@ int run_publish(const PublishArguments& arguments) {
     print_error(summary.error().message);
     return kExitFailed;
   }
+  const bool broke_off = summary->input_error.has_value();
+  if (broke_off) print_error(summary->input_error->message);
+  if (broke_off && summary->frames == 0) return kExitFailed;
   if (arguments.json) {
     print_json(*summary);
   } else {
     print_summary(*summary);
   }
-  if (summary->sent.accepted_frames > 0) return kExitOk;
+  if (summary->sent.accepted_frames > 0) return broke_off ? kExitFailed : kExitOk;
   std::string reason = summary->trouble;
   if (summary->frames == 0) reason = "the input gave no frame that could be encoded";
   print_error(fmt::format("{}: nothing arrived there{}{}", arguments.to, reason.empty() ? "" : "; ",

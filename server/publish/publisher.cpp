@@ -77,9 +77,13 @@ class Publisher {
     const Clock::time_point start = Clock::now();
     for (;;) {
       if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
-      std::optional<InputFrame> frame = TRY(input.next(listener_.stop));
-      if (!frame) break;
-      if (const Result<void> sent = send(*frame); !sent) {
+      Result<std::optional<InputFrame>> frame = input.next(listener_.stop);
+      if (!frame) {
+        summary_.input_error = frame.error();
+        break;
+      }
+      if (!*frame) break;
+      if (const Result<void> sent = send(**frame); !sent) {
         ++summary_.unusable;
         say(sent.error().message + "; left out");
       }

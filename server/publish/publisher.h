@@ -35,13 +35,14 @@ struct PublishSummary {
   int depth_min = 0, depth_max = 0;
   int lowered = 0;  ///< how often the depth was lowered because encoding took too long
   OutboxStatistics sent;
-  std::string trouble;  ///< why nothing could be sent at the end; may be empty
+  std::string trouble;               ///< why nothing could be sent at the end; may be empty
+  std::optional<Error> input_error;  ///< why the input ended before its end
   double seconds = 0.0;
 };
 
 /// Encodes frames as they come and sends them, until there are no more or it is stopped. Frames
-/// that cannot be used are reported and left out. An error if the input fails, or if the server
-/// refuses the publisher for good.
+/// that cannot be used are reported and left out. An error if the server refuses the publisher for
+/// good.
 Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
                                const PublishListener& listener);
 

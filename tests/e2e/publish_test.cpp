@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -83,6 +85,29 @@ TEST_F(PublishTest, fails_if_no_frame_can_be_used) {
   const Outcome published = run("pointreel-server", publish(address));
   EXPECT_EQ(published.exit_code, 1);
   EXPECT_THAT(published.err, HasSubstr("no frame that could be encoded"));
+}
+
+TEST_F(PublishTest, tells_what_arrived_before_its_pipe_broke_off) {
+  Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  // A whole frame behind its size, time for it to be read, and then half a frame.
+  const std::string frame = (folder_ / "frames" / "0.ply").string();
+  const std::uint32_t size = static_cast<std::uint32_t>(fs::file_size(frame));
+  std::ofstream(folder_ / "size", std::ios::binary)
+      .write(reinterpret_cast<const char*>(&size), sizeof(size));
+  const Outcome outcome =
+      run("/bin/sh", {"-c",
+                      "(cat \"$1\" \"$2\"; sleep 1; cat \"$1\"; head -c 100 \"$2\") | "
+                      "\"$3\" publish -i - --json --to \"$4\"",
+                      "sh", (folder_ / "size").string(), frame,
+                      std::string(POINTREEL_BIN_DIR) + "/pointreel-server",
+                      "ws://" + address + "/live/stage"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("ends within frame 1"));
+  const auto report = nlohmann::json::parse(outcome.out, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << outcome.out;
+  EXPECT_EQ(report["sent"]["accepted_frames"], 1);
 }
 
 TEST_F(PublishTest, says_once_that_a_name_is_taken_and_fails) {

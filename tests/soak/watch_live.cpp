@@ -71,7 +71,10 @@ class PublishThread {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       Camera50 camera;
       const auto ended = publish(camera, options_, {{}, stop});
-      if (!ended) error_ = ended.error();
+      if (!ended)
+        error_ = ended.error();
+      else
+        error_ = ended->input_error;
     });
   }
   /// Stops the publisher; returns its error if it had ended by itself.

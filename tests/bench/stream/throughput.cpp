@@ -67,7 +67,7 @@ Script write_script(const fs::path& scratch, const std::string& name, const std:
 local ready, at = {}, 0
 init = function()
   for i, r in ipairs(all) do
-    ready[i] = wrk.format("GET", r[1], r[2] ~= "" and {["Range"] = r[2], ["Host"] = "bench"} or {["Host"] = "bench"})
+    ready[i] = wrk.format("GET", r[1], r[2] ~= "" and {["Range"] = r[2], ["Host"] = "localhost"} or {["Host"] = "localhost"})
   end
 end
 request = function()

@@ -17,10 +17,9 @@
 namespace pointreel {
 namespace {
 
-/// Few enough that a group's candidates are near most of its points, and enough that finding them
-/// pays.
+/// Of the finest cells in which points are counted. Smaller ones would only make the tree larger.
 constexpr double kPointsPerCell = 12.0;
-/// How many points rows are made of together.
+/// Nodes with at most so many points are split into rows, wherever the octree's planes are.
 constexpr std::uint32_t kPointsPerBundle = 64;
 /// The cosine of the largest angle between the surface's normal and those of its points.
 constexpr float kLeastCosine = 0.3f;
@@ -87,8 +86,8 @@ struct PointSurface::RowPlaces {
     nearby.near = select_points(rows, nearby.rows, row.center, reach, nearby.points);
   }
 
-  /// The nearest places of the spheres that are fitted around the places. Those further away than
-  /// the radius do not count.
+  /// The nearest places of the spheres that are fitted around the places, in the coordinates of
+  /// the points. Those further away from the points than the radius do not count.
   PlacesFound step(const PlaceSums& sums, double beta) const {
     PlacesFound found = project_onto_spheres(sums, static_cast<float>(beta), start_x - places.x,
                                              start_y - places.y, start_z - places.z);

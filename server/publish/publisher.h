@@ -50,7 +50,7 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
 /// frame does not fit. Then it gets a margin of a tenth of the frame's box on each side, and still
 /// holds what the previous cube was made for, unless that would make it more than twice as large.
 /// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly,
-/// and the cells of cleaned frames follow the spacing of their points, until it changes by a
+/// and the cells of cleaned frames are those that fit their points, until these change by a
 /// quarter.
 class SteadyGrid {
  public:

@@ -26,6 +26,8 @@ constexpr double kBeta = 0.5;
 constexpr double kSupport = 50.0;
 constexpr std::size_t kAveraged = 60;
 constexpr std::uint32_t kMeasuredOneIn = 16;
+/// Spacing is at least this share of what counting the points nearby tells, which is not exact.
+constexpr float kLocalSpacing = 0.8f;
 constexpr int kMeasurements = 4;
 /// Scans often consist of curves with gaps between them. Where the points around a place extend
 /// less than this in some direction, compared with the radius, the radius grows: along a single
@@ -86,7 +88,8 @@ float median_of(const std::vector<Measured>& measured, float Measured::* member)
 /// noise. A few rounds are enough, and so is a part of the points.
 std::vector<Measured> measure(const PointSurface& surface, const Executor& executor) {
   std::vector<Measured> measured(surface.order().size());
-  std::vector<float> radii = surface.radii_of(kSupport);
+  const std::vector<float> counted = surface.radii_of(kSupport);
+  std::vector<float> radii = counted;
   for (int round = 0; round < kMeasurements; ++round) {
     const std::vector<SurfaceEvidence> evidence =
         surface.measure(radii, kBeta, kMeasuredOneIn, executor);
@@ -103,7 +106,9 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
     for (std::size_t i = 0; i < means.size(); ++i) {
       measured[i].noise = std::sqrt(means[i].x);
       if (round == 0) {
-        measured[i].spacing = means[i].y;
+        // Means reach from small sparse objects to dense ones nearby.
+        const float local = counted[i] * std::sqrt(kPi / static_cast<float>(kSupport));
+        measured[i].spacing = std::max(means[i].y, kLocalSpacing * local);
       } else {
         measured[i].widening = std::max(means[i].z, 1.0f);
       }

@@ -203,6 +203,21 @@ TEST(Clean, far_from_zero_gives_the_same_to_a_float) {
   }
 }
 
+TEST(Clean, keeps_a_sparse_surface_beside_a_dense_one) {
+  PointCloud cloud = noisy_sphere(20'000, 0.005);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> along(-1.0f, 1.0f);
+  std::normal_distribution<float> across(0.0f, 0.005f);
+  for (int i = 0; i < 700; ++i) {
+    cloud.positions.emplace_back(along(random), -1.3f + across(random), along(random));
+    cloud.normals.emplace_back(0.0f, 1.0f, 0.0f);
+    cloud.colors.emplace_back(0, 0, 0);
+  }
+  const CleanReport report = clean(cloud);
+  EXPECT_TRUE(report.cleaned);
+  EXPECT_LT(report.removed, 50u) << "some, where the two are near each other";
+}
+
 TEST(Clean, gives_points_without_a_normal_one) {
   const PointCloud source = noisy_sphere(20'000, 0.02);
   for (const std::size_t one_in : {1u, 10u}) {

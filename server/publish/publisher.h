@@ -48,7 +48,8 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
 
 /// A cube that consecutive frames share, so that voxels do not jump between them. It stays until a
 /// frame does not fit. Then it gets a margin of a tenth of the frame's box on each side, and still
-/// holds what the previous cube was made for, unless that would make it more than twice as large.
+/// holds what the previous cube was made for, unless that would make it more than twice as large. A
+/// cube eight times as large as a frame is made anew.
 /// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly,
 /// and the cells of cleaned frames are those that fit their points, until these change by a
 /// quarter.

@@ -10,6 +10,8 @@ namespace {
 constexpr double kMargin = 0.1;
 /// The largest edge of the cube, relative to what the box of one frame needs.
 constexpr double kMaxGrowth = 2.0;
+/// A cube that is larger than this is made anew.
+constexpr double kMaxRoom = 8.0;
 /// The cells of cleaned frames stay until those that fit a frame differ by this factor.
 constexpr double kSameCells = 1.25;
 
@@ -56,7 +58,15 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const Clean
   }
   const bool fits_cells = on_lattice_ ? lattice && same(*lattice, *lattice_)
                                       : !lattice || (lattice_ && same(*lattice, *lattice_));
-  if (grid_ && fits_cells &&
+  // A single frame with a point far away would make all later ones collapse.
+  const double edge = longest_edge(box);
+  bool too_large = false;
+  if (grid_ && edge > 0.0 && grid_->cube.edge > kMaxRoom * edge) {
+    const Result<Grid> own = grid_for(with_margin(box), options_, lattice);
+    too_large = own && grid_->cube.edge > kMaxRoom * own->cube.edge;
+    if (too_large) held_ = {};
+  }
+  if (grid_ && fits_cells && !too_large &&
       contains({grid_->cube.origin, grid_->cube.origin + grid_->cube.edge}, box)) {
     return *grid_;
   }

@@ -237,6 +237,19 @@ TEST(SteadyGrid, stays_the_same_until_a_frame_does_not_fit) {
   EXPECT_LE(far.edge, 2.5) << "the cube does not reach back to the old place";
 }
 
+TEST(SteadyGrid, recovers_from_a_frame_with_a_point_far_away) {
+  SteadyGrid steady{PublishOptions{}};
+  const Box box{{0, 0, 0}, {1, 2, 1}};
+  EXPECT_LE(steady.of({}, box).value().cube.edge, 2.5);
+  EXPECT_GE(steady.of({}, {{0, 0, 0}, {1e12, 2, 1}}).value().cube.edge, 1e12);
+  EXPECT_LE(steady.of({}, box).value().cube.edge, 2.5);
+  (void)steady.of({}, {{0, 0, 0}, {1e38, 1e38, 1e38}});
+  EXPECT_LE(steady.of({}, box).value().cube.edge, 2.5);
+  const Cube before = steady.of({}, box).value().cube;
+  EXPECT_EQ(steady.of({}, {{0.4, 0.9, 0.4}, {0.7, 1.2, 0.6}}).value().cube, before)
+      << "somebody who crouches keeps the cube";
+}
+
 TEST(SteadyGrid, keeps_the_requested_voxel_size) {
   PublishOptions options;
   options.voxel = 0.01;

@@ -1,7 +1,6 @@
 #include "common/surface/point_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -171,8 +170,8 @@ void PointSurface::make_rows() {
   }
 }
 
-/// Calls `has_enough(node, block)` down the tree as long as it returns true, and
-/// `done(points' begin, end, last node that had enough)` for the points below.
+/// Calls `has_enough(node)` down the tree as long as it returns true, and `done(begin, end, node)`
+/// for the points below the last node that had enough. The root counts as having enough.
 template <class Enough, class Done>
 void PointSurface::for_smallest_blocks(const Enough& has_enough, const Done& done) const {
   if (nodes_.empty()) return;

@@ -64,7 +64,6 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const Clean
   if (grid_ && edge > 0.0 && grid_->cube.edge > kMaxRoom * edge) {
     const Result<Grid> own = grid_for(with_margin(box), options_, lattice);
     too_large = own && grid_->cube.edge > kMaxRoom * own->cube.edge;
-    if (too_large) held_ = {};
   }
   if (grid_ && fits_cells && !too_large &&
       contains({grid_->cube.origin, grid_->cube.origin + grid_->cube.edge}, box)) {

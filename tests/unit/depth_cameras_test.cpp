@@ -9,13 +9,13 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include "common/cloud/ply.h"
 #include "datasets_synthetic/closest_point.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/ray_cast.h"
 #include "datasets_synthetic/sequences.h"
+#include "tests/unit/sampled_bytes.h"
 
 namespace pointreel {
 namespace {
@@ -400,15 +400,10 @@ TEST(DepthCameras, a_seed_gives_the_same_bytes_on_one_thread_and_on_two) {
   SequenceOptions options;
   options.sampler = Sampler::depth_cameras;
   options.points = 8000;
-  const auto bytes = [&](int threads) {
-    tbb::task_arena arena(threads);
-    return arena.execute(
-        [&] { return ply_bytes(sequence_frame(*find_motion("walk"), options, 11).value()); });
-  };
-  const Bytes one = bytes(1);
-  EXPECT_EQ(one, bytes(2));
+  const Bytes one = sampled_bytes(options, 1);
+  EXPECT_EQ(one, sampled_bytes(options, 2));
   options.seed = 2;
-  EXPECT_NE(one, bytes(2));
+  EXPECT_NE(one, sampled_bytes(options, 2));
 }
 
 TEST(DepthCameras, frames_have_about_the_requested_number_of_points_with_normals_and_colours) {

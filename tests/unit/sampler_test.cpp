@@ -3,12 +3,12 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include "common/cloud/ply.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/uniform.h"
 #include "datasets_synthetic/sequences.h"
+#include "tests/unit/sampled_bytes.h"
 
 namespace pointreel {
 namespace {
@@ -138,16 +138,11 @@ TEST(UniformSampler, a_seed_gives_the_same_bytes_on_one_thread_and_on_two) {
   options.sampler = Sampler::uniform;
   options.points = 20000;
   options.noise = 0.001;
-  const auto bytes = [&](int threads) {
-    tbb::task_arena arena(threads);
-    return arena.execute(
-        [&] { return ply_bytes(sequence_frame(*find_motion("walk"), options, 11).value()); });
-  };
-  const Bytes one = bytes(1);
+  const Bytes one = sampled_bytes(options, 1);
   EXPECT_GT(one.size(), 20000u * 27u);
-  EXPECT_EQ(one, bytes(2));
+  EXPECT_EQ(one, sampled_bytes(options, 2));
   options.seed = 2;
-  EXPECT_NE(one, bytes(2));
+  EXPECT_NE(one, sampled_bytes(options, 2));
 }
 
 TEST(UniformSampler, refuses_a_shape_without_a_surface) {

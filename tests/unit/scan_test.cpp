@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include "common/cloud/ply.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/depth_range.h"
 #include "datasets_synthetic/sequences.h"
+#include "tests/unit/sampled_bytes.h"
 
 namespace pointreel {
 namespace {
@@ -280,16 +280,11 @@ TEST(Scan, the_pattern_and_its_gaps_differ_between_frames_and_seeds) {
 TEST(Scan, a_seed_gives_the_same_bytes_on_one_thread_and_on_two) {
   SequenceOptions options;
   options.points = 8000;
-  const auto bytes = [&](int threads) {
-    tbb::task_arena arena(threads);
-    return arena.execute(
-        [&] { return ply_bytes(sequence_frame(*find_motion("walk"), options, 11).value()); });
-  };
-  const Bytes one = bytes(1);
-  EXPECT_EQ(one, bytes(2));
-  EXPECT_EQ(one, bytes(1));
+  const Bytes one = sampled_bytes(options, 1);
+  EXPECT_EQ(one, sampled_bytes(options, 2));
+  EXPECT_EQ(one, sampled_bytes(options, 1));
   options.seed = 2;
-  EXPECT_NE(one, bytes(2));
+  EXPECT_NE(one, sampled_bytes(options, 2));
 }
 
 TEST(Scan, frames_have_about_the_requested_number_of_points_and_outward_normals) {

@@ -206,6 +206,18 @@ class LinkEmulator::Loop {
     ::epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event);
   }
 
+  /// Ends a connection for this process and its events for everyone: a descriptor stays in epoll
+  /// after it was closed if a forked process still has a copy.
+  void close(const Connection& connection) {
+    for (const int socket : {connection.client, connection.target}) {
+      ::epoll_ctl(epoll_, EPOLL_CTL_DEL, socket, nullptr);
+      if (connection.broken)
+        close_with_reset(socket);
+      else
+        ::close(socket);
+    }
+  }
+
   void run() {
     std::array<epoll_event, 256> events;
     while (!stopping_) {
@@ -290,13 +302,7 @@ class LinkEmulator::Loop {
     std::erase_if(connections_, [&](Connection& connection) {
       const bool over = connection.up.end_passed_on && connection.down.end_passed_on;
       if (!connection.broken && !over) return false;
-      if (connection.broken) {
-        close_with_reset(connection.client);
-        close_with_reset(connection.target);
-      } else {
-        ::close(connection.client);
-        ::close(connection.target);
-      }
+      close(connection);
       return true;
     });
     statistics_.open = connections_.size();

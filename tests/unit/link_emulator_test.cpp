@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <numeric>
 #include <string>
@@ -16,6 +17,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/wait.h"
@@ -195,6 +197,24 @@ TEST_F(Link, resets_connections_and_accepts_new_ones) {
   EXPECT_TRUE(client.broken);
   Client next(link_->port());
   EXPECT_EQ(echoed(next, "after"), "after");
+}
+
+TEST_F(Link, ends_connections_whose_sockets_a_forked_process_still_has) {
+  Client client(link_->port());
+  EXPECT_EQ(echoed(client, "before"), "before");
+  const pid_t copy = ::fork();
+  if (copy == 0) {
+    ::alarm(60);  // if the test cannot end it
+    ::pause();
+    ::_exit(0);
+  }
+  link_->reset_connections();
+  EXPECT_TRUE(wait_until([&] { return link_->statistics().open == 0; }));
+  client.send("to nobody");  // must not wake the link for a connection that is gone
+  Client next(link_->port());
+  EXPECT_EQ(echoed(next, "after"), "after");
+  ::kill(copy, SIGKILL);
+  ::waitpid(copy, nullptr, 0);
 }
 
 TEST_F(Link, drops_connections_silently) {

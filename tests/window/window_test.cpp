@@ -36,7 +36,8 @@ void WindowTest::open_sources(std::vector<std::string> arguments) {
   player_.reset();
   // Moves the mouse away from where windows appear.
   display().xdotool({"mousemove", "1599", "999"});
-  auto opened = PlayerWindow::open(display(), {std::move(arguments), folder_.path(), {}});
+  auto opened = PlayerWindow::open(
+      display(), {std::move(arguments), folder_.path(), {"LD_PRELOAD=" POINTREEL_CRASH_REPORT}});
   ASSERT_TRUE(opened) << opened.error().message;
   player_ = *std::move(opened);
 }

@@ -1,6 +1,6 @@
 #include "server/relay/http_window.h"
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 #include "common/stream/manifest.h"
@@ -14,17 +14,31 @@ std::uint64_t bytes_of(const LiveSegment& segment) {
   return bytes;
 }
 
+std::uint64_t bytes_of(const std::deque<LiveSegment>& segments) {
+  std::uint64_t bytes = 0;
+  for (const LiveSegment& segment : segments) bytes += bytes_of(segment);
+  return bytes;
+}
+
+bool names(const LiveSegment& segment, const std::string& path) {
+  const auto& files = segment.entry.layers;
+  return std::any_of(files.begin(), files.end(),
+                     [&](const LayerFile& file) { return file.path == path; });
+}
+
 }  // namespace
 
 HttpWindow::~HttpWindow() {
-  clear();
   output_.remove(kManifestName);
+  retire(segments_.size());
+  for (const Old& old : old_)
+    for (const LayerFile& file : old.segment.entry.layers) output_.remove(file.path);
 }
 
 void HttpWindow::hello(const LiveHello& hello) {
   if (greeted_ && !go_together(hello_, hello)) {
     segmenter_.flush();
-    clear();
+    retire(segments_.size());  // the manifest names them until there is one of the new session
   }
   segmenter_.begin(hello);
   hello_ = hello;
@@ -52,16 +66,41 @@ void HttpWindow::append(LiveSegment segment) {
   }
   segment.files.clear();
   segments_.push_back(std::move(segment));
+  ++appended_;
   while (segments_.size() > 1 &&
-         (segments_.size() > options_.segments || bytes() > options_.bytes)) {
-    old_.push_back(std::move(segments_.front()));
-    segments_.pop_front();
+         (segments_.size() > options_.segments || bytes_of(segments_) > options_.bytes)) {
+    retire(1);
   }
   write_manifest_file();
-  while (old_.size() > segments_.size()) {
-    for (const LayerFile& file : old_.front().entry.layers) output_.remove(file.path);
-    old_.pop_front();
+  remove_old();
+}
+
+void HttpWindow::retire(std::size_t count) {
+  const std::uint64_t until = appended_ + options_.segments;
+  for (; count > 0; --count) {
+    old_.push_back({std::move(segments_.front()), until});
+    segments_.pop_front();
   }
+}
+
+void HttpWindow::remove_old() {
+  std::uint64_t bytes = 0;
+  for (const Old& old : old_) bytes += bytes_of(old.segment);
+  while (!old_.empty() && (old_.front().until <= appended_ ||
+                           (bytes > options_.bytes && old_.size() > segments_.size()))) {
+    const LiveSegment segment = std::move(old_.front().segment);
+    old_.pop_front();
+    bytes -= bytes_of(segment);
+    for (const LayerFile& file : segment.entry.layers)
+      if (!is_kept(file.path)) output_.remove(file.path);
+  }
+}
+
+bool HttpWindow::is_kept(const std::string& path) const {
+  return std::any_of(old_.begin(), old_.end(),
+                     [&](const Old& old) { return names(old.segment, path); }) ||
+         std::any_of(segments_.begin(), segments_.end(),
+                     [&](const LiveSegment& segment) { return names(segment, path); });
 }
 
 void HttpWindow::write_manifest_file() {
@@ -76,22 +115,6 @@ void HttpWindow::write_manifest_file() {
   }
   manifest.duration_us = end_of(manifest.segments.back(), hello_.fps);
   output_.put(kManifestName, write_manifest(manifest), false);
-}
-
-void HttpWindow::clear() {
-  for (const auto* segments : {&old_, &segments_}) {
-    for (const LiveSegment& segment : *segments) {
-      for (const LayerFile& file : segment.entry.layers) output_.remove(file.path);
-    }
-  }
-  old_.clear();
-  segments_.clear();
-}
-
-std::uint64_t HttpWindow::bytes() const {
-  std::uint64_t bytes = 0;
-  for (const LiveSegment& segment : segments_) bytes += bytes_of(segment);
-  return bytes;
 }
 
 }  // namespace pointreel

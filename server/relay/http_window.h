@@ -26,7 +26,8 @@ struct WindowOptions {
 
 /// Serves a live stream over HTTP: keeps its newest segments in memory, as a package whose
 /// reel.json is replaced with each segment. Segments that have left the manifest stay for as long
-/// again, for viewers that have read an older manifest. See PROTOCOL.md, "Live over HTTP".
+/// again, for viewers that have read an older manifest. The last manifest of a session stays, with
+/// its files, until the next session has a segment. See PROTOCOL.md, "Live over HTTP".
 class HttpWindow : public LiveSink {
  public:
   HttpWindow(WindowOutput output, const WindowOptions& options = {})
@@ -38,18 +39,29 @@ class HttpWindow : public LiveSink {
   void end() override;
 
  private:
+  /// A segment that has left the manifest.
+  struct Old {
+    LiveSegment segment;
+    std::uint64_t until;  ///< its files go when this many segments were appended
+  };
+
   void append(LiveSegment segment);
+  /// Takes the oldest segments out of the manifest.
+  void retire(std::size_t count);
   void write_manifest_file();
-  void clear();
-  std::uint64_t bytes() const;
+  void remove_old();
+  /// Two sessions that begin alike have files of the same name and content.
+  bool is_kept(const std::string& path) const;
 
   const WindowOutput output_;
   const WindowOptions options_;
   Segmenter segmenter_;
   LiveHello hello_;
   bool greeted_ = false, ended_ = false;
-  /// Without their bytes, oldest first: those in the manifest, and those that have left it.
-  std::deque<LiveSegment> segments_, old_;
+  // Both without their bytes, oldest first.
+  std::deque<LiveSegment> segments_;  ///< in the manifest
+  std::deque<Old> old_;
+  std::uint64_t appended_ = 0;
 };
 
 }  // namespace pointreel

@@ -303,17 +303,36 @@ TEST(HttpWindow, reports_that_the_publisher_has_left_and_resumes_when_it_returns
   EXPECT_EQ(out.manifest().frame_count(), 12u);
 }
 
-TEST(HttpWindow, removes_old_sessions_and_everything_at_the_end) {
+TEST(HttpWindow, the_manifest_of_a_session_is_whole_until_the_next_has_a_segment) {
+  Files out;
+  HttpWindow window(out.output(), small_window());
+  window.hello(real_hello(1));
+  give_frames(window, 0, 20);
+  window.end();
+  window.hello(real_hello(2));
+  give_frames(window, 0, 4);
+  const Manifest old = out.manifest();
+  EXPECT_EQ(old.live->session, 1u);
+  EXPECT_TRUE(old.live->ended);
+  EXPECT_TRUE(out.whole(old));
+  give_frames(window, 4, 2);
+  EXPECT_EQ(out.manifest().live->session, 2u);
+  EXPECT_EQ(out.manifest().live->first_frame, 0u);
+  EXPECT_TRUE(out.whole(out.manifest())) << "files of the same name in both sessions stay";
+  EXPECT_TRUE(out.whole(old)) << "a cache may still have the old manifest";
+  give_frames(window, 6, 14);
+  EXPECT_TRUE(out.whole(out.manifest()));
+  EXPECT_LE(out.files.size(), 1u + 2 * 3 * 3);
+}
+
+TEST(HttpWindow, removes_everything_at_the_end) {
   Files out;
   {
     HttpWindow window(out.output(), small_window());
     window.hello(real_hello(1));
-    give_frames(window, 0, 20);
+    give_frames(window, 0, 40);
     window.hello(real_hello(2));
     give_frames(window, 0, 6);
-    EXPECT_EQ(out.manifest().live->session, 2u);
-    EXPECT_EQ(out.manifest().live->first_frame, 0u);
-    EXPECT_EQ(out.files.size(), 1u + 3);
   }
   EXPECT_THAT(out.files, IsEmpty());
 }

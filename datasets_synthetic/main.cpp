@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <new>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -236,6 +237,7 @@ void add_options(CLI::App& app, Options& options) {
       ->group(kSampling);
   app.add_option("--seed", sequence.seed, "each seed gives another sample of the same surface")
       ->capture_default_str()
+      ->check(pointreel::whole_number())
       ->group(kSampling);
   app.add_option("--noise", sequence.noise,
                  "noise, in addition to that of the sampler: its standard deviation along each "
@@ -301,7 +303,9 @@ int main(int argc, char** argv) {
   int exit_code = 1;
   try {
     exit_code = pointreel::parse_and_run(argc, argv);
-  } catch (const std::exception& error) {  // most likely out of memory
+  } catch (const std::bad_alloc&) {
+    pointreel::print_error("pointreel-synth", "not enough memory; try --threads 1 or fewer points");
+  } catch (const std::exception& error) {
     pointreel::print_error("pointreel-synth", error.what());
   }
   return pointreel::finish_output("pointreel-synth", exit_code);

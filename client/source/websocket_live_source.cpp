@@ -22,6 +22,15 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLook{200};  ///< how long it takes to notice that it is to stop
 
+WebSocketOptions socket_options(const SourceOptions& source) {
+  WebSocketOptions options;
+  options.token = source.token;
+  options.ca_file = source.ca_file;
+  options.connect_timeout = source.connect_timeout;
+  options.silence_timeout = source.stall_timeout;
+  return options;
+}
+
 class WebSocketLiveSource : public LiveSource {
  public:
   WebSocketLiveSource(std::string url, const SourceOptions& options)
@@ -56,11 +65,7 @@ class WebSocketLiveSource : public LiveSource {
     Backoff<milliseconds> pause(options_.first_backoff, options_.max_backoff);
     bool connected_before = false;
     while (!stop_.stop_requested()) {
-      WebSocketOptions options;
-      options.token = options_.token;
-      options.ca_file = options_.ca_file;
-      options.connect_timeout = options_.connect_timeout;
-      options.silence_timeout = options_.stall_timeout;
+      WebSocketOptions options = socket_options(options_);
       options.stop = stop_.get_token();
       auto socket = WebSocket::connect(url_, options);
       if (socket) {
@@ -151,7 +156,7 @@ class WebSocketLiveSource : public LiveSource {
 
 Result<std::unique_ptr<LiveSource>> open_websocket_live_source(const std::string& url,
                                                                const SourceOptions& options) {
-  TRY(parse_websocket_url(url));
+  TRY(check_websocket(url, socket_options(options)));
   return std::make_unique<WebSocketLiveSource>(url, options);
 }
 

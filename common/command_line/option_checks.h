@@ -1,8 +1,12 @@
 #pragma once
 
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -31,6 +35,20 @@ inline CLI::Validator number_within(double least, double most) {
 inline CLI::Validator positive_number() {
   return number_option("a number above 0",
                        [](double value) { return value > 0.0 && std::isfinite(value); });
+}
+
+/// Accepts the numbers of 64 bits. Without it, CLI11 takes -1 and numbers that do not fit for the
+/// largest one.
+inline CLI::Validator whole_number() {
+  const auto check = [](const std::string& text) {
+    std::uint64_t value = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error == std::errc() && stop == end) return std::string();
+    return fmt::format("{} is not a whole number from 0 to {}", text,
+                       std::numeric_limits<std::uint64_t>::max());
+  };
+  return CLI::Validator(check, "");
 }
 
 /// What is wrong with the value of an option for a token, on the command line, in a configuration

@@ -355,6 +355,21 @@ tl::expected<std::unique_ptr<WebSocket>, ConnectError> opened(
   return connection;
 }
 
+Result<asio::ssl::context> client_context(const WebSocketOptions& options) {
+  asio::ssl::context tls(asio::ssl::context::tls_client);
+  ::SSL_CTX_set_min_proto_version(tls.native_handle(), TLS1_2_VERSION);
+  error_code error;
+  if (options.ca_file.empty()) {
+    tls.set_default_verify_paths(error);
+  } else {
+    tls.load_verify_file(options.ca_file, error);
+  }
+  if (error)
+    return fail(ErrorCode::argument,
+                fmt::format("{}: holds no certificates in PEM form", options.ca_file));
+  return tls;
+}
+
 }  // namespace
 
 Result<Url> parse_websocket_url(const std::string& text) {
@@ -366,27 +381,20 @@ Result<Url> parse_websocket_url(const std::string& text) {
   return url;
 }
 
+Result<void> check_websocket(const std::string& text, const WebSocketOptions& options) {
+  if (TRY(parse_websocket_url(text)).tls()) TRY(client_context(options));
+  return {};
+}
+
 tl::expected<std::unique_ptr<WebSocket>, ConnectError> WebSocket::connect(
     const std::string& text, const WebSocketOptions& options) try {
   const Result<Url> url = parse_websocket_url(text);
   if (!url) return tl::unexpected(ConnectError{url.error(), 0});
   const std::string place = url->place();
   if (!url->tls()) return opened(std::make_unique<Connection<Plain>>(place, options), *url);
-  asio::ssl::context tls(asio::ssl::context::tls_client);
-  ::SSL_CTX_set_min_proto_version(tls.native_handle(), TLS1_2_VERSION);
-  error_code error;
-  if (options.ca_file.empty()) {
-    tls.set_default_verify_paths(error);
-  } else {
-    tls.load_verify_file(options.ca_file, error);
-  }
-  if (error) {
-    return tl::unexpected(
-        ConnectError{{fmt::format("{}: holds no certificates in PEM form", options.ca_file),
-                      ErrorCode::argument},
-                     0});
-  }
-  return opened(std::make_unique<Connection<Secure>>(place, options, tls), *url);
+  Result<asio::ssl::context> tls = client_context(options);
+  if (!tls) return tl::unexpected(ConnectError{tls.error(), 0});
+  return opened(std::make_unique<Connection<Secure>>(place, options, *tls), *url);
 } catch (const std::exception& error) {
   return tl::unexpected(
       ConnectError{{fmt::format("{}: {}", text, error.what()), ErrorCode::io}, 0});

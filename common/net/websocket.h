@@ -48,6 +48,9 @@ struct ConnectError : Error {
   int status = 0;  ///< the HTTP status, if the server answered but refused the upgrade
 };
 
+/// Fails with `argument` if WebSocket::connect() would do so, whatever the server does.
+Result<void> check_websocket(const std::string& url, const WebSocketOptions& options);
+
 /// A connection, with a thread of its own. One thread may send while another receives.
 ///
 /// Trust: the peer may be hostile. The size of a message is bounded by max_message before memory is

@@ -22,4 +22,9 @@ CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options) {
   return clean(cloud, *options.clean, options.encode.executor);
 }
 
+std::string_view why_not_cleaned(const CleanOptions& options) {
+  return options.radius ? "around most points, no surface fits within that radius; try auto"
+                        : "the frames are smooth, voxelised, or no scans of surfaces";
+}
+
 }  // namespace pointreel

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/surface/clean.h"
 #include "pointreel/draco.h"
@@ -32,5 +33,7 @@ ReelHead reel_head(const EncodingOptions& options);
 
 /// Cleans a frame as the options say. With `voxel`, only if a radius is given.
 CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
+/// Why no frame was cleaned, for people.
+std::string_view why_not_cleaned(const CleanOptions& options);
 
 }  // namespace pointreel

@@ -155,9 +155,7 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
   print("  error           at most {}, in the source's units\n", number_text(summary.max_error, 4));
   if (options.clean && summary.cleaning.frames == 0) {
-    print("  cleaning        none: {}\n",
-          options.clean->radius ? "around most points, no surface fits within that radius; try auto"
-                                : "the frames are smooth, voxelised, or no scans of surfaces");
+    print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {
     const CleaningSummary& cleaning = summary.cleaning;
     print("  cleaning        {}: noise {}, spacing {}, radius {}; {} removed\n",

@@ -107,6 +107,9 @@ class Publisher {
     PointCloud& cloud = frame.cloud->cloud;
     const CleanReport cleaning = clean_frame(cloud, options_);
     const double clean_ms = ms_since(start);
+    if (options_.clean && !cleaning.cleaned && !cloud.positions.empty() &&
+        !std::exchange(uncleaned_told_, true))
+      say(fmt::format("{}: not cleaned: {}", frame.name, why_not_cleaned(*options_.clean)));
     const Box box = bounds(cloud);
     const Result<Grid> grid = grid_.of(cloud, box, cleaning);
     if (!grid) return fail_at(frame.name, grid.error());
@@ -184,7 +187,7 @@ class Publisher {
   FrameTimeControl time_;
   const LiveSecret secret_ = random_secret();
   LiveHello hello_;
-  bool greeted_ = false;
+  bool greeted_ = false, uncleaned_told_ = false;
   std::uint32_t number_ = 0;
   std::uint64_t last_us_ = 0;
   int allowed_told_ = kMaxDepth;  ///< the depth that was last reported

@@ -235,16 +235,19 @@ TEST(Live, a_recording_stops_while_it_cannot_be_written_and_then_continues) {
   EXPECT_FALSE(fs::exists(folder / "record" / "stage-2"));
 }
 
-TEST(Live, a_publisher_gives_up_where_its_own_certificate_file_is_wrong) {
+TEST(Live, publishers_and_viewers_give_up_where_their_own_certificate_file_is_wrong) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_ply(folder.path() / "frame.ply", spiral(0)));
   const std::string file = (folder.path() / "frame.ply").string();
-  const Outcome outcome =
-      run("pointreel-server", {"publish", "-i", folder.path().string(), "--to",
-                               "wss://127.0.0.1:9/live/stage", "--ca-file", file});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, testing::HasSubstr(file + ": holds no certificates"));
-  EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("trying again")));
+  const std::string url = "wss://127.0.0.1:9/live/stage";
+  for (const Outcome& outcome :
+       {run("pointreel-server",
+            {"publish", "-i", folder.path().string(), "--to", url, "--ca-file", file}),
+        run("pointreel", {"play", url, "--ca-file", file, "--offscreen", "64x64"})}) {
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, testing::HasSubstr(file + ": holds no certificates"));
+    EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("trying again")));
+  }
 }
 
 TEST(Live, a_publisher_without_the_token_is_refused_and_gives_up) {

@@ -88,5 +88,19 @@ TEST(Output, a_limit_on_the_size_of_files_is_an_error_and_kills_no_program) {
   }
 }
 
+TEST(Output, seeds_that_are_no_numbers_of_64_bits_are_refused) {
+  const TemporaryFolder folder;
+  for (const char* seed : {"-1", "18446744073709551616", "1.5", ""}) {
+    const Outcome outcome =
+        run("pointreel-synth", {"walk", "--seed", seed, "-o", (folder.path() / "out").string()});
+    EXPECT_EQ(outcome.exit_code, 2) << seed;
+    EXPECT_THAT(outcome.err, testing::HasSubstr("--seed")) << seed;
+  }
+  const Outcome largest =
+      run("pointreel-synth", {"walk", "--seed", "18446744073709551615", "--frames", "1", "--points",
+                              "100", "-o", (folder.path() / "out").string()});
+  EXPECT_EQ(largest.exit_code, 0) << largest.err;
+}
+
 }  // namespace
 }  // namespace pointreel::e2e

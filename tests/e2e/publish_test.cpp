@@ -150,5 +150,16 @@ TEST_F(PublishTest, cleans_frames_before_it_encodes_them) {
   EXPECT_LT(manifest->bounds.max.y, 1.0) << "the point far above is gone";
 }
 
+TEST_F(PublishTest, says_once_that_frames_are_not_cleaned) {
+  Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const Outcome published = run("pointreel-server", publish(address, {"--clean", "1000"}));
+  EXPECT_EQ(published.exit_code, 0) << published.err;
+  const auto told = published.err.find("0.ply: not cleaned: around most points");
+  EXPECT_NE(told, std::string::npos) << published.err;
+  EXPECT_EQ(published.err.find("not cleaned", told + 20), std::string::npos) << published.err;
+}
+
 }  // namespace
 }  // namespace pointreel::e2e

@@ -98,13 +98,14 @@ void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
   }
 }
 
-/// Cuts the tree off at the coarsest level that satisfies `delta`.
+/// Cuts the tree off at the level that is drawn as voxels.
 Result<void> coarsen(SceneFrame& scene, double delta) {
   std::vector<std::uint32_t> occupied;
   for (int level = 0; level <= scene.svo.depth; ++level) {
     occupied.push_back(scene.svo.node_count(level));
   }
-  const int depth = TRY(choose_depth(occupied, scene.points, DepthRule::by_delta(delta)));
+  const int by_delta = TRY(choose_depth(occupied, scene.points, DepthRule::by_delta(delta)));
+  const int depth = depth_that_closes(occupied, scene.points, by_delta, delta);
   const double leaves = occupied[static_cast<std::size_t>(depth)];
   if (leaves >= (1.0 - delta) * scene.points) scene.level = kWholeFrame;
   if (depth < scene.svo.depth) scene.svo = truncate(scene.svo, depth);
@@ -134,7 +135,8 @@ Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptio
   rule.most = options.level;
   const auto tree = TRY(sort_to_depth(scene.cloud, cube, rule));
   if (tree.depth == options.level) scene.level = options.level;
-  use_tree(scene, tree.sorted, tree.depth);
+  use_tree(scene, tree.sorted,
+           depth_that_closes(tree.sorted.occupied, scene.cloud.size(), tree.depth, options.delta));
   return {};
 }
 

@@ -25,6 +25,10 @@ constexpr double kRandomGrowth = 3.9, kLeastRandomPoints = 1.5, kMostRandomPoint
 constexpr double kCoarsePointsPerLeaf = 5.0;
 constexpr int kWidestOfCoarse = 1;
 
+/// From this growth on, scanned curves close when their gaps are filled. For that, a tree may have
+/// this share of the leaves that delta asks for.
+constexpr double kClosingGrowth = 2.35, kLeastOfDelta = 0.77;
+
 /// The numbers of a node and of the nodes around it on its level (number_around). Where there is no
 /// node, a number beyond the last.
 using Around = std::array<std::uint32_t, 27>;
@@ -365,6 +369,17 @@ void fill_values(std::vector<Value>& values, const Svo& svo, const FilledNodes& 
 }
 
 }  // namespace
+
+int depth_that_closes(std::span<const std::uint32_t> occupied, std::uint64_t points, int depth,
+                      double delta) {
+  if (depth < 1) return depth;
+  const double leaves = occupied[static_cast<std::size_t>(depth)],
+               parents = occupied[static_cast<std::size_t>(depth) - 1];
+  const double growth = leaves / parents;
+  const bool gaps_stay = growth >= kLeastGrowth && growth < kClosingGrowth;
+  const double wanted = (1.0 - delta) * static_cast<double>(points);
+  return gaps_stay && parents >= kLeastOfDelta * wanted ? depth - 1 : depth;
+}
 
 int gap_to_fill(const Svo& svo, std::uint32_t points) {
   if (svo.depth < 2) return 0;

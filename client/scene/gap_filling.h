@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pointreel/octree.h"
@@ -13,6 +14,13 @@ namespace pointreel {
 // 13 lines through it and its neighbours, or nearest to the middle of two that are a knight's move
 // or the like apart with no leaf as near to it. That closes nets and random holes, keeps outlines,
 // thickens no surface, and adds nothing to single points.
+
+/// The depth of the tree to draw, if delta (DepthRule::delta) chose `depth`: the one above where
+/// that closes, the gaps of this one are wider than fill_gaps() can close, and delta was missed by
+/// little. Without it, frames of the same scan could change between the two. `occupied` are the
+/// numbers of nodes of the levels down to `depth`.
+int depth_that_closes(std::span<const std::uint32_t> occupied, std::uint64_t points, int depth,
+                      double delta);
 
 /// The widest gap, in cells, that is worth filling in a tree of this many points (duplicates
 /// included): 0 to 3. It is 0 if the leaves already meet, or if they are so much finer than the

@@ -1,9 +1,14 @@
 // Packing with --clean.
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "client/prepare/prepare.h"
+#include "client/source/open_source.h"
+#include "datasets_synthetic/motion.h"
+#include "datasets_synthetic/sequences.h"
 #include "server/encode/encoding_options.h"
 #include "server/pack/inspect.h"
 #include "server/pack/packer.h"
@@ -78,6 +83,25 @@ TEST_F(PackClean, leaves_frames_alone_that_are_smooth_or_have_voxels) {
   EXPECT_EQ(packed().cleaning.frames, 0u);
   options_.clean = CleanOptions{0.1};
   EXPECT_EQ(packed().cleaning.frames, 1u) << "was asked for";
+}
+
+TEST_F(PackClean, the_voxels_of_a_cleaned_scan_close) {
+  options_.clean = CleanOptions{};
+  for (const char* name : {"baseball", "basketball", "kick", "soccer-juggle", "soccer-shoot"}) {
+    SequenceOptions sampling;
+    sampling.sampler = Sampler::scan;
+    write(0, sequence_frame(*find_motion(name), sampling, 0).value());
+    ASSERT_EQ(packed().cleaning.frames, 1u) << name;
+    const auto source = open_source(options_.output.string());
+    ASSERT_TRUE(source) << source.error().message;
+    const auto frame =
+        prepare_frame((*source)->fetch({0}).value(), frame_info((*source)->manifest(), 0),
+                      {.mode = DrawMode::voxel});
+    ASSERT_TRUE(frame) << frame.error().message;
+    const Svo& svo = frame->svo;
+    EXPECT_GT(svo.leaf_count(), 3.3 * svo.node_count(svo.depth - 1)) << name;
+    EXPECT_GT(svo.cube.edge / std::exp2(svo.depth), 0.005) << name << ": voxels in metres";
+  }
 }
 
 }  // namespace

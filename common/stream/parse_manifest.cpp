@@ -127,6 +127,18 @@ Result<LiveManifest> parse_live(const JsonValue& object) {
   return live;
 }
 
+Result<Cleaning> parse_cleaning(const JsonValue& object) {
+  Fields fields(object);
+  Cleaning cleaning;
+  cleaning.frames = static_cast<std::uint32_t>(fields.integer("frames", kMaxUint32));
+  cleaning.removed = fields.integer("removed_points", kMaxInteger);
+  cleaning.spacing = fields.number("spacing");
+  cleaning.noise = fields.number("noise");
+  cleaning.radius = fields.number("radius");
+  TRY(fields.check());
+  return cleaning;
+}
+
 /// Checks the members that say whether the others can be understood.
 Result<void> check_format(const JsonValue& root) {
   Fields fields(root);
@@ -158,6 +170,9 @@ Result<Manifest> parse_root(const JsonValue& root) {
   TRY(fields.check());
   manifest.bounds = TRY(at_place("bounds", parse_box(*bounds)));
   if (fields.has("max_error")) manifest.max_error = fields.number("max_error");
+  if (fields.has("cleaning")) {
+    manifest.cleaning = TRY(at_place("cleaning", parse_cleaning(*fields.value("cleaning"))));
+  }
   if (fields.has("tables")) {
     manifest.tables = TRY(at_place("tables", parse_file(*fields.value("tables"))));
   }

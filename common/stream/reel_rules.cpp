@@ -150,6 +150,17 @@ Result<void> check_chunks(const ReelHead& head, std::size_t layer,
   return {};
 }
 
+Result<void> check_cleaning(const Cleaning& cleaning) {
+  if (cleaning.removed > kMaxInteger) return fail("removed_points: is above 2^53 - 1");
+  for (const auto& [name, length] : {std::pair("spacing", cleaning.spacing),
+                                     {"noise", cleaning.noise},
+                                     {"radius", cleaning.radius}}) {
+    if (!(length >= 0.0 && std::isfinite(length)))
+      return fail(concat(name, ": is not a finite number from 0 on"));
+  }
+  return {};
+}
+
 Result<void> check_manifest(const Manifest& manifest) {
   TRY(check_head(manifest));
   if (manifest.duration_us > kMaxInteger) return fail("duration_us: is above 2^53 - 1");
@@ -159,6 +170,7 @@ Result<void> check_manifest(const Manifest& manifest) {
   if (manifest.max_error && !(*manifest.max_error >= 0.0 && std::isfinite(*manifest.max_error))) {
     return fail("max_error: is not a finite number from 0 on");
   }
+  if (manifest.cleaning) TRY(at_place("cleaning", check_cleaning(*manifest.cleaning)));
   std::set<std::string_view> paths;
   if (manifest.tables) {
     if (manifest.entropy != "context") return fail("tables: belong to entropy \"context\" alone");

@@ -66,6 +66,13 @@ ordered_json head_json(const Manifest& manifest) {
   head["depth_max"] = manifest.depth_max;
   head["bounds"] = box_json(manifest.bounds);
   if (manifest.max_error) head["max_error"] = *manifest.max_error;
+  if (const auto& cleaning = manifest.cleaning) {
+    head["cleaning"] = {{"frames", cleaning->frames},
+                        {"removed_points", cleaning->removed},
+                        {"spacing", cleaning->spacing},
+                        {"noise", cleaning->noise},
+                        {"radius", cleaning->radius}};
+  }
   if (manifest.tables) head["tables"] = to_json(*manifest.tables);
   if (manifest.partial) head["partial"] = true;
   if (manifest.live) {

@@ -16,6 +16,7 @@
 #include "common/command_line/shared_options.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
+#include "server/pack/cleaning.h"
 #include "server/pack/inspect.h"
 
 namespace pointreel {
@@ -80,6 +81,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"depth", {{"min", manifest.depth_min}, {"max", manifest.depth_max}}},
           {"bounds", bounds},
           {"max_error", error},
+          {"cleaning", cleaning_json(manifest.cleaning.value_or(Cleaning{}))},
           {"bytes", totals.bytes},
           {"layers", layers},
           {"tables", tables}};
@@ -103,6 +105,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   if (totals.max_error) {
     print("  error   at most {}, in the source's units\n", number_text(*totals.max_error, 4));
   }
+  if (manifest.cleaning) print("  cleaned {}\n", cleaning_text(*manifest.cleaning));
   print("  bytes   {}", totals.bytes);
   if (seconds > 0.0) print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
   print("\n");

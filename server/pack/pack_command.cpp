@@ -16,6 +16,7 @@
 #include "common/base/words.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
+#include "server/pack/cleaning.h"
 #include "server/pack/packer.h"
 
 namespace pointreel {
@@ -105,14 +106,7 @@ ordered_json to_json(const PackSummary& summary) {
                       {"bytes", summary.learnt->bytes},
                       {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
   }
-  json["cleaning"] = nullptr;
-  if (summary.cleaning.frames > 0) {
-    json["cleaning"] = {{"frames", summary.cleaning.frames},
-                        {"removed_points", summary.cleaning.removed},
-                        {"spacing", summary.cleaning.spacing},
-                        {"noise", summary.cleaning.noise},
-                        {"radius", summary.cleaning.radius}};
-  }
+  json["cleaning"] = cleaning_json(summary.cleaning);
   json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
   json["segments"] = ordered_json::array();
@@ -157,11 +151,7 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   if (options.clean && summary.cleaning.frames == 0) {
     print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {
-    const CleaningSummary& cleaning = summary.cleaning;
-    print("  cleaning        {}: noise {}, spacing {}, radius {}; {} removed\n",
-          counted(cleaning.frames, "frame"), number_text(cleaning.noise, 3),
-          number_text(cleaning.spacing, 3), number_text(cleaning.radius, 3),
-          counted(cleaning.removed, "point"));
+    print("  cleaning        {}\n", cleaning_text(summary.cleaning));
   }
   if (options.frame_time_ms) {
     print("  late            {} took longer than {} ms\n", counted(summary.late_frames, "frame"),

@@ -11,6 +11,7 @@
 
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
+#include "server/pack/cleaning.h"
 #include "server/pack/layer_writer.h"
 
 namespace pointreel {
@@ -54,7 +55,7 @@ class Writer {
     segment_.points += encoded.source_points + frame.cleaning.removed;
     if (frame.cleaning.cleaned) {
       const CleanReport& of = frame.cleaning;
-      segment_.cleaning.add({1, of.removed, of.spacing, of.noise, of.radius});
+      add_cleaning(segment_.cleaning, {1, of.removed, of.spacing, of.noise, of.radius});
     }
     segment_.coded_points += encoded.coded_points;
     if (frame.parts) {

@@ -29,7 +29,7 @@ struct PackedSegment {
   bool had_radii = false;
   std::set<std::string> unread;  ///< names of properties that the files have, but clouds do not
   std::uint64_t points = 0, coded_points = 0;
-  CleaningSummary cleaning;
+  Cleaning cleaning;
   std::optional<Chunks<std::uint64_t>> parts;  ///< as PackSummary::parts
   std::vector<double> encode_ms;               ///< of each frame
   std::vector<std::string> warnings;

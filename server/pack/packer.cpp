@@ -25,6 +25,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
 #include "server/encode/unread_properties.h"
+#include "server/pack/cleaning.h"
 #include "server/pack/input.h"
 #include "server/pack/layer_writer.h"
 #include "server/pack/pack_frame.h"
@@ -180,7 +181,7 @@ class Packer {
     const SegmentSummary& added = segment.summary;
     summary_.frames += added.frames;
     summary_.points += segment.points;
-    summary_.cleaning.add(segment.cleaning);
+    add_cleaning(summary_.cleaning, segment.cleaning);
     summary_.coded_points += segment.coded_points;
     summary_.segment_bytes += added.bytes;
     if (segment.parts) {
@@ -224,6 +225,7 @@ class Packer {
     manifest_.depth_min = summary_.depth_min;
     manifest_.depth_max = summary_.depth_max;
     manifest_.max_error = summary_.max_error;
+    if (summary_.cleaning.frames > 0) manifest_.cleaning = summary_.cleaning;
     const std::string text = write_manifest(manifest_);
     if (const auto parsed = parse_manifest(text); !parsed) {
       return fail_at("the package would not be valid", parsed.error());
@@ -258,15 +260,6 @@ class Packer {
 };
 
 }  // namespace
-
-void CleaningSummary::add(const CleaningSummary& later) {
-  if (later.frames == 0) return;
-  frames += later.frames;
-  removed += later.removed;
-  spacing = later.spacing;
-  noise = later.noise;
-  radius = later.radius;
-}
 
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) try {
   const Clock::time_point start = Clock::now();

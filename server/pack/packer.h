@@ -31,16 +31,6 @@ struct LearntTables {
   double saved_bytes = 0.0;  ///< an estimate from the samples, minus the size of the tables
 };
 
-/// What cleaning has done to some frames. Lengths are those of the last frame that was cleaned, in
-/// the source's units.
-struct CleaningSummary {
-  std::uint32_t frames = 0;   ///< that were cleaned; the others stayed as they were
-  std::uint64_t removed = 0;  ///< points that no surface supports
-  double spacing = 0.0, noise = 0.0, radius = 0.0;  ///< as CleanReport
-
-  void add(const CleaningSummary& later);
-};
-
 struct SegmentSummary {
   std::uint32_t first_frame = 0, frames = 0;
   std::uint64_t bytes = 0;       ///< of its files
@@ -54,8 +44,8 @@ struct SegmentSummary {
 
 struct PackSummary {
   std::uint32_t frames = 0;
-  std::uint64_t points = 0;  ///< in the sources of all frames
-  CleaningSummary cleaning;
+  std::uint64_t points = 0;         ///< in the sources of all frames
+  Cleaning cleaning;                ///< of no frame, if none was cleaned
   std::uint64_t coded_points = 0;   ///< after decoding
   std::uint64_t bytes = 0;          ///< of all files of the package, including reel.json
   std::uint64_t segment_bytes = 0;  ///< of the layer files

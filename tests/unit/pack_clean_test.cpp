@@ -43,6 +43,7 @@ TEST_F(PackClean, takes_noise_out_and_says_what_it_did) {
   EXPECT_EQ(cleaned.points, source.points) << "are those of the source";
   EXPECT_LT(cleaned.parts->normals, source.parts->normals * 3 / 4);
   EXPECT_TRUE(verify(options_.output)->faults.empty());
+  EXPECT_EQ(read_manifest(options_.output)->cleaning, cleaned.cleaning);
 }
 
 TEST_F(PackClean, reads_large_segments_twice_with_the_same_result) {

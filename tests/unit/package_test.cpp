@@ -90,6 +90,24 @@ TEST(Manifest, names_tables_only_if_frames_can_use_them) {
               HasSubstr("belong to entropy"));
 }
 
+TEST(Manifest, tells_how_frames_were_cleaned) {
+  Manifest m = example();
+  m.cleaning = Cleaning{3, 12, 0.5, 0.25, 1e-3};
+  const auto back = parse_manifest(write_manifest(m));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->cleaning, m.cleaning);
+  const json good = {
+      {"frames", 3}, {"removed_points", 12}, {"spacing", 0.5}, {"noise", 0.25}, {"radius", 1e-3}};
+  for (const auto& [key, value] : good.items()) {
+    json bad = good;
+    bad[key] = -1;
+    EXPECT_THAT(error_with({{"cleaning", bad}}), HasSubstr("cleaning: " + key));
+    bad.erase(key);
+    EXPECT_THAT(error_with({{"cleaning", bad}}), HasSubstr("cleaning: " + key));
+  }
+  EXPECT_THAT(error_with({{"cleaning", 5}}), HasSubstr("cleaning"));
+}
+
 TEST(Manifest, is_parsed_as_it_was_written) {
   const Manifest m = example();
   const Result<Manifest> back = parse_manifest(write_manifest(m));

@@ -75,14 +75,28 @@ struct ReelHead {
   bool operator==(const ReelHead&) const = default;
 };
 
+/// What was done to the points of a reel before they were encoded: those of noisy scans were moved
+/// onto the surface that they are samples of. Lengths are those of the last frame that was cleaned,
+/// in the units of the source.
+struct Cleaning {
+  std::uint32_t frames = 0;   ///< that were cleaned; the others stayed as they were
+  std::uint64_t removed = 0;  ///< points that no surface supports
+  double spacing = 0.0;       ///< of the points
+  double noise = 0.0;         ///< root mean square distance from the surface
+  double radius = 0.0;        ///< in which the surface was fitted
+
+  bool operator==(const Cleaning&) const = default;
+};
+
 /// The content of reel.json.
 struct Manifest : ReelHead {
   std::uint64_t duration_us = 0;  ///< of one pass, including the last frame's own duration
   std::uint32_t depth_min = 0, depth_max = 0;
   Box bounds;  ///< of all frames; empty if no frame has a point
-  /// How far a point can be from its decoded position, in the units of the source, as the packer
-  /// measured it. Absent if nobody did.
+  /// How far a point, cleaned if it was, can be from its decoded position, in the units of the
+  /// source, as the packer measured it. Absent if nobody did.
   std::optional<double> max_error;
+  std::optional<Cleaning> cleaning;   ///< absent if no frame was cleaned
   std::optional<PackageFile> tables;  ///< the reel's own context tables, if its frames need any
   std::optional<LiveManifest> live;   ///< only while frames may still be added
   /// Some frames have fewer layers than their headers say, because a live link did not carry all of

@@ -50,7 +50,7 @@ class OffscreenPlayer {
     presenter_ = TRY(Presenter::create(options_));
     presenter_->begin(*stage_);
     presenter_->start_clock();
-    camera_ = first_camera(options_, stage_->bounds(), stage_->up(), size_);
+    camera_ = first_camera(options_, stage_->view_bounds(), stage_->up(), size_);
 
     auto ended = plays_every_frame() ? play_every_frame(*stage_->reel(0)) : play_in_real_time();
     if (plays_every_frame())
@@ -112,7 +112,20 @@ class OffscreenPlayer {
 
   Camera camera_at(std::uint64_t time_us) const {
     const Up up = options_.settings.up.value_or(stage_->up());
-    return pointreel::camera_at(options_, time_us, stage_->bounds(), up, size_);
+    return pointreel::camera_at(options_, time_us, stage_->view_bounds(), up, size_);
+  }
+
+  /// Whether there is more, or less, to see than at the last call.
+  bool has_new_view() {
+    return std::exchange(view_version_, stage_->view_version()) != view_version_;
+  }
+
+  /// Whether that is another camera.
+  bool look(const Camera& camera) {
+    if (camera == camera_) return false;
+    camera_ = camera;
+    stage_->look(camera_, size_);
+    return true;
   }
 
   Result<void> play_every_frame(ReelPlayback& reel) {
@@ -139,17 +152,21 @@ class OffscreenPlayer {
   Result<void> draw_frames(const FramePlan& plan, std::uint64_t count, ReelPlayback& reel) {
     for (std::uint64_t i = 0; i < count && !stop_.stop_requested(); ++i) {
       const FramePlan::Picture picture = plan.picture(i);
-      if (options_.camera_path) {
-        camera_ = camera_at(picture.reel_time_us);
-        stage_->look(camera_, size_);
-      }
-      const FrameBuffer::State state = await(reel, picture.frame);
+      if (options_.camera_path) look(camera_at(picture.reel_time_us));
+      FrameBuffer::State state = await(reel, picture.frame);
       if (state == FrameBuffer::State::waiting && stop_.stop_requested()) break;
       if (state == FrameBuffer::State::waiting) return given_up(reel.trouble());
-      if (state == FrameBuffer::State::ready)
-        TRY(draw(stage_->take(0, reel.best())));
-      else
+      if (state == FrameBuffer::State::ready) {
+        std::vector<Stage::Change> changes = stage_->take(0, reel.best());
+        // The first frame may show that the bounds are much too large. It is then needed in more
+        // detail, which may show that again.
+        while (has_new_view() && look(camera_at(picture.reel_time_us)) &&
+               await(reel, picture.frame) == FrameBuffer::State::ready)
+          changes = stage_->take(0, reel.best());
+        TRY(draw(changes));
+      } else {
         ++lost_;  // the last picture stays
+      }
       TRY(record(picture.time_us));
       if (progress_) progress_->tick();
     }
@@ -172,7 +189,6 @@ class OffscreenPlayer {
 
   Result<void> play_in_real_time() {
     TRY(open_recording(std::nullopt));
-    std::size_t bounded = 0;
     auto last_look = steady_clock::now();
     while (!stop_.stop_requested()) {
       const auto now = steady_clock::now();
@@ -183,11 +199,7 @@ class OffscreenPlayer {
       }
       const Stage::Update update = stage_->update(now);
       if (update.ended) break;
-      // The bounds of a live stream are known only after it is connected.
-      if (stage_->bounded() != bounded || options_.camera_path) {
-        bounded = stage_->bounded();
-        camera_ = camera_at(start_us(options_) + time_us);
-      }
+      if (has_new_view() || options_.camera_path) camera_ = camera_at(start_us(options_) + time_us);
       stage_->look(camera_, size_);
       if (!update.changes.empty()) {
         TRY(draw(update.changes));
@@ -241,7 +253,8 @@ class OffscreenPlayer {
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<Presenter> presenter_;
   Camera camera_;
-  std::uint64_t lost_ = 0;  ///< broken frames that were skipped
+  std::size_t view_version_ = 0;  ///< of the stage, at the last look
+  std::uint64_t lost_ = 0;        ///< broken frames that were skipped
   std::unique_ptr<Recorder> recorder_;
   std::optional<std::uint64_t> first_recorded_us_;
 };

@@ -52,6 +52,11 @@ Result<void> check_start(const std::vector<std::unique_ptr<Source>>& reels,
                           sources[*longest].where, seconds(end_of(*longest)), seconds(start_us)));
 }
 
+/// A frame that is so much smaller than the bounds cannot be seen in a picture of those.
+constexpr double kSpeck = 30.0;
+
+double extent(const Box& box) { return glm::length(box.extent()); }
+
 }  // namespace
 
 struct Stage::Listener {
@@ -116,7 +121,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     const auto failed = [i, listener](std::uint32_t frame, const Error& error) {
       listener->failed(i, frame, error);
     };
-    Part part{sources[i].where, sources[i].place, {}};
+    Part part{sources[i].where, sources[i].place, {}, {}, {}};
     if (reels[i]) {
       ReelPlayback::Options reel = options.reel;
       reel.prepare = options.prepare;
@@ -141,10 +146,21 @@ Box Stage::bounds() const {
   return all;
 }
 
-std::size_t Stage::bounded() const {
-  return static_cast<std::size_t>(std::count_if(parts_.begin(), parts_.end(), [](const Part& part) {
+Box Stage::view_bounds() const {
+  Box all;
+  for (const Part& part : parts_) {
+    const Box bounds = part.playback().bounds();
+    const bool is_speck = extent(bounds) > kSpeck * extent(part.first_box);
+    grow(all, !part.first_box.empty() && is_speck ? part.first_box : bounds, part.place);
+  }
+  return all;
+}
+
+std::size_t Stage::view_version() const {
+  const auto bounded = std::count_if(parts_.begin(), parts_.end(), [](const Part& part) {
     return !part.playback().bounds().empty();
-  }));
+  });
+  return first_boxes_ + static_cast<std::size_t>(bounded);
 }
 
 bool Stage::playing() const {
@@ -182,8 +198,20 @@ void Stage::silence() {
 
 std::vector<Stage::Change> Stage::take(std::size_t source,
                                        std::shared_ptr<const SceneFrame> frame) {
-  scene_[source].frame = std::move(frame);
+  show(source, std::move(frame));
   return {{source, false}};
+}
+
+void Stage::show(std::size_t source, std::shared_ptr<const SceneFrame> frame) {
+  Part& part = parts_[source];
+  // From afar, a speck is decoded as a single cell, which is much larger than the frame.
+  const Box& box = frame->main_box;
+  if (!part.first || (*part.first == frame->index && 2.0 * extent(box) < extent(part.first_box))) {
+    part.first = frame->index;
+    part.first_box = box;
+    ++first_boxes_;
+  }
+  scene_[source].frame = std::move(frame);
 }
 
 Stage::Update Stage::update(Clock::TimePoint now) {
@@ -194,7 +222,7 @@ Stage::Update Stage::update(Clock::TimePoint now) {
     update.ended = update.ended && one.ended;
     if (one.due) update.due = std::min(*one.due, update.due.value_or(*one.due));
     if (!one.frame || one.frame == scene_[i].frame) continue;
-    scene_[i].frame = one.frame;
+    show(i, one.frame);
     update.changes.push_back({i, one.refined});
   }
   return update;

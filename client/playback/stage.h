@@ -60,8 +60,13 @@ class Stage {
   const LivePlayback* live(std::size_t i) const { return parts_[i].live(); }
   /// The bounds of all sources, in the world; empty while nothing is known.
   Box bounds() const;
-  /// How many sources have known bounds.
-  std::size_t bounded() const;
+  /// What a camera that sees everything should look at: the bounds, but of a source whose first
+  /// frame is a speck in them, that frame. A single point far away can make the bounds so large.
+  Box view_bounds() const;
+  /// Changes when the bounds of a source become known, and when its first frame came, or came in
+  /// more detail and is much smaller. A camera that nobody moved should then look at view_bounds()
+  /// again, but not whenever bounds grow.
+  std::size_t view_version() const;
   char up() const { return parts_.front().playback().up(); }
   bool playing() const;
   /// The shortest time between two frames of any source.
@@ -99,9 +104,14 @@ class Stage {
   const Scene& scene() const { return scene_; }
 
  private:
+  /// Puts a frame into the scene.
+  void show(std::size_t source, std::shared_ptr<const SceneFrame> frame);
+
   struct Part {
     std::string where;
     glm::dvec3 place;
+    std::optional<std::uint32_t> first;  ///< the frame that was shown first
+    Box first_box;                       ///< its main_box
     std::variant<std::unique_ptr<ReelPlayback>, std::unique_ptr<LivePlayback>> source;
 
     Playback& playback() const {
@@ -124,6 +134,7 @@ class Stage {
   PrepareOptions prepare_;
   std::vector<Part> parts_;
   Scene scene_;
+  std::size_t first_boxes_ = 0;  ///< how often first_box was set
 };
 
 /// The sources of what was dropped on a window together: PLY and Draco files are one reel, in

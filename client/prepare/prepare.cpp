@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/prepare/layer_choice.h"
+#include "client/prepare/main_box.h"
 #include "client/prepare/node_radii.h"
 #include "client/prepare/tree_radii.h"
 #include "codec/cloud_file.h"
@@ -183,6 +184,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
   scene.decode_ms = watch.lap();
   if (frame.svo) {
     scene.svo = std::move(*frame.svo);
+    scene.main_box = main_box(scene.svo);
     scene.attributes = std::move(frame.attributes);
     if (scene.svo.depth < frame.depth) scene.level = scene.svo.depth;
     derive_node_normals(scene, options);
@@ -195,6 +197,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     }
   } else {
     scene.cloud = std::move(frame.cloud);
+    scene.main_box = main_box(scene.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stop));

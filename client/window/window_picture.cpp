@@ -16,7 +16,7 @@ Result<std::unique_ptr<WindowPicture>> WindowPicture::create(const PlayOptions& 
 
 void WindowPicture::begin(const Stage& stage) {
   presenter_->begin(stage);
-  bounded_ = stage.bounded();
+  view_version_ = stage.view_version();
   mode_ = controls_.settings().draw.mode;
 }
 
@@ -27,14 +27,14 @@ Camera WindowPicture::home(const Stage& stage, glm::ivec2 size) const {
   else if (const SceneFrame* frame = controls_.shown_frame())
     time_us = controls_.reel()->timeline().times_us[frame->index];
   const Up up = controls_.settings().up.value_or(stage.up());
-  return camera_at(options_, time_us, stage.bounds(), up, size);
+  return camera_at(options_, time_us, stage.view_bounds(), up, size);
 }
 
 Result<bool> WindowPicture::draw(Stage& stage, const Stage::Update& update, glm::ivec2 size,
                                  TimePoint now, RecentFrames& recent) {
   const bool shown = !update.changes.empty();
-  // The bounds of a live stream are known only later, and a camera path moves with each frame.
-  if (std::exchange(bounded_, stage.bounded()) != stage.bounded() ||
+  // What there is to see is known only later, and a camera path moves with each frame.
+  if (std::exchange(view_version_, stage.view_version()) != stage.view_version() ||
       (shown && options_.camera_path))
     controls_.look_home_unless_moved();
   stage.look(controls_.camera(), size);

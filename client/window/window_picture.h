@@ -55,7 +55,7 @@ class WindowPicture {
   Controls& controls_;
   std::unique_ptr<Presenter> presenter_;
   WindowMotion motion_;
-  std::size_t bounded_ = 0;  ///< sources whose bounds were known when the camera was framed
+  std::size_t view_version_ = 0;      ///< of the stage when the camera looked at all of it
   DrawMode mode_ = DrawMode::surfel;  ///< for which the frames shown were prepared
 };
 

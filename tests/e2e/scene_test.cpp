@@ -91,6 +91,40 @@ TEST_F(SceneOfSources, a_live_stream_and_a_reel_share_one_scene) {
   EXPECT_LT(live["capture_to_picture_ms"]["median"], 10'000.0);
 }
 
+TEST_F(SceneOfSources, a_point_far_away_in_a_later_frame_does_not_hide_the_first) {
+  PointCloud far = plate({230, 10, 10});
+  far.positions[0].x = 1000.0f;
+  ASSERT_TRUE(write_ply(folder_ / "red/1.ply", far));
+  const Outcome packed = run("pointreel-server", {"pack", "-i", path("red"), "-o", path("far")});
+  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  Background server("pointreel-server",
+                    {"serve", path("far"), "--live", "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const auto plate_pixels = [&] {
+    return find_hue(read_picture(folder_ / "picture.png"), {1, 0, 0}).pixels;
+  };
+  for (const std::string& source : {path("far"), "http://" + address + "/far"})
+    for (const char* mode : {"surfel", "voxel", "point"}) {
+      const Outcome played =
+          run("pointreel", {"play", source, "--mode", mode, "--offscreen", "320x200", "--at", "0",
+                            "--screenshot", path("picture.png")});
+      EXPECT_EQ(played.exit_code, 0) << played.err;
+      EXPECT_GT(plate_pixels(), 500u) << source << ", " << mode;
+    }
+  const std::string live = "ws://" + address + "/live/red";
+  Background publisher("pointreel-server",
+                       {"publish", "-i", path("red"), "--loop", "--fps", "20", "--to", live});
+  // The second time, the bounds in the hello are as large from the beginning.
+  for (int i = 0; i < 2; ++i) {
+    const auto report =
+        play_until({live, "--offscreen", "320x200", "--screenshot", path("picture.png")},
+                   [](const nlohmann::json& told) { return told["frames_shown"] > 5; });
+    ASSERT_FALSE(report.is_discarded());
+    EXPECT_GT(plate_pixels(), 500u) << "live";
+  }
+}
+
 TEST_F(SceneOfSources, more_positions_than_sources_are_a_usage_error) {
   const Outcome played = run("pointreel", {"play", path("red.reel"), "--at-position", "1,0,0",
                                            "--at-position", "0,0,0", "--offscreen", "32x32"});

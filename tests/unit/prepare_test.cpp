@@ -385,5 +385,19 @@ TEST(PrepareFrame, decodes_no_frame_that_takes_more_memory_than_allowed) {
   }
 }
 
+TEST(PrepareFrame, has_a_box_without_points_far_away) {
+  PointCloud cloud = sphere(20'000, false, true);
+  cloud.positions[100] = {1.4f, 1.4f, 1.4f};
+  const Manifest manifest = manifest_of(cloud);
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel})
+    for (const FetchedFrame& frame : {fetched(cloud, EncodeOptions{OctreeOptions{}}), ply(cloud)}) {
+      const Box box = prepare_frame(manifest, 0, frame, {mode})->main_box;
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(box.extent()[axis], 2.15, 0.2) << "2.4 with that point";
+        EXPECT_NEAR(box.center()[axis], axis == 0 ? 10.0 : 0.0, 0.05);
+      }
+    }
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -41,6 +41,10 @@ constexpr double kNoisy = 0.25;
 /// spacing times noise.
 constexpr float kLeastSpacings = 3.0f;
 constexpr float kNoiseFactor = 8.0f;
+/// Colours become means within so many times the root of spacing times noise, unless that is less
+/// than so many spacings: then the blending of edges costs as much as is gained.
+constexpr float kColorNoiseFactor = 2.8f;
+constexpr float kLeastColorSpacings = 1.25f;
 /// Noise below this share of the spacing is not worth the detail that removing it costs.
 constexpr double kSmooth = 0.1;
 /// Voxels of a surface are at most so many steps of their lattice apart on average.
@@ -118,6 +122,23 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
   return measured;
 }
 
+/// Replaces the colours by means along the surface.
+void mean_colors(PointCloud& cloud, const PointSurface& surface,
+                 const std::vector<Measured>& measured, const Executor& executor) {
+  const std::span<const KeyIndex> order = surface.order();
+  std::vector<float> radii(order.size());
+  std::vector<glm::vec3> colors(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto& [noise, spacing, widening] = measured[i];
+    const float radius = kColorNoiseFactor * std::sqrt(noise * spacing);
+    radii[i] = radius >= kLeastColorSpacings * spacing ? radius : 0.0f;
+    colors[i] = cloud.colors[order[i].index];
+  }
+  colors = surface.weighted_means(radii, colors, executor);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    cloud.colors[order[i].index] = glm::u16vec3(colors[i] + 0.5f);
+}
+
 /// Whether squares of its extent and of the distances within it are floats of full precision.
 bool has_usable_scale(const PointCloud& cloud) {
   const double edge = bounding_cube(bounds(cloud)).edge;
@@ -184,6 +205,7 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
     cloud.positions[index] = samples[i].position;
     cloud.normals[index] = samples[i].normal;
   }
+  if (cloud.has_colors()) mean_colors(cloud, surface, measured, executor);
   report.removed = keep_points(cloud, [&](std::size_t i) { return kept[i] != 0; });
   report.cleaned = true;
   return report;

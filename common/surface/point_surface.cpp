@@ -366,6 +366,35 @@ std::vector<SurfaceSample> PointSurface::project(std::span<const float> radii, d
   return samples;
 }
 
+std::vector<glm::vec3> PointSurface::weighted_means(std::span<const float> radii,
+                                                    std::span<const glm::vec3> values,
+                                                    const Executor& executor) const {
+  std::vector<glm::vec3> means(values.begin(), values.end());
+  for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
+    RowPlaces at(row, points_, radii, 0.0f);
+    at.look_around(rows_, at.wanted, nearby);
+    const Places& places = at.places;
+    Lanes w{}, x{}, y{}, z{};
+    for (const std::uint32_t near : std::span(nearby.points).first(nearby.near)) {
+      const auto& [p, n] = points_[near];
+      const Lanes dx = p.x - places.x, dy = p.y - places.y, dz = p.z - places.z;
+      const Lanes cosine = n.x * places.nx + n.y * places.ny + n.z * places.nz;
+      const Lanes left = 1.0f - (dx * dx + dy * dy + dz * dz) * places.per_square;
+      const Lanes squared = left * left;
+      const Lanes weight = (left > 0.0f & cosine > 0.0f) ? squared * squared * cosine : Lanes{};
+      w += weight;
+      x += weight * values[near].x;
+      y += weight * values[near].y;
+      z += weight * values[near].z;
+    }
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      if (at.wanted[lane] && w[lane] > 0.0f)
+        means[row.points[lane]] = glm::vec3(x[lane], y[lane], z[lane]) / w[lane];
+    }
+  });
+  return means;
+}
+
 std::vector<glm::vec3> PointSurface::local_means(std::span<const glm::vec3> values,
                                                  std::size_t points) const {
   struct Sum {

@@ -69,6 +69,12 @@ class PointSurface {
   std::vector<SurfaceSample> project(std::span<const float> radii, double beta, int steps,
                                      const Executor& executor = {}) const;
 
+  /// The means of `values` around each point, with the weights of the surface. Points whose normal
+  /// is more than a right angle away do not count.
+  std::vector<glm::vec3> weighted_means(std::span<const float> radii,
+                                        std::span<const glm::vec3> values,
+                                        const Executor& executor = {}) const;
+
   /// The means of `values` around each point: over the smallest octree cell that, together with the
   /// cells around it, has at least `points` of them. Values whose first number is negative do not
   /// count.

@@ -128,7 +128,8 @@ TEST(Clean, leaves_voxelised_surfaces_as_they_are) {
 
 TEST(Clean, removes_points_that_no_surface_supports_and_keeps_attributes_together) {
   PointCloud cloud = noisy_sphere(20'000, 0.01);
-  cloud.radii.assign(cloud.size(), 0.5f);
+  // Radii are not changed, so that they tell which point is which.
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.radii.push_back(static_cast<float>(i));
   const PointCloud source = cloud;
   std::mt19937 random(2);
   std::normal_distribution<float> normal;
@@ -137,7 +138,7 @@ TEST(Clean, removes_points_that_no_surface_supports_and_keeps_attributes_togethe
     cloud.positions.push_back(1.5f * p + glm::normalize(p));
     cloud.normals.push_back(glm::normalize(p));
     cloud.colors.emplace_back(0xffff, 0xffff, 0xffff);
-    cloud.radii.push_back(2.0f);
+    cloud.radii.push_back(1e6f);
   }
   const CleanReport report = clean(cloud);
   EXPECT_GE(report.removed, 45u);
@@ -147,11 +148,30 @@ TEST(Clean, removes_points_that_no_surface_supports_and_keeps_attributes_togethe
   ASSERT_EQ(cloud.normals.size(), cloud.size());
   ASSERT_EQ(cloud.radii.size(), cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::u16vec3 color = cloud.colors[i];
-    if (color.x == 0xffff) continue;
-    const std::size_t from = color.x + (std::size_t{color.y} << 8) + (std::size_t{color.z} << 16);
+    if (cloud.radii[i] == 1e6f) continue;
+    const auto from = static_cast<std::size_t>(cloud.radii[i]);
     EXPECT_LT(glm::distance(cloud.positions[i], source.positions[from]), 0.1f);
   }
+}
+
+TEST(Clean, takes_noise_out_of_colours_but_not_edges) {
+  PointCloud cloud = noisy_sphere(50'000, 0.02);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto level = [](const glm::vec3& p) { return p.y > 0.0f ? 50'000.0 : 15'000.0; };
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.colors[i] = glm::u16vec3(level(cloud.positions[i]) + 3'000.0 * normal(random));
+  ASSERT_TRUE(clean(cloud).cleaned);
+  double square = 0.0;
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double error = cloud.colors[i].x - level(cloud.positions[i]);
+    if (std::abs(cloud.positions[i].y) < 0.05) continue;  // at the edge, means blend
+    square += error * error;
+    ++inside;
+  }
+  ASSERT_GT(inside, 45'000u);
+  EXPECT_LT(std::sqrt(square / static_cast<double>(inside)), 1'500.0) << "half of it";
 }
 
 TEST(Clean, takes_the_radius_that_it_is_given) {

@@ -46,7 +46,7 @@ struct Opening::Shared {
   Playback::OnReady on_ready;
   std::stop_source stop;
   Errand errand;
-  std::mutex calling;  ///< held while one of the functions above is called
+  std::mutex calling;  ///< held while one of the functions above is called; after the one below
   bool given_up = false;
   std::mutex mutex;  ///< guards what follows
   std::optional<Opened> opened;
@@ -84,10 +84,14 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
         });
     {
       const std::lock_guard lock(shared->mutex);
-      if (!shared->unwanted) shared->opened = std::move(opened);
+      if (!shared->unwanted) {
+        shared->opened = std::move(opened);
+        // Told before anybody can take the stage: whoever has taken it may end, and what the
+        // function uses with it, before this thread goes on.
+        shared->tell_ready();
+      }
     }
     opened = nullptr;  // an unwanted stage ends here
-    shared->tell_ready();
     shared->errand.end();
   };
   std::thread(open).detach();

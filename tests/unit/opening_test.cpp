@@ -208,5 +208,18 @@ TEST_F(OpeningTest, opens_a_single_file_or_folder_as_it_is) {
   EXPECT_TRUE(sources_of({}).empty());
 }
 
+TEST_F(OpeningTest, what_opened_cannot_be_taken_before_that_was_told) {
+  // The thread that opens could otherwise tell it when nobody is there any more.
+  for (int i = 0; i < 500; ++i) {
+    std::atomic<bool> told = false;
+    Stage::Options options;
+    options.on_ready = [&told] { told = true; };
+    Opening opening({{(folder_.path() / "nothing").string()}}, options, looking, nobody);
+    while (!opening.poll()) {
+    }
+    ASSERT_TRUE(told) << "round " << i;
+  }
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -26,8 +26,10 @@ constexpr double kBeta = 0.5;
 constexpr double kSupport = 50.0;
 constexpr std::size_t kAveraged = 60;
 constexpr std::uint32_t kMeasuredOneIn = 16;
-/// Spacing is at least this share of what counting the points nearby tells, which is not exact.
-constexpr float kLocalSpacing = 0.8f;
+/// Spacing is between these shares of what counting the points nearby tells, which is not exact:
+/// noise and other sheets of the surface make the count larger, up to 2.4 in scans.
+constexpr float kLeastLocalSpacing = 0.8f;
+constexpr float kMostLocalSpacing = 2.5f;
 constexpr int kMeasurements = 4;
 /// Scans often consist of curves with gaps between them. Where the points around a place extend
 /// less than this in some direction, compared with the radius, the radius grows: along a single
@@ -55,6 +57,16 @@ constexpr float kLeastSupport = 0.2f;
 constexpr float kOwnWeight = 1.01f;
 /// A cloud of which a smaller share has a surface is no scan of one.
 constexpr double kLeastKept = 0.5;
+/// Where the radius would be more than so many times that of the nearest points, or that of
+/// kSupport points is, the next ones lie beyond a gap, and a surface through all of them would
+/// cross it. Scans with noise of 1 cm have ratios up to 11 and 3.3.
+constexpr double kNearest = 12.0;
+constexpr float kMostReach = 14.0f;
+constexpr float kMostSupportReach = 4.0f;
+/// The cells of a frame are at most so many times those that its densest parts need, and the
+/// densest parts are this share of the points. Scans of one object have factors up to 1.6.
+constexpr double kMostCoarsening = 2.0;
+constexpr double kDensest = 0.01;
 
 constexpr float kPi = 3.14159265f;
 
@@ -80,6 +92,23 @@ std::vector<float> support(const std::vector<Measured>& measured) {
   std::vector<float> radii(measured.size());
   std::ranges::transform(measured, radii.begin(), [](const Measured& at) { return support(at); });
   return radii;
+}
+
+/// Finer cells would tell samples of the same spot apart: points are `spacing` apart, and details
+/// much smaller than the support are gone.
+float cell(const Measured& at) {
+  return std::max(0.5f * at.spacing, std::sqrt(at.noise * at.spacing));
+}
+
+/// For the whole cloud.
+double cell(const std::vector<Measured>& measured) {
+  std::vector<float> cells(measured.size());
+  std::ranges::transform(measured, cells.begin(), [](const Measured& at) { return cell(at); });
+  const double middle = median(cells);
+  const auto densest =
+      cells.begin() + static_cast<std::ptrdiff_t>(kDensest * static_cast<double>(cells.size()));
+  std::nth_element(cells.begin(), densest, cells.end());
+  return std::min(middle, kMostCoarsening * *densest);
 }
 
 float median_of(const std::vector<Measured>& measured, float Measured::* member) {
@@ -110,9 +139,10 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
     for (std::size_t i = 0; i < means.size(); ++i) {
       measured[i].noise = std::sqrt(means[i].x);
       if (round == 0) {
-        // Means reach from small sparse objects to dense ones nearby.
+        // Means reach from small objects to those nearby.
         const float local = counted[i] * std::sqrt(kPi / static_cast<float>(kSupport));
-        measured[i].spacing = std::max(means[i].y, kLocalSpacing * local);
+        measured[i].spacing =
+            std::clamp(means[i].y, kLeastLocalSpacing * local, kMostLocalSpacing * local);
       } else {
         measured[i].widening = std::max(means[i].z, 1.0f);
       }
@@ -122,16 +152,28 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
   return measured;
 }
 
-/// Replaces the colours by means along the surface.
+/// Sets the radii of points to 0 that lie in small clumps with gaps around them.
+void leave_clumps(const PointSurface& surface, std::vector<float>& radii) {
+  const std::vector<float> nearest = surface.radii_of(kNearest);
+  const std::vector<float> counted = surface.radii_of(kSupport);
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    if (radii[i] > kMostReach * nearest[i] || counted[i] > kMostSupportReach * nearest[i])
+      radii[i] = 0.0f;
+  }
+}
+
+/// Replaces the colours by means along the surface, where that has a radius of support.
 void mean_colors(PointCloud& cloud, const PointSurface& surface,
-                 const std::vector<Measured>& measured, const Executor& executor) {
+                 const std::vector<Measured>& measured, std::span<const float> supports,
+                 const Executor& executor) {
   const std::span<const KeyIndex> order = surface.order();
   std::vector<float> radii(order.size());
   std::vector<glm::vec3> colors(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const auto& [noise, spacing, widening] = measured[i];
     const float radius = kColorNoiseFactor * std::sqrt(noise * spacing);
-    radii[i] = radius >= kLeastColorSpacings * spacing ? radius : 0.0f;
+    const bool averages = supports[i] > 0.0f && radius >= kLeastColorSpacings * spacing;
+    radii[i] = averages ? radius : 0.0f;
     colors[i] = cloud.colors[order[i].index];
   }
   colors = surface.weighted_means(radii, colors, executor);
@@ -185,28 +227,40 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
       options.radius ? std::vector<float>(cloud.size(), static_cast<float>(*options.radius))
                      : support(measured);
   report.radius = median(radii);
+  report.cell = cell(measured);
+  if (!options.radius) leave_clumps(surface, radii);
   surface.fit_normals(radii, executor);
   const int steps = report.noise > kNoisy * report.spacing ? 2 : 1;
   const std::vector<SurfaceSample> samples = surface.project(radii, kBeta, steps, executor);
-  std::vector<std::uint8_t> kept(cloud.size(), 0);
-  std::size_t kept_count = 0;
+  enum class Fate : std::uint8_t { kRemoved, kUnchanged, kMoved };
+  std::vector<Fate> fates(cloud.size());
+  std::size_t moved = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::uint32_t index = surface.order()[i].index;
     const float whole = weight_of_plane(radii[i], measured[i].spacing);
-    if (!(samples[i].weight > std::max(kLeastSupport * whole, kOwnWeight))) continue;
-    kept[surface.order()[i].index] = 1;
-    ++kept_count;
+    if (radii[i] == 0.0f) {
+      fates[index] = Fate::kUnchanged;
+    } else if (!(samples[i].weight > std::max(kLeastSupport * whole, kOwnWeight))) {
+      fates[index] = Fate::kRemoved;
+    } else if (glm::distance(samples[i].position, cloud.positions[index]) > report.radius) {
+      fates[index] = Fate::kUnchanged;
+    } else {
+      fates[index] = Fate::kMoved;
+      ++moved;
+    }
   }
-  if (static_cast<double>(kept_count) < kLeastKept * static_cast<double>(cloud.size())) {
+  if (static_cast<double>(moved) < kLeastKept * static_cast<double>(cloud.size())) {
     cloud.normals = given_normals;
     return report;
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::uint32_t index = surface.order()[i].index;
+    if (fates[index] != Fate::kMoved) continue;
     cloud.positions[index] = samples[i].position;
     cloud.normals[index] = samples[i].normal;
   }
-  if (cloud.has_colors()) mean_colors(cloud, surface, measured, executor);
-  report.removed = keep_points(cloud, [&](std::size_t i) { return kept[i] != 0; });
+  if (cloud.has_colors()) mean_colors(cloud, surface, measured, radii, executor);
+  report.removed = keep_points(cloud, [&](std::size_t i) { return fates[i] != Fate::kRemoved; });
   report.cleaned = true;
   return report;
 }

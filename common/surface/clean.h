@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -25,11 +23,9 @@ struct CleanReport {
   double noise = 0.0;       ///< standard deviation across the surface, the median
   double radius = 0.0;      ///< of support, the median
   std::size_t removed = 0;  ///< points that no surface supports
-
-  /// The size of cells that tell apart what the cleaned points tell apart. Finer ones would tell
-  /// samples of the same spot apart: points are `spacing` apart, and details much smaller than the
-  /// support, which is about 8 sqrt(noise spacing), are gone.
-  double cell() const { return std::max(0.5 * spacing, std::sqrt(noise * spacing)); }
+  /// The size of cells that tell apart what the cleaned points tell apart, also in the densest
+  /// parts.
+  double cell = 0.0;
 };
 
 /// Moves the points of a scanned cloud onto the surface that they are noisy samples of
@@ -42,6 +38,9 @@ struct CleanReport {
 /// support grows with the square root of noise times spacing, because a wider one averages more
 /// noise away but flattens what is curved, and across gaps between scanned curves. The formulas are
 /// in common/FORMULAS.md, "Noise and support".
+///
+/// Points stay where they are if a surface is only found across a gap, as in small clumps far from
+/// each other, or if it is further away than the median radius.
 ///
 /// Clouds that are no scans of surfaces stay as they are: fewer than 100 points, a scale at which
 /// squares are no floats, or more points without a surface around them than with one.

@@ -60,7 +60,7 @@ Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& st
     const Frame& frame = frames[i];
     if (frame.error) return tl::unexpected(*frame.error);
     if (frame.points == 0) continue;
-    if (frame.cleaning.cleaned) cells.push_back(frame.cleaning.cell());
+    if (frame.cleaning.cleaned) cells.push_back(frame.cleaning.cell);
     ++frames_with_points;
     const bool first = all.box.empty();
     if (first) {
@@ -99,7 +99,7 @@ Result<Grid> SegmentInput::grid_of(const SourceFrame& frame) const {
   const PointCloud& cloud = frame.cloud;
   const Box box = bounds(cloud);
   if (frame.cleaning.cleaned && cells_follow_points(options_)) {
-    return grid_for(box, options_, lattice_for_cells(frame.cleaning.cell()));
+    return grid_for(box, options_, lattice_for_cells(frame.cleaning.cell));
   }
   std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
   if (lattice && !reaches(*lattice, box, cloud, options_.encode)) lattice.reset();

@@ -46,7 +46,7 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const Clean
   const bool by_points = cleaning.cleaned && cells_follow_points(options_);
   std::optional<PointLattice> lattice;
   if (by_points) {
-    lattice = lattice_for_cells(cleaning.cell());
+    lattice = lattice_for_cells(cleaning.cell);
   } else if (!options_.voxel) {
     lattice = lattice_of(cloud);
   }

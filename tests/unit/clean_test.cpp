@@ -160,7 +160,8 @@ TEST(Clean, takes_noise_out_of_colours_but_not_edges) {
   std::normal_distribution<double> normal;
   const auto level = [](const glm::vec3& p) { return p.y > 0.0f ? 50'000.0 : 15'000.0; };
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    cloud.colors[i] = glm::u16vec3(level(cloud.positions[i]) + 3'000.0 * normal(random));
+    cloud.colors[i] =
+        glm::u16vec3(glm::dvec3(level(cloud.positions[i]) + 3'000.0 * normal(random)));
   ASSERT_TRUE(clean(cloud).cleaned);
   double square = 0.0;
   std::size_t inside = 0;
@@ -236,6 +237,70 @@ TEST(Clean, keeps_a_sparse_surface_beside_a_dense_one) {
   const CleanReport report = clean(cloud);
   EXPECT_TRUE(report.cleaned);
   EXPECT_LT(report.removed, 50u) << "some, where the two are near each other";
+}
+
+/// Adds the points of `more`, made smaller and moved.
+void add(PointCloud& cloud, const PointCloud& more, float scale, const glm::vec3& center) {
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    cloud.positions.push_back(center + scale * more.positions[i]);
+    cloud.normals.push_back(more.normals[i]);
+    cloud.colors.push_back(more.colors[i]);
+  }
+}
+
+TEST(Clean, leaves_small_clumps_alone_that_lie_far_apart) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(2.0f, 12.0f);
+  PointCloud clumps;
+  for (int i = 0; i < 500; ++i) {
+    add(clumps, noisy_sphere(24, 0.05), 0.04f, {place(random), place(random), place(random)});
+  }
+  PointCloud cloud = noisy_sphere(20'000, 0.005);
+  add(cloud, clumps, 1.0f, glm::vec3(0.0f));
+  const CleanReport report = clean(cloud);
+  EXPECT_TRUE(report.cleaned);
+  EXPECT_LT(report.removed, 50u);
+  std::size_t kept = 0;
+  for (const glm::vec3& p : cloud.positions) {
+    kept += std::ranges::find(clumps.positions, p) != clumps.positions.end() ? 1 : 0;
+  }
+  EXPECT_GT(kept, clumps.size() * 95 / 100) << "where they were";
+
+  cloud = clumps;
+  EXPECT_FALSE(clean(cloud).cleaned);
+  EXPECT_TRUE(equal(cloud, clumps));
+}
+
+TEST(Clean, moves_no_point_far) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-100.0f, 100.0f);
+  PointCloud cloud = noisy_sphere(30'000, 0.005);
+  for (int i = 0; i < 300; ++i) {
+    cloud.positions.emplace_back(place(random), place(random), place(random));
+    cloud.normals.push_back(glm::normalize(glm::vec3(place(random), place(random), 1.0f)));
+    cloud.colors.emplace_back(0, 0, 0);
+  }
+  const std::vector<glm::vec3> source(cloud.positions.end() - 300, cloud.positions.end());
+  const CleanReport report = clean(cloud);
+  EXPECT_TRUE(report.cleaned);
+  for (const glm::vec3& p : cloud.positions) {
+    if (glm::length(p) < 1.1f) continue;
+    const auto nearest =
+        std::ranges::min(source, {}, [&](const glm::vec3& from) { return glm::distance(p, from); });
+    EXPECT_LE(glm::distance(p, nearest), report.radius * 1.001);
+  }
+}
+
+TEST(Clean, reports_cells_that_dense_parts_need) {
+  for (const std::size_t dense : {2000u, 10'000u}) {
+    PointCloud cloud = noisy_sphere(10'000, 0.01);
+    add(cloud, noisy_sphere(dense, 0.006), 0.05f, {3.0f, 0.0f, 0.0f});
+    const CleanReport report = clean(cloud);
+    EXPECT_TRUE(report.cleaned);
+    const double spacing = 0.05 * std::sqrt(4.0 * 3.14159 / static_cast<double>(dense));
+    EXPECT_LT(report.cell, 1.3 * spacing) << dense;
+    EXPECT_GT(report.cell, 0.5 * spacing) << dense;
+  }
 }
 
 TEST(Clean, gives_points_without_a_normal_one) {

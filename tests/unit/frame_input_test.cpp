@@ -292,21 +292,21 @@ TEST(SteadyGrid, gives_voxelised_frames_back_exactly) {
   }
 }
 
-TEST(SteadyGrid, has_cells_of_half_the_spacing_of_cleaned_points_until_that_changes) {
+TEST(SteadyGrid, has_the_cells_of_cleaned_points_until_they_change) {
   SteadyGrid steady{PublishOptions{}};
   const PointCloud cloud = voxelised(0.3, 0, 5);
-  const auto cell = [&](double spacing) {
+  const auto cell = [&](double best) {
     CleanReport cleaning;
     cleaning.cleaned = true;
-    cleaning.spacing = spacing;
+    cleaning.cell = best;
     const Grid grid = steady.of(cloud, bounds(cloud), cleaning).value();
     return std::ldexp(grid.cube.edge, -std::get<OctreeOptions>(grid.encode.codec).depth.most);
   };
-  const double first = cell(0.02);
+  const double first = cell(0.01);
   EXPECT_NEAR(first, 0.01, 0.001);
-  EXPECT_EQ(cell(0.022), first);
-  EXPECT_EQ(cell(0.018), first);
-  EXPECT_NEAR(cell(0.03), 0.015, 0.0015);
+  EXPECT_EQ(cell(0.011), first);
+  EXPECT_EQ(cell(0.009), first);
+  EXPECT_NEAR(cell(0.015), 0.015, 0.0015);
 }
 
 TEST(SteadyGrid, leaves_a_lattice_for_a_frame_that_is_not_on_it) {

@@ -160,6 +160,27 @@ TEST_F(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_s
   }
 }
 
+TEST_F(ReconstructionTest, an_outline_that_leaves_the_picture_does_not_move) {
+  PointCloud cloud;
+  add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, all);
+  const auto frame = frame_of(cloud);
+  camera_.distance = 2.2;
+  for (int i = 0; i < 12; ++i) {
+    camera_.target = glm::dvec3(0.06 * i, 0.05 * i, 0.0);
+    options_.fill_holes = true;
+    const Image filled = picture(frame);
+    options_.fill_holes = false;
+    const Image without = picture(frame);
+    int moved = 0;
+    for (int y = 0; y < kSize.y; ++y) {
+      for (int x = 0; x < kSize.x; ++x) {
+        moved += (filled.at(x, y) == kBackground) != (without.at(x, y) == kBackground) ? 1 : 0;
+      }
+    }
+    EXPECT_LE(moved, 20) << i << ", notches between discs";
+  }
+}
+
 TEST_F(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
   PointCloud holed, other;
   add_sphere(holed, {0.2f, 0.1f, 0.0f}, 0.4f, kRed, but_the_front);

@@ -17,6 +17,7 @@ bool seen(vec2 at) {
 
 // A pixel is a hole if it shows the inside of a surface, if all its neighbours show a surface, or if
 // most of the area around it is covered. At the outline of a surface no more than half of it is.
+// Near the border of the picture, the area around a pixel is not known.
 bool is_hole() {
   const float most = 0.7;
   vec2 at = gl_FragCoord.xy;
@@ -26,6 +27,8 @@ bool is_hole() {
       seen(at + d.xz) && seen(at + d.yz) && seen(at + d.zx) && seen(at + d.zy)) {
     return true;
   }
+  vec2 border = min(at, vec2(textureSize(depth, 0)) - at);
+  if (min(border.x, border.y) < crowd_edge) return false;
   return textureLod(crowd, at / crowd_edge / vec2(textureSize(crowd, 0)), 0.0).a >= most;
 }
 

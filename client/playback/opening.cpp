@@ -1,30 +1,31 @@
 #include "client/playback/opening.h"
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace pointreel {
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{100};
 
-std::atomic<int> errands_under_way = 0;
-
 /// Something that a thread does while another waits for a short time.
 class Errand {
  public:
-  Errand() { ++errands_under_way; }
-
   void end() {
     const std::lock_guard lock(mutex_);
     ended_ = true;
-    --errands_under_way;
     changed_.notify_all();
+  }
+  bool ended() const {
+    const std::lock_guard lock(mutex_);
+    return ended_;
   }
   void wait(std::chrono::milliseconds at_most) {
     std::unique_lock lock(mutex_);
@@ -32,10 +33,58 @@ class Errand {
   }
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool ended_ = false;
 };
+
+/// The threads of all errands.
+class Errands {
+ public:
+  /// Calls `work` on a new thread and destroys it there; then the errand ends.
+  template <class Work>
+  void start(std::shared_ptr<Errand> errand, Work work) {
+    const std::lock_guard lock(mutex_);
+    join_ended();
+    std::thread thread([errand, work = std::optional(std::move(work))]() mutable {
+      (*work)();
+      work.reset();
+      errand->end();
+    });
+    running_.push_back({std::move(errand), std::move(thread)});
+  }
+
+  bool any() {
+    const std::lock_guard lock(mutex_);
+    join_ended();
+    return !running_.empty();
+  }
+
+ private:
+  struct Running {
+    std::shared_ptr<Errand> errand;
+    std::thread thread;
+  };
+
+  /// Libraries still clean up after a thread whose errand has ended, with things of theirs that the
+  /// end of the program destroys.
+  void join_ended() {
+    std::erase_if(running_, [](Running& running) {
+      if (!running.errand->ended()) return false;
+      running.thread.join();
+      return true;
+    });
+  }
+
+  std::mutex mutex_;
+  std::vector<Running> running_;
+};
+
+/// Never destroyed, because its threads may outlive the program's other objects.
+Errands& errands() {
+  static auto* const all = new Errands;
+  return *all;
+}
 
 }  // namespace
 
@@ -45,7 +94,7 @@ struct Opening::Shared {
   Stage::OnError on_error;
   Playback::OnReady on_ready;
   std::stop_source stop;
-  Errand errand;
+  const std::shared_ptr<Errand> errand = std::make_shared<Errand>();
   std::mutex calling;  ///< held while one of the functions above is called; after the one below
   bool given_up = false;
   std::mutex mutex;  ///< guards what follows
@@ -71,7 +120,7 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
     const std::lock_guard lock(shared->mutex);
     shared->trouble = line;
   };
-  const auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
+  auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
     Opened opened = Stage::open(
         sources, options,
         [&shared](const Box& bounds, char up) {
@@ -92,9 +141,8 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
       }
     }
     opened = nullptr;  // an unwanted stage ends here
-    shared->errand.end();
   };
-  std::thread(open).detach();
+  errands().start(shared_->errand, std::move(open));
 }
 
 Opening::~Opening() {
@@ -112,7 +160,7 @@ Opening::~Opening() {
     shared_->given_up = true;
   }
   if (opened && *opened) retire(std::move(**opened));
-  shared_->errand.wait(kPatience);
+  shared_->errand->wait(kPatience);
 }
 
 std::optional<Opening::Opened> Opening::poll() {
@@ -126,16 +174,13 @@ std::optional<std::string> Opening::trouble() const {
   return shared_->trouble;
 }
 
-bool unfinished() { return errands_under_way > 0; }
+bool unfinished() { return errands().any(); }
 
 void retire(std::unique_ptr<Stage> stage) {
   if (!stage) return;
   stage->silence();
   const auto errand = std::make_shared<Errand>();
-  std::thread([errand, stage = std::move(stage)]() mutable {
-    stage.reset();
-    errand->end();
-  }).detach();
+  errands().start(errand, [stage = std::move(stage)]() mutable { stage.reset(); });
   errand->wait(kPatience);
 }
 

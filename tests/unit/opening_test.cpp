@@ -221,5 +221,25 @@ TEST_F(OpeningTest, what_opened_cannot_be_taken_before_that_was_told) {
   }
 }
 
+TEST_F(OpeningTest, a_finished_thread_has_cleaned_up_too) {
+  // As libraries do with memory of theirs for each thread. At the end of the program, they would
+  // meet their own destruction.
+  static std::atomic<bool> cleaned_up = false;
+  struct Slow {
+    ~Slow() {
+      std::this_thread::sleep_for(milliseconds(100));
+      cleaned_up = true;
+    }
+  };
+  {
+    Stage::Options options;
+    options.on_ready = [] { thread_local const Slow slow; };
+    Opening opening({{(folder_.path() / "nothing").string()}}, options, looking, nobody);
+    EXPECT_FALSE(wait(opening));
+  }
+  EXPECT_TRUE(wait_until([] { return !unfinished(); }));
+  EXPECT_TRUE(cleaned_up);
+}
+
 }  // namespace
 }  // namespace pointreel

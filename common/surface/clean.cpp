@@ -20,8 +20,8 @@ namespace {
 
 /// Fewer points are no scan.
 constexpr std::size_t kLeastPoints = 100;
-/// A little less curvature than the best sphere has: noisy normals make spheres too small.
-constexpr double kBeta = 0.5;
+/// Noise is the same thing whatever surface the points are moved to.
+constexpr double kMeasuredBeta = CleanOptions{}.beta;
 /// Around how many points noise and spacing are measured.
 constexpr double kSupport = 50.0;
 constexpr std::size_t kAveraged = 60;
@@ -125,7 +125,7 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
   std::vector<float> radii = counted;
   for (int round = 0; round < kMeasurements; ++round) {
     const std::vector<SurfaceEvidence> evidence =
-        surface.measure(radii, kBeta, kMeasuredOneIn, executor);
+        surface.measure(radii, kMeasuredBeta, kMeasuredOneIn, executor);
     std::vector<glm::vec3> values(evidence.size());
     for (std::size_t i = 0; i < evidence.size(); ++i) {
       const auto& [square, weight, extent] = evidence[i];
@@ -231,7 +231,7 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
   if (!options.radius) leave_clumps(surface, radii);
   surface.fit_normals(radii, executor);
   const int steps = report.noise > kNoisy * report.spacing ? 2 : 1;
-  const std::vector<SurfaceSample> samples = surface.project(radii, kBeta, steps, executor);
+  const std::vector<SurfaceSample> samples = surface.project(radii, options.beta, steps, executor);
   enum class Fate : std::uint8_t { kRemoved, kUnchanged, kMoved };
   std::vector<Fate> fates(cloud.size());
   std::size_t moved = 0;

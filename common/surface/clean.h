@@ -13,7 +13,10 @@ namespace pointreel {
 struct CleanOptions {
   /// The radius of support of every place. Absent: chosen for each place by the spacing and the
   /// noise of the points around it, and clouds that are smooth or voxelised stay as they are.
-  std::optional<double> radius;
+  std::optional<double> radius = std::nullopt;
+  /// The share of the curvature of the best sphere that the surface has: 0 for planes, 1 for the
+  /// sphere itself. A little less is best, because noisy normals make spheres too small.
+  double beta = 0.5;
 };
 
 /// What `clean` found and did. Lengths are in the units of the cloud.

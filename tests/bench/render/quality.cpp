@@ -69,6 +69,18 @@ Result<DrawnPicture> draw_picture(Renderer& renderer, std::shared_ptr<const Scen
   return DrawnPicture{std::move(image), read_alpha(renderer), stats};
 }
 
+json picture_errors(const TruthPicture& truth, const DrawnPicture& picture) {
+  const Similarity similarity(truth.image, picture.image);
+  const Coverage coverage = compare_coverage(truth.mask, picture.covered);
+  return {{"psnr_mask", number(psnr(truth.image, picture.image, truth.mask))},
+          {"psnr", number(psnr(truth.image, picture.image))},
+          {"ssim_mask", similarity.mean(truth.mask)},
+          {"ssim", similarity.mean()},
+          {"holes", coverage.holes},
+          {"dilation", coverage.dilation},
+          {"iou", coverage.iou}};
+}
+
 ViewTruth make_view_truth(const RenderScene& scene, const Viewpoint& view, glm::ivec2 size) {
   TruthStyle style;
   style.texture = scene.surfels->cloud.has_colors();
@@ -89,18 +101,9 @@ Result<Quality> measure_quality(Renderer& renderer, const RenderScene& scene, co
   };
   DrawnPicture picture = TRY(draw(frame, options));
 
-  const Similarity similarity(truth.image, picture.image);
-  const Coverage coverage = compare_coverage(truth.mask, picture.covered);
-  json row = {{"setting", setting.name},
-              {"papers", setting.papers},
-              {"drawn", picture.stats.drawn},
-              {"psnr_mask", number(psnr(truth.image, picture.image, truth.mask))},
-              {"psnr", number(psnr(truth.image, picture.image))},
-              {"ssim_mask", similarity.mean(truth.mask)},
-              {"ssim", similarity.mean()},
-              {"holes", coverage.holes},
-              {"dilation", coverage.dilation},
-              {"iou", coverage.iou}};
+  json row = {
+      {"setting", setting.name}, {"papers", setting.papers}, {"drawn", picture.stats.drawn}};
+  row.update(picture_errors(truth, picture));
 
   // The order of voxels does not depend on that of the points, and labels would mix in their
   // colours.

@@ -34,6 +34,9 @@ Result<DrawnPicture> draw_picture(Renderer& renderer, std::shared_ptr<const Scen
                                   const Camera& camera, glm::ivec2 size,
                                   const DrawOptions& options);
 
+/// PSNR and SSIM over the figure and over the whole picture, holes, dilation and IoU.
+nlohmann::json picture_errors(const TruthPicture& truth, const DrawnPicture& picture);
+
 /// A view of a scene, with everything that all settings share.
 struct ViewTruth {
   Viewpoint view;

@@ -93,6 +93,8 @@ std::string script_of(const Panel& panel) {
   }
   out += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(panel.title),
                      quoted(panel.x_label), quoted(panel.y_label));
+  out += panel.key_below ? "set key below samplen 2\nset bmargin 6.5\n"
+                         : "set key inside top right samplen 2\nset bmargin -1\n";
   out += axes(panel);
   out += "plot ";
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
@@ -126,7 +128,7 @@ Result<void> draw_plot(const fs::path& file, const std::vector<Panel>& panels, i
   const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
   std::string script = fmt::format(
       "set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' linewidth 1.4\n"
-      "set output {}\nset grid\nset key top right samplen 2\n"
+      "set output {}\nset grid\n"
       "set multiplot layout {},{}\n",
       columns * kPanelWidth, rows * kPanelHeight, quoted(file.string()), rows, columns);
   for (const Panel& panel : panels) script += script_of(panel);

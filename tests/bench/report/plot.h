@@ -25,6 +25,7 @@ struct Panel {
   /// A horizontal dashed line, drawn if its title is not empty.
   std::string level_title;
   double level = 0.0;
+  bool key_below = false;  ///< the titles stand below the diagram, not in its upper right corner
 };
 
 /// Draws the panels into an SVG file with Gnuplot, `columns` of them side by side. The picture,

@@ -13,6 +13,7 @@
 #include "tests/bench/report/report.h"
 #include "tests/bench/stream/stream_command.h"
 #include "tests/bench/suites.h"
+#include "tests/bench/surface/surface_command.h"
 #include "tests/bench/training/train_command.h"
 
 namespace {
@@ -46,6 +47,7 @@ int run(int argc, char** argv) {
   add_render_command(app, exit_code);
   add_report_command(app, exit_code);
   add_stream_command(app, exit_code);
+  add_surface_command(app, exit_code);
   add_train_command(app, exit_code);
   add_truth_command(app, exit_code);
   pointreel::add_common_options(app);

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "client/render/renderer.h"
+#include "pointreel/cloud.h"
+#include "pointreel/error.h"
+#include "tests/bench/render/truth.h"
+#include "tests/bench/render/viewpoints.h"
+#include "tests/bench/surface/surface_figures.h"
+#include "tests/bench/surface/treatments.h"
+
+namespace pointreel::bench {
+
+/// A frame, the surface that it was sampled from, and pictures of that surface.
+struct TrueFrame {
+  struct View {
+    Camera camera;
+    TruthPicture truth;
+  };
+  PointCloud cloud;
+  TruthScene scene;
+  CleanReport automatic;  ///< what cleaning with auto finds
+  std::vector<View> views;
+};
+
+/// Treats the frame, encodes it as pack does, and compares what a player makes of the bytes with
+/// the true surface. Times are medians of `runs`.
+Result<SurfaceFigures> measure_frame(Renderer& renderer, const TrueFrame& frame,
+                                     const Treatment& treatment, int runs);
+
+}  // namespace pointreel::bench

@@ -1,0 +1,26 @@
+#include "tests/bench/surface/surface_figures.h"
+
+#include <cmath>
+
+namespace pointreel::bench {
+
+SurfaceFigures mean(const std::vector<SurfaceFigures>& all) {
+  SurfaceFigures out;
+  for (const auto& [key, member] : kSurfaceFigures) {
+    double sum = 0.0;
+    for (const SurfaceFigures& figures : all) sum += figures.*member;
+    out.*member = sum / static_cast<double>(all.size());
+  }
+  return out;
+}
+
+nlohmann::json to_json(const SurfaceFigures& figures) {
+  nlohmann::json out;
+  for (const auto& [key, member] : kSurfaceFigures) {
+    const double value = figures.*member;
+    out[key] = std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
+  }
+  return out;
+}
+
+}  // namespace pointreel::bench

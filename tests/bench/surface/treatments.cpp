@@ -1,0 +1,113 @@
+#include "tests/bench/surface/treatments.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tests/bench/measure.h"
+#include "tests/bench/surface/smoothing_library.h"
+
+namespace pointreel::bench {
+namespace {
+
+/// Times of rows whose depth is fixed are not shown.
+int runs_of(const Treatment& treatment, int runs) { return treatment.depth ? 1 : runs; }
+
+CleanReport apply(PointCloud& cloud, const Treatment& treatment, const CleanReport& automatic) {
+  switch (treatment.kind) {
+    case Treatment::Kind::off:
+      return {};
+    case Treatment::Kind::automatic:
+      return clean(cloud);
+    case Treatment::Kind::radius:
+      return clean(cloud, {.radius = treatment.value});
+    case Treatment::Kind::beta:
+      return clean(cloud, {.beta = treatment.value});
+    case Treatment::Kind::library:
+      break;
+  }
+  for (int pass = 0; pass < static_cast<int>(treatment.value); ++pass) smooth_bilaterally(cloud);
+  CleanReport report;
+  report.cleaned = true;
+  report.cell = automatic.cell;
+  return report;
+}
+
+}  // namespace
+
+std::string name(Treatment::Kind kind) {
+  switch (kind) {
+    case Treatment::Kind::off:
+      return "off";
+    case Treatment::Kind::automatic:
+      return "auto";
+    case Treatment::Kind::radius:
+      return "radius";
+    case Treatment::Kind::beta:
+      return "beta";
+    case Treatment::Kind::library:
+      break;
+  }
+  return "library";
+}
+
+std::string name(const Treatment& treatment) {
+  std::string out = name(treatment.kind);
+  if (treatment.kind == Treatment::Kind::radius) {
+    out += fmt::format(" {:g} mm", 1000.0 * treatment.value);
+  } else if (treatment.kind == Treatment::Kind::beta) {
+    out += fmt::format(" {:g}", treatment.value);
+  } else if (treatment.kind == Treatment::Kind::library) {
+    out = fmt::format("CGAL bilateral, {:g}x", treatment.value);
+  }
+  if (treatment.depth) out += fmt::format(", depth {}", *treatment.depth);
+  return out;
+}
+
+std::vector<Treatment> surface_treatments(bool quick) {
+  using enum Treatment::Kind;
+  const auto list = [&](std::vector<double> all, std::vector<double> few) {
+    return quick ? few : all;
+  };
+  std::vector<Treatment> treatments = {{.kind = off}, {.kind = automatic}};
+  for (const double millimetres : list({6, 10, 16, 25, 40, 64, 100}, {10, 40})) {
+    treatments.push_back({.kind = radius, .value = millimetres / 1000.0});
+  }
+  for (const double beta : list({0.0, 0.25, 0.75, 1.0}, {0.0})) {
+    treatments.push_back({.kind = Treatment::Kind::beta, .value = beta});
+  }
+  const std::vector<double> passes =
+      smoothing_library() ? list({1, 2, 4}, {2}) : std::vector<double>{};
+  for (const double count : passes) {
+    treatments.push_back({.kind = library, .value = count});
+  }
+  std::vector<Treatment> by_depth = {{.kind = off}, {.kind = automatic}};
+  if (!passes.empty()) by_depth.push_back({.kind = library, .value = passes.back()});
+  for (Treatment treatment : by_depth) {
+    for (const double depth : list({7, 8, 9, 10}, {8, 9})) {
+      treatment.depth = static_cast<int>(depth);
+      treatment.pictures = false;
+      treatments.push_back(treatment);
+    }
+  }
+  return treatments;
+}
+
+Treated treat(PointCloud& cloud, const Treatment& treatment, const CleanReport& automatic,
+              int runs) {
+  const PointCloud source = cloud;
+  Treated treated;
+  std::vector<double> times;
+  for (int run = 0; run < runs_of(treatment, runs); ++run) {
+    cloud = source;
+    const double begin = now_ms();
+    treated.report = apply(cloud, treatment, automatic);
+    times.push_back(now_ms() - begin);
+  }
+  if (treatment.kind != Treatment::Kind::off) {
+    treated.milliseconds = summarise(std::move(times)).median;
+  }
+  return treated;
+}
+
+}  // namespace pointreel::bench

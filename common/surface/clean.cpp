@@ -51,6 +51,12 @@ constexpr float kLeastColorSpacings = 1.25f;
 constexpr double kSmooth = 0.1;
 /// Voxels of a surface are at most so many steps of their lattice apart on average.
 constexpr double kVoxelSpacing = 1.1;
+/// In scans, nearest neighbours differ across the surface by at least 0.46 of what the noise of
+/// both explains. Where they differ by less than this share, or the radius of support would be more
+/// than so many spacings, what looks like noise is something else, such as the distance between the
+/// rings of a lidar that sees rooms with corners.
+constexpr double kLeastDifference = 0.3;
+constexpr double kMostSpacings = 14.0;
 /// Points with less than this share of the weight that a surface would give them are alone.
 constexpr float kLeastSupport = 0.2f;
 /// What a point contributes itself is at most 1.
@@ -80,7 +86,8 @@ float weight_of_plane(float radius, float spacing) {
 /// What was measured around each point.
 struct Measured {
   float noise = 0.0f, spacing = 0.0f;
-  float widening = 1.0f;  ///< by which the radius must grow to reach points on all sides
+  float difference = 0.0f;  ///< the noise, by the steps between neighbours
+  float widening = 1.0f;    ///< by which the radius must grow to reach points on all sides
 };
 
 float support(const Measured& at) {
@@ -128,12 +135,14 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
         surface.measure(radii, kMeasuredBeta, kMeasuredOneIn, executor);
     std::vector<glm::vec3> values(evidence.size());
     for (std::size_t i = 0; i < evidence.size(); ++i) {
-      const auto& [square, weight, extent] = evidence[i];
+      const auto& [square, weight, extent, neighbor_square] = evidence[i];
       const float spacing = radii[i] * std::sqrt(kPi / (5.0f * weight));
       const float wider = std::sqrt(kLeastExtent / std::max(extent, kLeastExtent / 4.0f));
       const float widening =
           std::clamp(measured[i].widening * std::max(wider, 1.0f), 1.0f, kMostWidening);
-      values[i] = weight > 0.0f ? glm::vec3(square, spacing, widening) : glm::vec3(-1.0f);
+      values[i] = weight > 0.0f
+                      ? glm::vec3(square, round == 0 ? spacing : neighbor_square, widening)
+                      : glm::vec3(-1.0f);
     }
     const std::vector<glm::vec3> means = surface.local_means(values, kAveraged);
     for (std::size_t i = 0; i < means.size(); ++i) {
@@ -144,6 +153,7 @@ std::vector<Measured> measure(const PointSurface& surface, const Executor& execu
         measured[i].spacing =
             std::clamp(means[i].y, kLeastLocalSpacing * local, kMostLocalSpacing * local);
       } else {
+        measured[i].difference = std::sqrt(means[i].y);
         measured[i].widening = std::max(means[i].z, 1.0f);
       }
     }
@@ -170,7 +180,7 @@ void mean_colors(PointCloud& cloud, const PointSurface& surface,
   std::vector<float> radii(order.size());
   std::vector<glm::vec3> colors(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto& [noise, spacing, widening] = measured[i];
+    const float noise = measured[i].noise, spacing = measured[i].spacing;
     const float radius = kColorNoiseFactor * std::sqrt(noise * spacing);
     const bool averages = supports[i] > 0.0f && radius >= kLeastColorSpacings * spacing;
     radii[i] = averages ? radius : 0.0f;
@@ -217,16 +227,19 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
   const std::vector<Measured> measured = measure(surface, executor);
   report.spacing = median_of(measured, &Measured::spacing);
   report.noise = median_of(measured, &Measured::noise);
-  if (!options.radius &&
-      (report.noise <= kSmooth * report.spacing || is_voxelised(cloud, report.spacing))) {
-    cloud.normals = given_normals;
-    return report;
-  }
-
   std::vector<float> radii =
       options.radius ? std::vector<float>(cloud.size(), static_cast<float>(*options.radius))
                      : support(measured);
   report.radius = median(radii);
+  const bool is_noise =
+      report.noise > kSmooth * report.spacing &&
+      median_of(measured, &Measured::difference) >= kLeastDifference * report.noise &&
+      report.radius <= kMostSpacings * report.spacing;
+  if (!options.radius && (!is_noise || is_voxelised(cloud, report.spacing))) {
+    cloud.normals = given_normals;
+    report.radius = 0.0;
+    return report;
+  }
   report.cell = cell(measured);
   if (!options.radius) leave_clumps(surface, radii);
   surface.fit_normals(radii, executor);

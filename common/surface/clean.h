@@ -46,7 +46,8 @@ struct CleanReport {
 /// each other, or if it is further away than the median radius.
 ///
 /// Clouds that are no scans of surfaces stay as they are: fewer than 100 points, a scale at which
-/// squares are no floats, or more points without a surface around them than with one.
+/// squares are no floats, more points without a surface around them than with one, or noise that is
+/// none, such as that of a room that few rings of a lidar see.
 ///
 /// The cloud's positions are finite (`sanitize`). The result depends neither on the order of the
 /// points nor on the executor. O(n) for scans of surfaces.

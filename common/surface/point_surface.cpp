@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -51,6 +52,20 @@ bool is_crowded(const SortedPoints& sorted, int level) {
     first = end;
   }
   return static_cast<double>(crowded) > kMostCrowded * static_cast<double>(points.size());
+}
+
+/// From a point of a row to the nearest other one, along `normal`. 0 if there is no other one.
+float step_to_neighbor(const PointRow& row, std::size_t lane, const glm::vec3& normal) {
+  float nearest = std::numeric_limits<float>::infinity(), step = 0.0f;
+  for (std::size_t other = 0; other < row.count; ++other) {
+    const glm::vec3 way(row.x[other] - row.x[lane], row.y[other] - row.y[lane],
+                        row.z[other] - row.z[lane]);
+    const float square = glm::dot(way, way);
+    if (other == lane || square >= nearest) continue;
+    nearest = square;
+    step = glm::dot(way, normal);
+  }
+  return step;
 }
 
 /// Whether the cells show the shape of what is in them.
@@ -348,7 +363,9 @@ std::vector<SurfaceEvidence> PointSurface::measure(std::span<const float> radii,
       const glm::dvec3 normal(found.nx[lane], found.ny[lane], found.nz[lane]);
       const double extent =
           SecondMoments(moments, lane).least_along(normal) / (sums.w[lane] * at.square[lane]);
-      evidence[row.points[lane]] = {glm::dot(way, way), sums.w[lane], static_cast<float>(extent)};
+      const float step = step_to_neighbor(row, lane, glm::vec3(normal));
+      evidence[row.points[lane]] = {glm::dot(way, way), sums.w[lane], static_cast<float>(extent),
+                                    0.5f * step * step};
     }
   });
   return evidence;

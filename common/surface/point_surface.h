@@ -30,6 +30,9 @@ struct SurfaceEvidence {
   /// square, over that of the radius. 1/12 where points cover the surface evenly, about 0 on a
   /// line.
   float extent = 0.0f;
+  /// Half the square of the step across the surface from the point to one of its nearest
+  /// neighbours: what `square` is on average if the noise of points is their own.
+  float neighbor_square = 0.0f;
 };
 
 /// The surface that a cloud of points with normals stands for: the algebraic point set surface of

@@ -303,6 +303,28 @@ TEST(Clean, reports_cells_that_dense_parts_need) {
   }
 }
 
+TEST(Clean, leaves_a_room_as_it_is_that_few_rings_of_a_lidar_see) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.002);
+  PointCloud room;
+  for (int ring = 0; ring < 16; ++ring) {
+    const double up = glm::radians(-15.0 + 2.0 * ring);
+    for (int step = 0; step < 1800; ++step) {
+      const double around = glm::radians(0.2 * step);
+      const glm::dvec3 way(std::cos(up) * std::cos(around), std::cos(up) * std::sin(around),
+                           std::sin(up));
+      // To the walls, the floor or the ceiling, which are 4, 3 and 1.5 away.
+      const double distance =
+          1.0 / std::max({std::abs(way.x) / 4.0, std::abs(way.y) / 3.0, std::abs(way.z) / 1.5}) +
+          noise(random);
+      room.positions.emplace_back(distance * way);
+    }
+  }
+  PointCloud cloud = room;
+  EXPECT_FALSE(clean(cloud).cleaned);
+  EXPECT_TRUE(equal(cloud, room));
+}
+
 TEST(Clean, gives_points_without_a_normal_one) {
   const PointCloud source = noisy_sphere(20'000, 0.02);
   for (const std::size_t one_in : {1u, 10u}) {

@@ -81,15 +81,21 @@ std::vector<Role> roles_by_property(const PlyElement& element, const RolePropert
   return by_property;
 }
 
-/// Converts a colour component of the given type to the range 0 to 65535.
-std::uint16_t color_value(PlyType type, double v) {
+bool is_float(PlyType type) { return type == PlyType::float32 || type == PlyType::float64; }
+
+/// Some writers store colours from 0 to 255 as floats. The largest of them is in this range.
+constexpr double kLargestShare = 2.0, kLargestByte = 255.5;
+
+/// Converts a colour component of the given type to the range 0 to 65535. Floats are shares of
+/// `largest_float`.
+std::uint16_t color_value(PlyType type, double v, double largest_float) {
   if (!(v == v)) return 0;
   switch (type) {
     case PlyType::uint16:
       return static_cast<std::uint16_t>(std::clamp(v, 0.0, 65535.0));
     case PlyType::float32:
     case PlyType::float64:
-      return static_cast<std::uint16_t>(std::clamp(v, 0.0, 1.0) * 65535.0 + 0.5);
+      return static_cast<std::uint16_t>(std::clamp(v / largest_float, 0.0, 1.0) * 65535.0 + 0.5);
     case PlyType::int8:
       if (v < 0.0) v += 256.0;
       [[fallthrough]];
@@ -110,7 +116,7 @@ class CloudBuilder {
     }
     positions_.reserve(max_rows);
     if (has_normals_) cloud_.normals.reserve(max_rows);
-    if (has_colors_) cloud_.colors.reserve(max_rows);
+    if (has_colors_) colors_.reserve(max_rows);
     if (has_radii_) cloud_.radii.reserve(max_rows);
   }
 
@@ -131,6 +137,7 @@ class CloudBuilder {
   }
 
   PointCloud finish() {
+    if (has_colors_) convert_colors();
     cloud_.origin = choose_origin();
     cloud_.positions.resize(positions_.size());
     for (std::size_t i = 0; i < positions_.size(); ++i) {
@@ -141,13 +148,26 @@ class CloudBuilder {
 
  private:
   void append_colors(const Block& block, std::size_t rows) {
-    const std::size_t begin = cloud_.colors.size();
-    cloud_.colors.resize(begin + rows);
-    for (int channel = 0; channel < 3; ++channel) {
-      const auto& column = block[kColor + static_cast<std::size_t>(channel)];
-      const PlyType type = color_types_[static_cast<std::size_t>(channel)];
-      for (std::size_t i = 0; i < rows; ++i) {
-        cloud_.colors[begin + i][channel] = color_value(type, column[i]);
+    for (std::size_t i = 0; i < rows; ++i) {
+      colors_.emplace_back(block[kColor][i], block[kColor + 1][i], block[kColor + 2][i]);
+    }
+  }
+
+  void convert_colors() {
+    double largest = 0.0;
+    for (const glm::vec3& color : colors_) {
+      for (int channel = 0; channel < 3; ++channel) {
+        if (is_float(color_types_[static_cast<std::size_t>(channel)]) && color[channel] > largest)
+          largest = color[channel];
+      }
+    }
+    const bool bytes = largest > kLargestShare && largest < kLargestByte;
+    const double largest_float = bytes ? 255.0 : 1.0;
+    cloud_.colors.resize(colors_.size());
+    for (std::size_t i = 0; i < colors_.size(); ++i) {
+      for (int channel = 0; channel < 3; ++channel) {
+        cloud_.colors[i][channel] = color_value(color_types_[static_cast<std::size_t>(channel)],
+                                                colors_[i][channel], largest_float);
       }
     }
   }
@@ -170,6 +190,7 @@ class CloudBuilder {
 
   PointCloud cloud_;
   std::vector<glm::dvec3> positions_;
+  std::vector<glm::vec3> colors_;  ///< as they are in the file
   std::array<PlyType, 3> color_types_{};
   bool has_normals_, has_colors_, has_radii_;
 };

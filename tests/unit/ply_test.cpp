@@ -144,6 +144,24 @@ TEST(Ply, reads_colours_of_every_type_as_16_bits) {
   }
 }
 
+TEST(Ply, reads_floats_from_0_to_255_as_such) {
+  const auto colors = [](const std::string& first, const std::string& second) {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float r\nproperty float g\nproperty float b\nend_header\n"
+        "0 0 0 " +
+        first + "\n1 0 0 " + second + "\n";
+    return read_ply(view(text)).value().colors;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(colors("255 0 51", "1 0.5 0"),
+              ElementsAre(glm::u16vec3(65535, 0, 13107), glm::u16vec3(257, 129, 0)));
+  EXPECT_THAT(colors("1 0 0.2", "1.5 0 0"),
+              ElementsAre(glm::u16vec3(65535, 0, 13107), glm::u16vec3(65535, 0, 0)));
+  EXPECT_THAT(colors("1 0 0.2", "inf 1e30 0"),
+              ElementsAre(glm::u16vec3(65535, 0, 13107), glm::u16vec3(65535, 65535, 0)));
+}
+
 TEST(Ply, reads_a_nan_colour_as_black) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

@@ -186,9 +186,11 @@ void mean_colors(PointCloud& cloud, const PointSurface& surface,
     radii[i] = averages ? radius : 0.0f;
     colors[i] = cloud.colors[order[i].index];
   }
+  // More bits than the source has would only be noise to code.
+  const float step = colors_fit_8_bits(cloud) ? 257.0f : 1.0f;
   colors = surface.weighted_means(radii, colors, executor);
   for (std::size_t i = 0; i < order.size(); ++i)
-    cloud.colors[order[i].index] = glm::u16vec3(colors[i] + 0.5f);
+    cloud.colors[order[i].index] = glm::u16vec3(step * glm::floor(colors[i] / step + 0.5f));
 }
 
 /// Whether squares of its extent and of the distances within it are floats of full precision.

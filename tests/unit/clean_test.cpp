@@ -175,6 +175,15 @@ TEST(Clean, takes_noise_out_of_colours_but_not_edges) {
   EXPECT_LT(std::sqrt(square / static_cast<double>(inside)), 1'500.0) << "half of it";
 }
 
+TEST(Clean, keeps_colours_in_the_bits_that_they_had) {
+  PointCloud cloud = noisy_sphere(20'000, 0.03);
+  for (glm::u16vec3& color : cloud.colors) color = (color % glm::u16vec3(256)) * glm::u16vec3(257);
+  const std::vector<glm::u16vec3> source = cloud.colors;
+  ASSERT_TRUE(clean(cloud).cleaned);
+  EXPECT_NE(cloud.colors, source);
+  EXPECT_TRUE(colors_fit_8_bits(cloud));
+}
+
 TEST(Clean, takes_the_radius_that_it_is_given) {
   PointCloud little = noisy_sphere(20'000, 0.03), much = little;
   const CleanReport report = clean(little, {.radius = 0.05});

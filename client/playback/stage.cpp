@@ -204,10 +204,12 @@ std::vector<Stage::Change> Stage::take(std::size_t source,
 
 void Stage::show(std::size_t source, std::shared_ptr<const SceneFrame> frame) {
   Part& part = parts_[source];
-  // From afar, a speck is decoded as a single cell, which is much larger than the frame.
+  // From afar, a speck is decoded as a single cell, which is much larger than the frame. Of a live
+  // stream, it may be another frame that comes in more detail.
   const Box& box = frame->main_box;
-  if (!part.first || (*part.first == frame->index && 2.0 * extent(box) < extent(part.first_box))) {
-    part.first = frame->index;
+  if (!part.first_level ||
+      (frame->level > *part.first_level && 2.0 * extent(box) < extent(part.first_box))) {
+    part.first_level = frame->level;
     part.first_box = box;
     ++first_boxes_;
   }

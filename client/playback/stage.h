@@ -63,9 +63,9 @@ class Stage {
   /// What a camera that sees everything should look at: the bounds, but of a source whose first
   /// frame is a speck in them, that frame. A single point far away can make the bounds so large.
   Box view_bounds() const;
-  /// Changes when the bounds of a source become known, and when its first frame came, or came in
-  /// more detail and is much smaller. A camera that nobody moved should then look at view_bounds()
-  /// again, but not whenever bounds grow.
+  /// Changes when the bounds of a source become known, when its first frame came, and when one came
+  /// in more detail and is much smaller. A camera that nobody moved should then look at
+  /// view_bounds() again, but not whenever bounds grow.
   std::size_t view_version() const;
   char up() const { return parts_.front().playback().up(); }
   bool playing() const;
@@ -110,8 +110,8 @@ class Stage {
   struct Part {
     std::string where;
     glm::dvec3 place;
-    std::optional<std::uint32_t> first;  ///< the frame that was shown first
-    Box first_box;                       ///< its main_box
+    std::optional<int> first_level;  ///< of the frame that was shown first
+    Box first_box;                   ///< its main_box
     std::variant<std::unique_ptr<ReelPlayback>, std::unique_ptr<LivePlayback>> source;
 
     Playback& playback() const {

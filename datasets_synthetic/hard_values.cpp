@@ -178,11 +178,11 @@ void add_colors(CaseList& list) {
   for (std::size_t i = 6; i < 9; ++i) wild.columns[i].type = PlyType::float32;
   wild.rows = {wild.rows[0], wild.rows[1]};
   wild.rows[0][6] = 1.5, wild.rows[0][7] = kNan, wild.rows[0][8] = -kInfinity;
-  wild.rows[1][6] = wild.rows[1][7] = wild.rows[1][8] = 255.0;
+  wild.rows[1][6] = wild.rows[1][7] = wild.rows[1][8] = 300.0;
   HardExpectation expect = expect_table(wild);
   expect.first_color = glm::u16vec3(65535, 0, 0);
   list.add("float colours", "color_float_wild.ply",
-           "Float colours of 1.5, NaN, -infinity, and 255, where 1 is white", wild, expect);
+           "Float colours of 1.5, NaN, -infinity, and 300, where 1 is white", wild, expect);
   const PlyTable bare = ball(kCount, glm::dvec3(0.0), PlyType::float32, false);
   list.add("no colours", "color_none.ply", "Positions and nothing else", bare, expect_table(bare));
   PlyTable alpha = ball(kCount);

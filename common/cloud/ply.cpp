@@ -83,19 +83,24 @@ std::vector<Role> roles_by_property(const PlyElement& element, const RolePropert
 
 bool is_float(PlyType type) { return type == PlyType::float32 || type == PlyType::float64; }
 
-/// Some writers store colours from 0 to 255 as floats. The largest of them is in this range.
+/// Some writers store colours from 0 to 255 as floats or 16-bit integers. Such floats are known by
+/// the largest, which is in this range.
 constexpr double kLargestShare = 2.0, kLargestByte = 255.5;
 
-/// Converts a colour component of the given type to the range 0 to 65535. Floats are shares of
-/// `largest_float`.
-std::uint16_t color_value(PlyType type, double v, double largest_float) {
+/// The values that stand for full brightness.
+struct FullBrightness {
+  double of_float = 1.0, of_uint16 = 65535.0;
+};
+
+/// Converts a colour component of the given type to the range 0 to 65535.
+std::uint16_t color_value(PlyType type, double v, const FullBrightness& full) {
   if (!(v == v)) return 0;
   switch (type) {
     case PlyType::uint16:
-      return static_cast<std::uint16_t>(std::clamp(v, 0.0, 65535.0));
+      return static_cast<std::uint16_t>(std::clamp(v / full.of_uint16, 0.0, 1.0) * 65535.0 + 0.5);
     case PlyType::float32:
     case PlyType::float64:
-      return static_cast<std::uint16_t>(std::clamp(v / largest_float, 0.0, 1.0) * 65535.0 + 0.5);
+      return static_cast<std::uint16_t>(std::clamp(v / full.of_float, 0.0, 1.0) * 65535.0 + 0.5);
     case PlyType::int8:
       if (v < 0.0) v += 256.0;
       [[fallthrough]];
@@ -153,21 +158,29 @@ class CloudBuilder {
     }
   }
 
-  void convert_colors() {
+  double largest_color(bool (*of_type)(PlyType)) const {
     double largest = 0.0;
     for (const glm::vec3& color : colors_) {
       for (int channel = 0; channel < 3; ++channel) {
-        if (is_float(color_types_[static_cast<std::size_t>(channel)]) && color[channel] > largest)
+        if (of_type(color_types_[static_cast<std::size_t>(channel)]) && color[channel] > largest)
           largest = color[channel];
       }
     }
-    const bool bytes = largest > kLargestShare && largest < kLargestByte;
-    const double largest_float = bytes ? 255.0 : 1.0;
+    return largest;
+  }
+
+  void convert_colors() {
+    FullBrightness full;
+    const double largest_float = largest_color(is_float);
+    if (largest_float > kLargestShare && largest_float < kLargestByte) full.of_float = 255.0;
+    // Nobody stores 16 bits to keep colours that are all but black.
+    if (largest_color([](PlyType type) { return type == PlyType::uint16; }) <= 255.0)
+      full.of_uint16 = 255.0;
     cloud_.colors.resize(colors_.size());
     for (std::size_t i = 0; i < colors_.size(); ++i) {
       for (int channel = 0; channel < 3; ++channel) {
-        cloud_.colors[i][channel] = color_value(color_types_[static_cast<std::size_t>(channel)],
-                                                colors_[i][channel], largest_float);
+        cloud_.colors[i][channel] =
+            color_value(color_types_[static_cast<std::size_t>(channel)], colors_[i][channel], full);
       }
     }
   }

@@ -16,9 +16,10 @@ namespace pointreel {
 ///   positions  x y z
 ///   normals    nx ny nz, or normal_x normal_y normal_z; kept as they are, not normalised
 ///   colours    red green blue, r g b, or diffuse_red diffuse_green diffuse_blue:
-///              uchar v becomes 257 v; ushort is kept; float and double are clamped to 0..1, or to
-///              0..255 if the largest is above 2 and no more than 255; NaN is 0; char is read as
-///              the uchar of the same bits; other integers are 8-bit values, clamped
+///              uchar v becomes 257 v; ushort is kept, or read as uchar if none is above 255; float
+///              and double are clamped to 0..1, or to 0..255 if the largest is above 2 and no more
+///              than 255; NaN is 0; char is read as the uchar of the same bits; other integers are
+///              8-bit values, clamped
 ///   radii      radius
 /// The cloud does not have an attribute that is missing or incomplete. Everything else is skipped,
 /// and bytes after the last element are ignored.

@@ -162,6 +162,22 @@ TEST(Ply, reads_floats_from_0_to_255_as_such) {
               ElementsAre(glm::u16vec3(65535, 0, 13107), glm::u16vec3(65535, 65535, 0)));
 }
 
+TEST(Ply, reads_16_bit_colours_that_are_at_most_255_as_bytes) {
+  const auto colors = [](const std::string& first, const std::string& second) {
+    return read(
+               "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+               "property float z\nproperty ushort red\nproperty ushort green\n"
+               "property ushort blue\nend_header\n0 0 0 " +
+               first + "\n1 0 0 " + second + "\n")
+        .colors;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(colors("255 0 51", "1 128 0"),
+              ElementsAre(glm::u16vec3(65535, 0, 13107), glm::u16vec3(257, 32896, 0)));
+  EXPECT_THAT(colors("256 0 51", "65535 42 12345"),
+              ElementsAre(glm::u16vec3(256, 0, 51), glm::u16vec3(65535, 42, 12345)));
+}
+
 TEST(Ply, reads_a_nan_colour_as_black) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

@@ -99,13 +99,21 @@ void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
   }
 }
 
+/// The rule for the level that is drawn as voxels. A few points lie apart on any level; their
+/// voxels must not be as large as the scene.
+DepthRule voxel_rule(double delta) {
+  DepthRule rule = DepthRule::by_delta(delta);
+  rule.least = 3;
+  return rule;
+}
+
 /// Cuts the tree off at the level that is drawn as voxels.
 Result<void> coarsen(SceneFrame& scene, double delta) {
   std::vector<std::uint32_t> occupied;
   for (int level = 0; level <= scene.svo.depth; ++level) {
     occupied.push_back(scene.svo.node_count(level));
   }
-  const int by_delta = TRY(choose_depth(occupied, scene.points, DepthRule::by_delta(delta)));
+  const int by_delta = TRY(choose_depth(occupied, scene.points, voxel_rule(delta)));
   const int depth = depth_that_closes(occupied, scene.points, by_delta, delta);
   const double leaves = occupied[static_cast<std::size_t>(depth)];
   if (leaves >= (1.0 - delta) * scene.points) scene.level = kWholeFrame;
@@ -132,7 +140,7 @@ void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
 
 /// Prepares a cloud to be drawn as voxels.
 Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
-  DepthRule rule = DepthRule::by_delta(options.delta);
+  DepthRule rule = voxel_rule(options.delta);
   rule.most = options.level;
   const auto tree = TRY(sort_to_depth(scene.cloud, cube, rule));
   if (tree.depth == options.level) scene.level = options.level;
@@ -184,7 +192,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
   scene.decode_ms = watch.lap();
   if (frame.svo) {
     scene.svo = std::move(*frame.svo);
-    scene.main_box = main_box(scene.svo);
+    if (scene.points > 1) scene.main_box = main_box(scene.svo);
     scene.attributes = std::move(frame.attributes);
     if (scene.svo.depth < frame.depth) scene.level = scene.svo.depth;
     derive_node_normals(scene, options);
@@ -197,7 +205,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     }
   } else {
     scene.cloud = std::move(frame.cloud);
-    scene.main_box = main_box(scene.cloud);
+    if (scene.points > 1) scene.main_box = main_box(scene.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stop));

@@ -23,13 +23,28 @@ constexpr double kMaxRadius = 3.0;
 /// anyway.
 constexpr double kLeastOfClosedCell = 0.3;
 
+/// Where nothing looks closed, such as along a line or for single points, this many leaves have a
+/// cell of their own on the level that stands in. Its cells are small beside the cube: a single
+/// point has no spacing, and must not fill the picture.
+constexpr double kApart = 0.95;
+constexpr int kSmallCells = 5;
+
+/// A level whose occupied cells cover the surface, and the edge of the squares that do so.
+struct ClosedLevel {
+  int level;
+  double edge;
+};
+
 /// The level above the finest level that still looks like a closed surface: up to a third of the
-/// cells of the finest may be missing already. The level of the leaves if none looks closed.
-int closed_level(const Svo& svo) {
+/// cells of the finest may be missing already.
+ClosedLevel closed_level(const Svo& svo) {
   for (int level = svo.depth; level > 0; --level) {
-    if (svo.node_count(level) >= kClosedGrowth * svo.node_count(level - 1)) return level - 1;
+    if (svo.node_count(level) >= kClosedGrowth * svo.node_count(level - 1))
+      return {level - 1, svo.cell_size(level - 1)};
   }
-  return svo.depth;
+  int level = 0;
+  while (level < svo.depth && svo.node_count(level) < kApart * svo.leaf_count()) ++level;
+  return {level, svo.cell_size(std::max(level, kSmallCells))};
 }
 
 /// How many nodes of `level` come before the first descendant of a node on level `from`.
@@ -56,9 +71,9 @@ double cap_of(const std::vector<Block>& blocks, std::size_t points) {
 }
 
 std::vector<Block> measure_blocks(const Svo& svo) {
-  const int closed = closed_level(svo);
+  const auto [closed, edge] = closed_level(svo);
   const int level = std::max(0, closed - kBlockLevels);
-  const double area_of_cell = svo.cell_size(closed) * svo.cell_size(closed) / kCellsPerFace;
+  const double area_of_cell = edge * edge / kCellsPerFace;
   const std::uint32_t count = svo.node_count(level);
   const std::uint32_t first = svo.level_begin[static_cast<std::size_t>(level)];
   std::vector<Block> blocks;
@@ -81,7 +96,7 @@ std::vector<Block> measure_blocks(const Svo& svo) {
 
 std::vector<float> leaf_radii(const Svo& svo) {
   const double least = std::max(0.5 * std::sqrt(3.0) * svo.cell_size(svo.depth),
-                                kLeastOfClosedCell * svo.cell_size(closed_level(svo)));
+                                kLeastOfClosedCell * closed_level(svo).edge);
   const std::vector<Block> blocks = measure_blocks(svo);
   const double most = std::max(least, cap_of(blocks, svo.leaf_count()));
   std::vector<float> radii(svo.leaf_count());

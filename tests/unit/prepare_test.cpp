@@ -399,5 +399,21 @@ TEST(PrepareFrame, has_a_box_without_points_far_away) {
     }
 }
 
+TEST(PrepareFrame, draws_a_single_point_at_its_place_and_size_within_a_large_cube) {
+  PointCloud one;
+  one.origin = kCube.origin;
+  one.positions = {glm::vec3(0.9f, 1.8f, 0.3f)};
+  const Manifest manifest = manifest_of(one);
+  const FetchedFrame frame = fetched(one, EncodeOptions{OctreeOptions{}});
+  const SceneFrame surfel = prepare_frame(manifest, 0, frame, {DrawMode::surfel}).value();
+  EXPECT_TRUE(surfel.main_box.empty()) << "which tells no size, so the view shows all frames";
+  ASSERT_EQ(surfel.svo.leaf_count(), 1u);
+  EXPECT_LT(glm::distance(leaf_centers(surfel.svo).world(0), one.world(0)), 1e-3);
+  EXPECT_GT(surfel.radii.back(), 0.03f);
+  EXPECT_LT(surfel.radii.back(), 0.15f);
+  const SceneFrame voxel = prepare_frame(manifest, 0, frame, {DrawMode::voxel}).value();
+  EXPECT_EQ(voxel.svo.depth, 3);
+}
+
 }  // namespace
 }  // namespace pointreel

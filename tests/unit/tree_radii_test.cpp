@@ -159,16 +159,34 @@ TEST(PointRadii, are_positive_for_a_single_point_and_absent_without_points) {
   EXPECT_TRUE(point_radii(build_svo(none, 3), none).empty());
 }
 
-TEST(LeafRadii, are_half_the_diagonal_of_the_cell_for_a_single_point) {
+TEST(LeafRadii, show_a_single_point_however_fine_its_cell_is) {
   PointCloud one;
   one.positions = {glm::vec3(0.5f)};
   const Cube cube{glm::dvec3(0.0), 1.0};
-  for (const int depth : {0, 5, 21}) {
+  for (const int depth : {0, 5, 13, 21}) {
     const auto radii = leaf_radii(build_svo(sort_points(one, cube, depth), depth));
     ASSERT_EQ(radii.size(), 1u);
-    EXPECT_NEAR(radii[0], 0.5 * std::sqrt(3.0) / (1 << depth), 1e-6) << depth;
+    EXPECT_GE(radii[0], 0.5 * std::sqrt(3.0) / (1 << depth) - 1e-6) << depth;  // fills its cell
+    EXPECT_GE(radii[0], 0.02) << depth;
+    if (depth >= 5) {
+      EXPECT_LE(radii[0], 0.03) << depth;
+    }
   }
   EXPECT_TRUE(leaf_radii(build_svo(sort_points(PointCloud{}, cube, 3), 3)).empty());
+}
+
+TEST(LeafRadii, join_the_points_of_a_line_whose_cells_are_much_finer_than_their_distances) {
+  PointCloud line;
+  for (int i = 0; i < 100; ++i)
+    line.positions.emplace_back((static_cast<float>(i) + 0.5f) / 100.0f, 0.3f, 0.4f);
+  const Cube cube{glm::dvec3(0.0), 1.0};
+  for (const int depth : {7, 10, 16}) {
+    const auto radii = leaf_radii(build_svo(sort_points(line, cube, depth), depth));
+    for (const float radius : radii) {
+      EXPECT_GT(radius, 0.005f) << depth;
+      EXPECT_LT(radius, 0.02f) << depth;
+    }
+  }
 }
 
 }  // namespace

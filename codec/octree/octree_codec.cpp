@@ -340,7 +340,8 @@ namespace {
 Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const OctreeOptions& options,
                             bool normals, bool colors, const Executor& executor) {
   TRY(check(cloud, cube, options));
-  const SortedToDepth points = TRY(sort_to_depth(cloud, cube, options.depth));
+  const SortedToDepth points =
+      TRY(sort_to_depth(cloud, cube, coding_rule(options.depth, cloud.size())));
   const Svo svo = build_svo(points.sorted, cloud.empty() ? 0 : points.depth);
 
   FrameHeader frame;

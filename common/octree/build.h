@@ -30,13 +30,13 @@ struct SortedPoints {
 /// O(n).
 SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels = kMaxDepth);
 
-/// The depth that the rule asks for, at most rule.most. For a delta that is the smallest h with
-/// oct(h) / n >= 1 - delta, at most the level that tells all distinct points apart (FORMULAS.md,
-/// "Depth from delta").
+/// The depth that the rule asks for, at most rule.most. For a delta that is the smallest h, from
+/// rule.least on, with oct(h) / n >= 1 - delta, at most the level that tells all distinct points
+/// apart (FORMULAS.md, "Depth from delta").
 ///
 /// `occupied`: as in SortedPoints, for the levels that are known. `n`: the number of points that
-/// the delta refers to, which is that of the source, duplicates included. Error: `argument` if the
-/// delta is negative or NaN, or a depth is out of range.
+/// the delta refers to. Error: `argument` if the delta is negative or NaN, or a depth is out of
+/// range.
 Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t n,
                          const DepthRule& rule);
 
@@ -46,10 +46,17 @@ struct SortedToDepth {
   int depth = 0;
 };
 
-/// sort_points and choose_depth in one, with the delta referring to the cloud's own points. Sorts
-/// no more levels than it takes to decide. Errors: as choose_depth.
+/// sort_points and choose_depth in one, with the delta referring to the cloud's distinct points:
+/// points no farther apart than half a cell of the deepest level count as one, since that is what
+/// repeated vertices are after a rounding. Sorts no more levels than it takes to decide. Errors: as
+/// choose_depth.
 Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
                                     const DepthRule& rule);
+
+/// The rule for coding a frame of this many points. Few points are divided further than delta asks,
+/// because each stands for itself: to keep them apart says little about where they are
+/// (FORMULAS.md, "Depth from delta").
+DepthRule coding_rule(DepthRule rule, std::size_t points);
 
 /// Builds the tree of the given depth, 0 to sorted.levels. An empty cloud gives an empty tree.
 Svo build_svo(const SortedPoints& sorted, int depth);

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <compare>
+#include <cstddef>
+#include <optional>
 
 #include "common/base/concat.h"
 #include "common/base/try.h"
@@ -44,6 +47,51 @@ void for_each_key(const PointCloud& cloud, const Cube& cube, int levels, Visit&&
 
 bool meets(const DepthRule& rule, std::uint32_t cells, std::uint64_t n) {
   return static_cast<double>(cells) >= (1.0 - rule.delta) * static_cast<double>(n);
+}
+
+/// The number of points of a run, which lie in the same cell, that are farther apart than
+/// `tolerance`. A point is compared with a few others only, which bounds the time, so that the
+/// result may be too large where many points lie in a plane across the x-axis.
+std::size_t count_distinct(std::span<glm::vec3> run, float tolerance) {
+  constexpr std::size_t kCompared = 8;
+  std::sort(run.begin(), run.end(), [](const glm::vec3& a, const glm::vec3& b) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto order = std::strong_order(a[axis], b[axis]);  // has a place for NaN, too
+      if (order != 0) return order < 0;
+    }
+    return false;
+  });
+  std::size_t distinct = 0;  // those found so far are moved to the front
+  for (const glm::vec3& point : run) {
+    bool repeats = false;
+    for (std::size_t i = distinct; i > 0 && i + kCompared > distinct && !repeats; --i) {
+      const glm::vec3 apart = glm::abs(point - run[i - 1]);
+      repeats = std::max({apart.x, apart.y, apart.z}) <= tolerance;
+    }
+    if (!repeats) run[distinct++] = point;
+  }
+  return distinct;
+}
+
+/// The number of points that are farther apart than half a cell of the deepest level. Those that
+/// share no cell of the sorted levels need no look.
+std::uint64_t count_distinct(const PointCloud& cloud, const SortedPoints& sorted) {
+  const auto tolerance = static_cast<float>(std::ldexp(sorted.cube.edge, -kMaxDepth - 1));
+  const std::vector<KeyIndex>& points = sorted.points;
+  std::vector<glm::vec3> run;
+  std::uint64_t distinct = 0;
+  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
+    end = begin + 1;
+    while (end < points.size() && points[end].key == points[begin].key) ++end;
+    if (end - begin == 1) {
+      ++distinct;
+      continue;
+    }
+    run.clear();
+    for (std::size_t i = begin; i < end; ++i) run.push_back(cloud.positions[points[i].index]);
+    distinct += count_distinct(run, tolerance);
+  }
+  return distinct;
 }
 
 /// Appends the masks of the parents of `keys` to `masks`, and replaces `keys` by the keys of the
@@ -146,13 +194,14 @@ Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t 
   if (!(rule.delta >= 0.0)) {
     return fail(ErrorCode::argument, "delta must be a number of at least 0");
   }
+  TRY(check_depth(rule.least));
   // Where points coincide the criterion may never be met, so the search also ends at the level that
   // tells all distinct points apart. It must not end at a level merely because it has as many cells
   // as the one above.
-  std::size_t depth = 0;
-  const auto most = static_cast<std::size_t>(rule.most);
-  while (depth < most && depth + 1 < occupied.size() && occupied[depth] < occupied.back() &&
-         !meets(rule, occupied[depth], n)) {
+  if (occupied.empty()) return 0;
+  const auto most = std::min(static_cast<std::size_t>(rule.most), occupied.size() - 1);
+  std::size_t depth = std::min(static_cast<std::size_t>(rule.least), most);
+  while (depth < most && occupied[depth] < occupied.back() && !meets(rule, occupied[depth], n)) {
     ++depth;
   }
   return static_cast<int>(depth);
@@ -164,15 +213,28 @@ Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
     const int depth = TRY(choose_depth({}, 0, rule));
     return SortedToDepth{sort_points(cloud, cube, depth), depth};
   }
-  for (int levels = kCommonLevels;; levels = kMaxDepth) {
+  const int first = std::clamp(rule.least, kCommonLevels, kMaxDepth);
+  std::optional<std::uint64_t> distinct;
+  for (int levels = first;; levels = kMaxDepth) {
     SortedPoints sorted = sort_points(cloud, cube, levels);
-    const int depth = TRY(choose_depth(sorted.occupied, cloud.size(), rule));
+    if (!distinct) distinct = count_distinct(cloud, sorted);
+    const int depth = TRY(choose_depth(sorted.occupied, *distinct, rule));
     // If this depth does not meet the rule, it is only where the levels sorted so far end.
     const std::uint32_t cells = sorted.occupied[static_cast<std::size_t>(depth)];
-    if (levels == kMaxDepth || depth == rule.most || meets(rule, cells, cloud.size())) {
+    if (levels == kMaxDepth || depth == rule.most || meets(rule, cells, *distinct)) {
       return SortedToDepth{std::move(sorted), depth};
     }
   }
+}
+
+DepthRule coding_rule(DepthRule rule, std::size_t points) {
+  // One level less for each four times as many points: delta divides surfaces of some thousands of
+  // points as far by itself.
+  constexpr int kLeastForOne = 13;
+  if (rule.delta >= 1.0) return rule;  // not even the distances between points count
+  rule.least =
+      std::max({0, rule.least, kLeastForOne - static_cast<int>(std::bit_width(points)) / 2});
+  return rule;
 }
 
 Svo build_svo(const SortedPoints& sorted, int depth) {

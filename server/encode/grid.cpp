@@ -52,7 +52,7 @@ bool reaches(const PointLattice& lattice, const Box& box, const PointCloud& clou
   if (octree == nullptr) {
     return voxels.depth <= std::get<DracoOptions>(options.codec).position_bits;
   }
-  DepthRule rule = octree->depth;
+  DepthRule rule = coding_rule(octree->depth, cloud.size());
   if (voxels.depth > rule.most) return false;
   if (rule.kind == DepthRule::Kind::fixed) return voxels.depth <= rule.depth;
   rule.most = voxels.depth;

@@ -90,7 +90,8 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
       command
           .add_option_function<double>(
               "--delta", [this](double share) { octree.depth = DepthRule::by_delta(share); },
-              "divide the octree until at most this share of the points has merged into others")
+              "divide the octree until at most this share of the distinct points has merged into "
+              "others")
           ->check(number_option("a number of at least 0", [](double v) { return v >= 0.0; }))
           ->default_str(fmt::format("{}", octree.depth.delta)));
   CLI::Option* depth =

@@ -1,9 +1,9 @@
 #include "server/pack/collapse.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,22 +17,47 @@ constexpr double kFarApart = 16.0;
 /// Whatever is fewer voxels long is not recognised.
 constexpr double kFewestVoxels = 16.0;
 
-std::size_t distinct_points(const PointCloud& cloud) {
-  std::vector<std::array<float, 3>> points;
-  points.reserve(cloud.size());
-  for (const glm::vec3& p : cloud.positions) points.push_back({p.x, p.y, p.z});
-  std::sort(points.begin(), points.end());
-  return static_cast<std::size_t>(std::unique(points.begin(), points.end()) - points.begin());
+std::vector<glm::vec3> distinct_points(const PointCloud& cloud) {
+  const auto before = [](const glm::vec3& a, const glm::vec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  std::vector<glm::vec3> points = cloud.positions;
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
 }
 
-/// Whether the octree is too shallow for its delta although nothing but kMaxDepth bounds it.
-bool misses_delta(const EncodedFrame& encoded, const PointCloud& cloud, const DepthRule& rule) {
+/// The longest side of the box around the middle half of the points on each axis, which a few far
+/// points do not change.
+double length_of_middle(std::vector<glm::vec3> points) {
+  const std::size_t quarter = points.size() / 4;
+  double length = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto before = [axis](const glm::vec3& a, const glm::vec3& b) {
+      return a[axis] < b[axis];
+    };
+    const auto low = points.begin() + static_cast<std::ptrdiff_t>(quarter);
+    const auto high = points.end() - 1 - static_cast<std::ptrdiff_t>(quarter);
+    std::nth_element(points.begin(), high, points.end(), before);
+    const double to = (*high)[axis];
+    std::nth_element(points.begin(), low, points.end(), before);
+    length = std::max(length, to - (*low)[axis]);
+  }
+  return length;
+}
+
+/// Whether the octree cannot keep the points apart because its cells are too large. Points that
+/// nearly coincide, such as repeated vertices after a rounding, are no reason.
+bool misses_delta(const EncodedFrame& encoded, const PointCloud& cloud, const Grid& grid,
+                  const DepthRule& rule) {
   if (rule.most < kMaxDepth) return false;
-  const double voxels = 2.0 * encoded.coded_points;
   const auto enough = [&](std::size_t points) {
-    return voxels >= (1.0 - rule.delta) * static_cast<double>(points);
+    return 2.0 * encoded.coded_points >= (1.0 - rule.delta) * static_cast<double>(points);
   };
-  return !enough(cloud.size()) && !enough(distinct_points(cloud));
+  if (enough(cloud.size())) return false;
+  const std::vector<glm::vec3> points = distinct_points(cloud);
+  return !enough(points.size()) &&
+         length_of_middle(points) < std::ldexp(kFewestVoxels * grid.cube.edge, -encoded.depth);
 }
 
 }  // namespace
@@ -45,13 +70,14 @@ std::optional<std::string> collapse_of(const EncodedFrame& encoded, const PointC
   const bool far_apart = grid.cube.edge > kFarApart * length;
   const auto* octree = std::get_if<OctreeOptions>(&used.codec);
   if (octree != nullptr && octree->depth.kind == DepthRule::Kind::delta) {
-    if (!misses_delta(encoded, cloud, octree->depth)) return std::nullopt;
+    if (!misses_delta(encoded, cloud, grid, octree->depth)) return std::nullopt;
   } else {
     const auto* asked = std::get_if<OctreeOptions>(&grid.encode.codec);
     const int depth = asked != nullptr ? asked->depth.depth
                                        : std::get<DracoOptions>(grid.encode.codec).position_bits;
     const double voxels = std::ldexp(length / grid.cube.edge, depth);
-    if (!far_apart || voxels >= kFewestVoxels || distinct_points(cloud) == 1) return std::nullopt;
+    if (!far_apart || voxels >= kFewestVoxels || distinct_points(cloud).size() == 1)
+      return std::nullopt;
   }
   return fmt::format(
       "its {} points collapse into voxels of {:.3g}, because {}", cloud.size(),

@@ -11,9 +11,9 @@ namespace pointreel {
 
 /// Why a frame that was encoded in this grid would be far coarser than was asked for: because its
 /// cube is too large for its points. That is so if the frame has fewer than half the voxels that a
-/// delta promises; or, with a fixed depth, if it lies in a cube more than 16 times as large as its
-/// own, and is itself less than 16 voxels long. Nothing if the frame is as it should be, or if its
-/// depth was lowered on request.
+/// delta promises and the middle half of its points is less than 16 voxels long; or, with a fixed
+/// depth, if it lies in a cube more than 16 times as large as its own, and is itself less than 16
+/// voxels long. Nothing if the frame is as it should be, or if its depth was lowered on request.
 ///
 /// `cloud` is the source of `encoded`, `used` the options it was encoded with.
 std::optional<std::string> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,

@@ -25,8 +25,9 @@ Result<Svo> build(const SourceFrame& frame, const SegmentInput& input) {
   const Grid grid = TRY(input.grid_of(frame));
   const PointCloud& cloud = frame.cloud;
   if (cloud.empty()) return Svo{};
-  const auto points =
-      TRY(sort_to_depth(cloud, grid.cube, std::get<OctreeOptions>(grid.encode.codec).depth));
+  const auto points = TRY(
+      sort_to_depth(cloud, grid.cube,
+                    coding_rule(std::get<OctreeOptions>(grid.encode.codec).depth, cloud.size())));
   return build_svo(points.sorted, points.depth);
 }
 

@@ -113,6 +113,32 @@ TEST_F(PackGrid, fine_coordinates_of_sparse_points_do_not_count_as_voxels) {
             bounding_cube(bounds(read_cloud_file(in() / "0.ply")->cloud)));
 }
 
+TEST_F(PackGrid, takes_vertices_that_are_repeated_with_other_roundings) {
+  const PointCloud once = ellipsoid(2000);
+  std::mt19937 random(2);
+  for (const float jitter : {1e-7f, 1e-6f, 1e-5f}) {
+    std::uniform_real_distribution<float> rounding(-jitter, jitter);
+    PointCloud soup;
+    for (int copy = 0; copy < 8; ++copy) {
+      for (const glm::vec3& p : once.positions)
+        soup.positions.push_back(p +
+                                 glm::vec3(rounding(random), rounding(random), rounding(random)));
+    }
+    write(0, soup);
+    use(octree(DepthRule{}));
+    EXPECT_THAT(packed().warnings, IsEmpty()) << jitter;
+    fs::remove_all(options_.output);
+  }
+}
+
+TEST_F(PackGrid, refuses_a_frame_that_far_points_make_too_large) {
+  PointCloud cloud = ellipsoid(2000);
+  for (const float far : {-1.0f, 1.0f}) cloud.positions.emplace_back(1e7f * far, 0.0f, 0.0f);
+  write(0, cloud);
+  use(octree(DepthRule{}));
+  EXPECT_THAT(error(), HasSubstr("some lie too far away for an octree of 21 levels"));
+}
+
 TEST_F(PackGrid, refuses_frames_that_lie_too_far_apart_for_one_cube) {
   for (const int frame : {0, 1}) {
     PointCloud cloud = ellipsoid(2000);

@@ -123,6 +123,84 @@ TEST(Svo, stops_at_the_level_that_separates_all_distinct_points) {
   EXPECT_EQ(depth_for(cloud, 0.05), 1);
 }
 
+TEST(Svo, is_no_deeper_because_points_are_repeated) {
+  const PointCloud once = random_shell(5000, 4);
+  const int depth = depth_for(once, 0.05);
+  std::mt19937 random(5);
+  // A float's rounding of coordinates below 1.
+  std::uniform_real_distribution<float> rounding(-6e-8f, 6e-8f);
+  PointCloud exactly, nearly, origins;
+  for (int copy = 0; copy < 6; ++copy) {
+    for (const glm::vec3& p : once.positions) {
+      exactly.positions.push_back(p);
+      nearly.positions.push_back(p +
+                                 glm::vec3(rounding(random), rounding(random), rounding(random)));
+    }
+  }
+  origins.positions = once.positions;
+  origins.positions.insert(origins.positions.end(), 3000, glm::vec3(0.0f));
+  EXPECT_EQ(depth_for(exactly, 0.05), depth);
+  EXPECT_EQ(depth_for(nearly, 0.05), depth);
+  EXPECT_EQ(depth_for(origins, 0.05), depth);
+}
+
+TEST(Svo, has_the_same_depth_whatever_the_order_of_its_points) {
+  PointCloud cloud = random_shell(300, 6);
+  for (std::size_t i = 0; i < 300; ++i) {
+    // Many repeat each other in one cell, with equal x, so that only some can be compared.
+    cloud.positions.push_back({0.1f, 0.1f + 1e-6f * static_cast<float>(i % 40), 0.1f});
+  }
+  std::mt19937 random(7);
+  const int depth = depth_for(cloud, 0.05);
+  for (int order = 0; order < 20; ++order) {
+    std::shuffle(cloud.positions.begin(), cloud.positions.end(), random);
+    EXPECT_EQ(depth_for(cloud, 0.05), depth);
+  }
+}
+
+TEST(Svo, survives_points_that_are_no_numbers) {
+  PointCloud cloud = random_shell(500, 9);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 400; ++i) {
+    cloud.positions.push_back({i % 2 ? nan : 0.0f, i % 3 ? nan : 0.0f, i % 5 ? nan : 0.0f});
+  }
+  EXPECT_TRUE(sort_to_depth(cloud, Cube{glm::dvec3(-1.0), 2.0}, DepthRule{}));
+}
+
+TEST(CodingRule, keeps_few_points_within_a_thousandth_of_the_cube) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> anywhere(0.0f, 1.0f);
+  const Cube cube{glm::dvec3(0.0), 1.0};
+  for (const std::size_t points : {1u, 2u, 3u, 5u, 20u, 39u, 64u, 200u}) {
+    PointCloud cloud;
+    for (std::size_t i = 0; i < points; ++i)
+      cloud.positions.emplace_back(anywhere(random), anywhere(random), anywhere(random));
+    const auto sorted = sort_to_depth(cloud, cube, coding_rule(DepthRule{}, points));
+    ASSERT_TRUE(sorted);
+    const PointCloud leaves = leaf_centers(build_svo(sorted->sorted, sorted->depth));
+    for (const glm::vec3& p : cloud.positions) {
+      float nearest = 1.0f;
+      for (const glm::vec3& leaf : leaves.positions)
+        nearest = std::min(nearest, glm::distance(p, leaf));
+      EXPECT_LT(nearest, points <= 64 ? 1e-3f : 2e-3f) << points;
+    }
+  }
+}
+
+TEST(CodingRule, leaves_surfaces_of_many_points_and_fixed_depths_as_they_are) {
+  for (const std::size_t points : {4000u, 20000u, 100000u}) {
+    const PointCloud cloud = random_shell(points, 2);
+    const Cube cube = bounding_cube(bounds(cloud));
+    EXPECT_EQ(sort_to_depth(cloud, cube, coding_rule(DepthRule{}, points))->depth,
+              sort_to_depth(cloud, cube, DepthRule{})->depth);
+  }
+  const PointCloud one = cloud_of({{1, 2, 3}});
+  EXPECT_EQ(sort_to_depth(one, Cube{}, coding_rule(DepthRule::fixed(4), 1))->depth, 4);
+  DepthRule bounded;
+  bounded.most = 3;
+  EXPECT_EQ(sort_to_depth(one, Cube{}, coding_rule(bounded, 1))->depth, 3);
+}
+
 TEST(Svo, continues_through_chains_of_single_children) {
   // A far outlier makes the cube large: the pair shares a cell for many levels.
   const PointCloud cloud = cloud_of({{0, 0, 0}, {1e-4f, 0, 0}, {1, 1, 1}});

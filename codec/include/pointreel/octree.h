@@ -52,11 +52,12 @@ struct NodeAttributes {
 struct DepthRule {
   enum class Kind { delta, fixed };
   Kind kind = Kind::delta;
-  /// With Kind::delta, the share of points that may be lost because they fall into the same cell as
-  /// another. FORMULAS.md, "Depth from delta".
+  /// With Kind::delta, the share of distinct points that may be lost because they fall into the
+  /// same cell as another. FORMULAS.md, "Depth from delta".
   double delta = 0.05;
   int depth = 10;        ///< with Kind::fixed, 0 to kMaxDepth
   int most = kMaxDepth;  ///< an upper bound on the depth in both cases, 0 to kMaxDepth
+  int least = 0;         ///< a lower bound with Kind::delta, unless `most` is less
 
   static DepthRule by_delta(double delta) { return {Kind::delta, delta, 0}; }
   static DepthRule fixed(int depth) { return {Kind::fixed, 0.0, depth}; }

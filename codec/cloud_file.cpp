@@ -80,13 +80,6 @@ Result<Bytes> read_bytes(const fs::path& path) {
   }
 }
 
-bool has_cloud_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".ply" || extension == ".drc";
-}
-
 bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
 Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
@@ -95,7 +88,7 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     const fs::path& path = it->path();
     std::error_code ignored;  // a dangling link is not a frame
-    if (!hidden(path) && has_cloud_extension(path) && fs::is_regular_file(path, ignored)) {
+    if (!hidden(path) && is_cloud_file(path) && fs::is_regular_file(path, ignored)) {
       files.push_back(path);
     }
   }
@@ -134,6 +127,13 @@ Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits) {
 Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
   const Bytes bytes = TRY(at_place(path.string(), read_bytes(path)));
   return at_place(path.string(), read_cloud(bytes, limits));
+}
+
+bool is_cloud_file(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".ply" || extension == ".drc";
 }
 
 Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs) {

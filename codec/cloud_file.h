@@ -36,6 +36,9 @@ Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = kOwn
 Result<LoadedCloud> read_cloud_file(const std::filesystem::path& path,
                                     const DecodeLimits& limits = kOwnFiles);
 
+/// Whether the name is that of a .ply or .drc file, in small letters or capitals.
+bool is_cloud_file(const std::filesystem::path& path);
+
 /// The files that `inputs` name, in order: a folder stands for its .ply and .drc files in natural
 /// order (frame2 before frame10), a file for itself. Fails if there are none.
 Result<std::vector<std::filesystem::path>> list_cloud_files(

@@ -10,6 +10,7 @@
 #include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
+#include "codec/cloud_file.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/net/url.h"
@@ -35,7 +36,7 @@ std::string stream_name(const std::string& address) {
   const std::size_t begin = address.find(kLivePath);
   if (begin == std::string::npos) return address;
   const std::string name = address.substr(begin + kLivePath.size());
-  return name.substr(0, name.find('/'));
+  return name.substr(0, name.find_first_of("/?#"));
 }
 
 /// Playback begins within at least one of the reels.
@@ -78,7 +79,8 @@ bool is_live_address(const std::string& where) {
   const auto url = parse_url(where);
   if (!url) return false;
   return url->is_websocket() ||
-         (url->is_http() && url->target.find(kLivePath) != std::string::npos);
+         (url->is_http() &&
+          url->target.substr(0, url->target.find('?')).find(kLivePath) != std::string::npos);
 }
 
 Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,

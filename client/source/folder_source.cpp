@@ -112,11 +112,4 @@ Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::
   return open_files(std::move(files), std::move(name), options);
 }
 
-bool is_cloud_file(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".ply" || extension == ".drc";
-}
-
 }  // namespace pointreel

@@ -19,7 +19,4 @@ Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& 
 Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::path> files,
                                                    const SourceOptions& options);
 
-/// Whether the name is that of a PLY or Draco file.
-bool is_cloud_file(const std::filesystem::path& path);
-
 }  // namespace pointreel

@@ -399,15 +399,6 @@ class HttpClient::Loop : HttpTransfer::Listener {
   std::thread thread_;
 };
 
-Result<std::string> folder_address(const std::string& url) {
-  TRY(parse_url(url));
-  std::string base = url;
-  if (const std::string tail = std::string("/") + kManifestName; base.ends_with(tail))
-    base.resize(base.size() - tail.size());
-  while (base.ends_with('/')) base.pop_back();
-  return base;
-}
-
 HttpClient::HttpClient(const SourceOptions& options) : loop_(std::make_unique<Loop>(options)) {}
 
 HttpClient::~HttpClient() = default;

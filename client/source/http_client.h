@@ -14,10 +14,6 @@
 
 namespace pointreel {
 
-/// The address of a package's folder, without a slash at the end; `url` names the folder or its
-/// reel.json.
-Result<std::string> folder_address(const std::string& url);
-
 /// Makes GET requests on a thread of its own, several at a time, over connections that are kept
 /// alive. A transfer in which no byte moves is given up and made again over a new connection.
 /// Failures that may pass are tried again after a pause that doubles, and an answer that makes no

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/source/http_client.h"
+#include "client/source/http_folder.h"
 #include "client/source/live_assembler.h"
 #include "client/source/live_pacing.h"
 #include "common/base/try.h"
@@ -81,8 +82,8 @@ class LayerBudget {
 
 class HttpLiveSource : public LiveSource {
  public:
-  HttpLiveSource(std::string base, const SourceOptions& options)
-      : base_(std::move(base)), on_trouble_(options.on_trouble), client_(options) {
+  HttpLiveSource(HttpFolder folder, const SourceOptions& options)
+      : folder_(std::move(folder)), on_trouble_(options.on_trouble), client_(options) {
     fetcher_ = std::thread([this] { fetch(); });
     pacer_ = std::thread([this] { pace(); });
   }
@@ -115,14 +116,12 @@ class HttpLiveSource : public LiveSource {
   }
 
  private:
-  std::string manifest_url() const { return base_ + "/" + kManifestName; }
-
   void fetch() {
     std::string tag;
     auto pause = kLongestPoll;
     while (!stop_.stop_requested()) {
       const auto text =
-          client_.get_if_changed(manifest_url(), kMaxManifestBytes, tag, stop_.get_token());
+          client_.get_if_changed(folder_.manifest(), kMaxManifestBytes, tag, stop_.get_token());
       if (!text) {
         if (stop_.stop_requested()) return;
         set_trouble(text.error().message + "; waiting");
@@ -130,9 +129,9 @@ class HttpLiveSource : public LiveSource {
         auto manifest =
             parse_manifest({reinterpret_cast<const char*>((*text)->data()), (*text)->size()});
         if (!manifest)
-          set_trouble(manifest_url() + ": " + manifest.error().message);
+          set_trouble(folder_.manifest() + ": " + manifest.error().message);
         else if (!manifest->live)
-          set_trouble(manifest_url() + ": is a package, not a live stream");
+          set_trouble(folder_.manifest() + ": is a package, not a live stream");
         else
           pause = take(*manifest);
       }
@@ -157,7 +156,7 @@ class HttpLiveSource : public LiveSource {
       assembler_.add(LiveHello{manifest, live.session, manifest.bounds});
     }
     if (live.ended)
-      set_trouble(base_ + ": the publisher has gone; waiting for it");
+      set_trouble(folder_.base + ": the publisher has gone; waiting for it");
     else
       set_trouble(std::nullopt);
     if (manifest.segments.empty()) return kShortestPoll;
@@ -183,7 +182,7 @@ class HttpLiveSource : public LiveSource {
     for (std::size_t i = 0; i < layers; ++i) {
       const LayerFile& file = segment.layers[i];
       if (file.bytes > kMostWaitingBytes) return false;
-      if (file.bytes > 0) ranges.push_back({base_ + "/" + file.path, 0, file.bytes, file.bytes});
+      if (file.bytes > 0) ranges.push_back({folder_.file(file.path), 0, file.bytes, file.bytes});
     }
     auto files = client_.get_ranges(ranges, stop_.get_token());
     // It is not requested again even if it failed: a cache may have dropped it, and there are newer
@@ -281,7 +280,7 @@ class HttpLiveSource : public LiveSource {
     changed_.wait_until(lock, until, [&] { return stop_.stop_requested(); });
   }
 
-  const std::string base_;
+  const HttpFolder folder_;
   const std::function<void(const std::optional<std::string>&)> on_trouble_;
   HttpClient client_;
   LiveAssembler assembler_;
@@ -306,7 +305,7 @@ class HttpLiveSource : public LiveSource {
 
 Result<std::unique_ptr<LiveSource>> open_http_live_source(const std::string& url,
                                                           const SourceOptions& options) {
-  return std::make_unique<HttpLiveSource>(TRY(folder_address(url)), options);
+  return std::make_unique<HttpLiveSource>(TRY(parse_http_folder(url)), options);
 }
 
 }  // namespace pointreel

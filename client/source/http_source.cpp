@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "client/source/http_client.h"
+#include "client/source/http_folder.h"
 #include "client/source/package_source.h"
 #include "common/base/try.h"
 
@@ -11,10 +12,10 @@ namespace {
 
 class HttpSource : public PackageSource {
  public:
-  HttpSource(std::string base, std::unique_ptr<HttpClient> client, Manifest manifest,
+  HttpSource(HttpFolder folder, std::unique_ptr<HttpClient> client, Manifest manifest,
              std::shared_ptr<const ContextTables> tables)
       : PackageSource(std::move(manifest), std::move(tables)),
-        base_(std::move(base)),
+        folder_(std::move(folder)),
         client_(std::move(client)) {}
 
   void cancel() override { client_->cancel(); }
@@ -27,11 +28,11 @@ class HttpSource : public PackageSource {
     std::vector<HttpClient::Range> wanted;
     for (const FileRange& range : ranges)
       wanted.push_back(
-          {base_ + "/" + range.file->path, range.offset, total(range.sizes), range.file->bytes});
+          {folder_.file(range.file->path), range.offset, total(range.sizes), range.file->bytes});
     return client_->get_ranges(wanted, request.stop, request.fresh);
   }
 
-  const std::string base_;
+  const HttpFolder folder_;
   const std::unique_ptr<HttpClient> client_;
 };
 
@@ -39,8 +40,8 @@ class HttpSource : public PackageSource {
 
 Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
                                                  const SourceOptions& options) {
-  std::string base = TRY(folder_address(url));
-  const std::string manifest_url = base + "/" + kManifestName;
+  HttpFolder folder = TRY(parse_http_folder(url));
+  const std::string manifest_url = folder.manifest();
 
   auto client = std::make_unique<HttpClient>(options);
   const auto text = client->get(manifest_url, kMaxManifestBytes);
@@ -54,13 +55,13 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
         no_package({manifest_url + ": " + manifest.error().message, manifest.error().code}));
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
-    const std::string tables_url = base + "/" + manifest->tables->path;
+    const std::string tables_url = folder.file(manifest->tables->path);
     const Bytes bytes = TRY(client->get(tables_url, manifest->tables->bytes));
     auto read = read_tables(*manifest->tables, bytes);
     if (!read) return fail_at(tables_url, read.error());
     tables = std::move(*read);
   }
-  return std::make_unique<HttpSource>(std::move(base), std::move(client), *std::move(manifest),
+  return std::make_unique<HttpSource>(std::move(folder), std::move(client), *std::move(manifest),
                                       std::move(tables));
 }
 

@@ -8,6 +8,7 @@
 #include "client/source/file_source.h"
 #include "client/source/folder_source.h"
 #include "client/source/http_source.h"
+#include "codec/cloud_file.h"
 #include "common/base/try.h"
 #include "common/net/url.h"
 

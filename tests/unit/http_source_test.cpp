@@ -67,6 +67,35 @@ TEST(HttpSource, fetches_ranges_over_at_most_one_connection_a_layer) {
   }
 }
 
+TEST(HttpSource, asks_for_every_file_with_the_query_of_the_address) {
+  std::mutex mutex;
+  std::vector<std::string> targets;
+  ScriptedHttpServer server([&](int socket, const std::string& head) {
+    const std::string target = head.substr(4, head.find(" HTTP") - 4);
+    {
+      const std::lock_guard lock(mutex);
+      targets.push_back(target);
+    }
+    if (target.starts_with("/reel/reel.json")) {
+      answer(socket, "200 OK", "", write_manifest(small_manifest()));
+      return true;
+    }
+    return serve_range(socket, head);
+  });
+  for (const std::string end : {"?key=a/b&x", "/?key=a/b&x#frame", "/reel.json?key=a/b&x"}) {
+    auto source = open_source(server.url() + "/reel" + end, patient());
+    ASSERT_TRUE(source) << source.error().message;
+    const auto frame = (*source)->fetch({1});
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
+  }
+  EXPECT_THAT(targets, testing::Each(testing::EndsWith("?key=a/b&x")));
+  EXPECT_THAT(targets, testing::Contains("/reel/reel.json?key=a/b&x").Times(3));
+  targets.clear();
+  EXPECT_TRUE(open_source(server.url() + "/reel#frame", patient()));
+  EXPECT_THAT(targets, testing::ElementsAre("/reel/reel.json"));
+}
+
 TEST(HttpSource, fetches_only_the_requested_layers_and_attributes) {
   ScriptedHttpServer server(serving(serve_range));
   auto source = open_source(server.url() + "/reel", patient());

@@ -15,8 +15,14 @@ namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_cloud_name(std::string_view name) {
-  return !name.starts_with('.') && (name.ends_with(".ply") || name.ends_with(".drc"));
+bool is_cloud_name(const std::string& name) {
+  return !name.starts_with('.') && is_cloud_file(name);
+}
+
+bool is_link(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_symlink(fs::symlink_status(path, ignored)) ||
+         fs::hard_link_count(path, ignored) > 1;
 }
 
 class FolderFollower : public FrameInput {
@@ -35,6 +41,9 @@ class FolderFollower : public FrameInput {
     for (;;) {
       read_events();
       if (!newest_.empty()) break;
+      if (gone_)
+        return fail(ErrorCode::io,
+                    folder_.string() + ": was removed or renamed while it was followed");
       if (!wait_readable(watch_, stop)) return std::optional<InputFrame>();
     }
     const fs::path file = folder_ / std::exchange(newest_, {});
@@ -55,7 +64,10 @@ class FolderFollower : public FrameInput {
         const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
         at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
         const std::string name = event->len > 0 ? event->name : "";
+        if (event->mask & (IN_DELETE_SELF | IN_MOVE_SELF)) gone_ = true;
         if (!is_cloud_name(name)) continue;
+        // A file that is created will be written; a link is complete.
+        if (event->mask & IN_CREATE && !is_link(folder_ / name)) continue;
         if (!newest_.empty() && newest_ != name) ++skipped_;
         newest_ = name;
       }
@@ -67,14 +79,16 @@ class FolderFollower : public FrameInput {
   const LiveClock clock_;
   std::string newest_;  ///< not taken yet; empty if there is none
   std::uint64_t skipped_ = 0;
+  bool gone_ = false;  ///< the folder is no longer at its place
 };
 
 }  // namespace
 
 Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveClock clock) {
   const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-  if (watch < 0 ||
-      ::inotify_add_watch(watch, folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR) < 0) {
+  if (watch < 0 || ::inotify_add_watch(watch, folder.c_str(),
+                                       IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE_SELF |
+                                           IN_MOVE_SELF | IN_ONLYDIR) < 0) {
     const std::string message = errno_message();
     if (watch >= 0) ::close(watch);
     return fail(ErrorCode::io, fmt::format("{}: cannot be followed: {}", folder.string(), message));

@@ -47,7 +47,7 @@ std::unique_ptr<FrameInput> play_files(std::vector<std::filesystem::path> files,
                                        bool loop, LiveClock clock = LiveClock::system());
 
 /// The newest .ply or .drc file in the folder, if there is one, and then each file that is added by
-/// closing or renaming it.
+/// closing, renaming or linking it. Ends with an error if the folder itself is removed or renamed.
 Result<std::unique_ptr<FrameInput>> follow_folder(const std::filesystem::path& folder,
                                                   LiveClock clock = LiveClock::system());
 

@@ -12,7 +12,8 @@ using namespace std::chrono_literals;
 
 /// Between two attempts to connect. A server that is available again is found within this time.
 constexpr auto kPause = 300ms;
-constexpr auto kConnectTimeout = 2000ms;
+/// Links over satellites have round trips of a second, of which TLS takes four.
+constexpr auto kConnectTimeout = 10'000ms;
 /// If a server's machine disappears, its connection is given up after this time. Until then it
 /// looks like a slow link.
 constexpr auto kStallTimeout = 4000ms;
@@ -65,6 +66,12 @@ void Outbox::push(std::uint32_t frame, std::vector<LiveMessage> layers) {
   frame_ = frame;
   newest_ = std::move(layers);
   changed_.notify_all();
+}
+
+void Outbox::wait_until_tried(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, stop, kConnectTimeout,
+                    [&] { return statistics_.connections > 0 || failure_ || !trouble_.empty(); });
 }
 
 std::optional<Error> Outbox::failure() const {
@@ -133,6 +140,7 @@ void Outbox::restart() {
   if (hello_.bytes) queue_.hello(hello_, true);
   const auto count = static_cast<std::uint8_t>(newest_.size());
   for (std::uint8_t i = 0; i < count; ++i) queue_.push(frame_, i, count, newest_[i]);
+  changed_.notify_all();
 }
 
 void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
@@ -204,6 +212,7 @@ void Outbox::tell(const std::string& trouble) {
     const std::lock_guard lock(mutex_);
     if (trouble == trouble_) return;
     trouble_ = trouble;
+    changed_.notify_all();
   }
   if (options_.say) options_.say(trouble + "; trying again");
 }

@@ -32,7 +32,7 @@ struct OutboxStatistics {
   std::uint64_t layers = 0, bytes = 0;  ///< sent
   /// Frames, at least their bases, and layers that the server has accepted.
   std::uint64_t accepted_frames = 0, accepted_layers = 0;
-  LiveDrops drops;  ///< not sent, because the link was too slow
+  LiveDrops drops;  ///< not sent, because the link was too slow or there was none
 };
 
 /// A publisher's connection to a server, with a thread of its own. It sends what is pushed as far
@@ -49,6 +49,8 @@ class Outbox {
   /// The layers of the next frame, base first.
   void push(std::uint32_t frame, std::vector<LiveMessage> layers);
 
+  /// Waits until the first attempt to connect has ended, whether it worked or not.
+  void wait_until_tried(const std::stop_token& stop);
   /// The reason why nothing can ever be sent, such as a wrong token; nothing if there is none.
   std::optional<Error> failure() const;
   /// Why nothing can be sent at present; empty if nothing is known to be wrong.

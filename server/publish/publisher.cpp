@@ -27,8 +27,8 @@ using Clock = std::chrono::steady_clock;
 constexpr double kBudgetShare = 0.8;
 /// With fewer levels nobody could be recognised, and hardly any time would be saved.
 constexpr int kMinDepth = 6;
-/// How long sending the last frames may take at the end.
-constexpr std::chrono::milliseconds kFlushTime{2000};
+/// How long sending the last frames may take at the end; the longer time over a link that works.
+constexpr std::chrono::milliseconds kFlushTime{2000}, kSlowFlushTime{8000};
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -75,6 +75,8 @@ class Publisher {
 
   Result<PublishSummary> run(FrameInput& input) {
     const Clock::time_point start = Clock::now();
+    // Frames that come before the connection would be lost, and short sequences as a whole.
+    outbox_.wait_until_tried(listener_.stop);
     for (;;) {
       if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
       Result<std::optional<InputFrame>> frame = input.next(listener_.stop);
@@ -88,11 +90,17 @@ class Publisher {
         say(sent.error().message + "; left out");
       }
     }
-    if (number_ > 0 && !listener_.stop.stop_requested()) outbox_.flush(kFlushTime);
+    if (number_ > 0 && !listener_.stop.stop_requested()) {
+      outbox_.flush(kFlushTime);
+      if (outbox_.trouble().empty()) outbox_.flush(kSlowFlushTime);
+    }
     if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
     summary_.skipped = input.skipped();
     summary_.encode_ms = spread_of(std::move(encode_ms_));
     summary_.sent = outbox_.statistics();
+    // Whatever was not accepted until now was lost, wherever it was.
+    summary_.sent.drops.frames =
+        number_ - std::min<std::uint64_t>(number_, summary_.sent.accepted_frames);
     summary_.trouble = outbox_.trouble();
     summary_.seconds = 1e-3 * ms_since(start);
     return summary_;

@@ -166,7 +166,9 @@ TEST_F(Control, playing_fetches_only_what_the_mode_and_view_show_and_reports_the
     EXPECT_EQ(fine["skipped"]["attributes"].size(), mode == "surfel" ? 0u : 1u);
     EXPECT_EQ(fine["drawn"], fine["leaves"]);
     // Between coarse voxels gaps are filled, which may take more voxels than there are points.
-    if (mode != "voxel") EXPECT_LT(small["drawn"], fine["drawn"]);
+    if (mode != "voxel") {
+      EXPECT_LT(small["drawn"], fine["drawn"]);
+    }
     EXPECT_EQ(small["frames_shown"], kFrames);
     EXPECT_EQ(small["frames_refined"], 0);
   }

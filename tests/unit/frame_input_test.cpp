@@ -132,6 +132,40 @@ TEST_F(FrameInputTest, a_folder_is_followed_from_its_newest_file_on) {
   EXPECT_EQ(next_points(*input, stop.get_token()), 0u);
 }
 
+TEST_F(FrameInputTest, files_with_capital_extensions_and_links_are_followed_too) {
+  const fs::path folder = frames_ / "followed", file = write(1).front();
+  fs::create_directory(folder);
+  const auto input = follow_folder(folder).value();
+  const auto next = [&] {
+    const auto frame = input->next({});
+    return frame && *frame ? fs::path((*frame)->name).filename().string() : std::string("nothing");
+  };
+  fs::copy_file(file, folder / "U.PLY");
+  EXPECT_EQ(next(), "U.PLY");
+  fs::create_symlink(file, folder / "symbolic.ply");
+  EXPECT_EQ(next(), "symbolic.ply");
+  fs::create_hard_link(file, folder / "hard.Ply");
+  EXPECT_EQ(next(), "hard.Ply");
+  EXPECT_EQ(input->skipped(), 0u);
+}
+
+TEST_F(FrameInputTest, a_followed_folder_that_goes_away_is_an_error) {
+  for (const bool removed : {true, false}) {
+    const fs::path folder = frames_ / "followed";
+    fs::create_directory(folder);
+    const auto input = follow_folder(folder).value();
+    if (removed) {
+      fs::remove(folder);
+    } else {
+      fs::rename(folder, frames_ / "elsewhere");
+    }
+    fs::create_directories(folder);
+    const auto frame = input->next({});
+    ASSERT_FALSE(frame);
+    EXPECT_THAT(frame.error().message, testing::HasSubstr("was removed or renamed"));
+  }
+}
+
 TEST_F(FrameInputTest, a_folder_that_does_not_exist_cannot_be_followed) {
   const auto input = follow_folder(frames_ / "nowhere");
   ASSERT_FALSE(input);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -57,6 +58,9 @@ constexpr double kVoxelSpacing = 1.1;
 /// rings of a lidar that sees rooms with corners.
 constexpr double kLeastDifference = 0.3;
 constexpr double kMostSpacings = 14.0;
+/// Where most points have another one within this share of the spacing, they are repeated, as by
+/// overlapping exports: neighbours no longer tell spacing and noise.
+constexpr float kRepeated = 0.1f;
 /// Points with less than this share of the weight that a surface would give them are alone.
 constexpr float kLeastSupport = 0.2f;
 /// What a point contributes itself is at most 1.
@@ -74,7 +78,7 @@ constexpr float kMostSupportReach = 4.0f;
 constexpr double kMostCoarsening = 2.0;
 constexpr double kDensest = 0.01;
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = 3.14159265f, kInfinity = std::numeric_limits<float>::infinity();
 
 /// The weight that points `spacing` apart in a plane have together: the integral of (1 - x^2)^4
 /// over the unit disc is pi / 5.
@@ -193,6 +197,21 @@ void mean_colors(PointCloud& cloud, const PointSurface& surface,
     cloud.colors[order[i].index] = glm::u16vec3(step * glm::floor(colors[i] / step + 0.5f));
 }
 
+/// Whether most points are repeated, perhaps not exactly. Repeated points lie side by side in
+/// Morton order, except for a few at the borders of cells.
+bool repeats_points(const PointCloud& cloud, const PointSurface& surface,
+                    const std::vector<Measured>& measured) {
+  const auto position = [&](std::size_t i) { return cloud.positions[surface.order()[i].index]; };
+  std::size_t repeated = 0;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const glm::vec3 at = position(i);
+    const float before = i > 0 ? glm::distance(at, position(i - 1)) : kInfinity;
+    const float after = i + 1 < measured.size() ? glm::distance(at, position(i + 1)) : kInfinity;
+    if (std::min(before, after) < kRepeated * measured[i].spacing) ++repeated;
+  }
+  return 2 * repeated > measured.size();
+}
+
 /// Whether squares of its extent and of the distances within it are floats of full precision.
 bool has_usable_scale(const PointCloud& cloud) {
   const double edge = bounding_cube(bounds(cloud)).edge;
@@ -223,6 +242,7 @@ bool is_voxelised(const PointCloud& cloud, double spacing) {
 CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor& executor) {
   CleanReport report;
   if (cloud.size() < kLeastPoints || !has_usable_scale(cloud)) return report;
+  if (!cloud.has_normals() && !options.without_normals) return report;
   const std::vector<glm::vec3> given_normals = cloud.normals;
   complete_normals(cloud);
   PointSurface surface(cloud);
@@ -237,7 +257,8 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
       report.noise > kSmooth * report.spacing &&
       median_of(measured, &Measured::difference) >= kLeastDifference * report.noise &&
       report.radius <= kMostSpacings * report.spacing;
-  if (!options.radius && (!is_noise || is_voxelised(cloud, report.spacing))) {
+  if (!options.radius && (!is_noise || is_voxelised(cloud, report.spacing) ||
+                          repeats_points(cloud, surface, measured))) {
     cloud.normals = given_normals;
     report.radius = 0.0;
     return report;

@@ -17,6 +17,9 @@ struct CleanOptions {
   /// The share of the curvature of the best sphere that the surface has: 0 for planes, 1 for the
   /// sphere itself. A little less is best, because noisy normals make spheres too small.
   double beta = 0.5;
+  /// Whether clouds without normals are cleaned, too. Without normals, the two sides of parts that
+  /// are thinner than some spacings cannot be told apart and become one.
+  bool without_normals = true;
 };
 
 /// What `clean` found and did. Lengths are in the units of the cloud.
@@ -46,8 +49,8 @@ struct CleanReport {
 /// each other, or if it is further away than the median radius.
 ///
 /// Clouds that are no scans of surfaces stay as they are: fewer than 100 points, a scale at which
-/// squares are no floats, more points without a surface around them than with one, or noise that is
-/// none, such as that of a room that few rings of a lidar see.
+/// squares are no floats, more points without a surface around them than with one, points that are
+/// repeated nearby, or noise that is none, such as that of a room that few rings of a lidar see.
 ///
 /// The cloud's positions are finite (`sanitize`). The result depends neither on the order of the
 /// points nor on the executor. O(n) for scans of surfaces.

@@ -18,13 +18,18 @@ ReelHead reel_head(const EncodingOptions& options) {
 }
 
 CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options) {
-  if (!options.clean || (options.voxel && !options.clean->radius)) return {};
-  return clean(cloud, *options.clean, options.encode.executor);
+  if (!options.clean || (options.voxel && !options.resample && !options.clean->radius)) return {};
+  const bool had_normals = cloud.has_normals();
+  CleanReport report = clean(cloud, *options.clean, options.encode.executor);
+  if (!had_normals) cloud.normals.clear();
+  return report;
 }
 
 std::string_view why_not_cleaned(const CleanOptions& options) {
-  return options.radius ? "around most points, no surface fits within that radius; try auto"
-                        : "the frames are smooth, voxelised, or no scans of surfaces";
+  if (options.radius) return "around most points, no surface fits within that radius; try auto";
+  if (!options.without_normals)
+    return "the frames are smooth, voxelised, without normals, or no scans of surfaces";
+  return "the frames are smooth, voxelised, or no scans of surfaces";
 }
 
 }  // namespace pointreel

@@ -19,8 +19,11 @@ struct EncodingOptions {
   /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, and it
   /// determines the depth of the octree.
   std::optional<double> voxel;
-  /// How frames are cleaned before they are encoded. Nothing: they stay as they are.
+  /// How frames are cleaned before they are encoded. Nothing: they stay as they are, and so they
+  /// do with `voxel` unless a radius is given or `resample` is set.
   std::optional<CleanOptions> clean;
+  /// The voxels are not those of the source but sample its surface anew, after it was cleaned.
+  bool resample = false;
   /// Milliseconds, above 0, that encoding a frame may take. FrameTimeControl lowers the depth to
   /// achieve this, so the encoded bytes depend on the machine.
   std::optional<double> frame_time_ms;
@@ -31,7 +34,8 @@ struct EncodingOptions {
 /// before there is a frame.
 ReelHead reel_head(const EncodingOptions& options);
 
-/// Cleans a frame as the options say. With `voxel`, only if a radius is given.
+/// Cleans a frame as the options say. A frame without normals gets none, since players derive them
+/// from the cleaned points as well.
 CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
 /// Why no frame was cleaned, for people.
 std::string_view why_not_cleaned(const CleanOptions& options);

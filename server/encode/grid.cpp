@@ -15,10 +15,11 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
   if (options.voxel) {
     const VoxelCube voxels = voxel_cube(box, *options.voxel);
     if (voxels.depth > kMaxDepth) {
-      return fail(ErrorCode::argument,
-                  fmt::format("voxels of {} need an octree deeper than {} levels here: give a "
-                              "larger --voxel",
-                              *options.voxel, kMaxDepth));
+      return fail(
+          ErrorCode::argument,
+          fmt::format("voxels of {} need an octree deeper than {} levels here: give a "
+                      "larger {}",
+                      *options.voxel, kMaxDepth, options.resample ? "--spacing" : "--voxel"));
     }
     Grid grid{voxels.cube, options.encode};
     std::get<OctreeOptions>(grid.encode.codec).depth = DepthRule::fixed(voxels.depth);

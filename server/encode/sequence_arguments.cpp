@@ -59,17 +59,22 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
   command
       .add_option_function<std::string>(
           "--clean", [this](const std::string& text) { sequence.clean = cleaning_of(text); },
-          "move the points of noisy scans onto the surface that they are samples of, and remove "
-          "points without a surface: off, auto (where it helps, by as much as the noise asks for), "
-          "or the radius within which the surface is smoothed, in the source's units")
+          fmt::format(
+              "move the points of noisy scans onto the surface that they are samples of, and "
+              "remove "
+              "points without a surface: off, auto (where it helps, by as much as the noise asks "
+              "for; not with --voxel), or the radius within which the surface is smoothed, in the "
+              "source's units (default: {})",
+              sequence.clean ? "auto for frames with normals, which tell the two sides of thin "
+                               "parts apart; off for others"
+                             : "off"))
       ->check(CLI::Validator(
           [](std::string& text) {
             const bool good = text == "off" || text == "auto" || positive_number()(text).empty();
             return good ? std::string() : text + " is not off, auto or a radius above 0";
           },
           ""))
-      ->type_name("HOW")
-      ->default_str("off");
+      ->type_name("HOW");
   CLI::Option* normals = add_choice<bool>(
       command, "--normals", sequence.encode.normals, {{"send", true}, {"derive", false}},
       "send the normals of the source, or let players derive them from the points");
@@ -109,8 +114,21 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
                       "instead of --delta: voxels of this size in the source's units, centred on "
                       "its multiples")
           ->check(positive_number()));
-  delta->excludes(depth)->excludes(voxel);
-  depth->excludes(voxel);
+  CLI::Option* spacing =
+      only_with(Codec::octree, command
+                                   .add_option_function<double>(
+                                       "--spacing",
+                                       [this](double size) {
+                                         sequence.voxel = size;
+                                         sequence.resample = true;
+                                       },
+                                       "instead of --delta: after cleaning, one sample of the "
+                                       "surface in each cell of this size in the source's units")
+                                   ->check(positive_number())
+                                   ->type_name("SIZE"));
+  delta->excludes(depth)->excludes(voxel)->excludes(spacing);
+  depth->excludes(voxel)->excludes(spacing);
+  voxel->excludes(spacing);
   only_with(Codec::octree, add_choice<Entropy>(command, "--entropy", octree.entropy,
                                                {{name(Entropy::none), Entropy::none},
                                                 {name(Entropy::zstd), Entropy::zstd},

@@ -148,7 +148,7 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
   print("  error           at most {}, in the source's units\n", number_text(summary.max_error, 4));
-  if (options.clean && summary.cleaning.frames == 0) {
+  if (options.clean && summary.cleaning.frames == 0 && (!options.voxel || options.resample)) {
     print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {
     print("  cleaning        {}\n", cleaning_text(summary.cleaning));
@@ -251,6 +251,7 @@ void add_pack_command(CLI::App& app, int& exit_code) {
                    "frames in a segment; they share a cube and a file")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
+  a.sequence.sequence.clean = CleanOptions{.without_normals = false};
   a.sequence.add_to(*command, "folder", "the package then depends on the speed of this machine");
   command->add_flag("--best-effort", options.best_effort,
                     "warn instead of failing where frames lie too far apart for the cube that they "

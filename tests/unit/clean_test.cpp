@@ -113,6 +113,60 @@ TEST(Clean, leaves_smooth_clouds_as_they_are) {
   EXPECT_FALSE(cloud.has_normals());
 }
 
+TEST(Clean, leaves_clouds_without_normals_alone_if_told_to) {
+  const PointCloud noisy = noisy_sphere(5'000, 0.02);
+  PointCloud cloud = noisy;
+  EXPECT_TRUE(clean(cloud, {.without_normals = false}).cleaned);
+  PointCloud bare = noisy;
+  bare.normals.clear();
+  cloud = bare;
+  EXPECT_FALSE(clean(cloud, {.without_normals = false}).cleaned);
+  EXPECT_TRUE(equal(cloud, bare));
+  EXPECT_TRUE(clean(cloud).cleaned);
+}
+
+TEST(Clean, keeps_the_two_sides_of_a_thin_plate_apart_that_normals_tell_apart) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-0.5, 0.5);
+  std::normal_distribution<double> normal;
+  for (const double thickness : {0.01, 0.02, 0.04}) {
+    PointCloud plate;
+    for (int i = 0; i < 10'000; ++i) {
+      const double side = i % 2 ? 1.0 : -1.0;
+      plate.positions.emplace_back(place(random), side * thickness / 2.0 + 0.004 * normal(random),
+                                   place(random));
+      plate.normals.push_back(glm::normalize(
+          glm::vec3(0.2 * normal(random), side + 0.2 * normal(random), 0.2 * normal(random))));
+    }
+    ASSERT_TRUE(clean(plate).cleaned);
+    double sum = 0.0;
+    for (const glm::vec3& p : plate.positions) {
+      const double distance = std::abs(p.y) - thickness / 2.0;
+      sum += distance * distance;
+    }
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(plate.size())), 0.5 * 0.004) << thickness;
+  }
+}
+
+TEST(Clean, leaves_smooth_clouds_as_they_are_whose_points_are_repeated) {
+  const PointCloud once = noisy_sphere(5'000, 0.0);
+  std::mt19937 random(2);
+  std::normal_distribution<float> normal;
+  for (const int copies : {2, 3, 6, 8}) {
+    for (const float jitter : {0.0f, 1e-6f, 1e-4f, 5e-4f}) {
+      PointCloud repeated;
+      for (int copy = 0; copy < copies; ++copy) {
+        for (const glm::vec3& p : once.positions)
+          repeated.positions.push_back(
+              p + jitter * glm::vec3(normal(random), normal(random), normal(random)));
+      }
+      PointCloud cloud = repeated;
+      clean(cloud);
+      EXPECT_TRUE(equal(cloud, repeated)) << copies << " copies, jitter " << jitter;
+    }
+  }
+}
+
 TEST(Clean, leaves_voxelised_surfaces_as_they_are) {
   std::set<std::array<int, 3>> cells;
   for (const glm::vec3& p : noisy_sphere(200'000, 0.0).positions) {

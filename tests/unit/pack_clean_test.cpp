@@ -86,6 +86,32 @@ TEST_F(PackClean, leaves_frames_alone_that_are_smooth_or_have_voxels) {
   EXPECT_EQ(packed().cleaning.frames, 1u) << "was asked for";
 }
 
+TEST_F(PackClean, samples_the_surface_anew_at_a_spacing) {
+  for (int i = 0; i < 3; ++i) write(i, noisy(static_cast<std::uint32_t>(i)));
+  options_.clean = CleanOptions{};
+  const PackSummary cleaned = packed();
+  options_.voxel = 0.1;
+  options_.resample = true;
+  const PackSummary sampled = packed();
+  EXPECT_EQ(sampled.cleaning.removed, cleaned.cleaning.removed);
+  EXPECT_LT(sampled.max_error, 0.1);
+  EXPECT_LT(sampled.bytes, cleaned.bytes / 2);
+  EXPECT_NEAR(read_manifest(options_.output)->segments[0].cube.edge,
+              0.1 * std::exp2(sampled.depth_max), 1e-9);
+}
+
+TEST_F(PackClean, sends_normals_only_if_the_source_has_them) {
+  PointCloud cloud = noisy(1);
+  write(0, cloud);
+  options_.clean = CleanOptions{};
+  EXPECT_GT(packed().parts->normals, 0u);
+  cloud.normals.clear();
+  write(0, cloud);
+  const PackSummary without = packed();
+  EXPECT_EQ(without.cleaning.frames, 1u);
+  EXPECT_EQ(without.parts->normals, 0u);
+}
+
 TEST_F(PackClean, the_voxels_of_a_cleaned_scan_close) {
   options_.clean = CleanOptions{};
   for (const char* name : {"baseball", "basketball", "kick", "soccer-juggle", "soccer-shoot"}) {

@@ -177,7 +177,9 @@ TEST_P(ClockTest, a_folder_is_played_at_its_pace_while_a_clock_is_set) {
   EXPECT_EQ(server_->end(SIGTERM), 0);
   const auto manifest = read_manifest(folder_ / "record" / "stage");
   ASSERT_TRUE(manifest) << manifest.error().message;
-  EXPECT_EQ(manifest->duration_us, kFrames * 50'000u);
+  // On a busy machine, frames are skipped, also at the ends.
+  EXPECT_LE(manifest->duration_us, kFrames * 50'000u);
+  EXPECT_GE(manifest->duration_us, kFrames * 50'000u / 2);
   EXPECT_GE(manifest->frame_count(), kFrames / 2u) << "it does not skip what is not yet due";
 }
 

@@ -206,11 +206,12 @@ std::vector<Stage::Change> Stage::take(std::size_t source,
 
 void Stage::show(std::size_t source, std::shared_ptr<const SceneFrame> frame) {
   Part& part = parts_[source];
-  // From afar, a speck is decoded as a single cell, which is much larger than the frame. Of a live
-  // stream, it may be another frame that comes in more detail.
+  // From afar, a speck is decoded as a single cell, which is much larger than the frame. In more
+  // detail it is smaller, or turns out to be a single place. Of a live stream, it may be another
+  // frame that comes in more detail.
   const Box& box = frame->main_box;
-  if (!part.first_level ||
-      (frame->level > *part.first_level && 2.0 * extent(box) < extent(part.first_box))) {
+  if (!part.first_level || (frame->level > *part.first_level && !part.first_box.empty() &&
+                            (box.empty() || 2.0 * extent(box) < extent(part.first_box)))) {
     part.first_level = frame->level;
     part.first_box = box;
     ++first_boxes_;

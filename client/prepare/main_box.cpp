@@ -6,6 +6,7 @@
 
 #include "common/base/spread.h"
 #include "common/octree/build.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 namespace {
@@ -32,14 +33,16 @@ Box main_box(const PointCloud& cloud) {
     box.min[axis] += low - kMargin * (high - low);
     box.max[axis] += high + kMargin * (high - low);
   }
-  return box;
+  return box.min == box.max ? Box{} : box;
 }
 
 Box main_box(const Svo& svo) {
   int level = 0;
   while (level < svo.depth && svo.node_count(level) < kSamples) ++level;
-  Box box = main_box(leaf_centers(level < svo.depth ? truncate(svo, level) : svo));
-  if (box.empty()) return box;
+  const PointCloud centers = leaf_centers(level < svo.depth ? truncate(svo, level) : svo);
+  if (centers.empty()) return {};
+  Box box = main_box(centers);
+  if (box.empty()) box = bounds(centers);
   const double half = 0.5 * svo.cube.edge / static_cast<double>(1u << level);
   box.min -= half;
   box.max += half;

@@ -192,9 +192,12 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
   scene.decode_ms = watch.lap();
   if (frame.svo) {
     scene.svo = std::move(*frame.svo);
-    if (scene.points > 1) scene.main_box = main_box(scene.svo);
     scene.attributes = std::move(frame.attributes);
     if (scene.svo.depth < frame.depth) scene.level = scene.svo.depth;
+    // The size of a single cell may be that of many points that look like one from afar. A few
+    // points in it may as well coincide.
+    constexpr std::uint32_t kMany = 100;
+    if (scene.svo.leaf_count() > 1 || scene.points >= kMany) scene.main_box = main_box(scene.svo);
     derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stop));
@@ -205,7 +208,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     }
   } else {
     scene.cloud = std::move(frame.cloud);
-    if (scene.points > 1) scene.main_box = main_box(scene.cloud);
+    scene.main_box = main_box(scene.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stop));

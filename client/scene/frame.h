@@ -44,8 +44,8 @@ struct SceneFrame {
   /// The finest level of the tree that can be drawn from this frame. A view that shows finer levels
   /// needs the frame to be fetched or prepared again.
   int level = kWholeFrame;
-  Box main_box;              ///< of what was decoded, without a few points far away; empty for
-                             ///< a single point, which tells no size
+  Box main_box;              ///< of what was decoded, without a few points far away; empty if
+                             ///< they coincide, which tells no size
   std::uint32_t points = 0;  ///< of the source, as far as the frame tells
   std::uint32_t layers = 0;  ///< that the frame was made of; 0 for a file
   /// How long each stage took, in their order; normals only if they were estimated.

@@ -399,6 +399,16 @@ TEST(PrepareFrame, has_a_box_without_points_far_away) {
     }
 }
 
+TEST(PrepareFrame, has_no_box_for_points_that_coincide) {
+  PointCloud same;
+  same.origin = kCube.origin;
+  same.positions.assign(20, glm::vec3(0.9f, 1.8f, 0.3f));
+  const Manifest manifest = manifest_of(same);
+  for (const FetchedFrame& frame : {fetched(same, EncodeOptions{OctreeOptions{}}), ply(same)})
+    for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point})
+      EXPECT_TRUE(prepare_frame(manifest, 0, frame, {mode})->main_box.empty());
+}
+
 TEST(PrepareFrame, draws_a_single_point_at_its_place_and_size_within_a_large_cube) {
   PointCloud one;
   one.origin = kCube.origin;

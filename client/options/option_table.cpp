@@ -120,6 +120,10 @@ std::vector<Option> make_table() {
        "Fill holes",
        "Surfels: closes holes through which the inside would show\n"
        "Voxels: closes gaps of up to three"},
+      {"refine", choice([](auto& s) -> auto& { return s.refine; }),
+       "Divide surfels that look large, so that a close view shows a surface and not discs: auto, "
+       "where a picture is not urgent; or off",
+       "Refine", "Close views show a surface and not discs, where there is time"},
       {"splatting", choice([](auto& s) -> auto& { return s.draw.splatting; }),
        "How surfels become a picture: normalized is a weighted mean; the other five are those of "
        "Slomp et al.",

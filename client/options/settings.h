@@ -21,6 +21,7 @@ struct Settings {
   std::optional<bool> loop;    ///< by default a window loops, and playing offscreen does not
   DrawOptions draw;
   double delta = PrepareOptions{}.delta;
+  Refine refine = Refine::automatic;
   Drafts drafts = Drafts::playing;  ///< in a window; pictures that are written are never drafts
   bool floor = false;               ///< draw a grid on the floor
   bool drawing_panel = false, statistics_panel = false;  ///< whether they are open

@@ -56,34 +56,56 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal) {
   return glm::u16vec3(glm::ivec3(normal) + 32767);
 }
 
-void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
-                 std::span<Instance> out, InstanceBounds& bounds) {
+std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
+                        const std::vector<bool>& divided, std::span<Instance> out,
+                        InstanceBounds& bounds) {
   const PointCloud& cloud = frame.cloud;
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
+  std::size_t count = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!divided.empty() && divided[i]) continue;
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
     const float radius = cloud.has_radii() ? cloud.radii[i] : leaf_radius;
     const glm::vec3 center = cloud.positions[i] + offset;
-    out[i] = {center, radius, normal, pack_color(color_of(color, cloud.colors, i, normal))};
+    out[count++] = {center, radius, normal, pack_color(color_of(color, cloud.colors, i, normal))};
     bounds.grow(center, radius);
+  }
+  return count;
+}
+
+void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfels,
+                  ColorSource color, const glm::vec3& offset, std::span<Instance> out,
+                  InstanceBounds& bounds) {
+  const bool colors = frame.cloud.has_colors() || !frame.attributes.colors.empty();
+  const ColorSource source = color == ColorSource::colors && !colors ? ColorSource::plain : color;
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const RefinedSurfel& surfel = surfels[i];
+    const glm::i16vec4 normal = pack_normal(surfel.normal);
+    const glm::vec3 center = surfel.position + offset;
+    const glm::u16vec3 shown = source == ColorSource::normals  ? fake_color(normal)
+                               : source == ColorSource::colors ? surfel.color
+                                                               : kPlain;
+    out[i] = {center, surfel.radius, normal, pack_color(shown)};
+    bounds.grow(center, surfel.of_divided);  // holes are as wide as between those
   }
 }
 
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
-                       std::span<Instance> out, InstanceBounds& bounds) {
+                       const std::vector<bool>& divided, std::span<Instance> out,
+                       InstanceBounds& bounds) {
   const NodeAttributes& attributes = frame.attributes;
   const bool halves = style.mode == DrawMode::voxel || frame.radii.empty();
   const bool unfilled = !style.fill_holes && !frame.filled.empty();
   // Voxels that fill gaps would hide others although they are not drawn.
   const bool hiding = style.mode == DrawMode::voxel && !frame.neighbors.empty() && !unfilled;
-  const std::uint32_t first_leaf =
-      hiding ? frame.svo.level_begin[static_cast<std::size_t>(frame.svo.depth)] : 0;
+  const std::uint32_t first_leaf = frame.svo.node_count() - frame.svo.leaf_count();
   std::size_t count = 0;
   for (const CutNode& node : cut) {
     if (unfilled && frame.filled[node.node]) continue;
+    if (!divided.empty() && node.node >= first_leaf && divided[node.node - first_leaf]) continue;
     if (hiding && node.node >= first_leaf &&
         hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center)))
       continue;

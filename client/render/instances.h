@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
@@ -11,6 +12,7 @@
 #include "client/scene/cut.h"
 #include "client/scene/draw_options.h"
 #include "client/scene/frame.h"
+#include "client/scene/refinement.h"
 
 namespace pointreel {
 
@@ -24,24 +26,34 @@ struct ElementStyle {
   DrawMode mode = DrawMode::surfel;
   ColorSource color = ColorSource::colors;
   bool fill_holes = true;  ///< false: leave out the voxels that fill gaps (gap_filling.h)
+  bool refine = false;     ///< divide surfels that look large (refinement.h)
 
   bool operator==(const ElementStyle&) const = default;
 };
 
 /// Packs the points of a frame's cloud into `out`, an instance for each. Centres are relative to
 /// the cloud's origin and moved by `offset`. Radii are those of the cloud; if it has none (because
-/// the frame was prepared for another mode), half the diagonal of the octree's leaves. Grows
+/// the frame was prepared for another mode), half the diagonal of the octree's leaves. Leaves out
+/// points that were `divided`, if that is not empty. Returns the number of instances packed. Grows
 /// `bounds`.
-void pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
-                 std::span<Instance> out, InstanceBounds& bounds);
+std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
+                        const std::vector<bool>& divided, std::span<Instance> out,
+                        InstanceBounds& bounds);
 
 /// Packs the nodes of a cut through a frame's tree, with their mean attributes, into `out`, which
 /// has room for all of them. Centres are relative to the cube's origin and moved by `offset`. The
 /// radii of voxels are half their edges; other radii are the frame's. If the frame knows the
 /// neighbours of its leaves, voxels that these hide from `eye` (also relative to the cube's origin)
-/// are left out. Returns the number of instances packed. Grows `bounds`.
+/// are left out, and so are leaves that were `divided`, if that is not empty. Returns the number of
+/// instances packed. Grows `bounds`.
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
-                       std::span<Instance> out, InstanceBounds& bounds);
+                       const std::vector<bool>& divided, std::span<Instance> out,
+                       InstanceBounds& bounds);
+
+/// Packs all surfels of a refinement of a frame, as above.
+void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfels,
+                  ColorSource color, const glm::vec3& offset, std::span<Instance> out,
+                  InstanceBounds& bounds);
 
 }  // namespace pointreel

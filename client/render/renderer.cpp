@@ -99,7 +99,8 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   const auto start = std::chrono::steady_clock::now();
   const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
   TRY(resize(size));
-  TRY(instances_.update(scene, camera, size, {options.mode, options.color, options.fill_holes},
+  TRY(instances_.update(scene, camera, size,
+                        {options.mode, options.color, options.fill_holes, options.refine},
                         options.pixel_size));
   DrawStats stats;
   stats.reduction = options.reduction;

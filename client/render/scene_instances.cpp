@@ -21,7 +21,8 @@ Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, gl
   const bool same = view_ && scene == scene_ && style == style_;
   const bool trees =
       std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.is_tree; });
-  if (same && (!trees || view_ == view)) return {};
+  if (same && view_ == view) return {};
+  if (same && !trees && !style.refine) return {};
   scene_ = scene;
   style_ = style;
   view_ = view;
@@ -59,17 +60,27 @@ void SceneInstances::cut(const Scene& scene) {
     part.most = 0;
     part.is_tree = false;
     const SceneFrame* frame = scene[i].frame.get();
-    if (frame == nullptr) continue;
-    normals_estimated_ = normals_estimated_ || frame->normals_estimated;
-    part.is_tree = style_.mode == DrawMode::voxel || frame->cloud.empty();
-    if (!part.is_tree) {
-      part.most = frame->cloud.size();
+    if (frame == nullptr) {
+      part.refinement.clear();
       continue;
     }
     Camera camera = view_->camera;
     camera.target -= scene[i].place;
+    if (style_.refine && style_.mode == DrawMode::surfel) {
+      part.refinement.run(scene[i].frame, camera, view_->size);
+      any = true;
+    } else {
+      part.refinement.clear();
+    }
+    part.most = part.refinement.surfels().size();
+    normals_estimated_ = normals_estimated_ || frame->normals_estimated;
+    part.is_tree = style_.mode == DrawMode::voxel || frame->cloud.empty();
+    if (!part.is_tree) {
+      part.most += frame->cloud.size();
+      continue;
+    }
     part.stats = part.cut.run(frame->svo, camera, view_->size, view_->pixel_size);
-    part.most = part.cut.nodes().size();
+    part.most += part.cut.nodes().size();
     any = true;
   }
   if (!any) return;
@@ -82,19 +93,23 @@ std::size_t SceneInstances::pack(const PlacedFrame& placed, const Part& part,
   const SceneFrame& frame = *placed.frame;
   const glm::dvec3 origin = placed.place + origin_of(frame, part.is_tree);
   const glm::vec3 offset(origin - origin_);
-  if (!part.is_tree) {
-    pack_points(frame, style_.color, offset, out, bounds_);
-    return out.size();
-  }
+  const std::vector<RefinedSurfel>& refined = part.refinement.surfels();
+  const std::vector<bool>& divided = part.refinement.divided();
+  pack_refined(frame, refined, style_.color, offset, out.first(refined.size()), bounds_);
+  const std::span<Instance> rest = out.subspan(refined.size());
+  if (!part.is_tree)
+    return refined.size() + pack_points(frame, style_.color, offset, divided, rest, bounds_);
   const glm::vec3 eye(view_->camera.eye() - origin);
-  const std::size_t count = pack_nodes(frame, part.cut.nodes(), style_, eye, offset, out, bounds_);
+  const std::size_t count =
+      pack_nodes(frame, part.cut.nodes(), style_, eye, offset, divided, rest, bounds_);
   stats_.visited += part.stats.visited;
   stats_.out_of_view += part.stats.out_of_view;
   if (part.stats.visited > 0) {
     stats_.below_pixel += frame.svo.leaf_count() - part.stats.out_of_view - part.stats.emitted;
-    stats_.hidden += part.stats.emitted - static_cast<std::uint32_t>(count);
+    if (style_.mode == DrawMode::voxel)
+      stats_.hidden += part.stats.emitted - static_cast<std::uint32_t>(count);
   }
-  return count;
+  return refined.size() + count;
 }
 
 }  // namespace pointreel

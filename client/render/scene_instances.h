@@ -14,6 +14,7 @@
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
 #include "client/scene/frame.h"
+#include "client/scene/refinement.h"
 #include "pointreel/error.h"
 
 namespace pointreel {
@@ -25,7 +26,7 @@ class SceneInstances {
  public:
   struct Stats {
     std::uint32_t visited = 0, out_of_view = 0, below_pixel = 0, hidden = 0;  ///< as in DrawStats
-    double cut_ms = 0.0;  ///< of the last update; 0 if no frame was cut
+    double cut_ms = 0.0;  ///< of the last update, with refinement; 0 if no frame was cut or refined
   };
 
   /// Makes the instances of `scene` as `camera` sees it in a picture of `size` pixels. Nothing that
@@ -55,6 +56,7 @@ class SceneInstances {
     bool is_tree = false;  ///< drawn as a cut of its tree, not as its cloud
     VoxelCut cut;
     CutStats stats;
+    Refinement refinement;
     std::size_t most = 0;  ///< no more instances than this
   };
 

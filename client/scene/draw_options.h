@@ -92,6 +92,18 @@ inline constexpr auto kEnumNames<Drafts> = std::to_array<EnumName<Drafts>>({
     {Drafts::playing, "playing"},
 });
 
+/// When surfels that look large are divided (refinement.h).
+enum class Refine {
+  automatic,  ///< whenever a picture is not urgent
+  off,
+};
+
+template <>
+inline constexpr auto kEnumNames<Refine> = std::to_array<EnumName<Refine>>({
+    {Refine::automatic, "auto"},
+    {Refine::off, "off"},
+});
+
 struct DrawOptions {
   DrawMode mode = DrawMode::surfel;
   Instancing instancing = Instancing::pull;
@@ -101,6 +113,7 @@ struct DrawOptions {
   /// Surfels: close the holes of surfaces, with Splatting::normalized only (reconstruction.h).
   /// Voxels: draw those with which preparing the frame filled gaps (gap_filling.h).
   bool fill_holes = true;
+  bool refine = false;  ///< divide surfels that look large (refinement.h)
   ColorSource color = ColorSource::colors;
   VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut

@@ -42,6 +42,9 @@ class Presenter {
                     const Shot& shot);
   /// Whether the last picture was drawn for this shot, whatever its reduction.
   bool shows(const Shot& shot) const;
+  /// Whether the last picture was drawn with fewer pixels or surfels than it would be without
+  /// haste.
+  bool hasty() const { return hasty_; }
   const DrawStats& drawn() const { return drawn_; }  ///< of the last picture
   bool shown() const { return shown_; }              ///< any frame, since begin()
 
@@ -74,7 +77,7 @@ class Presenter {
   PlayReport report_;
   std::optional<Shot> shot_;  ///< of the last picture
   DrawStats drawn_;
-  bool shown_ = false;
+  bool shown_ = false, hasty_ = false;
   std::optional<std::chrono::steady_clock::time_point> started_;
 };
 

@@ -111,6 +111,7 @@ void edit_surfels(Settings& settings) {
   edit("shading_scale", settings);
   edit("fill_holes", settings);
   ImGui::EndDisabled();
+  edit("refine", settings);
 }
 
 void edit_elements(Settings& settings) {

@@ -46,7 +46,7 @@ Result<bool> WindowPicture::draw(Stage& stage, const Stage::Update& update, glm:
   const bool by_hand = !presenter_->shown() || controls_.scrubbing();
   const Shot shot{controls_.camera(), size, draw_options(stage),
                   motion_.haste(controls_.settings().drafts, stage, by_hand, now)};
-  const bool finer = painter().reduced() && shot.haste.of == Haste::Of::nobody;
+  const bool finer = presenter_->hasty() && shot.haste.of == Haste::Of::nobody;
   if (!shown && !finer && presenter_->shows(shot)) return false;
   TRY(presenter_->draw(stage, update.changes, shot));
   recent.redrawn(presenter_->drawn());
@@ -59,12 +59,13 @@ Result<bool> WindowPicture::draw(Stage& stage, const Stage::Update& update, glm:
 
 std::optional<WindowPicture::TimePoint> WindowPicture::next_draw(TimePoint now) const {
   if (motion_.flying()) return now;
-  if (presenter_->painter().reduced()) return motion_.next_rest(now);
+  if (presenter_->hasty()) return motion_.next_rest(now);
   return std::nullopt;
 }
 
 DrawOptions WindowPicture::draw_options(const Stage& stage) const {
   DrawOptions draw = controls_.settings().draw;
+  draw.refine = controls_.settings().refine == Refine::automatic;
   draw.mode = mode_;
   if (controls_.settings().floor) draw.floor = floor_under(stage, controls_.camera());
   return draw;

@@ -32,6 +32,8 @@ constexpr double kLeastPointsPerCell = 3.0;
 constexpr std::uint32_t kPointsPerBundle = 64;
 /// The cosine of the largest angle between the surface's normal and those of its points.
 constexpr float kLeastCosine = 0.3f;
+/// What a point contributes itself is at most 1.
+constexpr float kOwnWeight = 1.01f;
 /// By what factor more points are selected than the first step needs, because later ones begin
 /// elsewhere.
 constexpr float kSpareReach = 1.05f;
@@ -66,6 +68,28 @@ float step_to_neighbor(const PointRow& row, std::size_t lane, const glm::vec3& n
     step = glm::dot(way, normal);
   }
   return step;
+}
+
+/// The nearest of the points that are `near`, no further away than the root of `square`, and on the
+/// side of the patch's normal.
+void find_neighbors(std::span<const PointNormal> points, std::span<const std::uint32_t> near,
+                    std::uint32_t point, float square, SurfacePatch& patch) {
+  std::array<float, SurfacePatch::kMostNeighbors> squares;
+  for (const std::uint32_t other : near) {
+    const glm::vec3 way = points[other].position - points[point].position;
+    const float length = glm::dot(way, way);
+    const bool is_full = patch.neighbor_count == SurfacePatch::kMostNeighbors;
+    if (other == point || length > square || (is_full && length >= squares.back()) ||
+        glm::dot(points[other].normal, patch.normal) < kLeastCosine)
+      continue;
+    std::size_t at = is_full ? SurfacePatch::kMostNeighbors - 1 : patch.neighbor_count++;
+    for (; at > 0 && squares[at - 1] > length; --at) {
+      squares[at] = squares[at - 1];
+      patch.neighbors[at] = patch.neighbors[at - 1];
+    }
+    squares[at] = length;
+    patch.neighbors[at] = other;
+  }
 }
 
 /// Whether the cells show the shape of what is in them.
@@ -420,6 +444,34 @@ std::vector<SurfaceSample> PointSurface::project(std::span<const float> radii, d
     }
   });
   return samples;
+}
+
+void PointSurface::fit_patches(std::span<const float> radii, double beta,
+                               std::span<SurfacePatch> patches, const Executor& executor) const {
+  for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
+    RowPlaces at(row, points_, radii, kLeastCosine);
+    at.look_around(rows_, at.wanted, nearby);
+    const std::span near = std::span(nearby.points).first(nearby.near);
+    const PlaceSums sums = sum_around(points_, near, at.places);
+    const PlacesFound found = at.step(sums, beta);
+    for (std::size_t lane = 0; lane < row.count; ++lane) {
+      if (!at.wanted[lane]) continue;
+      const std::uint32_t point = row.points[lane];
+      SurfacePatch& patch = patches[point];
+      patch = {};
+      const auto sphere = fit_sphere(sums.at(lane), beta);
+      // A point alone fits any surface.
+      if (!found.found[lane] || !sphere || !(sums.w[lane] > kOwnWeight)) continue;
+      const glm::dvec3 place(found.x[lane], found.y[lane], found.z[lane]);
+      patch.position = glm::vec3(place - offset_);
+      patch.normal = glm::vec3(found.nx[lane], found.ny[lane], found.nz[lane]);
+      const glm::dvec3 gradient =
+          sphere->u + 2.0 * sphere->u4 * (place - glm::dvec3(points_[point].position));
+      const double slope = glm::length(gradient);
+      patch.curvature = slope > 0.0 ? static_cast<float>(2.0 * sphere->u4 / slope) : 0.0f;
+      find_neighbors(points_, near, point, at.square[lane], patch);
+    }
+  });
 }
 
 std::vector<glm::vec3> PointSurface::weighted_means(std::span<const float> radii,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,6 +35,18 @@ struct SurfaceEvidence {
   /// Half the square of the step across the surface from the point to one of its nearest
   /// neighbours: what `square` is on average if the noise of points is their own.
   float neighbor_square = 0.0f;
+};
+
+/// The sphere that fits the surface around a point, and the points around it.
+struct SurfacePatch {
+  static constexpr std::size_t kMostNeighbors = 24;
+
+  glm::vec3 position{0.0f};  ///< on the surface, relative to the cloud's origin
+  glm::vec3 normal{0.0f};    ///< of unit length; zero: no surface, or none was fitted
+  float curvature = 0.0f;    ///< 1 over the radius, above 0 where the centre is behind the surface
+  /// The nearest other points on the same side of the surface, as numbers in order().
+  std::array<std::uint32_t, kMostNeighbors> neighbors;
+  std::uint32_t neighbor_count = 0;
 };
 
 /// The surface that a cloud of points with normals stands for: the algebraic point set surface of
@@ -71,6 +85,10 @@ class PointSurface {
   /// surface.
   std::vector<SurfaceSample> project(std::span<const float> radii, double beta, int steps,
                                      const Executor& executor = {}) const;
+
+  /// Fits the surface around the points that have a radius. The others' patches stay as they are.
+  void fit_patches(std::span<const float> radii, double beta, std::span<SurfacePatch> patches,
+                   const Executor& executor = {}) const;
 
   /// The means of `values` around each point, with the weights of the surface. Points whose normal
   /// is more than a right angle away do not count.

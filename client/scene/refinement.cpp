@@ -1,0 +1,243 @@
+#include "client/scene/refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "common/base/for_each.h"
+#include "common/base/tbb_executor.h"
+
+namespace pointreel {
+namespace {
+
+/// Surfels whose radius looks larger than so many pixels are divided.
+constexpr float kLargePixels = 2.5f;
+/// How far new surfels are apart, in pixels, and what share of that their radius is. The error of
+/// flat discs (section 4.1 of the paper) would allow wider steps away from the outline, but large
+/// discs beside small ones stand out, and colours become patchy.
+constexpr float kStepPixels = 1.6f, kRadiusOfStep = 0.8f;
+/// No more than so many new surfels for one, in each direction.
+constexpr float kMostSteps = 64.0f;
+/// The most new surfels of a picture, about; beyond, they are further apart.
+constexpr double kMostSurfels = 600'000.0;
+/// The radius within which spheres are fitted, the distance to which new surfels belong to an old
+/// one, and the radius within which spheres and colours are blended, all in radii of surfels. These
+/// radii are about the distance between neighbours.
+constexpr float kSupport = 3.0f, kReach = 1.4f, kBlended = 1.8f;
+/// Less than 1, so that neighbours overlap a little.
+constexpr float kOverlap = 0.9f;
+constexpr double kBeta = 0.8;
+/// A sphere bends by no more than so much within the reach of a surfel: the sine of the angle. At
+/// the edges of surfaces, smaller spheres would stand out as curls.
+constexpr float kMostBend = 0.6f;
+/// Surfels that face away further than this, as a cosine, are only seen as the insides of holes,
+/// and their outlines must not stand out. For that, new surfels may be further apart by this
+/// factor.
+constexpr float kAway = -0.25f, kStepAway = 2.0f;
+constexpr std::size_t kPerTask = 256;
+
+/// A place above or below a sphere.
+struct Foot {
+  float height;      ///< of the place above the sphere, along the patch's normal
+  glm::vec3 normal;  ///< of the sphere below it
+  float square;      ///< of the distance from the patch along its plane
+};
+
+Foot foot_of(const SurfacePatch& patch, const glm::vec3& place) {
+  const glm::vec3 way = place - patch.position;
+  const float up = glm::dot(way, patch.normal);
+  const glm::vec3 along = way - up * patch.normal;
+  const float square = glm::dot(along, along);
+  const float bend = patch.curvature * patch.curvature * square;
+  const float cosine = std::sqrt(std::max(0.0f, 1.0f - bend));
+  return {up + patch.curvature * square / (1.0f + cosine),
+          cosine * patch.normal + patch.curvature * along, square};
+}
+
+float weight(float square, float radius) {
+  const float left = std::max(0.0f, 1.0f - square / (radius * radius));
+  return left * left * left * left;
+}
+
+}  // namespace
+
+/// A surfel to divide.
+struct Refinement::Wanted {
+  std::uint32_t at;  ///< among the points
+  float radius;
+  float step;  ///< between new surfels
+};
+
+void Refinement::look_at(std::shared_ptr<const SceneFrame> frame) {
+  clear();
+  frame_ = std::move(frame);
+  if (frame_->cloud.empty()) {
+    const auto first =
+        static_cast<std::ptrdiff_t>(frame_->svo.node_count() - frame_->svo.leaf_count());
+    const auto leaves = [&](const auto& of_nodes, auto& out) {
+      if (!of_nodes.empty()) out.assign(of_nodes.begin() + first, of_nodes.end());
+    };
+    points_ = leaf_centers(frame_->svo);
+    leaves(frame_->attributes.colors, points_.colors);
+    leaves(frame_->radii, points_.radii);
+    if (frame_->attributes.normals.empty()) return;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      points_.normals.push_back(
+          glm::vec3(frame_->attributes.normals[static_cast<std::size_t>(first) + i]) / 32767.0f);
+  } else {
+    points_ = frame_->cloud;
+  }
+}
+
+void Refinement::run(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
+                     glm::ivec2 size) {
+  if (frame != frame_) look_at(std::move(frame));
+  if (camera_ == camera && size_ == size) return;
+  camera_ = camera;
+  size_ = size;
+  surfels_.clear();
+  divided_.clear();
+  if (!points_.has_normals() || !points_.has_radii()) return;
+  std::vector<Wanted> wanted = find_wanted(camera, size);
+  if (wanted.empty()) return;
+  fit(wanted);
+  std::erase_if(wanted, [this](const Wanted& one) {
+    return patches_[at_[one.at]].normal == glm::vec3(0.0f);
+  });
+  divide(wanted);
+}
+
+std::vector<Refinement::Wanted> Refinement::find_wanted(const Camera& camera,
+                                                        glm::ivec2 size) const {
+  const glm::mat4 view = camera.view_from(points_.origin);
+  const glm::vec3 eye(camera.eye() - points_.origin);
+  const float slope = static_cast<float>(std::tan(0.5 * camera.fov_y));
+  const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
+  const float pixel = 2.0f * slope / static_cast<float>(size.y);  // at a distance of 1
+  std::vector<Wanted> wanted;
+  double area = 0.0;
+  for (std::uint32_t i = 0; i < points_.size(); ++i) {
+    const glm::vec3& position = points_.positions[i];
+    const glm::vec3& normal = points_.normals[i];
+    const float radius = points_.radii[i], reach = kReach * radius;
+    const glm::vec3 at(view * glm::vec4(position, 1.0f));
+    const float away = -at.z;
+    if (normal == glm::vec3(0.0f) || !(away > reach) || radius < kLargePixels * pixel * away ||
+        std::abs(at.y) > slope * away + 2.0f * reach ||
+        std::abs(at.x) > aspect * slope * away + 2.0f * reach)
+      continue;
+    const glm::vec3 way = eye - position;
+    const float cosine = glm::dot(way, normal) / glm::length(way);
+    const bool is_away = !frame_->normals_estimated && cosine < kAway;
+    const float step = std::max(kStepPixels * pixel * away * (is_away ? kStepAway : 1.0f),
+                                2.0f * reach / kMostSteps);
+    wanted.push_back({i, radius, step});
+    area += (radius / step) * (radius / step);
+  }
+  if (area > kMostSurfels) {
+    const auto wider = static_cast<float>(std::sqrt(area / kMostSurfels));
+    for (Wanted& one : wanted) one.step *= wider;
+  }
+  return wanted;
+}
+
+void Refinement::fit(std::span<const Wanted> wanted) {
+  const Executor executor = tbb_executor();
+  if (!surface_) {
+    surface_.emplace(points_);
+    patches_.resize(points_.size());
+    fitted_.resize(points_.size());
+    at_.resize(points_.size());
+    for (std::uint32_t i = 0; i < points_.size(); ++i) at_[surface_->order()[i].index] = i;
+  }
+  // Those that may be divided, and those around them, with which they are blended.
+  std::vector<float> radii(points_.size(), 0.0f);
+  const auto want = [&](std::uint32_t at) {
+    if (!fitted_[at]) radii[at] = kSupport * points_.radii[surface_->order()[at].index];
+  };
+  const auto fit_wanted = [&] {
+    surface_->fit_patches(radii, kBeta, patches_, executor);
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+      const float radius = std::exchange(radii[i], 0.0f) / kSupport;
+      if (!(radius > 0.0f)) continue;
+      fitted_[i] = true;
+      const float most = kMostBend / (kReach * radius);
+      patches_[i].curvature = std::clamp(patches_[i].curvature, -most, most);
+    }
+  };
+  for (const Wanted& one : wanted) want(at_[one.at]);
+  fit_wanted();
+  for (const Wanted& one : wanted) {
+    const SurfacePatch& patch = patches_[at_[one.at]];
+    for (std::uint32_t n = 0; n < patch.neighbor_count; ++n) want(patch.neighbors[n]);
+  }
+  fit_wanted();
+}
+
+void Refinement::divide(std::span<const Wanted> wanted) {
+  const auto color_at = [this](std::uint32_t at) {
+    return glm::vec3(points_.colors[surface_->order()[at].index]);
+  };
+  const bool colors = points_.has_colors();
+  const std::size_t tasks = (wanted.size() + kPerTask - 1) / kPerTask;
+  std::vector<std::vector<RefinedSurfel>> made(tasks);
+  const auto divide_one = [&](const Wanted& one, std::vector<RefinedSurfel>& out) {
+    const std::uint32_t own = at_[one.at];
+    const SurfacePatch& patch = patches_[own];
+    const glm::vec3 n = patch.normal;
+    const glm::vec3 across = glm::normalize(
+        glm::cross(n, std::abs(n.x) < 0.6f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
+    const glm::vec3 along = glm::cross(n, across);
+    const float reach = kReach * one.radius, blended = kBlended * one.radius;
+    const int steps = static_cast<int>(reach / one.step);
+    for (int y = -steps; y <= steps; ++y) {
+      for (int x = -steps; x <= steps; ++x) {
+        const glm::vec2 offset = one.step * glm::vec2(x, y);
+        const float square = glm::dot(offset, offset);
+        if (square > reach * reach) continue;
+        // On the patch's own sphere, so that what is near is judged where the surface is.
+        glm::vec3 place = patch.position + offset.x * across + offset.y * along;
+        const Foot foot = foot_of(patch, place);
+        place -= foot.height * n;
+        float total = weight(square, blended), height = 0.0f;
+        glm::vec3 normal = total * foot.normal;
+        glm::vec3 color = colors ? total * color_at(own) : glm::vec3(0.0f);
+        bool is_nearest = true;
+        for (std::uint32_t i = 0; i < patch.neighbor_count && is_nearest; ++i) {
+          const std::uint32_t at = patch.neighbors[i];
+          const SurfacePatch& other = patches_[at];
+          if (other.normal == glm::vec3(0.0f)) continue;
+          const glm::vec3 way = place - other.position;
+          const float away = glm::dot(way, way);
+          is_nearest = away >= kOverlap * kOverlap * square;
+          const float w = weight(away, blended);
+          if (w == 0.0f) continue;
+          const Foot its = foot_of(other, place);
+          total += w;
+          height += w * its.height * glm::dot(other.normal, n);
+          normal += w * its.normal;
+          if (colors) color += w * color_at(at);
+        }
+        if (!is_nearest || !(total > 0.0f)) continue;
+        out.push_back({place - height / total * n, kRadiusOfStep * one.step, one.radius,
+                       glm::normalize(normal),
+                       glm::u16vec3(glm::clamp(color / total + 0.5f, 0.0f, 65535.0f))});
+      }
+    }
+  };
+  for_each(tbb_executor(), static_cast<int>(tasks), [&](int task) {
+    const std::size_t begin = static_cast<std::size_t>(task) * kPerTask;
+    for (std::size_t i = begin; i < std::min(begin + kPerTask, wanted.size()); ++i) {
+      divide_one(wanted[i], made[static_cast<std::size_t>(task)]);
+    }
+  });
+  divided_.resize(points_.size());
+  for (const Wanted& one : wanted) divided_[one.at] = true;
+  std::size_t count = 0;
+  for (const auto& some : made) count += some.size();
+  surfels_.reserve(count);
+  for (const auto& some : made) surfels_.insert(surfels_.end(), some.begin(), some.end());
+}
+
+}  // namespace pointreel

@@ -107,6 +107,7 @@ class OffscreenPlayer {
   Result<void> draw(const std::vector<Stage::Change>& changes) {
     DrawOptions draw = options_.settings.draw;
     draw.refine = options_.settings.refine == Refine::automatic;
+    draw.smooth_outlines = options_.settings.smooth_outlines;
     if (options_.settings.floor) draw.floor = floor_under(*stage_, camera_);
     return presenter_->draw(*stage_, changes, {camera_, size_, draw, {}});
   }

@@ -124,6 +124,9 @@ std::vector<Option> make_table() {
        "Divide surfels that look large, so that a close view shows a surface and not discs: auto, "
        "where a picture is not urgent; or off",
        "Refine", "Close views show a surface and not discs, where there is time"},
+      {"smooth_outlines", flag([](auto& s) -> auto& { return s.smooth_outlines; }),
+       "Blend outlines with the background (the default), so that they show no steps",
+       "Smooth outlines", "Blends outlines with the background"},
       {"splatting", choice([](auto& s) -> auto& { return s.draw.splatting; }),
        "How surfels become a picture: normalized is a weighted mean; the other five are those of "
        "Slomp et al.",

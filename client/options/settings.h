@@ -22,6 +22,7 @@ struct Settings {
   DrawOptions draw;
   double delta = PrepareOptions{}.delta;
   Refine refine = Refine::automatic;
+  bool smooth_outlines = true;
   Drafts drafts = Drafts::playing;  ///< in a window; pictures that are written are never drafts
   bool floor = false;               ///< draw a grid on the floor
   bool drawing_panel = false, statistics_panel = false;  ///< whether they are open

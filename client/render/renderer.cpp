@@ -81,6 +81,7 @@ Result<void> Renderer::resize(glm::ivec2 size) {
   gl::Framebuffer picture = TRY(gl::make_framebuffer(color, depth));
   TRY(splatter_.resize(size, color, depth));
   TRY(eye_dome_.resize(color, depth));
+  TRY(outlines_.resize(size, color));
   view_ = gl::view_texture(color, GL_RGBA8);
   picture_ = std::move(picture);
   color_ = std::move(color);
@@ -137,6 +138,10 @@ Result<DrawStats> Renderer::draw(const Scene& scene, const Camera& camera, glm::
   if (stats.drawn > 0) {
     set_view(camera, instances_.origin(), options.lighting);
     TRY(draw_instances(camera, options));
+    if (options.smooth_outlines) {
+      TRY(outlines_.draw(instances_region(options)));
+      glEnable(GL_DEPTH_TEST);
+    }
   }
   if (options.floor && !above_floor) TRY(draw_floor(*options.floor, camera, options));
   glDisable(GL_FRAMEBUFFER_SRGB);

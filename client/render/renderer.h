@@ -13,6 +13,7 @@
 #include "client/render/gl_objects.h"
 #include "client/render/image.h"
 #include "client/render/instancing/instancing.h"
+#include "client/render/outlines.h"
 #include "client/render/region.h"
 #include "client/render/scene_instances.h"
 #include "client/render/splatting.h"
@@ -96,6 +97,7 @@ class Renderer {
   std::array<std::unique_ptr<InstancingMethod>, kEnumNames<Instancing>.size()> methods_;
   Splatter splatter_;
   EyeDomeLighting eye_dome_;
+  OutlineSmoother outlines_;
   Floor floor_;
   gl::LateProgram point_;
   gl::VertexArray points_;

@@ -121,6 +121,7 @@ struct DrawOptions {
   /// The picture is drawn and read with this many times fewer pixels per side, rounded up, and is
   /// enlarged to its full size when it is shown. 1 to 16.
   int reduction = 1;
+  bool smooth_outlines = false;  ///< blend outlines with the background (outlines.h)
   bool lighting = true;  ///< a diffuse light over the viewer's shoulder; false: the plain colours
   float edl = 0.0f;      ///< strength of eye-dome lighting (eye_dome_lighting.h); 0: none
   glm::vec3 background{0.11f, 0.12f, 0.14f};      ///< sRGB, 0 to 1

@@ -128,6 +128,7 @@ void edit_elements(Settings& settings) {
       break;
   }
   if (settings.draw.mode != DrawMode::point) edit("instancing", settings);
+  edit("smooth_outlines", settings);
   edit("pixel_size", settings);
   edit("drafts", settings);
 }

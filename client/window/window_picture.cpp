@@ -66,6 +66,7 @@ std::optional<WindowPicture::TimePoint> WindowPicture::next_draw(TimePoint now) 
 DrawOptions WindowPicture::draw_options(const Stage& stage) const {
   DrawOptions draw = controls_.settings().draw;
   draw.refine = controls_.settings().refine == Refine::automatic;
+  draw.smooth_outlines = controls_.settings().smooth_outlines;
   draw.mode = mode_;
   if (controls_.settings().floor) draw.floor = floor_under(stage, controls_.camera());
   return draw;

@@ -64,7 +64,8 @@ std::vector<std::string> arguments(const std::string& path, const std::string& p
   if (!rate) add({"-enc_time_base", "1:1000000"});
   if (format == "mp4") {
     add({"-movflags", "+faststart"});
-    if (!rate) add({"-video_track_timescale", "1000000"});
+    // Durations in .mp4 have 32 bits: in units of 10 us, a frame may stay for six hours.
+    if (!rate) add({"-video_track_timescale", "100000"});
   }
   add({"-f", format, "-y", "file:" + part});
   return all;

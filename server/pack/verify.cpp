@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <mutex>
@@ -56,6 +57,18 @@ std::size_t layer_at_fault(const FrameDecoder& decoder, std::vector<Chunks<ByteV
   return layers.size() - 1;
 }
 
+/// Whether the points lie within the bounds, which are those of the source: coding moves a point by
+/// up to a cell.
+bool is_within(const Box& box, const PointCloud& cloud, const FrameHeader& header) {
+  const Box points = bounds(cloud);
+  if (points.empty()) return true;
+  const double cell = std::ldexp(header.cube.edge, -header.depth);
+  const glm::dvec3 reach = glm::max(glm::abs(points.min), glm::abs(points.max));
+  const glm::dvec3 margin = cell + 1e-6 * reach;
+  return !box.empty() && glm::all(glm::greaterThanEqual(points.min, box.min - margin)) &&
+         glm::all(glm::lessThanEqual(points.max, box.max + margin));
+}
+
 /// Compares a decoded frame with what the manifest and its own header say.
 Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::size_t layers,
                            const FrameHeader& header, const DecodedFrame& decoded) {
@@ -78,6 +91,8 @@ Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::s
     return fail(fmt::format("decodes to {}, its header says {}",
                             counted(decoded.cloud.size(), "point"), header.coded_points));
   }
+  if (!coarser && !is_within(manifest.bounds, decoded.cloud, header))
+    return fail("has points outside of the manifest's bounds");
   if (header.depth < manifest.depth_min || header.depth > manifest.depth_max) {
     return fail(fmt::format("has depth {}, the manifest says {} to {}", header.depth,
                             manifest.depth_min, manifest.depth_max));

@@ -174,6 +174,20 @@ TEST_F(Verify, finds_frames_that_differ_from_the_manifest) {
   EXPECT_THAT(found[1].what, HasSubstr("made of 101 points, the manifest says 102"));
 }
 
+TEST_F(Verify, finds_points_outside_of_the_bounds) {
+  const Box bounds = manifest().bounds;
+  const glm::dvec3 part = 0.1 * bounds.extent();
+  for (const Box& wrong : {Box{bounds.min + part, bounds.max}, Box{bounds.min, bounds.max - part},
+                           Box{bounds.max, bounds.max + part}}) {
+    Manifest m = manifest();
+    m.bounds = wrong;
+    write_file(reel() / "reel.json", write_manifest(m));
+    const std::vector<Fault> found = faults();
+    ASSERT_FALSE(found.empty());
+    EXPECT_THAT(found[0].what, HasSubstr("outside of the manifest's bounds"));
+  }
+}
+
 TEST_F(Verify, refuses_a_folder_that_is_not_a_package) {
   const Result<VerifyReport> report = verify(folder() / "in");
   ASSERT_FALSE(report);

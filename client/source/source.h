@@ -107,7 +107,8 @@ struct SourceOptions {
   std::string token;    ///< bearer token, sent if not empty
   std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's
   bool follow_redirects = false;  ///< also to other hosts; never from https to http
-  std::chrono::milliseconds connect_timeout{2'000};  ///< TLS included
+  /// TLS included. For WebSocket it doubles, up to eight times as long, while connecting fails.
+  std::chrono::milliseconds connect_timeout{2'000};
   /// How long a connection may bring no byte. Doubles, up to four times as long, while a server
   /// that can be reached stays silent.
   std::chrono::milliseconds stall_timeout{1'500};

@@ -26,7 +26,6 @@ WebSocketOptions socket_options(const SourceOptions& source) {
   WebSocketOptions options;
   options.token = source.token;
   options.ca_file = source.ca_file;
-  options.connect_timeout = source.connect_timeout;
   options.silence_timeout = source.stall_timeout;
   return options;
 }
@@ -63,15 +62,19 @@ class WebSocketLiveSource : public LiveSource {
  private:
   void run() {
     Backoff<milliseconds> pause(options_.first_backoff, options_.max_backoff);
+    Backoff<milliseconds> connect_timeout(options_.connect_timeout, 8 * options_.connect_timeout);
     bool connected_before = false;
     while (!stop_.stop_requested()) {
       WebSocketOptions options = socket_options(options_);
+      options.connect_timeout = connect_timeout.wait();
       options.stop = stop_.get_token();
       auto socket = WebSocket::connect(url_, options);
       if (socket) {
+        connect_timeout.succeeded();
         if (std::exchange(connected_before, true)) assembler_.reconnected();
         if (receive(**socket)) pause.succeeded();
       } else {
+        connect_timeout.failed();
         set_trouble(reason(socket.error()));
       }
       wait(pause.wait());

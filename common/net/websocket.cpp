@@ -79,13 +79,13 @@ class Connection : public WebSocket {
           {fmt::format("{}: {}", place_, what), stopped ? ErrorCode::cancelled : ErrorCode::io},
           0});
     };
-    const auto timed_out = std::chrono::steady_clock::now() + options_.connect_timeout;
+    const auto begun = std::chrono::steady_clock::now();
     const auto found = look_up(url.host, url.port, options_.connect_timeout, options_.stop);
     if (!found) return failed(found.error().message);
 
     error_code error;
     auto& tcp = beast::get_lowest_layer(stream_);
-    tcp.expires_at(timed_out);
+    tcp.expires_at(begun + options_.connect_timeout);
     tcp.async_connect(*found, [&](error_code e, const auto&) { error = e; });
     run();
     if (error) return failed("nothing answers there: " + error.message());
@@ -124,7 +124,9 @@ class Connection : public WebSocket {
     // handshake with an error that Beast does not expect there. It must be far off, not switched
     // off, or else the timer of the idle time before would go on.
     timeout.handshake_timeout = std::chrono::hours(1);
-    timeout.idle_timeout = options_.silence_timeout;
+    // Connecting took at least two round trips. A slow link needs one of them for the answer to a
+    // ping, which is sent after half of this time.
+    timeout.idle_timeout = options_.silence_timeout + (std::chrono::steady_clock::now() - begun);
     timeout.keep_alive_pings = true;
     stream_.set_option(timeout);
     stream_.auto_fragment(false);

@@ -26,7 +26,7 @@ struct WebSocketOptions {
   std::string ca_file;  ///< wss: a PEM file of certificates to trust instead of the system's
   std::chrono::milliseconds connect_timeout{5'000};  ///< for everything up to the upgrade
   /// The connection counts as lost if the peer sends nothing for this long, not even the answer to
-  /// a ping.
+  /// a ping. What connecting took is added, so that a slow link does not look like a lost one.
   std::chrono::milliseconds silence_timeout{2'000};
   /// The connection counts as lost if the peer acknowledges none of the sent data for this long. 0
   /// leaves it to the system.

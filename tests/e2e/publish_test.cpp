@@ -72,26 +72,6 @@ TEST_F(PublishTest, counts_what_the_server_has_accepted) {
             sent["accepted_frames"].get<int>() + sent["dropped_frames"].get<int>());
 }
 
-TEST_F(PublishTest, sends_every_frame_of_a_short_sequence_over_a_slow_link) {
-  Background server("pointreel-server",
-                    {"serve", "--live", "--record", record().string(), "--listen", "127.0.0.1:0"});
-  const std::string address = server_address(server);
-  ASSERT_FALSE(address.empty());
-  for (const char* delay : {"0", "100", "600"}) {
-    Background link("pointreel-link", {"--to", address, "--delay", delay});
-    const std::string line = link.first_line(), begin = "listening on ";
-    ASSERT_TRUE(line.starts_with(begin)) << line;
-    const std::string through = line.substr(begin.size());
-    const Outcome published = run("pointreel-server", publish(through, {"--json"}));
-    EXPECT_EQ(published.exit_code, 0) << published.err;
-    const auto report = nlohmann::json::parse(published.out, nullptr, false);
-    ASSERT_FALSE(report.is_discarded()) << published.out;
-    EXPECT_GT(report["frames"], 1);
-    EXPECT_EQ(report["sent"]["accepted_frames"], report["frames"]) << delay;
-    EXPECT_EQ(report["sent"]["dropped_frames"], 0) << delay;
-  }
-}
-
 TEST_F(PublishTest, fails_if_nothing_answers) {
   const Outcome published = run("pointreel-server", publish("127.0.0.1:1"));
   EXPECT_EQ(published.exit_code, 1);

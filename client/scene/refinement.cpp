@@ -12,7 +12,7 @@ namespace pointreel {
 namespace {
 
 /// Surfels whose radius looks larger than so many pixels are divided.
-constexpr float kLargePixels = 2.5f;
+constexpr float kLargePixels = 4.0f;
 /// How far new surfels are apart, in pixels, and what share of that their radius is. The error of
 /// flat discs (section 4.1 of the paper) would allow wider steps away from the outline, but large
 /// discs beside small ones stand out, and colours become patchy.

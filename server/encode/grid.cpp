@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "codec/frame_header.h"
 #include "common/octree/build.h"
 #include "pointreel/octree.h"
 #include "server/rate/coarsening.h"
@@ -20,6 +21,13 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
           fmt::format("voxels of {} need an octree deeper than {} levels here: give a "
                       "larger {}",
                       *options.voxel, kMaxDepth, options.resample ? "--spacing" : "--voxel"));
+    }
+    if (!is_codable(voxels.cube)) {
+      return fail(ErrorCode::argument,
+                  fmt::format("voxels of {} are too {} to be coded: give a {} {}", *options.voxel,
+                              *options.voxel > 1.0 ? "large" : "small",
+                              *options.voxel > 1.0 ? "smaller" : "larger",
+                              options.resample ? "--spacing" : "--voxel"));
     }
     Grid grid{voxels.cube, options.encode};
     std::get<OctreeOptions>(grid.encode.codec).depth = DepthRule::fixed(voxels.depth);

@@ -6,6 +6,7 @@
 
 #include "codec/octree/slabs.h"
 #include "common/command_line/option_checks.h"
+#include "common/stream/json_fields.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -176,6 +177,11 @@ void SequenceArguments::add_draco_options(CLI::App& command) {
 }
 
 Result<EncodingOptions> SequenceArguments::options() const {
+  if (!is_title(sequence.name)) {
+    return fail(ErrorCode::argument,
+                "--name: is too long, or has a character that must not be shown: a control "
+                "character, or one that turns the direction of writing");
+  }
   for (const auto& [of, option] : of_codec_) {
     if (option->count() == 0 || of == codec) continue;
     return fail(ErrorCode::argument,

@@ -54,11 +54,14 @@ Result<VerifyReport> verify(const std::filesystem::path& folder,
                             const InspectListener& listener = {},
                             std::uint64_t max_memory = kFrameMemory);
 
+/// UnpackOptions::last_frame: the last frame that there is.
+inline constexpr std::uint32_t kToTheEnd = ~0u;
+
 struct UnpackOptions {
   std::filesystem::path input, output;
   std::size_t layers = SIZE_MAX;            ///< how many layers to decode, from the base
   std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
-  std::uint32_t last_frame = ~0u;           ///< inclusive; clamped to the reel
+  std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist
   bool force = false;                       ///< replace a folder of frame_*.ply files
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };

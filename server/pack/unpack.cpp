@@ -51,7 +51,8 @@ Result<void> unpack_frame(const UnpackOptions& options, const Manifest& manifest
 Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest& manifest,
                                     const InspectListener& listener) {
   const std::uint32_t frames = manifest.frame_count();
-  if (options.layers == 0 || options.first_frame > options.last_frame ||
+  const bool past_the_end = options.last_frame != kToTheEnd && options.last_frame >= frames;
+  if (options.layers == 0 || options.first_frame > options.last_frame || past_the_end ||
       (options.first_frame >= frames && frames > 0)) {
     return fail(ErrorCode::argument,
                 fmt::format("{}: has {}, numbered from 0, and {}; ask for at least "

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -259,7 +260,7 @@ TEST_F(Unpack, writes_fewer_points_within_half_a_coarse_voxel_from_the_first_lay
   EXPECT_EQ(points[2], summary->coded_points);
 }
 
-TEST_F(Unpack, accepts_a_range_of_frames_and_clamps_its_end) {
+TEST_F(Unpack, accepts_a_range_of_frames) {
   UnpackOptions options = unpacking();
   options.first_frame = 2;
   options.last_frame = 3;
@@ -267,18 +268,21 @@ TEST_F(Unpack, accepts_a_range_of_frames_and_clamps_its_end) {
   EXPECT_THAT(names_in(options.output), ElementsAre("frame_00002.ply", "frame_00003.ply"));
   options.force = true;
   options.first_frame = 4;
-  options.last_frame = 99;
+  options.last_frame = kToTheEnd;
   EXPECT_EQ(unpack(options).value_or(0), 1u);
   EXPECT_THAT(names_in(options.output), ElementsAre("frame_00004.ply"));
 }
 
 TEST_F(Unpack, refuses_frames_that_do_not_exist) {
-  UnpackOptions options = unpacking();
-  options.first_frame = 5;
-  const Result<std::uint32_t> count = unpack(options);
-  ASSERT_FALSE(count);
-  EXPECT_THAT(count.error().message, HasSubstr("has 5 frames"));
-  EXPECT_FALSE(fs::exists(options.output));
+  for (const auto& [first, last] : {std::pair(5u, kToTheEnd), {5u, 5u}, {4u, 5u}, {0u, 99u}}) {
+    UnpackOptions options = unpacking();
+    options.first_frame = first;
+    options.last_frame = last;
+    const Result<std::uint32_t> count = unpack(options);
+    ASSERT_FALSE(count) << first << " to " << last;
+    EXPECT_THAT(count.error().message, HasSubstr("has 5 frames"));
+    EXPECT_FALSE(fs::exists(options.output));
+  }
 }
 
 TEST_F(Unpack, names_the_damaged_frame_and_leaves_nothing_behind) {

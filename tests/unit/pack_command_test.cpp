@@ -169,6 +169,8 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
                                                        {"--codec", "mp4"},
                                                        {"--cube", "none"},
                                                        {"--threads", "-1"},
+                                                       {"--name", "gnp.\u202exe"},
+                                                       {"--name", std::string(5000, 'x')},
                                                        {"--no-such-option"}};
   for (const auto& arguments : wrong) {
     const Outcome outcome = run_pack(arguments);
@@ -204,6 +206,17 @@ TEST_F(PackCommand, does_not_send_normals_that_clients_can_derive) {
   EXPECT_GT(bits_of_normals({"--normal-quality", "90"}), sent);
   EXPECT_EQ(bits_of_normals({"--normals", "derive"}), 0.0);
   EXPECT_EQ(bits_of_normals({"--no-normals"}), 0.0);
+}
+
+TEST_F(PackCommand, names_the_option_whose_voxels_cannot_be_coded) {
+  write_frames(1);
+  for (const std::string option : {"--voxel", "--spacing"}) {
+    for (const std::string size : {"1e300", "1e-300"}) {
+      const Outcome outcome = run_pack({option, size});
+      EXPECT_EQ(outcome.code, kExitFailed) << option << " " << size;
+      EXPECT_THAT(outcome.errors, testing::HasSubstr(option)) << size;
+    }
+  }
 }
 
 TEST_F(PackCommand, exits_with_1_and_prints_one_line_when_it_fails) {
@@ -290,7 +303,7 @@ TEST_F(PackCommand, unpack_writes_only_the_requested_range_of_frames) {
   write_frames(3);
   ASSERT_EQ(run_pack({}).code, kExitOk);
   const auto back = (folder_.path() / "back").string();
-  for (const char* wrong : {"2-1", "-1", "1-", "a", "1-2-3", "", "99999999999"}) {
+  for (const char* wrong : {"2-1", "-1", "1-", "a", "1-2-3", "", "99999999999", "3", "2-3"}) {
     EXPECT_NE(
         run({"unpack", "-i", reel_.string(), "-o", back, std::string("--frames=") + wrong}).code,
         kExitOk)

@@ -37,14 +37,21 @@ constexpr float kMostBend = 0.6f;
 constexpr float kAway = -0.25f, kStepAway = 2.0f;
 constexpr std::size_t kPerTask = 256;
 
+/// What a patch contributes to the surfels around it.
+struct Blended {
+  glm::vec3 position, normal;
+  float curvature;
+  glm::vec3 color;
+  float cosine;  ///< between its normal and that of the patch that is divided
+};
+
 /// A place above or below a sphere.
 struct Foot {
   float height;      ///< of the place above the sphere, along the patch's normal
   glm::vec3 normal;  ///< of the sphere below it
-  float square;      ///< of the distance from the patch along its plane
 };
 
-Foot foot_of(const SurfacePatch& patch, const glm::vec3& place) {
+Foot foot_of(const Blended& patch, const glm::vec3& place) {
   const glm::vec3 way = place - patch.position;
   const float up = glm::dot(way, patch.normal);
   const glm::vec3 along = way - up * patch.normal;
@@ -52,7 +59,7 @@ Foot foot_of(const SurfacePatch& patch, const glm::vec3& place) {
   const float bend = patch.curvature * patch.curvature * square;
   const float cosine = std::sqrt(std::max(0.0f, 1.0f - bend));
   return {up + patch.curvature * square / (1.0f + cosine),
-          cosine * patch.normal + patch.curvature * along, square};
+          cosine * patch.normal + patch.curvature * along};
 }
 
 float weight(float square, float radius) {
@@ -176,16 +183,27 @@ void Refinement::fit(std::span<const Wanted> wanted) {
 }
 
 void Refinement::divide(std::span<const Wanted> wanted) {
-  const auto color_at = [this](std::uint32_t at) {
-    return glm::vec3(points_.colors[surface_->order()[at].index]);
-  };
-  const bool colors = points_.has_colors();
   const std::size_t tasks = (wanted.size() + kPerTask - 1) / kPerTask;
   std::vector<std::vector<RefinedSurfel>> made(tasks);
+  const auto blended_from = [this](std::uint32_t at, const glm::vec3& normal) {
+    const SurfacePatch& patch = patches_[at];
+    const glm::vec3 color = points_.has_colors()
+                                ? glm::vec3(points_.colors[surface_->order()[at].index])
+                                : glm::vec3(0.0f);
+    return Blended{patch.position, patch.normal, patch.curvature, color,
+                   glm::dot(patch.normal, normal)};
+  };
   const auto divide_one = [&](const Wanted& one, std::vector<RefinedSurfel>& out) {
-    const std::uint32_t own = at_[one.at];
-    const SurfacePatch& patch = patches_[own];
+    const SurfacePatch& patch = patches_[at_[one.at]];
     const glm::vec3 n = patch.normal;
+    const Blended own = blended_from(at_[one.at], n);
+    std::array<Blended, SurfacePatch::kMostNeighbors> others;
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < patch.neighbor_count; ++i) {
+      if (patches_[patch.neighbors[i]].normal != glm::vec3(0.0f))
+        others[count++] = blended_from(patch.neighbors[i], n);
+    }
+    const std::span near = std::span(others).first(count);
     const glm::vec3 across = glm::normalize(
         glm::cross(n, std::abs(n.x) < 0.6f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
     const glm::vec3 along = glm::cross(n, across);
@@ -197,29 +215,29 @@ void Refinement::divide(std::span<const Wanted> wanted) {
         const float square = glm::dot(offset, offset);
         if (square > reach * reach) continue;
         // On the patch's own sphere, so that what is near is judged where the surface is.
-        glm::vec3 place = patch.position + offset.x * across + offset.y * along;
-        const Foot foot = foot_of(patch, place);
+        glm::vec3 place = own.position + offset.x * across + offset.y * along;
+        const Foot foot = foot_of(own, place);
         place -= foot.height * n;
-        float total = weight(square, blended), height = 0.0f;
-        glm::vec3 normal = total * foot.normal;
-        glm::vec3 color = colors ? total * color_at(own) : glm::vec3(0.0f);
-        bool is_nearest = true;
-        for (std::uint32_t i = 0; i < patch.neighbor_count && is_nearest; ++i) {
-          const std::uint32_t at = patch.neighbors[i];
-          const SurfacePatch& other = patches_[at];
-          if (other.normal == glm::vec3(0.0f)) continue;
+        const auto square_to = [&place](const Blended& other) {
           const glm::vec3 way = place - other.position;
-          const float away = glm::dot(way, way);
-          is_nearest = away >= kOverlap * kOverlap * square;
-          const float w = weight(away, blended);
+          return glm::dot(way, way);
+        };
+        if (std::ranges::any_of(near, [&](const Blended& other) {
+              return square_to(other) < kOverlap * kOverlap * square;
+            }))
+          continue;
+        float total = weight(square, blended), height = 0.0f;
+        glm::vec3 normal = total * foot.normal, color = total * own.color;
+        for (const Blended& other : near) {
+          const float w = weight(square_to(other), blended);
           if (w == 0.0f) continue;
           const Foot its = foot_of(other, place);
           total += w;
-          height += w * its.height * glm::dot(other.normal, n);
+          height += w * its.height * other.cosine;
           normal += w * its.normal;
-          if (colors) color += w * color_at(at);
+          color += w * other.color;
         }
-        if (!is_nearest || !(total > 0.0f)) continue;
+        if (!(total > 0.0f)) continue;
         out.push_back({place - height / total * n, kRadiusOfStep * one.step, one.radius,
                        glm::normalize(normal),
                        glm::u16vec3(glm::clamp(color / total + 0.5f, 0.0f, 65535.0f))});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "common/base/try.h"
 #include "common/octree/build.h"
 #include "common/octree/normal_lines.h"
+#include "common/surface/leaf_heights.h"
 #include "common/surface/normals.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
@@ -125,6 +127,16 @@ Result<void> coarsen(SceneFrame& scene, double delta) {
   return {};
 }
 
+/// What surfels need: how large they are, and where the surface is.
+void make_surfels(SceneFrame& scene) {
+  scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+  const std::vector<glm::i16vec3>& normals = scene.attributes.normals;
+  if (normals.empty()) return;
+  const std::uint32_t first_leaf = scene.svo.node_count() - scene.svo.leaf_count();
+  scene.heights =
+      leaf_heights(scene.svo, std::span(normals).subspan(first_leaf), scene.normals_estimated);
+}
+
 /// Replaces the cloud by a tree of it.
 void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
   scene.svo = build_svo(sorted, depth);
@@ -159,7 +171,7 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
     if (sorted.occupied.back() <= kWorthATree * points) {
       scene.level = options.level;
       use_tree(scene, sorted, options.level);
-      if (with_radii) scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+      if (with_radii) make_surfels(scene);
       return {};
     }
   }
@@ -204,7 +216,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     if (options.mode == DrawMode::voxel) {
       TRY(coarsen(scene, options.delta));
     } else if (options.mode == DrawMode::surfel) {
-      scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+      make_surfels(scene);
     }
   } else {
     scene.cloud = std::move(frame.cloud);

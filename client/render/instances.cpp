@@ -101,6 +101,7 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
   const bool unfilled = !style.fill_holes && !frame.filled.empty();
   // Voxels that fill gaps would hide others although they are not drawn.
   const bool hiding = style.mode == DrawMode::voxel && !frame.neighbors.empty() && !unfilled;
+  const bool on_surface = style.mode == DrawMode::surfel && !frame.heights.empty();
   const std::uint32_t first_leaf = frame.svo.node_count() - frame.svo.leaf_count();
   std::size_t count = 0;
   for (const CutNode& node : cut) {
@@ -113,7 +114,9 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                                     ? glm::i16vec4(0)
                                     : glm::i16vec4(attributes.normals[node.node], 0);
     const float radius = halves ? node.half : frame.radii[node.node];
-    const glm::vec3 center = node.center + offset;
+    glm::vec3 center = node.center + offset;
+    if (on_surface && node.node >= first_leaf)
+      center += frame.heights[node.node - first_leaf] / 32767.0f * glm::vec3(normal);
     out[count++] = {center, radius, normal,
                     pack_color(color_of(style.color, attributes.colors, node.node, normal))};
     bounds.grow(center, radius);

@@ -32,6 +32,9 @@ struct SceneFrame {
   // neighbours if the source has none; zero where unknown); radii in surfel mode.
   NodeAttributes attributes;
   std::vector<float> radii;  ///< of the nodes
+  /// From the centres of the leaves along their normals to the surface (leaf_heights), in surfel
+  /// mode; else empty.
+  std::vector<float> heights;
   /// Which nodes fill gaps between voxels (gap_filling.h); empty if none do.
   FilledNodes filled;
   /// One entry for each leaf, in voxel mode if enough voxels hide others (worth_hiding); else
@@ -51,6 +54,9 @@ struct SceneFrame {
   /// How long each stage took, in their order; normals only if they were estimated.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };
+
+/// The points of the cloud or, if there is none, the leaves of the tree where surfels draw them.
+PointCloud surfels_of(const SceneFrame& frame);
 
 /// The bytes that a frame takes in memory.
 std::uint64_t memory_of(const SceneFrame& frame);

@@ -79,22 +79,7 @@ struct Refinement::Wanted {
 void Refinement::look_at(std::shared_ptr<const SceneFrame> frame) {
   clear();
   frame_ = std::move(frame);
-  if (frame_->cloud.empty()) {
-    const auto first =
-        static_cast<std::ptrdiff_t>(frame_->svo.node_count() - frame_->svo.leaf_count());
-    const auto leaves = [&](const auto& of_nodes, auto& out) {
-      if (!of_nodes.empty()) out.assign(of_nodes.begin() + first, of_nodes.end());
-    };
-    points_ = leaf_centers(frame_->svo);
-    leaves(frame_->attributes.colors, points_.colors);
-    leaves(frame_->radii, points_.radii);
-    if (frame_->attributes.normals.empty()) return;
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      points_.normals.push_back(
-          glm::vec3(frame_->attributes.normals[static_cast<std::size_t>(first) + i]) / 32767.0f);
-  } else {
-    points_ = frame_->cloud;
-  }
+  points_ = surfels_of(*frame_);
 }
 
 void Refinement::run(std::shared_ptr<const SceneFrame> frame, const Camera& camera,

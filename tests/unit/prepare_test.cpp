@@ -128,6 +128,30 @@ TEST(PrepareFrame, keeps_the_tree_of_an_octree_frame_and_covers_it_with_surfels)
   EXPECT_GT(worst_normal_error(leaves_of(*scene)), 0.95);
 }
 
+TEST(PrepareFrame, puts_surfels_onto_the_surface_and_leaves_points_in_their_cells) {
+  const PointCloud cloud = sphere(60'000, true, true);
+  EncodeOptions coarse = octree(0.05);
+  std::get<OctreeOptions>(coarse.codec).depth = DepthRule::fixed(6);
+  const FetchedFrame frame = fetched(cloud, coarse);
+  const auto scene = prepare_frame(manifest_of(cloud), 0, frame, {.mode = DrawMode::surfel});
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->heights.size(), scene->svo.leaf_count());
+  const auto off = [](const PointCloud& surfels) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+      const double above = glm::distance(surfels.world(i), glm::dvec3(10.0, 0.0, 0.0)) - 1.0;
+      squares += above * above;
+    }
+    return std::sqrt(squares / static_cast<double>(surfels.size()));
+  };
+  EXPECT_LT(off(surfels_of(*scene)), 0.4 * off(leaf_centers(scene->svo)));
+
+  const auto points = prepare_frame(manifest_of(cloud), 0, frame, {.mode = DrawMode::point});
+  ASSERT_TRUE(points);
+  EXPECT_TRUE(points->heights.empty());
+  EXPECT_EQ(surfels_of(*points).positions, leaf_centers(points->svo).positions);
+}
+
 TEST(PrepareFrame, gives_the_same_for_a_frame_in_slabs) {
   const PointCloud cloud = sphere(20'000, false, true);
   OctreeOptions options{Entropy::context, DepthRule::fixed(10)};

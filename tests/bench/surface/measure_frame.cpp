@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -16,6 +17,7 @@
 #include "server/encode/grid.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/render/quality.h"
+#include "tests/bench/surface/true_surface.h"
 
 namespace pointreel::bench {
 namespace {
@@ -80,9 +82,8 @@ FetchedFrame fetched(const EncodedFrame& frame) {
 }
 
 Result<void> measure_pictures(Renderer& renderer, const TrueFrame& frame,
-                              const EncodedFrame& encoded, SurfaceFigures& figures) {
-  const auto scene =
-      std::make_shared<const SceneFrame>(TRY(prepare_frame(fetched(encoded), {}, {})));
+                              const std::shared_ptr<const SceneFrame>& scene,
+                              SurfaceFigures& figures) {
   std::vector<double> psnr, ssim, holes, iou;
   for (const auto& [camera, truth] : frame.views) {
     const glm::ivec2 size(truth.image.width, truth.image.height);
@@ -100,21 +101,42 @@ Result<void> measure_pictures(Renderer& renderer, const TrueFrame& frame,
   return {};
 }
 
+/// The scene that a player makes of a treated frame.
+Result<SceneFrame> scene_of(const EncodedFrame& encoded, const Treatment& treatment) {
+  SceneFrame scene = TRY(prepare_frame(fetched(encoded), {}, {}));
+  if (!settles(treatment)) scene.heights.clear();
+  return scene;
+}
+
+/// How far apart the surfels of two frames are that were treated one by one.
+Result<double> measure_movement(const TrueFrame& frame, const Treatment& treatment) {
+  std::vector<PointCloud> surfels;
+  std::optional<Grid> grid;
+  for (PointCloud cloud : frame.still) {
+    const Treated treated = treat(cloud, *frame.still_body, treatment, frame.automatic, 1);
+    if (!grid) grid = TRY(grid_of(cloud, treatment, treated.report));
+    const EncodedFrame encoded = TRY(encode_frame(cloud, grid->cube, grid->encode));
+    surfels.push_back(surfels_of(TRY(scene_of(encoded, treatment))));
+  }
+  return 1000.0 * movement_of_surface(*frame.still_body, surfels[0], surfels[1]);
+}
+
 }  // namespace
 
 Result<SurfaceFigures> measure_frame(Renderer& renderer, const TrueFrame& frame,
                                      const Treatment& treatment, int runs) {
   PointCloud cloud = frame.cloud;
-  const Treated treated = treat(cloud, treatment, frame.automatic, runs);
+  const Treated treated = treat(cloud, frame.scene.body, treatment, frame.automatic, runs);
   const Grid grid = TRY(grid_of(cloud, treatment, treated.report));
   const EncodedFrame encoded = TRY(encode_frame(cloud, grid.cube, grid.encode));
   const std::vector<Chunks<ByteView>> layers = layer_views(encoded.layers);
-  const DecodedFrame decoded = TRY(decode_frame(layers));
+  const auto scene = std::make_shared<const SceneFrame>(TRY(scene_of(encoded, treatment)));
+  const PointCloud surfels = surfels_of(*scene);
   const auto parts = TRY(measure_part_sizes(encoded, cloud, grid.cube, grid.encode));
 
   SurfaceFigures figures;
   figures.points = static_cast<double>(frame.cloud.size());
-  figures.surfels = static_cast<double>(decoded.cloud.size());
+  figures.surfels = static_cast<double>(surfels.size());
   figures.removed = static_cast<double>(treated.report.removed);
   figures.radius_mm = 1000.0 * treated.report.radius;
   figures.cell_mm = 1000.0 * treated.report.cell;
@@ -130,8 +152,10 @@ Result<SurfaceFigures> measure_frame(Renderer& renderer, const TrueFrame& frame,
   figures.encode_ms =
       measure(runs, [&] { (void)encode_frame(cloud, grid.cube, grid.encode); }).median;
   figures.decode_ms = measure(runs, [&] { (void)decode_frame(layers); }).median;
-  compare_with_truth(frame.scene, decoded.cloud, figures);
-  if (treatment.pictures) TRY(measure_pictures(renderer, frame, encoded, figures));
+  compare_with_truth(frame.scene, surfels, figures);
+  if (treatment.pictures) TRY(measure_pictures(renderer, frame, scene, figures));
+  if (!frame.still.empty() && measures_movement(treatment))
+    figures.movement_rms_mm = TRY(measure_movement(frame, treatment));
   return figures;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "client/render/renderer.h"
@@ -19,8 +20,11 @@ struct TrueFrame {
     TruthPicture truth;
   };
   PointCloud cloud;
+  /// Two frames of a still scene. Empty: movement is not measured.
+  std::vector<PointCloud> still;
+  std::optional<Body> still_body;  ///< that they show
   TruthScene scene;
-  CleanReport automatic;  ///< what cleaning with auto finds
+  CleanReport automatic;  ///< what cleaning with auto finds in `cloud`
   std::vector<View> views;
 };
 

@@ -28,6 +28,7 @@ std::vector<Bar> surface_bars(const json& report) {
     };
     const double decibels = automatic(rows, "psnr") - off(rows, "psnr");
     if (name == kDepthCameras) {
+      add("movement, of that without", ratio(rows, "movement_rms_mm"), "", 0.3);
       add("bits, of those without cleaning", ratio(rows, "bits"), "", 0.35);
       add("decoding time, of that without", ratio(rows, "decode_ms"), "", 0.4);
       add("distance, of that without", ratio(rows, "distance_rms_mm"), "", 0.35);
@@ -37,6 +38,7 @@ std::vector<Bar> surface_bars(const json& report) {
           50.0 * off(rows, "holes"));
       continue;
     }
+    add("movement, of that without", ratio(rows, "movement_rms_mm"), "", 0.3);
     add("bits, of those without cleaning", ratio(rows, "bits"), "", 0.75);
     add("distance, of that without", ratio(rows, "distance_rms_mm"), "", 0.8);
     add("error of normals, 95 %", automatic(rows, "normal_p95_degrees"), "deg", 25.0);

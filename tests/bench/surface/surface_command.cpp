@@ -41,6 +41,8 @@ constexpr Effort kQuick = {1, 2, 1, {480, 320}};
 Result<TrueFrame> make_frame(const Capture& capture, int pose, const Effort& effort) {
   TrueFrame frame{
       TRY(sequence_frame(*capture.motion, capture.options, pose)),
+      {},
+      {},
       TRY(make_truth_scene(pose_body(frame_pose(*capture.motion, capture.options, pose)))),
       {},
       {}};
@@ -64,12 +66,24 @@ json row_of(const Treatment& treatment, const std::vector<SurfaceFigures>& all) 
 /// All figures of a capture: for each treatment, one for each pose.
 using Measured = std::vector<std::vector<SurfaceFigures>>;
 
+/// Adds the frames of a still scene, which show the first pose.
+Result<void> add_still(const Capture& capture, TrueFrame& frame) {
+  SequenceOptions options = capture.options;
+  options.still = true;
+  frame.still_body = pose_body(frame_pose(*capture.motion, options, 0));
+  for (const int number : {0, 1}) {
+    frame.still.push_back(TRY(sequence_frame(*capture.motion, options, number)));
+  }
+  return {};
+}
+
 Result<Measured> measure_capture(Renderer& renderer, const Capture& capture,
                                  const std::vector<Treatment>& treatments, const Effort& effort,
                                  Progress& progress) {
   Measured measured(treatments.size());
   for (const int pose : spread(capture.motion->poses, effort.poses)) {
-    const TrueFrame frame = TRY(make_frame(capture, pose, effort));
+    TrueFrame frame = TRY(make_frame(capture, pose, effort));
+    if (measured.front().empty()) TRY(add_still(capture, frame));
     for (std::size_t i = 0; i < treatments.size(); ++i) {
       auto figures = measure_frame(renderer, frame, treatments[i], effort.runs);
       if (!figures) return fail_at(name(treatments[i]), figures.error());

@@ -7,9 +7,13 @@ namespace pointreel::bench {
 SurfaceFigures mean(const std::vector<SurfaceFigures>& all) {
   SurfaceFigures out;
   for (const auto& [key, member] : kSurfaceFigures) {
-    double sum = 0.0;
-    for (const SurfaceFigures& figures : all) sum += figures.*member;
-    out.*member = sum / static_cast<double>(all.size());
+    double sum = 0.0, count = 0.0;
+    for (const SurfaceFigures& figures : all) {
+      if (std::isnan(figures.*member)) continue;
+      sum += figures.*member;
+      ++count;
+    }
+    out.*member = count > 0.0 ? sum / count : SurfaceFigures::kNone;
   }
   return out;
 }

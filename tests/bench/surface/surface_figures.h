@@ -24,6 +24,8 @@ struct SurfaceFigures {
   double clean_ms = 0.0, encode_ms = 0.0, decode_ms = 0.0;     ///< on one thread
   double distance_rms_mm = 0.0, distance_p95_mm = 0.0;         ///< of surfels to the true surface
   double normal_mean_degrees = 0.0, normal_p95_degrees = 0.0;  ///< to the surface's normals
+  /// Across the surface, between surfels of a still scene and the nearest ones of the next frame.
+  double movement_rms_mm = kNone;
   double psnr = kNone, ssim = kNone, holes = kNone, iou = kNone;  ///< over the figure's pixels
 };
 
@@ -46,13 +48,14 @@ inline constexpr auto kSurfaceFigures =
         {"distance_p95_mm", &SurfaceFigures::distance_p95_mm},
         {"normal_mean_degrees", &SurfaceFigures::normal_mean_degrees},
         {"normal_p95_degrees", &SurfaceFigures::normal_p95_degrees},
+        {"movement_rms_mm", &SurfaceFigures::movement_rms_mm},
         {"psnr", &SurfaceFigures::psnr},
         {"ssim", &SurfaceFigures::ssim},
         {"holes", &SurfaceFigures::holes},
         {"iou", &SurfaceFigures::iou},
     });
 
-/// The mean of each figure; there is at least one.
+/// The mean of each figure, over those that were measured.
 SurfaceFigures mean(const std::vector<SurfaceFigures>& all);
 
 /// By name; NaN as null.

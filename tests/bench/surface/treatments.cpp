@@ -6,6 +6,7 @@
 
 #include "tests/bench/measure.h"
 #include "tests/bench/surface/smoothing_library.h"
+#include "tests/bench/surface/true_surface.h"
 
 namespace pointreel::bench {
 namespace {
@@ -13,9 +14,19 @@ namespace {
 /// Times of rows whose depth is fixed are not shown.
 int runs_of(const Treatment& treatment, int runs) { return treatment.depth ? 1 : runs; }
 
-CleanReport apply(PointCloud& cloud, const Treatment& treatment, const CleanReport& automatic) {
+/// As auto would report it, since the samples are those of auto.
+CleanReport as_cleaned(const CleanReport& automatic) {
+  CleanReport report;
+  report.cleaned = true;
+  report.cell = automatic.cell;
+  return report;
+}
+
+CleanReport apply(PointCloud& cloud, const Body& truth, const Treatment& treatment,
+                  const CleanReport& automatic) {
   switch (treatment.kind) {
     case Treatment::Kind::off:
+    case Treatment::Kind::settled:
       return {};
     case Treatment::Kind::automatic:
       return clean(cloud);
@@ -23,14 +34,14 @@ CleanReport apply(PointCloud& cloud, const Treatment& treatment, const CleanRepo
       return clean(cloud, {.radius = treatment.value});
     case Treatment::Kind::beta:
       return clean(cloud, {.beta = treatment.value});
+    case Treatment::Kind::truth:
+      cloud = onto_true_surface(truth, cloud);
+      return as_cleaned(automatic);
     case Treatment::Kind::library:
       break;
   }
   for (int pass = 0; pass < static_cast<int>(treatment.value); ++pass) smooth_bilaterally(cloud);
-  CleanReport report;
-  report.cleaned = true;
-  report.cell = automatic.cell;
-  return report;
+  return as_cleaned(automatic);
 }
 
 }  // namespace
@@ -41,6 +52,10 @@ std::string name(Treatment::Kind kind) {
       return "off";
     case Treatment::Kind::automatic:
       return "auto";
+    case Treatment::Kind::settled:
+      return "off, settled";
+    case Treatment::Kind::truth:
+      return "truth";
     case Treatment::Kind::radius:
       return "radius";
     case Treatment::Kind::beta:
@@ -69,7 +84,8 @@ std::vector<Treatment> surface_treatments(bool quick) {
   const auto list = [&](std::vector<double> all, std::vector<double> few) {
     return quick ? few : all;
   };
-  std::vector<Treatment> treatments = {{.kind = off}, {.kind = automatic}};
+  std::vector<Treatment> treatments = {
+      {.kind = off}, {.kind = automatic}, {.kind = settled}, {.kind = truth}};
   for (const double millimetres : list({6, 10, 16, 25, 40, 64, 100}, {10, 40})) {
     treatments.push_back({.kind = radius, .value = millimetres / 1000.0});
   }
@@ -93,18 +109,18 @@ std::vector<Treatment> surface_treatments(bool quick) {
   return treatments;
 }
 
-Treated treat(PointCloud& cloud, const Treatment& treatment, const CleanReport& automatic,
-              int runs) {
+Treated treat(PointCloud& cloud, const Body& truth, const Treatment& treatment,
+              const CleanReport& automatic, int runs) {
   const PointCloud source = cloud;
   Treated treated;
   std::vector<double> times;
   for (int run = 0; run < runs_of(treatment, runs); ++run) {
     cloud = source;
     const double begin = now_ms();
-    treated.report = apply(cloud, treatment, automatic);
+    treated.report = apply(cloud, truth, treatment, automatic);
     times.push_back(now_ms() - begin);
   }
-  if (treatment.kind != Treatment::Kind::off) {
+  if (treatment.kind != Treatment::Kind::off && treatment.kind != Treatment::Kind::settled) {
     treated.milliseconds = summarise(std::move(times)).median;
   }
   return treated;

@@ -25,6 +25,13 @@ constexpr double kMostSurfels = 600'000.0;
 /// one, and the radius within which spheres and colours are blended, all in radii of surfels. These
 /// radii are about the distance between neighbours.
 constexpr float kSupport = 3.0f, kReach = 1.4f, kBlended = 1.8f;
+/// Colours are blended within so many spacings between surfels around the one that is divided, and
+/// so many times the distance to the nearest surfel: surfels may be dense along curves with gaps
+/// between them, and then their radii are much larger than the detail in their colours.
+constexpr float kColorSpacings = 1.8f, kColorReach = 1.4f;
+constexpr std::size_t kSpacingNeighbors = 8;
+/// At least this share of the radius within which spheres are blended: neighbours may coincide.
+constexpr float kLeastColorReach = 0.05f;
 /// Less than 1, so that neighbours overlap a little.
 constexpr float kOverlap = 0.9f;
 constexpr double kBeta = 0.8;
@@ -36,12 +43,15 @@ constexpr float kMostBend = 0.6f;
 /// factor.
 constexpr float kAway = -0.25f, kStepAway = 2.0f;
 constexpr std::size_t kPerTask = 256;
+constexpr float kPi = 3.14159265f;
 
 /// What a patch contributes to the surfels around it.
 struct Blended {
   glm::vec3 position, normal;
   float curvature;
   glm::vec3 color;
+  float reach;   ///< of its weight
+  float far;     ///< from the patch that is divided
   float cosine;  ///< between its normal and that of the patch that is divided
 };
 
@@ -66,6 +76,77 @@ float weight(float square, float radius) {
   const float left = std::max(0.0f, 1.0f - square / (radius * radius));
   return left * left * left * left;
 }
+
+/// A patch that is divided, and those around it.
+class Around {
+ public:
+  explicit Around(const Blended& own) : own_(own) {}
+
+  void add(const Blended& other) {
+    others_[count_++] = other;
+    widest_ = std::max(widest_, other.reach);
+  }
+  /// After the last was added. Sorts them, so that a place is compared only with those that may
+  /// matter there.
+  void finish() {
+    const std::span others = std::span(others_).first(count_);
+    std::ranges::sort(others, {}, &Blended::far);
+    const std::size_t last = std::min(kSpacingNeighbors, count_);
+    if (last > 0) spacing_ = others[last - 1].far * std::sqrt(kPi / static_cast<float>(last + 1));
+  }
+
+  /// The surface at a place in the plane of the patch; nothing if another patch is nearer.
+  /// `offset`: from the middle of the patch, at a right angle to its normal.
+  std::optional<RefinedSurfel> surfel_at(const glm::vec3& offset) const {
+    const float square = glm::dot(offset, offset), length = std::sqrt(square);
+    // On the patch's own sphere, so that what is near is judged where the surface is.
+    glm::vec3 place = own_.position + offset;
+    const Foot foot = foot_of(own_, place);
+    place -= foot.height * own_.normal;
+    const float far = glm::distance(place, own_.position);
+    const auto square_to = [&place](const Blended& other) {
+      const glm::vec3 way = place - other.position;
+      return glm::dot(way, way);
+    };
+    for (const Blended& other : within(far + kOverlap * length)) {
+      if (square_to(other) < kOverlap * kOverlap * square) return std::nullopt;
+    }
+    const float color_reach =
+        std::max(kColorSpacings * spacing_ + kColorReach * length, kLeastColorReach * own_.reach);
+    float total = weight(square, own_.reach), height = 0.0f;
+    float color_total = weight(square, color_reach);
+    glm::vec3 normal = total * foot.normal, color = color_total * own_.color;
+    for (const Blended& other : within(far + widest_)) {
+      const float its_square = square_to(other);
+      const float w = weight(its_square, other.reach);
+      if (w == 0.0f) continue;
+      const Foot its = foot_of(other, place);
+      total += w;
+      height += w * its.height * other.cosine;
+      normal += w * its.normal;
+      const float color_weight = weight(its_square, color_reach);
+      color_total += color_weight;
+      color += color_weight * other.color;
+    }
+    if (!(total > 0.0f)) return std::nullopt;
+    return RefinedSurfel{place - height / total * own_.normal, 0.0f, 0.0f, glm::normalize(normal),
+                         glm::u16vec3(glm::clamp(color / color_total + 0.5f, 0.0f, 65535.0f))};
+  }
+
+ private:
+  /// The others that are no further from the patch.
+  std::span<const Blended> within(float far) const {
+    const std::span others = std::span(others_).first(count_);
+    const auto end = std::ranges::upper_bound(others, far, {}, &Blended::far);
+    return others.first(static_cast<std::size_t>(end - others.begin()));
+  }
+
+  Blended own_;
+  std::array<Blended, SurfacePatch::kMostNeighbors> others_;
+  std::size_t count_ = 0;
+  float widest_ = 0.0f;   ///< reach of the others
+  float spacing_ = 0.0f;  ///< between surfels here
+};
 
 }  // namespace
 
@@ -170,62 +251,43 @@ void Refinement::fit(std::span<const Wanted> wanted) {
 void Refinement::divide(std::span<const Wanted> wanted) {
   const std::size_t tasks = (wanted.size() + kPerTask - 1) / kPerTask;
   std::vector<std::vector<RefinedSurfel>> made(tasks);
-  const auto blended_from = [this](std::uint32_t at, const glm::vec3& normal) {
+  const auto blended_from = [this](std::uint32_t at, const SurfacePatch& divided) {
     const SurfacePatch& patch = patches_[at];
     const glm::vec3 color = points_.has_colors()
                                 ? glm::vec3(points_.colors[surface_->order()[at].index])
                                 : glm::vec3(0.0f);
-    return Blended{patch.position, patch.normal, patch.curvature, color,
-                   glm::dot(patch.normal, normal)};
+    const float reach = kBlended * points_.radii[surface_->order()[at].index];
+    return Blended{patch.position,
+                   patch.normal,
+                   patch.curvature,
+                   color,
+                   reach,
+                   glm::distance(patch.position, divided.position),
+                   glm::dot(patch.normal, divided.normal)};
   };
   const auto divide_one = [&](const Wanted& one, std::vector<RefinedSurfel>& out) {
     const SurfacePatch& patch = patches_[at_[one.at]];
-    const glm::vec3 n = patch.normal;
-    const Blended own = blended_from(at_[one.at], n);
-    std::array<Blended, SurfacePatch::kMostNeighbors> others;
-    std::size_t count = 0;
+    Around around(blended_from(at_[one.at], patch));
     for (std::uint32_t i = 0; i < patch.neighbor_count; ++i) {
       if (patches_[patch.neighbors[i]].normal != glm::vec3(0.0f))
-        others[count++] = blended_from(patch.neighbors[i], n);
+        around.add(blended_from(patch.neighbors[i], patch));
     }
-    const std::span near = std::span(others).first(count);
+    around.finish();
+    const glm::vec3 n = patch.normal;
     const glm::vec3 across = glm::normalize(
         glm::cross(n, std::abs(n.x) < 0.6f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
     const glm::vec3 along = glm::cross(n, across);
-    const float reach = kReach * one.radius, blended = kBlended * one.radius;
+    const float reach = kReach * one.radius;
     const int steps = static_cast<int>(reach / one.step);
     for (int y = -steps; y <= steps; ++y) {
       for (int x = -steps; x <= steps; ++x) {
         const glm::vec2 offset = one.step * glm::vec2(x, y);
-        const float square = glm::dot(offset, offset);
-        if (square > reach * reach) continue;
-        // On the patch's own sphere, so that what is near is judged where the surface is.
-        glm::vec3 place = own.position + offset.x * across + offset.y * along;
-        const Foot foot = foot_of(own, place);
-        place -= foot.height * n;
-        const auto square_to = [&place](const Blended& other) {
-          const glm::vec3 way = place - other.position;
-          return glm::dot(way, way);
-        };
-        if (std::ranges::any_of(near, [&](const Blended& other) {
-              return square_to(other) < kOverlap * kOverlap * square;
-            }))
-          continue;
-        float total = weight(square, blended), height = 0.0f;
-        glm::vec3 normal = total * foot.normal, color = total * own.color;
-        for (const Blended& other : near) {
-          const float w = weight(square_to(other), blended);
-          if (w == 0.0f) continue;
-          const Foot its = foot_of(other, place);
-          total += w;
-          height += w * its.height * other.cosine;
-          normal += w * its.normal;
-          color += w * other.color;
-        }
-        if (!(total > 0.0f)) continue;
-        out.push_back({place - height / total * n, kRadiusOfStep * one.step, one.radius,
-                       glm::normalize(normal),
-                       glm::u16vec3(glm::clamp(color / total + 0.5f, 0.0f, 65535.0f))});
+        if (glm::dot(offset, offset) > reach * reach) continue;
+        std::optional<RefinedSurfel> made = around.surfel_at(offset.x * across + offset.y * along);
+        if (!made) continue;
+        made->radius = kRadiusOfStep * one.step;
+        made->of_divided = one.radius;
+        out.push_back(*made);
       }
     }
   };

@@ -32,8 +32,9 @@ struct RefinedSurfel {
 /// Around each such surfel a sphere is fitted to its neighbours. Where its disc looks different
 /// from the sphere, as at silhouettes, new surfels are placed in its plane as far as it is the
 /// nearest of the frame's surfels, and go to the weighted mean of the spheres around them. Their
-/// colours are weighted means, too. Spheres are kept as long as the frame stays, and the surfels as
-/// long as the camera does, too.
+/// colours are weighted means over a few spacings between surfels, so that they keep the detail
+/// that the samples have. Spheres are kept as long as the frame stays, and the surfels as long as
+/// the camera does, too.
 class Refinement {
  public:
   /// Divides what `camera`, in the coordinates of the frame's world, sees in a picture of `size`

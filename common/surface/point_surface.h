@@ -39,7 +39,7 @@ struct SurfaceEvidence {
 
 /// The sphere that fits the surface around a point, and the points around it.
 struct SurfacePatch {
-  static constexpr std::size_t kMostNeighbors = 24;
+  static constexpr std::size_t kMostNeighbors = 64;
 
   glm::vec3 position{0.0f};  ///< on the surface, relative to the cloud's origin
   glm::vec3 normal{0.0f};    ///< of unit length; zero: no surface, or none was fitted

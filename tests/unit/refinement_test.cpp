@@ -63,6 +63,35 @@ TEST(Refinement, divides_a_sphere_into_surfels_of_a_pixel_on_its_surface) {
   EXPECT_LT(of_colors / count, 0.01);
 }
 
+TEST(Refinement, keeps_colours_sharp_along_dense_curves_with_gaps_between_them) {
+  // As a scanner samples a surface: 2.5 mm along curves that are 20 mm apart.
+  PointCloud plane;
+  for (int row = -10; row <= 10; ++row) {
+    for (int i = -80; i < 80; ++i) {
+      const float x = 0.0025f * (static_cast<float>(i) + 0.5f);
+      plane.positions.emplace_back(x, 0.02f * static_cast<float>(row), 0.0f);
+      plane.normals.emplace_back(0.0f, 0.0f, 1.0f);
+      plane.colors.emplace_back(x < 0.0f ? glm::u16vec3(0) : glm::u16vec3(65535));
+      plane.radii.push_back(0.012f);
+    }
+  }
+  Camera camera;
+  camera.distance = 0.3;
+  Refinement refinement;
+  refinement.run(frame_of(plane), camera, kSize);
+  std::size_t near_edge = 0;
+  for (const RefinedSurfel& surfel : refinement.surfels()) {
+    if (std::abs(surfel.position.y) > 0.05f) continue;
+    EXPECT_NEAR(surfel.position.z, 0.0f, 1e-4f);
+    const float to_row = std::abs(std::remainder(surfel.position.y, 0.02f));
+    if (std::abs(surfel.position.x) < 0.01f + 1.5f * to_row) continue;
+    ++near_edge;
+    EXPECT_NEAR(surfel.color.x, surfel.position.x < 0.0f ? 0 : 65535, 655)
+        << surfel.position.x << " " << surfel.position.y;
+  }
+  EXPECT_GT(near_edge, 1'000u);
+}
+
 TEST(Refinement, leaves_no_gaps_between_surfels) {
   const PointCloud cloud = sphere(3'000);
   Refinement refinement;

@@ -123,6 +123,13 @@ Result<double> measure_movement(const TrueFrame& frame, const Treatment& treatme
 
 }  // namespace
 
+Result<SceneFrame> treated_scene(const TrueFrame& frame, const Treatment& treatment) {
+  PointCloud cloud = frame.cloud;
+  const Treated treated = treat(cloud, frame.scene.body, treatment, frame.automatic, 1);
+  const Grid grid = TRY(grid_of(cloud, treatment, treated.report));
+  return scene_of(TRY(encode_frame(cloud, grid.cube, grid.encode)), treatment);
+}
+
 Result<SurfaceFigures> measure_frame(Renderer& renderer, const TrueFrame& frame,
                                      const Treatment& treatment, int runs) {
   PointCloud cloud = frame.cloud;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "client/render/renderer.h"
+#include "client/scene/frame.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 #include "tests/bench/render/truth.h"
@@ -27,6 +28,9 @@ struct TrueFrame {
   CleanReport automatic;  ///< what cleaning with auto finds in `cloud`
   std::vector<View> views;
 };
+
+/// What a player makes of the frame when it was treated and encoded.
+Result<SceneFrame> treated_scene(const TrueFrame& frame, const Treatment& treatment);
 
 /// Treats the frame, encodes it as pack does, and compares what a player makes of the bytes with
 /// the true surface. Times are medians of `runs`.

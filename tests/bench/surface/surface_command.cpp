@@ -18,6 +18,7 @@
 #include "tests/bench/output.h"
 #include "tests/bench/report/datasets.h"
 #include "tests/bench/surface/captures.h"
+#include "tests/bench/surface/close_views.h"
 #include "tests/bench/surface/measure_frame.h"
 #include "tests/bench/surface/smoothing_library.h"
 #include "tests/bench/surface/surface_bars.h"
@@ -63,8 +64,20 @@ json row_of(const Treatment& treatment, const std::vector<SurfaceFigures>& all) 
   return row;
 }
 
-/// All figures of a capture: for each treatment, one for each pose.
-using Measured = std::vector<std::vector<SurfaceFigures>>;
+/// All figures of a capture: for each treatment, one for each pose; and those of close views for
+/// each pose.
+struct Measured {
+  std::vector<std::vector<SurfaceFigures>> treatments;
+  std::vector<std::vector<CloseView>> close;
+
+  void add(const Measured& other) {
+    treatments.resize(other.treatments.size());
+    for (std::size_t i = 0; i < treatments.size(); ++i)
+      treatments[i].insert(treatments[i].end(), other.treatments[i].begin(),
+                           other.treatments[i].end());
+    close.insert(close.end(), other.close.begin(), other.close.end());
+  }
+};
 
 /// Adds the frames of a still scene, which show the first pose.
 Result<void> add_still(const Capture& capture, TrueFrame& frame) {
@@ -80,16 +93,18 @@ Result<void> add_still(const Capture& capture, TrueFrame& frame) {
 Result<Measured> measure_capture(Renderer& renderer, const Capture& capture,
                                  const std::vector<Treatment>& treatments, const Effort& effort,
                                  Progress& progress) {
-  Measured measured(treatments.size());
+  Measured measured;
+  measured.treatments.resize(treatments.size());
   for (const int pose : spread(capture.motion->poses, effort.poses)) {
     TrueFrame frame = TRY(make_frame(capture, pose, effort));
-    if (measured.front().empty()) TRY(add_still(capture, frame));
+    if (measured.close.empty()) TRY(add_still(capture, frame));
     for (std::size_t i = 0; i < treatments.size(); ++i) {
       auto figures = measure_frame(renderer, frame, treatments[i], effort.runs);
       if (!figures) return fail_at(name(treatments[i]), figures.error());
-      measured[i].push_back(*figures);
+      measured.treatments[i].push_back(*figures);
       progress.tick();
     }
+    measured.close.push_back(TRY(measure_close_views(renderer, frame, effort.runs)));
   }
   return measured;
 }
@@ -97,7 +112,7 @@ Result<Measured> measure_capture(Renderer& renderer, const Capture& capture,
 json rows_of(const std::vector<Treatment>& treatments, const Measured& measured) {
   json rows = json::array();
   for (std::size_t i = 0; i < treatments.size(); ++i) {
-    rows.push_back(row_of(treatments[i], measured[i]));
+    rows.push_back(row_of(treatments[i], measured.treatments[i]));
   }
   return rows;
 }
@@ -130,15 +145,14 @@ Result<json> measure_surface(bool quick) {
                                   {"group", capture.group},
                                   {"rows", rows_of(treatments, *measured)}});
     if (groups.empty() || groups.back().first != capture.group) {
-      groups.emplace_back(capture.group, Measured(treatments.size()));
+      groups.emplace_back(capture.group, Measured{});
     }
-    for (std::size_t i = 0; i < treatments.size(); ++i) {
-      std::vector<SurfaceFigures>& all = groups.back().second[i];
-      all.insert(all.end(), (*measured)[i].begin(), (*measured)[i].end());
-    }
+    groups.back().second.add(*measured);
   }
   for (const auto& [group, measured] : groups) {
-    report["groups"].push_back({{"group", group}, {"rows", rows_of(treatments, measured)}});
+    report["groups"].push_back({{"group", group},
+                                {"rows", rows_of(treatments, measured)},
+                                {"close_views", to_json(measured.close)}});
   }
   report["bars"] = to_json(surface_bars(report));
   report["seconds"] = (now_ms() - begin) / 1000.0;

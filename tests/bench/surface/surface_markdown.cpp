@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tests/bench/output.h"
+#include "tests/bench/surface/close_views.h"
 #include "tests/bench/table.h"
 
 namespace pointreel::bench {
@@ -150,6 +151,7 @@ std::string to_surface_markdown(const json& report) {
   for (const json& group : report["groups"]) {
     const std::string name = group["group"];
     out += fmt::format("## {}\n\nMeans over all frames.\n\n", name) + settings(group["rows"]) +
+           "Close views, cleaned with auto:\n\n" + close_views_table(group["close_views"]) +
            "Octrees of fixed depth:\n\n" + depths(group["rows"]) + "Each sequence:\n\n" +
            sequences(report, name);
   }

@@ -74,8 +74,8 @@ TEST_F(SurfaceReport, has_every_figure_of_every_setting) {
 TEST_F(SurfaceReport, finds_cleaned_frames_smaller_and_closer_to_the_truth) {
   for (const std::size_t group : {0u, 1u}) {
     auto row = rows(group);
-    for (const char* figure :
-         {"bits", "surfels", "distance_rms_mm", "normal_mean_degrees", "normal_p95_degrees"}) {
+    for (const char* figure : {"bits", "surfels", "distance_rms_mm", "normal_mean_degrees",
+                               "normal_p95_degrees", "movement_rms_mm"}) {
       EXPECT_LT(row["auto"][figure], row["off"][figure]) << figure;
     }
     for (const char* figure : {"psnr", "ssim", "iou"}) {
@@ -103,10 +103,37 @@ TEST_F(SurfaceReport, names_the_library_or_says_that_it_is_missing) {
   EXPECT_EQ(has_rows, text.find("built without libcgal-dev") == std::string::npos);
 }
 
+TEST_F(SurfaceReport, tells_what_the_surfaces_of_leaves_gain_and_what_the_samples_allow) {
+  for (const std::size_t group : {0u, 1u}) {
+    auto row = rows(group);
+    EXPECT_LT(row["off, settled"]["distance_rms_mm"], row["off"]["distance_rms_mm"]);
+    EXPECT_EQ(row["off, settled"]["bits"], row["off"]["bits"]);
+    for (const char* figure : {"distance_rms_mm", "normal_mean_degrees"})
+      EXPECT_LT(row["truth"][figure], row["auto"][figure]) << figure;
+    EXPECT_GT(row["truth"]["psnr"], row["auto"]["psnr"]);
+  }
+}
+
+TEST_F(SurfaceReport, measures_close_views) {
+  for (const json& group : report_["groups"]) {
+    const json& views = group["close_views"];
+    ASSERT_EQ(views.size(), 3u);
+    EXPECT_EQ(views[0]["surfels"], 0.0);
+    for (const json& view : views) {
+      EXPECT_GT(view["psnr"], 10.0) << view.dump();
+      EXPECT_GT(view["iou"], 0.9) << view.dump();
+    }
+    EXPECT_GT(views[1]["surfels"], 100'000.0);
+  }
+  // Dense scans have more detail in their colours than large surfels show.
+  const json& scans = report_["groups"][0]["close_views"];
+  EXPECT_GT(scans[1]["psnr"], scans[0]["psnr"]);
+}
+
 TEST_F(SurfaceReport, contains_its_plots_and_bars) {
   const std::string text = read_file(*folder_ / "surface.md");
   EXPECT_NE(text.find("## Bars"), std::string::npos);
-  EXPECT_EQ(report_["bars"].size(), 12u);
+  EXPECT_EQ(report_["bars"].size(), 14u);
   for (const std::string plot : {"surface_radius.svg", "surface_beta.svg", "surface_rate.svg"}) {
     EXPECT_NE(read_file(*folder_ / plot).find("</svg>"), std::string::npos) << plot;
     EXPECT_NE(text.find("](" + plot + ")"), std::string::npos) << plot;

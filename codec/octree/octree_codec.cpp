@@ -17,7 +17,6 @@
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
-#include "codec/octree/slabs.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
 #include "common/base/out_of_memory.h"

@@ -1,5 +1,7 @@
 #include "codec/octree/symbol_coder.h"
 
+#include <algorithm>
+
 namespace pointreel {
 
 using namespace symbol_coder;
@@ -40,10 +42,16 @@ void SymbolDecoder::refill(int count) {
   }
 }
 
-bool SymbolDecoder::complete() const {
+bool SymbolDecoder::complete_but_for_zeros() const {
   // Whole bytes in the window have not been used.
-  return !past_end_ && states_[0] == kLeastState && states_[1] == kLeastState &&
-         bits_ + window_bits_ / 8 == next_ && (window_ & ((1u << window_bits_ % 8) - 1)) == 0;
+  const std::uint8_t* const bits = bits_ + window_bits_ / 8;
+  return !past_end_ && states_[0] == kLeastState && states_[1] == kLeastState && bits >= next_ &&
+         (window_ & ((1u << window_bits_ % 8) - 1)) == 0 &&
+         std::all_of(next_, bits, [](std::uint8_t byte) { return byte == 0; });
+}
+
+bool SymbolDecoder::complete() const {
+  return complete_but_for_zeros() && bits_ + window_bits_ / 8 == next_;
 }
 
 void SymbolEncoder::finish(Bytes& out) {

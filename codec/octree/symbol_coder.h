@@ -64,6 +64,8 @@ class SymbolDecoder {
   }
 
   bool complete() const;
+  /// The same, but there may be zeros between the words and the bits.
+  bool complete_but_for_zeros() const;
 
  private:
   std::uint32_t next_word() {

@@ -272,12 +272,11 @@ void add_contexts(Collection& all) {
 }
 
 void add_slabs(Collection& all) {
-  // The second layer has one level, so its payload begins with: class, number of slabs, axis, and
-  // where all slabs but the first begin.
-  const std::size_t begin = Forger::payload(1, geometry), count = begin + 1, axis = begin + 2,
-                    cuts = begin + 3;
+  // The second layer has one level, so its payload begins with: class, number of slabs, and where
+  // all slabs but the first begin.
+  const std::size_t begin = Forger::payload(1, geometry), count = begin + 1, cuts = begin + 2;
   const auto slabs = [&](const char* name, const Change& change) {
-    all.forged(std::string("slabs_") + name, "slabs_along_y", change);
+    all.forged(std::string("slabs_") + name, "slabs", change);
   };
   const auto byte = [&](const char* name, std::size_t at, std::uint8_t value) {
     slabs(name, [=](Forger& f) { f.part(1, geometry)[at] = value; });
@@ -285,9 +284,6 @@ void add_slabs(Collection& all) {
   byte("number_0", count, 0);
   byte("number_1", count, 1);
   byte("number_17", count, 17);
-  byte("axis_0", axis, 0);
-  byte("axis_2", axis, 2);
-  byte("axis_3", axis, 3);
   slabs("begin_0", [=](Forger& f) { put_at(f.part(1, geometry), cuts, std::uint16_t{0}); });
   slabs("begin_far", [=](Forger& f) { put_at(f.part(1, geometry), cuts, std::uint16_t{65535}); });
   slabs("size_huge", [=](Forger& f) {

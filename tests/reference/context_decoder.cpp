@@ -44,7 +44,7 @@ std::size_t ones(std::uint64_t mask) {
 
 /// `base`: what tables with the mask 2^63 are taken from.
 Tables read_tables_on(ByteView file, const Tables& base) {
-  constexpr std::array<long long, 16> kFrequencies = {
+  constexpr std::array<std::int64_t, 16> kFrequencies = {
       1005861, 912838, 794672, 668237, 542777, 425854, 322737, 236257,
       167059,  114105, 72717,  43238,  23170,  10086,  2896,   362};
   constexpr std::array<int, 4> kSeen = {0, 11, 31, 91};
@@ -75,11 +75,12 @@ Tables read_tables_on(ByteView file, const Tables& base) {
     }
     const std::size_t symbols = t == 0 || t == 3 || t == 6 ? 9 : 16;
     for (std::size_t a = 0; a < alphabets; ++a) {
-      std::vector<long long> f(16, 0);
+      std::vector<std::int64_t> f(16, 0);
       for (std::size_t s = 0; s < symbols; ++s) {
         f[s] = kFrequencies[bytes.at(at + (s + 1) * alphabets + a) & 15];
       }
-      table.alphabets.emplace_back(f, kSeen[bytes.at(at + a) & 3]);
+      table.alphabets.emplace_back(f);
+      table.alphabets.back().set_seen(kSeen[bytes.at(at + a) & 3]);
     }
     at += alphabets * (symbols + 1);
     tables.push_back(std::move(table));
@@ -87,7 +88,7 @@ Tables read_tables_on(ByteView file, const Tables& base) {
   return tables;
 }
 
-Symbols& find(Table& table, std::uint64_t word) {
+Alphabet& find(Table& table, std::uint64_t word) {
   const Table::Entry& cell = table.cells.at(gather(word, table.mask));
   const Table::Entry& part = table.parts.at(cell.first + gather(word, cell.mask));
   return table.alphabets.at(part.first + gather(word, part.mask));
@@ -251,7 +252,7 @@ std::uint64_t dense_word(const Cube& cube, const Cells& cells, const Cell& node)
 
 /// The coder, the alphabets and the known cells of a slab.
 struct Slab {
-  MaskSymbols reader;
+  SymbolReader reader;
   std::vector<Cell> nodes;
   Cells cells;
 };
@@ -275,7 +276,7 @@ class LevelDecoder {
     if (class_ == 5) {
       if (nodes_.size() >= 16384) {
         for (Table* table : {low, high}) {
-          for (Symbols& alphabet : table->alphabets) alphabet.n = 0;
+          for (Alphabet& alphabet : table->alphabets) alphabet.set_seen(0);
         }
       }
       for (const Cell& node : slab.nodes) {
@@ -292,7 +293,7 @@ class LevelDecoder {
   }
 
  private:
-  static int halves(MaskSymbols& reader, Table& low, Table& high, std::uint64_t word, int bit) {
+  static int halves(SymbolReader& reader, Table& low, Table& high, std::uint64_t word, int bit) {
     const int l = reader.symbol(0, find(low, word));
     return l | reader.symbol(1, find(high, word | static_cast<std::uint64_t>(l) << bit)) << 4;
   }
@@ -367,7 +368,7 @@ Result<std::vector<Slab>> read_slabs(ByteView bytes, int level, std::size_t mask
     if (at > bytes.size()) return fail("no slab");
     const std::size_t size = i + 1 < count ? sizes[i] : bytes.size() - at;
     if (size > bytes.size() - at) return fail("no slab");
-    slabs.push_back({MaskSymbols(bytes.subspan(at, size)), {}, {}});
+    slabs.push_back({SymbolReader(bytes.subspan(at, size)), {}, {}});
     at += size;
   }
   return slabs;
@@ -439,7 +440,7 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, con
     }
     if (masks.size() != end) return fail("fewer masks than told");
     for (const Slab& slab : slabs) {
-      if (!slab.reader.complete()) return fail("coded bytes end elsewhere");
+      if (!slab.reader.complete_but_for_zeros()) return fail("coded bytes end elsewhere");
     }
   }
   return masks;

@@ -6,7 +6,7 @@
 
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
-#include "tests/reference/symbols.h"
+#include "tests/reference/symbol_reader.h"
 
 namespace pointreel::reference {
 
@@ -26,7 +26,7 @@ struct Table {
   };
   std::uint64_t mask = 0;
   std::vector<Entry> cells, parts;
-  std::vector<Symbols> alphabets;
+  std::vector<Alphabet> alphabets;
 };
 using Tables = std::vector<Table>;
 

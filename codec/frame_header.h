@@ -14,7 +14,7 @@
 /// checksum reveals damage but does not stop a forger, so decoders must still distrust the payload.
 namespace pointreel {
 
-inline constexpr std::uint8_t kFrameVersion = 1;
+inline constexpr std::uint8_t kFrameVersion = 2;
 inline constexpr std::size_t kFrameHeaderSize = 64;
 inline constexpr std::size_t kChunkHeaderSize = 24;
 

@@ -1,105 +1,26 @@
 #include "codec/octree/attribute_coder.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <limits>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
 
-#include "codec/octree/coefficient_coder.h"
 #include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/raht.h"
+#include "codec/octree/tangent_frame.h"
 #include "common/base/byte_io.h"
-#include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
 
-/// The weights of the nodes of a layer: the number of their descendants at the layer's last level,
-/// at most 2^26.
-class Weights {
- public:
-  Weights(const Svo& svo, int first_level, int last_level)
-      : begin_(svo.level_begin[static_cast<std::size_t>(first_level)]),
-        end_(svo.level_begin[static_cast<std::size_t>(last_level)]),
-        weights_(end_ - begin_) {
-    for (std::uint32_t node = end_; node-- > begin_;) {
-      const std::uint32_t first = svo.first_child[node];
-      const auto children = static_cast<std::uint32_t>(std::popcount(svo.masks[node]));
-      std::uint32_t sum = children;
-      if (first < end_) {
-        sum = 0;
-        for (std::uint32_t child = first; child < first + children; ++child) {
-          sum += weights_[child - begin_];
-        }
-      }
-      weights_[node - begin_] = std::min(sum, std::uint32_t{1} << 26);
-    }
-  }
-
-  std::uint32_t operator[](std::uint32_t node) const {
-    return node < end_ ? weights_[node - begin_] : 1;
-  }
-
- private:
-  std::uint32_t begin_, end_;
-  std::vector<std::uint32_t> weights_;
-};
-
-/// Finds the scales of the pairs of nodes in a layer.
-class Scales {
- public:
-  Scales(const Svo& svo, const Weights& weights, const CoefficientSteps& steps)
-      : svo_(svo), weights_(weights), table_(steps.luma, steps.chroma), of_units_(256) {
-    for (std::size_t mask = 1; mask < 256; ++mask) {
-      const MergeOrder& order = kMergeOrders[mask];
-      for (std::size_t i = 0; i < order.pairs; ++i) {
-        const auto [w0, w1] = order.unit_weights[i];
-        of_units_[mask].pair[i] = &table_(w0, w1, of_units_[mask].made[i]);
-      }
-      find_least_steps(order, of_units_[mask]);
-    }
-  }
-
-  /// `unit`: whether the node's children are at the layer's last level, where all weigh 1.
-  const NodeScales& operator()(std::uint32_t node, bool unit) {
-    const std::uint8_t mask = svo_.masks[node];
-    if (unit) return of_units_[mask];
-    const MergeOrder& order = kMergeOrders[mask];
-    std::array<std::uint32_t, 8> weight;
-    for (std::uint32_t c = 0; c <= order.pairs; ++c) {
-      weight[c] = weights_[svo_.first_child[node] + c];
-    }
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      const auto [first, second] = order.pair[i];
-      found_.pair[i] = &table_(weight[first], weight[second], found_.made[i]);
-      weight[first] += weight[second];
-    }
-    find_least_steps(order, found_);
-    return found_;
-  }
-
- private:
-  static void find_least_steps(const MergeOrder& order, NodeScales& scales) {
-    scales.least_steps = broadcast(std::numeric_limits<std::int32_t>::max());
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      scales.least_steps = min(scales.least_steps, scales.pair[i]->steps);
-    }
-  }
-
-  const Svo& svo_;
-  const Weights& weights_;
-  PairScales table_;
-  std::vector<NodeScales> of_units_;  ///< by mask, where all children weigh 1
-  NodeScales found_;
-};
-
-/// No difference is larger, whatever the bytes say.
+/// No coefficient stands for a larger difference, whatever the bytes say.
 constexpr std::int32_t kMostDifference = 65536;
 
-std::int32_t dequantize(std::int32_t q, std::int32_t step) {
-  const std::int64_t magnitude = (std::int64_t{std::abs(q)} * step + 128) >> 8;
-  const auto bounded =
-      static_cast<std::int32_t>(std::min<std::int64_t>(magnitude, kMostDifference));
-  return q < 0 ? -bounded : bounded;
+std::int32_t dequantized(std::int32_t magnitude, std::int32_t step) {
+  return static_cast<std::int32_t>(
+      std::min<std::int64_t>((std::int64_t{magnitude} * step + 128) >> 8, kMostDifference));
 }
 
 /// The values that are encoded, of inner nodes and leaves.
@@ -113,422 +34,501 @@ struct SourceValues {
   }
 };
 
-/// Encodes or decodes the levels of a layer. The encoder does not compute decoded leaves.
+/// What a layer's header says, and what follows from it.
+struct LayerRules {
+  AttributeKind kind = AttributeKind::colors;
+  bool exact = false;
+  ComponentSteps steps{};
+  PredictionRule prediction;
+
+  LayerRules(AttributeKind kind_of_layer, bool is_exact, const CoefficientSteps& of_layer)
+      : kind(kind_of_layer), exact(is_exact) {
+    const std::uint32_t first = of_layer.luma, second = of_layer.chroma;
+    const bool normals = kind == AttributeKind::normals;
+    steps = {first, normals ? first : second, second};
+    prediction = {of_layer.luma / 4, normals};
+  }
+};
+
+/// The signs of a triple are bits, of which those of a pattern are moved together, and back.
+struct SignPlaces {
+  std::uint8_t together[8][8], apart[8][8];
+};
+constexpr SignPlaces kSignPlaces = [] {
+  SignPlaces places{};
+  for (unsigned pattern = 0; pattern < 8; ++pattern) {
+    for (unsigned signs = 0; signs < 8; ++signs) {
+      unsigned count = 0, together = 0, apart = 0;
+      for (unsigned k = 0; k < 3; ++k) {
+        if ((pattern >> k & 1) == 0) continue;
+        together |= (signs >> k & 1) << count;
+        apart |= (signs >> count & 1) << k;
+        ++count;
+      }
+      places.together[pattern][signs] = static_cast<std::uint8_t>(together);
+      places.apart[pattern][signs] = static_cast<std::uint8_t>(apart);
+    }
+  }
+  return places;
+}();
+
+/// Encodes or decodes the levels of a layer.
 template <class Coder>
 class LayerCoder {
  public:
-  LayerCoder(const Svo& svo, int first_level, int last_level, const CoefficientSteps& steps,
-             Neighborhoods* neighborhoods, CoefficientContexts& contexts, Coder& coder,
-             const SourceValues* source, Short4* decoded, bool exact)
-      : svo_(svo),
-        first_level_(first_level),
-        last_level_(last_level),
-        weights_(svo, first_level, last_level),
-        scales_(svo, weights_, steps),
-        luma_step_(steps.luma / 4),
-        neighborhoods_(neighborhoods),
+  /// `source`: for encoders.
+  LayerCoder(const FrameStructure& structure, const LayerRules& rules,
+             CoefficientContexts& contexts, Coder& coder, const SourceValues* source,
+             Short4* values, std::vector<Short4>& planes)
+      : structure_(structure),
+        svo_(structure.svo()),
+        rules_(rules),
+        scales_(pair_scales()),
+        one_(scales_(1, 1)),
         contexts_(contexts),
         coder_(coder),
         source_(source),
-        decoded_(decoded),
-        exact_(exact) {}
+        values_(values),
+        planes_(planes) {}
 
-  /// Codes up to the layer's last level, or up to `stop`.
-  void run(int stop = kMaxDepth) {
-    for (int level = first_level_; level < std::min(last_level_, stop); ++level) {
-      unit_ = level == last_level_ - 1;
-      decodes_ = !Coder::kEncodes || level < svo_.depth - 1;
-      if (neighborhoods_ != nullptr && level > 0) {
-        predicted_level(level);
-      } else {
-        const std::size_t l = static_cast<std::size_t>(level);
-        for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
-          code_node<false>(node, 0);
-        }
-      }
+  /// Codes the children of a level's nodes. Encoders choose whether to predict them.
+  bool code_level(int level, bool predicts) {
+    weights_ = structure_.has_unit_children(level) ? nullptr : structure_.weights();
+    if constexpr (Coder::kEncodes) predicts = prediction_pays(level);
+    if (predicts) {
+      around_.resize(svo_.node_count(level));
+      LevelPredictor(structure_, level, rules_.prediction, values_, around_.data(), planes_).run();
+      code_nodes<true>(level);
+    } else {
+      inherit_values(svo_, level, values_);
+      code_nodes<false>(level);
     }
+    return predicts;
   }
 
  private:
-  void predicted_level(int level) {
-    while (neighborhoods_->level() < level - 1) neighborhoods_->descend();
-    neighborhoods_->set_values(decoded_);
-    const std::size_t l = static_cast<std::size_t>(level);
-    for (std::uint32_t above = svo_.level_begin[l - 1]; above < svo_.level_begin[l]; ++above) {
-      neighborhoods_->load(above, block_);
-      std::uint32_t node = svo_.first_child[above];
-      for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
-        const int octant = std::countr_zero(mask);
-        code_node<true>(node, ValueBlock::cell(octant));
-        neighborhoods_->set_value(above, octant, decoded_[node]);
-      }
-    }
-  }
+  /// What is known of a node before its coefficients.
+  struct Node {
+    std::uint32_t number, first;
+    std::uint8_t mask;
+    const MergeOrder& order;
+    NodeContext context;
+  };
 
   template <bool kPredicts>
-  void code_node(std::uint32_t node, int cell) {
-    const unsigned mask = svo_.masks[node];
-    const MergeOrder& order = kMergeOrders[mask];
-    const std::uint32_t first = svo_.first_child[node];
-    if (order.pairs == 0) {
-      if (decodes_) decoded_[first] = decoded_[node];
-      return;
-    }
-    const std::size_t children = std::size_t{order.pairs} + 1;
-    const NodeScales& scales = scales_(node, unit_);
-
-    std::array<Int4, 8> expected;
-    const Int4 own = load(decoded_[node]) & kComponents;
-    Int4 mean = own;
-    int gradient = 0;
-    std::int32_t weight = kPredicts ? 0 : 1;
-    std::int32_t near_activity = kPredicts ? 0 : last_activity_;
-    if constexpr (kPredicts) {
-      unsigned octants = mask;
-      Int4 least = mean, most = mean;
-      std::array<Int4, 8> merged;
-      for (std::size_t c = 0; c < children; ++c, octants &= octants - 1) {
-        const Int4 value = block_.predict(cell, std::countr_zero(octants), weight, near_activity);
-        expected[c] = merged[c] = value;
-        least = min(least, value);
-        most = max(most, value);
-      }
-      merge(order, scales, merged.data(), expected_differences_.data());
-      mean -= merged[0];
-      gradient = gradient_class(most[0] - least[0]);
-    }
-
-    const int activity = activity_class(near_activity, weight);
-    std::array<Triple, 7> q;
-    bool coded = false;
-    if constexpr (Coder::kEncodes) {
-      std::array<Int4, 8> residuals;
-      const Short4* source = source_->at(first);
-      for (std::size_t c = 0; c < children; ++c) {
-        residuals[c] = load(source[c]);
-        if (kPredicts && !exact_) residuals[c] -= expected[c];
-      }
-      coded = exact_ ? exact_coefficients<kPredicts>(order, scales, residuals, q)
-                     : quantize_node(order, scales, residuals, contexts_, gradient, activity, q);
-    }
-    coded = code_coefficients<kPredicts>(order, gradient, activity, coded, q);
-    last_activity_ = coded ? activity_of(order, q) : 0;
-    const Int4 fourth = fourth_lane(last_activity_);
-    if constexpr (kPredicts) {
-      decoded_[node] = narrow(own | fourth);
-      block_.values[static_cast<std::size_t>(cell)] = decoded_[node];
-    }
-
-    if (!decodes_) return;
-    if (exact_) return decode_exactly<kPredicts>(order, scales, own, coded ? &q : nullptr, first);
-    if (!coded) {
-      for (std::size_t c = 0; c < children; ++c) {
-        if constexpr (kPredicts) {
-          decoded_[first + c] = stored_value((mean + expected[c]) | fourth);
-        } else {
-          decoded_[first + c] = stored_value(mean | fourth);
-        }
-      }
-      return;
-    }
-    std::array<Int4, 7> differences;
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      const Int4& steps = scales.pair[i]->steps;
-      differences[i] = is_zero(q[i])
-                           ? Int4{}
-                           : Int4{dequantize(q[i][0], steps[0]), dequantize(q[i][1], steps[1]),
-                                  dequantize(q[i][2], steps[2]), 0};
-    }
-    std::array<Int4, 8> values;
-    values[0] = mean;
-    split(order, scales, values.data(), differences.data());
-    for (std::size_t c = 0; c < children; ++c) {
-      if constexpr (kPredicts) values[c] += expected[c];
-      decoded_[first + c] = stored_value(values[c] | fourth);
-    }
-  }
-
-  /// In exact layers coefficients are differences of the children's own values, which are undone in
-  /// integers without a loss. Prediction takes the expected differences from them. `values`: those
-  /// of the children, overwritten. Returns false if all coefficients are zero.
-  template <bool kPredicts>
-  bool exact_coefficients(const MergeOrder& order, const NodeScales& scales,
-                          std::array<Int4, 8>& values, std::array<Triple, 7>& q) const {
-    std::array<Int4, 7> differences;
-    merge(order, scales, values.data(), differences.data());
-    bool any = false;
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      if constexpr (kPredicts) differences[i] -= expected_differences_[i];
-      q[i] = {differences[i][0], differences[i][1], differences[i][2]};
-      any |= !is_zero(q[i]);
-    }
-    return any;
-  }
-
-  /// Undoes that. `q`: null if all of them are zero.
-  template <bool kPredicts>
-  void decode_exactly(const MergeOrder& order, const NodeScales& scales, const Int4& own,
-                      const std::array<Triple, 7>* q, std::uint32_t first) {
-    std::array<Int4, 7> differences;
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      Int4 d = {};
-      if (q != nullptr) d = Int4{(*q)[i][0], (*q)[i][1], (*q)[i][2], 0};
-      if constexpr (kPredicts) d += expected_differences_[i] & kComponents;
-      differences[i] = clamp(d, -kMostDifference, kMostDifference);
-    }
-    std::array<Int4, 8> values;
-    values[0] = own;
-    split(order, scales, values.data(), differences.data());
-    const Int4 fourth = fourth_lane(last_activity_);
-    for (std::size_t c = 0; c <= order.pairs; ++c) {
-      decoded_[first + c] = stored_value(values[c] | fourth);
-    }
-  }
-
-  /// The class of how much the expected luma of a node's children varies, relative to the step.
-  int gradient_class(std::int32_t range) const {
-    return (8 * range >= luma_step_) + (4 * range >= luma_step_) + (2 * range >= luma_step_) +
-           (range >= luma_step_);
-  }
-
-  /// The class of how much there was to code in the neighbours of a node.
-  static int activity_class(std::int32_t activity, std::int32_t weight) {
-    if (activity == 0) return 0;
-    if (2 * activity < weight) return 1;
-    if (activity < weight) return 2;
-    if (2 * activity < 5 * weight) return 3;
-    if (activity < 6 * weight) return 4;
-    return activity < 12 * weight ? 5 : 6;
-  }
-
-  /// How much there is to code in a node, 0 to kMostActivity.
-  static std::int32_t activity_of(const MergeOrder& order, const std::array<Triple, 7>& q) {
-    std::int32_t sum = 0;
-    for (std::size_t i = 0; i < order.pairs; ++i) {
-      sum += 2 * std::abs(q[i][0]) + std::abs(q[i][1]) + std::abs(q[i][2]);
-    }
-    return std::min(4 * sum / order.pairs, kMostActivity);
-  }
-
-  /// Encodes q, which `any` says is not all zero, or decodes it. Returns false if all of q is zero;
-  /// q is then not set.
-  template <bool kPredicts>
-  bool code_coefficients(const MergeOrder& order, int gradient, int activity, bool any,
-                         std::array<Triple, 7>& q) {
-    any = coder_.code(contexts_.node[gradient][activity][order.size_class], any) != 0;
-    if (!any) return false;
-    TripleContext context{gradient, activity};
-    for (int i = order.pairs - 1; i >= 0; --i) {
-      const auto pair = static_cast<std::size_t>(i);
+  [[gnu::noinline]] void code_nodes(int level) {
+    // A copy of a decoder can be kept in registers.
+    std::conditional_t<Coder::kEncodes, Coder&, Coder> coder = coder_;
+    const std::uint32_t first_node = svo_.level_begin[static_cast<std::size_t>(level)];
+    RecentActivity recent;
+    for (const std::uint32_t number : structure_.level(level).branching) {
+      std::size_t around, activity;
       if constexpr (kPredicts) {
-        for (int k = 0; k < 3; ++k) {
-          const std::int32_t d = expected_differences_[pair][k];
-          context.expected[static_cast<std::size_t>(k)] = d > 0 ? 1 : d < 0 ? 2 : 0;
-        }
+        around = around_[number - first_node];
+        activity = around % kActivityClasses;
+      } else {
+        around = activity = own_activity_class(values_[number]);
       }
-      code_triple(coder_, contexts_, context, i > 0 || context.stage > 0, q[pair]);
-      context.stage = std::min(context.stage + !is_zero(q[pair]), 2);
-      context.place = std::min(context.place + 1, 2);
+      const std::uint8_t mask = svo_.masks[number];
+      const Node node{number,
+                      svo_.first_child[number],
+                      mask,
+                      kMergeOrders[mask],
+                      {around, activity, recent.context()}};
+      recent.add(code_node<kPredicts>(coder, node));
     }
-    return true;
+    if constexpr (!Coder::kEncodes) coder_ = coder;
   }
 
+  /// Returns the activity of the node's children.
+  template <bool kPredicts, class C>
+  [[gnu::always_inline]] inline std::int32_t code_node(C& coder, const Node& node) {
+    const int pairs = node.order.pairs;
+    std::array<Triple, 7> q;
+    unsigned coded = 0, pattern = 0;
+    if constexpr (Coder::kEncodes) {
+      if (find_coefficients(node, q)) {
+        for (int i = 0; i < pairs; ++i) {
+          coded |= (is_zero(q[static_cast<std::size_t>(pairs - 1 - i)]) ? 0u : 1u) << i;
+        }
+        pattern = pattern_of(q[0]);
+      }
+    }
+    coded = code_pairs(coder, contexts_, node.context, pairs, coded, pattern);
+    if (rules_.exact) return code_exactly<kPredicts>(coder, node, coded, pattern, q);
+    if (coded == 0) return 0;
+    std::int32_t sum = 0;
+    if (pairs == 1) {
+      // More than half of those that are coded.
+      const PairScale scale =
+          weights_ == nullptr ? one_ : scales_(weights_[node.first], weights_[node.first + 1]);
+      Int4 difference = code_triple(coder, node, pattern, q[0], &scale, sum);
+      if (rules_.kind == AttributeKind::normals) {
+        difference = TangentFrame(load(values_[node.number])).reflect(difference);
+      }
+      const std::int32_t activity = activity_for(sum, pairs);
+      const Int4 offset = mean_offset(difference, scale.ratio);
+      add(node.first, -offset, activity);
+      add(node.first + 1, difference - offset, activity);
+      return activity;
+    }
+    NodeScales found;
+    const NodeScales& scales = scales_of(node, found);
+    std::array<Int4, 7> differences{};
+    const bool several = (coded & (coded - 1)) != 0;
+    for (unsigned rest = coded; rest != 0; rest &= rest - 1) {
+      const auto i = static_cast<std::size_t>(pairs - 1 - std::countr_zero(rest));
+      pattern = code_pattern(coder, node, several, q[i]);
+      differences[i] = code_triple(coder, node, pattern, q[i], &scales[i], sum);
+    }
+    if (rules_.kind == AttributeKind::normals) {
+      const TangentFrame frame(load(values_[node.number]));
+      for (unsigned rest = coded; rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<std::size_t>(pairs - 1 - std::countr_zero(rest));
+        differences[i] = frame.reflect(differences[i]);
+      }
+    }
+    const std::int32_t activity = activity_for(sum, pairs);
+    std::array<Int4, 8> values;
+    values[0] = Int4{};
+    split(node.order, scales, values.data(), differences.data());
+    for (std::uint32_t c = 0; c <= node.order.pairs; ++c) {
+      add(node.first + c, values[c], activity);
+    }
+    return activity;
+  }
+
+  /// Coefficients of exact layers are differences of the children's own values less the expected
+  /// ones, which are undone in integers without a loss.
+  template <bool kPredicts, class C>
+  [[gnu::noinline]] std::int32_t code_exactly(C& coder, const Node& node, unsigned coded,
+                                              unsigned pattern, std::array<Triple, 7>& q) {
+    NodeScales found;
+    const NodeScales& scales = scales_of(node, found);
+    std::array<Int4, 7> differences{};
+    const std::size_t pairs = node.order.pairs;
+    if (kPredicts) find_expected(node, scales, differences.data());
+    std::int32_t sum = 0;
+    const bool several = (coded & (coded - 1)) != 0;
+    for (unsigned rest = coded; rest != 0; rest &= rest - 1) {
+      const std::size_t i = pairs - 1 - static_cast<std::size_t>(std::countr_zero(rest));
+      if (pairs > 1) pattern = code_pattern(coder, node, several, q[i]);
+      const Int4 d = code_triple(coder, node, pattern, q[i], nullptr, sum);
+      differences[i] = clamp(differences[i] + d, -kMostDifference, kMostDifference);
+    }
+    const std::int32_t activity = activity_for(sum, static_cast<int>(pairs));
+    std::array<Int4, 8> values;
+    values[0] = load(values_[node.number]) & kComponents;
+    split(node.order, scales, values.data(), differences.data());
+    for (std::uint32_t c = 0; c <= node.order.pairs; ++c) {
+      values_[node.first + c] = stored_value((values[c] & kComponents) + fourth_lane(activity));
+    }
+    return activity;
+  }
+
+  const NodeScales& scales_of(const Node& node, NodeScales& found) const {
+    if (weights_ == nullptr) return unit_scales(node.mask);
+    find_scales(scales_, node.order, weights_ + node.first, found);
+    return found;
+  }
+
+  template <class C>
+  unsigned code_pattern(C& coder, const Node& node, bool several, const Triple& q) {
+    const unsigned pattern = Coder::kEncodes ? pattern_of(q) : 0;
+    Alphabet8& alphabet =
+        contexts_.pattern[node.context.activity][node.context.recent][several ? 1 : 0];
+    return static_cast<unsigned>(coder.code(0, alphabet, static_cast<int>(pattern)));
+  }
+
+  /// Codes what a pattern says of a triple. Returns the difference that it stands for: with a
+  /// scale, in steps. Adds to `sum` how much there was to code.
+  template <class C>
+  [[gnu::always_inline]] inline Int4 code_triple(C& coder, const Node& node, unsigned pattern,
+                                                 const Triple& q, const PairScale* scale,
+                                                 std::int32_t& sum) {
+    const bool normals = rules_.kind == AttributeKind::normals;
+    unsigned signs = 0;
+    if constexpr (Coder::kEncodes) {
+      signs = (q[0] < 0 ? 1u : 0u) | (q[1] < 0 ? 2u : 0u) | (q[2] < 0 ? 4u : 0u);
+    }
+    const bool several = (pattern & (pattern - 1)) != 0;
+    if (several && !normals) {
+      // The signs of luma and chroma often go together.
+      signs =
+          static_cast<unsigned>(coder.code(1, contexts_.signs[pattern], static_cast<int>(signs)));
+    } else {
+      signs = kSignPlaces.apart[pattern][coder.bits(std::popcount(pattern),
+                                                    kSignPlaces.together[pattern][signs])];
+    }
+    Int4 difference{};
+    for (unsigned rest = pattern; rest != 0; rest &= rest - 1) {
+      const int k = std::countr_zero(rest);
+      const auto component = static_cast<std::size_t>(k);
+      const std::int32_t magnitude =
+          code_magnitude(coder, contexts_, component, node.context.activity, several,
+                         Coder::kEncodes ? std::abs(q[component]) : 0);
+      sum += magnitude << (k == 0 || (k == 1 && normals) ? 1 : 0);
+      const std::int32_t size =
+          scale == nullptr ? magnitude
+                           : dequantized(magnitude, step_of(*scale, rules_.steps[component]));
+      const std::int32_t negative = -static_cast<std::int32_t>(signs >> k & 1);
+      difference[k] = (size ^ negative) - negative;
+    }
+    return difference;
+  }
+
+  /// The differences of the base values.
+  void find_expected(const Node& node, const NodeScales& scales, Int4* expected) const {
+    std::array<Int4, 8> values;
+    for (std::size_t c = 0; c <= node.order.pairs; ++c) {
+      values[c] = load(values_[node.first + c]) & kComponents;
+    }
+    merge(node.order, scales, values.data(), expected);
+  }
+
+  /// How much there was to code in a node, 0 to kMostActivity. Exact layers code much more.
+  std::int32_t activity_for(std::int32_t sum, int pairs) const {
+    // 2^16 / pairs, rounded up, which gives exact quotients of small numbers.
+    constexpr std::int32_t kReciprocals[8] = {0, 65536, 32768, 21846, 16384, 13108, 10923, 9363};
+    const std::int32_t amount = rules_.exact ? std::min(sum, 1024) : 4 * std::min(sum, 256);
+    return std::min((amount * kReciprocals[pairs]) >> 16, kMostActivity);
+  }
+
+  [[gnu::always_inline]] void add(std::uint32_t node, const Int4& difference,
+                                  std::int32_t activity) {
+    const Int4 value = (load(values_[node]) + difference) & kComponents;
+    values_[node] = stored_value(value + fourth_lane(activity));
+  }
+
+  // For encoders.
+
+  /// The coefficients of a node. Returns false if all of them are zero; q is then unspecified.
+  bool find_coefficients(const Node& node, std::array<Triple, 7>& q) const {
+    NodeScales found;
+    const NodeScales& scales = scales_of(node, found);
+    std::array<Int4, 8> values;
+    std::array<Int4, 7> differences;
+    const Short4* const source = source_->at(node.first);
+    for (std::size_t c = 0; c <= node.order.pairs; ++c) {
+      values[c] = load(source[c]) & kComponents;
+      if (!rules_.exact) values[c] -= load(values_[node.first + c]) & kComponents;
+    }
+    merge(node.order, scales, values.data(), differences.data());
+    if (rules_.exact) {
+      std::array<Int4, 7> expected;
+      find_expected(node, scales, expected.data());
+      bool any = false;
+      for (std::size_t i = 0; i < node.order.pairs; ++i) {
+        const Int4 d = differences[i] - expected[i];
+        q[i] = {d[0], d[1], d[2]};
+        any |= !is_zero(q[i]);
+      }
+      return any;
+    }
+    if (rules_.kind == AttributeKind::normals) {
+      const TangentFrame frame(load(values_[node.number]));
+      for (std::size_t i = 0; i < node.order.pairs; ++i) {
+        differences[i] = frame.reflect(differences[i]);
+      }
+    }
+    return quantize_node(node.order.pairs, scales, rules_.steps, differences.data(), contexts_,
+                         node.context, q);
+  }
+
+  /// Prediction takes time, so it must make the differences between children smaller by a
+  /// twentieth. This is estimated from some slices.
+  bool prediction_pays(int level) {
+    const LevelStructure& of_level = structure_.level(level);
+    if (!of_level.predictable) return false;
+    const int components = rules_.prediction.all_components ? 3 : 1;
+    const std::size_t every = of_level.by_z.slices.size() < 64 ? 2 : 8;
+    std::int64_t without = 0, with = 0;
+    around_.resize(svo_.node_count(level));
+    LevelPredictor(structure_, level, rules_.prediction, values_, around_.data(), planes_)
+        .run_some(every, [&](const BranchingNode& node) {
+          const Short4* const source = source_->at(node.first_child);
+          const Short4* const expected = values_ + node.first_child;
+          for (int c = 1; c < std::popcount(node.mask); ++c) {
+            for (int k = 0; k < components; ++k) {
+              const std::int32_t d = source[c].lanes[k] - source[0].lanes[k];
+              without += std::abs(d);
+              with += std::abs(d - (expected[c].lanes[k] - expected[0].lanes[k]));
+            }
+          }
+        });
+    return 20 * with < 19 * without;
+  }
+
+  const FrameStructure& structure_;
   const Svo& svo_;
-  int first_level_, last_level_;
-  bool unit_ = false, decodes_ = true;
-  Weights weights_;
-  Scales scales_;
-  std::int32_t luma_step_;
-  Neighborhoods* neighborhoods_;
+  const LayerRules& rules_;
+  const PairScales& scales_;
+  const PairScale one_;  ///< of two nodes that weigh 1
   CoefficientContexts& contexts_;
   Coder& coder_;
   const SourceValues* source_;
-  Short4* decoded_;
-  bool exact_;
-  /// The activity of the node coded last. Contexts depend on it where neighbours are not known.
-  std::int32_t last_activity_ = 0;
-  ValueBlock block_;
-  std::array<Int4, 7> expected_differences_;  ///< for the pairs of the current node
+  Short4* values_;
+  std::vector<Short4>& planes_;
+  std::vector<std::uint8_t> around_;
+  const std::uint32_t* weights_ = nullptr;
 };
 
-constexpr std::uint8_t kPredictionFlag = 1, kExactFlag = 2;
+/// The flags of a layer: one bit for each of its levels whose children are predicted, and one for
+/// exact layers.
+constexpr unsigned kExactFlag = 0x8000;
 
-/// Computes the means of the nodes of a layer from those of its last level. They need not be exact,
-/// since a deviation from the transform's own mean is coded with the children.
-void fill_means(const Svo& svo, int first_level, int last_level, const SourceValues& source,
+/// Computes the means of the inner nodes. They need not be exact, since a deviation from the
+/// transform's own mean is coded with the children.
+void fill_means(const FrameStructure& structure, const SourceValues& source,
                 std::vector<Short4>& means) {
-  const Weights weights(svo, first_level, last_level);
-  const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
-  const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
-  for (std::uint32_t node = end; node-- > begin;) {
-    const std::uint32_t first = svo.first_child[node];
-    const auto children = static_cast<std::uint32_t>(std::popcount(svo.masks[node]));
-    const Short4* child = source.at(first);
-    if (first >= end) {
-      Int4 sum = load(*child);
-      for (std::uint32_t c = 1; c < children; ++c) sum += load(child[c]);
-      const auto reciprocal = static_cast<std::int32_t>(65536 / children);
-      means[node] = narrow((sum * reciprocal + (1 << 15)) >> 16);
-      continue;
+  const Svo& svo = structure.svo();
+  for (int level = svo.depth; level-- > 0;) {
+    const std::size_t l = static_cast<std::size_t>(level);
+    const bool unit = structure.has_unit_children(level);
+    for (std::uint32_t node = svo.level_begin[l]; node < svo.level_begin[l + 1]; ++node) {
+      const std::uint32_t first = svo.first_child[node];
+      const int children = std::popcount(svo.masks[node]);
+      const Short4* const child = source.at(first);
+      if (children == 1) {
+        means[node] = child[0];
+        continue;
+      }
+      typedef float Float4 __attribute__((vector_size(16)));
+      Float4 sum{};
+      float weight = 0.0f;
+      for (int c = 0; c < children; ++c) {
+        const float w =
+            unit ? 1.0f
+                 : static_cast<float>(structure.weights()[first + static_cast<std::uint32_t>(c)]);
+        sum += __builtin_convertvector(load(child[c]), Float4) * w;
+        weight += w;
+      }
+      means[node] = narrow(__builtin_convertvector(sum / weight + 32768.5f, Int4) - 32768);
+      means[node].lanes[3] = 1;
     }
-    std::array<std::int64_t, 3> sum{};
-    std::int64_t weight = 0;
-    for (std::uint32_t c = 0; c < children; ++c) {
-      const std::int64_t w = weights[first + c];
-      weight += w;
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += w * child[c].lanes[k];
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      means[node].lanes[k] = static_cast<std::int16_t>(sum[k] / weight);
-    }
-    means[node].lanes[3] = 1;
   }
 }
 
 /// Computes the means that an exact layer is undone from: those that merging gives, in integers.
-void fill_merged(const Svo& svo, int first_level, int last_level, const SourceValues& source,
+void fill_merged(const FrameStructure& structure, const SourceValues& source,
                  std::vector<Short4>& means) {
-  const Weights weights(svo, first_level, last_level);
-  Scales scales(svo, weights, kExactSteps);
-  const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(first_level)];
-  const std::uint32_t end = svo.level_begin[static_cast<std::size_t>(last_level)];
-  for (std::uint32_t node = end; node-- > begin;) {
-    const std::uint32_t first = svo.first_child[node];
-    const MergeOrder& order = kMergeOrders[svo.masks[node]];
-    const Short4* child = source.at(first);
-    std::array<Int4, 8> values;
-    std::array<Int4, 7> differences;
-    for (std::size_t c = 0; c <= order.pairs; ++c) values[c] = load(child[c]) & kComponents;
-    merge(order, scales(node, first >= end), values.data(), differences.data());
-    means[node] = stored_value(values[0] | fourth_lane(0));
+  const Svo& svo = structure.svo();
+  for (int level = svo.depth; level-- > 0;) {
+    const std::size_t l = static_cast<std::size_t>(level);
+    const bool unit = structure.has_unit_children(level);
+    for (std::uint32_t node = svo.level_begin[l]; node < svo.level_begin[l + 1]; ++node) {
+      const std::uint32_t first = svo.first_child[node];
+      const MergeOrder& order = kMergeOrders[svo.masks[node]];
+      NodeScales found;
+      if (!unit) find_scales(pair_scales(), order, structure.weights() + first, found);
+      const NodeScales& scales = unit ? unit_scales(svo.masks[node]) : found;
+      const Short4* const child = source.at(first);
+      std::array<Int4, 8> values;
+      std::array<Int4, 7> differences;
+      for (std::size_t c = 0; c <= order.pairs; ++c) values[c] = load(child[c]) & kComponents;
+      merge(order, scales, values.data(), differences.data());
+      means[node] = stored_value((values[0] & kComponents) + fourth_lane(0));
+    }
   }
 }
 
 }  // namespace
 
-TransformEncoder::TransformEncoder(const Svo& svo, const std::vector<Short4>& leaves,
-                                   const std::vector<int>& layer_ends, bool exact)
-    : svo_(svo),
+TransformEncoder::TransformEncoder(const FrameStructure& structure, AttributeKind kind,
+                                   const std::vector<Short4>& leaves, bool exact)
+    : structure_(structure),
+      kind_(kind),
       leaves_(leaves),
-      layer_ends_(layer_ends),
       exact_(exact),
-      means_(svo.internal_count()),
-      decoded_(svo.internal_count()),
-      neighborhoods_(svo) {
-  for (std::size_t layer = layer_ends.size(); layer-- > 0;) {
-    const auto fill = exact ? fill_merged : fill_means;
-    fill(svo, layer == 0 ? 0 : layer_ends[layer - 1], layer_ends[layer], {means_, leaves_}, means_);
-  }
-}
-
-/// Prediction takes time, so it must make the differences of luma smaller by a twentieth. This is
-/// estimated from the children of a few hundred nodes of the level above.
-bool TransformEncoder::prediction_pays(int level) {
-  while (neighborhoods_.level() < level - 1) neighborhoods_.descend();
-  neighborhoods_.set_values(means_.data());
-  const std::size_t l = static_cast<std::size_t>(level);
-  const std::uint32_t begin = svo_.level_begin[l - 1], end = svo_.level_begin[l];
-  const std::uint32_t stride = std::max((end - begin) / 512, 1u);
-  std::int64_t without = 0, with = 0;
-  ValueBlock block;
-  for (std::uint32_t above = begin; above < end; above += stride) {
-    neighborhoods_.load(above, block);
-    std::uint32_t node = svo_.first_child[above];
-    for (unsigned mask = svo_.masks[above]; mask != 0; mask &= mask - 1, ++node) {
-      const int cell = ValueBlock::cell(std::countr_zero(mask));
-      const Short4* child = SourceValues{means_, leaves_}.at(svo_.first_child[node]);
-      std::int32_t first = 0, first_residual = 0, unused = 0;
-      for (unsigned octants = svo_.masks[node]; octants != 0; octants &= octants - 1, ++child) {
-        const std::int32_t luma = child->lanes[0];
-        const std::int32_t residual =
-            luma - block.predict(cell, std::countr_zero(octants), unused, unused)[0];
-        if (octants == svo_.masks[node]) {
-          first = luma;
-          first_residual = residual;
-        }
-        without += std::abs(luma - first);
-        with += std::abs(residual - first_residual);
-      }
-    }
-  }
-  return 20 * with < 19 * without;
+      means_(structure.svo().internal_count()),
+      decoded_(structure.svo().node_count() + kRoomForValues) {
+  (exact ? fill_merged : fill_means)(structure, {means_, leaves_}, means_);
 }
 
 Bytes TransformEncoder::encode_layer(const CoefficientSteps& steps) {
-  const int first_level = layer_ == 0 ? 0 : layer_ends_[layer_ - 1];
-  const bool predicts = layer_ == 0 || prediction_pays(first_level);
+  const std::vector<int>& ends = structure_.layer_ends();
+  const int first_level = layer_ == 0 ? 0 : ends[layer_ - 1], last_level = ends[layer_];
+  const SourceValues source{means_, leaves_};
+  const LayerRules rules(kind_, exact_, steps);
+  if (layer_ == 0 && structure_.svo().node_count() > 0) {
+    decoded_[0] = stored_value((load(*source.at(0)) & kComponents) + fourth_lane(0));
+  }
+  SymbolEncoder coder;
+  LayerCoder<SymbolEncoder> layer(structure_, rules, contexts_, coder, &source, decoded_.data(),
+                                  planes_);
+  unsigned flags = exact_ ? kExactFlag : 0;
+  for (int level = first_level; level < last_level; ++level) {
+    if (layer.code_level(level, false)) flags |= 1u << (level - first_level);
+  }
   Bytes out;
   ByteWriter writer(out);
-  const int flags = (predicts ? kPredictionFlag : 0) | (exact_ ? kExactFlag : 0);
-  writer.put(static_cast<std::uint8_t>(flags));
+  writer.put(static_cast<std::uint16_t>(flags));
   writer.put(steps.luma);
   writer.put(steps.chroma);
-  const SourceValues source{means_, leaves_};
-  if (layer_ == 0 && svo_.node_count() > 0) {
-    for (int k = 0; k < 3; ++k) writer.put(source.at(0)->lanes[k]);
-    if (!decoded_.empty()) decoded_[0] = *source.at(0);
+  if (layer_ == 0 && structure_.svo().node_count() > 0) {
+    for (int k = 0; k < 3; ++k) writer.put(decoded_[0].lanes[k]);
   }
-  CoefficientWriter coder(out);
-  LayerCoder<CoefficientWriter>(svo_, first_level, layer_ends_[layer_], steps,
-                                predicts ? &neighborhoods_ : nullptr, contexts_, coder, &source,
-                                decoded_.data(), exact_)
-      .run();
-  coder.finish();
+  coder.finish(out);
   ++layer_;
   return out;
 }
 
-TransformDecoder::TransformDecoder(const Svo& svo)
-    : svo_(svo),
-      decoded_(std::make_unique_for_overwrite<Short4[]>(svo.node_count())),
-      neighborhoods_(svo) {}
+TransformDecoder::TransformDecoder(const FrameStructure& structure, AttributeKind kind)
+    : structure_(structure),
+      kind_(kind),
+      decoded_(std::make_unique_for_overwrite<Short4[]>(structure.svo().node_count() +
+                                                        kRoomForValues)) {}
 
 Result<void> TransformDecoder::decode_layer(ByteView bytes, int last_level, int stop) {
   ByteReader reader(bytes);
-  const auto flags = reader.get<std::uint8_t>();
+  const auto flags = reader.get<std::uint16_t>();
   CoefficientSteps steps;
   steps.luma = reader.get<std::uint16_t>();
   steps.chroma = reader.get<std::uint16_t>();
-  if (level_ == 0 && svo_.node_count() > 0) {
+  if (level_ == 0 && structure_.svo().node_count() > 0) {
     Int4 root = {};
     for (int k = 0; k < 3; ++k) root[k] = reader.get<std::int16_t>();
     decoded_[0] = stored_value(root + fourth_lane(0));
   }
   const bool exact = (flags & kExactFlag) != 0;
   if (level_ == 0) exact_ = exact;
-  if (!reader.ok() || flags > (kPredictionFlag | kExactFlag) || exact != exact_ ||
+  if (!reader.ok() || exact != exact_ || (exact && kind_ != AttributeKind::colors) ||
       steps.luma == 0 || steps.chroma == 0) {
     return fail("a field is out of range");
   }
-  CoefficientReader coder(reader.rest());
-  Neighborhoods* neighborhoods = (flags & kPredictionFlag) != 0 ? &neighborhoods_ : nullptr;
-  LayerCoder<CoefficientReader>(svo_, level_, last_level, steps, neighborhoods, contexts_, coder,
-                                nullptr, decoded_.get(), exact)
-      .run(stop);
+  for (int bit = 0; bit < 15; ++bit) {
+    if ((flags >> bit & 1) == 0) continue;
+    const int level = level_ + bit;
+    if (level >= last_level || !structure_.level(level).predictable) {
+      return fail("a level that cannot be predicted is");
+    }
+  }
+  const LayerRules rules(kind_, exact, steps);
+  SymbolDecoder coder(reader.rest());
+  LayerCoder<SymbolDecoder> layer(structure_, rules, contexts_, coder, nullptr, decoded_.get(),
+                                  planes_);
+  const int end = std::min(last_level, stop);
+  for (int level = level_; level < end; ++level) {
+    layer.code_level(level, (flags >> (level - level_) & 1) != 0);
+  }
   if (stop >= last_level && !coder.complete()) return fail("the bytes do not fit the tree");
-  level_ = std::min(last_level, stop);
+  level_ = std::max(level_, end);
   return {};
 }
 
 void TransformDecoder::inherit(int last_level) {
   for (; level_ < last_level; ++level_) {
-    const std::size_t l = static_cast<std::size_t>(level_);
-    Short4* child = decoded_.get() + svo_.level_begin[l + 1];
-    for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
-      for (int count = std::popcount(svo_.masks[node]); count > 0; --count) {
-        *child++ = decoded_[node];
-      }
-    }
+    inherit_values(structure_.svo(), level_, decoded_.get());
   }
 }
 
 std::span<const Short4> TransformDecoder::values(int level) const {
-  return {decoded_.get() + svo_.level_begin[static_cast<std::size_t>(level)],
-          svo_.node_count(level)};
+  const Svo& svo = structure_.svo();
+  return {decoded_.get() + svo.level_begin[static_cast<std::size_t>(level)], svo.node_count(level)};
 }
 
 std::span<const Short4> TransformDecoder::values() const {
-  return {decoded_.get(), svo_.level_begin[static_cast<std::size_t>(level_) + 1]};
+  return {decoded_.get(), structure_.svo().level_begin[static_cast<std::size_t>(level_) + 1]};
 }
 
 namespace {
@@ -542,17 +542,21 @@ std::uint32_t coefficient_step(int quality) {
   return kFractions[below % 14] << below / 14;
 }
 
+CoefficientSteps limited(std::uint32_t luma, std::uint32_t chroma) {
+  return {static_cast<std::uint16_t>(std::min(luma, 65535u)),
+          static_cast<std::uint16_t>(std::min(chroma, 65535u))};
+}
+
 }  // namespace
 
 CoefficientSteps color_steps(int quality) {
-  const std::uint32_t luma = coefficient_step(quality);
-  const std::uint32_t chroma = std::min(luma * 2, std::uint32_t{65535});
-  return {static_cast<std::uint16_t>(luma), static_cast<std::uint16_t>(chroma)};
+  const std::uint32_t step = coefficient_step(quality);
+  return limited(step, step * 12 / 5);
 }
 
 CoefficientSteps normal_steps(int quality) {
-  const auto step = static_cast<std::uint16_t>(coefficient_step(quality));
-  return {step, step};
+  const std::uint32_t step = coefficient_step(quality) * 15 / 16;
+  return limited(step, step * 2);
 }
 
 CoefficientSteps layer_steps(const CoefficientSteps& steps, std::uint32_t leaves,

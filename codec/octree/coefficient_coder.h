@@ -6,129 +6,117 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "codec/octree/adaptive_bit.h"
-#include "codec/octree/range_coder.h"
+#include "codec/octree/level_prediction.h"
+#include "codec/octree/symbol_coder.h"
 
-/// Codes quantised coefficients as binary decisions. The functions are written once for both
-/// directions: Coder is CoefficientWriter or CoefficientReader. FORMAT.md, "Coefficients".
+/// Codes quantised coefficients. The functions are written once for both directions: Coder is
+/// SymbolEncoder or SymbolDecoder. FORMAT.md, "Coefficients".
 namespace pointreel {
-
-/// Encodes the bits that it is given.
-class CoefficientWriter {
- public:
-  static constexpr bool kEncodes = true;
-  explicit CoefficientWriter(Bytes& out) : range_(out) {}
-
-  unsigned code(AdaptiveBit& context, unsigned bit) {
-    range_.encode(bit, context.probability());
-    context.update(bit);
-    return bit;
-  }
-  unsigned code_even(unsigned bit) {
-    range_.encode(bit, 0x8000);
-    return bit;
-  }
-  void finish() { range_.finish(); }
-
- private:
-  RangeEncoder range_;
-};
-
-/// Returns decoded bits, and ignores those that it is given.
-class CoefficientReader {
- public:
-  static constexpr bool kEncodes = false;
-  explicit CoefficientReader(ByteView bytes) : range_(bytes) {}
-
-  unsigned code(AdaptiveBit& context, unsigned) {
-    const unsigned bit = range_.decode(context.probability());
-    context.update(bit);
-    return bit;
-  }
-  unsigned code_even(unsigned) { return range_.decode(0x8000); }
-  bool complete() const { return range_.complete(); }
-
- private:
-  RangeDecoder range_;
-};
 
 /// The quantised coefficients of a pair: luma and two chroma.
 using Triple = std::array<std::int32_t, 3>;
 
 inline bool is_zero(const Triple& q) { return (q[0] | q[1] | q[2]) == 0; }
 
-/// The adaptive probabilities of a frame's coefficients.
+/// Which coefficients of a triple are not zero, one bit for each.
+inline unsigned pattern_of(const Triple& q) {
+  return (q[0] != 0 ? 1u : 0u) | (q[1] != 0 ? 2u : 0u) | (q[2] != 0 ? 4u : 0u);
+}
+
+/// The adaptive alphabets of a frame's coefficients.
 struct CoefficientContexts {
-  static constexpr int kActivities = 7, kGradients = 5;
-  AdaptiveBit node[kGradients][kActivities][4];
-  AdaptiveBit triple[kGradients][3][kActivities][3];
-  AdaptiveBit component[3][3][kActivities];
-  AdaptiveBit above_one[3][kActivities], above_two[3][kActivities];
-  AdaptiveBit length[3][16], second_digit[3][17];
-  AdaptiveBit sign[3][9][3];
+  static constexpr std::size_t kAround = kGradientClasses * kActivityClasses, kRecent = 3;
+
+  /// The first symbol of nodes with one, two and three pairs, and whether others have coefficients.
+  Alphabet8 one_pair[kAround][kRecent], two_pairs[kAround][kRecent], three_pairs[kAround][kRecent],
+      more_pairs[kAround][kRecent];
+  Alphabet8 pairs[kAround][3];                      ///< of nodes with four pairs or more
+  Alphabet8 pattern[kActivityClasses][kRecent][2];  ///< of pairs in nodes with several
+  Alphabet8 signs[8];                               ///< of colours, by pattern
+  Alphabet8 magnitude[3][kActivityClasses][2], digits[3][kActivityClasses], leading[3][8];
+
+  CoefficientContexts();
 };
 
-/// What is known before the triple of a pair is coded.
-struct TripleContext {
-  int gradient = 0, activity = 0;  ///< the node's classes
-  int place = 0;                   ///< 0 for the last pair, 1 for the last but one, 2 for others
-  int stage = 0;                   ///< the number of the node's nonzero triples so far, at most 2
-  /// For each component, the sign of the expected difference: 0 none, 1 plus, 2 minus.
-  std::array<int, 3> expected{};
+/// What is known before a node is coded.
+struct NodeContext {
+  std::size_t around = 0;    ///< gradient class * kActivityClasses + activity class
+  std::size_t activity = 0;  ///< activity class
+  std::size_t recent = 0;    ///< class of the nodes coded before it
 };
+
+/// How much there was to code in the last nodes.
+class RecentActivity {
+ public:
+  std::size_t context() const { return value_ < 6 ? 0 : value_ < 48 ? 1 : 2; }
+  void add(std::int32_t activity) { value_ += (std::min(4 * activity, 256) - value_) >> 2; }
+
+ private:
+  std::int32_t value_ = 0;
+};
+
+/// Which pairs of a node have coefficients, one bit for each, the last pair first. `pattern`: that
+/// of the only pair of a node with one; it is what is coded for it.
+template <class Coder>
+[[gnu::always_inline]] inline unsigned code_pairs(Coder& coder, CoefficientContexts& contexts,
+                                                  const NodeContext& context, int pairs,
+                                                  unsigned coded, unsigned& pattern) {
+  const std::size_t around = context.around, recent = context.recent;
+  if (pairs == 1) {
+    pattern = static_cast<unsigned>(
+        coder.code(0, contexts.one_pair[around][recent], static_cast<int>(pattern)));
+    return pattern != 0;
+  }
+  if (pairs <= 3) {
+    auto& alphabets = pairs == 2 ? contexts.two_pairs : contexts.three_pairs;
+    const int symbol = coder.code(0, alphabets[around][recent], static_cast<int>(coded));
+    return static_cast<unsigned>(symbol) & ((1u << pairs) - 1);
+  }
+  if (coder.code(0, contexts.more_pairs[around][recent], coded != 0) == 0) return 0;
+  unsigned known = 0;
+  for (int done = 0; done < pairs; done += 3) {
+    Alphabet8& alphabet = contexts.pairs[around][done == 0 ? 0 : known == 0 ? 1 : 2];
+    known |= static_cast<unsigned>(coder.code(0, alphabet, static_cast<int>(coded >> done & 7)))
+             << done;
+  }
+  return known & ((1u << pairs) - 1);
+}
+
+/// Magnitudes that have a symbol of their own.
+inline constexpr std::int32_t kSmallMagnitudes = 7;
+
+/// Codes the rest of a magnitude that has not, less kSmallMagnitudes: the number of its binary
+/// digits, and all but the first of them, of which the highest three have a symbol.
+template <class Coder>
+[[gnu::noinline]] std::int32_t code_rest(Coder& coder, CoefficientContexts& contexts,
+                                         std::size_t component, std::size_t activity,
+                                         std::int32_t magnitude) {
+  const auto rest = static_cast<std::uint32_t>(magnitude - kSmallMagnitudes);
+  const int known = Coder::kEncodes ? static_cast<int>(std::bit_width(rest)) : 1;
+  int digits = 1 + coder.code(1, contexts.digits[component][activity], std::min(known, 8) - 1);
+  auto& alphabet = contexts.leading[component][digits - 1];
+  if (digits == 8) digits += static_cast<int>(coder.bits(4, static_cast<std::uint32_t>(known - 8)));
+  const int leading = std::min(digits - 1, 3), others = digits - 1 - leading;
+  std::uint32_t value = 1u << leading;
+  if (leading > 0) {
+    const auto symbol = static_cast<int>((rest >> others) & (value - 1));
+    value |= static_cast<std::uint32_t>(coder.code(1, alphabet, symbol)) & (value - 1);
+  }
+  value = value << others | coder.bits(others, rest & ((1u << others) - 1));
+  return static_cast<std::int32_t>(value) + kSmallMagnitudes;
+}
 
 /// Codes a magnitude of 1 or more.
 template <class Coder>
-std::int32_t code_magnitude(Coder& coder, CoefficientContexts& contexts, int component,
-                            int activity, std::int32_t magnitude) {
-  if (coder.code(contexts.above_one[component][activity], magnitude > 1) == 0) return 1;
-  if (coder.code(contexts.above_two[component][activity], magnitude > 2) == 0) return 2;
-  // The rest is an exponential Golomb code: the number of binary digits, then all but the first.
-  const auto rest = static_cast<std::uint32_t>(magnitude - 2);
-  int digits = Coder::kEncodes ? static_cast<int>(std::bit_width(rest)) : 16;
-  for (int i = 1;; ++i) {
-    if (i == 16 || coder.code(contexts.length[component][i], i < digits) == 0) {
-      digits = i;
-      break;
-    }
-  }
-  std::uint32_t decoded = 1;
-  if (digits > 1) {
-    decoded = 2 | coder.code(contexts.second_digit[component][digits], rest >> (digits - 2) & 1);
-  }
-  for (int digit = digits - 3; digit >= 0; --digit) {
-    decoded = decoded << 1 | coder.code_even(rest >> digit & 1);
-  }
-  return static_cast<std::int32_t>(decoded) + 2;
-}
-
-/// Codes a triple, which is not zero unless `may_be_zero`.
-template <class Coder>
-void code_triple(Coder& coder, CoefficientContexts& contexts, const TripleContext& context,
-                 bool may_be_zero, Triple& q) {
-  if constexpr (!Coder::kEncodes) q = {};  // ignored by the reader, but must be initialised
-  const int activity = context.activity;
-  AdaptiveBit& any = contexts.triple[context.gradient][context.stage][activity][context.place];
-  if (may_be_zero && coder.code(any, !is_zero(q)) == 0) {
-    q = {};
-    return;
-  }
-  int before = 0;
-  int signs = 4;
-  for (int k = 0; k < 3; ++k) {
-    const auto c = static_cast<std::size_t>(k);
-    const bool certain = k == 2 && before == 0;
-    if (!certain && coder.code(contexts.component[k][before][activity], q[c] != 0) == 0) {
-      q[c] = 0;
-      continue;
-    }
-    const std::int32_t magnitude = code_magnitude(coder, contexts, k, activity, std::abs(q[c]));
-    const bool negative = coder.code(contexts.sign[k][signs][context.expected[c]], q[c] < 0) != 0;
-    q[c] = negative ? -magnitude : magnitude;
-    ++before;
-    if (k == 0) signs += negative ? 3 : -3;
-    if (k == 1) signs += negative ? 1 : -1;
-  }
+[[gnu::always_inline]] inline std::int32_t code_magnitude(Coder& coder,
+                                                          CoefficientContexts& contexts,
+                                                          std::size_t component,
+                                                          std::size_t activity, bool several,
+                                                          std::int32_t magnitude) {
+  const int symbol = coder.code(1, contexts.magnitude[component][activity][several ? 1 : 0],
+                                std::min(magnitude, kSmallMagnitudes + 1) - 1);
+  if (__builtin_expect(symbol < kSmallMagnitudes, 1)) return symbol + 1;
+  return code_rest(coder, contexts, component, activity, magnitude);
 }
 
 }  // namespace pointreel

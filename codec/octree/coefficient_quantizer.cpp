@@ -17,17 +17,18 @@ constexpr std::int32_t kRounding = 56;
 /// The squared error that a bit is worth, in 1/128 of a squared step, for a single coefficient of 1
 /// and for all coefficients of a node. It is smaller for a node, because its descendants are
 /// predicted from it.
-constexpr std::int32_t kWorthOfOne = 22, kWorthOfNode = 8;
+constexpr std::int32_t kWorthOfOne = 14, kWorthOfNode = 14;
 
-/// |difference| is at most 2^16.
+/// |difference| is less than 2^17.
 std::int32_t steps_in(std::int32_t difference, std::int32_t step) {
-  return static_cast<std::int32_t>((static_cast<std::uint32_t>(std::abs(difference)) << 15) /
-                                   static_cast<std::uint32_t>(step));
+  return static_cast<std::int32_t>(
+      (std::uint64_t{static_cast<std::uint32_t>(std::abs(difference))} << 15) /
+      static_cast<std::uint32_t>(step));
 }
 
-/// True if all components of a difference round to zero.
-bool rounds_to_zero(const Int4& difference, const Int4& steps) {
-  const Int4 above = (abs(difference) << 8) + (steps >> 7) * kRounding >= steps;
+/// True if all components of a difference are less than 1 - kRounding / 128 of their steps.
+bool rounds_to_zero(const Int4& difference, const Int4& step) {
+  const Int4 above = (abs(difference) << 8) >= (step >> 7) * (kStep - kRounding);
   return (above[0] | above[1] | above[2]) == 0;
 }
 
@@ -37,69 +38,93 @@ std::int64_t gain(std::int32_t x, std::int32_t q) {
 }
 
 /// The number of bits that a magnitude and its sign take.
-std::int32_t bits_of(const CoefficientContexts& contexts, int k, int activity, std::int32_t q) {
-  if (q == 1) return kBit + contexts.above_one[k][activity].cost(0);
-  return kBit * (2 + std::bit_width(static_cast<std::uint32_t>(q)));
+std::int32_t bits_of(const Alphabet8& alphabet, std::int32_t q) {
+  if (q <= kSmallMagnitudes) return kBit + alphabet.cost(q - 1);
+  const auto rest = static_cast<std::uint32_t>(q - kSmallMagnitudes);
+  return kBit * 2 * std::bit_width(rest) + alphabet.cost(kSmallMagnitudes);
+}
+
+/// What it costs to say that a node has coefficients, and that it has none.
+struct NodeCost {
+  std::int32_t any, none;
+};
+
+NodeCost cost_of_node(int pairs, const CoefficientContexts& contexts, const NodeContext& context) {
+  const std::size_t around = context.around, recent = context.recent;
+  if (pairs == 1) return {0, contexts.one_pair[around][recent].cost(0)};
+  const Alphabet8& alphabet = pairs == 2   ? contexts.two_pairs[around][recent]
+                              : pairs == 3 ? contexts.three_pairs[around][recent]
+                                           : contexts.more_pairs[around][recent];
+  const std::int32_t none = alphabet.cost(0);
+  const std::int32_t probable = static_cast<std::int32_t>(alphabet.range(0).size);
+  // The rest of the range stands for all other symbols.
+  return {alphabet::kCosts[static_cast<std::size_t>((kAllFrequencies - probable) >> 4)], none};
 }
 
 }  // namespace
 
-bool quantize_node(const MergeOrder& order, const NodeScales& scales, std::array<Int4, 8>& values,
-                   const CoefficientContexts& contexts, int gradient, int activity,
-                   std::array<Triple, 7>& q) {
-  Int4 least = values[0], most = values[0];
-  for (std::size_t c = 1; c <= order.pairs; ++c) {
-    least = min(least, values[c]);
-    most = max(most, values[c]);
+bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& steps,
+                   const Int4* differences, const CoefficientContexts& contexts,
+                   const NodeContext& context, std::array<Triple, 7>& q) {
+  std::array<Triple, 7> fractions;
+  std::int32_t any = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
+    const Int4 step{step_of(scales[i], steps[0]), step_of(scales[i], steps[1]),
+                    step_of(scales[i], steps[2]), 1};
+    q[i] = {};
+    if (rounds_to_zero(differences[i], step)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int lane = static_cast<int>(k);
+      fractions[i][k] = steps_in(differences[i][lane], step[lane]);
+      q[i][k] = (fractions[i][k] + kRounding) / kStep;
+      any |= q[i][k];
+    }
   }
-  // No difference of means is larger than the largest difference of values.
-  if (rounds_to_zero(most - least, scales.least_steps)) return false;
+  if (any == 0) return false;
 
-  std::array<Int4, 7> differences;
-  merge(order, scales, values.data(), differences.data());
-  const auto& node = contexts.node[gradient][activity][order.size_class];
-  const auto& first = contexts.triple[gradient][0][activity][0];
-  const auto& later = contexts.triple[gradient][1][activity][0];
-  bool any = false;
-  std::int32_t bits = node.cost(1) - node.cost(0);
+  any = 0;
+  const NodeCost cost = cost_of_node(pairs, contexts, context);
+  std::int32_t bits = cost.any - cost.none;
   std::int64_t gained = 0;
-  for (std::size_t i = 0; i < order.pairs; ++i) {
-    const Int4& steps = scales.pair[i]->steps;
+  const Alphabet8& patterns = pairs == 1 ? contexts.one_pair[context.around][context.recent]
+                                         : contexts.pattern[context.activity][context.recent][0];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
     Triple& triple = q[i];
-    triple = {};
-    if (rounds_to_zero(differences[i], steps)) {
-      bits += first.cost(0);
-      continue;
-    }
-    Triple x;
-    for (int k = 0; k < 3; ++k) {
-      const auto c = static_cast<std::size_t>(k);
-      x[c] = steps_in(differences[i][k], steps[k]);
-      triple[c] = (x[c] + kRounding) / kStep;
-    }
-    int before = 0;
-    for (int k = 0; k < 3; ++k) {
-      const auto c = static_cast<std::size_t>(k);
-      if (triple[c] == 0) continue;
-      if (triple[c] == 1) {
-        const bool alone = triple[0] + triple[1] + triple[2] == 1;
-        const AdaptiveBit& flag = alone ? later : contexts.component[k][before][activity];
-        const std::int32_t more = kBit + flag.cost(1) - flag.cost(0) +
-                                  (alone ? 0 : contexts.above_one[k][activity].cost(0));
-        if (gain(x[c], 1) * kBit < std::int64_t{more} * kWorthOfOne) {
-          triple[c] = 0;
+    const Triple& x = fractions[i];
+    const unsigned first_pattern = pattern_of(triple);
+    const bool several = (first_pattern & (first_pattern - 1)) != 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (triple[k] == 0) continue;
+      const Alphabet8& magnitudes = contexts.magnitude[k][context.activity][several ? 1 : 0];
+      if (triple[k] == 1) {
+        const unsigned pattern = pattern_of(triple);
+        std::int32_t more = kBit + 10;
+        if (pattern != 1u << k) {
+          more = kBit + magnitudes.cost(0) + patterns.cost(static_cast<int>(pattern)) -
+                 patterns.cost(static_cast<int>(pattern & ~(1u << k)));
+        } else if (triple[k] == 1 && pairs == 1) {
+          more = 0;  // weighed with the node
+        }
+        if (gain(x[k], 1) * kBit < std::int64_t{more} * kWorthOfOne) {
+          triple[k] = 0;
           continue;
         }
       }
-      gained += gain(x[c], triple[c]);
-      bits += bits_of(contexts, k, activity, triple[c]);
-      if (differences[i][k] < 0) triple[c] = -triple[c];
-      ++before;
+      gained += gain(x[k], triple[k]);
+      bits += bits_of(magnitudes, triple[k]);
     }
-    bits += first.cost(before > 0);
-    any = any || before > 0;
+    const unsigned pattern = pattern_of(triple);
+    any |= static_cast<std::int32_t>(pattern);
+    if (pairs == 1) {
+      bits += patterns.cost(static_cast<int>(pattern));
+    } else {
+      bits += pattern == 0 ? kBit / 4 : kBit + patterns.cost(static_cast<int>(pattern));
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (differences[i][static_cast<int>(k)] < 0) triple[k] = -triple[k];
+    }
   }
-  return any && gained * kBit >= std::int64_t{bits} * kWorthOfNode;
+  return any != 0 && gained * kBit >= std::int64_t{bits} * kWorthOfNode;
 }
 
 }  // namespace pointreel

@@ -5,17 +5,19 @@
 #include "codec/octree/coefficient_coder.h"
 #include "codec/octree/raht.h"
 
-namespace pointreel {
-
 /// Quantises the differences of a node to multiples of their steps. Weighs errors against the
 /// number of bits that coefficients take, which the contexts tell: J. Ramkumar and M. Orchard's
 /// rate-distortion optimised thresholding, applied greedily to each coefficient and then to the
 /// whole node.
-///
-/// `values`: the values of the node's children minus the expected ones; they are overwritten. Fills
-/// q with a triple for each pair. Returns false if all of them are zero; q is then unspecified.
-bool quantize_node(const MergeOrder& order, const NodeScales& scales, std::array<Int4, 8>& values,
-                   const CoefficientContexts& contexts, int gradient, int activity,
-                   std::array<Triple, 7>& q);
+namespace pointreel {
+
+/// The quantisation steps of orthonormal coefficients, for each component.
+using ComponentSteps = std::array<std::uint32_t, 3>;
+
+/// `differences`: those of the node's pairs, in the components that are coded. Fills q with a
+/// triple for each pair. Returns false if all of them are zero; q is then unspecified.
+bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& steps,
+                   const Int4* differences, const CoefficientContexts& contexts,
+                   const NodeContext& context, std::array<Triple, 7>& q);
 
 }  // namespace pointreel

@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "codec/octree/neighbor_prediction.h"
+#include "codec/octree/attribute_value.h"
 
 /// The colour space of the transform: Y', Cb and Cr of ITU-R BT.709, computed from R'G'B' as they
 /// are stored (sRGB), full range, as integers in units of 1/64 of an 8-bit value. FORMAT.md,

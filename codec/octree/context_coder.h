@@ -6,40 +6,58 @@
 
 #include "codec/memory_budget.h"
 #include "codec/octree/context_model.h"
-#include "codec/octree/range_coder.h"
-#include "codec/octree/raster_walk.h"
+#include "codec/octree/slice_level.h"
+#include "codec/octree/symbol_coder.h"
 #include "common/base/byte_io.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 #include "pointreel/executor.h"
 #include "pointreel/octree.h"
 
-/// Codes the masks of a tree level by level with adaptive contexts. The layers of a frame are coded
-/// one after another: each continues with the levels, and with the state of the leaves, of the
-/// layers before it. FORMAT.md, "Entropy coding context".
+/// Codes the masks of a tree level by level with adaptive alphabets. The layers of a frame are
+/// coded one after another: each continues with the levels, and with the state of the alphabets, of
+/// the layers before it. FORMAT.md, "Entropy coding context".
+///
+/// Large frames are divided into slabs along z that are coded in parallel, each with alphabets of
+/// its own. The nodes of a level are known before any of its masks, so a slab sees the nodes of the
+/// slabs next to it, but not their masks.
 ///
 /// Trust: the decoder takes hostile bytes. The caller bounds the number of masks of a layer by the
 /// size of its payload. Memory is bounded by that number, by the caller's number of points, and by
-/// the tables: it is at most 150 bytes for each node of the two finest levels above the leaves
-/// (three times as much with slabs of one cell each), 8 MiB for each slab, and the leaves of the
-/// tables, once more for each slab. Any bytes decode to a tree of these sizes or to an error.
+/// the tables: it is at most 170 bytes for each node of the two finest levels above the leaves, 8
+/// MiB for each slab, and the alphabets of the tables, once more for each slab. Any bytes decode to
+/// a tree of these sizes or to an error.
 namespace pointreel {
+
+inline constexpr int kMostSlabs = 16;
+/// The layer in which slabs begin must have this many masks for each of them. This bounds the
+/// memory that a few bytes can make a reader allocate.
+inline constexpr std::size_t kLeastMasksOfSlab = 4096;
+
+/// The default number of slabs of a frame with that many leaves. It is 1 below 2^20 leaves, where a
+/// frame takes a few hundredths of a second and coding several frames in parallel uses all cores;
+/// from there on, it is one for each 2^19 leaves.
+int default_slabs(std::size_t leaves);
 
 /// The state of the encoder or decoder between levels.
 struct ContextState {
   explicit ContextState(std::shared_ptr<const ContextTables> tables);
 
-  /// Moves on from the current level, whose masks are given in Morton order, to the level below.
-  void descend(ByteView masks, const Executor& executor);
+  /// Moves on from the current level, whose masks are known, to the level below. `masks`: the same
+  /// masks in Morton order.
+  void descend(ByteView masks);
 
-  /// To be called before coding a level with that many nodes. Large dense levels are very regular,
-  /// each in its own way, so there the leaves forget earlier levels sooner.
-  void begin_level(int level_class, std::size_t nodes);
+  /// Divides this and all later levels. `begins`: the z at which all slabs but the first begin.
+  void divide(std::vector<std::uint32_t> begins);
+
+  std::size_t slabs() const { return alphabets.size(); }
+  /// The slices of a slab: [first_slice(slab), first_slice(slab + 1)).
+  std::size_t first_slice(std::size_t slab) const;
 
   std::shared_ptr<const ContextTables> tables;
-  std::vector<Leaf> leaves;
-  std::vector<RasterLevel> slabs;  ///< the slabs of the current level; a single one is all of it
-  std::vector<std::vector<Leaf>> slab_leaves;
+  SliceLevel level;
+  std::vector<std::uint32_t> slab_begins;          ///< in nodes of the current level
+  std::vector<std::vector<Alphabet16>> alphabets;  ///< of each slab
   bool hardware;  ///< whether to gather the bits of a context with the processor's instruction
 };
 
@@ -73,8 +91,8 @@ class ContextDecoder {
  private:
   /// Divides the level if this layer says so, and takes the memory for that from the budget, if
   /// there is one. Returns a decoder for the bytes of each slab.
-  Result<std::vector<RangeDecoder>> read_slabs(ByteReader& reader, std::size_t mask_count,
-                                               MemoryBudget* budget);
+  Result<std::vector<SymbolDecoder>> read_slabs(ByteReader& reader, std::size_t mask_count,
+                                                MemoryBudget* budget);
 
   ContextState state_;
   std::size_t nodes_ = 1, children_ = 0;  ///< of the current level

@@ -1,34 +1,36 @@
 #include "codec/octree/context_model.h"
 
-#include <cmath>
+#include <bit>
 
 #include "common/base/byte_io.h"
+#include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kMaxCells = 1u << 18, kMaxLeaves = 1u << 20;
-constexpr int kMaxMaskBits = 20;
+constexpr std::uint32_t kMostAlphabets = 1u << 16;
 
-/// 65536 / (1 + exp(-x)) for 64 values of x from -7.2 to 7.2, rounded. They are listed because the
-/// encoded bytes depend on them, and exp does not return the same everywhere.
-constexpr std::array<std::uint16_t, 64> kProbabilities = {
-    49,    61,    77,    97,    122,   153,   192,   241,   303,   381,   478,   599,   751,
-    941,   1179,  1475,  1843,  2299,  2864,  3559,  4412,  5451,  6707,  8214,  10001, 12096,
-    14514, 17260, 20318, 23652, 27205, 30898, 34638, 38331, 41884, 45218, 48276, 51022, 53440,
-    55535, 57322, 58829, 60085, 61124, 61977, 62672, 63237, 63693, 64061, 64357, 64595, 64785,
-    64937, 65058, 65155, 65233, 65295, 65344, 65383, 65414, 65439, 65459, 65475, 65487};
-
-/// The number of decisions that a leaf reflects at the beginning, by confidence.
-constexpr std::array<std::uint16_t, 4> kCounts = {1, 3, 8, 16};
+/// How many symbols an alphabet is worth at the beginning, by confidence.
+constexpr std::array<int, 4> kSeen = {0, 11, 31, 91};
+/// The frequencies that a rarity stands for. They lie closer together where more symbols are coded.
+constexpr std::array<std::uint32_t, 16> kFrequencies = {
+    1005861, 912838, 794672, 668237, 542777, 425854, 322737, 236257,
+    167059,  114105, 72717,  43238,  23170,  10086,  2896,   362};
 
 constexpr std::array<double, kLevelClasses - 1> kBranching = {1.15, 1.5, 2.0, 2.6, 3.2};
 
+bool valid(std::uint64_t mask, int table, int most_bits) {
+  const bool dense = is_dense_table(table);
+  return mask >> (dense ? dense_word::kBits : sparse_word::kBits) == 0 &&
+         std::popcount(mask) <= most_bits;
+}
+
 }  // namespace
 
-int level_class(std::size_t nodes, std::size_t children) {
+int level_class(int level, std::size_t nodes, std::size_t children) {
+  const int most = may_be_dense(level, nodes) ? kDenseClass : kDenseClass - 1;
   int result = 0;
-  while (result < kLevelClasses - 1 &&
+  while (result < most &&
          static_cast<double>(children) >=
              kBranching[static_cast<std::size_t>(result)] * static_cast<double>(nodes)) {
     ++result;
@@ -36,90 +38,139 @@ int level_class(std::size_t nodes, std::size_t children) {
   return result;
 }
 
-Leaf unpack_leaf(std::uint8_t packed) {
-  return {kProbabilities[packed >> 2], kCounts[packed & 3u]};
-}
-
-std::uint8_t pack_leaf(double probability, double decisions) {
-  const double scaled = probability * 65536.0;
-  std::size_t best = 0;
-  // The nearest in log odds is the first whose geometric mean with the next is larger.
-  while (best + 1 < kProbabilities.size()) {
-    const double a = kProbabilities[best], b = kProbabilities[best + 1];
-    const double odds = scaled / (65536.0 - scaled);
-    if (odds * odds < a / (65536.0 - a) * (b / (65536.0 - b))) break;
-    ++best;
+Alphabet16 unpack_alphabet(const StoredAlphabet& stored, int symbols) {
+  std::array<std::uint32_t, 16> counts{};
+  for (std::size_t s = 0; s < static_cast<std::size_t>(symbols); ++s) {
+    counts[s] = kFrequencies[stored.rarity[s] & 15u];
   }
-  const unsigned confidence = decisions < 3.0 ? 0 : decisions < 12.0 ? 1 : decisions < 60.0 ? 2 : 3;
-  return static_cast<std::uint8_t>(best << 2 | confidence);
+  return {counts, kSeen[stored.confidence & 3u]};
 }
 
-Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
-  const auto valid = [](std::uint64_t mask) {
-    return mask >> neighborhood::kBits == 0 && std::popcount(mask) <= kMaxMaskBits;
+std::uint8_t rarity_of(double share) {
+  const double square = share * share * 1048576.0 * 1048576.0;
+  std::size_t rarity = 0;
+  while (rarity + 1 < kFrequencies.size() &&
+         square < static_cast<double>(kFrequencies[rarity]) * kFrequencies[rarity + 1]) {
+    ++rarity;
+  }
+  return static_cast<std::uint8_t>(rarity);
+}
+
+namespace {
+
+/// Reads tables one after another. Those that the bytes lack are copied from the base.
+class TablesReader {
+ public:
+  TablesReader(ByteView bytes, const ContextTables* base) : reader_(bytes), base_(base) {}
+
+  Result<ContextTables> read() {
+    for (int t = 0; t < kTables; ++t) TRY(read_table(t));
+    if (!reader_.rest().empty()) return fail("context tables have bytes after their end");
+    return std::move(all_);
+  }
+
+ private:
+  Result<void> read_table(int t) {
+    ContextTables::Table& table = all_.tables[static_cast<std::size_t>(t)];
+    table.first_cell = static_cast<std::uint32_t>(all_.cells.size());
+    const auto mask = reader_.get<std::uint64_t>();
+    if (base_ != nullptr && mask == kBaseTable) {
+      return copy_table(base_->tables[static_cast<std::size_t>(t)], table);
+    }
+    if (!valid(mask, t, ContextTables::kMostTableBits)) return out_of_range();
+    table.bits = WordBits<ContextTables::kMostTableBits>(mask);
+    const std::size_t cells = std::size_t{1} << std::popcount(mask);
+    const std::size_t parts = TRY(read_masks(t, cells, all_.parts.size(), all_.cells));
+    const std::size_t alphabets = TRY(read_masks(t, parts, all_.alphabets.size(), all_.parts));
+    const auto symbols = static_cast<std::size_t>(symbols_of_table(t));
+    const ByteView packed = reader_.rest();
+    if (packed.size() / (symbols + 1) < alphabets) return fail("context tables are cut short");
+    for (std::size_t a = 0; a < alphabets; ++a) {
+      StoredAlphabet stored{packed[a], {}};
+      for (std::size_t s = 0; s < symbols; ++s) stored.rarity[s] = packed[(s + 1) * alphabets + a];
+      all_.alphabets.push_back(unpack_alphabet(stored, static_cast<int>(symbols)));
+    }
+    reader_ = ByteReader(packed.subspan(alphabets * (symbols + 1)));
+    return {};
+  }
+
+  /// Reads the masks of `count` cells or parts, the first of which leads to number `next`. Returns
+  /// to how many they lead.
+  Result<std::size_t> read_masks(int t, std::size_t count, std::size_t next,
+                                 std::vector<ContextTables::Cell>& cells) {
+    if (reader_.rest().size() / sizeof(std::uint64_t) < count) {
+      return fail("context tables are cut short");
+    }
+    const std::size_t first = next;
+    for (std::size_t c = 0; c < count; ++c) {
+      const auto mask = reader_.get<std::uint64_t>();
+      if (!valid(mask, t, ContextTables::kMostCellBits)) return out_of_range();
+      cells.push_back(
+          {WordBits<ContextTables::kMostCellBits>(mask), static_cast<std::uint32_t>(next)});
+      next += std::size_t{1} << std::popcount(mask);
+    }
+    if (next > kMostAlphabets) return too_many();
+    return next - first;
+  }
+
+  /// Part of a vector.
+  struct Range {
+    std::size_t begin, count;
   };
-  ByteReader reader(bytes);
-  ContextTables tables;
-  // For a slot that is taken from the base, the base's slot; otherwise null.
-  std::array<const ContextTables::Slot*, kLevelClasses * kSlots> of_base{};
-  std::uint32_t cells = 0, own_cells = 0, leaves = 0;
-  for (std::size_t i = 0; i < of_base.size(); ++i) {
-    ContextTables::Slot& slot = tables.slots[i / kSlots][i % kSlots];
-    slot.mask = reader.get<std::uint64_t>();
-    if (base != nullptr && slot.mask == kBaseSlot) {
-      of_base[i] = &base->slots[i / kSlots][i % kSlots];
-      slot.mask = of_base[i]->mask;
+
+  /// Copies cells or parts, which shall lead to number `next` on. Returns to what they led.
+  static Range copy_cells(const std::vector<ContextTables::Cell>& from, Range range,
+                          std::size_t next, std::vector<ContextTables::Cell>& to) {
+    const std::size_t first = from[range.begin].first;
+    for (std::size_t i = range.begin; i < range.begin + range.count; ++i) {
+      to.push_back({from[i].bits, static_cast<std::uint32_t>(from[i].first - first + next)});
     }
-    if (!valid(slot.mask)) return fail("context tables have a mask out of range");
-    slot.first_cell = cells;
-    cells += 1u << std::popcount(slot.mask);
-    if (of_base[i] == nullptr) own_cells += 1u << std::popcount(slot.mask);
-    if (cells > kMaxCells) return fail(ErrorCode::limit, "context tables have too many cells");
+    const ContextTables::Cell& last = from[range.begin + range.count - 1];
+    return {first, last.first + (std::size_t{1} << std::popcount(last.bits.mask)) - first};
   }
-  if (reader.rest().size() < own_cells * sizeof(std::uint64_t)) {
-    return fail("context tables are cut short");
+
+  Result<void> copy_table(const ContextTables::Table& from, ContextTables::Table& to) {
+    to.bits = from.bits;
+    const Range cells{from.first_cell, std::size_t{1} << std::popcount(from.bits.mask)};
+    const Range parts = copy_cells(base_->cells, cells, all_.parts.size(), all_.cells);
+    const Range alphabets = copy_cells(base_->parts, parts, all_.alphabets.size(), all_.parts);
+    const auto begin = base_->alphabets.begin() + static_cast<std::ptrdiff_t>(alphabets.begin);
+    all_.alphabets.insert(all_.alphabets.end(), begin,
+                          begin + static_cast<std::ptrdiff_t>(alphabets.count));
+    if (all_.alphabets.size() > kMostAlphabets) return too_many();
+    return {};
   }
-  tables.cells.resize(cells);
-  ByteView packed = reader.rest().subspan(own_cells * sizeof(std::uint64_t));
-  for (std::size_t i = 0; i < of_base.size(); ++i) {
-    const ContextTables::Slot& slot = tables.slots[i / kSlots][i % kSlots];
-    for (std::uint32_t c = 0; c < 1u << std::popcount(slot.mask); ++c) {
-      ContextTables::Cell& cell = tables.cells[slot.first_cell + c];
-      const ContextTables::Cell* theirs =
-          of_base[i] != nullptr ? &base->cells[of_base[i]->first_cell + c] : nullptr;
-      cell.mask = theirs != nullptr ? theirs->mask : reader.get<std::uint64_t>();
-      if (!valid(cell.mask)) return fail("context tables have a mask out of range");
-      const std::uint32_t count = 1u << std::popcount(cell.mask);
-      cell.first_leaf = leaves;
-      leaves += count;
-      if (leaves > kMaxLeaves) {
-        return fail(ErrorCode::limit, "context tables have too many leaves");
-      }
-      if (theirs != nullptr) {
-        const auto from = base->leaves.begin() + theirs->first_leaf;
-        tables.leaves.insert(tables.leaves.end(), from, from + count);
-        continue;
-      }
-      if (packed.size() < count) return fail("context tables have too few leaves");
-      for (const std::uint8_t leaf : packed.first(count)) {
-        tables.leaves.push_back(unpack_leaf(leaf));
-      }
-      packed = packed.subspan(count);
-    }
+
+  static tl::unexpected<Error> out_of_range() {
+    return fail("context tables have a mask out of range");
   }
-  if (!packed.empty()) return fail("context tables have bytes after their last leaf");
-  return tables;
+  static tl::unexpected<Error> too_many() {
+    return fail(ErrorCode::limit, "context tables have too many alphabets");
+  }
+
+  ByteReader reader_;
+  const ContextTables* base_;
+  ContextTables all_;
+};
+
+}  // namespace
+Result<ContextTables> parse_tables(ByteView bytes, const ContextTables* base) {
+  return TablesReader(bytes, base).read();
 }
 
-Bytes write_tables(std::span<const SlotTables, kLevelClasses * kSlots> slots) {
+Bytes write_tables(std::span<const StoredTable, kTables> tables) {
   Bytes bytes;
   ByteWriter writer(bytes);
-  for (const SlotTables& slot : slots) writer.put(slot.mask);
-  for (const SlotTables& slot : slots) {
-    for (const std::uint64_t mask : slot.cells) writer.put(mask);
-  }
-  for (const SlotTables& slot : slots) {
-    bytes.insert(bytes.end(), slot.leaves.begin(), slot.leaves.end());
+  for (std::size_t t = 0; t < tables.size(); ++t) {
+    const StoredTable& table = tables[t];
+    writer.put(table.mask);
+    for (const std::uint64_t mask : table.cells) writer.put(mask);
+    for (const std::uint64_t mask : table.parts) writer.put(mask);
+    for (const StoredAlphabet& a : table.alphabets) bytes.push_back(a.confidence);
+    const auto symbols = static_cast<std::size_t>(symbols_of_table(static_cast<int>(t)));
+    for (std::size_t s = 0; s < (table.mask == kBaseTable ? 0 : symbols); ++s) {
+      for (const StoredAlphabet& a : table.alphabets) bytes.push_back(a.rarity[s]);
+    }
   }
   return bytes;
 }

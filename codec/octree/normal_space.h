@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "codec/octree/neighbor_prediction.h"
+#include "codec/octree/attribute_value.h"
 
 /// The normals that the transform works on: x, y and z in units of 1/8160. FORMAT.md, "Normals".
 namespace pointreel {

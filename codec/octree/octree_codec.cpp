@@ -14,10 +14,10 @@
 #include "codec/octree/attribute_coder.h"
 #include "codec/octree/chunk_payload.h"
 #include "codec/octree/color_space.h"
+#include "codec/octree/frame_structure.h"
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
-#include "codec/octree/slabs.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
 #include "common/base/out_of_memory.h"
@@ -33,6 +33,10 @@ constexpr std::array<int, 3> kLayerEnds = {7, 9, kMaxDepth};
 constexpr CodeShape kNormalShape{2, 8};
 
 CodeShape color_shape(const FrameHeader& header) { return {3, header.colors_16_bit ? 16 : 8}; }
+
+AttributeKind attribute_of(ChunkKind kind) {
+  return kind == ChunkKind::normals ? AttributeKind::normals : AttributeKind::colors;
+}
 
 FrameTag tag_of(const Svo& svo) {
   return static_cast<FrameTag>(
@@ -96,20 +100,25 @@ class AttributeDecoder {
   Codes codes_;
 };
 
-/// Encodes a transformed attribute of all layers into their chunks: exactly, if there are no steps.
-void encode_transformed(const Svo& svo, const std::vector<Short4>& leaves, ChunkKind kind,
-                        const std::optional<CoefficientSteps>& frame_steps, FrameTag tag,
-                        std::vector<Chunks<Bytes>>& layers) {
+/// The last level of each layer of a tree.
+std::vector<int> layer_ends(int depth, int layers) {
   std::vector<int> ends;
-  for (int layer = 0; layer < static_cast<int>(layers.size()); ++layer) {
-    ends.push_back(last_level_of_layer(layer, svo.depth));
-  }
-  TransformEncoder encoder(svo, leaves, ends, !frame_steps);
+  for (int layer = 0; layer < layers; ++layer) ends.push_back(last_level_of_layer(layer, depth));
+  return ends;
+}
+
+/// Encodes a transformed attribute of all layers into their chunks: exactly, if there are no steps.
+void encode_transformed(const FrameStructure& structure, const std::vector<Short4>& leaves,
+                        ChunkKind kind, const std::optional<CoefficientSteps>& frame_steps,
+                        FrameTag tag, std::vector<Chunks<Bytes>>& layers) {
+  const Svo& svo = structure.svo();
+  TransformEncoder encoder(structure, attribute_of(kind), leaves, !frame_steps);
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const int end = structure.layer_ends()[layer];
     const ChunkHeader header{kind, Entropy::none, static_cast<std::uint8_t>(layer),
-                             static_cast<std::uint8_t>(ends[layer]), 0};
+                             static_cast<std::uint8_t>(end), 0};
     const CoefficientSteps steps =
-        frame_steps ? layer_steps(*frame_steps, svo.leaf_count(), svo.node_count(ends[layer]))
+        frame_steps ? layer_steps(*frame_steps, svo.leaf_count(), svo.node_count(end))
                     : kExactSteps;
     pack_chunk(header, tag, encoder.encode_layer(steps), chunk_of(layers[layer], kind));
   }
@@ -123,11 +132,11 @@ Result<void> check_stopped(const DecodeLimits& limits) {
 /// Decodes a transformed attribute from the base down to the first layer that lacks it, or to level
 /// `depth`. Returns null if the base lacks it. `may_be_exact`: only colours of 8 bits may be.
 Result<std::unique_ptr<TransformDecoder>> decode_transformed(
-    const Svo& svo, const std::vector<Chunks<ByteView>>& layers,
-    const std::vector<int>& last_levels, int depth, ChunkKind kind, bool may_be_exact, FrameTag tag,
-    const DecodeLimits& limits) {
+    const FrameStructure& structure, const std::vector<Chunks<ByteView>>& layers, int depth,
+    ChunkKind kind, bool may_be_exact, FrameTag tag, const DecodeLimits& limits) {
   if (chunk_of(layers.front(), kind).empty()) return nullptr;
-  auto decoder = std::make_unique<TransformDecoder>(svo);
+  const std::vector<int>& last_levels = structure.layer_ends();
+  auto decoder = std::make_unique<TransformDecoder>(structure, attribute_of(kind));
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
     const ByteView bytes = chunk_of(layers[layer], kind);
     if (bytes.empty()) break;
@@ -185,14 +194,14 @@ void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, Oc
 }
 
 /// Decodes the colours of a frame if they are transformed.
-Result<void> decode_colors(const std::vector<Chunks<ByteView>>& layers,
-                           const std::vector<int>& last_levels, int depth,
+Result<void> decode_colors(const FrameStructure& structure,
+                           const std::vector<Chunks<ByteView>>& layers, int depth,
                            const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                            OctreeFrame& frame) {
   if (!parsed.header.colors_transformed) return {};
-  const auto decoder = TRY(at_place(
-      "colors", decode_transformed(frame.svo, layers, last_levels, depth, ChunkKind::colors,
-                                   !parsed.header.colors_16_bit, parsed.tag, limits)));
+  const auto decoder =
+      TRY(at_place("colors", decode_transformed(structure, layers, depth, ChunkKind::colors,
+                                                !parsed.header.colors_16_bit, parsed.tag, limits)));
   if (decoder == nullptr) return {};
   if (decoder->exact()) {
     set_colors(*decoder, limits, color_from_exact_value, frame);
@@ -205,14 +214,14 @@ Result<void> decode_colors(const std::vector<Chunks<ByteView>>& layers,
 }
 
 /// The same for normals.
-Result<void> decode_normals(const std::vector<Chunks<ByteView>>& layers,
-                            const std::vector<int>& last_levels, int depth,
+Result<void> decode_normals(const FrameStructure& structure,
+                            const std::vector<Chunks<ByteView>>& layers, int depth,
                             const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                             OctreeFrame& frame) {
   if (!parsed.header.normals_transformed) return {};
   const auto decoder =
-      TRY(at_place("normals", decode_transformed(frame.svo, layers, last_levels, depth,
-                                                 ChunkKind::normals, false, parsed.tag, limits)));
+      TRY(at_place("normals", decode_transformed(structure, layers, depth, ChunkKind::normals,
+                                                 false, parsed.tag, limits)));
   if (decoder != nullptr) set_normals(*decoder, limits, frame);
   return {};
 }
@@ -264,8 +273,9 @@ Result<void> take_attribute(const Svo& svo, ByteView base, bool transformed,
   if (limits.inner_nodes) TRY(budget.take(nodes, 2 * sizeof(glm::u16vec3)));
   if (limits.leaves) TRY(budget.take(leaves, sizeof(glm::vec3)));
   if (!transformed) return budget.take(leaves, 4 * sizeof(glm::u16vec3) + sizeof(glm::vec3));
-  TRY(budget.take(nodes, sizeof(Short4)));
-  return budget.take(svo.node_count(std::max(svo.depth - 2, 0)), 172);
+  // The values, and the planes of the level whose planes are largest.
+  TRY(budget.take(nodes, sizeof(Short4) + 1));
+  return budget.take(svo.internal_count(), 6 * sizeof(Short4));
 }
 
 /// Decodes the geometry of the layers that are given. Returns the last level of each.
@@ -399,17 +409,19 @@ Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const Oct
     }
     first_level = last_level;
   }
+  if (!frame.colors_transformed && !frame.normals_transformed) return encoded;
+  const FrameStructure structure(svo, layer_ends(svo.depth, frame.layers));
   if (frame.colors_transformed) {
     std::optional<CoefficientSteps> steps;
     if (!lossless_colors) steps = color_steps(options.color_quality);
-    encode_transformed(svo,
+    encode_transformed(structure,
                        values_of(mean_leaf_colors(svo, cloud, points.sorted),
                                  steps ? value_from_color : exact_value_from_color),
                        ChunkKind::colors, steps, tag, encoded.layers);
   }
   if (frame.normals_transformed) {
     encode_transformed(
-        svo, values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal),
+        structure, values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal),
         ChunkKind::normals, normal_steps(options.normal_quality), tag, encoded.layers);
   }
   return encoded;
@@ -442,6 +454,9 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   TRY(take_attribute(frame.svo, layers.front().colors, header.colors_transformed, limits, budget));
   TRY(take_attribute(frame.svo, layers.front().normals, header.normals_transformed, limits,
                      budget));
+  if (header.colors_transformed || header.normals_transformed) {
+    TRY(budget.take(frame.svo.internal_count(), 64));  // what both know of the tree
+  }
 
   const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
@@ -461,13 +476,16 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
   // They need only the tree, not each other, and so can run in parallel.
-  std::array<Result<void>, 2> transformed;
-  for_each(limits.executor, 2, [&](int i) {
-    transformed[static_cast<std::size_t>(i)] =
-        i == 0 ? decode_colors(layers, last_levels, depth, parsed, limits, frame)
-               : decode_normals(layers, last_levels, depth, parsed, limits, frame);
-  });
-  for (const Result<void>& done : transformed) TRY(done);
+  if (header.colors_transformed || header.normals_transformed) {
+    const FrameStructure structure(frame.svo, last_levels);
+    std::array<Result<void>, 2> transformed;
+    for_each(limits.executor, 2, [&](int i) {
+      transformed[static_cast<std::size_t>(i)] =
+          i == 0 ? decode_colors(structure, layers, depth, parsed, limits, frame)
+                 : decode_normals(structure, layers, depth, parsed, limits, frame);
+    });
+    for (const Result<void>& done : transformed) TRY(done);
+  }
   if (limits.inner_nodes) add_means(frame);
   if (depth < frame.svo.depth) cut_off(frame, depth);
   return frame;

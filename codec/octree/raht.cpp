@@ -1,6 +1,5 @@
 #include "codec/octree/raht.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace pointreel {
@@ -26,24 +25,15 @@ constexpr std::array<MergeOrder, 256> make_orders() {
         } else {
           order.pair[order.pairs] = {static_cast<std::uint8_t>(child[octant]),
                                      static_cast<std::uint8_t>(child[other])};
-          order.unit_weights[order.pairs] = {static_cast<std::uint8_t>(weight[octant]),
-                                             static_cast<std::uint8_t>(weight[other])};
           ++order.pairs;
         }
         weight[octant] += weight[other];
         weight[other] = 0;
       }
     }
-    order.size_class = static_cast<std::uint8_t>(order.pairs <= 2 ? order.pairs - (order.pairs > 0)
-                                                 : order.pairs <= 4 ? 2
-                                                                    : 3);
   }
   return orders;
 }
-
-/// In 1/256 of a value. A step below 1/32 of an 8-bit colour value is not worth its bits.
-constexpr std::uint64_t kLeastStep = 2 * 256;
-constexpr std::uint64_t kMostStep = std::uint64_t{1} << 24;
 
 }  // namespace
 
@@ -58,26 +48,35 @@ std::uint32_t square_root(std::uint64_t v) {
   return static_cast<std::uint32_t>(root);
 }
 
-PairScales::PairScales(std::uint32_t luma_step, std::uint32_t chroma_step)
-    : luma_step_(luma_step), chroma_step_(chroma_step) {
-  table_.reserve(kTabled * kTabled);
+PairScale make_scale(std::uint32_t w0, std::uint32_t w1) {
+  const std::uint64_t sum = std::uint64_t{w0} + w1;
+  return {static_cast<std::int32_t>(((std::uint64_t{w1} << 14) + sum / 2) / sum),
+          square_root((sum << 34) / (std::uint64_t{w0} * w1))};
+}
+
+PairScales::PairScales() {
   for (std::uint32_t w0 = 1; w0 <= kTabled; ++w0) {
-    for (std::uint32_t w1 = 1; w1 <= kTabled; ++w1) table_.push_back(make(w0, w1));
+    for (std::uint32_t w1 = 1; w1 <= kTabled; ++w1) {
+      table_[(w0 - 1) * kTabled + w1 - 1] = make_scale(w0, w1);
+    }
   }
 }
 
-PairScale PairScales::make(std::uint32_t w0, std::uint32_t w1) const {
-  const std::uint64_t sum = std::uint64_t{w0} + w1;
-  const std::uint64_t inverse = square_root((sum << 34) / (std::uint64_t{w0} * w1));
-  const auto step = [inverse](std::uint64_t orthonormal) {
-    return static_cast<std::int32_t>(
-        std::clamp((orthonormal * inverse) >> 11, kLeastStep, kMostStep));
-  };
-  PairScale scale;
-  scale.ratio = static_cast<std::int32_t>(((std::uint64_t{w1} << 14) + sum / 2) / sum);
-  scale.steps = Int4{step(luma_step_), step(chroma_step_), step(chroma_step_),
-                     static_cast<std::int32_t>(kMostStep)};
-  return scale;
+const PairScales& pair_scales() {
+  static const PairScales scales;
+  return scales;
+}
+
+const NodeScales& unit_scales(std::uint8_t mask) {
+  static const std::array<NodeScales, 256> all = [] {
+    constexpr std::array<std::uint32_t, 8> kOnes = {1, 1, 1, 1, 1, 1, 1, 1};
+    std::array<NodeScales, 256> made{};
+    for (std::size_t m = 0; m < 256; ++m) {
+      find_scales(pair_scales(), kMergeOrders[m], kOnes.data(), made[m]);
+    }
+    return made;
+  }();
+  return all[mask];
 }
 
 }  // namespace pointreel

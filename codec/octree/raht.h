@@ -1,11 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "codec/octree/int4.h"
-#include "pointreel/octree.h"
 
 /// The region-adaptive hierarchical transform (R. de Queiroz and P. Chou, "Compression of 3D point
 /// clouds using a region-adaptive hierarchical transform", IEEE Transactions on Image Processing
@@ -29,74 +28,88 @@ struct MergeOrder {
   struct Pair {
     std::uint8_t first, second;
   };
-  std::uint8_t pairs = 0;       ///< one fewer than the number of children
-  std::uint8_t size_class = 0;  ///< 0 for up to one pair, 1 for two, 2 for three or four, else 3
+  std::uint8_t pairs = 0;  ///< one fewer than the number of children
   std::array<Pair, 7> pair{};
-  /// The weights of the two values of a pair if all children weigh 1; they are 1 to 4.
-  std::array<Pair, 7> unit_weights{};
 };
 extern const std::array<MergeOrder, 256> kMergeOrders;
 
-/// The constants of a pair, which follow from its weights.
+/// What follows from the weights of a pair.
 struct PairScale {
   /// The weight of the second value divided by that of both, in 1/2^14: the mean is v0 + d * ratio.
   std::int32_t ratio;
-  /// The quantisation steps of the components' differences, in 1/256 of a value. The fourth lane is
-  /// 2^24.
-  Int4 steps;
+  /// 1 / sqrt(w0 w1 / (w0 + w1)), in 1/2^17.
+  std::uint32_t inverse;
 };
 
-/// The scales of pairs for the quantisation steps of a layer. Weights are at most 2^29.
+/// The scale for two weights, which are at most 2^29.
+PairScale make_scale(std::uint32_t w0, std::uint32_t w1);
+
+/// The scales of small weights.
 class PairScales {
  public:
-  /// The steps of orthonormal coefficients, in 1/256 of an 8-bit colour value, 1 to 65535.
-  PairScales(std::uint32_t luma_step, std::uint32_t chroma_step);
+  PairScales();
 
-  /// The scale for two weights. Computes it into `made` if it is not in the table.
-  const PairScale& operator()(std::uint32_t w0, std::uint32_t w1, PairScale& made) const {
-    if (w0 <= kTabled && w1 <= kTabled) return table_[(w0 - 1) * kTabled + w1 - 1];
-    made = make(w0, w1);
-    return made;
+  PairScale operator()(std::uint32_t w0, std::uint32_t w1) const {
+    if (((w0 - 1) | (w1 - 1)) < kTabled) return table_[(w0 - 1) * kTabled + w1 - 1];
+    return make_scale(w0, w1);
   }
 
  private:
-  static constexpr std::uint32_t kTabled = 16;
-  PairScale make(std::uint32_t w0, std::uint32_t w1) const;
-
-  std::uint32_t luma_step_, chroma_step_;
-  std::vector<PairScale> table_;
+  static constexpr std::uint32_t kTabled = 32;
+  std::array<PairScale, kTabled * kTabled> table_;
 };
+const PairScales& pair_scales();
 
-/// The difference between a pair's mean and its first value.
+/// The quantisation step of a pair's difference, in 1/256 of a value, for a step of orthonormal
+/// coefficients in 64/256 of a value, which is less than 2^18. A step below 1/32 of an 8-bit colour
+/// value is not worth its bits.
+inline std::int32_t step_of(const PairScale& scale, std::uint32_t orthonormal) {
+  const std::uint64_t step = (std::uint64_t{orthonormal} * scale.inverse) >> 11;
+  return static_cast<std::int32_t>(
+      std::clamp(step, std::uint64_t{2 * 256}, std::uint64_t{1} << 24));
+}
+
+/// The difference between a pair's mean and its first value. Differences are at most 2^17.
 inline Int4 mean_offset(const Int4& difference, std::int32_t ratio) {
   return (difference * ratio + (1 << 13)) >> 14;
 }
 
-/// The scales of all pairs of a node, in the order of merging.
-struct NodeScales {
-  std::array<const PairScale*, 7> pair;
-  std::array<PairScale, 7> made;  ///< those that are not in a table
-  Int4 least_steps;               ///< the least steps of all pairs
-};
+/// The scales of a node's pairs, in the order of merging.
+using NodeScales = std::array<PairScale, 7>;
+
+/// The scales of the nodes with a mask whose children all weigh 1.
+const NodeScales& unit_scales(std::uint8_t mask);
+
+/// Finds the scales for the weights of a node's children.
+inline void find_scales(const PairScales& scales, const MergeOrder& order,
+                        const std::uint32_t* weights, NodeScales& found) {
+  std::array<std::uint32_t, 8> weight;
+  std::copy_n(weights, order.pairs + 1, weight.begin());
+  for (std::size_t i = 0; i < order.pairs; ++i) {
+    const auto [first, second] = order.pair[i];
+    found[i] = scales(weight[first], weight[second]);
+    weight[first] += weight[second];
+  }
+}
 
 /// Merges values[0 .. pairs] in place, so that values[0] becomes the mean, and stores the
 /// difference of each pair in `differences`.
 inline void merge(const MergeOrder& order, const NodeScales& scales, Int4* values,
                   Int4* differences) {
-  for (int i = 0; i < order.pairs; ++i) {
-    const auto [first, second] = order.pair[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < order.pairs; ++i) {
+    const auto [first, second] = order.pair[i];
     const Int4 d = values[second] - values[first];
     differences[i] = d;
-    values[first] += mean_offset(d, scales.pair[static_cast<std::size_t>(i)]->ratio);
+    values[first] += mean_offset(d, scales[i].ratio);
   }
 }
 
 /// Undoes merge, from the mean in values[0] and the differences.
 inline void split(const MergeOrder& order, const NodeScales& scales, Int4* values,
                   const Int4* differences) {
-  for (int i = order.pairs - 1; i >= 0; --i) {
-    const auto [first, second] = order.pair[static_cast<std::size_t>(i)];
-    values[first] -= mean_offset(differences[i], scales.pair[static_cast<std::size_t>(i)]->ratio);
+  for (std::size_t i = order.pairs; i-- > 0;) {
+    const auto [first, second] = order.pair[i];
+    values[first] -= mean_offset(differences[i], scales[i].ratio);
     values[second] = values[first] + differences[i];
   }
 }

@@ -4,18 +4,22 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <span>
 
 #include <tbb/parallel_for.h>
 
-#include "codec/octree/raster_walk.h"
+#include "codec/octree/dense_walk.h"
+#include "codec/octree/orientation.h"
+#include "codec/octree/slice_level.h"
+#include "codec/octree/sparse_words.h"
 
 namespace pointreel {
 namespace {
 
 using Samples = std::span<std::uint64_t>;
-constexpr int kOutcome = 63;
+constexpr int kSymbol = 60;
+constexpr std::size_t kSymbols = 16;
+static_assert(dense_word::kBits <= kSymbol && sparse_word::kBits <= kSymbol);
 
 /// Tables of n log2 n and of log2(n + 1) / 2.
 class Logarithms {
@@ -37,59 +41,64 @@ class Logarithms {
   std::vector<double> half_log_ = std::vector<double>(kTabled);
 };
 
-/// The number of ones, and of all decisions, that share a context.
-struct Counts {
-  std::uint32_t ones = 0, all = 0;
-};
+/// How often each symbol occurs.
+using Counts = std::array<std::uint32_t, kSymbols>;
 
-/// How often each bit of the word is set among the decisions with each outcome.
-struct BitCounts {
-  std::array<std::array<std::uint32_t, 64>, 2> set{};  ///< by outcome
-  std::array<std::uint32_t, 2> total{};
-};
-
-/// For each byte, eight bytes with one of its bits each.
-std::array<std::uint64_t, 256> make_spread() {
-  std::array<std::uint64_t, 256> spread{};
-  for (std::size_t byte = 0; byte < 256; ++byte) {
-    for (unsigned bit = 0; bit < 8; ++bit) {
-      spread[byte] |= std::uint64_t{byte >> bit & 1u} << (8 * bit);
-    }
-  }
-  return spread;
+std::uint32_t sum(const Counts& counts) {
+  std::uint32_t sum = 0;
+  for (const std::uint32_t count : counts) sum += count;
+  return sum;
 }
 
-void count_bits(std::span<const std::uint64_t> samples, BitCounts& counts) {
-  static const auto spread = make_spread();
-  std::array<std::array<std::uint64_t, 8>, 2> sums{};
-  std::array<unsigned, 2> pending{};
-  const auto flush = [&](std::size_t outcome) {
-    for (std::size_t i = 0; i < 64; ++i) {
-      counts.set[outcome][i] +=
-          static_cast<std::uint32_t>(sums[outcome][i / 8] >> (8 * (i % 8)) & 255u);
+Counts operator-(const Counts& a, const Counts& b) {
+  Counts difference;
+  for (std::size_t i = 0; i < kSymbols; ++i) difference[i] = a[i] - b[i];
+  return difference;
+}
+
+/// The symbols of all samples, and of those in whose word each bit is set.
+struct BitCounts {
+  std::array<Counts, kSymbol> set{};
+  Counts all{};
+};
+
+/// Counts at most about kMostCounted samples, which are enough to tell one bit from another.
+/// Returns for how many samples each of them stands.
+std::size_t count_bits(std::span<const std::uint64_t> samples, std::uint64_t allowed,
+                       BitCounts& counts) {
+  constexpr std::size_t kMostCounted = std::size_t{1} << 17;
+  const std::size_t step = samples.size() / kMostCounted + 1;
+  for (std::size_t i = 0; i < samples.size(); i += step) {
+    const auto symbol = static_cast<std::size_t>(samples[i] >> kSymbol);
+    ++counts.all[symbol];
+    for (std::uint64_t rest = samples[i] & allowed; rest != 0; rest &= rest - 1) {
+      ++counts.set[static_cast<std::size_t>(std::countr_zero(rest))][symbol];
     }
-    sums[outcome] = {};
-    counts.total[outcome] += pending[outcome];
-    pending[outcome] = 0;
-  };
-  for (const std::uint64_t word : samples) {
-    const std::size_t outcome = word >> kOutcome;
-    for (std::size_t i = 0; i < 8; ++i) sums[outcome][i] += spread[word >> (8 * i) & 255u];
-    if (++pending[outcome] == 255) flush(outcome);
   }
-  flush(0);
-  flush(1);
+  return step;
 }
 
 class GreedyMask {
  public:
-  GreedyMask(const Logarithms& logs, double leaf_cost) : logs_(logs), leaf_cost_(leaf_cost) {}
+  GreedyMask(const Logarithms& logs, double alphabet_cost)
+      : logs_(logs), alphabet_cost_(alphabet_cost) {}
 
-  /// The number of bits for coding a leaf's decisions adaptively, and for describing the leaf.
-  double cost(std::uint32_t ones, std::uint32_t all) const {
-    if (all == 0) return 0.25 * leaf_cost_;
-    return logs_.n_log_n(all) - logs_.n_log_n(ones) - logs_.n_log_n(all - ones) +
-           logs_.half_log(all) + leaf_cost_;
+  /// The number of bits for coding the symbols.
+  double bits(const Counts& counts) const {
+    double bits = logs_.n_log_n(sum(counts));
+    for (const std::uint32_t count : counts) bits -= logs_.n_log_n(count);
+    return bits;
+  }
+
+  /// The number of bits for coding the symbols adaptively and for describing the alphabet, if each
+  /// stands for `step` symbols.
+  double cost(const Counts& counts, std::size_t step) const {
+    const std::uint32_t all = sum(counts);
+    if (all == 0) return 0.25 * alphabet_cost_;
+    std::size_t kinds = 0;
+    for (const std::uint32_t count : counts) kinds += count > 0 ? 1 : 0;
+    return static_cast<double>(step) * bits(counts) +
+           static_cast<double>(kinds - 1) * logs_.half_log(all) + alphabet_cost_;
   }
 
   /// The best mask with at most `most_bits` of the `allowed` bits. Reorders the samples.
@@ -98,20 +107,23 @@ class GreedyMask {
     std::uint64_t mask = 0, best_mask = 0;
     double best = -1.0;
     int since_best = 0;
-    std::vector<double> candidates(64);
+    std::array<double, kSymbol> candidates;
     for (int bits = 0; bits <= most_bits; ++bits) {
-      std::fill(candidates.begin(), candidates.end(), 0.0);
+      candidates.fill(0.0);
       double now = 0.0;
       for (const Samples group : groups) {
         BitCounts counts;
-        count_bits(group, counts);
-        const std::uint32_t ones = counts.total[1], all = ones + counts.total[0];
-        now += cost(ones, all);
+        const std::size_t step = count_bits(group, bits == most_bits ? 0 : allowed, counts);
+        const double whole = cost(counts.all, step);
+        now += whole;
         if (bits == most_bits) continue;
         for (std::uint64_t rest = allowed; rest != 0; rest &= rest - 1) {
           const auto f = static_cast<std::size_t>(std::countr_zero(rest));
-          const std::uint32_t set_ones = counts.set[1][f], set = set_ones + counts.set[0][f];
-          candidates[f] += cost(set_ones, set) + cost(ones - set_ones, all - set);
+          const std::uint32_t set = sum(counts.set[f]);
+          const bool divides = set != 0 && set != sum(counts.all);
+          candidates[f] += divides
+                               ? cost(counts.set[f], step) + cost(counts.all - counts.set[f], step)
+                               : whole + 0.25 * alphabet_cost_;
         }
       }
       if (best < 0.0 || now < best) {
@@ -122,10 +134,10 @@ class GreedyMask {
         break;
       }
       if (bits == most_bits || allowed == 0) break;
-      std::size_t chosen = 64;
+      std::size_t chosen = kSymbol;
       for (std::uint64_t rest = allowed; rest != 0; rest &= rest - 1) {
         const auto f = static_cast<std::size_t>(std::countr_zero(rest));
-        if (chosen == 64 || candidates[f] < candidates[chosen]) chosen = f;
+        if (chosen == kSymbol || candidates[f] < candidates[chosen]) chosen = f;
       }
       const std::uint64_t bit = std::uint64_t{1} << chosen;
       mask |= bit;
@@ -145,7 +157,7 @@ class GreedyMask {
 
  private:
   const Logarithms& logs_;
-  double leaf_cost_;
+  double alphabet_cost_;
 };
 
 std::uint64_t gather(std::uint64_t word, std::uint64_t mask) {
@@ -156,55 +168,91 @@ std::uint64_t gather(std::uint64_t word, std::uint64_t mask) {
   return bits;
 }
 
-/// The bits that a slot's decisions may depend on: all but those of children that are coded later.
-std::uint64_t allowed_bits(int slot) {
-  std::uint64_t allowed = (std::uint64_t{1} << neighborhood::kBits) - 1;
-  const int known = slot < kOnlyChildSlot ? slot : 0;
-  for (int child = known; child < 7; ++child) {
-    allowed &= ~(std::uint64_t{1} << (neighborhood::kOwn + child));
+/// The bits that a table's symbols may depend on: the lower half is known only to the upper one.
+std::uint64_t allowed_bits(int table) {
+  const bool dense = is_dense_table(table);
+  const std::uint64_t low = std::uint64_t{15}
+                            << (dense ? dense_word::kLowHalf : sparse_word::kLowHalf);
+  const std::uint64_t all =
+      (std::uint64_t{1} << (dense ? dense_word::kBits : sparse_word::kBits)) - 1;
+  for (int c = 0; c < kLevelClasses; ++c) {
+    if (table == table_of(c, SymbolKind::high_half)) return all;
   }
-  return allowed;
+  return all & ~low;
 }
 
-struct TrainedSlot {
-  SlotTables tables;
+using Shares = std::array<double, kSymbols>;
+
+/// The shares of the symbols, drawn towards others that count as much as `weight` symbols.
+Shares shares_of(const Counts& counts, const Shares& towards, double weight) {
+  Shares shares;
+  const double all = sum(counts) + weight;
+  for (std::size_t i = 0; i < kSymbols; ++i) shares[i] = (counts[i] + weight * towards[i]) / all;
+  return shares;
+}
+
+StoredAlphabet stored(const Shares& shares, std::uint32_t samples, int table) {
+  StoredAlphabet alphabet;
+  // Every dense surface is regular in its own way, which is to be learned fast.
+  alphabet.confidence = samples < 300 || is_dense_table(table) ? 0 : 1;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(symbols_of_table(table)); ++i) {
+    alphabet.rarity[i] = rarity_of(shares[i]);
+  }
+  return alphabet;
+}
+
+struct TrainedTable {
+  StoredTable table;
   double bits = 0.0;
 };
 
-TrainedSlot train_slot(std::vector<std::uint64_t> samples, int slot, const TrainingOptions& options,
-                       const Logarithms& logs) {
-  TrainedSlot trained;
-  const GreedyMask greedy(logs, options.leaf_cost);
-  const std::uint64_t allowed = allowed_bits(slot);
-  trained.tables.mask = greedy.choose(samples, allowed, options.slot_bits);
-  std::vector<std::vector<std::uint64_t>> cells(std::size_t{1}
-                                                << std::popcount(trained.tables.mask));
-  double ones = 1.0;
-  for (const std::uint64_t word : samples) {
-    cells[gather(word, trained.tables.mask)].push_back(word);
-    ones += static_cast<double>(word >> kOutcome);
+TrainedTable train_table(std::vector<std::uint64_t> samples, int table,
+                         const TrainingOptions& options, const Logarithms& logs) {
+  constexpr double kWeight = 8.0;
+  TrainedTable trained;
+  const GreedyMask greedy(
+      logs, is_dense_table(table) ? options.dense_alphabet_cost : options.alphabet_cost);
+  const std::uint64_t allowed = allowed_bits(table);
+  const auto symbols = static_cast<std::size_t>(symbols_of_table(table));
+  const std::uint64_t mask = greedy.choose(
+      samples, allowed, is_dense_table(table) ? options.dense_table_bits : options.table_bits);
+  trained.table.mask = mask;
+  std::vector<std::vector<std::uint64_t>> cells(std::size_t{1} << std::popcount(mask));
+  Counts all{};
+  for (const std::uint64_t sample : samples) {
+    cells[gather(sample, mask)].push_back(sample);
+    ++all[sample >> kSymbol];
   }
-  const double share = ones / (static_cast<double>(samples.size()) + 2.0);
+  Shares even{};
+  for (std::size_t i = 0; i < symbols; ++i) even[i] = 1.0 / static_cast<double>(symbols);
+  const Shares of_table = shares_of(all, even, 1.0);
   for (std::vector<std::uint64_t>& cell : cells) {
-    const std::uint64_t mask =
-        greedy.choose(cell, allowed & ~trained.tables.mask, options.cell_bits);
-    trained.tables.cells.push_back(mask);
-    std::vector<Counts> leaves(std::size_t{1} << std::popcount(mask));
-    Counts whole;
-    for (const std::uint64_t word : cell) {
-      Counts& leaf = leaves[gather(word, mask)];
-      for (Counts* counts : {&leaf, &whole}) {
-        ++counts->all;
-        counts->ones += static_cast<std::uint32_t>(word >> kOutcome);
-      }
+    const std::uint64_t cell_mask = greedy.choose(cell, allowed & ~mask, options.cell_bits);
+    trained.table.cells.push_back(cell_mask);
+    Counts whole{};
+    std::vector<std::vector<std::uint64_t>> parts(std::size_t{1} << std::popcount(cell_mask));
+    for (const std::uint64_t sample : cell) {
+      parts[gather(sample, cell_mask)].push_back(sample);
+      ++whole[sample >> kSymbol];
     }
-    // A leaf with few samples is drawn towards its cell, and a cell with few towards its slot.
-    const double cell_share = (whole.ones + 2.0 * share) / (whole.all + 2.0);
-    for (const Counts& leaf : leaves) {
-      const double probability = (leaf.ones + cell_share) / (leaf.all + 1.0);
-      trained.tables.leaves.push_back(pack_leaf(probability, leaf.all));
-      trained.bits +=
-          logs.n_log_n(leaf.all) - logs.n_log_n(leaf.ones) - logs.n_log_n(leaf.all - leaf.ones);
+    // An alphabet with few samples is drawn towards its cell, and a cell with few towards its
+    // table.
+    const Shares of_cell = shares_of(whole, of_table, kWeight);
+    for (std::vector<std::uint64_t>& part : parts) {
+      const std::uint64_t part_mask =
+          greedy.choose(part, allowed & ~mask & ~cell_mask, options.part_bits);
+      trained.table.parts.push_back(part_mask);
+      std::vector<Counts> counts(std::size_t{1} << std::popcount(part_mask));
+      Counts of_part{};
+      for (const std::uint64_t sample : part) {
+        ++counts[gather(sample, part_mask)][sample >> kSymbol];
+        ++of_part[sample >> kSymbol];
+      }
+      const Shares near = shares_of(of_part, of_cell, kWeight);
+      for (const Counts& c : counts) {
+        trained.table.alphabets.push_back(stored(shares_of(c, near, kWeight), sum(c), table));
+        trained.bits += greedy.bits(c);
+      }
     }
   }
   return trained;
@@ -221,68 +269,87 @@ double portable_log2(double value) {
   return 2.8853900817779268 * sum + exponent - 0.5;
 }
 
-void for_each_decision_of(
-    const Svo& svo,
-    const std::function<void(int level_class, int slot, std::uint64_t word, unsigned bit)>& use) {
+void for_each_symbol_of(const Svo& svo,
+                        const std::function<void(int table, std::uint64_t word, int symbol)>& use) {
   if (svo.node_count() == 0) return;
-  RasterLevel level = root_level();
+  SliceLevel level = root_level();
   for (int number = 0; number < svo.depth; ++number) {
     const std::size_t begin = svo.level_begin[static_cast<std::size_t>(number)];
+    const std::size_t children = svo.node_count(number + 1);
+    const int level_class = pointreel::level_class(number, level.size(), children);
+    const auto use_halves = [&](std::uint64_t word, std::uint32_t mask, int low_half) {
+      use(table_of(level_class, SymbolKind::low_half), word, static_cast<int>(mask & 15u));
+      use(table_of(level_class, SymbolKind::high_half),
+          word | std::uint64_t{mask & 15u} << low_half, static_cast<int>(mask >> 4));
+    };
     for (std::size_t i = 0; i < level.size(); ++i) {
       level.masks[i] = svo.masks[begin + level.rank[i]];
     }
-    const std::size_t children = svo.node_count(number + 1);
-    const int level_class = pointreel::level_class(level.size(), children);
-    const bool sparse = codes_only_child(level_class);
-    LevelWalk(level).visit(kAllNodes, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
-      if (sparse) word = neighborhood::sparse_word(word, level.parents[node]);
-      for_each_decision(sparse, word, level.masks[node],
-                        [&](int slot, std::uint64_t context, unsigned bit) {
-                          use(level_class, slot, context, bit);
-                        });
-      return level.masks[node];
-    });
+    if (level_class == kDenseClass) {
+      DenseWalk walk(level);
+      for (std::size_t slice = 0; slice < level.slice_count(); ++slice) {
+        walk.visit(slice, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
+          use_halves(word, level.masks[node], dense_word::kLowHalf);
+          return level.masks[node];
+        });
+      }
+    } else {
+      SparseWalk walk(level);
+      for (std::size_t slice = 0; slice < level.slice_count(); ++slice) {
+        walk.visit(slice);
+        for (std::size_t i = 0; i < walk.size(); ++i) {
+          const std::uint32_t mask =
+              orientation::kTurned[walk.orientation(i)][level.masks[level.slices[slice].begin + i]];
+          const bool only = std::has_single_bit(mask);
+          if (level_class < kOnlyChildClasses) {
+            use(table_of(level_class, SymbolKind::only_child), walk.word(i),
+                only ? std::countr_zero(mask) : kMore);
+            if (only) continue;
+          }
+          use_halves(walk.word(i), mask, sparse_word::kLowHalf);
+        }
+      }
+    }
     std::vector<std::uint32_t> first_child(level.size());
     for (std::size_t i = 0; i < level.size(); ++i) {
       first_child[i] =
           svo.first_child[begin + i] - svo.level_begin[static_cast<std::size_t>(number) + 1];
     }
-    RasterLevel below;
+    SliceLevel below;
     expand(level, first_child, children, below);
     level = std::move(below);
   }
 }
 
 void ContextTrainer::add(const Svo& svo) {
-  for_each_decision_of(svo, [this](int level_class, int slot, std::uint64_t word, unsigned bit) {
-    samples_[level_class][slot].push_back(word | std::uint64_t{bit} << kOutcome);
+  for_each_symbol_of(svo, [this](int table, std::uint64_t word, int symbol) {
+    samples_[static_cast<std::size_t>(table)].push_back(word | static_cast<std::uint64_t>(symbol)
+                                                                   << kSymbol);
   });
 }
 
 std::size_t ContextTrainer::sample_count() const {
   std::size_t count = 0;
-  for (const auto& slots : samples_) {
-    for (const auto& samples : slots) count += samples.size();
-  }
+  for (const auto& samples : samples_) count += samples.size();
   return count;
 }
 
 ContextTrainer::Result ContextTrainer::train(const TrainingOptions& options) const {
   const Logarithms logs;
-  std::vector<TrainedSlot> trained(kLevelClasses * kSlots);
-  tbb::parallel_for(std::size_t{0}, trained.size(), [&](std::size_t i) {
-    const int slot = static_cast<int>(i % kSlots);
-    trained[i] = train_slot(samples_[i / kSlots][slot], slot, options, logs);
+  std::vector<TrainedTable> trained(kTables);
+  tbb::parallel_for(0, kTables, [&](int table) {
+    const auto i = static_cast<std::size_t>(table);
+    trained[i] = train_table(samples_[i], table, options, logs);
   });
   Result result;
   double bits = 0.0;
   for (std::size_t i = 0; i < trained.size(); ++i) {
-    result.cells += trained[i].tables.cells.size();
-    result.leaves += trained[i].tables.leaves.size();
+    result.cells += trained[i].table.cells.size();
+    result.alphabets += trained[i].table.alphabets.size();
     bits += trained[i].bits;
-    result.slots[i] = std::move(trained[i].tables);
+    result.tables[i] = std::move(trained[i].table);
   }
-  result.bits_per_decision = bits / static_cast<double>(std::max<std::size_t>(1, sample_count()));
+  result.bits_per_symbol = bits / static_cast<double>(std::max<std::size_t>(1, sample_count()));
   return result;
 }
 

@@ -10,22 +10,25 @@
 
 /// Trains context tables (codec/octree/context_model.h) on octrees. Masks are chosen greedily: each
 /// bit is the one that makes the code of the samples shortest. A table stops growing when
-/// describing its leaves would take more bits than they save (Rissanen, "Modeling by shortest data
-/// description", 1978). Sums and logarithms are the same on every machine, so the same trees give
-/// the same tables, whatever the number of threads.
+/// describing its alphabets would take more bits than they save (Rissanen, "Modeling by shortest
+/// data description", 1978). Sums and logarithms are the same on every machine, so the same trees
+/// give the same tables, whatever the number of threads.
 namespace pointreel {
 
 struct TrainingOptions {
-  int slot_bits = 11;      ///< the largest number of bits in a slot's mask
-  int cell_bits = 8;       ///< the largest number of bits in a cell's mask
-  double leaf_cost = 9.4;  ///< the number of coded bits that a leaf must save
+  int table_bits = 6;           ///< the largest number of bits in a table's mask
+  int cell_bits = 4;            ///< the same for the masks of cells
+  int part_bits = 5;            ///< the same for the masks of parts of cells
+  double alphabet_cost = 40.0;  ///< the number of coded bits that an alphabet must save
+  /// Dense levels: there, many contexts are used up to the last.
+  int dense_table_bits = 8;
+  double dense_alphabet_cost = 30.0;
 };
 
-/// Calls `use(level class, slot, neighbourhood word, bit)` for each decision about the tree's
-/// nodes, in the order in which they are coded.
-void for_each_decision_of(
-    const Svo& svo,
-    const std::function<void(int level_class, int slot, std::uint64_t word, unsigned bit)>& use);
+/// Calls `use(table, word, symbol)` for each symbol that codes the tree's masks. The order is that
+/// of the nodes, but not that of the coder within a slice.
+void for_each_symbol_of(const Svo& svo,
+                        const std::function<void(int table, std::uint64_t word, int symbol)>& use);
 
 /// log2 of a value > 0, computed with additions, multiplications and divisions only, because the
 /// last bit of libm's result differs between machines.
@@ -33,21 +36,21 @@ double portable_log2(double value);
 
 class ContextTrainer {
  public:
-  /// Adds all decisions about the tree's nodes.
+  /// Adds all symbols of the tree.
   void add(const Svo& svo);
 
   std::size_t sample_count() const;
 
   struct Result {
-    std::array<SlotTables, kLevelClasses * kSlots> slots;  ///< for write_tables
-    std::size_t cells = 0, leaves = 0;
-    double bits_per_decision = 0.0;  ///< for the samples themselves
+    std::array<StoredTable, kTables> tables;  ///< for write_tables
+    std::size_t cells = 0, alphabets = 0;
+    double bits_per_symbol = 0.0;  ///< for the samples themselves
   };
   Result train(const TrainingOptions& options) const;
 
  private:
-  /// By class and slot: neighbourhood words, with the decision as the highest bit.
-  std::vector<std::uint64_t> samples_[kLevelClasses][kSlots];
+  /// By table: words, with the symbol in the highest four bits.
+  std::array<std::vector<std::uint64_t>, kTables> samples_;
 };
 
 }  // namespace pointreel

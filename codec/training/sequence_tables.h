@@ -8,8 +8,8 @@
 #include "pointreel/octree.h"
 
 /// Context tables for a sequence, trained on some of its frames: the traits that a sensor, a
-/// scanner or a mesh leaves in its points are much the same in all of them. A slot of the built-in
-/// tables (context_model.h) is replaced only if this saves more than storing the slot takes.
+/// scanner or a mesh leaves in its points are much the same in all of them. A built-in
+/// table (context_model.h) is replaced only if this saves more than storing the new one takes.
 namespace pointreel {
 
 struct SequenceTables {

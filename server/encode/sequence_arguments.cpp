@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "codec/octree/slabs.h"
+#include "codec/octree/context_coder.h"
 #include "common/command_line/option_checks.h"
 #include "common/stream/json_fields.h"
 #include "pointreel/octree.h"

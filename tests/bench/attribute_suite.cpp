@@ -32,16 +32,17 @@ struct Coded {
 };
 
 /// Codes the values alone, without the tree.
-Coded code(const Leaves& leaves, const CoefficientSteps& steps, int runs) {
+Coded code(const Leaves& leaves, AttributeKind kind, const CoefficientSteps& steps, int runs) {
   const Svo& svo = leaves.svo;
   std::vector<int> ends;
   for (int layer = 0; layer < layer_count(svo.depth); ++layer) {
     ends.push_back(last_level_of_layer(layer, svo.depth));
   }
+  const FrameStructure structure(svo, ends);
   std::vector<Bytes> layers;
   Coded coded;
   coded.encode = measure(runs, [&] {
-    TransformEncoder encoder(svo, leaves.values, ends);
+    TransformEncoder encoder(structure, kind, leaves.values);
     layers.clear();
     for (const int end : ends) {
       layers.push_back(
@@ -49,7 +50,7 @@ Coded code(const Leaves& leaves, const CoefficientSteps& steps, int runs) {
     }
   });
   coded.decode = measure(runs, [&] {
-    TransformDecoder decoder(svo);
+    TransformDecoder decoder(structure, kind);
     for (std::size_t i = 0; i < ends.size(); ++i) (void)decoder.decode_layer(layers[i], ends[i]);
     const auto values = decoder.values(svo.depth);
     coded.values.assign(values.begin(), values.end());
@@ -91,7 +92,7 @@ void measure_colors(const SuiteOptions& options, const PointCloud& cloud, const 
                     int runs, nlohmann::json& rows, std::vector<Bar>& bars) {
   double last_luma = 0.0, last_bits = 0.0;
   for (const int quality : {29, 36, 43, 50, 57, 64, 71}) {
-    const Coded coded = code(leaves, color_steps(quality), runs);
+    const Coded coded = code(leaves, AttributeKind::colors, color_steps(quality), runs);
     const glm::dvec3 db = psnr(leaves.values, coded.values);
     print(
         "colours, quality {:>3} {:>8.3f} bits, luma {:.2f} Cb {:.2f} Cr {:.2f} dB, {:>7.2f} / "
@@ -130,7 +131,7 @@ void measure_normals(const PointCloud& cloud, const Leaves& leaves, int runs,
                     {"mean_degrees", degrees}});
   };
   for (const int quality : {29, 36, 43, 57, 71}) {
-    const Coded coded = code(leaves, normal_steps(quality), runs);
+    const Coded coded = code(leaves, AttributeKind::normals, normal_steps(quality), runs);
     std::vector<glm::vec3> normals;
     for (const Short4& value : coded.values) normals.push_back(normal_from_value(value));
     row(fmt::format("quality {}", quality), coded.bits, mean_degrees(normals, cloud.normals));

@@ -143,7 +143,8 @@ void add_headers(Collection& all) {
   };
   header("magic", 0, std::uint8_t{'p'});
   header("version_0", kVersion, std::uint8_t{0});
-  header("version_2", kVersion, std::uint8_t{2});
+  header("version_1", kVersion, std::uint8_t{1});
+  header("version_3", kVersion, std::uint8_t{3});
   header("codec_0", kCodec, std::uint8_t{0});
   header("codec_3", kCodec, std::uint8_t{3});
   header("codec_of_another", kCodec, std::uint8_t{2});
@@ -272,12 +273,11 @@ void add_contexts(Collection& all) {
 }
 
 void add_slabs(Collection& all) {
-  // The second layer has one level, so its payload begins with: class, number of slabs, axis, and
-  // where all slabs but the first begin.
-  const std::size_t begin = Forger::payload(1, geometry), count = begin + 1, axis = begin + 2,
-                    cuts = begin + 3;
+  // The second layer has one level, so its payload begins with: class, number of slabs, and where
+  // all slabs but the first begin.
+  const std::size_t begin = Forger::payload(1, geometry), count = begin + 1, cuts = begin + 2;
   const auto slabs = [&](const char* name, const Change& change) {
-    all.forged(std::string("slabs_") + name, "slabs_along_y", change);
+    all.forged(std::string("slabs_") + name, "slabs", change);
   };
   const auto byte = [&](const char* name, std::size_t at, std::uint8_t value) {
     slabs(name, [=](Forger& f) { f.part(1, geometry)[at] = value; });
@@ -285,9 +285,6 @@ void add_slabs(Collection& all) {
   byte("number_0", count, 0);
   byte("number_1", count, 1);
   byte("number_17", count, 17);
-  byte("axis_0", axis, 0);
-  byte("axis_2", axis, 2);
-  byte("axis_3", axis, 3);
   slabs("begin_0", [=](Forger& f) { put_at(f.part(1, geometry), cuts, std::uint16_t{0}); });
   slabs("begin_far", [=](Forger& f) { put_at(f.part(1, geometry), cuts, std::uint16_t{65535}); });
   slabs("size_huge", [=](Forger& f) {
@@ -320,25 +317,28 @@ void add_attributes(Collection& all) {
   const auto lossy = [&](const char* name, const Change& change) {
     all.forged(name, "context_three_layers", change);
   };
-  lossy("lossy_flag", [=](Forger& f) { f.part(1, colors)[begin] |= 2; });
-  lossy("attribute_flag_unknown", [=](Forger& f) { f.part(1, colors)[begin] |= 4; });
+  lossy("lossy_flag", [=](Forger& f) { f.part(1, colors)[begin + 1] |= 0x80; });
+  lossy("level_behind_layer_predicted", [=](Forger& f) { f.part(1, colors)[begin] |= 4; });
+  lossy("root_predicted", [=](Forger& f) { f.part(0, normals)[Forger::payload(0, normals)] |= 1; });
   const auto turn_exact = [=](Forger& f, ChunkKind kind) {
     for (std::size_t layer = 0; layer < 3; ++layer) {
-      f.part(layer, kind)[Forger::payload(layer, kind)] |= 2;
+      f.part(layer, kind)[Forger::payload(layer, kind) + 1] |= 0x80;
     }
   };
   lossy("exact_normals", [=](Forger& f) { turn_exact(f, normals); });
   all.forged("exact_colors_of_16_bits", "colors_of_16_bits_lossy",
              [=](Forger& f) { turn_exact(f, colors); });
   all.forged("exact_not_everywhere", "context_lossless",
-             [=](Forger& f) { f.part(2, colors)[begin] ^= 2; });
+             [=](Forger& f) { f.part(2, colors)[begin + 1] ^= 0x80; });
   lossy("lossy_luma_step_0",
-        [=](Forger& f) { f.set(1, colors, kChunkHeaderSize + 1, std::uint16_t{0}); });
+        [=](Forger& f) { f.set(1, colors, kChunkHeaderSize + 2, std::uint16_t{0}); });
   lossy("lossy_chroma_step_0",
-        [=](Forger& f) { f.set(1, normals, kChunkHeaderSize + 3, std::uint16_t{0}); });
+        [=](Forger& f) { f.set(1, normals, kChunkHeaderSize + 4, std::uint16_t{0}); });
   lossy("lossy_header_cut", [](Forger& f) { f.resize_raw(1, colors, 4); });
   lossy("lossy_root_cut", [](Forger& f) { f.resize_raw(0, colors, 8); });
-  lossy("lossy_coded_none", [](Forger& f) { f.resize_raw(1, colors, 5); });
+  lossy("lossy_coded_none", [](Forger& f) { f.resize_raw(1, colors, 6); });
+  lossy("lossy_zeros_behind",
+        [](Forger& f) { f.resize_raw(1, colors, f.payload_size(1, colors) + 1); });
   lossy("lossy_cut", [](Forger& f) { f.resize_raw(1, colors, f.payload_size(1, colors) - 1); });
   lossy("lossy_goes_on",
         [](Forger& f) { f.resize_raw(1, normals, f.payload_size(1, normals) + 1, 0xff); });
@@ -384,8 +384,6 @@ void add_odd(Collection& all) {
     f.resize(0, geometry, f.payload_size(0, geometry) + 3);
     f.resize(2, geometry, f.payload_size(2, geometry) + 100);
   });
-  all.odd("zeros_behind_colors", "context_three_layers",
-          [](Forger& f) { f.resize_raw(1, colors, f.payload_size(1, colors) + 1); });
   for (const std::string from : {"none_lossless", "context_three_layers", "context_lossless"}) {
     all.odd("no_base_colors_" + from, from, [](Forger& f) { f.part(0, colors).clear(); });
     all.odd("no_middle_colors_" + from, from, [](Forger& f) { f.part(1, colors).clear(); });

@@ -52,7 +52,7 @@ PointCloud solid(int bits) {
   return cloud;
 }
 
-/// Two bent sheets, large enough for slabs along y or, if they lie flat, along z.
+/// Two bent sheets, large enough for slabs: upright, or lying flat.
 PointCloud sheets(bool lying) {
   PointCloud cloud;
   cloud.origin = kCube.origin;
@@ -150,10 +150,10 @@ std::vector<Recipe> octree_recipes() {
   with("all_in_one_cell", same, 12, 50, 43);
   OctreeOptions slabs = octree(Entropy::context, 8);
   slabs.slabs = 4;
-  add("slabs_along_y", sheets(false), slabs);
+  add("slabs", sheets(false), slabs);
   slabs.slabs = 2;
   slabs.depth = DepthRule::fixed(10);
-  add("slabs_along_z_of_two_layers", sheets(true), slabs);
+  add("slabs_of_two_layers", sheets(true), slabs);
   return recipes;
 }
 

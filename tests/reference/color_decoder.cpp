@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <cstdlib>
 #include <map>
-#include <optional>
 #include <string>
 
 #include "common/base/byte_io.h"
 #include "common/base/try.h"
 #include "common/octree/morton.h"
+#include "tests/reference/symbol_reader.h"
 
 namespace pointreel::reference {
 namespace {
@@ -27,78 +27,23 @@ struct Node {
 /// The nodes of a level, by Morton key.
 using Level = std::map<std::uint64_t, Node>;
 
-class RangeDecoder {
+/// The alphabets of a frame, by their names.
+class Alphabets {
  public:
-  RangeDecoder(ByteView bytes, std::size_t begin) : bytes_(bytes), next_(begin) { shift(8); }
-
-  bool bit(std::uint64_t probability) {
-    const std::uint64_t one = (range_ >> 16) * probability;
-    const bool result = value_ < one;
-    if (result) {
-      range_ = one;
-    } else {
-      value_ -= one;
-      range_ -= one;
-    }
-    if (range_ < std::uint64_t{1} << 32) {
-      range_ <<= 32;
-      shift(4);
-    }
-    return result;
-  }
-
-  /// True if the bytes end where the bits do, apart from zeros.
-  bool complete() const {
-    const std::size_t end = next_ - 4;
-    return end <= bytes_.size() && std::all_of(bytes_.begin() + static_cast<std::ptrdiff_t>(end),
-                                               bytes_.end(), [](auto byte) { return byte == 0; });
+  /// A new one has 8 symbols, of which the first `used` are used; or, if that is 0, its frequencies
+  /// halve from symbol to symbol.
+  Alphabet& operator()(const char* name, int used, std::initializer_list<std::int64_t> numbers) {
+    std::string key = name;
+    for (const std::int64_t number : numbers) key += " " + std::to_string(number);
+    const auto found = all_.find(key);
+    if (found != all_.end()) return found->second;
+    const Alphabet made = used == 0 ? Alphabet({128, 64, 32, 16, 8, 4, 2, 2}) : Alphabet(8, used);
+    return all_.emplace(key, made).first->second;
   }
 
  private:
-  void shift(int count) {
-    for (; count > 0; --count, ++next_) {
-      value_ = value_ << 8 | (next_ < bytes_.size() ? bytes_[next_] : 0u);
-    }
-  }
-
-  ByteView bytes_;
-  std::size_t next_;
-  std::uint64_t value_ = 0, range_ = ~std::uint64_t{0};
+  std::map<std::string, Alphabet> all_;
 };
-
-class AdaptiveBits {
- public:
-  bool decode(RangeDecoder& range, const std::string& context) {
-    Learnt& known = learnt_[context];
-    ++known.decisions;
-    int digits = 0;
-    while (digits < 7 && known.decisions >> digits != 0) ++digits;
-    const bool bit = range.bit((known.f + known.s) >> 1);
-    const auto follow = [bit](std::uint32_t& estimate, int shift) {
-      if (bit) {
-        estimate = 65535 - ((65535 - estimate) - ((65535 - estimate) >> shift));
-      } else {
-        estimate -= estimate >> shift;
-      }
-    };
-    follow(known.f, std::min(digits, 3));
-    follow(known.s, digits);
-    return bit;
-  }
-
- private:
-  struct Learnt {
-    std::uint32_t f = 32768, s = 32768;
-    std::uint64_t decisions = 0;
-  };
-  std::map<std::string, Learnt> learnt_;
-};
-
-std::string context(const char* name, std::initializer_list<std::int64_t> numbers) {
-  std::string all = name;
-  for (const std::int64_t number : numbers) all += " " + std::to_string(number);
-  return all;
-}
 
 struct Pair {
   int lower, higher;  ///< octants
@@ -141,51 +86,75 @@ std::int64_t step_of(const Pair& pair, std::int64_t layer_step) {
   return std::clamp<std::int64_t>(step, 1 << 9, 1 << 24);
 }
 
+std::int64_t divided(std::int64_t a, std::int64_t b) {
+  return a >= 0 ? a / b : -((-a + b - 1) / b);
+}
+
 class Decoder {
  public:
-  explicit Decoder(const std::vector<glm::uvec3>& leaves, int depth)
-      : levels_(static_cast<std::size_t>(depth) + 1) {
+  Decoder(const std::vector<glm::uvec3>& leaves, int depth, bool normals)
+      : normals_(normals), levels_(static_cast<std::size_t>(depth) + 1) {
     for (const glm::uvec3& leaf : leaves) {
       for (int level = 0; level <= depth; ++level) {
         levels_[static_cast<std::size_t>(level)][morton_encode(leaf >> unsigned(depth - level))];
       }
     }
+    can_be_predicted_.push_back(false);
+    for (int level = 1; level < depth; ++level) {
+      const std::uint64_t nodes = levels_[static_cast<std::size_t>(level)].size();
+      glm::uvec3 least(~0u), most(0u);
+      for (const glm::uvec3& leaf : leaves) {
+        least = glm::min(least, leaf >> unsigned(depth - level));
+        most = glm::max(most, leaf >> unsigned(depth - level));
+      }
+      const std::uint64_t columns = most.x - least.x + 3, rows = most.y - least.y + 3;
+      can_be_predicted_.push_back((level == 1 || can_be_predicted_.back()) &&
+                                  columns * rows <= std::max<std::uint64_t>(65536, 2 * nodes));
+    }
   }
 
   Result<void> layer(ByteView bytes, int first_level, int last_level, bool base) {
-    ByteReader reader(bytes);
-    const unsigned flags = reader.get<std::uint8_t>();
-    if (flags > 3) return fail("flags");
-    predicts_ = (flags & 1) != 0;
-    if (base) exact_ = (flags & 2) != 0;
-    if (exact_ != ((flags & 2) != 0)) return fail("layers of both kinds");
-    const std::int64_t luma = reader.get<std::uint16_t>(), chroma = reader.get<std::uint16_t>();
-    steps_ = {luma, chroma, chroma};
-    if (luma == 0 || chroma == 0) return fail("steps");
+    ByteReader fields(bytes);
+    const unsigned flags = fields.get<std::uint16_t>();
+    if (base) exact_ = (flags & 0x8000) != 0;
+    if (exact_ != ((flags & 0x8000) != 0)) return fail("layers of both kinds");
+    if (exact_ && normals_) return fail("exact normals");
+    const std::int64_t first = fields.get<std::uint16_t>(), second = fields.get<std::uint16_t>();
+    steps_ = {first, normals_ ? first : second, second};
+    if (first == 0 || second == 0) return fail("steps");
     if (base && !levels_[0].empty()) {
-      for (std::int64_t& v : levels_[0].begin()->second.value) v = reader.get<std::int16_t>();
+      for (std::int64_t& v : levels_[0].begin()->second.value) {
+        v = std::clamp<std::int64_t>(fields.get<std::int16_t>(), -16384, 16383);
+      }
     }
-    if (!reader.ok()) return fail("cut short");
-    RangeDecoder range(bytes, bytes.size() - reader.rest().size());
+    if (!fields.ok()) return fail("cut short");
+    for (int bit = 0; bit < 15; ++bit) {
+      const int level = first_level + bit;
+      if ((flags >> bit & 1) != 0 &&
+          (level >= last_level || !can_be_predicted_[static_cast<std::size_t>(level)])) {
+        return fail("predicted");
+      }
+    }
     for (auto& [key, node] : levels_[static_cast<std::size_t>(last_level)]) node.weight = 1;
     for (int level = last_level; level-- > first_level;) {
       Level& above = levels_[static_cast<std::size_t>(level)];
       for (auto& [key, node] : above) node.weight = 0;
       for (const auto& [key, node] : levels_[static_cast<std::size_t>(level) + 1]) {
-        std::int64_t& weight = above[key >> 3].weight;
-        weight += node.weight;
+        above[key >> 3].weight += node.weight;
       }
       for (auto& [key, node] : above) {
         node.weight = std::min<std::int64_t>(node.weight, 1 << 26);
       }
     }
-    last_activity_ = 0;
+    SymbolReader reader(fields.rest());
     for (int level = first_level; level < last_level; ++level) {
-      for (auto& [key, node] : levels_[static_cast<std::size_t>(level)]) {
-        code_node(range, level, key, node);
+      predicts_ = (flags >> (level - first_level) & 1) != 0;
+      recent_ = 0;
+      for (const auto& [key, node] : levels_[static_cast<std::size_t>(level)]) {
+        code_node(reader, level, key, node);
       }
     }
-    return range.complete() ? Result<void>{} : fail("coded bytes end elsewhere");
+    return reader.complete() ? Result<void>{} : fail("the stream ends elsewhere");
   }
 
   Values values() const {
@@ -208,16 +177,17 @@ class Decoder {
     return found == nodes.end() ? nullptr : &found->second;
   }
 
-  void code_node(RangeDecoder& range, int level, std::uint64_t key, Node& node) {
+  void code_node(SymbolReader& reader, int level, std::uint64_t key, const Node& node) {
     std::array<Node*, 8> child{};
     std::array<std::int64_t, 8> weight{};
-    int children = 0;
+    std::int64_t children = 0, all_weights = 0;
     for (std::uint64_t octant = 0; octant < 8; ++octant) {
       Level& below = levels_[static_cast<std::size_t>(level) + 1];
       const auto found = below.find(key << 3 | octant);
       if (found == below.end()) continue;
       child[octant] = &found->second;
       weight[octant] = found->second.weight;
+      all_weights += weight[octant];
       ++children;
     }
     if (children == 1) {
@@ -229,154 +199,210 @@ class Decoder {
       return;
     }
 
-    // Compute the expected values.
-    const bool predicts = predicts_ && level > 0;
-    std::array<Components, 8> expected{};
-    std::int64_t near_activity = predicts ? 0 : last_activity_, near_weight = predicts ? 0 : 1;
-    std::int64_t least = node.value[0], most = node.value[0];
-    for (int octant = 0; octant < 8 && predicts; ++octant) {
+    // Compute the base values.
+    std::array<Components, 8> base;
+    base.fill(node.value);
+    std::int64_t near_activity = predicts_ ? 0 : node.activity, near_weight = predicts_ ? 0 : 1;
+    Components least = node.value, most = node.value;
+    for (int octant = 0; octant < 8 && predicts_; ++octant) {
       if (child[static_cast<std::size_t>(octant)] == nullptr) continue;
       const int x = (octant & 1) != 0 ? 1 : -1, y = (octant & 2) != 0 ? 1 : -1,
                 z = (octant & 4) != 0 ? 1 : -1;
       Components sum{};
-      std::int64_t weights = 0, activities = 0;
+      std::int64_t weights = 0;
       const auto add = [&](const Node* from, std::int64_t w) {
         if (from == nullptr) return;
         for (std::size_t k = 0; k < 3; ++k) sum[k] += w * from->value[k];
         weights += w;
-        activities += w * from->activity;
+        near_activity += w * from->activity;
       };
       add(&node, 18);
       for (const glm::ivec3& face : {glm::ivec3(x, 0, 0), glm::ivec3(0, y, 0), glm::ivec3(0, 0, z)})
         add(neighbor(level, key, face), 8);
       for (const glm::ivec3& edge : {glm::ivec3(x, y, 0), glm::ivec3(0, y, z), glm::ivec3(x, 0, z)})
         add(neighbor(level, key, edge), 3);
-      Components& e = expected[static_cast<std::size_t>(octant)];
-      for (std::size_t k = 0; k < 3; ++k) e[k] = (sum[k] * (65536 / weights) + (1 << 15)) >> 16;
-      least = std::min(least, e[0]);
-      most = std::max(most, e[0]);
-      near_activity += activities;
+      Components& e = base[static_cast<std::size_t>(octant)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        e[k] = (sum[k] * (65536 / weights) + (1 << 15)) >> 16;
+        least[k] = std::min(least[k], e[k]);
+        most[k] = std::max(most[k], e[k]);
+      }
       near_weight += weights;
+    }
+    if (predicts_) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::int64_t sum = 0;
+        for (std::size_t octant = 0; octant < 8; ++octant) {
+          sum += weight[octant] * (node.value[k] - base[octant][k]);
+        }
+        const std::int64_t shift = divided(2 * sum + all_weights, 2 * all_weights);
+        for (Components& b : base) b[k] = std::clamp<std::int64_t>(b[k] + shift, -16384, 16383);
+      }
     }
 
     // Determine the contexts.
-    int gradient = 0;
-    if (predicts) {
-      for (const int part : {1, 2, 4, 8}) gradient += 8 * (most - least) / part >= steps_[0] / 4;
+    std::int64_t gradient = 0;
+    if (predicts_) {
+      std::int64_t range = most[0] - least[0];
+      for (std::size_t k = 1; k < 3 && normals_; ++k) range = std::max(range, most[k] - least[k]);
+      for (const int part : {1, 2, 4, 8}) gradient += 8 * range / part >= steps_[0] / 4;
     }
-    const int activity = near_activity == 0                    ? 0
-                         : 2 * near_activity < near_weight     ? 1
-                         : near_activity < near_weight         ? 2
-                         : 2 * near_activity < 5 * near_weight ? 3
-                         : near_activity < 6 * near_weight     ? 4
-                         : near_activity < 12 * near_weight    ? 5
-                                                               : 6;
+    int activity = near_activity > 0;
+    for (const int half : {1, 2, 5, 12, 24, 48, 96}) {
+      activity += near_activity > 0 && 2 * near_activity >= half * near_weight;
+    }
+    const int recent = recent_ < 6 ? 0 : recent_ < 48 ? 1 : 2;
     std::array<int, 8> moved_to{};
     const std::vector<Pair> pairs = pairs_of(weight, moved_to);
-    const int size = pairs.size() == 1 ? 0 : pairs.size() == 2 ? 1 : pairs.size() <= 4 ? 2 : 3;
-
-    // Compute the differences of the expected values.
-    std::vector<Components> expected_difference(pairs.size());
-    std::array<Components, 8> e = expected;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      Components& lower = e[static_cast<std::size_t>(pairs[i].lower)];
-      const Components& higher = e[static_cast<std::size_t>(pairs[i].higher)];
-      for (std::size_t k = 0; k < 3; ++k) {
-        expected_difference[i][k] = higher[k] - lower[k];
-        lower[k] += (expected_difference[i][k] * ratio_of(pairs[i]) + (1 << 13)) >> 14;
-      }
-    }
+    const auto count = static_cast<int>(pairs.size());
 
     // Decode the coefficients.
     std::vector<Components> q(pairs.size());
+    std::vector<bool> coded(pairs.size());  // from the last pair on
+    int number_coded = 0, pattern = 0;
+    const auto set_coded = [&](int from, int bits) {
+      for (int i = from; i < count; ++i) {
+        const bool is = (bits >> (i - from) & 1) != 0;
+        coded[static_cast<std::size_t>(i)] = is;
+        number_coded += is;
+      }
+    };
+    if (count == 1) {
+      pattern = reader.symbol(0, alphabets_("one", 8, {gradient, activity, recent}));
+      set_coded(0, pattern != 0);
+    } else if (count == 2) {
+      set_coded(0, reader.symbol(0, alphabets_("two", 4, {gradient, activity, recent})) & 3);
+    } else if (count == 3) {
+      set_coded(0, reader.symbol(0, alphabets_("three", 8, {gradient, activity, recent})));
+    } else if (reader.symbol(0, alphabets_("more", 2, {gradient, activity, recent})) != 0) {
+      int symbols = 0;
+      for (int i = 0; i < count; i += 3) {
+        const int place = i == 0 ? 0 : symbols == 0 ? 1 : 2;
+        const int bits = reader.symbol(0, alphabets_("pairs", 8, {gradient, activity, place}));
+        symbols |= bits << i;
+      }
+      set_coded(0, symbols);
+    }
     std::int64_t sum = 0;
-    if (bits_.decode(range, context("node", {gradient, activity, size}))) {
-      int nonzero = 0;
-      for (std::size_t i = pairs.size(); i-- > 0;) {
-        const auto place =
-            static_cast<std::int64_t>(std::min<std::size_t>(pairs.size() - 1 - i, 2));
-        const std::string any =
-            context("triple", {gradient, std::min(nonzero, 2), activity, place});
-        q[i] = triple(range, any, activity, expected_difference[i], i == 0 && nonzero == 0);
-        nonzero += q[i] != Components{};
-        sum += 2 * std::abs(q[i][0]) + std::abs(q[i][1]) + std::abs(q[i][2]);
+    for (int i = 0; i < count; ++i) {
+      if (!coded[static_cast<std::size_t>(i)]) continue;
+      if (count > 1) {
+        pattern = reader.symbol(0, alphabets_("pattern", 8, {activity, recent, number_coded > 1}));
+      }
+      q[static_cast<std::size_t>(count - 1 - i)] = triple(reader, pattern, activity, sum);
+    }
+    const std::int64_t now = std::min<std::int64_t>(127, exact_ ? sum / count : 4 * sum / count);
+    recent_ += (std::min<std::int64_t>(4 * now, 256) - recent_) >> 2;
+
+    // Turn them into differences.
+    std::vector<Components> difference(pairs.size());
+    if (exact_) {
+      std::array<Components, 8> e = base;
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        Components& lower = e[static_cast<std::size_t>(pairs[i].lower)];
+        const Components& higher = e[static_cast<std::size_t>(pairs[i].higher)];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::int64_t expected = higher[k] - lower[k];
+          difference[i][k] = std::clamp<std::int64_t>(q[i][k] + expected, -65536, 65536);
+          lower[k] += (expected * ratio_of(pairs[i]) + (1 << 13)) >> 14;
+        }
+      }
+    } else {
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::int64_t magnitude = std::min<std::int64_t>(
+              (std::abs(q[i][k]) * step_of(pairs[i], steps_[k]) + (1 << 7)) >> 8, 1 << 16);
+          difference[i][k] = q[i][k] < 0 ? -magnitude : magnitude;
+        }
+        if (normals_) difference[i] = reflected(difference[i], node.value);
       }
     }
-    const auto count = static_cast<std::int64_t>(pairs.size());
-    node.activity = last_activity_ = std::min<std::int64_t>(127, 4 * sum / count);
 
     // Undo the transform.
     const auto top = static_cast<std::size_t>(moved_to[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       std::array<std::int64_t, 8> v{};
-      v[top] = exact_ ? node.value[k] : node.value[k] - e[top][k];
+      v[top] = exact_ ? node.value[k] : 0;
       for (std::size_t i = pairs.size(); i-- > 0;) {
-        const std::int64_t magnitude = std::min<std::int64_t>(
-            (std::abs(q[i][k]) * step_of(pairs[i], steps_[k]) + (1 << 7)) >> 8, 1 << 16);
-        const std::int64_t d =
-            exact_ ? std::clamp<std::int64_t>(q[i][k] + expected_difference[i][k], -65536, 65536)
-            : q[i][k] < 0 ? -magnitude
-                          : magnitude;
+        const std::int64_t d = difference[i][k];
         auto& lower = v[static_cast<std::size_t>(pairs[i].lower)];
         lower -= (d * ratio_of(pairs[i]) + (1 << 13)) >> 14;
         v[static_cast<std::size_t>(pairs[i].higher)] = lower + d;
       }
       for (std::size_t octant = 0; octant < 8; ++octant) {
         if (child[octant] == nullptr) continue;
-        const std::int64_t add = exact_ ? 0 : expected[octant][k];
+        const std::int64_t add = exact_ ? 0 : base[octant][k];
         child[octant]->value[k] = std::clamp<std::int64_t>(v[octant] + add, -16384, 16383);
-        child[octant]->activity = node.activity;
+        child[octant]->activity = now;
       }
     }
   }
 
-  Components triple(RangeDecoder& range, const std::string& any, int activity,
-                    const Components& expected_difference, bool certain) {
+  static Components reflected(const Components& d, const Components& n) {
+    const std::int64_t squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (squared < 512 * 512) return d;
+    auto length = static_cast<std::int64_t>(std::sqrt(static_cast<long double>(squared)));
+    while (length * length > squared) --length;
+    while ((length + 1) * (length + 1) <= squared) ++length;
+    const Components u = {n[0], n[1], n[2] < 0 ? n[2] - length : n[2] + length};
+    const std::int64_t inverse =
+        (std::int64_t{1} << 45) / (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    const std::int64_t g = u[0] * d[0] + u[1] * d[1] + u[2] * d[2];
+    const std::int64_t t = (g * inverse) >> 30;
+    return {d[0] - ((u[0] * t) >> 14), d[1] - ((u[1] * t) >> 14), d[2] - ((u[2] * t) >> 14)};
+  }
+
+  /// Adds to `sum` how much there was to code.
+  Components triple(SymbolReader& reader, int pattern, int activity, std::int64_t& sum) {
     Components q{};
-    if (!certain && !bits_.decode(range, any)) return q;
-    int m = 0, s = 4;
+    const int number = (pattern & 1) + (pattern >> 1 & 1) + (pattern >> 2);
+    std::array<bool, 3> negative{};
+    if (!normals_ && number > 1) {
+      const int signs = reader.symbol(1, alphabets_("signs", 8, {pattern}));
+      for (int k = 0; k < 3; ++k) negative[static_cast<std::size_t>(k)] = (signs >> k & 1) != 0;
+    } else {
+      for (int k = 0; k < 3; ++k) {
+        if ((pattern >> k & 1) != 0) negative[static_cast<std::size_t>(k)] = reader.bits(1) != 0;
+      }
+    }
     for (int k = 0; k < 3; ++k) {
-      if (!(k == 2 && m == 0) && !bits_.decode(range, context("component", {k, m, activity}))) {
-        continue;
-      }
-      std::int64_t magnitude = 1;
-      if (bits_.decode(range, context("above_one", {k, activity}))) {
-        magnitude = 2;
-        if (bits_.decode(range, context("above_two", {k, activity}))) {
-          int digits = 1;
-          while (digits < 16 && bits_.decode(range, context("length", {k, digits}))) ++digits;
-          std::int64_t rest = 1;
-          for (int i = 1; i < digits; ++i) {
-            const bool digit = i == 1 ? bits_.decode(range, context("second_digit", {k, digits}))
-                                      : range.bit(32768);
-            rest = 2 * rest + digit;
-          }
-          magnitude = rest + 2;
+      if ((pattern >> k & 1) == 0) continue;
+      std::int64_t magnitude =
+          1 + reader.symbol(1, alphabets_("magnitude", 0, {k, activity, number > 1}));
+      if (magnitude == 8) {
+        int digits = 1 + reader.symbol(1, alphabets_("digits", 0, {k, activity}));
+        const int first_digits = digits;
+        if (digits == 8) digits += static_cast<int>(reader.bits(4));
+        const int leading = std::min(digits - 1, 3);
+        std::int64_t r = 1;
+        if (leading > 0) {
+          Alphabet& alphabet = alphabets_("leading", 1 << leading, {k, first_digits});
+          r = (std::int64_t{1} << leading) | (reader.symbol(1, alphabet) & ((1 << leading) - 1));
         }
+        const int others = digits - 1 - leading;
+        magnitude = ((r << others) | reader.bits(others)) + 7;
       }
-      const std::int64_t expected = expected_difference[static_cast<std::size_t>(k)];
-      const int e = expected > 0 ? 1 : expected < 0 ? 2 : 0;
-      const bool negative = bits_.decode(range, context("sign", {k, s, e}));
-      q[static_cast<std::size_t>(k)] = negative ? -magnitude : magnitude;
-      ++m;
-      if (k == 0) s += negative ? 3 : -3;
-      if (k == 1) s += negative ? 1 : -1;
+      sum += k == 0 || (k == 1 && normals_) ? 2 * magnitude : magnitude;
+      const bool minus = negative[static_cast<std::size_t>(k)];
+      q[static_cast<std::size_t>(k)] = minus ? -magnitude : magnitude;
     }
     return q;
   }
 
+  bool normals_, predicts_ = false, exact_ = false;
   std::vector<Level> levels_;
-  AdaptiveBits bits_;
-  bool predicts_ = false, exact_ = false;
+  std::vector<bool> can_be_predicted_;
+  Alphabets alphabets_;
   std::array<std::int64_t, 3> steps_{};
-  std::int64_t last_activity_ = 0;
+  std::int64_t recent_ = 0;
 };
 
 }  // namespace
 
 Result<Values> decode_values(const std::vector<glm::uvec3>& leaves,
-                             const std::vector<Bytes>& layers, const std::vector<int>& layer_ends) {
-  Decoder decoder(leaves, layer_ends[layers.size() - 1]);
+                             const std::vector<Bytes>& layers, const std::vector<int>& layer_ends,
+                             bool normals) {
+  Decoder decoder(leaves, layer_ends[layers.size() - 1], normals);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     TRY(decoder.layer(layers[i], i == 0 ? 0 : layer_ends[i - 1], layer_ends[i], i == 0));
   }
@@ -406,7 +432,7 @@ std::vector<glm::u16vec3> decode_colors(const std::vector<glm::uvec3>& leaves,
                                         const std::vector<Bytes>& layers,
                                         const std::vector<int>& layer_ends) {
   std::vector<glm::u16vec3> colors;
-  const auto values = decode_values(leaves, layers, layer_ends);
+  const auto values = decode_values(leaves, layers, layer_ends, false);
   if (!values) return colors;
   for (const glm::ivec3& value : values->nodes) {
     colors.push_back(values->exact ? color_of_exact_value(value) : color_of_value(value, 8));

@@ -19,8 +19,10 @@ struct Values {
 /// payloads of the layers' chunks, as FORMAT.md describes it ("Transformed attributes"): one number
 /// at a time, and with maps from cells to nodes. `leaves`: the cells at that level. `layer_ends`:
 /// the last level of each layer. Fails if the payloads do not fit these.
+/// `normals`: whether they are normals, and not colours.
 Result<Values> decode_values(const std::vector<glm::uvec3>& leaves,
-                             const std::vector<Bytes>& layers, const std::vector<int>& layer_ends);
+                             const std::vector<Bytes>& layers, const std::vector<int>& layer_ends,
+                             bool normals);
 
 /// The colour of a value, where 65535 is full intensity, in a frame with colours of 8 or 16 bits.
 glm::u16vec3 color_of_value(const glm::ivec3& value, int bits);

@@ -6,6 +6,7 @@
 
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
+#include "tests/reference/symbol_reader.h"
 
 namespace pointreel::reference {
 
@@ -17,18 +18,17 @@ struct ContextLayer {
   std::size_t masks = 0;
 };
 
-/// Context tables as FORMAT.md describes them.
-struct Tables {
+/// A context table as FORMAT.md describes it.
+struct Table {
   struct Entry {
     std::uint64_t mask;
-    std::size_t first;
+    std::size_t first;  ///< the number of the first part or alphabet to which it leads
   };
-  struct Leaf {
-    long long p, n;
-  };
-  std::vector<Entry> slots, cells;
-  std::vector<Leaf> leaves;
+  std::uint64_t mask = 0;
+  std::vector<Entry> cells, parts;
+  std::vector<Alphabet> alphabets;
 };
+using Tables = std::vector<Table>;
 
 /// Reads codec/octree/tables/1.zst, which must be valid.
 Tables read_tables(ByteView file);

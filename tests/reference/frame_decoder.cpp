@@ -53,7 +53,7 @@ int end_of_layer(int layer, int depth) {
 Result<Header> read_header(ByteView bytes) {
   if (bytes.size() < 64) return fail("shorter than a header");
   if (number(bytes, 0, 4) != 0x46525250) return fail("magic");
-  if (bytes[4] != 1) return fail("version");
+  if (bytes[4] != 2) return fail("version");
   if (number(bytes, 56, 8) != checksum(bytes.first(56), {})) return fail("checksum of the header");
   if (bytes[5] != 1) return fail("codec");
   Header header;
@@ -254,7 +254,7 @@ Result<Values> read_values(const Header& header, const Tree& tree,
   if (have == 0) return values;
   const int level = tree.layer_ends[have - 1];
   const Cells& cells = tree.levels[static_cast<std::size_t>(level)];
-  const Values decoded = TRY(decode_values(cells, payloads, tree.layer_ends));
+  const Values decoded = TRY(decode_values(cells, payloads, tree.layer_ends, kind == 2));
   std::map<std::uint64_t, glm::ivec3> by_cell;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     by_cell[morton_encode(cells[i])] = decoded.nodes[i];

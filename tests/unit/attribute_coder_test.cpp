@@ -8,6 +8,9 @@
 
 #include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/color_space.h"
+#include "codec/octree/normal_space.h"
+#include "codec/octree/raht.h"
+#include "codec/octree/tangent_frame.h"
 #include "common/octree/build.h"
 #include "tests/reference/color_decoder.h"
 
@@ -34,6 +37,8 @@ struct Sample {
   Svo svo;
   std::vector<glm::u16vec3> colors;
   std::vector<int> layer_ends;
+
+  FrameStructure structure() const { return {svo, layer_ends}; }
 };
 
 Sample sample(std::size_t points, int depth, std::vector<int> layer_ends) {
@@ -47,7 +52,8 @@ Sample sample(std::size_t points, int depth, std::vector<int> layer_ends) {
 std::vector<Bytes> encode(const Sample& s, const CoefficientSteps& steps) {
   std::vector<Short4> leaves;
   for (const glm::u16vec3& color : s.colors) leaves.push_back(value_from_color(color));
-  TransformEncoder encoder(s.svo, leaves, s.layer_ends);
+  const FrameStructure structure = s.structure();
+  TransformEncoder encoder(structure, AttributeKind::colors, leaves);
   std::vector<Bytes> layers;
   for (const int end : s.layer_ends) {
     layers.push_back(
@@ -65,7 +71,9 @@ std::vector<glm::u16vec3> colors(const TransformDecoder& decoder, int level) {
 /// Returns the colours at the end of the last of the given layers.
 std::vector<glm::u16vec3> decode(const Sample& s, const std::vector<Bytes>& layers) {
   const Svo svo = truncate(s.svo, s.layer_ends[layers.size() - 1]);
-  TransformDecoder decoder(svo);
+  const auto count = static_cast<std::ptrdiff_t>(layers.size());
+  const FrameStructure structure(svo, {s.layer_ends.begin(), s.layer_ends.begin() + count});
+  TransformDecoder decoder(structure, AttributeKind::colors);
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
     const auto decoded = decoder.decode_layer(layers[layer], s.layer_ends[layer]);
     EXPECT_TRUE(decoded) << decoded.error().message;
@@ -138,7 +146,8 @@ std::pair<std::vector<Bytes>, std::vector<glm::u16vec3>> encode_exactly(const Sa
     colors.push_back(glm::u16vec3(glm::clamp(noisy, 0, 255) * 257));
     leaves.push_back(exact_value_from_color(colors.back()));
   }
-  TransformEncoder encoder(s.svo, leaves, s.layer_ends, true);
+  const FrameStructure structure = s.structure();
+  TransformEncoder encoder(structure, AttributeKind::colors, leaves, true);
   std::vector<Bytes> layers;
   for (std::size_t i = 0; i < s.layer_ends.size(); ++i)
     layers.push_back(encoder.encode_layer(kExactSteps));
@@ -151,7 +160,8 @@ TEST(ExactLayers, restore_all_colours_as_the_reference_does) {
     const Sample s = sample(3000, depth, ends);
     for (const int noise : {0, 2, 20, 255}) {
       const auto [layers, colors] = encode_exactly(s, noise);
-      TransformDecoder decoder(s.svo);
+      const FrameStructure structure = s.structure();
+      TransformDecoder decoder(structure, AttributeKind::colors);
       for (std::size_t i = 0; i < ends.size(); ++i) {
         ASSERT_TRUE(decoder.decode_layer(layers[i], ends[i]));
       }
@@ -167,7 +177,8 @@ TEST(ExactLayers, restore_all_colours_as_the_reference_does) {
 TEST(ExactLayers, give_inner_nodes_colours_close_to_the_means_of_their_leaves) {
   const Sample s = sample(3000, 9, {7, 9});
   const auto [layers, colors] = encode_exactly(s, 3);
-  TransformDecoder decoder(s.svo);
+  const FrameStructure structure = s.structure();
+  TransformDecoder decoder(structure, AttributeKind::colors);
   ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
   PointCloud leaves = leaf_centers(s.svo);
   leaves.colors = colors;
@@ -182,65 +193,70 @@ TEST(ExactLayers, give_inner_nodes_colours_close_to_the_means_of_their_leaves) {
 TEST(ExactLayers, must_all_be_exact) {
   const Sample s = sample(500, 8, {7, 8});
   auto [layers, colors] = encode_exactly(s, 3);
-  TransformDecoder decoder(s.svo);
+  const FrameStructure structure = s.structure();
+  TransformDecoder decoder(structure, AttributeKind::colors);
   ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
-  layers[1][0] ^= 2;
+  layers[1][1] ^= 0x80;
   EXPECT_FALSE(decoder.decode_layer(layers[1], 8));
-  layers[1][0] ^= 2 + 4;
-  EXPECT_FALSE(decoder.decode_layer(layers[1], 8));
-}
-
-TEST(AdaptiveBit, adapts_fastest_to_its_first_decisions_and_never_becomes_certain) {
-  AdaptiveBit bit;
-  EXPECT_EQ(bit.probability(), 32768u);
-  bit.update(0);
-  EXPECT_EQ(bit.probability(), 16384u);
-  bit.update(1);  // the first update moved by a half, the second moves by a quarter
-  EXPECT_NEAR(bit.probability(), 16384.0 + 0.25 * 49152.0, 2.0);
-  for (int i = 0; i < 3000; ++i) bit.update(0);
-  EXPECT_EQ(bit.probability(), 67u);
-  for (int i = 0; i < 3000; ++i) bit.update(1);
-  EXPECT_EQ(bit.probability(), 65468u);
-}
-
-TEST(AdaptiveBit, estimates_the_bits_that_a_decision_costs) {
-  AdaptiveBit bit;
-  for (int i = 0; i < 400; ++i) {
-    for (const unsigned value : {0u, 1u}) {
-      const double p = bit.probability() / 65536.0;
-      const double bits = -std::log2(value == 1 ? p : 1.0 - p);
-      // The table's steps of 1/256 are coarse for rare symbols.
-      if (bits < 6.0) {
-        EXPECT_NEAR(bit.cost(value) / 16.0, bits, 0.2) << p;
-      }
-    }
-    bit.update(i % 7 == 0);
-  }
+  layers[1][1] ^= 0x80;
+  EXPECT_TRUE(decoder.decode_layer(layers[1], 8));
 }
 
 TEST(CoefficientQuantizer, zeroes_coefficients_that_cost_more_bits_than_they_are_worth) {
   // Two children a little more than half a step apart.
-  const MergeOrder& order = kMergeOrders[0b11];
-  const PairScales table(1024, 1024);
-  NodeScales scales;
-  scales.pair[0] = &table(1, 1, scales.made[0]);
-  scales.least_steps = scales.pair[0]->steps;
-  const std::int32_t step = scales.pair[0]->steps[0] / 256;
+  const NodeScales scales{make_scale(1, 1)};
+  const ComponentSteps steps{1024, 1024, 1024};
+  const std::int32_t step = step_of(scales[0], 1024) / 256;
   const auto quantized = [&](const CoefficientContexts& contexts, std::int32_t difference) {
-    std::array<Int4, 8> values{Int4{}, Int4{difference, 0, 0, 0}};
+    const Int4 differences{difference, 0, 0, 0};
     std::array<Triple, 7> q{};
-    return quantize_node(order, scales, values, contexts, 0, 0, q) ? q[0][0] : 0;
+    return quantize_node(1, scales, steps, &differences, contexts, {}, q) ? q[0][0] : 0;
   };
   CoefficientContexts rare, frequent;
   for (int i = 0; i < 100; ++i) {
-    rare.node[0][0][0].update(0);
-    frequent.node[0][0][0].update(1);
+    rare.one_pair[0][0].update(0);
+    frequent.one_pair[0][0].update(1);
   }
   EXPECT_EQ(quantized(rare, step * 3 / 4), 0);
   EXPECT_EQ(quantized(frequent, step * 3 / 4), 1);
   EXPECT_EQ(quantized(rare, step * 3), 3);
   EXPECT_EQ(quantized(rare, -step * 3), -3);
   EXPECT_EQ(quantized(frequent, step / 2), 0);
+}
+
+TEST(PairScales, are_the_same_in_the_table_and_beside_it) {
+  for (std::uint32_t w0 = 1; w0 <= 40; ++w0) {
+    for (std::uint32_t w1 = 1; w1 <= 40; ++w1) {
+      const PairScale scale = pair_scales()(w0, w1), made = make_scale(w0, w1);
+      EXPECT_EQ(scale.ratio, made.ratio);
+      EXPECT_EQ(scale.inverse, made.inverse);
+      EXPECT_NEAR(scale.inverse / 131072.0, std::sqrt(1.0 / w0 + 1.0 / w1), 1e-5);
+    }
+  }
+  const PairScale largest = make_scale(1u << 29, 1u << 29);
+  EXPECT_EQ(largest.ratio, 1 << 13);
+  EXPECT_EQ(step_of(largest, 65535), 512);
+}
+
+TEST(TangentFrame, turns_along_the_normal_into_the_third_component_and_back) {
+  std::mt19937 random(9);
+  std::normal_distribution<float> gauss;
+  for (int i = 0; i < 2000; ++i) {
+    const glm::vec3 n =
+        8160.0f * glm::normalize(glm::vec3(gauss(random), gauss(random), gauss(random)));
+    const Int4 normal{static_cast<int>(n.x), static_cast<int>(n.y), static_cast<int>(n.z), 0};
+    const TangentFrame frame(normal);
+    const Int4 along = frame.reflect(normal);
+    EXPECT_LE(std::abs(along[0]), 8);
+    EXPECT_LE(std::abs(along[1]), 8);
+    EXPECT_NEAR(std::abs(along[2]), 8160, 8);
+    const Int4 d{static_cast<int>(gauss(random) * 3000), static_cast<int>(gauss(random) * 3000),
+                 static_cast<int>(gauss(random) * 3000), 0};
+    const Int4 back = frame.reflect(frame.reflect(d));
+    for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(back[k] - d[k]), 4);
+  }
+  const TangentFrame none(Int4{100, -300, 200, 0});
+  EXPECT_EQ(none.reflect(Int4{5, -6, 7, 0})[1], -6);
 }
 
 TEST(AttributeCoder, a_larger_step_gives_a_larger_error_and_a_smaller_size) {
@@ -298,10 +314,90 @@ TEST(AttributeCoder, agrees_with_the_slow_reference_decoder) {
   }
 }
 
+/// The normals of the leaves, as a sphere has them with some noise; some are unknown.
+std::vector<Short4> normals(const Sample& s) {
+  std::mt19937 random(8);
+  std::normal_distribution<float> gauss;
+  std::vector<Short4> values;
+  for (const glm::uvec3& cell : leaf_cells(s.svo)) {
+    const glm::vec3 noise(gauss(random), gauss(random), gauss(random));
+    const glm::vec3 n = glm::normalize(
+        glm::normalize(glm::vec3(cell) - std::ldexp(0.5f, s.svo.depth)) + 0.2f * noise);
+    values.push_back(
+        value_from_normal(random() % 20 == 0 ? glm::i16vec3(0) : glm::i16vec3(n * 32767.0f)));
+  }
+  return values;
+}
+
+TEST(AttributeCoder, normals_agree_with_the_slow_reference_decoder) {
+  for (const auto& [points, depth, ends] :
+       {std::tuple(3000, 6, std::vector<int>{6}), std::tuple(4000, 7, std::vector<int>{3, 5, 7}),
+        std::tuple(700, 12, std::vector<int>{7, 9, 12}), std::tuple(5, 3, std::vector<int>{3})}) {
+    const Sample s = sample(static_cast<std::size_t>(points), depth, ends);
+    const FrameStructure structure = s.structure();
+    const std::vector<Short4> leaves = normals(s);
+    for (const std::uint16_t step : std::initializer_list<std::uint16_t>{1, 700, 9000, 65535}) {
+      TransformEncoder encoder(structure, AttributeKind::normals, leaves);
+      TransformDecoder decoder(structure, AttributeKind::normals);
+      std::vector<Bytes> layers;
+      for (const int end : ends) {
+        const auto second = static_cast<std::uint16_t>(step / 2 + 1);
+        layers.push_back(encoder.encode_layer({step, second}));
+        ASSERT_TRUE(decoder.decode_layer(layers.back(), end));
+      }
+      const auto expected = reference::decode_values(leaf_cells(s.svo), layers, ends, true);
+      ASSERT_TRUE(expected) << expected.error().message;
+      const std::span<const Short4> values = decoder.values(depth);
+      ASSERT_EQ(values.size(), expected->nodes.size());
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const glm::ivec3 value(values[i].lanes[0], values[i].lanes[1], values[i].lanes[2]);
+        ASSERT_EQ(value, expected->nodes[i]) << points << " points, step " << step;
+      }
+    }
+  }
+}
+
+TEST(AttributeCoder, normals_come_back_nearly_and_unknown_ones_as_such) {
+  const Sample s = sample(5000, 8, {7, 8});
+  const FrameStructure structure = s.structure();
+  const std::vector<Short4> leaves = normals(s);
+  TransformEncoder encoder(structure, AttributeKind::normals, leaves);
+  TransformDecoder decoder(structure, AttributeKind::normals);
+  for (const int end : s.layer_ends) {
+    const Bytes layer = encoder.encode_layer(
+        layer_steps(normal_steps(80), s.svo.leaf_count(), s.svo.node_count(end)));
+    ASSERT_TRUE(decoder.decode_layer(layer, end));
+  }
+  const std::span<const Short4> values = decoder.values(8);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const glm::vec3 normal = normal_from_value(leaves[i]), back = normal_from_value(values[i]);
+    if (normal == glm::vec3(0.0f)) {
+      EXPECT_EQ(back, normal);
+    } else {
+      EXPECT_GT(glm::dot(normal, back), 0.995f);
+    }
+  }
+}
+
+TEST(AttributeCoder, a_level_that_cannot_be_predicted_is_refused_if_it_is_said_to_be) {
+  const Sample s = sample(300, 12, {12});
+  ASSERT_FALSE(s.structure().level(11).predictable);
+  Bytes bytes = encode(s, {2048, 2048})[0];
+  const FrameStructure structure = s.structure();
+  ASSERT_TRUE(TransformDecoder(structure, AttributeKind::colors).decode_layer(bytes, 12));
+  for (const int bit : {0, 11, 12, 14}) {
+    Bytes wrong = bytes;
+    const std::uint8_t flag = static_cast<std::uint8_t>(1 << bit % 8);
+    wrong[static_cast<std::size_t>(bit / 8)] |= flag;
+    EXPECT_FALSE(TransformDecoder(structure, AttributeKind::colors).decode_layer(wrong, 12)) << bit;
+  }
+}
+
 TEST(AttributeCoder, nodes_that_inherit_have_the_colour_of_their_ancestor) {
   const Sample s = sample(5000, 9, {7, 9});
   const std::vector<Bytes> layers = encode(s, {1024, 1024});
-  TransformDecoder decoder(s.svo);
+  const FrameStructure structure = s.structure();
+  TransformDecoder decoder(structure, AttributeKind::colors);
   ASSERT_TRUE(decoder.decode_layer(layers[0], 7));
   const std::vector<glm::u16vec3> coarse = colors(decoder, 7);
   decoder.inherit(9);
@@ -342,25 +438,30 @@ TEST(AttributeCoder, truncated_or_extended_bytes_are_an_error) {
   const Sample s = sample(300, 5, {5});
   const std::vector<Bytes> layers = encode(s, {2048, 2048});
   ASSERT_EQ(decode(s, layers).size(), s.colors.size());
-  for (std::size_t size = 0; size + 4 < layers[0].size(); ++size) {
-    TransformDecoder decoder(s.svo);
+  const FrameStructure structure = s.structure();
+  for (std::size_t size = 0; size < layers[0].size(); ++size) {
+    TransformDecoder decoder(structure, AttributeKind::colors);
     EXPECT_FALSE(decoder.decode_layer(ByteView(layers[0]).first(size), 5)) << size;
   }
   Bytes longer = layers[0];
   longer.insert(longer.end(), 12, 0x5a);
-  EXPECT_FALSE(TransformDecoder(s.svo).decode_layer(longer, 5));
+  EXPECT_FALSE(TransformDecoder(structure, AttributeKind::colors).decode_layer(longer, 5));
 }
 
 TEST(AttributeCoder, arbitrary_bytes_give_colours_or_an_error) {
   const Sample s = sample(200, 6, {6});
+  const FrameStructure structure = s.structure();
   std::mt19937 random(3);
   for (int trial = 0; trial < 300; ++trial) {
     Bytes bytes(20 + random() % 300);
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    bytes[0] &= 1;
-    TransformDecoder decoder(s.svo);
-    (void)decoder.decode_layer(bytes, 6);
-    EXPECT_EQ(colors(decoder, 6).size(), s.svo.leaf_count());
+    bytes[0] &= 0x3e;
+    bytes[1] &= trial % 2 == 0 ? 0x80 : 0;
+    for (const AttributeKind kind : {AttributeKind::colors, AttributeKind::normals}) {
+      TransformDecoder decoder(structure, kind);
+      if (!decoder.decode_layer(bytes, 6)) decoder.inherit(6);
+      EXPECT_EQ(decoder.values(6).size(), s.svo.leaf_count());
+    }
   }
 }
 
@@ -371,7 +472,8 @@ TEST(CoefficientSteps, halve_with_every_14_steps_of_quality) {
   for (int quality = 2; quality <= 99; ++quality) {
     EXPECT_LT(color_steps(quality).luma, color_steps(quality - 1).luma);
     EXPECT_GE(color_steps(quality).chroma, color_steps(quality).luma);
-    EXPECT_EQ(normal_steps(quality).luma, color_steps(quality).luma);
+    EXPECT_EQ(normal_steps(quality).chroma, 2 * normal_steps(quality).luma);
+    EXPECT_EQ(normal_steps(quality).luma, color_steps(quality).luma * 15 / 16);
   }
 }
 

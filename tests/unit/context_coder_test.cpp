@@ -1,6 +1,7 @@
 #include "codec/octree/context_coder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -13,6 +14,12 @@
 #include <xxhash.h>
 
 #include "codec/octree/context_tables.h"
+#include "codec/octree/node_planes.h"
+#include "codec/octree/orientation.h"
+#include "codec/octree/slice_level.h"
+#include "codec/octree/sparse_words.h"
+#include "common/octree/morton.h"
+#include "pointreel/cpu.h"
 #include "pointreel/octree.h"
 #include "pointreel/package.h"
 #include "tests/portable_code.h"
@@ -75,6 +82,20 @@ Svo full_tree(int depth) {
   return svo;
 }
 
+/// The level below, with the masks of the tree.
+SliceLevel next_level(const Svo& svo, SliceLevel& level) {
+  const std::size_t begin = svo.level_begin[static_cast<std::size_t>(level.level)];
+  std::vector<std::uint32_t> first_child(level.size());
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    level.masks[i] = svo.masks[begin + level.rank[i]];
+    first_child[i] =
+        svo.first_child[begin + i] - svo.level_begin[static_cast<std::size_t>(level.level) + 1];
+  }
+  SliceLevel below;
+  expand(level, first_child, svo.node_count(level.level + 1), below);
+  return below;
+}
+
 std::shared_ptr<const ContextTables> tables() { return tables_of_number(1).value(); }
 
 std::vector<Bytes> encode(const Svo& svo, const std::vector<int>& ends) {
@@ -118,47 +139,116 @@ std::vector<Svo> small_trees() {
           clustered_tree(kMaxDepth, 300, 3)};
 }
 
-TEST(RasterWalk, finds_the_same_neighbours_by_planes_as_by_searching) {
+TEST(SliceLevel, puts_nodes_in_order_of_z_and_in_morton_order_within_a_slice) {
+  const Svo svo = clustered_tree(6, 500, 1);
+  SliceLevel level = root_level();
+  for (int number = 0; number < svo.depth; ++number) level = next_level(svo, level);
+  const std::vector<glm::uvec3> cells = leaf_cells(svo);
+  ASSERT_EQ(level.size(), cells.size());
+  std::uint64_t last = 0;
+  for (std::size_t s = 0; s < level.slice_count(); ++s) {
+    for (std::uint32_t i = level.slices[s].begin; i < level.slices[s + 1].begin; ++i) {
+      const glm::uvec3 cell(level.x[i], level.y[i], level.slices[s].z);
+      EXPECT_EQ(cell, cells[level.rank[i]]);
+      const std::uint64_t key =
+          std::uint64_t{cell.z} << 40 | morton_encode(glm::uvec3(cell.x, cell.y, 0));
+      EXPECT_TRUE(i == 0 || key > last);
+      last = key;
+    }
+    EXPECT_EQ(slice_from(level, level.slices[s].z), s);
+  }
+  EXPECT_EQ(slice_from(level, 64), level.slice_count());
+}
+
+TEST(NodePlanes, find_the_same_neighbours_as_searching) {
   for (const Svo& svo :
        {shell_tree(5, 4), clustered_tree(7, 3000, 1), clustered_tree(9, 2000, 2)}) {
-    RasterLevel level = root_level();
+    SliceLevel level = root_level();
     for (int number = 0; number < svo.depth; ++number) {
-      const std::size_t begin = svo.level_begin[static_cast<std::size_t>(number)];
-      std::vector<std::uint32_t> first_child(level.size());
-      Bytes masks(level.size());
-      for (std::size_t i = 0; i < level.size(); ++i) {
-        masks[i] = svo.masks[begin + level.rank[i]];
-        first_child[i] =
-            svo.first_child[begin + i] - svo.level_begin[static_cast<std::size_t>(number) + 1];
+      NodePlanes planes(level);
+      NodeSearch search(level);
+      for (std::size_t s = 0; s < level.slice_count(); ++s) {
+        planes.move_to(s);
+        search.visit(s, [&](std::uint32_t i, const CellsAround& found) {
+          const CellsAround around = planes.around(level.x[i], level.y[i]);
+          ASSERT_EQ(found.cube(), around.cube()) << "level " << number << " node " << i;
+          ASSERT_EQ(static_cast<int>(around.sums() >> 24), std::popcount(around.cube()));
+        });
       }
-      std::vector<std::uint64_t> by_planes, by_searching;
-      SliceWalk<PlaneNeighbors>(level).visit(kAllNodes,
-                                             [&](std::uint32_t node, std::uint64_t word) {
-                                               by_planes.push_back(word);
-                                               return std::uint32_t{masks[node]};
-                                             });
-      std::fill(level.masks.begin(), level.masks.end(), std::uint8_t{0});
-      SliceWalk<SearchNeighbors>(level).visit(kAllNodes,
-                                              [&](std::uint32_t node, std::uint64_t word) {
-                                                by_searching.push_back(word);
-                                                return std::uint32_t{masks[node]};
-                                              });
-      ASSERT_EQ(by_planes, by_searching) << "level " << number;
-      std::vector<std::uint64_t> known_by_planes, known_by_searching;
-      SliceWalk<PlaneNeighbors>(level).visit_known(kAllNodes, [&](std::uint32_t, auto words) {
-        known_by_planes.insert(known_by_planes.end(), words.begin(), words.end());
-      });
-      SliceWalk<SearchNeighbors>(level).visit_known(kAllNodes, [&](std::uint32_t, auto words) {
-        known_by_searching.insert(known_by_searching.end(), words.begin(), words.end());
-      });
-      ASSERT_EQ(by_planes, known_by_planes) << "level " << number;
-      ASSERT_EQ(by_planes, known_by_searching) << "level " << number;
-      ASSERT_EQ(level.masks, masks);
-      RasterLevel below;
-      expand(level, first_child, svo.node_count(number + 1), below);
-      level = std::move(below);
+      level = next_level(svo, level);
     }
-    EXPECT_EQ(level.size(), svo.leaf_count());
+  }
+}
+
+TEST(Orientation, turns_masks_back) {
+  for (std::size_t o = 0; o < orientation::kCount; ++o) {
+    for (std::size_t mask = 0; mask < 256; ++mask) {
+      const std::uint8_t turned = orientation::kTurned[o][mask];
+      ASSERT_EQ(orientation::kTurnedBack[o][turned], mask);
+      ASSERT_EQ(std::popcount(turned), std::popcount(mask));
+    }
+  }
+}
+
+/// The cells with x, y, z mirrored and exchanged.
+Svo turned(const Svo& svo, unsigned orientation) {
+  std::vector<glm::uvec3> cells = leaf_cells(svo);
+  const std::uint32_t last = (1u << svo.depth) - 1;
+  for (glm::uvec3& cell : cells) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((orientation >> axis & 1u) != 0) cell[axis] = last - cell[axis];
+    }
+    if ((orientation & 8u) != 0) std::swap(cell.x, cell.y);
+    if ((orientation & 16u) != 0) std::swap(cell.y, cell.z);
+  }
+  return tree_of_cells(cells, svo.depth);
+}
+
+TEST(SparseWalk, gives_the_same_words_however_the_tree_is_turned) {
+  const Svo svo = clustered_tree(7, 2000, 5);
+  const auto words_of = [](const Svo& tree) {
+    std::vector<std::uint64_t> words;
+    SliceLevel level = root_level();
+    for (int number = 0; number < tree.depth; ++number) {
+      SparseWalk walk(level);
+      for (std::size_t s = 0; s < level.slice_count(); ++s) {
+        walk.visit(s);
+        for (std::size_t i = 0; i < walk.size(); ++i) {
+          words.push_back(walk.word(i));
+        }
+      }
+      level = next_level(tree, level);
+    }
+    std::sort(words.begin(), words.end());
+    return words;
+  };
+  const auto words = words_of(svo);
+  for (const unsigned orientation : {1u, 2u, 4u, 8u, 16u, 31u}) {
+    const auto others = words_of(turned(svo, orientation));
+    std::vector<std::uint64_t> common;
+    std::set_intersection(words.begin(), words.end(), others.begin(), others.end(),
+                          std::back_inserter(common));
+    // Where two axes look alike, either may come first.
+    EXPECT_GT(common.size(), words.size() * 9 / 10) << orientation;
+  }
+}
+
+TEST(SparseWalk, gives_the_same_words_with_and_without_wide_vectors) {
+  const Svo svo = shell_tree(6, 3);
+  SliceLevel level = root_level();
+  for (int number = 0; number < svo.depth; ++number) {
+    SparseWalk wide(level);
+    const PortableCode portable;
+    SparseWalk narrow(level);
+    for (std::size_t s = 0; s < level.slice_count(); ++s) {
+      wide.visit(s);
+      narrow.visit(s);
+      for (std::size_t i = 0; i < wide.size(); ++i) {
+        ASSERT_EQ(wide.word(i), narrow.word(i));
+        ASSERT_EQ(wide.orientation(i), narrow.orientation(i));
+      }
+    }
+    level = next_level(svo, level);
   }
 }
 
@@ -192,7 +282,7 @@ TEST(ContextCoder, agrees_with_the_reference_decoder) {
   const reference::Tables tables1 = reference::read_tables(tables_file);
   std::vector<Svo> trees = small_trees();
   trees.push_back(sheet_tree());
-  ASSERT_EQ(level_class(trees.back().node_count(7), trees.back().node_count(8)), 5);
+  ASSERT_EQ(level_class(7, trees.back().node_count(7), trees.back().node_count(8)), 5);
   ASSERT_GE(trees.back().node_count(7), 16384u);
   for (const Svo& svo : trees) {
     const int middle = (svo.depth + 1) / 2;
@@ -243,60 +333,98 @@ TEST(ContextCoder, refuses_sizes_that_differ_from_those_in_the_bytes) {
       decoder.decode_layer(unknown_class, 0, 6, svo.masks.size(), svo.leaf_count(), masks));
 }
 
-std::array<SlotTables, kLevelClasses * kSlots> all_slots(const SlotTables& slot) {
-  std::array<SlotTables, kLevelClasses * kSlots> slots;
-  slots.fill(slot);
-  return slots;
+/// Tables that are all the same, but for the number of symbols that they store.
+std::array<StoredTable, kTables> all_tables(const StoredTable& table) {
+  std::array<StoredTable, kTables> tables;
+  tables.fill(table);
+  return tables;
+}
+
+TEST(ContextTables, give_back_what_was_stored) {
+  StoredAlphabet one{1, {}}, other{3, {}};
+  for (std::size_t s = 0; s < 16; ++s) one.rarity[s] = static_cast<std::uint8_t>(s);
+  other.rarity.fill(9);
+  const auto parsed =
+      parse_tables(write_tables(all_tables({1, {0, 2}, {0, 4, 0}, {one, one, other, one}})));
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  for (int t = 0; t < kTables; ++t) {
+    const ContextTables::Table& table = parsed->tables[static_cast<std::size_t>(t)];
+    const auto seen = [&](std::uint64_t word) {
+      EXPECT_EQ(parsed->find<PortableExtract>(table, word) / 4, static_cast<unsigned>(t));
+      return parsed->alphabets[parsed->find<PortableExtract>(table, word)].seen();
+    };
+    EXPECT_EQ(seen(0b000), 11);
+    EXPECT_EQ(seen(0b001), 11);
+    EXPECT_EQ(seen(0b101), 91);
+    EXPECT_EQ(seen(0b011), 11);
+    const Alphabet16& first = parsed->alphabets[parsed->find<PortableExtract>(table, 0)];
+    EXPECT_GT(first.range(0).size, 3 * first.range(6).size);
+    EXPECT_EQ(first.range(15).size > 4, symbols_of_table(t) == 16);
+  }
+}
+
+TEST(ContextTables, store_a_share_as_the_nearest_rarity) {
+  EXPECT_EQ(rarity_of(1.0), 0);
+  EXPECT_EQ(rarity_of(0.0), 15);
+  for (double share = 1.0; share > 1e-4; share *= 0.7) {
+    EXPECT_LE(rarity_of(share), rarity_of(0.7 * share));
+  }
 }
 
 TEST(ContextTables, are_refused_if_they_are_damaged) {
-  Bytes bytes = write_tables(all_slots({0, {0}, {0x80}}));
+  Bytes bytes = write_tables(all_tables({0, {0}, {0}, {{}}}));
   ASSERT_TRUE(parse_tables(bytes));
   for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
     EXPECT_FALSE(parse_tables(ByteView(bytes).first(cut))) << cut;
   }
   bytes.push_back(0);
-  EXPECT_FALSE(parse_tables(bytes)) << "one leaf too many";
+  EXPECT_FALSE(parse_tables(bytes)) << "one byte too many";
   bytes.pop_back();
   bytes[7] = 0x80;  // bit 63 of a mask
   EXPECT_FALSE(parse_tables(bytes));
-  std::fill(bytes.begin(), bytes.begin() + 7, std::uint8_t{0xff});
-  bytes[7] = 0x7f;  // 2^63 cells
+  bytes[7] = 0x10;  // more than the bits of a word
+  EXPECT_FALSE(parse_tables(bytes));
+  std::fill(bytes.begin(), bytes.begin() + 4, std::uint8_t{0xff});
+  bytes[7] = 0;  // 2^32 cells
   EXPECT_FALSE(parse_tables(bytes));
 }
 
-TEST(ContextTables, package_tables_fall_back_to_built_in_slots_that_they_lack) {
-  auto slots = all_slots({kBaseSlot, {}, {}});
-  slots[kSlots + 3] = {0b101, {0, 0b10, 0, 0}, {4, 8, 12, 16, 20}};
-  const auto file = write_table_file(write_tables(slots));
+TEST(ContextTables, package_tables_fall_back_to_built_in_tables_that_they_lack) {
+  auto stored = all_tables({kBaseTable, {}, {}, {}});
+  constexpr std::size_t kOwn = 4;
+  StoredAlphabet even{2, {}};
+  stored[kOwn] = {0b101, {0, 0b10, 0, 0}, {0, 0, 0, 0b1000, 0}, {even, even, even, {}, even, even}};
+  const auto file = write_table_file(write_tables(stored));
   ASSERT_TRUE(file) << file.error().message;
   const auto tables_of_file = read_table_file(*file);
   ASSERT_TRUE(tables_of_file) << tables_of_file.error().message;
   const ContextTables &merged = **tables_of_file, &base = *tables();
   EXPECT_EQ(merged.checksum, XXH3_64bits(file->data(), file->size()));
-  for (std::size_t c = 0; c < kLevelClasses; ++c) {
-    for (std::size_t s = 0; s < kSlots; ++s) {
-      const auto &mine = merged.slots[c][s], &theirs = base.slots[c][s];
-      if (c == 1 && s == 3) {
-        EXPECT_EQ(mine.mask, 0b101u);
-        const auto& cell = merged.cells[mine.first_cell + 1];
-        EXPECT_EQ(cell.mask, 0b10u);
-        EXPECT_EQ(merged.leaves[cell.first_leaf + 1].probability, unpack_leaf(12).probability);
-        continue;
-      }
-      ASSERT_EQ(mine.mask, theirs.mask);
-      const std::uint32_t last = (1u << std::popcount(mine.mask)) - 1;
-      const auto &my_cell = merged.cells[mine.first_cell + last],
-                 &their_cell = base.cells[theirs.first_cell + last];
-      ASSERT_EQ(my_cell.mask, their_cell.mask);
-      ASSERT_EQ(merged.leaves[my_cell.first_leaf].probability,
-                base.leaves[their_cell.first_leaf].probability);
+  std::mt19937_64 random(1);
+  for (std::size_t t = 0; t < kTables; ++t) {
+    if (t == kOwn) {
+      const auto seen = [&](std::uint64_t word) {
+        return merged.alphabets[merged.find<PortableExtract>(merged.tables[t], word)].seen();
+      };
+      EXPECT_EQ(seen(0), 31);
+      EXPECT_EQ(seen(0b0011), 31);
+      EXPECT_EQ(seen(0b0100), 0);
+      EXPECT_EQ(seen(0b1100), 31);
+      continue;
+    }
+    for (int i = 0; i < 1000; ++i) {
+      const std::uint64_t word = random() >> 4;
+      const Alphabet16& mine =
+          merged.alphabets[merged.find<PortableExtract>(merged.tables[t], word)];
+      const Alphabet16& theirs = base.alphabets[base.find<PortableExtract>(base.tables[t], word)];
+      ASSERT_EQ(mine.range(1).size, theirs.range(1).size);
+      ASSERT_EQ(mine.range(5).begin, theirs.range(5).begin);
     }
   }
 }
 
 TEST(ContextTables, package_tables_are_refused_if_they_are_damaged) {
-  const auto file = write_table_file(write_tables(all_slots({0b1, {0, 0}, {0x80, 0x81}})));
+  const auto file = write_table_file(write_tables(all_tables({1, {0, 0}, {0, 0}, {{}, {}}})));
   ASSERT_TRUE(file && read_table_file(*file));
   for (std::size_t cut = 0; cut < file->size(); ++cut) {
     EXPECT_FALSE(read_table_file(ByteView(*file).first(cut))) << cut;
@@ -309,8 +437,23 @@ TEST(ContextTables, package_tables_are_refused_if_they_are_damaged) {
   EXPECT_FALSE(read_table_file(other));
   const auto huge = write_table_file(Bytes((std::size_t{1} << 22) + 1));
   EXPECT_FALSE(read_table_file(*huge)) << "the file unpacks to more than the limit";
-  EXPECT_FALSE(parse_tables(write_tables(all_slots({kBaseSlot, {}, {}})))) << "there is no base";
+  EXPECT_FALSE(parse_tables(write_tables(all_tables({kBaseTable, {}, {}, {}}))))
+      << "there is no base";
 }
+
+#if defined(__x86_64__)
+TEST(ContextTables, find_the_same_alphabets_with_and_without_bmi2) {
+  if ((cpu_features() & kCpuBmi2) == 0) GTEST_SKIP();
+  std::mt19937_64 random(1);
+  const auto all = tables();
+  for (int i = 0; i < 10000; ++i) {
+    const std::uint64_t word = random() >> 4;
+    for (const ContextTables::Table& table : all->tables) {
+      ASSERT_EQ(all->find<PortableExtract>(table, word), all->find<HardwareExtract>(table, word));
+    }
+  }
+}
+#endif
 
 TEST(ContextTables, are_refused_if_their_number_is_unknown) {
   EXPECT_FALSE(tables_of_number(0));

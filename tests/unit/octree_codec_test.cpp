@@ -511,7 +511,7 @@ TEST(OctreeCodecForged, damaged_contexts_are_refused) {
   EXPECT_FALSE(decodes(1u << 20, 0, classes)) << "the masks are missing";
   EXPECT_FALSE(decodes(1u << 26, 64 * 1024 + 1024 * 8 + 1, classes)) << "more than the bytes allow";
   EXPECT_FALSE(decodes(1u << 20, 299'593, zeros)) << "tables 0 are unknown";
-  // Zeros decode to ones, hence to a full tree, which is too large for this number of bytes.
+  // This many masks are no tree.
   EXPECT_FALSE(decodes(1u << 21, 64 * 1024, classes));
 }
 
@@ -533,12 +533,10 @@ TEST(OctreeCodecContext, is_smaller_than_zstd_and_contains_no_second_coding) {
   EXPECT_FALSE(decode_octree_tree(mixed, kLimits));
 }
 
-/// Tables with one leaf per slot, in place of tables that come with the frames.
+/// Tables with one alphabet each, in place of tables that come with the frames.
 std::shared_ptr<const ContextTables> plain_tables(std::uint64_t checksum) {
-  const std::vector<SlotTables> plain(kLevelClasses * kSlots, {0, {0}, {0x80}});
-  auto tables =
-      parse_tables(write_tables(std::span<const SlotTables, kLevelClasses * kSlots>(plain)))
-          .value();
+  const std::vector<StoredTable> plain(kTables, {0, {0}, {0}, {{}}});
+  auto tables = parse_tables(write_tables(std::span<const StoredTable, kTables>(plain))).value();
   tables.checksum = checksum;
   return std::make_shared<const ContextTables>(std::move(tables));
 }

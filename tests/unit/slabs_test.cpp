@@ -1,5 +1,3 @@
-#include "codec/octree/slabs.h"
-
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -107,7 +105,7 @@ TEST(Slabs, restore_every_tree_and_give_the_same_bytes_on_any_number_of_threads)
         EXPECT_EQ(layers.back()[static_cast<std::size_t>(svo.depth - begin)],
                   std::min(most, static_cast<std::size_t>(slabs)));
         if (slabs == 1) size_of_one = layers.back().size();
-        EXPECT_LT(layers.back().size(), size_of_one + size_of_one / 4);
+        EXPECT_LT(layers.back().size(), size_of_one + size_of_one / 3);
       }
     }
   }
@@ -140,56 +138,15 @@ TEST(Slabs, agree_with_the_reference_decoder) {
   }
 }
 
-TEST(Slabs, divide_the_longer_axis_into_about_equal_shares) {
-  for (const int axis : {1, 2}) {
-    RasterLevel level = root_level();
-    const Svo svo = sheets(6, axis);
-    for (int l = 0; l < svo.depth; ++l) {
-      const std::uint32_t begin = svo.level_begin[static_cast<std::size_t>(l)];
-      std::vector<std::uint32_t> first(svo.node_count(l));
-      for (std::uint32_t i = 0; i < first.size(); ++i) {
-        first[i] = svo.first_child[begin + i] - svo.level_begin[static_cast<std::size_t>(l) + 1];
-      }
-      give_masks(level, ByteView(svo.masks).subspan(begin, first.size()), true);
-      RasterLevel below;
-      expand(level, first, svo.node_count(l + 1), below);
-      level = std::move(below);
-    }
-    const std::vector<std::uint32_t> weights(level.size(), 1);
-    const SlabCuts cuts = choose_cuts(level, weights, 4);
-    EXPECT_EQ(cuts.axis, axis);
-    EXPECT_EQ(cuts.begins, (std::vector<std::uint32_t>{16, 32, 48}));
-    std::size_t in_slabs = 0;
-    for (const RasterLevel& slab : split(level, cuts)) {
-      in_slabs += count_in_slab(slab);
-      EXPECT_LE(slab.size(), count_in_slab(slab) + level.size() / 32);
-    }
-    EXPECT_EQ(in_slabs, level.size());
+TEST(Slabs, divide_the_frame_into_about_equal_shares) {
+  const Svo svo = sheets(8, 2);
+  const auto layers = encode(svo, {7, 8}, 4);
+  // One level's class, the number of slabs, and where three of them begin.
+  ASSERT_EQ(layers[1][1], 4);
+  for (std::size_t slab = 1; slab < 4; ++slab) {
+    EXPECT_NEAR(layers[1][2 * slab], 32.0 * static_cast<double>(slab), 3.0);
+    EXPECT_EQ(layers[1][2 * slab + 1], 0);
   }
-}
-
-TEST(Slabs, merge_to_the_statistics_that_a_single_slab_would_have) {
-  // A leaf that has seen a mean of 1/2, then three slabs with only ones.
-  const Leaf before{32768, 20};
-  std::vector<std::vector<Leaf>> slabs(3, std::vector<Leaf>{before});
-  Leaf alone = before;
-  for (auto& slab : slabs) {
-    for (int i = 0; i < 10; ++i) {
-      adapt(slab[0], 1);
-      adapt(alone, 1);
-    }
-  }
-  std::vector<Leaf> leaves = {before};
-  merge_leaves(slabs, {0, 1}, leaves);
-  EXPECT_NEAR(leaves[0].probability, alone.probability, 100);
-  EXPECT_EQ(leaves[0].count, alone.count);
-
-  // Counts that have reached their limit do not add up to more than any single count.
-  leaves = {{32768, 255}};
-  for (auto& slab : slabs) slab[0] = {50000, 255};
-  merge_leaves(slabs, {0, 1}, leaves);
-  EXPECT_EQ(leaves[0].probability, 50000);
-  EXPECT_EQ(leaves[0].count, 255);
 }
 
 TEST(Slabs, have_a_default_number_that_depends_only_on_the_leaves) {
@@ -203,8 +160,8 @@ TEST(Slabs, have_a_default_number_that_depends_only_on_the_leaves) {
 struct Forged {
   Svo svo = sheets(7, 1);
   std::vector<Bytes> layers = encode(svo, {3, 7}, 3);
-  /// Where the slabs of the second layer begin: their number, the axis, two u16 and two u32.
-  static constexpr std::size_t kHeader = 4, kSize = 1 + 1 + 2 * 2 + 2 * 4;
+  /// Where the slabs of the second layer begin: their number, two u16 and two u32.
+  static constexpr std::size_t kHeader = 4, kSize = 1 + 2 * 2 + 2 * 4;
 
   bool decodes() const { return decode(svo, layers, {3, 7}).has_value(); }
   bool decodes_with(std::size_t at, std::uint8_t value) const {
@@ -214,22 +171,19 @@ struct Forged {
   }
 };
 
-TEST(Slabs, are_refused_if_their_number_or_axis_is_invalid) {
+TEST(Slabs, are_refused_if_their_number_or_begin_is_invalid) {
   const Forged good;
   ASSERT_TRUE(good.decodes());
   for (const int number : {0, 1, 2, 4, 5, 17, 255}) {
     EXPECT_FALSE(good.decodes_with(0, static_cast<std::uint8_t>(number))) << number;
   }
-  for (const int axis : {0, 3, 255}) {
-    EXPECT_FALSE(good.decodes_with(1, static_cast<std::uint8_t>(axis))) << axis;
-  }
-  const std::uint8_t second = good.layers[1][Forged::kHeader + 4];
-  EXPECT_FALSE(good.decodes_with(2, 0)) << "the first slab is empty";
-  EXPECT_FALSE(good.decodes_with(2, second)) << "the slabs are not in order";
-  EXPECT_FALSE(good.decodes_with(4, 8)) << "a slab lies outside the level";
-  EXPECT_FALSE(good.decodes_with(5, 1)) << "a slab lies outside the level";
-  EXPECT_FALSE(good.decodes_with(8, 1)) << "a slab is longer than the payload";
-  EXPECT_FALSE(good.decodes_with(13, 0x80)) << "a slab is longer than the payload";
+  const std::uint8_t second = good.layers[1][Forged::kHeader + 3];
+  EXPECT_FALSE(good.decodes_with(1, 0)) << "the first slab is empty";
+  EXPECT_FALSE(good.decodes_with(1, second)) << "the slabs are not in order";
+  EXPECT_FALSE(good.decodes_with(3, 8)) << "a slab lies outside the level";
+  EXPECT_FALSE(good.decodes_with(4, 1)) << "a slab lies outside the level";
+  EXPECT_FALSE(good.decodes_with(7, 1)) << "a slab is longer than the payload";
+  EXPECT_FALSE(good.decodes_with(12, 0x80)) << "a slab is longer than the payload";
 }
 
 TEST(Slabs, stay_the_same_in_all_layers_after_the_first) {
@@ -290,9 +244,9 @@ TEST(Slabs, use_no_more_memory_than_their_header_states) {
       }
     };
     ASSERT_TRUE(decode(svo, layers, ends, noting));
-    const std::size_t of_leaves =
-        static_cast<std::size_t>(slabs + 1) * tables()->leaves.size() * sizeof(Leaf);
-    EXPECT_LT(most - before, 150 * finest + of_leaves + 65536 * static_cast<std::size_t>(slabs));
+    const std::size_t of_alphabets =
+        static_cast<std::size_t>(slabs + 1) * tables()->alphabets.size() * sizeof(Alphabet16);
+    EXPECT_LT(most - before, 170 * finest + of_alphabets + 65536 * static_cast<std::size_t>(slabs));
   }
 }
 

@@ -36,9 +36,9 @@ int train(const Options& options) {
     print_error("pointreel-bench", made.error().message);
     return 1;
   }
-  print("{} decisions after {:.0f} s\n", trainer.sample_count(), (now_ms() - begin) / 1e3);
+  print("{} symbols after {:.0f} s\n", trainer.sample_count(), (now_ms() - begin) / 1e3);
   const ContextTrainer::Result result = trainer.train(options.training);
-  const Bytes tables = write_tables(result.slots);
+  const Bytes tables = write_tables(result.tables);
   Bytes packed(ZSTD_compressBound(tables.size()));
   packed.resize(
       ZSTD_compress(packed.data(), packed.size(), tables.data(), tables.size(), ZSTD_maxCLevel()));
@@ -50,8 +50,8 @@ int train(const Options& options) {
     print_error("pointreel-bench", options.output.string() + ": cannot be written");
     return 1;
   }
-  print("{} cells, {} leaves, {:.4f} bits per decision, {} bytes, {:.0f} s\n", result.cells,
-        result.leaves, result.bits_per_decision, packed.size(), (now_ms() - begin) / 1e3);
+  print("{} cells, {} alphabets, {:.4f} bits per symbol, {} bytes, {:.0f} s\n", result.cells,
+        result.alphabets, result.bits_per_symbol, packed.size(), (now_ms() - begin) / 1e3);
   return 0;
 }
 
@@ -69,8 +69,8 @@ void add_train_command(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   command->add_option("--seed", options->seed, "seed of the synthetic data")->capture_default_str();
   command
-      ->add_option("--leaf-cost", options->training.leaf_cost,
-                   "bits that each leaf must save; a higher cost gives smaller tables")
+      ->add_option("--alphabet-cost", options->training.alphabet_cost,
+                   "bits that each alphabet must save; a higher cost gives smaller tables")
       ->check(positive_number())
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = train(*options); });

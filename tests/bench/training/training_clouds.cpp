@@ -10,6 +10,7 @@
 
 #include "common/base/try.h"
 #include "common/octree/build.h"
+#include "common/surface/clean.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
@@ -145,6 +146,132 @@ SampledSurface faceted_figure(std::size_t count, Random& random) {
                        turn * (normal / std::max(glm::length(normal), 1e-12))});
   }
   return surface;
+}
+
+/// Part of a thing: a box, or a rod with round ends.
+struct ThingPart {
+  glm::dvec3 from, to;  ///< the corners of the box, or the ends of the rod
+  double radius;        ///< 0: a box
+};
+
+/// Points on the parts of a thing that are not inside of others. Points on a part are evenly
+/// spread; each part has as many as its share of the surface.
+SampledSurface sample_thing(const std::vector<ThingPart>& parts, std::size_t count,
+                            Random& random) {
+  const auto inside = [](const ThingPart& part, const glm::dvec3& p) {
+    constexpr double kMargin = 1e-9;
+    if (part.radius == 0.0) {
+      return glm::all(glm::greaterThan(p, part.from + kMargin)) &&
+             glm::all(glm::lessThan(p, part.to - kMargin));
+    }
+    const glm::dvec3 axis = part.to - part.from;
+    const double t =
+        std::clamp(glm::dot(p - part.from, axis) / std::max(glm::dot(axis, axis), 1e-12), 0.0, 1.0);
+    const glm::dvec3 d = p - (part.from + t * axis);
+    return glm::dot(d, d) < (part.radius - kMargin) * (part.radius - kMargin);
+  };
+  std::vector<double> area_up_to;
+  double area = 0.0;
+  for (const ThingPart& part : parts) {
+    const glm::dvec3 e = part.to - part.from;
+    area += part.radius == 0.0 ? 2.0 * (e.x * e.y + e.y * e.z + e.z * e.x)
+                               : 2.0 * kPi * part.radius * (glm::length(e) + 2.0 * part.radius);
+    area_up_to.push_back(area);
+  }
+  const glm::dmat3 turn = random_turn(random, true);
+  SampledSurface surface;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto chosen =
+        std::lower_bound(area_up_to.begin(), area_up_to.end(), area * random.uniform());
+    const ThingPart& part = parts[std::min<std::size_t>(
+        static_cast<std::size_t>(chosen - area_up_to.begin()), parts.size() - 1)];
+    const glm::dvec3 e = part.to - part.from;
+    Sample sample{part.from, glm::dvec3(0.0)};
+    if (part.radius == 0.0) {
+      const double faces = e.x * e.y + e.y * e.z + e.z * e.x, at = faces * random.uniform();
+      const int axis = at < e.x * e.y ? 2 : at < e.x * e.y + e.y * e.z ? 0 : 1;
+      const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+      sample.position += e * glm::dvec3(x, y, z);
+      const bool far = random.uniform() < 0.5;
+      sample.position[axis] = far ? part.to[axis] : part.from[axis];
+      sample.normal[axis] = far ? 1.0 : -1.0;
+    } else {
+      // The height along a rod with round ends has an even distribution on its surface.
+      const double length = glm::length(e), angle = 2.0 * kPi * random.uniform();
+      const double height = (length + 2.0 * part.radius) * random.uniform() - part.radius;
+      const glm::dvec3 axis = e / std::max(length, 1e-9);
+      const double along = std::clamp(height, 0.0, length);
+      const double up = (height - along) / part.radius;
+      glm::dvec3 u, v;
+      tangents(axis, u, v);
+      sample.normal =
+          std::sqrt(std::max(0.0, 1.0 - up * up)) * (cosine(angle) * u + sine(angle) * v) +
+          up * axis;
+      sample.position += along * axis + part.radius * sample.normal;
+    }
+    const bool hidden = std::any_of(parts.begin(), parts.end(), [&](const ThingPart& other) {
+      return &other != &part && inside(other, sample.position);
+    });
+    if (!hidden) surface.push_back({turn * sample.position, turn * sample.normal});
+  }
+  return surface;
+}
+
+/// A table or shelf, with things on it.
+std::vector<ThingPart> furniture(Random& random) {
+  std::vector<ThingPart> parts;
+  const auto box = [&](const glm::dvec3& from, const glm::dvec3& size) {
+    parts.push_back({from, from + size, 0.0});
+  };
+  const double width = 0.5 + 0.5 * random.uniform(), depth = 0.3 + 0.4 * random.uniform();
+  const double leg = 0.02 + 0.03 * random.uniform(), board = 0.01 + 0.02 * random.uniform();
+  const auto boards = 1 + random.below(4);
+  const double height = 0.25 + 0.2 * random.uniform();
+  for (const double x : {0.0, width - leg}) {
+    for (const double z : {0.0, depth - leg}) box({x, 0, z}, {leg, height * boards, leg});
+  }
+  for (std::uint32_t b = 1; b <= boards; ++b) {
+    box({0, height * b, 0}, {width, board, depth});
+    for (auto things = random.below(4); things > 0; --things) {
+      const double x = (width - 0.15) * random.uniform(), z = (depth - 0.15) * random.uniform();
+      const double tall = 0.05 + 0.15 * random.uniform();
+      const glm::dvec3 at(x, height * b + board, z);
+      if (random.uniform() < 0.5) {
+        box(at, {0.05 + 0.1 * random.uniform(), tall, 0.05 + 0.1 * random.uniform()});
+      } else {
+        parts.push_back({at + glm::dvec3(0.06, 0.03, 0.06), at + glm::dvec3(0.06, tall, 0.06),
+                         0.02 + 0.03 * random.uniform()});
+      }
+    }
+  }
+  return parts;
+}
+
+/// A body on four legs, with a neck, a head and a tail.
+std::vector<ThingPart> animal(Random& random) {
+  std::vector<ThingPart> parts;
+  const auto jitter = [&](double size) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    return size * glm::dvec3(x, y, z);
+  };
+  const double length = 0.4 + 0.3 * random.uniform(), thick = 0.09 + 0.06 * random.uniform();
+  const double legs = 0.15 + 0.3 * random.uniform();
+  const glm::dvec3 back(0, legs, 0), front = back + glm::dvec3(length, 0, 0) + jitter(0.02);
+  parts.push_back({back, front, thick});
+  const glm::dvec3 head = front + glm::dvec3(0.12, 0.05 + 0.3 * random.uniform(), 0) + jitter(0.03);
+  parts.push_back({front, head, 0.4 * thick});
+  parts.push_back({head, head + glm::dvec3(0.1, -0.02, 0) + jitter(0.02), 0.5 * thick});
+  for (const double side : {-0.6, 0.6}) {
+    for (const glm::dvec3& hip : {back, front}) {
+      const glm::dvec3 top = hip + glm::dvec3(0, -0.3 * thick, side * thick);
+      const glm::dvec3 knee = top + glm::dvec3(0, -0.5 * legs, 0) + jitter(0.03);
+      parts.push_back({top, knee, 0.3 * thick});
+      parts.push_back({knee, glm::dvec3(knee.x, 0, knee.z) + jitter(0.01), 0.2 * thick});
+    }
+    parts.push_back({head, head + glm::dvec3(-0.02, 0.06, side * 0.06), 0.15 * thick});
+  }
+  parts.push_back({back, back + glm::dvec3(-0.2, 0.1, 0) + jitter(0.05), 0.15 * thick});
+  return parts;
 }
 
 /// The surface with every point moved along its normal.
@@ -325,17 +452,21 @@ SampledSurface built_up(SampledSurface ground, Random& random) {
   return ground;
 }
 
-/// A random frame of a synthetic sequence from one of its own samplers.
-Result<SampledSurface> sequence_sample(const Motion& motion, const SequenceOptions& options,
-                                       Random& random) {
-  const int frames = static_cast<int>(motion.seconds() * options.fps);
-  const PointCloud cloud = TRY(sequence_frame(
-      motion, options, static_cast<int>(random.below(static_cast<std::uint32_t>(frames)))));
+/// The points of a cloud whose normals are not needed.
+SampledSurface surface_of(const PointCloud& cloud) {
   SampledSurface surface;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     surface.push_back({cloud.world(i) / 1.76, {0, 0, 1}});
   }
   return surface;
+}
+
+/// A random frame of a synthetic sequence from one of its own samplers.
+Result<SampledSurface> sequence_sample(const Motion& motion, const SequenceOptions& options,
+                                       Random& random) {
+  const int frames = static_cast<int>(motion.seconds() * options.fps);
+  return surface_of(TRY(sequence_frame(
+      motion, options, static_cast<int>(random.below(static_cast<std::uint32_t>(frames))))));
 }
 
 // --- Voxels ---
@@ -451,20 +582,50 @@ Result<void> give_captures(std::uint64_t seed, const Giver& give) {
 
 /// The synthetic sequences with their own samplers: the curves of a scanner, and parallel rays.
 Result<void> give_sequences(std::uint64_t seed, const Giver& give) {
-  for (int m = 0; m < 3; ++m) {
+  for (int m = 0; m < 6; ++m) {
     Random random(seed, 5000 + static_cast<std::uint64_t>(m));
     const std::span<const Motion> all = motions();
     const Motion& motion = all[static_cast<std::size_t>(m) % all.size()];
     SequenceOptions options;
     options.seed = random.bits();
-    options.noise = 0.0015 * m;
+    options.noise = m < 3 ? 0.0015 * m : 0.0;
+    if (m >= 3) options.points = 30'000u << (m - 3);
     const auto curves = TRY(sequence_sample(motion, options, random));
-    give(fmt::format("curves {} 10", m), curves, 10, 0.1 * random.uniform());
-    if (m == 2) continue;
+    give(fmt::format("curves {} {}", m, m < 5 ? 10 : 11), curves, m < 5 ? 10 : 11,
+         0.1 * random.uniform());
+    if (m >= 2) continue;
     options.noise = 0.0;
     options.sampler = Sampler::ldc;
     const auto layered = TRY(sequence_sample(motion, options, random));
     give(fmt::format("layered {} 10", m), layered, 10, 0.1 * random.uniform());
+  }
+  return {};
+}
+
+/// What the sequences' ring of depth cameras measures, as it comes and cleaned, in the cells that
+/// each of them would be coded in, and in larger ones.
+Result<void> give_depth_cameras(std::uint64_t seed, const Giver& give) {
+  constexpr std::array<std::size_t, 5> kPoints = {12'000, 25'000, 50'000, 90'000, 150'000};
+  for (std::size_t c = 0; c < kPoints.size(); ++c) {
+    Random random(seed, 7000 + c);
+    const std::span<const Motion> all = motions();
+    const Motion& motion = all[(c + 2) % all.size()];
+    SequenceOptions options;
+    options.seed = random.bits();
+    options.sampler = Sampler::depth_cameras;
+    options.points = kPoints[c];
+    const int frames = static_cast<int>(motion.seconds() * options.fps);
+    PointCloud cloud = TRY(sequence_frame(
+        motion, options, static_cast<int>(random.below(static_cast<std::uint32_t>(frames)))));
+    for (const bool cleaned : {false, true}) {
+      if (cleaned) clean(cloud);
+      const SampledSurface surface = surface_of(cloud);
+      const int bits = c == 0 ? 8 : c < 3 ? 9 : 10;
+      for (const int more : {0, 1}) {
+        give(fmt::format("depth cameras {} {}{}", c, bits + more, cleaned ? " cleaned" : ""),
+             surface, bits + more, 0.1 * random.uniform());
+      }
+    }
   }
   return {};
 }
@@ -489,6 +650,29 @@ void give_terrain(std::uint64_t seed, const Giver& give) {
   }
 }
 
+/// Furniture and animals, sampled densely, at random, with the spacing of vertices, and by cameras.
+void give_things(std::uint64_t seed, const Giver& give) {
+  for (int t = 0; t < 6; ++t) {
+    Random random(seed, 8000 + static_cast<std::uint64_t>(t));
+    const bool alive = t % 2 == 1;
+    const SampledSurface smooth =
+        sample_thing(alive ? animal(random) : furniture(random), kSamples, random);
+    const double roughness = alive ? 0.3 + random.uniform() : 0.1 * random.uniform();
+    const SampledSurface rough =
+        displaced(smooth, Relief::fractal(0.08, 0.0008, 0.005 * roughness, 0.8, 0.2, random));
+    const auto name = [&](const char* what) {
+      return fmt::format("{} {} {}", alive ? "animal" : "furniture", t, what);
+    };
+    if (t < 4) give(name("dense 10"), filled(rough, 0.4 / 1024), 10, 0.1 * random.uniform());
+    give(name("random 10"), first(rough, 30'000u << (t / 2)), 10, 0.1 * random.uniform());
+    give(name("spaced 10"), spaced(rough, 0.002 + 0.001 * t, 0.3, random), 10);
+    SampledSurface seen = scanned(rough, 5, (1.8 + 3.0 * random.uniform()) / 1024, random);
+    disturb(seen, (0.2 + random.uniform()) / 1024, 0.003, random);
+    give(name("scanned 10"), seen, 10);
+    if (t < 2) give(name("scanned 12"), seen, 12);
+  }
+}
+
 /// Points that fill a volume.
 void give_volume(std::uint64_t seed, const Giver& give) {
   Random random(seed, 2000);
@@ -509,7 +693,9 @@ Result<void> for_each_training_tree(
   give_faceted(seed, give);
   TRY(give_captures(seed, give));
   TRY(give_sequences(seed, give));
+  TRY(give_depth_cameras(seed, give));
   give_terrain(seed, give);
+  give_things(seed, give);
   give_volume(seed, give);
   return {};
 }

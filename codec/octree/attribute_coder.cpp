@@ -260,21 +260,19 @@ class LayerCoder {
       signs = kSignPlaces.apart[pattern][coder.bits(std::popcount(pattern),
                                                     kSignPlaces.together[pattern][signs])];
     }
-    Int4 difference{};
-    for (unsigned rest = pattern; rest != 0; rest &= rest - 1) {
-      const int k = std::countr_zero(rest);
-      const auto component = static_cast<std::size_t>(k);
-      const std::int32_t magnitude =
-          code_magnitude(coder, contexts_, component, node.context.activity, several,
-                         Coder::kEncodes ? std::abs(q[component]) : 0);
+    // Lanes of a vector that are chosen at run time would go through memory.
+    const auto component = [&](std::size_t k) -> std::int32_t {
+      if ((pattern >> k & 1) == 0) return 0;
+      const std::int32_t magnitude = code_magnitude(coder, contexts_, k, node.context.activity,
+                                                    several, Coder::kEncodes ? std::abs(q[k]) : 0);
       sum += magnitude << (k == 0 || (k == 1 && normals) ? 1 : 0);
       const std::int32_t size =
-          scale == nullptr ? magnitude
-                           : dequantized(magnitude, step_of(*scale, rules_.steps[component]));
+          scale == nullptr ? magnitude : dequantized(magnitude, step_of(*scale, rules_.steps[k]));
       const std::int32_t negative = -static_cast<std::int32_t>(signs >> k & 1);
-      difference[k] = (size ^ negative) - negative;
-    }
-    return difference;
+      return (size ^ negative) - negative;
+    };
+    const std::int32_t first = component(0), second = component(1), third = component(2);
+    return Int4{first, second, third, 0};
   }
 
   /// The differences of the base values.

@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::uint32_t kMostWeight = std::uint32_t{1} << 26;
 
+/// Numbers are read and written in fours and eights.
+constexpr std::size_t kRoom = 8;
+
 /// A plane that is not larger than this may always be used, and one that has no more cells for each
 /// node of its level.
 constexpr std::uint64_t kSmallPlane = 1 << 16, kCellsOfNode = 2;
@@ -64,7 +67,7 @@ FrameStructure::FrameStructure(const Svo& svo, std::vector<int> layer_ends)
       branching_by_z_(levels_.size()) {
   const std::size_t count = svo.internal_count();
   for (Numbers* numbers : {&weights_, &branching_, &nodes_, &places_}) {
-    *numbers = std::make_unique_for_overwrite<std::uint32_t[]>(count + 4);
+    *numbers = std::make_unique_for_overwrite<std::uint32_t[]>(count + kRoom);
   }
   if (count == 0) return;
   find_weights();

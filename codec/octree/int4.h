@@ -15,10 +15,15 @@ struct Short4 {
 };
 
 inline Int4 load(const Short4& value) {
-  typedef std::int16_t Vector __attribute__((vector_size(8)));
-  Vector vector;
-  std::memcpy(&vector, value.lanes, sizeof(vector));
-  return __builtin_convertvector(vector, Int4);
+  typedef std::int16_t Short8 __attribute__((vector_size(16)));
+  std::int64_t four;
+  std::memcpy(&four, value.lanes, sizeof(four));
+  typedef std::int64_t Long2 __attribute__((vector_size(16)));
+  const auto lanes = reinterpret_cast<Short8>(Long2{four, 0});
+  // Each number is doubled and shifted down, since g++ 12 needs more instructions for
+  // __builtin_convertvector.
+  const Short8 twice = __builtin_shufflevector(lanes, lanes, 0, 0, 1, 1, 2, 2, 3, 3);
+  return reinterpret_cast<Int4>(twice) >> 16;
 }
 
 inline Short4 narrow(const Int4& value) {

@@ -181,9 +181,10 @@ void LevelPredictor::clear(Short4* plane, std::size_t slice) {
     const Int4 faces = load(at[step[0]]) + load(at[step[1]]) + load(at[step[2]]);
     const Int4 edges = load(at[step[3]]) + load(at[step[4]]) + load(at[step[5]]);
     const Int4 near = center + (faces << 3) + (edges << 1) + edges;
-    const std::int32_t fourth = near[3], near_weight = fourth & (kActivityUnit - 1);
+    const auto fourth = static_cast<std::uint32_t>(near[3]);
+    const auto near_weight = static_cast<std::int32_t>(fourth % kActivityUnit);
     weight += near_weight;
-    activity += fourth / kActivityUnit;
+    activity += static_cast<std::int32_t>(fourth / kActivityUnit);
     const std::int32_t reciprocal = kReciprocals[static_cast<std::size_t>(near_weight)];
     const Int4 mean = ((near & kComponents) * reciprocal + (1 << 15)) >> 16;
     expected[static_cast<std::size_t>(children++)] = mean;

@@ -80,11 +80,12 @@ using NodeScales = std::array<PairScale, 7>;
 /// The scales of the nodes with a mask whose children all weigh 1.
 const NodeScales& unit_scales(std::uint8_t mask);
 
-/// Finds the scales for the weights of a node's children.
+/// Finds the scales for the weights of a node's children. Eight weights are read, whatever their
+/// number: to copy fewer takes longer.
 inline void find_scales(const PairScales& scales, const MergeOrder& order,
                         const std::uint32_t* weights, NodeScales& found) {
   std::array<std::uint32_t, 8> weight;
-  std::copy_n(weights, order.pairs + 1, weight.begin());
+  std::copy_n(weights, 8, weight.begin());
   for (std::size_t i = 0; i < order.pairs; ++i) {
     const auto [first, second] = order.pair[i];
     found[i] = scales(weight[first], weight[second]);

@@ -19,10 +19,10 @@ struct TrainingOptions {
   int table_bits = 6;           ///< the largest number of bits in a table's mask
   int cell_bits = 4;            ///< the same for the masks of cells
   int part_bits = 5;            ///< the same for the masks of parts of cells
-  double alphabet_cost = 40.0;  ///< the number of coded bits that an alphabet must save
+  double alphabet_cost = 50.0;  ///< the number of coded bits that an alphabet must save
   /// Dense levels: there, many contexts are used up to the last.
   int dense_table_bits = 8;
-  double dense_alphabet_cost = 30.0;
+  double dense_alphabet_cost = 40.0;
 };
 
 /// Calls `use(table, word, symbol)` for each symbol that codes the tree's masks. The order is that

@@ -16,8 +16,8 @@ struct EncodingOptions {
   double fps = 30.0;  ///< nominal frames per second, kMinFps to kMaxFps
   char up = 'y';      ///< the axis that points up, 'y' or 'z'
   EncodeOptions encode;
-  /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, and it
-  /// determines the depth of the octree.
+  /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, or on the voxels
+  /// of the source that they merge. It determines the depth of the octree.
   std::optional<double> voxel;
   /// How frames are cleaned before they are encoded. Nothing: they stay as they are, and so they
   /// do with `voxel` unless a radius is given or `resample` is set.

@@ -10,11 +10,28 @@
 #include "server/rate/coarsening.h"
 
 namespace pointreel {
+namespace {
+
+/// The lattice of whose points a voxel each is the middle. If the voxels merge those of the source,
+/// they are centred on what they merge, or else everything would move by half a voxel of the
+/// source. Otherwise they are centred on multiples of their size.
+PointLattice voxel_centers(double voxel, const std::optional<PointLattice>& source) {
+  if (source) {
+    const double merged = std::round(voxel / source->step);
+    if (merged >= 1.0 && std::abs(voxel / source->step - merged) < 1e-6) {
+      const bool even = std::fmod(merged, 2.0) == 0.0;
+      return {source->point + (even ? 0.5 * source->step : 0.0), voxel};
+    }
+  }
+  return {glm::dvec3(0.0), voxel};
+}
+
+}  // namespace
 
 Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
                       const std::optional<PointLattice>& lattice) {
   if (options.voxel) {
-    const VoxelCube voxels = voxel_cube(box, *options.voxel);
+    const VoxelCube voxels = lattice_cube(box, voxel_centers(*options.voxel, lattice));
     if (voxels.depth > kMaxDepth) {
       return fail(
           ErrorCode::argument,

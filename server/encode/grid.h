@@ -18,8 +18,9 @@ struct Grid {
 };
 
 /// The grid for points within `box`. With `lattice` the voxels of the octree's leaves, or of
-/// Draco's grid, are those of the lattice, unless EncodingOptions::voxel is given. Errors:
-/// `argument` if EncodingOptions::voxel needs too deep an octree.
+/// Draco's grid, are those of the lattice. If EncodingOptions::voxel is given, they have that size,
+/// and their centres are those of the lattice's voxels that they merge. Errors: `argument` if
+/// EncodingOptions::voxel needs too deep an octree.
 Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
                       const std::optional<PointLattice>& lattice = {});
 

@@ -113,7 +113,7 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
       command
           .add_option("--voxel", sequence.voxel,
                       "instead of --delta: voxels of this size in the source's units, centred on "
-                      "its multiples")
+                      "its multiples, or on the voxels of the source that they merge")
           ->check(positive_number()));
   CLI::Option* spacing =
       only_with(Codec::octree, command

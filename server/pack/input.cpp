@@ -101,8 +101,10 @@ Result<Grid> SegmentInput::grid_of(const SourceFrame& frame) const {
   if (frame.cleaning.cleaned && cells_follow_points(options_)) {
     return grid_for(box, options_, lattice_for_cells(frame.cleaning.cell));
   }
-  std::optional<PointLattice> lattice = options_.voxel ? std::nullopt : lattice_of(cloud);
-  if (lattice && !reaches(*lattice, box, cloud, options_.encode)) lattice.reset();
+  std::optional<PointLattice> lattice = lattice_of(cloud);
+  if (lattice && !options_.voxel && !reaches(*lattice, box, cloud, options_.encode)) {
+    lattice.reset();
+  }
   return grid_for(box, options_, lattice);
 }
 

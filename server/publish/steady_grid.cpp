@@ -47,7 +47,7 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const Clean
   std::optional<PointLattice> lattice;
   if (by_points) {
     lattice = lattice_for_cells(cleaning.cell);
-  } else if (!options_.voxel) {
+  } else {
     lattice = lattice_of(cloud);
   }
   // Together with the frames before, if their cells are still fine enough.
@@ -74,7 +74,8 @@ Result<Grid> SteadyGrid::of(const PointCloud& cloud, const Box& box, const Clean
   Box both = roomy;
   both.grow(held_);
   if (longest_edge(both) <= kMaxGrowth * longest_edge(roomy)) roomy = both;
-  on_lattice_ = lattice && (by_points || reaches(*lattice, roomy, cloud, options_.encode));
+  on_lattice_ =
+      lattice && (by_points || options_.voxel || reaches(*lattice, roomy, cloud, options_.encode));
   grid_ = TRY(grid_for(roomy, options_, on_lattice_ ? lattice : std::nullopt));
   held_ = roomy;
   lattice_ = lattice;

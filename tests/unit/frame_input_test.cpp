@@ -293,6 +293,23 @@ TEST(SteadyGrid, keeps_the_requested_voxel_size) {
   EXPECT_NEAR(grid.cube.edge / std::exp2(octree.depth.depth), 0.01, 1e-9);
 }
 
+PointCloud voxelised(double step, int first, int last);
+
+TEST(SteadyGrid, centres_the_requested_voxels_on_those_that_they_merge) {
+  PublishOptions options;
+  for (const double voxel : {2.0, 3.0, 4.0}) {
+    options.voxel = voxel;
+    SteadyGrid steady(options);
+    for (const int moved : {0, 1, 7}) {
+      const PointCloud cloud = voxelised(1.0, 5 + moved, 40 + moved);
+      const Cube cube = steady.of(cloud, bounds(cloud)).value().cube;
+      // The smallest source coordinate of the first voxel lies half a step above its corner.
+      const double above = cube.origin.x + 0.5;
+      EXPECT_EQ(above, std::round(above)) << voxel << ", " << moved;
+    }
+  }
+}
+
 /// Points at these multiples of the step.
 PointCloud voxelised(double step, int first, int last) {
   PointCloud cloud;

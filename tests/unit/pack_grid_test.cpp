@@ -89,6 +89,33 @@ TEST_F(PackGrid, voxelised_frames_come_back_exactly_if_the_depth_suffices) {
   }
 }
 
+TEST_F(PackGrid, merged_voxels_do_not_shift_what_they_show) {
+  // 0.25 does not merge whole voxels of 0.1, and leaves on multiples of it are right on average.
+  for (const glm::dvec3 shift : {glm::dvec3(0.0), glm::dvec3(0.5)}) {
+    const PointCloud source = voxelised(shift, 0.1);
+    write(0, source);
+    for (const double voxel : {0.1, 0.2, 0.25, 0.3, 0.4, 0.8}) {
+      options_.voxel = voxel;
+      for (const bool cube_per_frame : {false, true}) {
+        options_.cube_per_frame = cube_per_frame;
+        packed();
+        const PointCloud leaves = decoded(0);
+        // Each source point counts, so that surfaces do not pull the mean to where leaves are many.
+        glm::dvec3 shifted(0.0);
+        for (const glm::vec3& p : source.positions) {
+          const glm::dvec3 from = leaves.origin + glm::dvec3(leaves.positions.front());
+          const glm::dvec3 offset = (glm::dvec3(p) - from) / voxel;
+          shifted += offset - glm::floor(offset + 0.5 + 1e-5);
+        }
+        shifted /= static_cast<double>(source.size());
+        EXPECT_LT(std::max({std::abs(shifted.x), std::abs(shifted.y), std::abs(shifted.z)}), 0.02)
+            << "voxels of " << voxel;
+        fs::remove_all(options_.output);
+      }
+    }
+  }
+}
+
 TEST_F(PackGrid, frames_are_not_voxelised_if_one_of_them_is_not) {
   write(0, voxelised({}, 0.001));
   PointCloud shifted = voxelised({}, 0.001);

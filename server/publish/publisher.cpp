@@ -4,6 +4,7 @@
 #include <chrono>
 #include <mutex>
 #include <random>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
+#include "common/base/ordered_turns.h"
+#include "common/base/out_of_memory.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "server/encode/unread_properties.h"
@@ -25,6 +28,8 @@ using Clock = std::chrono::steady_clock;
 
 /// The share of the frame interval that encoding may take, unless a frame time is given.
 constexpr double kBudgetShare = 0.8;
+/// Frames that are encoded at the same time. Each takes memory.
+constexpr int kMostLanes = 8;
 /// With fewer levels nobody could be recognised, and hardly any time would be saved.
 constexpr int kMinDepth = 6;
 /// How long sending the last frames may take at the end; the longer time over a link that works.
@@ -57,13 +62,31 @@ std::vector<LiveMessage> messages_of(EncodedFrame encoded, std::uint32_t number,
   return messages;
 }
 
+/// A frame on its way through the encoder.
+struct FrameInProgress {
+  InputFrame input;
+  CleanReport cleaning = {};
+  Box box = {};
+  Result<Grid> grid = Grid{};
+  int most_depth = kMaxDepth;
+  double clean_ms = 0.0, encode_ms = 0.0;
+};
+
+/// Encodes several frames at the same time, each on a thread of its own: to divide a frame among
+/// threads would take more bytes. Frames get their grids and are sent in the order in which they
+/// came.
 class Publisher {
  public:
-  Publisher(const PublishOptions& options, const PublishListener& listener)
+  Publisher(const PublishOptions& options, const PublishListener& listener, FrameInput& input,
+            int threads)
       : options_(options),
         listener_(listener),
+        input_(input),
+        lanes_(std::min(threads, kMostLanes)),
+        arena_(threads),
         grid_(options),
-        frame_time_ms_(options.frame_time_ms.value_or(kBudgetShare * 1000.0 / options.fps)),
+        frame_time_ms_(options.frame_time_ms.value_or(kBudgetShare * 1000.0 / options.fps *
+                                                      static_cast<double>(lanes_))),
         time_(frame_time_ms_, kMaxDepth, kMinDepth),
         outbox_([&] {
           OutboxOptions outbox = options.outbox;
@@ -71,31 +94,24 @@ class Publisher {
           return outbox;
         }()) {
     static_cast<ReelHead&>(hello_) = reel_head(options);
+    options_.encode.executor = tbb_executor();
   }
 
-  Result<PublishSummary> run(FrameInput& input) {
+  Result<PublishSummary> run() {
     const Clock::time_point start = Clock::now();
     // Frames that come before the connection would be lost, and short sequences as a whole.
     outbox_.wait_until_tried(listener_.stop);
-    for (;;) {
-      if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
-      Result<std::optional<InputFrame>> frame = input.next(listener_.stop);
-      if (!frame) {
-        summary_.input_error = frame.error();
-        break;
-      }
-      if (!*frame) break;
-      if (const Result<void> sent = send(**frame); !sent) {
-        ++summary_.unusable;
-        say(sent.error().message + "; left out");
-      }
+    {
+      std::vector<std::jthread> others;
+      for (int lane = 1; lane < lanes_; ++lane) others.emplace_back([this] { publish_frames(); });
+      publish_frames();
     }
     if (number_ > 0 && !listener_.stop.stop_requested()) {
       outbox_.flush(kFlushTime);
       if (outbox_.trouble().empty()) outbox_.flush(kSlowFlushTime);
     }
     if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
-    summary_.skipped = input.skipped();
+    summary_.skipped = input_.skipped();
     summary_.encode_ms = spread_of(std::move(encode_ms_));
     summary_.sent = outbox_.statistics();
     // Whatever was not accepted until now was lost, wherever it was.
@@ -107,32 +123,94 @@ class Publisher {
   }
 
  private:
-  Result<void> send(InputFrame& frame) {
-    if (!frame.cloud) return tl::unexpected(frame.cloud.error());
-    if (const std::string names = unread_.fresh(frame.cloud->unread); !names.empty())
-      say("PLY properties that are not sent: " + names);
-    const Clock::time_point start = Clock::now();
-    PointCloud& cloud = frame.cloud->cloud;
-    const CleanReport cleaning = clean_frame(cloud, options_);
-    const double clean_ms = ms_since(start);
-    if (options_.clean && !cleaning.cleaned && !cloud.positions.empty() &&
-        !std::exchange(uncleaned_told_, true))
-      say(fmt::format("{}: not cleaned: {}", frame.name, why_not_cleaned(*options_.clean)));
-    const Box box = bounds(cloud);
-    const Result<Grid> grid = grid_.of(cloud, box, cleaning);
-    if (!grid) return fail_at(frame.name, grid.error());
+  /// Takes one frame after another until there are no more. Each lane does this on its thread.
+  void publish_frames() {
+    for (;;) {
+      std::uint64_t turn = 0;
+      std::optional<InputFrame> taken = next_frame(turn);
+      if (!taken) return;
+      FrameInProgress frame{*std::move(taken)};
+      arena_.execute([&] { publish_frame(turn, frame); });
+    }
+  }
 
+  std::optional<InputFrame> next_frame(std::uint64_t& turn) {
+    const std::lock_guard lock(input_mutex_);
+    if (ended_) return std::nullopt;
+    ended_ = true;
+    if (outbox_.failure()) return std::nullopt;
+    auto frame = or_out_of_memory([&] { return input_.next(listener_.stop); });
+    if (!frame) {
+      summary_.input_error = frame.error();
+      return std::nullopt;
+    }
+    ended_ = !*frame;
+    if (*frame) turn = taken_++;
+    return *std::move(frame);
+  }
+
+  void publish_frame(std::uint64_t turn, FrameInProgress& frame) {
+    Result<void> usable = or_out_of_memory([&] { return clean(frame); });
+    grid_turns_.take(turn, [&] {
+      if (usable) usable = or_out_of_memory([&] { return find_grid(frame); });
+    });
+    Result<EncodedFrame> encoded = EncodedFrame{};
+    if (usable) {
+      encoded = or_out_of_memory([&] { return encode(frame); });
+      if (!encoded) usable = tl::unexpected(encoded.error());
+    }
+    send_turns_.take(turn, [&] {
+      if (usable) usable = or_out_of_memory([&] { return send(frame, *std::move(encoded)); });
+      if (usable) return;
+      ++summary_.unusable;
+      say(usable.error().message + "; left out");
+    });
+  }
+
+  Result<void> clean(FrameInProgress& frame) {
+    if (!frame.input.cloud) return tl::unexpected(frame.input.cloud.error());
+    const Clock::time_point start = Clock::now();
+    PointCloud& cloud = frame.input.cloud->cloud;
+    frame.cleaning = clean_frame(cloud, options_);
+    frame.box = bounds(cloud);
+    frame.clean_ms = ms_since(start);
+    return {};
+  }
+
+  /// In the order of the frames.
+  Result<void> find_grid(FrameInProgress& frame) {
+    const LoadedCloud& loaded = *frame.input.cloud;
+    if (const std::string names = unread_.fresh(loaded.unread); !names.empty())
+      say("PLY properties that are not sent: " + names);
+    if (options_.clean && !frame.cleaning.cleaned && !loaded.cloud.positions.empty() &&
+        !std::exchange(uncleaned_told_, true))
+      say(fmt::format("{}: not cleaned: {}", frame.input.name, why_not_cleaned(*options_.clean)));
+    frame.grid = grid_.of(loaded.cloud, frame.box, frame.cleaning);
+    if (!frame.grid) return fail_at(frame.input.name, frame.grid.error());
+    const std::lock_guard lock(time_mutex_);
+    frame.most_depth = time_.depth();
+    return {};
+  }
+
+  Result<EncodedFrame> encode(FrameInProgress& frame) {
+    const Clock::time_point start = Clock::now();
     Result<EncodedFrame> encoded =
-        encode_frame(cloud, grid->cube, no_deeper_than(grid->encode, time_.depth()));
-    const double ms = ms_since(start);
-    if (!encoded) return fail_at(frame.name, encoded.error());
-    const int depth = encoded->depth;
-    greet(cloud, box);
+        encode_frame(frame.input.cloud->cloud, frame.grid->cube,
+                     no_deeper_than(frame.grid->encode, frame.most_depth));
+    frame.encode_ms = ms_since(start);
+    if (!encoded) return fail_at(frame.input.name, encoded.error());
+    return encoded;
+  }
+
+  /// In the order of the frames.
+  Result<void> send(const FrameInProgress& frame, EncodedFrame encoded) {
+    const int depth = encoded.depth;
+    greet(frame.input.cloud->cloud, frame.box);
     // Capture times must rise, even if two frames came within a microsecond.
-    last_us_ = std::max(frame.capture_us, last_us_ + 1);
-    outbox_.push(number_, messages_of(*std::move(encoded), number_, last_us_));
+    last_us_ = std::max(frame.input.capture_us, last_us_ + 1);
+    outbox_.push(number_, messages_of(std::move(encoded), number_, last_us_));
     ++number_;
-    count(depth, ms, clean_ms);
+    count(depth, frame.clean_ms + frame.encode_ms, frame.clean_ms);
     return {};
   }
 
@@ -149,6 +227,7 @@ class Publisher {
   }
 
   void count(int depth, double ms, double clean_ms) {
+    const std::lock_guard lock(time_mutex_);
     // The first frame finds cold memory, so its time says nothing about the others.
     if (summary_.frames > 0) {
       // A lower depth makes encoding faster, but not cleaning. Where that takes most of the time,
@@ -186,16 +265,30 @@ class Publisher {
   /// Enough for the median; later frames take about as long.
   static constexpr std::size_t kMaxTimes = 100'000;
 
-  const PublishOptions& options_;
+  PublishOptions options_;
   const PublishListener& listener_;
   std::mutex say_mutex_;
-  SteadyGrid grid_;
+
+  std::mutex input_mutex_;  ///< of the next three, and of summary_.input_error
+  FrameInput& input_;
+  bool ended_ = false;
+  std::uint64_t taken_ = 0;
+
+  const int lanes_;
+  tbb::task_arena arena_;
+  OrderedTurns grid_turns_;
+  SteadyGrid grid_;  ///< used in turns only, as are the next two
   UnreadProperties unread_;
+  bool uncleaned_told_ = false;
+
   const double frame_time_ms_;
+  std::mutex time_mutex_;
   FrameTimeControl time_;
+
+  OrderedTurns send_turns_;
   const LiveSecret secret_ = random_secret();
-  LiveHello hello_;
-  bool greeted_ = false, uncleaned_told_ = false;
+  LiveHello hello_;  ///< used in turns only, as is all that follows
+  bool greeted_ = false;
   std::uint32_t number_ = 0;
   std::uint64_t last_us_ = 0;
   int allowed_told_ = kMaxDepth;  ///< the depth that was last reported
@@ -212,11 +305,7 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
   const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
-  tbb::task_arena arena(threads);
-  PublishOptions parallel = options;
-  parallel.encode.executor = tbb_executor();
-  Publisher publisher(parallel, listener);
-  return arena.execute([&] { return publisher.run(input); });
+  return Publisher(options, listener, input, threads).run();
 } catch (const std::bad_alloc&) {
   return fail(ErrorCode::limit, "not enough memory");
 }

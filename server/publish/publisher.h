@@ -16,7 +16,8 @@
 
 namespace pointreel {
 
-/// What to publish, and where to. Without `frame_time_ms`, 80 % of the frame interval is used.
+/// What to publish, and where to. As many frames are encoded at the same time as there are threads.
+/// Without `frame_time_ms`, they use 80 % of these threads' time.
 struct PublishOptions : EncodingOptions {
   OutboxOptions outbox;
 };
@@ -28,10 +29,10 @@ struct PublishListener {
 
 struct PublishSummary {
   std::uint64_t frames = 0;    ///< encoded
-  std::uint64_t skipped = 0;   ///< arrived while others were encoded
+  std::uint64_t skipped = 0;   ///< arrived while all threads encoded others
   std::uint64_t unusable = 0;  ///< could not be read or encoded
   std::uint64_t late = 0;      ///< took longer than the frame time
-  Spread encode_ms;
+  Spread encode_ms;            ///< of each frame, with cleaning
   int depth_min = 0, depth_max = 0;
   int lowered = 0;  ///< how often the depth was lowered because encoding took too long
   OutboxStatistics sent;
@@ -50,9 +51,9 @@ Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
 /// frame does not fit. Then it gets a margin of a tenth of the frame's box on each side, and still
 /// holds what the previous cube was made for, unless that would make it more than twice as large. A
 /// cube eight times as large as a frame is made anew.
-/// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly,
-/// and the cells of cleaned frames are those that fit their points, until these change by a
-/// quarter.
+/// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly or
+/// without a shift, and the cells of cleaned frames are those that fit their points, until these
+/// change by a quarter.
 class SteadyGrid {
  public:
   explicit SteadyGrid(const EncodingOptions& options) : options_(options) {}

@@ -1,6 +1,7 @@
 // What `publish` says about how much of a stream has arrived at the server.
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/cloud_file.h"
 #include "common/cloud/ply.h"
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
@@ -70,6 +72,41 @@ TEST_F(PublishTest, counts_what_the_server_has_accepted) {
   EXPECT_EQ(sent["accepted_layers"], sent["layers"]);
   EXPECT_EQ(report["frames"].get<int>(),
             sent["accepted_frames"].get<int>() + sent["dropped_frames"].get<int>());
+}
+
+TEST_F(PublishTest, frames_that_are_encoded_side_by_side_keep_their_order) {
+  // Every third frame takes much longer than those after it, and one cannot be read. The height of
+  // a frame's points tells which it is.
+  for (int i = 0; i < 30; ++i) {
+    PointCloud cloud;
+    for (int j = 0; j < (i % 3 == 0 ? 30'000 : 100); ++j)
+      cloud.positions.emplace_back(j % 173, 10 * i, j / 173);
+    ASSERT_TRUE(write_ply(folder_ / "frames" / fmt::format("{}.ply", i), cloud));
+  }
+  std::ofstream(folder_ / "frames" / "11.ply") << "ply\n";
+  Background server("pointreel-server",
+                    {"serve", "--live", "--record", record().string(), "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const Outcome published = run("pointreel-server", publish(address, {"--threads", "4", "--json"}));
+  EXPECT_EQ(published.exit_code, 0) << published.err;
+  EXPECT_THAT(published.err, HasSubstr("11.ply"));
+  EXPECT_EQ(nlohmann::json::parse(published.out)["unusable"], 1);
+  EXPECT_EQ(server.end(SIGTERM), 0);
+  const fs::path back = folder_ / "back";
+  const Outcome unpacked =
+      run("pointreel-server", {"unpack", "-i", (record() / "stage").string(), "-o", back.string()});
+  ASSERT_EQ(unpacked.exit_code, 0) << unpacked.err;
+  std::vector<long> frames;
+  const std::vector<fs::path> files = list_cloud_files({back}).value();
+  for (const fs::path& file : files) {
+    const PointCloud cloud = read_cloud_file(file)->cloud;
+    const double height = cloud.origin.y + cloud.positions.at(0).y;
+    frames.push_back(std::lround(height / 10.0));
+  }
+  ASSERT_GT(frames.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end())) << testing::PrintToString(frames);
+  EXPECT_EQ(std::adjacent_find(frames.begin(), frames.end()), frames.end());
 }
 
 TEST_F(PublishTest, fails_if_nothing_answers) {

@@ -17,6 +17,7 @@
 #include "codec/octree/frame_structure.h"
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
+#include "codec/octree/normal_noise.h"
 #include "codec/octree/normal_space.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
@@ -420,9 +421,14 @@ Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const Oct
                        ChunkKind::colors, steps, tag, encoded.layers);
   }
   if (frame.normals_transformed) {
-    encode_transformed(
-        structure, values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal),
-        ChunkKind::normals, normal_steps(options.normal_quality), tag, encoded.layers);
+    const std::vector<Short4> normals_of_leaves =
+        values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal);
+    CoefficientSteps steps = normal_steps(options.normal_quality);
+    if (options.normals_follow_noise) {
+      steps = no_finer_than_noise(steps, normal_noise(svo, normals_of_leaves));
+    }
+    encode_transformed(structure, normals_of_leaves, ChunkKind::normals, steps, tag,
+                       encoded.layers);
   }
   return encoded;
 }

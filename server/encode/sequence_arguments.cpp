@@ -151,10 +151,16 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
                 ->capture_default_str());
   only_with(Codec::octree,
             command
-                .add_option("--normal-quality", octree.normal_quality,
-                            "quality of normals on the same scale; 100 is within half a degree")
-                ->check(CLI::Range(1, kBestNormalQuality))
-                ->capture_default_str());
+                .add_option_function<int>(
+                    "--normal-quality",
+                    [this](int quality) {
+                      octree.normal_quality = quality;
+                      octree.normals_follow_noise = false;
+                    },
+                    fmt::format("quality of normals on the same scale; 100 is within half a degree "
+                                "(default: {}, or less for normals that are noisier than that)",
+                                octree.normal_quality))
+                ->check(CLI::Range(1, kBestNormalQuality)));
 }
 
 void SequenceArguments::add_draco_options(CLI::App& command) {

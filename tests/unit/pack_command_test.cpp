@@ -204,6 +204,7 @@ TEST_F(PackCommand, does_not_send_normals_that_clients_can_derive) {
   const double sent = bits_of_normals({"--normals", "send"});
   EXPECT_GT(sent, 0.0);
   EXPECT_GT(bits_of_normals({"--normal-quality", "90"}), sent);
+  EXPECT_GE(bits_of_normals({"--normal-quality", "43"}), sent);
   EXPECT_EQ(bits_of_normals({"--normals", "derive"}), 0.0);
   EXPECT_EQ(bits_of_normals({"--no-normals"}), 0.0);
 }

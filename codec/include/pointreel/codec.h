@@ -51,6 +51,9 @@ struct OctreeOptions {
   /// The same for normals, in units of 1/127.5 of their length. At 100, normals are not transformed
   /// but rounded to half a degree.
   int normal_quality = kDefaultNormalQuality;
+  /// Quantise normals in coarser steps where they are noisy, down to 2.5 times the standard
+  /// deviation of their noise, which would otherwise take most of the bits.
+  bool normals_follow_noise = true;
   /// For Entropy::context: tables that were trained for the sequence; null for the newest that are
   /// built into the codec. A frame names its tables by their checksum, and the decoder must be
   /// given the same ones (DecodeLimits::tables).

@@ -95,9 +95,10 @@ void measure_colors(const SuiteOptions& options, const PointCloud& cloud, const 
     const Coded coded = code(leaves, AttributeKind::colors, color_steps(quality), runs);
     const glm::dvec3 db = psnr(leaves.values, coded.values);
     print(
-        "colours, quality {:>3} {:>8.3f} bits, luma {:.2f} Cb {:.2f} Cr {:.2f} dB, {:>7.2f} / "
-        "{:.2f} ms\n",
-        quality, coded.bits, db.x, db.y, db.z, coded.encode.median, coded.decode.median);
+        "colours, quality {:>3} {:>8.3f} bits, luma {:.2f} Cb {:.2f} Cr {:.2f}, 6:1:1 {:.2f} dB, "
+        "{:>7.2f} / {:.2f} ms\n",
+        quality, coded.bits, db.x, db.y, db.z, yuv_psnr(db), coded.encode.median,
+        coded.decode.median);
     rows.push_back({{"attribute", "colors"},
                     {"points", cloud.size()},
                     {"quality", quality},

@@ -165,7 +165,8 @@ Result<nlohmann::json> measure_setting(const RateSource& source, const Setting& 
   if (colored) {
     row["color_psnr"] = {{"y", finite_or_null(color.x)},
                          {"cb", finite_or_null(color.y)},
-                         {"cr", finite_or_null(color.z)}};
+                         {"cr", finite_or_null(color.z)},
+                         {"yuv", finite_or_null(yuv_psnr(color))}};
   }
   if (error.normals()) row["normal_degrees"] = degrees;
   return row;

@@ -50,7 +50,7 @@ nlohmann::json to_json(const OneWayDistance& distance, double peak) {
   }
   if (distance.colors) {
     const glm::dvec3 psnr = color_psnr(*distance.colors);
-    json["color_psnr"] = {{"y", psnr.x}, {"cb", psnr.y}, {"cr", psnr.z}};
+    json["color_psnr"] = {{"y", psnr.x}, {"cb", psnr.y}, {"cr", psnr.z}, {"yuv", yuv_psnr(psnr)}};
   }
   if (distance.normals) {
     json["normals"] = {{"mean_degrees", glm::degrees(distance.normals->mean)},
@@ -121,6 +121,9 @@ void print_distance(const CloudDistance& distance, double peak, double voxel) {
         fmt::format("colour PSNR {}", kComponents[static_cast<std::size_t>(i)]),
         [i](auto& d) { return d.colors ? std::optional(color_psnr(*d.colors)[i]) : std::nullopt; });
   }
+  table.ratio("colour PSNR 6:1:1", [](auto& d) {
+    return d.colors ? std::optional(yuv_psnr(color_psnr(*d.colors))) : std::nullopt;
+  });
   table.angle("normals mean", [](auto& d) {
     return d.normals ? std::optional(glm::degrees(d.normals->mean)) : std::nullopt;
   });

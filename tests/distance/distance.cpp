@@ -225,6 +225,8 @@ glm::dvec3 color_psnr(const ColorError& mean_squared) {
   return {psnr(mean_squared.x), psnr(mean_squared.y), psnr(mean_squared.z)};
 }
 
+double yuv_psnr(const glm::dvec3& psnr) { return (6.0 * psnr.x + psnr.y + psnr.z) / 8.0; }
+
 Result<CloudDistance> cloud_distance(const PointCloud& a, const PointCloud& b) {
   if (a.empty() || b.empty())
     return fail(ErrorCode::argument, "a cloud without points cannot be compared");

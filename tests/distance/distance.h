@@ -67,6 +67,8 @@ double geometry_psnr(double mean_squared, double peak);
 
 /// The same for each component of colour, 10 log10(255^2 / mean_squared).
 glm::dvec3 color_psnr(const ColorError& mean_squared);
+/// One figure for all three, as is usual in video coding: (6 Y + Cb + Cr) / 8 of their PSNR.
+double yuv_psnr(const glm::dvec3& psnr);
 
 /// Compares two clouds in world coordinates, whose positions are finite. Computes in double
 /// relative to a common origin, with an exact nearest-neighbour search (a k-d tree) in TBB's

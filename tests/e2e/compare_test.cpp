@@ -54,7 +54,7 @@ TEST_F(Compare, reports_known_errors_in_units_voxels_and_decibels) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   for (const char* part : {"1,024 points", "D1 root mean square", "D2 PSNR", "maximum distance",
-                           "voxels", "colour PSNR Y", "normals 95 %"}) {
+                           "voxels", "colour PSNR Y", "colour PSNR 6:1:1", "normals 95 %"}) {
     EXPECT_THAT(outcome.out, HasSubstr(part));
   }
   const json report = json::parse(std::ifstream(path("report.json")));

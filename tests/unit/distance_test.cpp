@@ -222,6 +222,8 @@ TEST(ColorDistance, is_measured_in_the_luma_and_chroma_of_bt_709) {
   EXPECT_NEAR(error.y, 0.0, 1e-20);
   EXPECT_NEAR(error.z, 0.0, 1e-20);
   EXPECT_NEAR(color_psnr(error).x, 28.13, 0.01);
+  EXPECT_NEAR(yuv_psnr({40.0, 36.0, 44.0}), 40.0, 1e-12);
+  EXPECT_NEAR(yuv_psnr({32.0, 40.0, 40.0}), 34.0, 1e-12);
 
   b.colors = a.colors;
   for (glm::u16vec3& c : b.colors) c.b = static_cast<std::uint16_t>(c.b + 10 * 257);

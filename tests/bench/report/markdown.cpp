@@ -100,7 +100,7 @@ std::string millimetres(const json& metres) {
 std::string sizes_and_errors(const json& dataset) {
   Table table({"codec", "setting", "points", "geometry", "colours", "normals", "all", "D1, dB",
                "D2, dB", "largest error, cells", "to truth: mean, mm", "95 %", "99.9 %",
-               "Y / Cb / Cr, dB", "normals mean / 95 %, deg"});
+               "Y / Cb / Cr, 6:1:1, dB", "normals mean / 95 %, deg"});
   const json& scan = dataset["truth"];
   table.row({"source", "", whole(dataset["points"]), "", "", "", "", "", "", "",
              millimetres(scan["mean"]), millimetres(scan["p95"]), millimetres(scan["p999"]), "",
@@ -115,8 +115,8 @@ std::string sizes_and_errors(const json& dataset) {
                fmt::format("{:.2f}", number(bits["all"])), decibels(row["d1_psnr"]),
                decibels(row["d2_psnr"]), fmt::format("{:.2f}", number(row["max_cells"])),
                millimetres(truth["mean"]), millimetres(truth["p95"]), millimetres(truth["p999"]),
-               fmt::format("{} / {} / {}", decibels(color["y"]), decibels(color["cb"]),
-                           decibels(color["cr"])),
+               fmt::format("{} / {} / {}, {}", decibels(color["y"]), decibels(color["cb"]),
+                           decibels(color["cr"]), decibels(color["yuv"])),
                fmt::format("{:.2f} / {:.2f}", number(normal["mean"]), number(normal["p95"]))});
   }
   return table.text();

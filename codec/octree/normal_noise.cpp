@@ -16,10 +16,8 @@ constexpr std::size_t kFewestPairs = 64;
 /// noise of 1: sqrt(2) times that of one, sqrt(2 ln 2).
 constexpr double kMedianDifference = 1.6651;
 
-/// The step, relative to the noise. With normals that depth cameras measure, it takes 7.5 bits of a
-/// point at first, 2.3 with a step of twice the noise, and 1.0 with three times, and the decoded
-/// normals come ever closer to those of the true surface: by 23.2, 21.3 and 18.4 degrees on
-/// average. With more, the detail of clean captures begins to count as noise.
+/// The step, relative to the noise. It saves most of the bits of the normals that depth cameras
+/// measure (codec/QUALITY.md). With 3, the detail of clean captures begins to count as noise.
 constexpr double kStepOfNoise = 2.5;
 
 bool is_known(const Short4& value) { return normal_from_value(value) != glm::vec3(0.0f); }

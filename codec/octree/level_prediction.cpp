@@ -45,6 +45,15 @@ constexpr auto kClasses = [] {
   return all;
 }();
 
+/// The same by a node's own activity.
+constexpr auto kOwnClasses = [] {
+  std::array<std::uint8_t, kMostActivity + 1> all{};
+  for (std::size_t activity = 1; activity < all.size(); ++activity) {
+    all[activity] = kClasses[std::min(2 * activity, kClasses.size() - 1)];
+  }
+  return all;
+}();
+
 /// A sum divided by `weight` and rounded to nearest, halves up. Quotients are less than 2^16, and
 /// sums are exact, so that doubles tell all quotients apart.
 Int4 rounded_mean(const Double2& low, const Double2& high, double weight) {
@@ -155,14 +164,14 @@ bool LevelPredictor::follows(std::size_t slice) const {
 void LevelPredictor::fill(Short4* plane, std::size_t slice) {
   const NodesByZ& all = level_.by_z;
   for (std::uint32_t i = all.slices[slice].begin; i < all.slices[slice + 1].begin; ++i) {
-    plane[all.places[i]] = values_[all.nodes[i]];
+    plane[level_.place(all.at[i])] = values_[all.nodes[i]];
   }
 }
 
 void LevelPredictor::clear(Short4* plane, std::size_t slice) {
   const NodesByZ& all = level_.by_z;
   for (std::uint32_t i = all.slices[slice].begin; i < all.slices[slice + 1].begin; ++i) {
-    plane[all.places[i]] = Short4{};
+    plane[level_.place(all.at[i])] = Short4{};
   }
 }
 
@@ -236,10 +245,7 @@ int LevelPredictor::gradient_class(const Int4& range) const {
 }
 
 std::size_t own_activity_class(const Short4& value) {
-  const std::int32_t activity = activity_of(value);
-  return activity == 0 ? 0u
-                       : kClasses[std::min<std::size_t>(2 * static_cast<std::size_t>(activity),
-                                                        kClasses.size() - 1)];
+  return kOwnClasses[static_cast<std::size_t>(activity_of(value))];
 }
 
 void inherit_values(const Svo& svo, int level, Short4* values) {

@@ -252,6 +252,25 @@ void add_means(OctreeFrame& frame) {
   }
 }
 
+/// What transformed attributes need to know of a tree.
+FrameStructure structure_for(const Svo& svo, const std::vector<int>& last_levels,
+                             const FrameHeader& header,
+                             const std::vector<Chunks<ByteView>>& layers) {
+  LevelSet predicted = 0;
+  int first_level = 0;
+  for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
+    const auto add = [&](ByteView chunk, bool transformed) {
+      if (!transformed || chunk.size() < kChunkHeaderSize) return;
+      // If the chunk is damaged, it is refused later.
+      predicted |= TransformDecoder::predicted_levels(chunk.subspan(kChunkHeaderSize), first_level);
+    };
+    add(layers[layer].colors, header.colors_transformed);
+    add(layers[layer].normals, header.normals_transformed);
+    first_level = last_levels[layer];
+  }
+  return {svo, last_levels, predicted};
+}
+
 /// Takes the memory for the masks of a layer, their unpacking, and the index of their children.
 Result<void> take_geometry(const ParsedChunk& chunk, int levels, std::uint32_t points,
                            MemoryBudget& budget) {
@@ -454,9 +473,9 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   TRY(take_attribute(frame.svo, layers.front().colors, header.colors_transformed, limits, budget));
   TRY(take_attribute(frame.svo, layers.front().normals, header.normals_transformed, limits,
                      budget));
-  if (header.colors_transformed || header.normals_transformed) {
-    TRY(budget.take(frame.svo.internal_count(), 64));  // what both know of the tree
-  }
+  const bool transformed = (header.colors_transformed && !layers.front().colors.empty()) ||
+                           (header.normals_transformed && !layers.front().normals.empty());
+  if (transformed) TRY(budget.take(frame.svo.internal_count(), 48));  // what both know of the tree
 
   const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
@@ -476,15 +495,15 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
   // They need only the tree, not each other, and so can run in parallel.
-  if (header.colors_transformed || header.normals_transformed) {
-    const FrameStructure structure(frame.svo, last_levels);
-    std::array<Result<void>, 2> transformed;
+  if (transformed) {
+    const FrameStructure structure = structure_for(frame.svo, last_levels, header, layers);
+    std::array<Result<void>, 2> results;
     for_each(limits.executor, 2, [&](int i) {
-      transformed[static_cast<std::size_t>(i)] =
+      results[static_cast<std::size_t>(i)] =
           i == 0 ? decode_colors(structure, layers, depth, parsed, limits, frame)
                  : decode_normals(structure, layers, depth, parsed, limits, frame);
     });
-    for (const Result<void>& done : transformed) TRY(done);
+    for (const Result<void>& done : results) TRY(done);
   }
   if (limits.inner_nodes) add_means(frame);
   if (depth < frame.svo.depth) cut_off(frame, depth);

@@ -50,11 +50,8 @@ struct NodeCost {
 };
 
 NodeCost cost_of_node(int pairs, const CoefficientContexts& contexts, const NodeContext& context) {
-  const std::size_t around = context.around, recent = context.recent;
-  if (pairs == 1) return {0, contexts.one_pair[around][recent].cost(0)};
-  const Alphabet8& alphabet = pairs == 2   ? contexts.two_pairs[around][recent]
-                              : pairs == 3 ? contexts.three_pairs[around][recent]
-                                           : contexts.more_pairs[around][recent];
+  const Alphabet8& alphabet = first_alphabet(contexts, context, pairs);
+  if (pairs == 1) return {0, alphabet.cost(0)};
   const std::int32_t none = alphabet.cost(0);
   const std::int32_t probable = static_cast<std::int32_t>(alphabet.range(0).size);
   // The rest of the range stands for all other symbols.
@@ -86,7 +83,7 @@ bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& st
   const NodeCost cost = cost_of_node(pairs, contexts, context);
   std::int32_t bits = cost.any - cost.none;
   std::int64_t gained = 0;
-  const Alphabet8& patterns = pairs == 1 ? contexts.one_pair[context.around][context.recent]
+  const Alphabet8& patterns = pairs == 1 ? first_alphabet(contexts, context, pairs)
                                          : contexts.pattern[context.activity][context.recent][0];
   for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
     Triple& triple = q[i];

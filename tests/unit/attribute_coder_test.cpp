@@ -214,8 +214,8 @@ TEST(CoefficientQuantizer, zeroes_coefficients_that_cost_more_bits_than_they_are
   };
   CoefficientContexts rare, frequent;
   for (int i = 0; i < 100; ++i) {
-    rare.one_pair[0][0].update(0);
-    frequent.one_pair[0][0].update(1);
+    rare.first[0][0][0].update(0);
+    frequent.first[0][0][0].update(1);
   }
   EXPECT_EQ(quantized(rare, step * 3 / 4), 0);
   EXPECT_EQ(quantized(frequent, step * 3 / 4), 1);

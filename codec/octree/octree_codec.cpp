@@ -18,6 +18,7 @@
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
+#include "codec/octree/value_arrays.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
 #include "common/base/out_of_memory.h"
@@ -153,13 +154,19 @@ Result<std::unique_ptr<TransformDecoder>> decode_transformed(
   return decoder;
 }
 
+/// Appends what `convert` makes of the values: convert(values, attributes) sets one for each.
 template <class Attribute, class Convert>
 void add_attributes(std::span<const Short4> values, Convert convert, std::vector<Attribute>& out) {
   const std::size_t begin = out.size();
   out.resize(begin + values.size());
-  std::transform(values.begin(), values.end(), out.begin() + static_cast<std::ptrdiff_t>(begin),
-                 convert);
+  convert(values, out.data() + begin);
 }
+
+/// Converts each of many values by itself.
+template <auto convert>
+constexpr auto kEach = [](std::span<const Short4> values, auto* out) {
+  std::transform(values.begin(), values.end(), out, convert);
+};
 
 template <class Attribute, class Convert>
 std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert convert) {
@@ -183,13 +190,13 @@ void set_colors(const TransformDecoder& decoder, const DecodeLimits& limits, Con
 
 void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, OctreeFrame& frame) {
   if (limits.leaves || !limits.inner_nodes) {
-    add_attributes(decoder.values(frame.svo.depth), normal_from_value, frame.normals);
+    add_attributes(decoder.values(frame.svo.depth), normals_from_values, frame.normals);
   }
   if (limits.inner_nodes) {
     const std::span<const Short4> values = decoder.values();
     const std::size_t inner = std::min<std::size_t>(values.size(), frame.svo.internal_count());
-    add_attributes(values.first(inner), mean_normal_from_value, frame.nodes.normals);
-    add_attributes(values.subspan(inner), short_normal_from_value, frame.nodes.normals);
+    add_attributes(values.first(inner), kEach<mean_normal_from_value>, frame.nodes.normals);
+    add_attributes(values.subspan(inner), kEach<short_normal_from_value>, frame.nodes.normals);
   }
 }
 
@@ -204,11 +211,11 @@ Result<void> decode_colors(const FrameStructure& structure,
                                                 !parsed.header.colors_16_bit, parsed.tag, limits)));
   if (decoder == nullptr) return {};
   if (decoder->exact()) {
-    set_colors(*decoder, limits, color_from_exact_value, frame);
+    set_colors(*decoder, limits, kEach<color_from_exact_value>, frame);
   } else if (parsed.header.colors_16_bit) {
-    set_colors(*decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
+    set_colors(*decoder, limits, kEach<color_16_from_value>, frame);
   } else {
-    set_colors(*decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
+    set_colors(*decoder, limits, colors_from_values, frame);
   }
   return {};
 }

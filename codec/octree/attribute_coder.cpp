@@ -325,6 +325,8 @@ class LayerCoder {
       return any;
     }
     if (rules_.kind == AttributeKind::normals) {
+      // The frame keeps lengths, and the first step is the smallest.
+      if (are_short(node.order.pairs, scales, rules_.steps[0], differences.data())) return false;
       const TangentFrame frame(load(values_[node.number]));
       for (std::size_t i = 0; i < node.order.pairs; ++i) {
         differences[i] = frame.reflect(differences[i]);

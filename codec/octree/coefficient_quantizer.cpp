@@ -124,4 +124,18 @@ bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& st
   return any != 0 && gained * kBit >= std::int64_t{bits} * kWorthOfNode;
 }
 
+bool are_short(int pairs, const NodeScales& scales, std::uint32_t least_step,
+               const Int4* differences) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
+    typedef float Float4 __attribute__((vector_size(16)));
+    const Float4 d = __builtin_convertvector(differences[i], Float4);
+    const Float4 squares = d * d;
+    // Two less, since a frame rounds.
+    const float longest =
+        static_cast<float>((step_of(scales[i], least_step) >> 7) * (kStep - kRounding)) / 256 - 2;
+    if (squares[0] + squares[1] + squares[2] >= longest * longest) return false;
+  }
+  return true;
+}
+
 }  // namespace pointreel

@@ -20,4 +20,9 @@ bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& st
                    const Int4* differences, const CoefficientContexts& contexts,
                    const NodeContext& context, std::array<Triple, 7>& q);
 
+/// True if the differences of all pairs are so short that their components are quantised to zero in
+/// any orthonormal frame.
+bool are_short(int pairs, const NodeScales& scales, std::uint32_t least_step,
+               const Int4* differences);
+
 }  // namespace pointreel

@@ -85,6 +85,7 @@ class LayerCoder {
         rules_(rules),
         scales_(pair_scales()),
         one_(scales_(1, 1)),
+        steps_(rules.steps),
         contexts_(contexts),
         coder_(coder),
         source_(source),
@@ -263,13 +264,14 @@ class LayerCoder {
     // One pass for each bit of the pattern is mispredicted less often than a branch for each
     // component.
     std::array<std::int32_t, 4> difference{};
+    const Int4 steps = scale == nullptr ? Int4{} : steps_(*scale);
     for (unsigned rest = pattern; rest != 0; rest &= rest - 1) {
       const auto k = static_cast<std::size_t>(std::countr_zero(rest));
       const std::int32_t magnitude = code_magnitude(coder, contexts_, k, node.context.activity,
                                                     several, Coder::kEncodes ? std::abs(q[k]) : 0);
       sum += magnitude << (k == 0 || (k == 1 && normals) ? 1 : 0);
       const std::int32_t size =
-          scale == nullptr ? magnitude : dequantized(magnitude, step_of(*scale, rules_.steps[k]));
+          scale == nullptr ? magnitude : dequantized(magnitude, steps[static_cast<int>(k)]);
       const std::int32_t negative = -static_cast<std::int32_t>(signs >> k & 1);
       difference[k] = (size ^ negative) - negative;
     }
@@ -326,13 +328,13 @@ class LayerCoder {
     }
     if (rules_.kind == AttributeKind::normals) {
       // The frame keeps lengths, and the first step is the smallest.
-      if (are_short(node.order.pairs, scales, rules_.steps[0], differences.data())) return false;
+      if (are_short(node.order.pairs, scales, steps_, differences.data())) return false;
       const TangentFrame frame(load(values_[node.number]));
       for (std::size_t i = 0; i < node.order.pairs; ++i) {
         differences[i] = frame.reflect(differences[i]);
       }
     }
-    return quantize_node(node.order.pairs, scales, rules_.steps, differences.data(), contexts_,
+    return quantize_node(node.order.pairs, scales, steps_, differences.data(), contexts_,
                          node.context, q);
   }
 
@@ -365,6 +367,7 @@ class LayerCoder {
   const LayerRules& rules_;
   const PairScales& scales_;
   const PairScale one_;  ///< of two nodes that weigh 1
+  const PairSteps steps_;
   CoefficientContexts& contexts_;
   Coder& coder_;
   const SourceValues* source_;

@@ -60,14 +60,13 @@ NodeCost cost_of_node(int pairs, const CoefficientContexts& contexts, const Node
 
 }  // namespace
 
-bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& steps,
+bool quantize_node(int pairs, const NodeScales& scales, const PairSteps& steps,
                    const Int4* differences, const CoefficientContexts& contexts,
                    const NodeContext& context, std::array<Triple, 7>& q) {
   std::array<Triple, 7> fractions;
   std::int32_t any = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
-    const Int4 step{step_of(scales[i], steps[0]), step_of(scales[i], steps[1]),
-                    step_of(scales[i], steps[2]), 1};
+    const Int4 step = steps(scales[i]);
     q[i] = {};
     if (rounds_to_zero(differences[i], step)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -124,7 +123,7 @@ bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& st
   return any != 0 && gained * kBit >= std::int64_t{bits} * kWorthOfNode;
 }
 
-bool are_short(int pairs, const NodeScales& scales, std::uint32_t least_step,
+bool are_short(int pairs, const NodeScales& scales, const PairSteps& steps,
                const Int4* differences) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
     typedef float Float4 __attribute__((vector_size(16)));
@@ -132,7 +131,7 @@ bool are_short(int pairs, const NodeScales& scales, std::uint32_t least_step,
     const Float4 squares = d * d;
     // Two less, since a frame rounds.
     const float longest =
-        static_cast<float>((step_of(scales[i], least_step) >> 7) * (kStep - kRounding)) / 256 - 2;
+        static_cast<float>((steps(scales[i])[0] >> 7) * (kStep - kRounding)) / 256 - 2;
     if (squares[0] + squares[1] + squares[2] >= longest * longest) return false;
   }
   return true;

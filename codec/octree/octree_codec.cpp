@@ -168,11 +168,11 @@ constexpr auto kEach = [](std::span<const Short4> values, auto* out) {
   std::transform(values.begin(), values.end(), out, convert);
 };
 
-template <class Attribute, class Convert>
-std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert convert) {
-  std::vector<Short4> values;
-  values.reserve(attributes.size());
-  for (const Attribute& attribute : attributes) values.push_back(convert(attribute));
+template <auto convert, class Attribute>
+std::vector<Short4> values_of(const std::vector<Attribute>& attributes) {
+  std::vector<Short4> values(attributes.size());
+  std::transform(attributes.begin(), attributes.end(), values.begin(),
+                 [](const Attribute& attribute) { return convert(attribute); });
   return values;
 }
 
@@ -440,14 +440,15 @@ Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const Oct
   if (frame.colors_transformed) {
     std::optional<CoefficientSteps> steps;
     if (!lossless_colors) steps = color_steps(options.color_quality);
+    const std::vector<glm::u16vec3> of_leaves = mean_leaf_colors(svo, cloud, points.sorted);
     encode_transformed(structure,
-                       values_of(mean_leaf_colors(svo, cloud, points.sorted),
-                                 steps ? value_from_color : exact_value_from_color),
+                       steps ? values_of<value_from_color>(of_leaves)
+                             : values_of<exact_value_from_color>(of_leaves),
                        ChunkKind::colors, steps, tag, encoded.layers);
   }
   if (frame.normals_transformed) {
     encode_transformed(
-        structure, values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal),
+        structure, values_of<value_from_normal>(mean_leaf_normals(svo, cloud, points.sorted)),
         ChunkKind::normals, normal_steps(options.normal_quality), tag, encoded.layers);
   }
   return encoded;

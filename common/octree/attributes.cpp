@@ -11,9 +11,7 @@ namespace {
 constexpr double kUnit = 32767.0;
 
 /// Rounds half away from zero, as llround does, but inline.
-std::int64_t round_to_int(double v) {
-  return static_cast<std::int64_t>(v < 0.0 ? v - 0.5 : v + 0.5);
-}
+std::int64_t round_to_int(double v) { return static_cast<std::int64_t>(v + std::copysign(0.5, v)); }
 
 glm::i64vec3 fixed_point(const glm::vec3& normal) {
   return {round_to_int(normal.x * kUnit), round_to_int(normal.y * kUnit),

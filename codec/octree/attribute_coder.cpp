@@ -560,7 +560,7 @@ CoefficientSteps limited(std::uint32_t luma, std::uint32_t chroma) {
 
 CoefficientSteps color_steps(int quality) {
   const std::uint32_t step = coefficient_step(quality);
-  return limited(step, step * 12 / 5);
+  return limited(step, step * 2);
 }
 
 CoefficientSteps normal_steps(int quality) {

@@ -40,8 +40,8 @@ struct CoefficientSteps {
 /// What exact layers state as their steps. It selects contexts only.
 inline constexpr CoefficientSteps kExactSteps{32, 32};
 
-/// The steps of a whole frame for a quality from 1 to 99 (OctreeOptions). Chroma is quantised 2.4
-/// times as coarsely as luma, which the usual weights of their squared errors, 6 to 1, make best.
+/// The steps of a whole frame for a quality from 1 to 99 (OctreeOptions). Chroma is quantised twice
+/// as coarsely as luma, so that its errors are about as large.
 CoefficientSteps color_steps(int quality);
 /// The length of a normal is not used, so that its direction is quantised twice as coarsely as the
 /// tangents.

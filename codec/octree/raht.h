@@ -36,12 +36,12 @@ extern const std::array<MergeOrder, 256> kMergeOrders;
 /// What follows from the weights of a pair.
 struct PairScale {
   /// The weight of the second value divided by that of both, in 1/2^14: the mean is v0 + d * ratio.
-  std::int32_t ratio;
-  /// 1 / sqrt(w0 w1 / (w0 + w1)), in 1/2^17.
-  std::uint32_t inverse;
+  std::int16_t ratio;
   /// A number less than kSmallScales for weights of at most 8, each pair of which has another one,
   /// and kSmallScales for all others.
-  std::uint32_t number;
+  std::uint16_t number;
+  /// 1 / sqrt(w0 w1 / (w0 + w1)), in 1/2^17.
+  std::uint32_t inverse;
 };
 inline constexpr std::size_t kSmallScales = 64;
 

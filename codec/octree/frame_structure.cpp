@@ -214,7 +214,7 @@ void FrameStructure::list_branching(int level) {
   largest_plane_ = std::max(largest_plane_, of.plane);
   auto& slices = slices_[l];
   auto& branching = branching_by_z_[l];
-  branching.resize(of.branching.size() + 1);
+  branching = std::make_unique_for_overwrite<BranchingNode[]>(of.branching.size() + 1);
   std::size_t out = 0;
   for (std::size_t s = 0; s + 1 < slices.size(); ++s) {
     slices[s].branching_begin = static_cast<std::uint32_t>(out);
@@ -226,7 +226,7 @@ void FrameStructure::list_branching(int level) {
   }
   slices.back().branching_begin = static_cast<std::uint32_t>(out);
   of.by_z = {
-      slices, {nodes_.get() + begin, count}, {at_.get() + begin, count}, {branching.data(), out}};
+      slices, {nodes_.get() + begin, count}, {at_.get() + begin, count}, {branching.get(), out}};
 }
 
 }  // namespace pointreel

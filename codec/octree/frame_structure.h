@@ -92,7 +92,7 @@ class FrameStructure {
   std::vector<int> layer_ends_;
   std::vector<LevelStructure> levels_;
   std::vector<std::vector<NodesByZ::Slice>> slices_;
-  std::vector<std::vector<BranchingNode>> branching_by_z_;
+  std::vector<std::unique_ptr<BranchingNode[]>> branching_by_z_;
   using Numbers = std::unique_ptr<std::uint32_t[]>;
   Numbers weights_, branching_, nodes_, at_;
   std::size_t largest_plane_ = 0;

@@ -85,6 +85,10 @@ class TransformEncoder {
 /// are an error.
 class TransformDecoder {
  public:
+  /// The levels of a layer from `first_level` on that its bytes say are predicted. They must be
+  /// ordered in the structure of the layer's decoder.
+  static LevelSet predicted_levels(ByteView bytes, int first_level);
+
   TransformDecoder(const FrameStructure& structure, AttributeKind kind);
 
   /// Decodes a layer, whose nodes end at `last_level`. The layers before it must have been decoded.

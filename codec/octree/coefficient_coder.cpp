@@ -18,8 +18,8 @@ void fill(Table& table, const Alphabet8& alphabet) {
 
 /// Most alphabets begin with nothing known. Magnitudes halve in frequency.
 CoefficientContexts::CoefficientContexts() {
-  fill(two_pairs, Alphabet8(4));
-  fill(more_pairs, Alphabet8(2));
+  fill(first[1], Alphabet8(4));
+  fill(first[3], Alphabet8(2));
   constexpr std::array<std::uint32_t, 8> kHalves = {128, 64, 32, 16, 8, 4, 2, 2};
   fill(magnitude, Alphabet8(kHalves, 0));
   fill(digits, Alphabet8(kHalves, 0));

@@ -27,9 +27,9 @@ inline unsigned pattern_of(const Triple& q) {
 struct CoefficientContexts {
   static constexpr std::size_t kAround = kGradientClasses * kActivityClasses, kRecent = 3;
 
-  /// The first symbol of nodes with one, two and three pairs, and whether others have coefficients.
-  Alphabet8 one_pair[kAround][kRecent], two_pairs[kAround][kRecent], three_pairs[kAround][kRecent],
-      more_pairs[kAround][kRecent];
+  /// The first symbol of nodes with one, two, three and more pairs. It is 0 if there are no
+  /// coefficients.
+  Alphabet8 first[4][kAround][kRecent];
   Alphabet8 pairs[kAround][3];                      ///< of nodes with four pairs or more
   Alphabet8 pattern[kActivityClasses][kRecent][2];  ///< of pairs in nodes with several
   Alphabet8 signs[8];                               ///< of colours, by pattern
@@ -48,12 +48,23 @@ struct NodeContext {
 /// How much there was to code in the last nodes.
 class RecentActivity {
  public:
-  std::size_t context() const { return value_ < 6 ? 0 : value_ < 48 ? 1 : 2; }
+  std::size_t context() const { return (value_ >= 6 ? 1u : 0u) + (value_ >= 48 ? 1u : 0u); }
   void add(std::int32_t activity) { value_ += (std::min(4 * activity, 256) - value_) >> 2; }
 
  private:
   std::int32_t value_ = 0;
 };
+
+/// The alphabet of a node's first symbol.
+inline Alphabet8& first_alphabet(CoefficientContexts& contexts, const NodeContext& context,
+                                 int pairs) {
+  const auto kind = static_cast<std::size_t>(std::min(pairs, 4) - 1);
+  return contexts.first[kind][context.around][context.recent];
+}
+inline const Alphabet8& first_alphabet(const CoefficientContexts& contexts,
+                                       const NodeContext& context, int pairs) {
+  return first_alphabet(const_cast<CoefficientContexts&>(contexts), context, pairs);
+}
 
 /// Which pairs of a node have coefficients, one bit for each, the last pair first. `pattern`: that
 /// of the only pair of a node with one; it is what is coded for it.
@@ -61,21 +72,19 @@ template <class Coder>
 [[gnu::always_inline]] inline unsigned code_pairs(Coder& coder, CoefficientContexts& contexts,
                                                   const NodeContext& context, int pairs,
                                                   unsigned coded, unsigned& pattern) {
-  const std::size_t around = context.around, recent = context.recent;
+  // Most nodes have no coefficients. All of them go the same way, so that it is predicted.
+  const unsigned symbol = pairs == 1 ? pattern : pairs > 3 ? (coded != 0 ? 1u : 0u) : coded;
+  const auto first = static_cast<unsigned>(
+      coder.code(0, first_alphabet(contexts, context, pairs), static_cast<int>(symbol)));
+  if (first == 0) return 0;
   if (pairs == 1) {
-    pattern = static_cast<unsigned>(
-        coder.code(0, contexts.one_pair[around][recent], static_cast<int>(pattern)));
-    return pattern != 0;
+    pattern = first;
+    return 1;
   }
-  if (pairs <= 3) {
-    auto& alphabets = pairs == 2 ? contexts.two_pairs : contexts.three_pairs;
-    const int symbol = coder.code(0, alphabets[around][recent], static_cast<int>(coded));
-    return static_cast<unsigned>(symbol) & ((1u << pairs) - 1);
-  }
-  if (coder.code(0, contexts.more_pairs[around][recent], coded != 0) == 0) return 0;
+  if (pairs <= 3) return first & ((1u << pairs) - 1);
   unsigned known = 0;
   for (int done = 0; done < pairs; done += 3) {
-    Alphabet8& alphabet = contexts.pairs[around][done == 0 ? 0 : known == 0 ? 1 : 2];
+    Alphabet8& alphabet = contexts.pairs[context.around][done == 0 ? 0 : known == 0 ? 1 : 2];
     known |= static_cast<unsigned>(coder.code(0, alphabet, static_cast<int>(coded >> done & 7)))
              << done;
   }

@@ -50,11 +50,8 @@ struct NodeCost {
 };
 
 NodeCost cost_of_node(int pairs, const CoefficientContexts& contexts, const NodeContext& context) {
-  const std::size_t around = context.around, recent = context.recent;
-  if (pairs == 1) return {0, contexts.one_pair[around][recent].cost(0)};
-  const Alphabet8& alphabet = pairs == 2   ? contexts.two_pairs[around][recent]
-                              : pairs == 3 ? contexts.three_pairs[around][recent]
-                                           : contexts.more_pairs[around][recent];
+  const Alphabet8& alphabet = first_alphabet(contexts, context, pairs);
+  if (pairs == 1) return {0, alphabet.cost(0)};
   const std::int32_t none = alphabet.cost(0);
   const std::int32_t probable = static_cast<std::int32_t>(alphabet.range(0).size);
   // The rest of the range stands for all other symbols.
@@ -63,14 +60,13 @@ NodeCost cost_of_node(int pairs, const CoefficientContexts& contexts, const Node
 
 }  // namespace
 
-bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& steps,
+bool quantize_node(int pairs, const NodeScales& scales, const PairSteps& steps,
                    const Int4* differences, const CoefficientContexts& contexts,
                    const NodeContext& context, std::array<Triple, 7>& q) {
   std::array<Triple, 7> fractions;
   std::int32_t any = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
-    const Int4 step{step_of(scales[i], steps[0]), step_of(scales[i], steps[1]),
-                    step_of(scales[i], steps[2]), 1};
+    const Int4 step = steps(scales[i]);
     q[i] = {};
     if (rounds_to_zero(differences[i], step)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -86,7 +82,7 @@ bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& st
   const NodeCost cost = cost_of_node(pairs, contexts, context);
   std::int32_t bits = cost.any - cost.none;
   std::int64_t gained = 0;
-  const Alphabet8& patterns = pairs == 1 ? contexts.one_pair[context.around][context.recent]
+  const Alphabet8& patterns = pairs == 1 ? first_alphabet(contexts, context, pairs)
                                          : contexts.pattern[context.activity][context.recent][0];
   for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
     Triple& triple = q[i];
@@ -125,6 +121,20 @@ bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& st
     }
   }
   return any != 0 && gained * kBit >= std::int64_t{bits} * kWorthOfNode;
+}
+
+bool are_short(int pairs, const NodeScales& scales, const PairSteps& steps,
+               const Int4* differences) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pairs); ++i) {
+    typedef float Float4 __attribute__((vector_size(16)));
+    const Float4 d = __builtin_convertvector(differences[i], Float4);
+    const Float4 squares = d * d;
+    // Two less, since a frame rounds.
+    const float longest =
+        static_cast<float>((steps(scales[i])[0] >> 7) * (kStep - kRounding)) / 256 - 2;
+    if (squares[0] + squares[1] + squares[2] >= longest * longest) return false;
+  }
+  return true;
 }
 
 }  // namespace pointreel

@@ -11,13 +11,16 @@
 /// whole node.
 namespace pointreel {
 
-/// The quantisation steps of orthonormal coefficients, for each component.
-using ComponentSteps = std::array<std::uint32_t, 3>;
-
 /// `differences`: those of the node's pairs, in the components that are coded. Fills q with a
 /// triple for each pair. Returns false if all of them are zero; q is then unspecified.
-bool quantize_node(int pairs, const NodeScales& scales, const ComponentSteps& steps,
+bool quantize_node(int pairs, const NodeScales& scales, const PairSteps& steps,
                    const Int4* differences, const CoefficientContexts& contexts,
                    const NodeContext& context, std::array<Triple, 7>& q);
+
+/// True if the differences of all pairs are so short that their components are quantised to zero in
+/// any orthonormal frame.
+/// The first step is the least.
+bool are_short(int pairs, const NodeScales& scales, const PairSteps& steps,
+               const Int4* differences);
 
 }  // namespace pointreel

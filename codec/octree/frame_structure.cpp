@@ -4,8 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
-
-#include "codec/octree/int4.h"
+#include <initializer_list>
 
 namespace pointreel {
 namespace {
@@ -19,60 +18,87 @@ constexpr std::size_t kRoom = 8;
 /// node of its level.
 constexpr std::uint64_t kSmallPlane = 1 << 16, kCellsOfNode = 2;
 
+/// So many columns or rows, and twice as many, can be numbered with 16 bits.
+constexpr std::uint32_t kMostColumns = 1 << 15;
+
 bool branches(unsigned mask) { return (mask & (mask - 1)) != 0; }
 
-/// The children that a node has in one half, lower or upper, one after the other: how much is added
-/// to twice the node's coordinates.
-struct HalfOfChildren {
-  Int4 x, y;
-};
+typedef std::uint32_t Uint4 __attribute__((vector_size(16)));
+typedef std::uint16_t Ushort8 __attribute__((vector_size(16)));
 
-constexpr int kHalfMasks = 16;
-
-const std::array<HalfOfChildren, kHalfMasks>& halves() {
-  static const auto all = [] {
-    std::array<HalfOfChildren, kHalfMasks> made{};
-    for (unsigned mask = 0; mask < kHalfMasks; ++mask) {
-      int count = 0;
-      for (int child = 0; child < 4; ++child) {
-        if ((mask >> child & 1) == 0) continue;
-        made[mask].x[count] = child & 1;
-        made[mask].y[count] = child >> 1;
-        ++count;
-      }
-    }
-    return made;
-  }();
-  return all;
+template <class Vector>
+Vector load_from(const std::uint32_t* at) {
+  Vector v;
+  std::memcpy(&v, at, sizeof(v));
+  return v;
 }
 
-void store(std::uint32_t* at, const Int4& four) { std::memcpy(at, &four, sizeof(four)); }
+void store(std::uint32_t* at, const Uint4& four) { std::memcpy(at, &four, sizeof(four)); }
+
+/// For each half of a mask, the children that a node has there, one after the other: what is added
+/// to twice the node's x and y.
+constexpr auto kHalves = [] {
+  std::array<std::array<std::uint32_t, 4>, 16> all{};
+  for (unsigned mask = 0; mask < 16; ++mask) {
+    std::size_t count = 0;
+    for (unsigned child = 0; child < 4; ++child) {
+      if ((mask >> child & 1) != 0) all[mask][count++] = (child & 1) | (child >> 1) << 16;
+    }
+  }
+  return all;
+}();
+
+/// Selects the first of eight numbers.
+constexpr auto kFirst = [] {
+  std::array<std::array<std::uint32_t, 8>, 9> all{};
+  for (std::size_t count = 0; count <= 8; ++count) {
+    for (std::size_t i = 0; i < count; ++i) all[count][i] = ~0u;
+  }
+  return all;
+}();
+
+/// The least and the largest x and y of a level's nodes.
+struct Bounds {
+  std::uint32_t least_x, least_y, most_x, most_y;
+};
+
+Bounds bounds_of(std::span<const std::uint32_t> at) {
+  Ushort8 least = ~Ushort8{}, most = {};
+  const auto add = [&](const Ushort8& v) {
+    least = v < least ? v : least;
+    most = v > most ? v : most;
+  };
+  std::size_t i = 0;
+  for (; i + 4 <= at.size(); i += 4) add(load_from<Ushort8>(&at[i]));
+  for (; i < at.size(); ++i) {
+    const Uint4 same = Uint4{} + at[i];
+    add(reinterpret_cast<Ushort8>(same));
+  }
+  const auto reduced = [](const Ushort8& v, int lane, auto&& choose) -> std::uint32_t {
+    return choose({v[lane], v[lane + 2], v[lane + 4], v[lane + 6]});
+  };
+  const auto min = [](std::initializer_list<std::uint16_t> of) { return std::min(of); };
+  const auto max = [](std::initializer_list<std::uint16_t> of) { return std::max(of); };
+  return {reduced(least, 0, min), reduced(least, 1, min), reduced(most, 0, max),
+          reduced(most, 1, max)};
+}
 
 }  // namespace
 
-/// The coordinates of a level's nodes in the order of NodesByZ.
-struct FrameStructure::Places {
-  /// Four are written at once, so that there is room for three more.
-  explicit Places(std::size_t count)
-      : x(std::make_unique_for_overwrite<std::uint32_t[]>(count + 4)),
-        y(std::make_unique_for_overwrite<std::uint32_t[]>(count + 4)) {}
-  Numbers x, y;
-};
-
-FrameStructure::FrameStructure(const Svo& svo, std::vector<int> layer_ends)
+FrameStructure::FrameStructure(const Svo& svo, std::vector<int> layer_ends, LevelSet ordered)
     : svo_(svo),
       layer_ends_(std::move(layer_ends)),
       levels_(static_cast<std::size_t>(svo.depth)),
       slices_(levels_.size()),
       branching_by_z_(levels_.size()) {
   const std::size_t count = svo.internal_count();
-  for (Numbers* numbers : {&weights_, &branching_, &nodes_, &places_}) {
+  for (Numbers* numbers : {&weights_, &branching_, &nodes_, &at_}) {
     *numbers = std::make_unique_for_overwrite<std::uint32_t[]>(count + kRoom);
   }
   if (count == 0) return;
   find_weights();
   find_branching();
-  order_by_z();
+  order_by_z(ordered);
 }
 
 bool FrameStructure::has_unit_children(int level) const {
@@ -82,16 +108,23 @@ bool FrameStructure::has_unit_children(int level) const {
 void FrameStructure::find_weights() {
   for (int level = svo_.depth; level-- > 0;) {
     const std::size_t l = static_cast<std::size_t>(level);
-    const bool unit = has_unit_children(level);
-    const std::uint32_t* child = weights_.get() + svo_.level_begin[l + 1];
-    for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
-      const int children = std::popcount(svo_.masks[node]);
-      std::uint32_t sum = static_cast<std::uint32_t>(children);
-      if (!unit) {
-        sum = 0;
-        for (int c = 0; c < children; ++c) sum += *child++;
+    const std::uint32_t begin = svo_.level_begin[l], end = svo_.level_begin[l + 1];
+    if (has_unit_children(level)) {
+      for (std::uint32_t node = begin; node < end; ++node) {
+        weights_[node] = static_cast<std::uint32_t>(std::popcount(svo_.masks[node]));
       }
-      weights_[node] = std::min(sum, kMostWeight);
+      continue;
+    }
+    // Eight weights are read whatever the number of children: a loop of unknown length would be
+    // mispredicted.
+    const std::uint32_t* child = weights_.get() + end;
+    for (std::uint32_t node = begin; node < end; ++node) {
+      const auto children = static_cast<std::size_t>(std::popcount(svo_.masks[node]));
+      const std::uint32_t* const first = kFirst[children].data();
+      const Uint4 sum = (load_from<Uint4>(child) & load_from<Uint4>(first)) +
+                        (load_from<Uint4>(child + 4) & load_from<Uint4>(first + 4));
+      weights_[node] = std::min(sum[0] + sum[1] + sum[2] + sum[3], kMostWeight);
+      child += children;
     }
   }
 }
@@ -109,30 +142,31 @@ void FrameStructure::find_branching() {
   }
 }
 
-void FrameStructure::order_by_z() {
-  Places places(1);
-  places.x[0] = places.y[0] = nodes_[0] = 0;
+void FrameStructure::order_by_z(LevelSet ordered) {
+  nodes_[0] = at_[0] = 0;
   slices_[0] = {{0, 0, 0}, {0, 1, 0}};
-  for (int level = 1; level < svo_.depth; ++level) {
-    Places below(svo_.node_count(level));
-    descend(level - 1, places, below);
-    place(level, below);
+  const int last = std::min(svo_.depth, static_cast<int>(std::bit_width(ordered))) - 1;
+  for (int level = 1; level <= last; ++level) {
+    descend(level - 1);
+    find_plane(level);
     // The planes of finer levels are larger still.
     if (!levels_[static_cast<std::size_t>(level)].predictable) return;
-    std::swap(places, below);
+    if ((ordered >> level & 1) != 0) list_branching(level);
   }
 }
 
-/// Finds the nodes of the next level, their slices and their coordinates. No branch depends on a
-/// mask: four children are written whatever the mask, and those too many are written over.
-void FrameStructure::descend(int level, const Places& above, Places& below) {
+/// Finds the nodes of the next level, their slices and where they are. No branch depends on a mask:
+/// four children are written whatever the mask, and those too many are written over.
+void FrameStructure::descend(int level) {
   const std::size_t l = static_cast<std::size_t>(level);
   const std::uint32_t* const parents = nodes_.get() + svo_.level_begin[l];
+  const std::uint32_t* const parents_at = at_.get() + svo_.level_begin[l];
   std::uint32_t* const nodes = nodes_.get() + svo_.level_begin[l + 1];
+  std::uint32_t* const at = at_.get() + svo_.level_begin[l + 1];
+  const std::uint32_t origin = levels_[l].least_x | levels_[l].least_y << 16;
   const auto& slices = slices_[l];
   auto& slices_below = slices_[l + 1];
   slices_below.reserve(std::min<std::size_t>(2 * slices.size(), svo_.node_count(level + 1) + 1));
-  const auto& half_of = halves();
   std::uint32_t out = 0;
   for (std::size_t s = 0; s + 1 < slices.size(); ++s) {
     for (int half = 0; half < 2; ++half) {
@@ -142,10 +176,9 @@ void FrameStructure::descend(int level, const Places& above, Places& below) {
         const unsigned mask = svo_.masks[node];
         const unsigned part = half == 0 ? mask & 15 : mask >> 4;
         const int before = half == 0 ? 0 : std::popcount(mask & 15);
-        const auto first = static_cast<std::int32_t>(svo_.first_child[node]) + before;
-        store(below.x.get() + out, static_cast<std::int32_t>(2 * above.x[i]) + half_of[part].x);
-        store(below.y.get() + out, static_cast<std::int32_t>(2 * above.y[i]) + half_of[part].y);
-        store(nodes + out, first + Int4{0, 1, 2, 3});
+        const std::uint32_t first = svo_.first_child[node] + static_cast<std::uint32_t>(before);
+        store(at + out, load_from<Uint4>(kHalves[part].data()) + 2 * (parents_at[i] - origin));
+        store(nodes + out, Uint4{0, 1, 2, 3} + first);
         out += static_cast<std::uint32_t>(std::popcount(part));
       }
       const std::uint32_t z = 2 * slices[s].z + static_cast<std::uint32_t>(half);
@@ -155,44 +188,45 @@ void FrameStructure::descend(int level, const Places& above, Places& below) {
   slices_below.push_back({0, out, 0});
 }
 
-/// Finds where the nodes stand in the planes of a level.
-void FrameStructure::place(int level, const Places& places) {
+/// Finds how large the planes of a level are.
+void FrameStructure::find_plane(int level) {
   const std::size_t l = static_cast<std::size_t>(level);
-  LevelStructure& structure = levels_[l];
+  LevelStructure& of = levels_[l];
+  const std::size_t count = svo_.node_count(level);
+  const Bounds bounds = bounds_of({at_.get() + svo_.level_begin[l], count});
+  const std::uint32_t columns = bounds.most_x - bounds.least_x + 1;
+  const std::uint32_t rows = bounds.most_y - bounds.least_y + 1;
+  const std::uint64_t plane = std::uint64_t{columns + 2} * (rows + 2);
+  of.predictable = plane <= std::max(kSmallPlane, kCellsOfNode * count) &&
+                   std::max(columns, rows) <= kMostColumns;
+  if (!of.predictable) return;
+  of.least_x = bounds.least_x;
+  of.least_y = bounds.least_y;
+  of.stride = columns + 2;
+  of.plane = static_cast<std::size_t>(plane);
+}
+
+/// Finds the nodes with two children or more of a level in the order of NodesByZ.
+void FrameStructure::list_branching(int level) {
+  const std::size_t l = static_cast<std::size_t>(level);
+  LevelStructure& of = levels_[l];
   const std::size_t count = svo_.node_count(level), begin = svo_.level_begin[l];
-  std::uint32_t least_x = ~0u, least_y = ~0u, most_x = 0, most_y = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    least_x = std::min(least_x, places.x[i]);
-    most_x = std::max(most_x, places.x[i]);
-    least_y = std::min(least_y, places.y[i]);
-    most_y = std::max(most_y, places.y[i]);
-  }
-  const std::uint32_t stride = most_x - least_x + 3;
-  const std::uint64_t plane = std::uint64_t{stride} * (most_y - least_y + 3);
-  structure.predictable = plane <= std::max(kSmallPlane, kCellsOfNode * count);
-  if (!structure.predictable) return;
-  structure.stride = stride;
-  structure.plane = static_cast<std::size_t>(plane);
-  largest_plane_ = std::max(largest_plane_, structure.plane);
+  largest_plane_ = std::max(largest_plane_, of.plane);
   auto& slices = slices_[l];
   auto& branching = branching_by_z_[l];
-  branching.resize(structure.branching.size() + 1);
+  branching = std::make_unique_for_overwrite<BranchingNode[]>(of.branching.size() + 1);
   std::size_t out = 0;
   for (std::size_t s = 0; s + 1 < slices.size(); ++s) {
     slices[s].branching_begin = static_cast<std::uint32_t>(out);
     for (std::uint32_t i = slices[s].begin; i < slices[s + 1].begin; ++i) {
       const std::uint32_t node = nodes_[begin + i], mask = svo_.masks[node];
-      const std::uint32_t at = (places.y[i] - least_y + 1) * stride + places.x[i] - least_x + 1;
-      places_[begin + i] = at;
-      branching[out] = {node, svo_.first_child[node], at, mask};
+      branching[out] = {node, svo_.first_child[node], of.place(at_[begin + i]), mask};
       out += branches(mask);
     }
   }
   slices.back().branching_begin = static_cast<std::uint32_t>(out);
-  structure.by_z = {slices,
-                    {nodes_.get() + begin, count},
-                    {places_.get() + begin, count},
-                    {branching.data(), out}};
+  of.by_z = {
+      slices, {nodes_.get() + begin, count}, {at_.get() + begin, count}, {branching.get(), out}};
 }
 
 }  // namespace pointreel

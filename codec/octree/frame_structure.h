@@ -26,32 +26,43 @@ struct NodesByZ {
   /// The slices that have any nodes, which go from one slice's `begin` to that of the next. One
   /// more stands at the end.
   std::span<const Slice> slices;
-  /// A node, and its place in the plane of its slice.
-  std::span<const std::uint32_t> nodes, places;
+  /// A node, and where it is: x and y from 16 bits on, from where the level's parents begin.
+  std::span<const std::uint32_t> nodes, at;
   std::span<const BranchingNode> branching;
 };
 
 struct LevelStructure {
   /// The nodes with two children or more in Morton order, in which they are coded.
   std::span<const std::uint32_t> branching;
-  /// Of a level that is predictable, otherwise empty.
+  /// Of a predictable level whose order was asked for, otherwise empty.
   NodesByZ by_z;
   /// A plane holds a cell for each x and y of the level's nodes, with a margin of one. Its row and
   /// its whole size.
   std::uint32_t stride = 0;
   std::size_t plane = 0;
+  /// The least x and y of NodesByZ::at.
+  std::uint32_t least_x = 0, least_y = 0;
   /// The children of a level's nodes may be predicted unless its planes are far larger than the
   /// level. This bounds the memory of a decoder. FORMAT.md, "Prediction".
   bool predictable = false;
+
+  /// The place in the plane of its slice of what is `at` some x and y.
+  std::uint32_t place(std::uint32_t at) const {
+    return ((at >> 16) - least_y + 1) * stride + (at & 0xffff) - least_x + 1;
+  }
 };
 
-/// Takes at most 32 bytes for each inner node of the tree, and 16 more for each node of the two
-/// largest levels while it is built.
+/// A set of levels, one bit for each.
+using LevelSet = std::uint32_t;
+inline constexpr LevelSet kAllLevels = ~LevelSet{0};
+
+/// Takes at most 44 bytes for each inner node of the tree.
 class FrameStructure {
  public:
-  /// `layer_ends`: the last level of each layer; the last one is svo.depth. The tree must outlive
-  /// the structure.
-  FrameStructure(const Svo& svo, std::vector<int> layer_ends);
+  /// `layer_ends`: the last level of each layer; the last one is svo.depth. `ordered`: the levels
+  /// whose nodes are needed by z. No level below the last of them is predictable. The tree must
+  /// outlive the structure.
+  FrameStructure(const Svo& svo, std::vector<int> layer_ends, LevelSet ordered = kAllLevels);
 
   const Svo& svo() const { return svo_; }
   const std::vector<int>& layer_ends() const { return layer_ends_; }
@@ -70,21 +81,20 @@ class FrameStructure {
   std::size_t largest_plane() const { return largest_plane_; }
 
  private:
-  struct Places;
-
   void find_weights();
   void find_branching();
-  void order_by_z();
-  void descend(int level, const Places& above, Places& below);
-  void place(int level, const Places& places);
+  void order_by_z(LevelSet ordered);
+  void descend(int level);
+  void find_plane(int level);
+  void list_branching(int level);
 
   const Svo& svo_;
   std::vector<int> layer_ends_;
   std::vector<LevelStructure> levels_;
   std::vector<std::vector<NodesByZ::Slice>> slices_;
-  std::vector<std::vector<BranchingNode>> branching_by_z_;
+  std::vector<std::unique_ptr<BranchingNode[]>> branching_by_z_;
   using Numbers = std::unique_ptr<std::uint32_t[]>;
-  Numbers weights_, branching_, nodes_, places_;
+  Numbers weights_, branching_, nodes_, at_;
   std::size_t largest_plane_ = 0;
 };
 

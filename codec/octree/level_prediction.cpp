@@ -45,6 +45,15 @@ constexpr auto kClasses = [] {
   return all;
 }();
 
+/// The same by a node's own activity.
+constexpr auto kOwnClasses = [] {
+  std::array<std::uint8_t, kMostActivity + 1> all{};
+  for (std::size_t activity = 1; activity < all.size(); ++activity) {
+    all[activity] = kClasses[std::min(2 * activity, kClasses.size() - 1)];
+  }
+  return all;
+}();
+
 /// A sum divided by `weight` and rounded to nearest, halves up. Quotients are less than 2^16, and
 /// sums are exact, so that doubles tell all quotients apart.
 Int4 rounded_mean(const Double2& low, const Double2& high, double weight) {
@@ -102,19 +111,40 @@ LevelPredictor::LevelPredictor(const FrameStructure& structure, int level,
       contexts_(contexts) {
   if (planes.size() < 3 * level_.plane) planes.resize(3 * structure.largest_plane());
   for (std::size_t i = 0; i < 3; ++i) planes_[i] = planes.data() + i * level_.plane;
-  const std::size_t l = static_cast<std::size_t>(level);
-  // First as if each node had one child; the others are written over.
-  for (std::uint32_t node = svo_.level_begin[l]; node < svo_.level_begin[l + 1]; ++node) {
-    values_[svo_.first_child[node]] = values_[node];
-  }
-  fill(planes_[1], 0);
 }
 
 void LevelPredictor::run() {
-  for (; slice_ + 1 < level_.by_z.slices.size(); leave()) {
-    enter();
-    predict_slice();
+  // First as if each node had one child; the others are written over.
+  const std::uint32_t end = first_node_ + static_cast<std::uint32_t>(level_.by_z.nodes.size());
+  for (std::uint32_t node = first_node_; node < end; ++node) {
+    values_[svo_.first_child[node]] = values_[node];
   }
+  const std::size_t count = level_.by_z.slices.size() - 1;
+  fill(planes_[1], 0);
+  for (slice_ = 0; slice_ < count; ++slice_) {
+    const bool continues = follows(slice_ + 1);
+    if (continues) fill(planes_[2], slice_ + 1);
+    predict_slice();
+    // Moves the planes to the next slice.
+    if (follows(slice_)) clear(planes_[0], slice_ - 1);
+    if (!continues) {
+      clear(planes_[1], slice_);
+      if (slice_ + 1 < count) fill(planes_[2], slice_ + 1);
+    }
+    std::rotate(planes_, planes_ + 1, planes_ + 3);
+  }
+}
+
+void LevelPredictor::predict_alone(std::size_t slice) {
+  slice_ = slice;
+  const bool below = follows(slice), above = follows(slice + 1);
+  if (below) fill(planes_[0], slice - 1);
+  fill(planes_[1], slice);
+  if (above) fill(planes_[2], slice + 1);
+  predict_slice();
+  if (below) clear(planes_[0], slice - 1);
+  clear(planes_[1], slice);
+  if (above) clear(planes_[2], slice + 1);
 }
 
 std::span<const BranchingNode> LevelPredictor::branching() const {
@@ -123,27 +153,11 @@ std::span<const BranchingNode> LevelPredictor::branching() const {
   return level_.by_z.branching.subspan(begin, slices[slice_ + 1].branching_begin - begin);
 }
 
-void LevelPredictor::enter() {
-  if (follows(slice_ + 1)) fill(planes_[2], slice_ + 1);
-}
-
 void LevelPredictor::predict_slice() {
   const Steps steps(level_.stride, planes_[0] - planes_[1], planes_[2] - planes_[1]);
   for (const BranchingNode& node : branching()) {
     contexts_[node.number - first_node_] = predict(node, planes_[1] + node.place, steps);
   }
-}
-
-/// Moves the planes to the next slice.
-void LevelPredictor::leave() {
-  const std::size_t count = level_.by_z.slices.size() - 1;
-  if (follows(slice_)) clear(planes_[0], slice_ - 1);
-  if (!follows(slice_ + 1)) {
-    clear(planes_[1], slice_);
-    if (slice_ + 1 < count) fill(planes_[2], slice_ + 1);
-  }
-  std::rotate(planes_, planes_ + 1, planes_ + 3);
-  ++slice_;
 }
 
 /// True if a slice lies directly above the one before it.
@@ -155,14 +169,14 @@ bool LevelPredictor::follows(std::size_t slice) const {
 void LevelPredictor::fill(Short4* plane, std::size_t slice) {
   const NodesByZ& all = level_.by_z;
   for (std::uint32_t i = all.slices[slice].begin; i < all.slices[slice + 1].begin; ++i) {
-    plane[all.places[i]] = values_[all.nodes[i]];
+    plane[level_.place(all.at[i])] = values_[all.nodes[i]];
   }
 }
 
 void LevelPredictor::clear(Short4* plane, std::size_t slice) {
   const NodesByZ& all = level_.by_z;
   for (std::uint32_t i = all.slices[slice].begin; i < all.slices[slice + 1].begin; ++i) {
-    plane[all.places[i]] = Short4{};
+    plane[level_.place(all.at[i])] = Short4{};
   }
 }
 
@@ -236,10 +250,7 @@ int LevelPredictor::gradient_class(const Int4& range) const {
 }
 
 std::size_t own_activity_class(const Short4& value) {
-  const std::int32_t activity = activity_of(value);
-  return activity == 0 ? 0u
-                       : kClasses[std::min<std::size_t>(2 * static_cast<std::size_t>(activity),
-                                                        kClasses.size() - 1)];
+  return kOwnClasses[static_cast<std::size_t>(activity_of(value))];
 }
 
 void inherit_values(const Svo& svo, int level, Short4* values) {

@@ -46,13 +46,11 @@ class LevelPredictor {
   /// Predicts all slices.
   void run();
   /// Predicts one slice of `every`, and calls visit(node) for each of its nodes with two children
-  /// or more.
+  /// or more. Single children are left as they are.
   template <class Visit>
   void run_some(std::size_t every, Visit visit) {
-    for (; slice_ + 1 < level_.by_z.slices.size(); leave()) {
-      enter();
-      if (slice_ % every != every / 2) continue;
-      predict_slice();
+    for (std::size_t slice = every / 2; slice + 1 < level_.by_z.slices.size(); slice += every) {
+      predict_alone(slice);
       for (const BranchingNode& node : branching()) visit(node);
     }
   }
@@ -61,9 +59,8 @@ class LevelPredictor {
   struct Steps;
 
   std::span<const BranchingNode> branching() const;
-  void enter();
   void predict_slice();
-  void leave();
+  void predict_alone(std::size_t slice);
   bool follows(std::size_t slice) const;
   void fill(Short4* plane, std::size_t slice);
   void clear(Short4* plane, std::size_t slice);

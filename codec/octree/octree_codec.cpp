@@ -19,6 +19,7 @@
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_noise.h"
 #include "codec/octree/normal_space.h"
+#include "codec/octree/value_arrays.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
 #include "common/base/out_of_memory.h"
@@ -154,19 +155,25 @@ Result<std::unique_ptr<TransformDecoder>> decode_transformed(
   return decoder;
 }
 
+/// Appends what `convert` makes of the values: convert(values, attributes) sets one for each.
 template <class Attribute, class Convert>
 void add_attributes(std::span<const Short4> values, Convert convert, std::vector<Attribute>& out) {
   const std::size_t begin = out.size();
   out.resize(begin + values.size());
-  std::transform(values.begin(), values.end(), out.begin() + static_cast<std::ptrdiff_t>(begin),
-                 convert);
+  convert(values, out.data() + begin);
 }
 
-template <class Attribute, class Convert>
-std::vector<Short4> values_of(const std::vector<Attribute>& attributes, Convert convert) {
-  std::vector<Short4> values;
-  values.reserve(attributes.size());
-  for (const Attribute& attribute : attributes) values.push_back(convert(attribute));
+/// Converts each of many values by itself.
+template <auto convert>
+constexpr auto kEach = [](std::span<const Short4> values, auto* out) {
+  std::transform(values.begin(), values.end(), out, convert);
+};
+
+template <auto convert, class Attribute>
+std::vector<Short4> values_of(const std::vector<Attribute>& attributes) {
+  std::vector<Short4> values(attributes.size());
+  std::transform(attributes.begin(), attributes.end(), values.begin(),
+                 [](const Attribute& attribute) { return convert(attribute); });
   return values;
 }
 
@@ -184,13 +191,13 @@ void set_colors(const TransformDecoder& decoder, const DecodeLimits& limits, Con
 
 void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, OctreeFrame& frame) {
   if (limits.leaves || !limits.inner_nodes) {
-    add_attributes(decoder.values(frame.svo.depth), normal_from_value, frame.normals);
+    add_attributes(decoder.values(frame.svo.depth), normals_from_values, frame.normals);
   }
   if (limits.inner_nodes) {
     const std::span<const Short4> values = decoder.values();
     const std::size_t inner = std::min<std::size_t>(values.size(), frame.svo.internal_count());
-    add_attributes(values.first(inner), mean_normal_from_value, frame.nodes.normals);
-    add_attributes(values.subspan(inner), short_normal_from_value, frame.nodes.normals);
+    add_attributes(values.first(inner), kEach<mean_normal_from_value>, frame.nodes.normals);
+    add_attributes(values.subspan(inner), kEach<short_normal_from_value>, frame.nodes.normals);
   }
 }
 
@@ -205,11 +212,11 @@ Result<void> decode_colors(const FrameStructure& structure,
                                                 !parsed.header.colors_16_bit, parsed.tag, limits)));
   if (decoder == nullptr) return {};
   if (decoder->exact()) {
-    set_colors(*decoder, limits, color_from_exact_value, frame);
+    set_colors(*decoder, limits, kEach<color_from_exact_value>, frame);
   } else if (parsed.header.colors_16_bit) {
-    set_colors(*decoder, limits, [](const Short4& v) { return color_16_from_value(v); }, frame);
+    set_colors(*decoder, limits, kEach<color_16_from_value>, frame);
   } else {
-    set_colors(*decoder, limits, [](const Short4& v) { return color_from_value(v); }, frame);
+    set_colors(*decoder, limits, colors_from_values, frame);
   }
   return {};
 }
@@ -251,6 +258,25 @@ void add_means(OctreeFrame& frame) {
     frame.nodes.normals = std::move(means.normals);
     frame.normals.swap(leaves.normals);
   }
+}
+
+/// What transformed attributes need to know of a tree.
+FrameStructure structure_for(const Svo& svo, const std::vector<int>& last_levels,
+                             const FrameHeader& header,
+                             const std::vector<Chunks<ByteView>>& layers) {
+  LevelSet predicted = 0;
+  int first_level = 0;
+  for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
+    const auto add = [&](ByteView chunk, bool transformed) {
+      if (!transformed || chunk.size() < kChunkHeaderSize) return;
+      // If the chunk is damaged, it is refused later.
+      predicted |= TransformDecoder::predicted_levels(chunk.subspan(kChunkHeaderSize), first_level);
+    };
+    add(layers[layer].colors, header.colors_transformed);
+    add(layers[layer].normals, header.normals_transformed);
+    first_level = last_levels[layer];
+  }
+  return {svo, last_levels, predicted};
 }
 
 /// Takes the memory for the masks of a layer, their unpacking, and the index of their children.
@@ -415,14 +441,15 @@ Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const Oct
   if (frame.colors_transformed) {
     std::optional<CoefficientSteps> steps;
     if (!lossless_colors) steps = color_steps(options.color_quality);
+    const std::vector<glm::u16vec3> of_leaves = mean_leaf_colors(svo, cloud, points.sorted);
     encode_transformed(structure,
-                       values_of(mean_leaf_colors(svo, cloud, points.sorted),
-                                 steps ? value_from_color : exact_value_from_color),
+                       steps ? values_of<value_from_color>(of_leaves)
+                             : values_of<exact_value_from_color>(of_leaves),
                        ChunkKind::colors, steps, tag, encoded.layers);
   }
   if (frame.normals_transformed) {
     const std::vector<Short4> normals_of_leaves =
-        values_of(mean_leaf_normals(svo, cloud, points.sorted), value_from_normal);
+        values_of<value_from_normal>(mean_leaf_normals(svo, cloud, points.sorted));
     CoefficientSteps steps = normal_steps(options.normal_quality);
     if (options.normals_follow_noise) {
       steps = no_finer_than_noise(steps, normal_noise(svo, normals_of_leaves));
@@ -460,9 +487,9 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   TRY(take_attribute(frame.svo, layers.front().colors, header.colors_transformed, limits, budget));
   TRY(take_attribute(frame.svo, layers.front().normals, header.normals_transformed, limits,
                      budget));
-  if (header.colors_transformed || header.normals_transformed) {
-    TRY(budget.take(frame.svo.internal_count(), 64));  // what both know of the tree
-  }
+  const bool transformed = (header.colors_transformed && !layers.front().colors.empty()) ||
+                           (header.normals_transformed && !layers.front().normals.empty());
+  if (transformed) TRY(budget.take(frame.svo.internal_count(), 48));  // what both know of the tree
 
   const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
   AttributeDecoder colors(ChunkKind::colors, color_shape(header));
@@ -482,15 +509,15 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   frame.colors = colors_from_codes(colors.codes(), color_shape(header).bits);
   frame.normals = normals_from_codes(normals.codes());
   // They need only the tree, not each other, and so can run in parallel.
-  if (header.colors_transformed || header.normals_transformed) {
-    const FrameStructure structure(frame.svo, last_levels);
-    std::array<Result<void>, 2> transformed;
+  if (transformed) {
+    const FrameStructure structure = structure_for(frame.svo, last_levels, header, layers);
+    std::array<Result<void>, 2> results;
     for_each(limits.executor, 2, [&](int i) {
-      transformed[static_cast<std::size_t>(i)] =
+      results[static_cast<std::size_t>(i)] =
           i == 0 ? decode_colors(structure, layers, depth, parsed, limits, frame)
                  : decode_normals(structure, layers, depth, parsed, limits, frame);
     });
-    for (const Result<void>& done : transformed) TRY(done);
+    for (const Result<void>& done : results) TRY(done);
   }
   if (limits.inner_nodes) add_means(frame);
   if (depth < frame.svo.depth) cut_off(frame, depth);

@@ -50,8 +50,18 @@ std::uint32_t square_root(std::uint64_t v) {
 
 PairScale make_scale(std::uint32_t w0, std::uint32_t w1) {
   const std::uint64_t sum = std::uint64_t{w0} + w1;
-  return {static_cast<std::int32_t>(((std::uint64_t{w1} << 14) + sum / 2) / sum),
-          square_root((sum << 34) / (std::uint64_t{w0} * w1))};
+  const std::uint32_t number = std::max(w0, w1) <= 8 ? 8 * (w0 - 1) + w1 - 1 : kSmallScales;
+  return {static_cast<std::int16_t>(((std::uint64_t{w1} << 14) + sum / 2) / sum),
+          static_cast<std::uint16_t>(number), square_root((sum << 34) / (std::uint64_t{w0} * w1))};
+}
+
+PairSteps::PairSteps(const ComponentSteps& steps) : steps_(steps) {
+  for (std::uint32_t w0 = 1; w0 <= 8; ++w0) {
+    for (std::uint32_t w1 = 1; w1 <= 8; ++w1) {
+      const PairScale scale = pair_scales()(w0, w1);
+      small_[scale.number] = make(scale);
+    }
+  }
 }
 
 PairScales::PairScales() {

@@ -36,10 +36,14 @@ extern const std::array<MergeOrder, 256> kMergeOrders;
 /// What follows from the weights of a pair.
 struct PairScale {
   /// The weight of the second value divided by that of both, in 1/2^14: the mean is v0 + d * ratio.
-  std::int32_t ratio;
+  std::int16_t ratio;
+  /// A number less than kSmallScales for weights of at most 8, each pair of which has another one,
+  /// and kSmallScales for all others.
+  std::uint16_t number;
   /// 1 / sqrt(w0 w1 / (w0 + w1)), in 1/2^17.
   std::uint32_t inverse;
 };
+inline constexpr std::size_t kSmallScales = 64;
 
 /// The scale for two weights, which are at most 2^29.
 PairScale make_scale(std::uint32_t w0, std::uint32_t w1);
@@ -60,14 +64,35 @@ class PairScales {
 };
 const PairScales& pair_scales();
 
-/// The quantisation step of a pair's difference, in 1/256 of a value, for a step of orthonormal
-/// coefficients in 64/256 of a value, which is less than 2^18. A step below 1/32 of an 8-bit colour
-/// value is not worth its bits.
+/// The quantisation steps of orthonormal coefficients in 64/256 of a value, for each component;
+/// less than 2^18.
+using ComponentSteps = std::array<std::uint32_t, 3>;
+
+/// The quantisation step of a pair's difference, in 1/256 of a value. A step below 1/32 of an 8-bit
+/// colour value is not worth its bits.
 inline std::int32_t step_of(const PairScale& scale, std::uint32_t orthonormal) {
   const std::uint64_t step = (std::uint64_t{orthonormal} * scale.inverse) >> 11;
   return static_cast<std::int32_t>(
       std::clamp(step, std::uint64_t{2 * 256}, std::uint64_t{1} << 24));
 }
+
+/// step_of for all components, of which the fourth is 1.
+class PairSteps {
+ public:
+  explicit PairSteps(const ComponentSteps& steps);
+
+  Int4 operator()(const PairScale& scale) const {
+    return __builtin_expect(scale.number < kSmallScales, 1) ? small_[scale.number] : make(scale);
+  }
+
+ private:
+  Int4 make(const PairScale& scale) const {
+    return Int4{step_of(scale, steps_[0]), step_of(scale, steps_[1]), step_of(scale, steps_[2]), 1};
+  }
+
+  ComponentSteps steps_;
+  std::array<Int4, kSmallScales> small_;
+};
 
 /// The difference between a pair's mean and its first value. Differences are at most 2^17.
 inline Int4 mean_offset(const Int4& difference, std::int32_t ratio) {

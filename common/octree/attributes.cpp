@@ -11,9 +11,7 @@ namespace {
 constexpr double kUnit = 32767.0;
 
 /// Rounds half away from zero, as llround does, but inline.
-std::int64_t round_to_int(double v) {
-  return static_cast<std::int64_t>(v < 0.0 ? v - 0.5 : v + 0.5);
-}
+std::int64_t round_to_int(double v) { return static_cast<std::int64_t>(v + std::copysign(0.5, v)); }
 
 glm::i64vec3 fixed_point(const glm::vec3& normal) {
   return {round_to_int(normal.x * kUnit), round_to_int(normal.y * kUnit),
@@ -27,6 +25,21 @@ glm::i16vec3 direction(const glm::i64vec3& sum) {
   if (!(length > 0.0)) return glm::i16vec3(0);
   const glm::dvec3 scaled = v * (kUnit / length);
   return glm::i16vec3(round_to_int(scaled.x), round_to_int(scaled.y), round_to_int(scaled.z));
+}
+
+/// `direction` of fixed_point(normal), where a leaf has a single normal: in doubles throughout,
+/// which is faster.
+glm::i16vec3 single_direction(const glm::vec3& normal) {
+  const auto rounded = [](double v) { return std::trunc(v + std::copysign(0.5, v)); };
+  const glm::dvec3 v(rounded(normal.x * kUnit), rounded(normal.y * kUnit),
+                     rounded(normal.z * kUnit));
+  const double length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+  if (!(length > 0.0)) return glm::i16vec3(0);
+  const double scale = kUnit / length;
+  const auto scaled = [&](double component) {
+    return static_cast<std::int16_t>(static_cast<std::int32_t>(rounded(component * scale)));
+  };
+  return {scaled(v.x), scaled(v.y), scaled(v.z)};
 }
 
 /// `direction` in the form of `mean`: the number of vectors does not matter.
@@ -79,15 +92,20 @@ glm::u16vec3 mean(const glm::i64vec3& sum, std::uint32_t count) {
   return glm::u16vec3(glm::dvec3(sum + std::int64_t{count / 2}) / static_cast<double>(count));
 }
 
-/// Fills the leaves of a tree from the points in each. `get` returns a point's value as a Sum.
-template <class Sum, class Value, class Get, class Average>
-void fill_leaves(const Svo& svo, const SortedPoints& sorted, Value* leaf, Get get,
+/// Fills the leaves of a tree from the points in each. `get` returns a point's value as a Sum, and
+/// `single` what stands for a leaf that has no other point.
+template <class Sum, class Value, class Get, class Single, class Average>
+void fill_leaves(const Svo& svo, const SortedPoints& sorted, Value* leaf, Get get, Single single,
                  Average average) {
   const int shift = 3 * (sorted.levels - svo.depth);
   const KeyIndex* point = sorted.points.data();
   const KeyIndex* const end = point + sorted.points.size();
   for (; point < end; ++leaf) {
     const std::uint64_t key = point->key >> shift;
+    if (point + 1 == end || point[1].key >> shift != key) {
+      *leaf = single((point++)->index);
+      continue;
+    }
     Sum sum = get(point->index);
     std::uint32_t count = 1;
     for (++point; point < end && point->key >> shift == key; ++point, ++count) {
@@ -101,14 +119,14 @@ void fill_leaf_colors(const Svo& svo, const PointCloud& cloud, const SortedPoint
                       glm::u16vec3* leaf) {
   fill_leaves<glm::i64vec3>(
       svo, sorted, leaf, [&](std::uint32_t point) { return glm::i64vec3(cloud.colors[point]); },
-      mean);
+      [&](std::uint32_t point) { return cloud.colors[point]; }, mean);
 }
 
 void fill_leaf_normals(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted,
                        glm::i16vec3* leaf) {
   fill_leaves<glm::i64vec3>(
       svo, sorted, leaf, [&](std::uint32_t point) { return fixed_point(cloud.normals[point]); },
-      mean_direction);
+      [&](std::uint32_t point) { return single_direction(cloud.normals[point]); }, mean_direction);
 }
 
 /// Fills the inner nodes of a tree whose leaves are set, level by level upwards, from the sums over
@@ -212,7 +230,9 @@ std::vector<glm::i16vec3> mean_normal_lines(const Svo& svo, const PointCloud& cl
   std::vector<glm::i16vec3> normals(svo.node_count());
   fill_leaves<LineSum>(
       svo, sorted, normals.data() + svo.internal_count(),
-      [&](std::uint32_t point) { return LineSum(fixed_point(cloud.normals[point])); }, mean_line);
+      [&](std::uint32_t point) { return LineSum(fixed_point(cloud.normals[point])); },
+      [&](std::uint32_t point) { return mean_line(LineSum(fixed_point(cloud.normals[point])), 1); },
+      mean_line);
   fill_inner<LineSum>(svo, normals, mean_line);
   return normals;
 }

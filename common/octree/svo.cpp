@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <compare>
 #include <cstddef>
+#include <cstring>
 #include <optional>
 
 #include "common/base/concat.h"
@@ -145,6 +147,72 @@ class OccupiedCounter {
   std::array<std::uint32_t, kFirst + 1> widths_{};
   std::uint64_t previous_ = ~std::uint64_t{0};
 };
+
+/// The coordinates of a cell in one number: x, y from bit 21 on, and z from bit 42 on.
+typedef std::uint64_t Cells __attribute__((vector_size(16)));
+constexpr int kAxisBits = 21;
+
+std::uint32_t coordinate(std::uint64_t cell, int axis) {
+  return static_cast<std::uint32_t>(cell >> axis * kAxisBits) & ((1u << kAxisBits) - 1);
+}
+
+/// For each half of a mask, the children there, one after the other, as cells of their parent.
+constexpr auto kHalves = [] {
+  std::array<std::array<std::uint64_t, 4>, 16> all{};
+  for (unsigned mask = 0; mask < 16; ++mask) {
+    std::size_t count = 0;
+    for (std::uint64_t child = 0; child < 4; ++child) {
+      if ((mask >> child & 1) != 0) all[mask][count++] = (child & 1) | (child >> 1) << kAxisBits;
+    }
+  }
+  return all;
+}();
+
+/// The cells of a level, in order. The tree is not empty.
+std::vector<std::uint64_t> cells_of(const Svo& svo, int level) {
+  std::vector<std::uint64_t> cells{0}, children;
+  for (int above = 0; above < level; ++above) {
+    // No branch depends on a mask: four children are written for each half, and those too many are
+    // written over.
+    children.resize(svo.node_count(above + 1) + 4);
+    const std::uint8_t* mask = svo.masks.data() + svo.level_begin[static_cast<std::size_t>(above)];
+    const std::uint8_t* const end = mask + svo.node_count(above);
+    const std::uint64_t* cell = cells.data();
+    std::uint64_t* child = children.data();
+    const auto add = [&child](std::uint64_t parent, unsigned half) {
+      Cells four[2];
+      std::memcpy(four, kHalves[half].data(), sizeof(four));
+      for (Cells& two : four) two += parent;
+      std::memcpy(child, four, sizeof(four));
+      child += std::popcount(half);
+    };
+    for (; mask < end; ++mask, ++cell) {
+      add(2 * *cell, *mask & 15u);
+      add(2 * *cell + (std::uint64_t{1} << 2 * kAxisBits), *mask >> 4u);
+    }
+    cells.swap(children);
+  }
+  cells.resize(svo.node_count(level));
+  return cells;
+}
+
+typedef float Float4 __attribute__((vector_size(16)));
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
+
+/// For each mask, its children; for each child, which of its coordinates are the larger ones.
+constexpr auto kChildren = [] {
+  std::array<std::array<std::uint8_t, 8>, 256> all{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    std::size_t count = 0;
+    for (unsigned child = 0; child < 8; ++child) {
+      if ((mask >> child & 1) != 0) all[mask][count++] = static_cast<std::uint8_t>(child);
+    }
+  }
+  return all;
+}();
+constexpr std::array<Int4, 8> kLarger = {Int4{0, 0, 0, 0},   Int4{-1, 0, 0, 0},  Int4{0, -1, 0, 0},
+                                         Int4{-1, -1, 0, 0}, Int4{0, 0, -1, 0},  Int4{-1, 0, -1, 0},
+                                         Int4{0, -1, -1, 0}, Int4{-1, -1, -1, 0}};
 
 Result<void> check_depth(int depth) {
   if (depth >= 0 && depth <= kMaxDepth) return {};
@@ -311,32 +379,57 @@ Svo truncate(const Svo& svo, int depth) {
 }
 
 std::vector<glm::uvec3> leaf_cells(const Svo& svo) {
-  if (svo.node_count() == 0) return {};
-  std::vector<glm::uvec3> cells{glm::uvec3(0)}, children;
-  for (int level = 0; level < svo.depth; ++level) {
-    children.resize(svo.node_count(level + 1));
-    const std::uint8_t* mask = svo.masks.data() + svo.level_begin[static_cast<std::size_t>(level)];
-    glm::uvec3* child = children.data();
-    for (const glm::uvec3& cell : cells) {
-      for (unsigned bits = *mask++; bits != 0; bits &= bits - 1) {
-        const unsigned octant = static_cast<unsigned>(std::countr_zero(bits));
-        *child++ = {cell.x * 2 + (octant & 1u), cell.y * 2 + (octant >> 1 & 1u),
-                    cell.z * 2 + (octant >> 2)};
-      }
-    }
-    cells.swap(children);
+  std::vector<glm::uvec3> leaves;
+  if (svo.node_count() == 0) return leaves;
+  leaves.reserve(svo.leaf_count());
+  for (const std::uint64_t cell : cells_of(svo, svo.depth)) {
+    leaves.push_back({coordinate(cell, 0), coordinate(cell, 1), coordinate(cell, 2)});
   }
-  return cells;
+  return leaves;
 }
 
 PointCloud leaf_centers(const Svo& svo) {
   PointCloud cloud;
   cloud.origin = svo.cube.origin;
-  const double cell = svo.cell_size(svo.depth);
-  const std::vector<glm::uvec3> cells = leaf_cells(svo);
-  cloud.positions.reserve(cells.size());
-  for (const glm::uvec3& c : cells) {
-    cloud.positions.push_back(glm::vec3((glm::dvec3(c) + 0.5) * cell));
+  if (svo.node_count() == 0) return cloud;
+  const double edge = svo.cell_size(svo.depth);
+  const auto center = [edge](std::uint32_t c) { return static_cast<float>((c + 0.5) * edge); };
+  if (svo.depth == 0) {
+    cloud.positions.emplace_back(center(0));
+    return cloud;
+  }
+  cloud.positions.resize(svo.leaf_count());
+  const std::uint8_t* mask =
+      svo.masks.data() + svo.level_begin[static_cast<std::size_t>(svo.depth) - 1];
+  glm::vec3* leaf = cloud.positions.data();
+  // Four or eight leaves of 16 bytes are written for each parent; those too many, and the last four
+  // bytes of each, are written over. There is no room for that behind the last leaves.
+  const glm::vec3* const end = leaf + cloud.positions.size();
+  for (const std::uint64_t parent : cells_of(svo, svo.depth - 1)) {
+    Float4 low{}, high{};
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = center(2 * coordinate(parent, axis));
+      high[axis] = center(2 * coordinate(parent, axis) + 1);
+    }
+    const auto& children = kChildren[*mask];
+    const auto at = [&](std::size_t i) -> Float4 { return kLarger[children[i]] ? high : low; };
+    const auto put = [&](std::size_t i) {
+      const Float4 position = at(i);
+      std::memcpy(leaf + i, &position, sizeof(position));
+    };
+    const auto count = static_cast<std::size_t>(std::popcount(*mask++));
+    if (end - leaf > 8) {
+      for (std::size_t i = 0; i < 4; ++i) put(i);
+      if (count > 4) {
+        for (std::size_t i = 4; i < 8; ++i) put(i);
+      }
+    } else {
+      for (std::size_t i = 0; i < count; ++i) {
+        const Float4 position = at(i);
+        leaf[i] = {position[0], position[1], position[2]};
+      }
+    }
+    leaf += count;
   }
   return cloud;
 }

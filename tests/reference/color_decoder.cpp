@@ -109,7 +109,8 @@ class Decoder {
       }
       const std::uint64_t columns = most.x - least.x + 3, rows = most.y - least.y + 3;
       can_be_predicted_.push_back((level == 1 || can_be_predicted_.back()) &&
-                                  columns * rows <= std::max<std::uint64_t>(65536, 2 * nodes));
+                                  columns * rows <= std::max<std::uint64_t>(65536, 2 * nodes) &&
+                                  std::max(columns, rows) <= 32770);
     }
   }
 

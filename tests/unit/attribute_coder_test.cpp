@@ -205,7 +205,7 @@ TEST(ExactLayers, must_all_be_exact) {
 TEST(CoefficientQuantizer, zeroes_coefficients_that_cost_more_bits_than_they_are_worth) {
   // Two children a little more than half a step apart.
   const NodeScales scales{make_scale(1, 1)};
-  const ComponentSteps steps{1024, 1024, 1024};
+  const PairSteps steps({1024, 1024, 1024});
   const std::int32_t step = step_of(scales[0], 1024) / 256;
   const auto quantized = [&](const CoefficientContexts& contexts, std::int32_t difference) {
     const Int4 differences{difference, 0, 0, 0};
@@ -214,8 +214,8 @@ TEST(CoefficientQuantizer, zeroes_coefficients_that_cost_more_bits_than_they_are
   };
   CoefficientContexts rare, frequent;
   for (int i = 0; i < 100; ++i) {
-    rare.one_pair[0][0].update(0);
-    frequent.one_pair[0][0].update(1);
+    rare.first[0][0][0].update(0);
+    frequent.first[0][0][0].update(1);
   }
   EXPECT_EQ(quantized(rare, step * 3 / 4), 0);
   EXPECT_EQ(quantized(frequent, step * 3 / 4), 1);

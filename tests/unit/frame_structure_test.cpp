@@ -52,12 +52,13 @@ TEST(FrameStructure, orders_nodes_by_z_and_places_them_in_planes) {
           last_z = cell.z;
           last_node = node;
           const glm::uvec2 at = glm::uvec2(cell) - least + 1u;
-          ASSERT_EQ(of.by_z.places[i], at.y * of.stride + at.x);
-          ASSERT_LT(of.by_z.places[i] + of.stride + 1, of.plane);
+          const std::uint32_t place = of.place(of.by_z.at[i]);
+          ASSERT_EQ(place, at.y * of.stride + at.x);
+          ASSERT_LT(place + of.stride + 1, of.plane);
           if (std::has_single_bit(svo.masks[node])) continue;
           const BranchingNode& found = of.by_z.branching[branching++];
           ASSERT_EQ(found.number, node);
-          ASSERT_EQ(found.place, of.by_z.places[i]);
+          ASSERT_EQ(found.place, place);
           ASSERT_EQ(found.mask, svo.masks[node]);
           ASSERT_EQ(found.first_child, svo.first_child[node]);
         }

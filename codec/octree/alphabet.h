@@ -60,7 +60,7 @@ inline constexpr auto kRates = [] {
   std::array<std::uint8_t, kMostSeen + 1> rates{};
   for (int n = 0; n <= kMostSeen; ++n) {
     const int rate = kSymbols == 8 ? 1 + (n > 1) + (n > 4) + (n > 12) + (n > 32) + (n > 100)
-                                   : 4 + (n > 10) + (n > 30) + (n > 90);
+                                   : 3 + (n > 4) + (n > 10) + (n > 24) + (n > 56) + (n > 120);
     rates[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(rate);
   }
   return rates;

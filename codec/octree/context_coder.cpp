@@ -246,7 +246,7 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
     if (nodes_ > left) return fail("level sizes disagree with the masks");
     left -= nodes_;
     const int level_class = classes[static_cast<std::size_t>(level - first_level)];
-    if (level_class == kDenseClass && !may_be_dense(level, nodes_)) {
+    if (level_class >= kFirstCausalClass && !may_be_causal(level, nodes_)) {
       return fail("chunk has a dense level with too few nodes");
     }
     code_level(state_, level_class, decoders, executor);

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kMostAlphabets = 1u << 16;
 
 /// How many symbols an alphabet is worth at the beginning, by confidence.
-constexpr std::array<int, 4> kSeen = {0, 11, 31, 91};
+constexpr std::array<int, 4> kSeen = {5, 11, 25, 57};
 /// The frequencies that a rarity stands for. They lie closer together where more symbols are coded.
 constexpr std::array<std::uint32_t, 16> kFrequencies = {
     1005861, 912838, 794672, 668237, 542777, 425854, 322737, 236257,
@@ -20,15 +20,15 @@ constexpr std::array<std::uint32_t, 16> kFrequencies = {
 constexpr std::array<double, kLevelClasses - 1> kBranching = {1.15, 1.5, 2.0, 2.6, 3.2};
 
 bool valid(std::uint64_t mask, int table, int most_bits) {
-  const bool dense = is_dense_table(table);
-  return mask >> (dense ? dense_word::kBits : sparse_word::kBits) == 0 &&
+  const bool causal = is_causal_table(table);
+  return mask >> (causal ? dense_word::kBits : sparse_word::kBits) == 0 &&
          std::popcount(mask) <= most_bits;
 }
 
 }  // namespace
 
 int level_class(int level, std::size_t nodes, std::size_t children) {
-  const int most = may_be_dense(level, nodes) ? kDenseClass : kDenseClass - 1;
+  const int most = may_be_causal(level, nodes) ? kDenseClass : kFirstCausalClass - 1;
   int result = 0;
   while (result < most &&
          static_cast<double>(children) >=

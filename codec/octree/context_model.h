@@ -12,8 +12,8 @@
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
-/// The alphabets with which masks are coded. A table and the word of a node lead in two steps to an
-/// alphabet, which adapts as symbols are coded. FORMAT.md, "Symbols" and "Contexts".
+/// The alphabets with which masks are coded. A table and the word of a node lead in three steps to
+/// an alphabet, which adapts as symbols are coded. FORMAT.md, "Symbols" and "Contexts".
 namespace pointreel {
 
 /// Levels of the same class share tables. The class depends on the average number of children of a
@@ -23,7 +23,9 @@ inline constexpr int kLevelClasses = 6;
 /// In the classes below this, the first symbol is the number of a node's only child, or kMore.
 inline constexpr int kOnlyChildClasses = 3;
 inline constexpr int kMore = 8;
-/// The class of dense levels, whose words tell about the masks before.
+/// From this class on, words tell about the masks of the nodes before.
+inline constexpr int kFirstCausalClass = kOnlyChildClasses;
+/// The class of dense levels.
 inline constexpr int kDenseClass = kLevelClasses - 1;
 
 /// Symbols of the same kind share a table in each class.
@@ -36,10 +38,12 @@ constexpr int table_of(int level_class, SymbolKind kind) {
 constexpr bool is_only_child_table(int table) {
   return table < 3 * kOnlyChildClasses && table % 3 == 0;
 }
-constexpr bool is_dense_table(int table) { return table >= kTables - 2; }
+constexpr bool is_causal_table(int table) {
+  return table >= table_of(kFirstCausalClass, SymbolKind::low_half);
+}
 
-/// Whether a level may belong to kDenseClass. This bounds the memory for its planes.
-constexpr bool may_be_dense(int level, std::size_t nodes) {
+/// Whether a level may belong to a causal class. This bounds the memory for its planes.
+constexpr bool may_be_causal(int level, std::size_t nodes) {
   return std::size_t{1} << (2 * level) <= 32768 + 32 * nodes;
 }
 
@@ -103,6 +107,10 @@ struct ContextTables {
   std::vector<Alphabet16> alphabets;  ///< their state at the beginning of a frame
   /// Identifies a package's own tables in its frames; 0 for the tables of the format.
   std::uint64_t checksum = 0;
+
+  const Table& table(int level_class, SymbolKind kind) const {
+    return tables[static_cast<std::size_t>(table_of(level_class, kind))];
+  }
 
   /// The tables of dense levels come last.
   std::size_t first_dense_alphabet() const {

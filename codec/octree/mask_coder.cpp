@@ -14,10 +14,10 @@ class SparseCoder {
  public:
   SparseCoder(const ContextTables& tables, int level_class, Alphabet16* alphabets, Coder& symbols)
       : tables_(tables),
-        level_class_(level_class),
         alphabets_(alphabets),
-        low_(table(SymbolKind::low_half)),
-        high_(table(SymbolKind::high_half)),
+        first_(tables.table(level_class, SymbolKind::only_child)),
+        low_(tables.table(level_class, SymbolKind::low_half)),
+        high_(tables.table(level_class, SymbolKind::high_half)),
         symbols_(symbols) {}
 
   /// `masks`: those of the slice, which were last visited by the walk.
@@ -31,26 +31,16 @@ class SparseCoder {
     if constexpr (Coder::kEncodes) {
       for (std::size_t i = 0; i < count; ++i) masks[i] = kTurned[walk.orientation(i)][masks[i]];
     }
-    if (level_class_ < kOnlyChildClasses) {
-      code_halves(walk, masks, code_only_children(walk, masks));
-    } else {
-      for (std::size_t i = 0; i < count; ++i) halves_[i] = static_cast<std::uint32_t>(i);
-      code_halves(walk, masks, count);
-    }
+    code_halves(walk, masks, code_only_children(walk, masks));
     for (std::size_t i = 0; i < count; ++i) masks[i] = kTurnedBack[walk.orientation(i)][masks[i]];
   }
 
  private:
-  const ContextTables::Table& table(SymbolKind kind) const {
-    return tables_.tables[static_cast<std::size_t>(table_of(level_class_, kind))];
-  }
-
   /// Returns the number of the other nodes, which are put into `halves_`.
   std::size_t code_only_children(const SparseWalk& walk, std::uint8_t* masks) {
-    const ContextTables::Table& first = table(SymbolKind::only_child);
     const std::size_t count = walk.size();
     for (std::size_t i = 0; i < count; ++i) {
-      contexts_[i] = tables_.find<Extract>(first, walk.word(i));
+      contexts_[i] = tables_.find<Extract>(first_, walk.word(i));
     }
     std::size_t others = 0;
     Coder symbols = std::move(symbols_);
@@ -93,9 +83,8 @@ class SparseCoder {
   }
 
   const ContextTables& tables_;
-  const int level_class_;
   Alphabet16* const alphabets_;
-  const ContextTables::Table &low_, &high_;
+  const ContextTables::Table &first_, &low_, &high_;
   Coder& symbols_;
   std::vector<std::uint32_t> contexts_, halves_;
 };
@@ -115,15 +104,13 @@ void code_sparse(MaskCoder<Coder>& coder, SliceLevel& level, int level_class, st
 constexpr std::size_t kLargeLevel = 16384;
 
 template <class Extract, class Coder>
-void code_dense(MaskCoder<Coder>& coder, SliceLevel& level, std::size_t first, std::size_t end) {
+void code_causal(MaskCoder<Coder>& coder, SliceLevel& level, int level_class, std::size_t first,
+                 std::size_t end) {
   const ContextTables& tables = coder.tables;
-  const auto table = [&](SymbolKind kind) -> const ContextTables::Table& {
-    return tables.tables[static_cast<std::size_t>(table_of(kDenseClass, kind))];
-  };
-  const ContextTables::Table &low_table = table(SymbolKind::low_half),
-                             &high_table = table(SymbolKind::high_half);
+  const ContextTables::Table &low_table = tables.table(level_class, SymbolKind::low_half),
+                             &high_table = tables.table(level_class, SymbolKind::high_half);
   Alphabet16* const alphabets = coder.alphabets.data();
-  if (level.size() >= kLargeLevel) {
+  if (level_class == kDenseClass && level.size() >= kLargeLevel) {
     // Large dense levels are very regular, each in its own way, so they are learned anew.
     const std::size_t dense = tables.first_dense_alphabet();
     for (std::size_t i = dense; i < coder.alphabets.size(); ++i) alphabets[i].set_seen(0);
@@ -147,8 +134,8 @@ void code_dense(MaskCoder<Coder>& coder, SliceLevel& level, std::size_t first, s
 template <class Extract, class Coder>
 void code_level(MaskCoder<Coder>& coder, SliceLevel& level, int level_class, std::size_t first,
                 std::size_t end) {
-  if (level_class == kDenseClass) {
-    code_dense<Extract>(coder, level, first, end);
+  if (level_class >= kFirstCausalClass) {
+    code_causal<Extract>(coder, level, level_class, first, end);
   } else {
     code_sparse<Extract>(coder, level, level_class, first, end);
   }

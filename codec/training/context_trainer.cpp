@@ -170,11 +170,11 @@ std::uint64_t gather(std::uint64_t word, std::uint64_t mask) {
 
 /// The bits that a table's symbols may depend on: the lower half is known only to the upper one.
 std::uint64_t allowed_bits(int table) {
-  const bool dense = is_dense_table(table);
+  const bool causal = is_causal_table(table);
   const std::uint64_t low = std::uint64_t{15}
-                            << (dense ? dense_word::kLowHalf : sparse_word::kLowHalf);
+                            << (causal ? dense_word::kLowHalf : sparse_word::kLowHalf);
   const std::uint64_t all =
-      (std::uint64_t{1} << (dense ? dense_word::kBits : sparse_word::kBits)) - 1;
+      (std::uint64_t{1} << (causal ? dense_word::kBits : sparse_word::kBits)) - 1;
   for (int c = 0; c < kLevelClasses; ++c) {
     if (table == table_of(c, SymbolKind::high_half)) return all;
   }
@@ -193,8 +193,7 @@ Shares shares_of(const Counts& counts, const Shares& towards, double weight) {
 
 StoredAlphabet stored(const Shares& shares, std::uint32_t samples, int table) {
   StoredAlphabet alphabet;
-  // Every dense surface is regular in its own way, which is to be learned fast.
-  alphabet.confidence = samples < 300 || is_dense_table(table) ? 0 : 1;
+  alphabet.confidence = samples < 300 ? 0 : 1;
   for (std::size_t i = 0; i < static_cast<std::size_t>(symbols_of_table(table)); ++i) {
     alphabet.rarity[i] = rarity_of(shares[i]);
   }
@@ -211,11 +210,11 @@ TrainedTable train_table(std::vector<std::uint64_t> samples, int table,
   constexpr double kWeight = 8.0;
   TrainedTable trained;
   const GreedyMask greedy(
-      logs, is_dense_table(table) ? options.dense_alphabet_cost : options.alphabet_cost);
+      logs, is_causal_table(table) ? options.causal_alphabet_cost : options.alphabet_cost);
   const std::uint64_t allowed = allowed_bits(table);
   const auto symbols = static_cast<std::size_t>(symbols_of_table(table));
   const std::uint64_t mask = greedy.choose(
-      samples, allowed, is_dense_table(table) ? options.dense_table_bits : options.table_bits);
+      samples, allowed, is_causal_table(table) ? options.causal_table_bits : options.table_bits);
   trained.table.mask = mask;
   std::vector<std::vector<std::uint64_t>> cells(std::size_t{1} << std::popcount(mask));
   Counts all{};
@@ -285,7 +284,7 @@ void for_each_symbol_of(const Svo& svo,
     for (std::size_t i = 0; i < level.size(); ++i) {
       level.masks[i] = svo.masks[begin + level.rank[i]];
     }
-    if (level_class == kDenseClass) {
+    if (level_class >= kFirstCausalClass) {
       DenseWalk walk(level);
       for (std::size_t slice = 0; slice < level.slice_count(); ++slice) {
         walk.visit(slice, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
@@ -301,12 +300,9 @@ void for_each_symbol_of(const Svo& svo,
           const std::uint32_t mask =
               orientation::kTurned[walk.orientation(i)][level.masks[level.slices[slice].begin + i]];
           const bool only = std::has_single_bit(mask);
-          if (level_class < kOnlyChildClasses) {
-            use(table_of(level_class, SymbolKind::only_child), walk.word(i),
-                only ? std::countr_zero(mask) : kMore);
-            if (only) continue;
-          }
-          use_halves(walk.word(i), mask, sparse_word::kLowHalf);
+          use(table_of(level_class, SymbolKind::only_child), walk.word(i),
+              only ? std::countr_zero(mask) : kMore);
+          if (!only) use_halves(walk.word(i), mask, sparse_word::kLowHalf);
         }
       }
     }

@@ -20,9 +20,9 @@ struct TrainingOptions {
   int cell_bits = 4;            ///< the same for the masks of cells
   int part_bits = 5;            ///< the same for the masks of parts of cells
   double alphabet_cost = 50.0;  ///< the number of coded bits that an alphabet must save
-  /// Dense levels: there, many contexts are used up to the last.
-  int dense_table_bits = 8;
-  double dense_alphabet_cost = 40.0;
+  /// Classes whose words tell about masks: more of their bits matter.
+  int causal_table_bits = 8;
+  double causal_alphabet_cost = 25.0;
 };
 
 /// Calls `use(table, word, symbol)` for each symbol that codes the tree's masks. The order is that

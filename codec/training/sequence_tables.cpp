@@ -65,7 +65,7 @@ Result<SequenceTables> learn_tables(std::span<const Svo> samples, std::uint64_t 
   // An alphabet is stored once, but saves as much in every frame as it does in the few samples.
   const double total = static_cast<double>(frames);
   TrainingOptions options;
-  options.alphabet_cost = options.dense_alphabet_cost =
+  options.alphabet_cost = options.causal_alphabet_cost =
       kAlphabetMargin + kStoredAlphabetBits * std::min(1.0, learnt / total);
   ContextTrainer::Result trained = trainer.train(options);
   const auto own = parse_tables(write_tables(trained.tables));

@@ -47,7 +47,7 @@ Tables read_tables_on(ByteView file, const Tables& base) {
   constexpr std::array<std::int64_t, 16> kFrequencies = {
       1005861, 912838, 794672, 668237, 542777, 425854, 322737, 236257,
       167059,  114105, 72717,  43238,  23170,  10086,  2896,   362};
-  constexpr std::array<int, 4> kSeen = {0, 11, 31, 91};
+  constexpr std::array<int, 4> kSeen = {5, 11, 25, 57};
   Bytes bytes(ZSTD_getFrameContentSize(file.data(), file.size()));
   ZSTD_decompress(bytes.data(), bytes.size(), file.data(), file.size());
   std::size_t at = 0;
@@ -273,8 +273,8 @@ class LevelDecoder {
           *low = &tables.at(first + (class_ < 3 ? 1 : 0)),
           *high = &tables.at(first + (class_ < 3 ? 2 : 1));
     for (const Cell& node : slab.nodes) counts_[node] = count(around(nodes_, node));
-    if (class_ == 5) {
-      if (nodes_.size() >= 16384) {
+    if (only == nullptr) {
+      if (class_ == 5 && nodes_.size() >= 16384) {
         for (Table* table : {low, high}) {
           for (Alphabet& alphabet : table->alphabets) alphabet.set_seen(0);
         }
@@ -288,7 +288,7 @@ class LevelDecoder {
     }
     for (std::size_t begin = 0, end = 0; begin < slab.nodes.size(); begin = end) {
       while (end < slab.nodes.size() && slab.nodes[end].at[2] == slab.nodes[begin].at[2]) ++end;
-      decode_slice(slab, begin, end, only, *low, *high);
+      decode_slice(slab, begin, end, *only, *low, *high);
     }
   }
 
@@ -305,7 +305,7 @@ class LevelDecoder {
     }
   }
 
-  void decode_slice(Slab& slab, std::size_t begin, std::size_t end, Table* only, Table& low,
+  void decode_slice(Slab& slab, std::size_t begin, std::size_t end, Table& only, Table& low,
                     Table& high) {
     std::vector<Turn> turns(end - begin);
     std::vector<std::uint64_t> words;
@@ -318,8 +318,7 @@ class LevelDecoder {
                                   turns[i - begin]));
     }
     for (std::size_t i = 0; i < words.size(); ++i) {
-      if (only == nullptr) continue;
-      const int symbol = slab.reader.symbol(static_cast<int>(i % 2), find(*only, words[i]));
+      const int symbol = slab.reader.symbol(static_cast<int>(i % 2), find(only, words[i]));
       if (symbol < 8) masks[i] = 1 << symbol;
     }
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -408,7 +407,7 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, con
       const int level = layers[number].first_level + static_cast<int>(l);
       if (payload[l] > 5) return fail("no such level class");
       if (nodes.size() > end - masks.size()) return fail("more masks than told");
-      if (payload[l] == 5 && 1ull << (2 * level) > 32768 + 32 * nodes.size()) {
+      if (payload[l] >= 3 && 1ull << (2 * level) > 32768 + 32 * nodes.size()) {
         return fail("too few nodes for a dense level");
       }
       std::vector<Cell> ordered(nodes.begin(), nodes.end());

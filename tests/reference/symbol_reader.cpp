@@ -29,7 +29,7 @@ int Alphabet::symbol(std::int64_t number) const {
 void Alphabet::learn(int symbol) {
   const int symbols = static_cast<int>(c_.size()) - 1;
   const std::vector<int> last =
-      symbols == 8 ? std::vector{0, 1, 4, 12, 32, 100} : std::vector{0, -1, -1, -1, 10, 30, 90};
+      symbols == 8 ? std::vector{0, 1, 4, 12, 32, 100} : std::vector{0, -1, -1, 4, 10, 24, 56, 120};
   int r = 1;
   for (std::size_t rate = 1; rate < last.size(); ++rate) r += n_ > last[rate];
   for (int i = 1; i < symbols; ++i) {

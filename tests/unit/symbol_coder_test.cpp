@@ -66,10 +66,12 @@ TYPED_TEST(Alphabets, learn_as_plain_arithmetic_does) {
                                      : n <= 32  ? 4
                                      : n <= 100 ? 5
                                                 : 6
+                     : n <= 4      ? 3
                      : n <= 10     ? 4
-                     : n <= 30     ? 5
-                     : n <= 90     ? 6
-                                   : 7;
+                     : n <= 24     ? 5
+                     : n <= 56     ? 6
+                     : n <= 120    ? 7
+                                   : 8;
     alphabet.update(symbol);
     for (int i = 1; i < kSymbols; ++i) {
       int& sum = sums[static_cast<std::size_t>(i)];

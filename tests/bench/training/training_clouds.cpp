@@ -498,6 +498,8 @@ class Giver {
   using Use = std::function<void(const std::string& name, const Svo& svo)>;
   explicit Giver(const Use& use) : use_(use) {}
 
+  void operator()(const std::string& name, const Svo& svo) const { use_(name, svo); }
+
   /// Passes on tree_of(surface, bits, margin).
   void operator()(const std::string& name, const SampledSurface& surface, int bits,
                   double margin = 0.0) const {
@@ -576,6 +578,24 @@ Result<void> give_captures(std::uint64_t seed, const Giver& give) {
         scanned(rough, 4 + 2 * f, voxel * (2.0 + 0.8 * f + random.uniform()), random, errors);
     disturb(seen, voxel * (0.3 + 0.9 * random.uniform()), 0.003, random);
     give(fmt::format("captured {} 10", f), seen, 10);
+  }
+  return {};
+}
+
+/// The voxels that the figures of the synthetic sequences pass through. The kick is left out, so
+/// that it can be measured.
+Result<void> give_voxels(const Giver& give) {
+  for (const char* name : {"baseball", "basketball", "soccer-juggle", "soccer-shoot"}) {
+    const Motion& motion = *find_motion(name);
+    SequenceOptions options;
+    for (const int bits : {8, 9, 10}) {
+      options.voxels = voxel_grid(sequence_bounds(motion, options.fps, motion.poses), bits);
+      const int pose = motion.poses * (2 * bits - 15) / 6;
+      const PointCloud cloud = TRY(sequence_frame(motion, options, pose));
+      const VoxelCube cube = voxel_cube(bounds(cloud), 1.0);
+      give(fmt::format("voxels {} {}", name, bits),
+           build_svo(sort_points(cloud, cube.cube, cube.depth), cube.depth));
+    }
   }
   return {};
 }
@@ -693,6 +713,7 @@ Result<void> for_each_training_tree(
   give_faceted(seed, give);
   TRY(give_captures(seed, give));
   TRY(give_sequences(seed, give));
+  TRY(give_voxels(give));
   TRY(give_depth_cameras(seed, give));
   give_terrain(seed, give);
   give_things(seed, give);

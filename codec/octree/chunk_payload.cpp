@@ -31,7 +31,7 @@ Result<Bytes> unpack_chunk(const ParsedChunk& chunk, std::size_t expected_size) 
     return fail("chunk has entropy coding context, but only none and zstd are allowed here");
   }
   const bool stored = chunk.header.entropy == Entropy::none;
-  const std::size_t most = stored ? chunk.payload.size() : max_raw_size(chunk.payload.size());
+  const std::uint64_t most = stored ? chunk.payload.size() : max_raw_size(chunk.payload.size());
   if (chunk.header.raw_size != expected_size || expected_size > most ||
       (stored && expected_size != chunk.payload.size())) {
     return fail(concat("chunk holds ", chunk.header.raw_size, " bytes in ", chunk.payload.size(),

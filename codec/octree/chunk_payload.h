@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "codec/frame_header.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -8,8 +10,8 @@
 namespace pointreel {
 
 /// The largest raw size that a payload of `stored` bytes may have. It bounds the memory that a few
-/// hostile bytes can make a reader allocate.
-inline std::size_t max_raw_size(std::size_t stored) { return 64 * 1024 + 1024 * stored; }
+/// hostile bytes can make a reader allocate. It may exceed the memory of a machine of 32 bits.
+constexpr std::uint64_t max_raw_size(std::uint64_t stored) { return 64 * 1024 + 1024 * stored; }
 
 /// Appends a chunk that holds `raw`, coded as header.entropy says, which is none or zstd. Uses none
 /// where zstd would gain nothing or would exceed max_raw_size.

@@ -42,7 +42,7 @@ void GeometryEncoder::encode_layer(const Svo& svo, int first_level, ChunkHeader 
   context_->encode_layer(svo, first_level, header.last_level, payload, executor);
   // Appends zeros where the payload would expand further than readers accept.
   while (max_raw_size(payload.size()) < masks.size()) {
-    payload.resize((masks.size() - max_raw_size(0) + 1023) / 1024);
+    payload.resize(static_cast<std::size_t>((masks.size() - max_raw_size(0) + 1023) / 1024));
   }
   header.raw_size = static_cast<std::uint32_t>(masks.size());
   write_chunk(header, tag, payload, out);
@@ -109,7 +109,7 @@ Result<void> GeometryDecoder::count_nodes(ByteView masks, int levels) {
       children += static_cast<unsigned>(std::popcount(masks[at]));
     }
     if (children > points_) return fail("more nodes than the header has points");
-    level_nodes_ = children;
+    level_nodes_ = static_cast<std::size_t>(children);
   }
   if (at != masks.size()) return fail("level sizes disagree with the masks");
   return {};

@@ -44,7 +44,7 @@ constexpr bool is_causal_table(int table) {
 
 /// Whether a level may belong to a causal class. This bounds the memory for its planes.
 constexpr bool may_be_causal(int level, std::size_t nodes) {
-  return std::size_t{1} << (2 * level) <= 32768 + 32 * nodes;
+  return std::uint64_t{1} << (2 * level) <= 32768 + 32 * std::uint64_t{nodes};
 }
 
 /// The class that the encoder chooses for a level. It is stored for the decoder.

@@ -25,7 +25,7 @@ inline constexpr int kBits = 60, kLowHalf = 56;
 class DenseWalk {
  public:
   /// The size of its planes in bytes.
-  static std::size_t memory(int level) { return (std::size_t{19} << (2 * level)) / 8; }
+  static std::uint64_t memory(int level) { return (std::uint64_t{19} << (2 * level)) / 8; }
 
   explicit DenseWalk(SliceLevel& level);
 

@@ -58,7 +58,7 @@ std::size_t slice_above(const SliceLevel& level, std::size_t slice);
 class NodePlanes {
  public:
   /// The size of the planes in bytes.
-  static std::size_t memory(int level) { return (std::size_t{3} << (2 * level)) / 8; }
+  static std::uint64_t memory(int level) { return (std::uint64_t{3} << (2 * level)) / 8; }
 
   explicit NodePlanes(const SliceLevel& level);
 

@@ -129,8 +129,8 @@ template <class Ints>
 
 SparseWalk::SparseWalk(SliceLevel& level)
     : level_(level), search_(level), wide_((cpu_features() & kCpuAvx2) != 0) {
-  const std::size_t planes = NodePlanes::memory(level.level);
-  if (planes <= 65536 + 64 * level.size() ||
+  const std::uint64_t planes = NodePlanes::memory(level.level);
+  if (planes <= 65536 + 64 * std::uint64_t{level.size()} ||
       (planes <= kHugePlanes && level.size() >= kManyNodes)) {
     planes_.emplace(level);
   }

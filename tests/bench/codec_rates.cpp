@@ -43,6 +43,7 @@ Setting octree(Entropy entropy, int colors = kDefaultColorQuality,
   options.depth = DepthRule::fixed(kBits);
   options.color_quality = colors;
   options.normal_quality = normals;
+  options.normals_follow_noise = false;
   return {fmt::format("octree {}", name(entropy)),
           fmt::format("quality {}, normals {}", colors, normals),
           {options}};

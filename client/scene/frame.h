@@ -33,7 +33,7 @@ struct SceneFrame {
   NodeAttributes attributes;
   std::vector<float> radii;  ///< of the nodes
   /// From the centres of the leaves along their normals to the surface (leaf_heights), in surfel
-  /// mode; else empty.
+  /// mode, and if there are not too many leaves; else empty.
   std::vector<float> heights;
   /// Which nodes fill gaps between voxels (gap_filling.h); empty if none do.
   FilledNodes filled;

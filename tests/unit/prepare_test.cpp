@@ -128,6 +128,18 @@ TEST(PrepareFrame, keeps_the_tree_of_an_octree_frame_and_covers_it_with_surfels)
   EXPECT_GT(worst_normal_error(leaves_of(*scene)), 0.95);
 }
 
+TEST(PrepareFrame, leaves_the_surfels_of_large_frames_in_their_cells) {
+  const PointCloud cloud = sphere(400'000, true, true);
+  EncodeOptions fine = octree(0.05);
+  std::get<OctreeOptions>(fine.codec).depth = DepthRule::fixed(10);
+  const auto scene =
+      prepare_frame(manifest_of(cloud), 0, fetched(cloud, fine), {.mode = DrawMode::surfel});
+  ASSERT_TRUE(scene);
+  ASSERT_GT(scene->svo.leaf_count(), 300'000u);
+  EXPECT_TRUE(scene->heights.empty());
+  EXPECT_EQ(surfels_of(*scene).positions, leaf_centers(scene->svo).positions);
+}
+
 TEST(PrepareFrame, puts_surfels_onto_the_surface_and_leaves_points_in_their_cells) {
   const PointCloud cloud = sphere(60'000, true, true);
   EncodeOptions coarse = octree(0.05);

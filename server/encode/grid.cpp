@@ -12,7 +12,7 @@
 namespace pointreel {
 namespace {
 
-/// The lattice of whose points a voxel each is the middle. If the voxels merge those of the source,
+/// The lattice on whose points voxels of this size are centred. If they merge those of the source,
 /// they are centred on what they merge, or else everything would move by half a voxel of the
 /// source. Otherwise they are centred on multiples of their size.
 PointLattice voxel_centers(double voxel, const std::optional<PointLattice>& source) {

@@ -68,7 +68,6 @@ struct FrameInProgress {
   CleanReport cleaning = {};
   Box box = {};
   Result<Grid> grid = Grid{};
-  int most_depth = kMaxDepth;
   double clean_ms = 0.0, encode_ms = 0.0;
 };
 
@@ -188,15 +187,14 @@ class Publisher {
     frame.grid = grid_.of(loaded.cloud, frame.box, frame.cleaning);
     if (!frame.grid) return fail_at(frame.input.name, frame.grid.error());
     const std::lock_guard lock(time_mutex_);
-    frame.most_depth = time_.depth();
+    frame.grid->encode = no_deeper_than(frame.grid->encode, time_.depth());
     return {};
   }
 
   Result<EncodedFrame> encode(FrameInProgress& frame) {
     const Clock::time_point start = Clock::now();
     Result<EncodedFrame> encoded =
-        encode_frame(frame.input.cloud->cloud, frame.grid->cube,
-                     no_deeper_than(frame.grid->encode, frame.most_depth));
+        encode_frame(frame.input.cloud->cloud, frame.grid->cube, frame.grid->encode);
     frame.encode_ms = ms_since(start);
     if (!encoded) return fail_at(frame.input.name, encoded.error());
     return encoded;

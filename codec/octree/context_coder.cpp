@@ -247,7 +247,7 @@ Result<void> ContextDecoder::decode_layer(ByteView payload, int first_level, int
     left -= nodes_;
     const int level_class = classes[static_cast<std::size_t>(level - first_level)];
     if (level_class >= kFirstCausalClass && !may_be_causal(level, nodes_)) {
-      return fail("chunk has a dense level with too few nodes");
+      return fail("chunk has a level whose class needs more nodes");
     }
     code_level(state_, level_class, decoders, executor);
     const std::size_t begin = masks.size();

@@ -21,14 +21,14 @@ constexpr std::array<double, kLevelClasses - 1> kBranching = {1.15, 1.5, 2.0, 2.
 
 bool valid(std::uint64_t mask, int table, int most_bits) {
   const bool causal = is_causal_table(table);
-  return mask >> (causal ? dense_word::kBits : sparse_word::kBits) == 0 &&
+  return mask >> (causal ? causal_word::kBits : sparse_word::kBits) == 0 &&
          std::popcount(mask) <= most_bits;
 }
 
 }  // namespace
 
 int level_class(int level, std::size_t nodes, std::size_t children) {
-  const int most = may_be_causal(level, nodes) ? kDenseClass : kFirstCausalClass - 1;
+  const int most = may_be_causal(level, nodes) ? kLevelClasses - 1 : kFirstCausalClass - 1;
   int result = 0;
   while (result < most &&
          static_cast<double>(children) >=

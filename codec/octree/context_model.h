@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "codec/octree/alphabet.h"
-#include "codec/octree/dense_walk.h"
+#include "codec/octree/causal_walk.h"
 #include "codec/octree/sparse_words.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -23,7 +23,7 @@ inline constexpr int kLevelClasses = 6;
 /// In the classes below this, the first symbol is the number of a node's only child, or kMore.
 inline constexpr int kOnlyChildClasses = 3;
 inline constexpr int kMore = 8;
-/// From this class on, words tell about the masks of the nodes before.
+/// From this class on, words tell about the masks of the nodes before (causal_walk.h).
 inline constexpr int kFirstCausalClass = kOnlyChildClasses;
 /// The class of dense levels.
 inline constexpr int kDenseClass = kLevelClasses - 1;

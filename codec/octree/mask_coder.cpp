@@ -116,13 +116,13 @@ void code_causal(MaskCoder<Coder>& coder, SliceLevel& level, int level_class, st
     for (std::size_t i = dense; i < coder.alphabets.size(); ++i) alphabets[i].set_seen(0);
   }
   const std::uint8_t* masks = level.masks.data();
-  DenseWalk walk(level);
+  CausalWalk walk(level);
   Coder symbols = std::move(coder.symbols);
   for (std::size_t slice = first; slice < end; ++slice) {
     walk.visit(slice, [&](std::uint32_t i, std::uint64_t word) {
       const int low =
           symbols.code(0, alphabets[tables.find<Extract>(low_table, word)], masks[i] & 15);
-      word |= static_cast<std::uint64_t>(low) << dense_word::kLowHalf;
+      word |= static_cast<std::uint64_t>(low) << causal_word::kLowHalf;
       const int high =
           symbols.code(1, alphabets[tables.find<Extract>(high_table, word)], masks[i] >> 4);
       return static_cast<std::uint32_t>(low | high << 4);

@@ -8,7 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "codec/octree/dense_walk.h"
+#include "codec/octree/causal_walk.h"
 #include "codec/octree/orientation.h"
 #include "codec/octree/slice_level.h"
 #include "codec/octree/sparse_words.h"
@@ -19,7 +19,7 @@ namespace {
 using Samples = std::span<std::uint64_t>;
 constexpr int kSymbol = 60;
 constexpr std::size_t kSymbols = 16;
-static_assert(dense_word::kBits <= kSymbol && sparse_word::kBits <= kSymbol);
+static_assert(causal_word::kBits <= kSymbol && sparse_word::kBits <= kSymbol);
 
 /// Tables of n log2 n and of log2(n + 1) / 2.
 class Logarithms {
@@ -172,9 +172,9 @@ std::uint64_t gather(std::uint64_t word, std::uint64_t mask) {
 std::uint64_t allowed_bits(int table) {
   const bool causal = is_causal_table(table);
   const std::uint64_t low = std::uint64_t{15}
-                            << (causal ? dense_word::kLowHalf : sparse_word::kLowHalf);
+                            << (causal ? causal_word::kLowHalf : sparse_word::kLowHalf);
   const std::uint64_t all =
-      (std::uint64_t{1} << (causal ? dense_word::kBits : sparse_word::kBits)) - 1;
+      (std::uint64_t{1} << (causal ? causal_word::kBits : sparse_word::kBits)) - 1;
   for (int c = 0; c < kLevelClasses; ++c) {
     if (table == table_of(c, SymbolKind::high_half)) return all;
   }
@@ -285,10 +285,10 @@ void for_each_symbol_of(const Svo& svo,
       level.masks[i] = svo.masks[begin + level.rank[i]];
     }
     if (level_class >= kFirstCausalClass) {
-      DenseWalk walk(level);
+      CausalWalk walk(level);
       for (std::size_t slice = 0; slice < level.slice_count(); ++slice) {
         walk.visit(slice, [&](std::uint32_t node, std::uint64_t word) -> std::uint32_t {
-          use_halves(word, level.masks[node], dense_word::kLowHalf);
+          use_halves(word, level.masks[node], causal_word::kLowHalf);
           return level.masks[node];
         });
       }

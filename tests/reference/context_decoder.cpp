@@ -220,7 +220,7 @@ std::uint64_t sparse_word(const Cube& cube, const Counts& parent, const Cell& no
 }
 
 /// `cells`: the children known so far of the slab's nodes.
-std::uint64_t dense_word(const Cube& cube, const Cells& cells, const Cell& node) {
+std::uint64_t causal_word(const Cube& cube, const Cells& cells, const Cell& node) {
   std::uint64_t word = 0;
   int bit = 0;
   const auto cell = [&](int i, int j, int k) {
@@ -280,7 +280,7 @@ class LevelDecoder {
         }
       }
       for (const Cell& node : slab.nodes) {
-        const std::uint64_t word = dense_word(around(nodes_, node), slab.cells, node);
+        const std::uint64_t word = causal_word(around(nodes_, node), slab.cells, node);
         const int mask = halves(slab.reader, *low, *high, word, 56);
         keep(slab, node, mask);
       }
@@ -408,7 +408,7 @@ Result<Bytes> decode_context_layers(const std::vector<ContextLayer>& layers, con
       if (payload[l] > 5) return fail("no such level class");
       if (nodes.size() > end - masks.size()) return fail("more masks than told");
       if (payload[l] >= 3 && 1ull << (2 * level) > 32768 + 32 * nodes.size()) {
-        return fail("too few nodes for a dense level");
+        return fail("too few nodes for the class of a level");
       }
       std::vector<Cell> ordered(nodes.begin(), nodes.end());
       std::sort(ordered.begin(), ordered.end(), in_slice_order);

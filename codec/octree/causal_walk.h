@@ -9,25 +9,25 @@
 #include "codec/octree/node_planes.h"
 #include "codec/octree/slice_level.h"
 
-/// The words on which the contexts of dense levels depend. They tell which children the nodes
-/// before have, so each is found once the mask before it is known. FORMAT.md, "Words of dense
-/// levels".
+/// The words on which contexts depend in the causal classes, those of levels whose nodes have
+/// many children. They tell which children the nodes before have, so each is found once the mask
+/// before it is known. FORMAT.md, "Words".
 namespace pointreel {
 
-namespace dense_word {
+namespace causal_word {
 
 /// The bits of a word in use, and those that hold the lower half of the mask where it is known.
 inline constexpr int kBits = 60, kLowHalf = 56;
 
-}  // namespace dense_word
+}  // namespace causal_word
 
 /// Walks over slices of a level. The level must outlive it.
-class DenseWalk {
+class CausalWalk {
  public:
   /// The size of its planes in bytes.
   static std::uint64_t memory(int level) { return (std::uint64_t{19} << (2 * level)) / 8; }
 
-  explicit DenseWalk(SliceLevel& level);
+  explicit CausalWalk(SliceLevel& level);
 
   /// Calls visit(node, word) for each node of a slice, which returns the node's mask. It is stored
   /// in `level.masks`. Finds what the nodes' children inherit. Slices are visited in increasing

@@ -38,6 +38,9 @@ Request request_of(const http::request<http::empty_body>& message) {
   request.host_fields = static_cast<int>(message.count(http::field::host));
   request.http_1_0 = message.version() < 11;
   request.authorization = joined(http::field::authorization);
+  request.accept = joined(http::field::accept);
+  request.accept_encoding = joined(http::field::accept_encoding);
+  request.protocols = joined(http::field::sec_websocket_protocol);
   request.forwarded = message.count(http::field::forwarded) > 0 ||
                       message.count("X-Forwarded-For") > 0 || message.count("X-Real-IP") > 0 ||
                       message.count(http::field::via) > 0;

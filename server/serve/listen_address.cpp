@@ -5,6 +5,8 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 
 namespace pointreel {
 
@@ -39,6 +41,25 @@ bool is_loopback(const ListenAddress& address) {
   in6_addr v6{};
   if (::inet_pton(AF_INET, address.host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
   return ::inet_pton(AF_INET6, address.host.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
+}
+
+ListenAddress reachable_address(const ListenAddress& address) {
+  const bool v6 = address.host == "::";
+  if (!v6 && address.host != "0.0.0.0") return address;
+  ifaddrs* list = nullptr;
+  ListenAddress found{v6 ? "::1" : "127.0.0.1", address.port};
+  if (::getifaddrs(&list) != 0) return found;
+  for (const ifaddrs* each = list; each != nullptr; each = each->ifa_next) {
+    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
+    if ((each->ifa_flags & IFF_UP) == 0 || (each->ifa_flags & IFF_LOOPBACK) != 0) continue;
+    const auto* internet = reinterpret_cast<const sockaddr_in*>(each->ifa_addr);
+    std::array<char, INET_ADDRSTRLEN> text{};
+    if (::inet_ntop(AF_INET, &internet->sin_addr, text.data(), text.size()) == nullptr) continue;
+    found.host = text.data();
+    break;
+  }
+  ::freeifaddrs(list);
+  return found;
 }
 
 std::string to_string(const ListenAddress& address) {

@@ -22,6 +22,10 @@ Result<ListenAddress> parse_listen_address(std::string_view text);
 /// Whether only this machine can reach the address.
 bool is_loopback(const ListenAddress& address);
 
+/// An address at which a browser can reach the server: the same, or for "all addresses of this
+/// machine" its first one that is not of loopback.
+ListenAddress reachable_address(const ListenAddress& address);
+
 /// "127.0.0.1:8090", "[::1]:8090".
 std::string to_string(const ListenAddress& address);
 

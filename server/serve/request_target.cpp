@@ -13,6 +13,13 @@ int hex_digit(char c) {
   return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
+/// The byte that the escape at text[at] stands for; -1 if it is malformed.
+int escaped_byte(std::string_view text, std::size_t at) {
+  if (text.size() - at < 3) return -1;
+  const int high = hex_digit(text[at + 1]), low = hex_digit(text[at + 2]);
+  return high < 0 || low < 0 ? -1 : high * 16 + low;
+}
+
 bool is_absolute_form(std::string_view target) {
   constexpr std::string_view kScheme = "http://";
   return target.size() >= kScheme.size() &&
@@ -50,10 +57,9 @@ Result<std::string> decode_target(std::string_view target) {
     }
     if (c == '#') return fail("fragment in the request target");
     if (c == '%') {
-      const int high = i + 2 < target.size() ? hex_digit(target[i + 1]) : -1;
-      const int low = i + 2 < target.size() ? hex_digit(target[i + 2]) : -1;
-      if (high < 0 || low < 0) return fail("malformed percent escape in the request target");
-      c = static_cast<char>(high * 16 + low);
+      const int byte = escaped_byte(target, i);
+      if (byte < 0) return fail("malformed percent escape in the request target");
+      c = static_cast<char>(byte);
       i += 2;
       if (c == '/') return fail("encoded slash in the request target");
     }
@@ -65,6 +71,21 @@ Result<std::string> decode_target(std::string_view target) {
   }
   if (segment_is_dots()) return fail("dot segment in the request target");
   return path;
+}
+
+Result<std::string> decode_escapes(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      decoded += text[i];
+      continue;
+    }
+    const int byte = escaped_byte(text, i);
+    if (byte < 0) return fail("malformed percent escape");
+    decoded += static_cast<char>(byte);
+    i += 2;
+  }
+  return decoded;
 }
 
 std::string encode_segment(std::string_view segment) {

@@ -16,6 +16,9 @@ namespace pointreel {
 /// in a table of names, so this is a second line of defence.
 Result<std::string> decode_target(std::string_view target);
 
+/// Text without its percent-escapes. An error if one is malformed.
+Result<std::string> decode_escapes(std::string_view text);
+
 /// A path segment as part of a URL: all characters except unreserved ones are escaped.
 std::string encode_segment(std::string_view segment);
 

@@ -50,6 +50,7 @@ struct Resource {
   std::string content_type;
   std::string cache_control;
   std::string etag;                  ///< strong; empty if there is none
+  std::string fields;                ///< further header lines, each ending in CRLF
   std::string text;                  ///< kText: the content; kRedirect: the Location
   std::filesystem::path file;        ///< kFile: canonical, without symbolic links
   std::uint64_t size = 0;            ///< bytes of the content

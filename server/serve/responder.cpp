@@ -78,8 +78,8 @@ Response resource_response(const Resource& resource, const Request& request) {
   Response response;
   auto fields = std::back_inserter(response.fields);
   const auto put_validators = [&] {
-    fmt::format_to(fields, "ETag: {}\r\nCache-Control: {}\r\n", resource.etag,
-                   resource.cache_control);
+    fmt::format_to(fields, "ETag: {}\r\nCache-Control: {}\r\n{}", resource.etag,
+                   resource.cache_control, resource.fields);
   };
   // The order of the conditions follows RFC 9110, section 13.2.2.
   if (!request.if_match.empty() && !matches_strongly(request.if_match, resource.etag)) {

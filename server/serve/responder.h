@@ -17,6 +17,8 @@ namespace pointreel {
 struct Request {
   std::string_view method, target;
   std::string range, if_range, if_match, if_none_match, authorization;
+  std::string accept, accept_encoding;
+  std::string protocols;   ///< Sec-WebSocket-Protocol: those that a browser offers
   std::string host;        ///< the Host field
   std::string origin;      ///< of the page in a browser that sends this; programs send none
   int host_fields = 0;     ///< the number of Host fields

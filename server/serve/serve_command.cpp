@@ -21,6 +21,7 @@
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
 #include "server/serve/live_sinks.h"
+#include "server/serve/request_target.h"
 
 namespace pointreel {
 namespace {
@@ -30,7 +31,7 @@ struct ServeArguments {
   HttpServerOptions options;
   std::string listen = to_string(options.listen);
   std::string log = name(options.service.log);
-  bool live = false;
+  bool live = false, no_page = false;
   std::filesystem::path record;
   std::vector<std::string> origins;
   double grace = 10.0;  ///< seconds
@@ -66,6 +67,7 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
       return fail(ErrorCode::argument, std::move(fault));
     }
   }
+  if (!arguments.no_page) options.service.page = Page(built_in_page());
   options.service.origins = TRY(Origins::parse(arguments.origins));
   if (arguments.live && options.service.publish_token.empty() && !is_loopback(options.listen) &&
       !options.service.allow_local_publish) {
@@ -81,6 +83,20 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
                 "--max-message");
   }
   return options;
+}
+
+/// What serve prints once it listens.
+std::string announcement(const ServeArguments& arguments, const HttpServerOptions& options,
+                         const ListenAddress& address) {
+  const std::string scheme = options.certificate.empty() ? "http" : "https";
+  std::string text = fmt::format("listening on {}://{}\n", scheme, to_string(address));
+  if (options.service.page.empty()) return text;
+  std::string link = fmt::format("{}://{}/", scheme, to_string(reachable_address(address)));
+  if (arguments.reels.size() == 1 && !arguments.live) {
+    const std::filesystem::path reel = (arguments.reels.front() / "").parent_path();
+    if (reel.has_filename()) link += encode_segment(reel.filename().string());
+  }
+  return text + fmt::format("open {} in a browser to play\n", link);
 }
 
 Result<void> serve(const ServeArguments& arguments) {
@@ -117,8 +133,7 @@ Result<void> serve(const ServeArguments& arguments) {
   Relay relay(std::move(relay_options));
   const std::unique_ptr<HttpServer> server =
       TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
-  announce(fmt::format("listening on {}://{}\n", options.certificate.empty() ? "http" : "https",
-                       to_string(server->address())));
+  announce(announcement(arguments, options, server->address()));
   int signal = 0;
   ::sigwait(&ending, &signal);
   server->stop();
@@ -199,6 +214,8 @@ void add_serve_command(CLI::App& app, int& exit_code) {
                    "answers and connect to live streams; * for all pages; may be repeated")
       ->type_name("ORIGIN")
       ->allow_extra_args(false);
+  command->add_flag("--no-page", arguments->no_page,
+                    "answer browsers as other programs; without this, they get a page that plays");
   command
       ->add_option("--log", arguments->log,
                    "what to write to standard error, as JSON lines: debug, info (each request), "

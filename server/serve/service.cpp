@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "server/serve/negotiation.h"
+#include "server/serve/request_target.h"
+
 namespace pointreel {
 namespace {
 
@@ -37,6 +40,25 @@ Response token_wanted() {
                         "WWW-Authenticate: Bearer realm=\"pointreel\"\r\n");
 }
 
+/// The credentials of a request for a live stream: a browser cannot set Authorization there, and
+/// sends the token, percent-encoded, as a subprotocol. In the address it would be logged.
+std::string live_credentials(const Request& request) {
+  if (!request.authorization.empty()) return request.authorization;
+  constexpr std::string_view kBearer = "bearer.";
+  std::string_view rest = request.protocols;
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find(','), rest.size());
+    std::string_view item = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    while (item.starts_with(' ') || item.starts_with('\t')) item.remove_prefix(1);
+    while (item.ends_with(' ') || item.ends_with('\t')) item.remove_suffix(1);
+    if (!item.starts_with(kBearer)) continue;
+    const auto token = decode_escapes(item.substr(kBearer.size()));
+    return token ? fmt::format("Bearer {}", *token) : std::string();
+  }
+  return {};
+}
+
 }  // namespace
 
 Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options, const Limits& limits)
@@ -46,6 +68,7 @@ Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options, c
       loopback_(options.loopback),
       local_publish_(options.loopback || options.allow_local_publish),
       origins_(options.origins),
+      page_(options.page),
       rate_(limits.requests_per_second),
       hellos_(limits.max_hellos, limits.max_hellos_per_address),
       unfinished_(limits.max_unfinished, limits.max_unfinished_per_address),
@@ -80,6 +103,8 @@ std::variant<Response, LiveCall> Service::decide(const Request& request, const P
       is_stream_name(std::string_view(*path).substr(kLivePath.size()))) {
     return live_call(request, peer, path->substr(kLivePath.size()), std::move(wake));
   }
+  // The page is no secret, and a browser can send no token with a link. The page asks for one.
+  if (auto page = page_at(*path, request)) return respond(std::move(page), request);
   if (access_.check(Access::Right::kView, request.authorization, false) !=
       Access::Verdict::kGranted) {
     return token_wanted();
@@ -87,7 +112,34 @@ std::variant<Response, LiveCall> Service::decide(const Request& request, const P
   if (*path == "/metrics") return metrics_page();
   Response response = respond(*path == "/" ? list() : catalog_.find(*path), request);
   if (!access_.viewing_is_public()) make_private(response);
+  if (!page_.empty() && has_page(*path)) response.fields += "Vary: Accept\r\n";
   return response;
+}
+
+bool Service::has_page(std::string_view path) const {
+  if (path == "/") return true;
+  if (path.starts_with(kLivePath)) {
+    return relay_ != nullptr && is_stream_name(path.substr(kLivePath.size()));
+  }
+  // With a token, whoever has none must not learn which reels there are.
+  if (!access_.viewing_is_public()) {
+    return path != "/metrics" && path.find('/', 1) >= path.size() - 1;
+  }
+  const std::shared_ptr<const Resource> resource = catalog_.find(path);
+  return resource != nullptr && resource->kind == Resource::Kind::kRedirect;
+}
+
+std::shared_ptr<const Resource> Service::page_at(const std::string& path,
+                                                 const Request& request) const {
+  if (page_.empty()) return nullptr;
+  if (auto file = page_.find(path, request.accept_encoding)) return file;
+  if (!names_acceptable(request.accept, "text/html") || !has_page(path)) return nullptr;
+  // The page names its files relative to the address without the last slash.
+  if (path.size() > 1 && path.ends_with('/')) {
+    return std::make_shared<const Resource>(
+        redirect_resource(fmt::format("/{}", encode_segment(path.substr(1, path.size() - 2)))));
+  }
+  return page_.start(request.accept_encoding);
 }
 
 std::variant<Response, LiveCall> Service::live_call(const Request& request, const Peer& peer,
@@ -105,7 +157,7 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
   const bool nearby =
       local_publish_ && peer.loopback && !request.forwarded && request.origin.empty();
   switch (access_.check(publishes ? Access::Right::kPublish : Access::Right::kView,
-                        request.authorization, nearby)) {
+                        live_credentials(request), nearby)) {
     case Access::Verdict::kGranted:
       break;
     case Access::Verdict::kNoToken:
@@ -117,6 +169,7 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
           "and only if the server listens on loopback alone");
   }
   LiveCall call;
+  call.protocol = names_acceptable(request.protocols, kLiveProtocol);
   if (publishes) {
     auto publication = relay_->publish(stream);
     if (!publication) return error_response(400, publication.error().message);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "server/relay/relay.h"
@@ -14,6 +15,7 @@
 #include "server/serve/log.h"
 #include "server/serve/metrics.h"
 #include "server/serve/origin.h"
+#include "server/serve/page.h"
 #include "server/serve/peer.h"
 #include "server/serve/peer_quota.h"
 #include "server/serve/rate_limiter.h"
@@ -30,8 +32,13 @@ struct ServiceOptions {
   /// other addresses too: whoever sets this knows that no proxy on this machine forwards others.
   bool allow_local_publish = false;
   Origins origins;
+  Page page;  ///< what browsers get; empty: the same as programs
   Log::Level log = Log::Level::kWarning;
 };
+
+/// The WebSocket subprotocol of live streams. Pages in browsers offer it, since only next to it can
+/// they send a token: "pointreel, bearer.TOKEN". Programs need not.
+inline constexpr std::string_view kLiveProtocol = "pointreel";
 
 /// A request that is upgraded to a WebSocket: either a publication or a viewer.
 struct LiveCall {
@@ -39,6 +46,7 @@ struct LiveCall {
   std::unique_ptr<Publication> publication;
   std::unique_ptr<Viewer> viewer;
   PeerQuota::Share hello;  ///< until the publisher has said hello
+  bool protocol = false;   ///< the answer says that it is kLiveProtocol
 };
 
 class Service {
@@ -65,6 +73,10 @@ class Service {
                                           std::function<void()> wake);
   std::variant<Response, LiveCall> live_call(const Request& request, const Peer& peer,
                                              std::string stream, std::function<void()> wake);
+  /// What a browser gets at this path instead of what programs get; null if that is the same.
+  std::shared_ptr<const Resource> page_at(const std::string& path, const Request& request) const;
+  /// Whether browsers get the page at this path: that of the list, of a reel, or of a live stream.
+  bool has_page(std::string_view path) const;
   Response metrics_page() const;
   std::shared_ptr<const Resource> list() const;
 
@@ -73,6 +85,7 @@ class Service {
   Access access_;
   const bool loopback_, local_publish_;
   const Origins origins_;
+  const Page page_;
   RateLimiter rate_;
   PeerQuota hellos_, unfinished_;
   const ConnectionTable* table_ = nullptr;

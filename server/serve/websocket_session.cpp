@@ -48,9 +48,6 @@ struct Session {
         publishes ? std::min(limits.idle_timeout, kPublisherSilence) : limits.idle_timeout;
     stream.set_option(websocket::stream_base::timeout{limits.header_timeout, silence,
                                                       /*keep_alive_pings=*/true});
-    stream.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-      response.set(beast::http::field::server, "pointreel");
-    }));
     stream.auto_fragment(false);
   }
 
@@ -301,6 +298,13 @@ Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string rec
   } else {
     session = std::make_shared<Session>(transport, limits, false);
   }
+  session->stream.set_option(websocket::stream_base::decorator(
+      [protocol = call.protocol](websocket::response_type& response) {
+        response.set(beast::http::field::server, "pointreel");
+        if (!protocol) return;
+        response.set(beast::http::field::sec_websocket_protocol,
+                     beast::string_view(kLiveProtocol.data(), kLiveProtocol.size()));
+      }));
   error_code error;
   co_await session->stream.async_accept(asio::buffer(received),
                                         asio::redirect_error(kUseAwaitable, error));

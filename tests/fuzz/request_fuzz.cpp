@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -72,6 +73,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ServiceOptions options;
   options.log = Log::Level::kOff;
   options.view_token = size % 2 == 0 ? "" : "token";
+  static constexpr std::array<PageFile, 2> kPage = {{
+      {"index.html", "page", "br", "gzip"},
+      {"a.js", "script", "", ""},
+  }};
+  options.page = Page(kPage);
   Service service(*Catalog::load({}), &relay, options);
   const Conversation whole = converse(service, bytes, HeadReader::kLimit);
   const Conversation pieces = converse(service, bytes, 1 + size % 7);

@@ -98,6 +98,24 @@ class LiveServerTest : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(Transports, LiveServerTest, testing::Values(false, true),
                          [](const auto& tls) { return tls.param ? "tls" : "plain"; });
 
+TEST_P(LiveServerTest, chooses_the_subprotocol_that_browsers_offer) {
+  if (GetParam()) GTEST_SKIP() << "the raw client has no TLS";
+  start();
+  const auto publisher = connected("/live/stage?publish");
+  ASSERT_TRUE(publisher && say_hello(*publisher));
+  const auto answer = [&](const std::string& fields) {
+    return RawHttpClient(server_->port()).get("/live/stage", kUpgrade + fields);
+  };
+  const auto offered = answer("Sec-WebSocket-Protocol: pointreel, bearer.x\r\n");
+  EXPECT_EQ(offered.status, 101);
+  EXPECT_EQ(offered.field("sec-websocket-protocol"), "pointreel");
+  for (const char* fields : {"", "Sec-WebSocket-Protocol: other\r\n"}) {
+    const auto plain = answer(fields);
+    EXPECT_EQ(plain.status, 101);
+    EXPECT_EQ(plain.field("sec-websocket-protocol"), "");
+  }
+}
+
 TEST_P(LiveServerTest, forwards_a_stream_from_its_publisher_to_all_viewers) {
   start();
   const auto publisher = connected("/live/stage?publish");

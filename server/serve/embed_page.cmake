@@ -1,13 +1,15 @@
 # cmake -D OUTPUT=page_files.cpp -D PAGE=FOLDER -P embed_page.cmake
 # Writes a C++ source that contains index.html and the files of page/ below the folder, with their
 # forms compressed by brotli (.br) and gzip (.gz), as built_in_page() (see page.h).
-file(GLOB files ${PAGE}/index.html ${PAGE}/page/*)
+file(GLOB_RECURSE files RELATIVE ${PAGE}/page ${PAGE}/page/*)
+list(APPEND files ../index.html)
 list(FILTER files EXCLUDE REGEX "\\.(br|gz)$")
 set(data "")
 set(table "")
 set(number 0)
-foreach(file IN LISTS files)
-  get_filename_component(name ${file} NAME)
+foreach(name IN LISTS files)
+  set(file ${PAGE}/page/${name})
+  string(REPLACE "../" "" name ${name})
   set(views "")
   foreach(form "" .br .gz)
     if(EXISTS ${file}${form})

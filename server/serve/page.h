@@ -12,7 +12,7 @@
 namespace pointreel {
 
 /// A file of the page that plays reels in a browser, in each form in which it is sent. Its name is
-/// that of the file, such as "index.html" or "player-5C2Q7XNA.js".
+/// "index.html", or relative to the folder of all others, such as "5C2Q7XNA/player.js".
 struct PageFile {
   std::string_view name;
   std::string_view plain, brotli, gzip;
@@ -22,7 +22,8 @@ struct PageFile {
 std::span<const PageFile> built_in_page();
 
 /// The page that plays reels in a browser, as resources. The page itself, `index.html`, changes
-/// with the program. All other files have a hash in their names, and never change.
+/// with the program. All other files lie in a folder that is named after their hash, and never
+/// change.
 class Page {
  public:
   /// No page.

@@ -23,7 +23,7 @@ using Answer = RawHttpClient::Answer;
 
 constexpr std::array<PageFile, 2> kFiles = {{
     {"index.html", "<!doctype html>", "brotli page", "gzip page"},
-    {"player-ABC.wasm", "plain module", "brotli module", ""},
+    {"ABC/player.wasm", "plain module", "brotli module", ""},
 }};
 const std::string kBrowser = "Accept: text/html,application/xhtml+xml,*/*;q=0.8\r\n";
 
@@ -87,22 +87,22 @@ TEST_F(PageTest, sends_the_form_that_the_browser_understands_best) {
   EXPECT_EQ(gzip.body, "gzip page");
   EXPECT_EQ(gzip.field("content-encoding"), "gzip");
   EXPECT_NE(gzip.field("etag"), brotli.field("etag"));
-  const Answer module = get("/page/player-ABC.wasm", "Accept-Encoding: br\r\n");
+  const Answer module = get("/page/ABC/player.wasm", "Accept-Encoding: br\r\n");
   EXPECT_EQ(module.body, "brotli module");
   EXPECT_EQ(module.field("content-type"), "application/wasm");
   EXPECT_EQ(module.field("cache-control"), "public, max-age=31536000, immutable");
   EXPECT_EQ(module.field("vary"), "Accept-Encoding");
-  const Answer plain = get("/page/player-ABC.wasm", "Accept-Encoding: gzip\r\n");
+  const Answer plain = get("/page/ABC/player.wasm", "Accept-Encoding: gzip\r\n");
   EXPECT_EQ(plain.body, "plain module");
   EXPECT_EQ(plain.field("content-encoding"), "");
-  EXPECT_EQ(get("/live/page/player-ABC.wasm").body, "plain module");
+  EXPECT_EQ(get("/live/page/ABC/player.wasm").body, "plain module");
   EXPECT_EQ(get("/page/other.js").status, 404);
 }
 
 TEST_F(PageTest, gives_the_page_without_a_token_but_nothing_else) {
   start_with_page("secret");
   EXPECT_EQ(get("/walk", kBrowser).status, 200);
-  EXPECT_EQ(get("/page/player-ABC.wasm").status, 200);
+  EXPECT_EQ(get("/page/ABC/player.wasm").status, 200);
   EXPECT_EQ(get("/missing", kBrowser).body, "<!doctype html>") << "nobody learns which reels exist";
   for (const char* target : {"/", "/walk", "/walk/reel.json", "/metrics", "/missing"}) {
     EXPECT_EQ(get(target).status, 401) << target;

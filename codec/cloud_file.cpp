@@ -6,49 +6,17 @@
 #include <cstring>
 #include <fstream>
 #include <new>
-#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include "codec/draco/drc_reader.h"
 #include "common/base/natural_order.h"
 #include "common/base/try.h"
-#include "common/cloud/ply.h"
-#include "common/surface/normals.h"
 
 namespace pointreel {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool begins_with(ByteView bytes, std::string_view text) {
-  return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
-}
-
-/// "1 point", "2 points".
-std::string count(std::size_t n, std::string_view singular) {
-  return fmt::format("{} {}{}", n, singular, n == 1 ? "" : "s");
-}
-
-std::vector<std::string> warnings_of(const SanitizeReport& report) {
-  std::vector<std::string> warnings;
-  if (report.dropped_positions > 0) {
-    warnings.push_back(fmt::format("dropped {} without a finite position",
-                                   count(report.dropped_positions, "point")));
-  }
-  if (report.unknown_normals > 0) {
-    warnings.push_back(fmt::format("{} no usable normal",
-                                   report.unknown_normals == 1
-                                       ? std::string("1 point has")
-                                       : fmt::format("{} points have", report.unknown_normals)));
-  }
-  if (report.unknown_radii > 0) {
-    warnings.push_back(
-        fmt::format("replaced {}", count(report.unknown_radii, "unusable radius value")));
-  }
-  return warnings;
-}
 
 Result<Bytes> read_bytes(const fs::path& path) {
   std::error_code code;
@@ -107,22 +75,6 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
 }
 
 }  // namespace
-
-Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits) {
-  LoadedCloud loaded;
-  if (begins_with(bytes, "DRACO")) {
-    loaded.cloud = TRY(read_drc(bytes, limits));
-  } else if (begins_with(bytes, "ply")) {
-    loaded.cloud = TRY(read_ply(bytes, &loaded.unread));
-  } else if (bytes.empty()) {
-    return fail("the file is empty");
-  } else {
-    return fail("neither a PLY nor a Draco file: it begins with neither \"ply\" nor \"DRACO\"");
-  }
-  loaded.warnings = warnings_of(sanitize(loaded.cloud));
-  estimate_unknown_radii(loaded.cloud);
-  return loaded;
-}
 
 Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
   const Bytes bytes = TRY(at_place(path.string(), read_bytes(path)));

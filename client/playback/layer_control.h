@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/source/source.h"
+#include "client/source/fetched.h"
 #include "common/base/backoff.h"
 
 namespace pointreel {

@@ -1,49 +1,11 @@
 #include "client/playback/layer_plan.h"
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 
-#include "client/prepare/layer_choice.h"
-#include "codec/octree/octree_codec.h"
-#include "pointreel/chunks.h"
-#include "pointreel/octree.h"
+#include "client/playback/reel_layers.h"
 
 namespace pointreel {
-namespace {
-
-/// LayerControl::Situation::bytes of a segment, with the attributes of `most`; empty for files.
-std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
-                               const LayerRange& most) {
-  const Segment& segment = manifest.segments[index];
-  std::vector<double> bytes;
-  if (segment.layers.empty()) return bytes;
-  const auto mean = [&](const LayerRange& layers) {
-    std::uint64_t sum = 0;
-    for (std::size_t layer = 0; layer < layers.end; ++layer)
-      for (const Chunks<std::uint32_t>& sizes : segment.layers[layer].frames)
-        sum += sizes.geometry + std::uint64_t{layers.colors || layers.normals ? sizes.colors : 0} +
-               (layers.normals ? sizes.normals : 0);
-    return static_cast<double>(sum) / segment.frame_count();
-  };
-  LayerRange all = most;
-  all.end = static_cast<std::uint32_t>(segment.layers.size());
-  for (Rung rung = kBareRung; rung < kBaseRung + static_cast<Rung>(all.end); ++rung)
-    bytes.push_back(mean(rung_layers(rung, all)));
-  return bytes;
-}
-
-}  // namespace
-
-std::vector<int> levels_of(const Manifest& manifest) {
-  if (manifest.codec != "octree") return {kWholeFrame};
-  const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
-  std::vector<int> levels;
-  for (int layer = 0; layer + 1 < layer_count(depth); ++layer)
-    levels.push_back(last_level_of_layer(layer, depth));
-  levels.push_back(kWholeFrame);
-  return levels;
-}
 
 LayerPlan::LayerPlan(const Manifest& manifest, unsigned threads, bool link)
     : manifest_(manifest),
@@ -51,18 +13,7 @@ LayerPlan::LayerPlan(const Manifest& manifest, unsigned threads, bool link)
       link_cap_(control_.caps().link) {}
 
 LayerDecision LayerPlan::wanted(const PrepareOptions& options) const {
-  LayerDecision decision{
-      layer_choice(manifest_, options.mode, options.level, options.show_normals)};
-  const auto all =
-      static_cast<std::uint32_t>(std::max<std::size_t>(1, manifest_.layer_names.size()));
-  std::uint32_t& end = decision.layers.end;
-  end = std::min(end, all);
-  if (end < all) decision.limit = Limit::view;
-  if (options.layers < end) {
-    end = options.layers;
-    decision.limit = Limit::asked;
-  }
-  return decision;
+  return wanted_layers(manifest_, options);
 }
 
 LayerDecision LayerPlan::decide(const PrepareOptions& options) const {

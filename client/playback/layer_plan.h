@@ -15,10 +15,6 @@
 
 namespace pointreel {
 
-/// FrameBuffer::Options::levels for a reel. As many entries as its frames have layers; one for
-/// files.
-std::vector<int> levels_of(const Manifest& manifest);
-
 /// How much of a reel's frames is fetched: what the mode and the view need, or less if the user
 /// asked for less, or if the link or the machine does not keep up (LayerControl). One thread plays;
 /// the functions before `update` may be called by any thread.

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/playback/reel_layers.h"
 #include "client/prepare/prepare.h"
 #include "common/base/try.h"
 
@@ -100,8 +101,8 @@ Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const Fetc
   PrepareOptions options = prepare_options();
   options.mode = request.mode;
   options.level = request.level;
-  auto scene =
-      TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options, request.stop));
+  auto scene = TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options,
+                                 [&request] { return request.stop.stop_requested(); }));
   plan_.made(request.layers, scene.decode_ms + scene.normals_ms + scene.svo_ms);
   // A frame that lacks layers tells the depth only if it was given too few for it.
   const bool tells_depth = request.mode == DrawMode::voxel &&

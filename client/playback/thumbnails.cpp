@@ -97,7 +97,8 @@ Result<SceneFrame> Thumbnails::make(std::uint32_t frame) {
     stored = TRY(source_.fetch(request));
   }
   return prepare_frame(*stored, frame_info(source_.manifest(), frame),
-                       {.mode = DrawMode::point, .level = kLevel}, stop_.get_token());
+                       {.mode = DrawMode::point, .level = kLevel},
+                       [this] { return stop_.stop_requested(); });
 }
 
 /// Call this with the mutex held.

@@ -7,7 +7,7 @@
 
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
-#include "client/source/source.h"
+#include "client/source/fetched.h"
 #include "pointreel/package.h"
 
 namespace pointreel {

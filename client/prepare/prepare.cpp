@@ -43,13 +43,13 @@ constexpr double kWorthATree = 0.7;
 /// as a share of the square of the cells along the cube's edge.
 constexpr double kLeastFilled = 0.25;
 
-Result<void> check(const std::stop_token& stop) {
-  if (stop.stop_requested()) return fail(ErrorCode::cancelled, "the frame is not wanted any more");
+Result<void> check(const std::function<bool()>& stopped) {
+  if (stopped && stopped()) return fail(ErrorCode::cancelled, "the frame is not wanted any more");
   return {};
 }
 
 Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
-                            const PrepareOptions& options, const std::stop_token& stop) {
+                            const PrepareOptions& options, const std::function<bool()>& stopped) {
   DecodeLimits limits;
   limits.max_memory = options.max_memory;
   if (fetched.layers.empty()) {
@@ -65,7 +65,7 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
   for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
   limits.tables = fetched.tables.get();
   limits.executor = tbb_executor();
-  limits.stopped = [&stop] { return stop.stop_requested(); };
+  limits.stopped = stopped;
   limits.inner_nodes = true;
   limits.leaves = false;
   limits.depth = options.level;
@@ -194,11 +194,12 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
 }
 
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
-                                 const PrepareOptions& options, const std::stop_token& stop) {
+                                 const PrepareOptions& options,
+                                 const std::function<bool()>& stopped) {
   Stopwatch watch;
-  TRY(check(stop));
-  auto frame = TRY(decode(fetched, info.cube, options, stop));
-  TRY(check(stop));
+  TRY(check(stopped));
+  auto frame = TRY(decode(fetched, info.cube, options, stopped));
+  TRY(check(stopped));
 
   SceneFrame scene;
   scene.index = info.index;
@@ -216,7 +217,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     if (scene.svo.leaf_count() > 1 || scene.points >= kMany) scene.main_box = main_box(scene.svo);
     derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();
-    TRY(check(stop));
+    TRY(check(stopped));
     if (options.mode == DrawMode::voxel) {
       TRY(coarsen(scene, options.delta));
     } else if (options.mode == DrawMode::surfel) {
@@ -227,7 +228,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     scene.main_box = main_box(scene.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
-    TRY(check(stop));
+    TRY(check(stopped));
     TRY(options.mode == DrawMode::voxel ? make_voxels(scene, frame.cube, options)
                                         : make_elements(scene, frame.cube, options));
   }

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <stop_token>
+#include <functional>
 
 #include "client/scene/frame.h"
-#include "client/source/source.h"
+#include "client/source/fetched.h"
 #include "pointreel/codec.h"
 #include "pointreel/geometry.h"
 #include "pointreel/package.h"
@@ -54,8 +54,9 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// Fills decode_ms (bytes to cloud or tree), normals_ms (their estimation) and svo_ms (tree,
 /// attributes and radii), and level, points and layers as far as they are known. The bytes may be
 /// hostile. Large frames are decoded by several threads of the caller's TBB arena, if it has idle
-/// ones. If asked to stop, it fails soon with ErrorCode::cancelled.
+/// ones. From the first time that `stopped` says yes, it fails soon with ErrorCode::cancelled.
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
-                                 const PrepareOptions& options, const std::stop_token& stop = {});
+                                 const PrepareOptions& options,
+                                 const std::function<bool()>& stopped = {});
 
 }  // namespace pointreel

@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "client/render/instance_buffer.h"
+#include "client/render/instance.h"
 #include "client/render/region.h"
 #include "client/scene/cut.h"
 #include "client/scene/draw_options.h"

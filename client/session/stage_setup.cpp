@@ -34,10 +34,10 @@ bool is_single_frame(const PlayOptions& options) {
 }
 
 std::chrono::steady_clock::time_point end_of_duration(const PlayOptions& options) {
-  using Clock = std::chrono::steady_clock;
-  if (!options.duration) return Clock::time_point::max();
+  using SteadyClock = std::chrono::steady_clock;
+  if (!options.duration) return SteadyClock::time_point::max();
   return options.started +
-         std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(*options.duration));
+         std::chrono::ceil<SteadyClock::duration>(std::chrono::duration<double>(*options.duration));
 }
 
 Error nothing_came(const PlayOptions& options) {

@@ -6,29 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "client/source/live_frames.h"
 #include "client/source/source.h"
 
 namespace pointreel {
-
-struct LiveHello;  // common/stream/live.h
-
-/// The newest frame of a live stream, as far as it has come.
-struct LiveFrame {
-  std::uint32_t number = 0;
-  std::uint64_t capture_us = 0;   ///< Unix time of the publisher's clock, microseconds
-  FetchedFrame frame;             ///< its first layers, at least the base
-  std::uint32_t layers_sent = 1;  ///< how many layers the publisher made of it
-};
-
-/// What has happened so far.
-struct LiveCounts {
-  std::uint64_t frames = 0;         ///< distinct frames that next() gave
-  std::uint64_t skipped = 0;        ///< frames that came but were overtaken by a newer one
-  std::uint64_t dropped = 0;        ///< layers that the server says it left out for this viewer
-  std::uint64_t bad = 0;            ///< messages that do not belong to this stream
-  std::uint64_t reconnections = 0;  ///< connections made after the first
-  std::uint64_t bytes = 0;          ///< of layers
-};
 
 /// Frames as they are captured. A thread of its own keeps up the connection, and makes it again
 /// whenever it breaks, for as long as the object lives. All functions may be called from any

@@ -3,32 +3,16 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
-#include <vector>
 
-#include "client/source/shared_bytes.h"
-#include "pointreel/bytes.h"
-#include "pointreel/chunks.h"
+#include "client/source/fetched.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 
 namespace pointreel {
-
-inline constexpr std::uint32_t kAllLayers = ~0u;
-
-/// Consecutive layers of a frame, and which of their attributes. A layer's chunks are stored in the
-/// order geometry, colours, normals, and a fetch takes a prefix of them: normals bring the colours
-/// with them.
-struct LayerRange {
-  std::uint32_t first = 0, end = kAllLayers;  ///< layers [first, end); the base is layer 0
-  bool colors = true, normals = true;
-
-  bool operator==(const LayerRange&) const = default;
-};
 
 /// Layers of one frame that somebody waits for.
 struct FetchRequest {
@@ -37,26 +21,6 @@ struct FetchRequest {
   bool fresh = false;       ///< asks caches on the way for a new copy: a layer came damaged before
   std::stop_token stop = {};  ///< a fetch that is asked to stop fails soon
   std::uint64_t id = 0;       ///< tells LayerStore its requests apart; sources ignore it
-};
-
-/// One layer of a frame as it was fetched.
-struct FetchedLayer {
-  SharedBytes bytes;
-  /// Of the chunks in `bytes`, which hold them in the stored order; 0 for a chunk not fetched.
-  Chunks<std::uint32_t> sizes;
-
-  Chunks<ByteView> view() const;
-};
-
-/// A frame as it came: either layers of a package, or a whole PLY or .drc file. Copying it copies
-/// none of their bytes.
-struct FetchedFrame {
-  std::vector<FetchedLayer> layers;
-  std::shared_ptr<const ContextTables> tables;  ///< of the package that has `layers`, or null
-  SharedBytes file;                             ///< used if `layers` is empty
-  std::string file_name;                        ///< of `file`, for errors
-
-  std::uint64_t size() const;  ///< bytes that came
 };
 
 /// What a link has carried so far.
@@ -96,10 +60,6 @@ class Source {
   virtual LinkUse link_use() const { return {}; }
 };
 
-/// A package's tables, from the bytes of the file that its manifest lists. An error if they are not
-/// that file's bytes. Trust: the bytes may be hostile; context_tables.h says how they are read.
-Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes);
-
 struct SourceOptions {
   double fps = 30.0;                        ///< of folders of files, which do not tell it
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
@@ -120,20 +80,5 @@ struct SourceOptions {
   std::function<void(const std::optional<std::string>&)> on_trouble = {};
   int open_attempts = 4;  ///< to open a source; later fetches are tried without end
 };
-
-/// The part of a layer's file that holds what is wanted of a frame.
-struct FileRange {
-  const LayerFile* file = nullptr;  ///< in the manifest
-  std::uint64_t offset = 0;
-  Chunks<std::uint32_t> sizes;
-};
-
-/// No frame of any real reel comes near this; a manifest that says otherwise is not believed.
-inline constexpr std::uint64_t kMaxFrameBytes = std::uint64_t{1} << 30;
-
-/// The ranges to fetch, in the order of the layers; at least the base's. An error if they exceed
-/// kMaxFrameBytes.
-Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
-                                         const LayerRange& layers);
 
 }  // namespace pointreel

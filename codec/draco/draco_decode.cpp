@@ -1,8 +1,6 @@
 #include "codec/draco/draco_decode.h"
 
 #include <algorithm>
-#include <exception>
-#include <new>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -13,6 +11,7 @@
 #include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 #include <draco/mesh/mesh.h>
 
+#include "codec/draco/guarded.h"
 #include "codec/memory_budget.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
@@ -110,25 +109,25 @@ Result<std::unique_ptr<draco::PointCloud>> run_draco_decoder(ByteView bytes,
                                                              const DecodeLimits& limits) {
   MemoryBudget budget(limits.max_memory);
   TRY(take_faces(header, budget));
-  try {
-    Bytes stripped;
-    if (header.metadata) {
-      stripped = without_metadata(bytes, header);
-      bytes = stripped;
-    }
-    if (header.mesh) {
-      return header.method == 0
-                 ? run<draco::MeshSequentialDecoder, draco::Mesh>(bytes, limits, budget)
-                 : run<draco::MeshEdgebreakerDecoder, draco::Mesh>(bytes, limits, budget);
-    }
-    return header.method == 0
-               ? run<draco::PointCloudSequentialDecoder, draco::PointCloud>(bytes, limits, budget)
-               : run<draco::PointCloudKdTreeDecoder, draco::PointCloud>(bytes, limits, budget);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::limit, "not enough memory to decode the Draco data");
-  } catch (const std::exception& error) {
-    return fail(concat("Draco cannot decode the data (", error.what(), ")"));
-  }
+  using Decoded = Result<std::unique_ptr<draco::PointCloud>>;
+  return guarded(
+      "not enough memory to decode the Draco data", "Draco cannot decode the data",
+      [&]() -> Decoded {
+        Bytes stripped;
+        if (header.metadata) {
+          stripped = without_metadata(bytes, header);
+          bytes = stripped;
+        }
+        if (header.mesh) {
+          return header.method == 0
+                     ? run<draco::MeshSequentialDecoder, draco::Mesh>(bytes, limits, budget)
+                     : run<draco::MeshEdgebreakerDecoder, draco::Mesh>(bytes, limits, budget);
+        }
+        return header.method == 0
+                   ? run<draco::PointCloudSequentialDecoder, draco::PointCloud>(bytes, limits,
+                                                                                budget)
+                   : run<draco::PointCloudKdTreeDecoder, draco::PointCloud>(bytes, limits, budget);
+      });
 }
 
 bool is_readable(const draco::PointAttribute& attribute, std::uint32_t points) {

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <tuple>
 #include <vector>
 
@@ -14,6 +12,7 @@
 
 #include "codec/draco/draco_decode.h"
 #include "codec/draco/drc_header.h"
+#include "codec/draco/guarded.h"
 #include "codec/frame_header.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
@@ -323,13 +322,9 @@ Result<Bytes> encode_draco_payload(const PointCloud& cloud, const Cube& cube,
   TRY(check(cloud, cube, options));
   if (cloud.empty()) return Bytes{};
   const Plan plan = plan_for(cloud, options, normals, colors);
-  try {
-    return encode(quantise_and_sort(cloud, cube, options, plan), options, plan);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::limit, "not enough memory to encode the frame with Draco");
-  } catch (const std::exception& error) {
-    return fail(concat("Draco cannot encode the frame (", error.what(), ")"));
-  }
+  return guarded(
+      "not enough memory to encode the frame with Draco", "Draco cannot encode the frame",
+      [&] { return encode(quantise_and_sort(cloud, cube, options, plan), options, plan); });
 }
 
 Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int position_bits,
@@ -345,11 +340,9 @@ Result<PointCloud> decode_draco_payload(ByteView payload, const Cube& cube, int 
     return fail("the Draco frame is not a point cloud of positions, normals and colours");
   }
   const auto decoded = TRY(run_draco_decoder(payload, header, limits));
-  try {
-    return convert(*decoded, cube, position_bits);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::limit, "not enough memory for the points of the Draco frame");
-  }
+  return guarded("not enough memory for the points of the Draco frame",
+                 "the points of the Draco frame cannot be used",
+                 [&] { return convert(*decoded, cube, position_bits); });
 }
 
 }  // namespace pointreel

@@ -6,6 +6,10 @@
 #include <span>
 #include <vector>
 
+#if defined(__wasm_simd128__)
+#include <wasm_simd128.h>
+#endif
+
 #include "codec/octree/alphabet.h"
 #include "codec/octree/causal_walk.h"
 #include "codec/octree/sparse_words.h"
@@ -54,7 +58,9 @@ int level_class(int level, std::size_t nodes, std::size_t children);
 template <int kMost>
 struct WordBits {
   std::uint64_t mask = 0;
-  std::array<std::uint8_t, kMost> places;  ///< for portable code; those not needed are 63
+  /// For portable code, which may read all of them; those not needed are 63.
+  std::array<std::uint8_t, 8> places;
+  static_assert(kMost <= 8);
 
   explicit WordBits(std::uint64_t bits = 0) : mask(bits) {
     for (std::uint8_t& place : places) {
@@ -69,9 +75,20 @@ struct WordBits {
 struct PortableExtract {
   template <int kMost>
   static std::size_t extract(std::uint64_t word, const WordBits<kMost>& bits) {
+#if defined(__wasm_simd128__)
+    // Each lane finds the byte that holds its bit and compares it with the bit alone.
+    const v128_t places = wasm_v128_load64_zero(bits.places.data());
+    const v128_t powers = wasm_u8x16_make(1, 2, 4, 8, 16, 32, 64, 128, 0, 0, 0, 0, 0, 0, 0, 0);
+    const v128_t bit = wasm_i8x16_swizzle(powers, wasm_v128_and(places, wasm_i8x16_splat(7)));
+    const v128_t byte = wasm_i8x16_swizzle(wasm_i64x2_splat(static_cast<std::int64_t>(word)),
+                                           wasm_u8x16_shr(places, 3));
+    const std::uint32_t found = wasm_i8x16_bitmask(wasm_i8x16_eq(wasm_v128_and(byte, bit), bit));
+    return found & ((1u << kMost) - 1);
+#else
     std::uint64_t gathered = 0;
     for (std::size_t i = 0; i < kMost; ++i) gathered |= (word >> bits.places[i] & 1u) << i;
     return static_cast<std::size_t>(gathered);
+#endif
   }
 };
 

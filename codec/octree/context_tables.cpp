@@ -4,16 +4,13 @@
 
 #include <zstd.h>
 
+#include "codec/octree/stored_tables.h"
 #include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "pointreel/package.h"
 
 namespace pointreel {
-
-/// The file tables/1.zst, which the build turns into a source file.
-extern const unsigned char kTables1[];
-extern const std::size_t kTables1Size;
 
 namespace {
 
@@ -42,7 +39,7 @@ Result<std::shared_ptr<const ContextTables>> tables_of_number(std::uint8_t numbe
                 concat("frame needs context tables ", number,
                        ", which this version does not have: update Pointreel"));
   }
-  static const auto tables = shared(unpack({kTables1, kTables1Size}, nullptr));
+  static const auto tables = shared(unpack(stored_tables(), nullptr));
   return tables;
 }
 

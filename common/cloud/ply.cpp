@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
+#include "common/base/concat.h"
+#include "common/base/parse_double.h"
 #include "common/base/try.h"
 #include "common/cloud/ply_header.h"
 
@@ -57,8 +57,7 @@ Result<RoleProperties> assign_roles(const PlyElement& vertex) {
   properties.fill(-1);
   for (const char* name : {"x", "y", "z"}) {
     if (find_scalar(vertex, name) >= 0) continue;
-    return fail(
-        fmt::format("line {}: element vertex has no scalar property {}", vertex.line, name));
+    return fail(concat("line ", vertex.line, ": element vertex has no scalar property ", name));
   }
   assign_vector(vertex, kPosition, properties, {{"x", "y", "z"}});
   assign_vector(vertex, kNormal, properties,
@@ -221,7 +220,7 @@ std::size_t min_row_size(const PlyElement& element, PlyFormat format) {
 }
 
 std::string name_row(const PlyElement& element, std::uint64_t row) {
-  return fmt::format("{} {} of {}", printable(element.name), row, element.count);
+  return concat(printable(element.name), " ", row, " of ", element.count);
 }
 
 template <class T, bool kSwap>
@@ -303,8 +302,8 @@ class BinaryBody {
 
   tl::unexpected<Error> ends_within(const PlyElement& element, std::uint64_t row,
                                     const PlyProperty& property) const {
-    return fail(fmt::format("byte {}: the data end within property {} of {}", bytes_.size(),
-                            printable(property.name), name_row(element, row)));
+    return fail(concat("byte ", bytes_.size(), ": the data end within property ",
+                       printable(property.name), " of ", name_row(element, row)));
   }
 
   /// Steps over all rows of an element without lists and returns their first byte.
@@ -339,8 +338,8 @@ class BinaryBody {
         }
         if (property.is_list) {
           if (value < 0.0) {
-            return fail(fmt::format("byte {}: the list {} of {} has a negative length", at_,
-                                    printable(property.name), name_row(element, row)));
+            return fail(concat("byte ", at_, ": the list ", printable(property.name), " of ",
+                               name_row(element, row), " has a negative length"));
           }
           const std::uint64_t size = static_cast<std::uint64_t>(value) * size_of(property.type);
           if (size > bytes_.size() - at_) return ends_within(element, row, property);
@@ -399,15 +398,14 @@ class AsciiBody {
         if (role_of[i] == kRoles && !property.is_list) continue;
         double value = 0.0;
         if (!parse(word, value)) {
-          return fail(fmt::format("line {}: property {} of {} is '{}', which is not a number",
-                                  line_, printable(property.name), name_row(element, row),
-                                  printable(word)));
+          return fail(concat("line ", line_, ": property ", printable(property.name), " of ",
+                             name_row(element, row), " is '", printable(word),
+                             "', which is not a number"));
         }
         if (property.is_list) {
           if (!(value >= 0.0)) {
-            return fail(fmt::format("line {}: the list {} of {} has the length '{}'", line_,
-                                    printable(property.name), name_row(element, row),
-                                    printable(word)));
+            return fail(concat("line ", line_, ": the list ", printable(property.name), " of ",
+                               name_row(element, row), " has the length '", printable(word), "'"));
           }
           for (double entry = 0.0; entry < value; ++entry) {
             if (take_word().empty()) return ends_within(element, row, property);
@@ -425,8 +423,8 @@ class AsciiBody {
 
   tl::unexpected<Error> ends_within(const PlyElement& element, std::uint64_t row,
                                     const PlyProperty& property) const {
-    return fail(fmt::format("line {}: the data end before property {} of {}", line_,
-                            printable(property.name), name_row(element, row)));
+    return fail(concat("line ", line_, ": the data end before property ", printable(property.name),
+                       " of ", name_row(element, row)));
   }
 
   static bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
@@ -445,7 +443,7 @@ class AsciiBody {
   static bool parse(std::string_view word, double& value) {
     if (word.starts_with('+')) word.remove_prefix(1);
     const char* const word_end = word.data() + word.size();
-    const auto [end, error] = std::from_chars(word.data(), word_end, value);
+    const auto [end, error] = parse_double(word.data(), word_end, value);
     if (error == std::errc::result_out_of_range && end == word_end) {
       // Becomes infinity or zero, as the number would be in a binary file.
       value = std::strtod(std::string(word).c_str(), nullptr);

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
+#include "common/base/concat.h"
 
 namespace pointreel {
 namespace {
@@ -46,8 +46,8 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 bool parse_type(std::string_view name, PlyType& type) {
-  const auto* found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
-                                   [name](const auto& entry) { return entry.first == name; });
+  const auto found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
+                                  [name](const auto& entry) { return entry.first == name; });
   if (found == kTypeNames.end()) return false;
   type = found->second;
   return true;
@@ -64,10 +64,8 @@ Result<void> parse_format(const Words& words, PlyHeader& header) {
   } else if (name == "binary_big_endian") {
     header.format = PlyFormat::big_endian;
   } else {
-    return fail(
-        fmt::format("unknown format '{}': expected ascii, binary_little_endian or "
-                    "binary_big_endian",
-                    printable(name)));
+    return fail(concat("unknown format '", printable(name),
+                       "': expected ascii, binary_little_endian or binary_big_endian"));
   }
   return {};
 }
@@ -75,7 +73,7 @@ Result<void> parse_format(const Words& words, PlyHeader& header) {
 Result<void> parse_element(const Words& words, PlyHeader& header) {
   if (words.size() < 3) return fail("an element needs a name and a count");
   if (header.elements.size() == kMaxElements) {
-    return fail(ErrorCode::limit, fmt::format("more than {} elements", kMaxElements));
+    return fail(ErrorCode::limit, concat("more than ", kMaxElements, " elements"));
   }
   PlyElement element;
   element.name = words[1];
@@ -83,12 +81,12 @@ Result<void> parse_element(const Words& words, PlyHeader& header) {
   const auto [end, error] =
       std::from_chars(count.data(), count.data() + count.size(), element.count);
   if (error != std::errc() || end != count.data() + count.size()) {
-    return fail(fmt::format("element {} has the count '{}', which is not a number of rows",
-                            printable(words[1]), printable(count)));
+    return fail(concat("element ", printable(words[1]), " has the count '", printable(count),
+                       "', which is not a number of rows"));
   }
   for (const PlyElement& other : header.elements) {
     if (other.name == element.name) {
-      return fail(fmt::format("element {} is declared twice", printable(words[1])));
+      return fail(concat("element ", printable(words[1]), " is declared twice"));
     }
   }
   header.elements.push_back(std::move(element));
@@ -99,30 +97,29 @@ Result<void> parse_property(const Words& words, PlyHeader& header) {
   if (header.elements.empty()) return fail("a property stands before the first element");
   PlyElement& element = header.elements.back();
   if (element.properties.size() == kMaxProperties) {
-    return fail(ErrorCode::limit, fmt::format("element {} has more than {} properties",
-                                              printable(element.name), kMaxProperties));
+    return fail(ErrorCode::limit, concat("element ", printable(element.name), " has more than ",
+                                         kMaxProperties, " properties"));
   }
   PlyProperty property;
   property.is_list = words.size() > 1 && words[1] == "list";
   const std::size_t wanted = property.is_list ? 5 : 3;
   if (words.size() < wanted) {
     return fail(
-        fmt::format("a property of element {} lacks its type or name", printable(element.name)));
+        concat("a property of element ", printable(element.name), " lacks its type or name"));
   }
   property.name = words[wanted - 1];
   if (!parse_type(words[wanted - 2], property.type)) {
-    return fail(fmt::format("property {} has the unknown type '{}'", printable(property.name),
-                            printable(words[wanted - 2])));
+    return fail(concat("property ", printable(property.name), " has the unknown type '",
+                       printable(words[wanted - 2]), "'"));
   }
   if (property.is_list &&
       (!parse_type(words[2], property.count_type) || property.count_type >= PlyType::float32)) {
-    return fail(
-        fmt::format("list property {} counts its entries in '{}', which is not an integer type",
-                    printable(property.name), printable(words[2])));
+    return fail(concat("list property ", printable(property.name), " counts its entries in '",
+                       printable(words[2]), "', which is not an integer type"));
   }
   if (element.find(property.name) >= 0) {
-    return fail(fmt::format("property {} of element {} is declared twice", printable(property.name),
-                            printable(element.name)));
+    return fail(concat("property ", printable(property.name), " of element ",
+                       printable(element.name), " is declared twice"));
   }
   element.properties.push_back(std::move(property));
   return {};
@@ -162,7 +159,7 @@ Result<PlyHeader> parse_ply_header(ByteView bytes) {
     const Words words = split(text.substr(header.size, end - header.size));
     header.size = end == std::string_view::npos ? text.size() : end + 1;
     ++header.lines;
-    const std::string place = fmt::format("line {}", header.lines);
+    const std::string place = concat("line ", header.lines);
     const std::string_view keyword = words.empty() ? std::string_view() : words[0];
 
     Result<void> parsed;
@@ -180,7 +177,7 @@ Result<PlyHeader> parse_ply_header(ByteView bytes) {
     } else if (keyword == "property") {
       parsed = parse_property(words, header);
     } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-      parsed = fail(fmt::format("unknown keyword '{}' in the header", printable(keyword)));
+      parsed = fail(concat("unknown keyword '", printable(keyword), "' in the header"));
     }
     if (!parsed) return fail_at(place, parsed.error());
     if (end == std::string_view::npos) {

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/parse_double.h"
 #include "pointreel/bytes.h"
 #include "pointreel/package.h"
 
@@ -126,17 +127,17 @@ JsonValue::JsonValue(std::string_view text) : text_(text.substr(0, value_length(
 
 std::optional<std::uint64_t> JsonValue::integer() const {
   std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text_.begin(), text_.end(), value);
-  if (error != std::errc() || end != text_.end()) return std::nullopt;
+  const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
+  if (error != std::errc() || end != text_.data() + text_.size()) return std::nullopt;
   return value;
 }
 
 std::optional<double> JsonValue::number() const {
   double value = 0.0;
-  const auto [end, error] = std::from_chars(text_.begin(), text_.end(), value);
+  const auto [end, error] = parse_double(text_.data(), text_.data() + text_.size(), value);
   // The only number out of range that parse_json accepts is one too close to zero.
   if (error == std::errc::result_out_of_range) return 0.0;
-  if (error != std::errc() || end != text_.end()) return std::nullopt;
+  if (error != std::errc() || end != text_.data() + text_.size()) return std::nullopt;
   return value;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/byte_io.h"
+#include "common/base/concat.h"
 #include "common/base/try.h"
 #include "common/stream/json_fields.h"
 #include "common/stream/reel_rules.h"
@@ -28,8 +29,8 @@ Result<LiveHello> hello_of(Fields& fields) {
   LiveHello hello;
   const std::uint64_t version = fields.integer("version", kMaxInteger);
   if (!fields.error() && version != kPackageVersion) {
-    return fail(ErrorCode::unsupported, fmt::format("version {}, but this program reads only {}",
-                                                    version, kPackageVersion));
+    return fail(ErrorCode::unsupported,
+                concat("version ", version, ", but this program reads only ", kPackageVersion));
   }
   read_reel_head(fields, hello);
   const JsonValue* bounds = fields.value("bounds");
@@ -90,7 +91,7 @@ struct TypedText {
 
 Result<TypedText> parse_typed(std::string_view text) {
   if (text.size() > kMaxLiveText) {
-    return fail(ErrorCode::limit, fmt::format("is longer than {} bytes", kMaxLiveText));
+    return fail(ErrorCode::limit, concat("is longer than ", kMaxLiveText, " bytes"));
   }
   TypedText typed{TRY(parse_json(text)), {}};
   Fields fields(typed.root);
@@ -160,7 +161,7 @@ Bytes write_live_header(const LiveLayer& layer) {
 
 Result<LiveLayer> parse_live_layer(ByteView message) {
   if (message.size() > kMaxLiveLayer) {
-    return fail(ErrorCode::limit, fmt::format("layer: has more than {} bytes", kMaxLiveLayer));
+    return fail(ErrorCode::limit, concat("layer: has more than ", kMaxLiveLayer, " bytes"));
   }
   ByteReader in(message);
   LiveLayer layer;
@@ -182,14 +183,14 @@ Result<LiveLayer> parse_live_layer(ByteView message) {
   }
   if (reserved != 0) return fail("layer: reserved bytes are not 0");
   if (layer.layers == 0 || layer.layers > kMaxLayers || layer.layer >= layer.layers) {
-    return fail(fmt::format("layer: its number is {} of {}", layer.layer, layer.layers));
+    return fail(concat("layer: its number is ", layer.layer, " of ", layer.layers));
   }
   if (layer.capture_us > kMaxCaptureTime) return fail("layer: its capture time is out of range");
   layer.bytes = in.rest();
   if (layer.sizes.geometry == 0) return fail("layer: has no geometry");
   if (total(layer.sizes) != layer.bytes.size()) {
-    return fail(fmt::format("layer: has {} bytes, but its chunks take {}", layer.bytes.size(),
-                            total(layer.sizes)));
+    return fail(concat("layer: has ", layer.bytes.size(), " bytes, but its chunks take ",
+                       total(layer.sizes)));
   }
   return layer;
 }

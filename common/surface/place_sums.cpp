@@ -111,7 +111,7 @@ template <bool kMoments>
   take_roots(slope);
   const Lanes value = u0 + (ux * fx + uy * fy + uz * fz) + u4 * (fx * fx + fy * fy + fz * fz);
   const Lanes discriminant = slope_square - 4.0f * u4 * value;
-  Lanes root = found & (discriminant > 0.0f) ? discriminant : zero;
+  Lanes root = (found & (discriminant > 0.0f)) ? discriminant : zero;
   take_roots(root);
   const Lanes t = -2.0f * value / (slope + root) / slope;
   result.x = fx + gx * t;

@@ -348,7 +348,7 @@ TEST(PrepareFrame, fails_soon_if_it_is_asked_to_stop) {
   std::stop_source stop;
   const auto prepared = [&] {
     return pointreel::prepare_frame(fetched(cloud, octree(0.05)), frame_info(manifest_of(cloud), 0),
-                                    {}, stop.get_token());
+                                    {}, [&] { return stop.stop_requested(); });
   };
   EXPECT_TRUE(prepared());
   stop.request_stop();

@@ -1,11 +1,8 @@
-#include "client/source/source.h"
+#include "client/source/fetched.h"
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "codec/octree/context_tables.h"
-#include "pointreel/chunks.h"
+#include "common/base/concat.h"
 
 namespace pointreel {
 
@@ -46,10 +43,8 @@ Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t
     ranges.push_back({&file, byte_range(file, place.index).offset, sizes});
   }
   if (bytes > kMaxFrameBytes)
-    return fail(
-        ErrorCode::limit,
-        fmt::format("the manifest says that frame {} takes {} bytes; no more than {} are fetched",
-                    frame, bytes, kMaxFrameBytes));
+    return fail(ErrorCode::limit, concat("the manifest says that frame ", frame, " takes ", bytes,
+                                         " bytes; no more than ", kMaxFrameBytes, " are fetched"));
   return ranges;
 }
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "client/playback/layer_control.h"
+#include "client/prepare/prepare.h"
+#include "pointreel/package.h"
+
+namespace pointreel {
+
+/// FrameBuffer::Options::levels for a reel. As many entries as its frames have layers; one for
+/// files.
+std::vector<int> levels_of(const Manifest& manifest);
+
+/// What is fetched of frames that are prepared in this way, without regard to link and machine.
+LayerDecision wanted_layers(const Manifest& manifest, const PrepareOptions& options);
+
+/// LayerControl::Situation::bytes of a segment, with the attributes of `most`; empty for files.
+std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
+                               const LayerRange& most);
+
+}  // namespace pointreel

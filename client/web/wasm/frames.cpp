@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/prepare/prepare.h"
+#include "client/render/instances.h"
+#include "client/scene/cut.h"
+#include "client/scene/refinement.h"
+#include "client/web/wasm/camera.h"
+#include "client/web/wasm/errors.h"
+#include "client/web/wasm/module.h"
+#include "client/web/wasm/tables.h"
+
+using namespace pointreel;
+
+static_assert(PR_COLORS == static_cast<int>(ColorSource::colors) &&
+              PR_NORMALS == static_cast<int>(ColorSource::normals) &&
+              PR_PLAIN == static_cast<int>(ColorSource::plain));
+
+namespace {
+
+std::map<std::uint32_t, std::shared_ptr<const SceneFrame>> frames;
+
+// Kept between calls: their buffers, and the spheres of the last frame that was refined.
+VoxelCut cut;
+Refinement refinement;
+std::vector<Instance> instances;
+
+glm::dvec3 vector_of(const double* from) { return {from[0], from[1], from[2]}; }
+
+template <class Vector>
+void copy(const Vector& from, double* to) {
+  for (int i = 0; i < 3; ++i) to[i] = static_cast<double>(from[i]);
+}
+
+double address(const void* of) { return static_cast<double>(reinterpret_cast<std::uintptr_t>(of)); }
+
+PrError prepare(std::uint32_t key, const FetchedFrame& fetched, const PrPrepare& wanted) {
+  PrepareOptions options;
+  options.mode = static_cast<DrawMode>(static_cast<int>(wanted.mode));
+  options.level = static_cast<int>(wanted.level);
+  if (wanted.delta >= 0.0) options.delta = wanted.delta;
+  options.show_normals = wanted.show_normals != 0.0;
+  if (wanted.max_memory > 0.0) options.max_memory = static_cast<std::uint64_t>(wanted.max_memory);
+  const FrameInfo info{static_cast<std::uint32_t>(wanted.index),
+                       static_cast<std::uint64_t>(wanted.time_us),
+                       {vector_of(wanted.cube_origin), wanted.cube_edge}};
+  auto frame = prepare_frame(fetched, info, options);
+  if (!frame) return report(frame.error());
+  frames.insert_or_assign(key, std::make_shared<const SceneFrame>(*std::move(frame)));
+  return PR_OK;
+}
+
+const std::shared_ptr<const SceneFrame>* find(std::uint32_t key) {
+  const auto at = frames.find(key);
+  return at == frames.end() ? nullptr : &at->second;
+}
+
+/// The camera with a wider picture around the same one, so that elements are as large as before.
+struct Wide {
+  Camera camera;
+  glm::ivec2 size;
+};
+Wide widen(const PrView& view) {
+  Wide wide{camera_of(view.camera), {view.width, view.height}};
+  if (view.widen > 1.0) {
+    const double height = std::round(view.widen * view.height);
+    const double tangent = std::tan(0.5 * wide.camera.fov_y) * height / view.height;
+    wide.camera.fov_y = 2.0 * std::atan(tangent);
+    wide.size = {std::lround(view.widen * view.width), std::lround(height)};
+  }
+  return wide;
+}
+
+}  // namespace
+
+PrError pr_prepare(std::uint32_t key, const std::uint8_t* bytes, const std::uint32_t* sizes,
+                   std::uint32_t layers, const PrTables* tables, const PrPrepare* options) {
+  FetchedFrame fetched;
+  for (std::uint32_t i = 0; i < layers; ++i, sizes += 3) {
+    const Chunks<std::uint32_t> chunks{sizes[0], sizes[1], sizes[2]};
+    const std::uint8_t* const end = bytes + total(chunks);
+    fetched.layers.push_back({Bytes(bytes, end), chunks});
+    bytes = end;
+  }
+  if (tables != nullptr) fetched.tables = tables->tables;
+  return prepare(key, fetched, *options);
+}
+
+PrError pr_prepare_file(std::uint32_t key, const std::uint8_t* bytes, std::uint32_t size,
+                        const char* name, std::uint32_t name_size, const PrPrepare* options) {
+  FetchedFrame fetched;
+  fetched.file = Bytes(bytes, bytes + size);
+  fetched.file_name.assign(name, name_size);
+  return prepare(key, fetched, *options);
+}
+
+const PrFrame* pr_frame(std::uint32_t key) {
+  static PrFrame answer;
+  const auto* found = find(key);
+  if (found == nullptr) return nullptr;
+  const SceneFrame& frame = **found;
+  answer.index = frame.index;
+  answer.time_us = static_cast<double>(frame.time_us);
+  answer.points = frame.points;
+  answer.layers = frame.layers;
+  answer.level = frame.level;
+  answer.depth = frame.svo.depth;
+  answer.is_cloud = !frame.cloud.empty();
+  answer.elements =
+      frame.cloud.empty() ? frame.svo.leaf_count() : static_cast<double>(frame.cloud.size());
+  answer.normals_estimated = frame.normals_estimated;
+  answer.memory = static_cast<double>(memory_of(frame));
+  copy(frame.main_box.min, answer.main_box_min);
+  copy(frame.main_box.max, answer.main_box_max);
+  return &answer;
+}
+
+void pr_drop(std::uint32_t key) { frames.erase(key); }
+
+void pr_drop_all() {
+  frames.clear();
+  refinement.clear();
+}
+
+const PrPacked* pr_pack(std::uint32_t key, const PrView* view) {
+  static PrPacked answer;
+  const auto* found = find(key);
+  if (found == nullptr) {
+    report({"no frame was prepared under this key", ErrorCode::not_found});
+    return nullptr;
+  }
+  const SceneFrame& frame = **found;
+  const glm::dvec3 place = vector_of(view->place);
+  Wide wide = widen(*view);
+  wide.camera.target -= place;
+  const ElementStyle style{static_cast<DrawMode>(static_cast<int>(view->mode)),
+                           static_cast<ColorSource>(static_cast<int>(view->color)),
+                           view->fill_holes != 0.0, view->refine != 0.0};
+  if (style.refine && style.mode == DrawMode::surfel) {
+    refinement.run(*found, wide.camera, wide.size);
+  } else {
+    refinement.clear();
+  }
+  const std::vector<RefinedSurfel>& refined = refinement.surfels();
+  const std::vector<bool>& divided = refinement.divided();
+  const bool is_tree = style.mode == DrawMode::voxel || frame.cloud.empty();
+  const glm::dvec3 origin = is_tree ? frame.svo.cube.origin : frame.cloud.origin;
+
+  CutStats stats;
+  if (is_tree)
+    stats = cut.run(frame.svo, wide.camera, wide.size, static_cast<float>(view->pixel_size));
+  const std::size_t most = refined.size() + (is_tree ? cut.nodes().size() : frame.cloud.size());
+  if (instances.size() < most) instances.resize(most);
+  const std::span<Instance> out(instances.data(), most);
+  const std::span<Instance> rest = out.subspan(refined.size());
+  InstanceBounds bounds;
+  pack_refined(frame, refined, style.color, glm::vec3(0.0f), out, bounds);
+  const std::size_t count =
+      is_tree ? pack_nodes(frame, cut.nodes(), style, glm::vec3(wide.camera.eye() - origin),
+                           glm::vec3(0.0f), divided, rest, bounds)
+              : pack_points(frame, style.color, glm::vec3(0.0f), divided, rest, bounds);
+
+  answer.instances = address(instances.data());
+  answer.count = static_cast<double>(refined.size() + count);
+  copy(place + origin, answer.origin);
+  copy(bounds.min, answer.bounds.min);
+  copy(bounds.max, answer.bounds.max);
+  answer.bounds.radius = bounds.radius;
+  answer.bounds.all_radii = bounds.all_radii;
+  answer.bounds.count = static_cast<double>(bounds.count);
+  answer.normals_estimated = frame.normals_estimated;
+  answer.visited = stats.visited;
+  answer.out_of_view = stats.out_of_view;
+  answer.hidden = is_tree && style.mode == DrawMode::voxel
+                      ? static_cast<double>(stats.emitted) - static_cast<double>(count)
+                      : 0.0;
+  return &answer;
+}

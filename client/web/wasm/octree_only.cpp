@@ -1,0 +1,18 @@
+#include "codec/cloud_file.h"
+#include "codec/octree/octree_codec.h"
+#include "pointreel/draco.h"
+
+// In place of Draco and files in the small module. The other module has both.
+
+namespace pointreel {
+
+Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
+                                  const DecodeLimits& limits) {
+  return decode_octree(layers, limits);
+}
+
+Result<LoadedCloud> read_cloud(ByteView, const DecodeLimits&) {
+  return fail(ErrorCode::unsupported, "is a file, which needs the larger module");
+}
+
+}  // namespace pointreel

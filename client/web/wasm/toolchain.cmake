@@ -1,0 +1,15 @@
+# Debian's clang-19 for WebAssembly without a system.
+set(CMAKE_SYSTEM_NAME Generic)
+set(CMAKE_SYSTEM_PROCESSOR wasm32)
+find_program(POINTREEL_WASM_CXX clang++-19 REQUIRED)
+find_program(POINTREEL_WASM_C clang-19 REQUIRED)
+set(CMAKE_C_COMPILER ${POINTREEL_WASM_C})
+set(CMAKE_CXX_COMPILER ${POINTREEL_WASM_CXX})
+set(CMAKE_C_COMPILER_TARGET wasm32-wasi)
+set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
+set(CMAKE_C_COMPILER_WORKS ON)
+set(CMAKE_CXX_COMPILER_WORKS ON)
+set(CMAKE_EXECUTABLE_SUFFIX .wasm)
+# clang looks for Debian's own headers behind those of WebAssembly; they would not fit.
+set(CMAKE_C_FLAGS_INIT "-nostdlibinc -isystem /usr/include/wasm32-wasi")
+set(CMAKE_CXX_FLAGS_INIT "-nostdlibinc -isystem /usr/include/wasm32-wasi/c++/v1 -isystem /usr/include/wasm32-wasi")

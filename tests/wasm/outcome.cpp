@@ -1,0 +1,70 @@
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "client/web/wasm/errors.h"
+#include "client/web/wasm/tables.h"
+#include "pointreel/draco.h"
+#include "pointreel/octree.h"
+
+// What tests look at besides the functions of module.h: a decoded frame itself, as tests/golden
+// records it.
+
+using namespace pointreel;
+
+struct Outcome {
+  double depth, points;
+  double has_colors, has_normals;
+  std::uint64_t cells, colors, normals;  ///< XXH3
+};
+static_assert(sizeof(Outcome) == 7 * 8);
+
+namespace {
+
+template <class T>
+std::uint64_t hash(const std::vector<T>& values) {
+  return XXH3_64bits(values.data(), values.size() * sizeof(T));
+}
+
+std::vector<glm::uvec3> cells_of(const DecodedFrame& frame, int depth) {
+  if (frame.svo) return leaf_cells(*frame.svo);
+  std::vector<glm::uvec3> cells;
+  const double scale = static_cast<double>(1 << depth) / frame.cube.edge;
+  for (const glm::vec3& p : frame.cloud.positions) cells.emplace_back(glm::dvec3(p) * scale);
+  return cells;
+}
+
+}  // namespace
+
+/// As pr_prepare, with the default limits or that of the memory; 0 if the frame does not decode.
+PR_EXPORT(const Outcome*, pr_test_outcome)
+(const std::uint8_t* bytes, const std::uint32_t* sizes, std::uint32_t layers, double max_memory) {
+  static Outcome outcome;
+  std::vector<Chunks<ByteView>> views;
+  for (std::uint32_t i = 0; i < layers; ++i) {
+    Chunks<ByteView>& view = views.emplace_back();
+    for (ByteView* chunk : {&view.geometry, &view.colors, &view.normals}) {
+      *chunk = {bytes, *sizes};
+      bytes += *sizes++;
+    }
+  }
+  DecodeLimits limits;
+  if (max_memory > 0.0) limits.max_memory = static_cast<std::uint64_t>(max_memory);
+  const auto frame = decode_frame(views, limits);
+  if (!frame) {
+    report(frame.error());
+    return nullptr;
+  }
+  const int depth = frame->svo ? frame->svo->depth : views.front().geometry[6];
+  outcome = {static_cast<double>(depth),
+             static_cast<double>(frame->cloud.size()),
+             frame->cloud.has_colors() ? 1.0 : 0.0,
+             frame->cloud.has_normals() ? 1.0 : 0.0,
+             hash(cells_of(*frame, depth)),
+             hash(frame->cloud.colors),
+             hash(frame->cloud.normals)};
+  return &outcome;
+}

@@ -1,0 +1,73 @@
+import { Box, Module, Vec3 } from "./module";
+
+/** PrMatrices, and what else the renderer asks of a camera. */
+export interface Eye {
+  toClip: Float32Array;
+  near: number;
+  eye: Vec3;
+  /** To the right, up and back. */
+  axes: [Vec3, Vec3, Vec3];
+  fovY: number;
+}
+
+const NAMED: Record<string, [number, number]> = {
+  front: [0, 0], back: [Math.PI, 0], left: [-Math.PI / 2, 0], right: [Math.PI / 2, 0],
+  top: [0, Math.PI / 2], bottom: [0, -Math.PI / 2],
+};
+export type NamedView = keyof typeof NAMED;
+
+/** A camera of client/scene/camera.h, whose functions the module has. */
+export class Camera {
+  /** PrCamera: target, distance, yaw, pitch, fov_y, scene_radius, up. */
+  readonly state = new Float64Array(9);
+
+  constructor(private readonly module: Module, up = 2) { this.change("pr_camera_init", up); }
+
+  private change(name: string, ...args: number[]): void {
+    const [at] = this.module.put(this.state);
+    this.module.call(name, at!, ...args);
+    this.state.set(this.module.doubles(at!, 9));
+  }
+
+  get up(): number { return this.state[8]!; }
+  get distance(): number { return this.state[3]!; }
+  get yaw(): number { return this.state[4]!; }
+  get pitch(): number { return this.state[5]!; }
+  get fovY(): number { return this.state[6]!; }
+  get radius(): number { return this.state[7]!; }
+
+  frameBounds(box: Box, aspect: number): void {
+    const [at, bounds] = this.module.put(this.state, Float64Array.of(...box.min, ...box.max));
+    this.module.call("pr_camera_frame_bounds", at!, bounds!, aspect);
+    this.state.set(this.module.doubles(at!, 9));
+  }
+  orbit(yaw: number, pitch: number): void { this.change("pr_camera_orbit", yaw, pitch); }
+  pan(right: number, up: number): void { this.change("pr_camera_pan", right, up); }
+  zoom(factor: number): void { this.change("pr_camera_zoom", factor); }
+  zoomAt(factor: number, x: number, y: number, aspect: number): void {
+    this.change("pr_camera_zoom_at", factor, x, y, aspect);
+  }
+  centerOn(point: Vec3): void { this.change("pr_camera_center_on", ...point); }
+
+  lookFrom(view: NamedView): void {
+    const [yaw, pitch] = NAMED[view]!;
+    this.state[4] = this.state[5] = 0;
+    this.orbit(yaw, pitch);
+  }
+  /** The eye stays where it is, and only the picture turns over. */
+  turnOver(): void {
+    this.state[8] = -this.up;
+    this.state[4] = Math.PI - this.yaw;
+    this.state[5] = -this.pitch;
+  }
+
+  /** Relative to an origin near the scene, for pictures of this width over height. */
+  seenFrom(origin: Vec3, aspect: number): Eye {
+    const [at] = this.module.put(this.state);
+    const m = this.module.floats(this.module.call("pr_camera_matrices", at!, ...origin, aspect), 49);
+    const a = this.module.doubles(this.module.call("pr_camera_axes", at!), 12);
+    const v = (i: number): Vec3 => [a[i]!, a[i + 1]!, a[i + 2]!];
+    return { toClip: m.slice(32, 48), near: m[48]!, eye: v(0), axes: [v(3), v(6), v(9)],
+             fovY: this.fovY };
+  }
+}

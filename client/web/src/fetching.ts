@@ -1,0 +1,152 @@
+// Bytes over HTTP, checked: common/stream/PROTOCOL.md, "What a client does" and "Failures that may pass".
+
+/** An answer that will not become better. */
+export class FetchError extends Error {}
+
+const PASSING = new Set([408, 425, 429, 500, 502, 503, 504]);
+const MANIFEST_BYTES = 33_554_432;
+const STALL_MS = 5000;
+const sleep = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
+
+export interface LinkUse {
+  bytes: number;
+  /** While at least one answer was coming. */
+  seconds: number;
+}
+
+export class Fetcher {
+  private active = 0;
+  private since = 0;
+  private use: LinkUse = { bytes: 0, seconds: 0 };
+  total = 0;
+  requests = 0;
+  /** What is wrong with the link at the moment, if anything. */
+  trouble: string | null = null;
+
+  constructor(private readonly base: URL, private readonly token: string | null) {}
+
+  /** What came since the last call. */
+  takeUse(): LinkUse {
+    this.count();
+    const use = this.use;
+    this.use = { bytes: 0, seconds: 0 };
+    return use;
+  }
+  private count(): void {
+    const now = performance.now();
+    if (this.active > 0) this.use.seconds += (now - this.since) / 1000;
+    this.since = now;
+  }
+
+  url(path: string): URL {
+    const url = new URL(path, this.base);
+    url.search = this.base.search;  // without which a signed address is not valid
+    return url;
+  }
+
+  manifest(signal: AbortSignal): Promise<Uint8Array> {
+    return this.persist(signal, () => this.whole(this.base, MANIFEST_BYTES, signal));
+  }
+  file(path: string, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
+    return this.persist(signal, async () => {
+      const body = await this.whole(this.url(path), bytes, signal);
+      if (body.length !== bytes) throw new FetchError(`${path}: ${body.length} bytes instead of ${bytes}`);
+      return body;
+    });
+  }
+  /** The bytes from `from` to before `to` of a file of `size` bytes. */
+  range(path: string, from: number, to: number, size: number, signal: AbortSignal): Promise<Uint8Array> {
+    let senseless = 0;
+    return this.persist(signal, async () => {
+      // Chromium has answered neighbouring ranges of one file short out of its cache.
+      const response = await this.get(this.url(path), signal, {
+        headers: { Range: `bytes=${from}-${to - 1}` }, cache: "no-store",
+      });
+      const body = await this.body(response, size, signal);
+      if (response.status === 200 && body.length === size) return body.subarray(from, to);
+      const range = response.headers.get("Content-Range");
+      // Across origins, a server may not let a page read the field.
+      const fits = range === null || range === `bytes ${from}-${to - 1}/${size}`;
+      if (response.status === 206 && fits && body.length === to - from) return body;
+      if (++senseless > 1) throw new FetchError(`${path}: the server's answer to a range makes no sense`);
+      throw new Error("an answer made no sense");
+    });
+  }
+
+  private async whole(url: URL, most: number, signal: AbortSignal): Promise<Uint8Array> {
+    return this.body(await this.get(url, signal, {}), most, signal);
+  }
+
+  private async get(url: URL, signal: AbortSignal, init: RequestInit): Promise<Response> {
+    const headers = new Headers(init.headers);
+    if (this.token) headers.set("Authorization", `Bearer ${this.token}`);
+    if (!headers.has("Range")) headers.set("Accept", "application/json, */*;q=0.5");
+    this.requests += 1;
+    this.count();
+    this.active += 1;
+    try {
+      const response = await fetch(url, { ...init, headers, signal });
+      if (response.ok) return response;
+      const why = `${url.pathname}: the server answers ${response.status} ${response.statusText}`.trim();
+      throw PASSING.has(response.status) ? new Error(why) : new FetchError(why);
+    } finally {
+      this.count();
+      this.active -= 1;
+    }
+  }
+
+  /** No more than `most` bytes. */
+  private async body(response: Response, most: number, signal: AbortSignal): Promise<Uint8Array> {
+    const reader = response.body?.getReader();
+    if (!reader) return new Uint8Array();
+    const parts: Uint8Array[] = [];
+    let length = 0;
+    this.count();
+    this.active += 1;
+    try {
+      for (;;) {
+        let timer = 0;
+        const stalled = new Promise<never>((_, reject) => {
+          timer = window.setTimeout(() => reject(new Error("the server sends nothing")), STALL_MS);
+        });
+        const { done, value } = await Promise.race([reader.read(), stalled]).finally(() => clearTimeout(timer));
+        if (done) break;
+        parts.push(value);
+        length += value.length;
+        this.use.bytes += value.length;
+        this.total += value.length;
+        if (length > most) throw new FetchError(`${new URL(response.url).pathname}: longer than announced`);
+      }
+    } catch (error) {
+      if (!signal.aborted) reader.cancel().catch(() => undefined);
+      throw error;
+    } finally {
+      this.count();
+      this.active -= 1;
+    }
+    if (parts.length === 1) return parts[0]!;
+    const all = new Uint8Array(length);
+    let at = 0;
+    for (const part of parts) {
+      all.set(part, at);
+      at += part.length;
+    }
+    return all;
+  }
+
+  /** Tries again, with growing pauses, as long as the failure may pass. */
+  private async persist(signal: AbortSignal, attempt: () => Promise<Uint8Array>): Promise<Uint8Array> {
+    for (let pause = 100;; pause = Math.min(2 * pause, 500)) {
+      try {
+        const bytes = await attempt();
+        this.trouble = null;
+        return bytes;
+      } catch (error) {
+        if (signal.aborted || error instanceof FetchError) throw error;
+        this.trouble = error instanceof TypeError ? "no connection to the server" : (error as Error).message;
+        await sleep(pause * (1 - Math.random() / 3));
+        if (signal.aborted) throw error;
+      }
+    }
+  }
+}

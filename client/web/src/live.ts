@@ -1,0 +1,153 @@
+// A live stream: the newest frame, as soon as it has come.
+import { DECODE_BYTES } from "./device";
+import { Box, encode, Module, Vec3 } from "./module";
+import { MadeFrame } from "./playback";
+import { LostJob, Pool } from "./pool";
+import { Look, prepareOptions, viewOf } from "./view";
+
+const BAD = 0, HELLO = 1, END = 3;  // PrMessage
+const WHOLE = 21;
+const DRACO = 2;  // PrReelInfo::codec
+/** As PROTOCOL.md wants tokens in a subprotocol. */
+const escaped = (token: string): string => encodeURIComponent(token).replace(
+  /[!'()*]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase()}`);
+let nextKey = 0x40000000;  // reels count from 1
+
+export class LivePlayback {
+  shown: MadeFrame | null = null;
+  bounds: Box | null = null;
+  up = 2;
+  /** What is wrong, or null. */
+  error: string | null = null;
+  playing = true;
+  /** From capture to picture, if the clocks of both machines agree. */
+  delayMs = 0;
+  frames = 0;
+  private readonly handle: number;
+  private socket: WebSocket | null = null;
+  private pause = 100;
+  private busy = false;
+  private packing = false;
+  private look: Look | null = null;
+  private again = 0;
+  private closed = false;
+
+  private pool: Pool | null = null;
+
+  /** `poolFor`: who decodes a stream is known when it says hello. */
+  constructor(readonly url: string, private readonly token: string | null, private readonly module: Module,
+              private readonly poolFor: (isDraco: boolean) => Promise<Pool>, private readonly onReady: () => void) {
+    this.handle = module.made("pr_live_new");
+    this.connect();
+  }
+  free(): void {
+    this.closed = true;
+    clearTimeout(this.again);
+    this.socket?.close();
+    this.module.call("pr_live_free", this.handle);
+  }
+
+  update(look: Look): void {
+    this.look = look;
+    this.next();
+    this.repack(look);
+  }
+
+  private connect(): void {
+    // A page cannot set headers: the token goes with the subprotocols.
+    const protocols = this.token === null ? undefined : ["pointreel", `bearer.${escaped(this.token)}`];
+    let socket: WebSocket;
+    try {
+      socket = new WebSocket(this.url, protocols);
+    } catch {
+      this.error = `${this.url}: no address of a live stream`;
+      return;
+    }
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
+    socket.onclose = (event) => {
+      if (this.closed) return;
+      this.module.call("pr_live_reconnected", this.handle);
+      this.error = event.reason || (this.shown ? "the connection was lost" : "there is no live stream yet");
+      this.again = window.setTimeout(() => this.connect(), this.pause);
+      this.pause = Math.min(2 * this.pause, 2000);
+      this.onReady();
+    };
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (this.closed) return;
+    this.pause = 100;
+    if (typeof data === "string") {
+      const bytes = encode(data), [at] = this.module.put(bytes);
+      const kind = this.module.call("pr_live_text", this.handle, at!, bytes.length);
+      if (kind === BAD) this.error = this.module.lastError().message;
+      if (kind === END) this.error = "the publisher has gone";
+      if (kind === HELLO) this.hello();
+    } else {
+      const bytes = new Uint8Array(data), [at] = this.module.put(bytes);
+      this.module.call("pr_live_layer", this.handle, at!, bytes.length, Math.round(performance.now() * 1000));
+    }
+    this.next();
+  }
+  private hello(): void {
+    this.error = null;
+    const reel = this.module.call("pr_live_reel", this.handle);
+    if (reel === 0) return;
+    const info = this.module.doubles(this.module.call("pr_reel_info", reel), 24);
+    this.up = info[8]!;
+    this.poolFor(info[3] === DRACO).then((pool) => {
+      if (this.closed || this.pool === pool) return;
+      this.pool = pool;
+      this.shown = null;
+      this.next();
+    }).catch((error: Error) => {
+      this.error = error.message;
+      this.onReady();
+    });
+    const vec = (i: number): Vec3 => [info[i]!, info[i + 1]!, info[i + 2]!];
+    this.bounds = { min: vec(12), max: vec(15) };
+    this.onReady();
+  }
+
+  private next(): void {
+    const { look, pool } = this;
+    if (this.busy || !look || !pool || !this.playing || this.closed) return;
+    const found = this.module.call("pr_live_next", this.handle, Math.round(performance.now() * 1000));
+    if (found === 0) return;
+    const f = this.module.doubles(found, 7), worker = pool.idlest(), life = pool.life(worker);
+    const bytes = this.module.bytes(f[4]!, f[5]!).slice();
+    const sizes = Uint32Array.from(this.module.ints(f[6]!, 3 * f[2]!));
+    const options = prepareOptions(look, WHOLE, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES);
+    const key = nextKey++, { mode, color, number } = look;
+    this.busy = true;
+    pool.prepare(worker, key, bytes, sizes, 0, options, viewOf(look)).then((done) => {
+      const old = this.shown;
+      if (old && old.life === pool.life(old.worker)) pool.drop(old.worker, [old.key]);
+      this.shown = { frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE, mode, color,
+                     facts: done.facts, packed: done.packed, look: number, times: done.times };
+      this.frames += 1;
+      this.delayMs = performance.timeOrigin + performance.now() - f[1]! / 1000;
+    }).catch((error: Error) => {
+      if (!(error instanceof LostJob)) this.error = `frame ${f[0]!}: ${error.message}`;
+    }).finally(() => {
+      this.busy = false;
+      this.onReady();
+      if (!this.closed) this.next();
+    });
+  }
+
+  private repack(look: Look): void {
+    const { shown: made, pool } = this;
+    if (!made || !pool || this.packing || this.busy || made.look === look.number || made.mode !== look.mode) return;
+    if (made.life !== pool.life(made.worker)) return;
+    this.packing = true;
+    pool.pack(made.worker, made.key, viewOf(look)).then((done) => {
+      if (this.shown === made) this.shown = { ...made, packed: done.packed, look: look.number };
+    }).catch(() => undefined).finally(() => {
+      this.packing = false;
+      this.onReady();
+    });
+  }
+}

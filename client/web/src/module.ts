@@ -1,0 +1,151 @@
+// The typed side of wasm/module.h, which explains what is called here.
+
+/** An error that the module has put into words. */
+export class ModuleError extends Error {}
+
+type Exports = Record<string, (...args: number[]) => number>;
+
+/** Numbers of PrMode. */
+export const MODES = ["surfel", "voxel", "point"] as const;
+export type Mode = (typeof MODES)[number];
+/** Numbers of PrColor. */
+export const COLORS = ["colors", "normals", "plain"] as const;
+export type ColorSource = (typeof COLORS)[number];
+export const WHOLE_FRAME = 21;
+
+/** An instance of the module: its memory, and calls that turn errors into exceptions. */
+export class Module {
+  private readonly memory: WebAssembly.Memory;
+  /** For structures and texts that go in; no call keeps them. */
+  private room = 0;
+  private roomBytes = 0;
+  private readonly utf8 = new TextDecoder();
+
+  private constructor(readonly exports: Exports, memory: WebAssembly.Memory) {
+    this.memory = memory;
+  }
+
+  static async create(compiled: WebAssembly.Module): Promise<Module> {
+    const instance = await WebAssembly.instantiate(compiled, {});
+    const exports = instance.exports as unknown as Exports;
+    exports._initialize!();
+    return new Module(exports, (instance.exports as { memory: WebAssembly.Memory }).memory);
+  }
+
+  call(name: string, ...args: number[]): number { return this.exports[name]!(...args); }
+
+  /** For functions that return a PrError. */
+  check(name: string, ...args: number[]): void {
+    if (this.call(name, ...args) !== 0) throw this.lastError();
+  }
+  /** For functions that return a pointer, and 0 on failure. */
+  made(name: string, ...args: number[]): number {
+    const pointer = this.call(name, ...args);
+    if (pointer === 0) throw this.lastError();
+    return pointer;
+  }
+  lastError(): ModuleError { return new ModuleError(this.text(this.call("pr_error_text"))); }
+
+  /** Copies of numbers in the module's memory. */
+  doubles(pointer: number, count: number): Float64Array {
+    return new Float64Array(this.memory.buffer, pointer, count).slice();
+  }
+  floats(pointer: number, count: number): Float32Array {
+    return new Float32Array(this.memory.buffer, pointer, count).slice();
+  }
+  ints(pointer: number, count: number): Int32Array {
+    return new Int32Array(this.memory.buffer, pointer, count).slice();
+  }
+  bytes(pointer: number, count: number): Uint8Array {
+    return new Uint8Array(this.memory.buffer, pointer, count);
+  }
+  text(pointer: number): string {
+    const all = new Uint8Array(this.memory.buffer);
+    return this.utf8.decode(all.slice(pointer, all.indexOf(0, pointer)));
+  }
+
+  /** Puts bytes, one after another and each aligned to 16 bytes, where a call can read them. */
+  put(...parts: readonly ArrayBufferView[]): number[] {
+    const places: number[] = [];
+    let end = 0;
+    for (const part of parts) {
+      places.push(end);
+      end += (part.byteLength + 15) & ~15;
+    }
+    if (end > this.roomBytes) {
+      this.call("pr_free", this.room);
+      this.roomBytes = 0;
+      this.room = this.call("pr_alloc", end + (end >> 2));
+      if (this.room === 0) throw new ModuleError("there is not enough memory for a frame");
+      this.roomBytes = end + (end >> 2);
+    }
+    parts.forEach((part, i) => {
+      new Uint8Array(this.memory.buffer, this.room + places[i]!, part.byteLength)
+        .set(new Uint8Array(part.buffer, part.byteOffset, part.byteLength));
+    });
+    return places.map((place) => this.room + place);
+  }
+  /** What a call has changed of what was put. */
+  get heap(): ArrayBuffer { return this.memory.buffer; }
+}
+
+const encoder = new TextEncoder();
+export const encode = (text: string): Uint8Array => encoder.encode(text);
+
+export type Vec3 = [number, number, number];
+export interface Box {
+  min: Vec3;
+  max: Vec3;
+}
+const vec3 = (from: ArrayLike<number>, at: number): Vec3 => [from[at]!, from[at + 1]!, from[at + 2]!];
+export const isEmpty = (box: Box): boolean => box.min.some((low, i) => !(low <= box.max[i]!));
+
+/** PrPacked, with the instances themselves in rows of a texture (fetch.glsl). */
+export interface Packed {
+  instances: ArrayBuffer;
+  count: number;
+  origin: Vec3;
+  /** PrBounds. */
+  bounds: Float64Array;
+  normalsEstimated: boolean;
+  visited: number;
+  outOfView: number;
+  hidden: number;
+}
+export const ROW_INSTANCES = 2048;
+const INSTANCE_BYTES = 32;
+
+export interface FrameFacts {
+  index: number;
+  timeUs: number;
+  points: number;
+  layers: number;
+  level: number;
+  depth: number;
+  elements: number;
+  isCloud: boolean;
+  normalsEstimated: boolean;
+  memory: number;
+  mainBox: Box;
+}
+
+export function frameFacts(module: Module, key: number): FrameFacts {
+  const f = module.doubles(module.made("pr_frame", key), 16);
+  return {
+    index: f[0]!, timeUs: f[1]!, points: f[2]!, layers: f[3]!, level: f[4]!, depth: f[5]!,
+    elements: f[6]!, isCloud: f[7] !== 0, normalsEstimated: f[8] !== 0, memory: f[9]!,
+    mainBox: { min: vec3(f, 10), max: vec3(f, 13) },
+  };
+}
+
+/** `view`: a PrView. */
+export function pack(module: Module, key: number, view: Float64Array): Packed {
+  const p = module.doubles(module.made("pr_pack", key, module.put(view)[0]!), 18);
+  const count = p[1]!, rows = Math.max(1, Math.ceil(count / ROW_INSTANCES));
+  const instances = new Uint8Array(rows * ROW_INSTANCES * INSTANCE_BYTES);
+  instances.set(module.bytes(p[0]!, count * INSTANCE_BYTES));
+  return {
+    instances: instances.buffer, count, origin: vec3(p, 2), bounds: p.slice(5, 14),
+    normalsEstimated: p[14] !== 0, visited: p[15]!, outOfView: p[16]!, hidden: p[17]!,
+  };
+}

@@ -1,0 +1,66 @@
+// The page: the list of a server at BASE/, a reel at BASE/REEL, live streams at BASE/?live=a,b.
+import { element } from "./controls/dom";
+import { PointreelPlayer } from "./element";
+import { readFragment, writeFragment } from "./fragment";
+import { showList } from "./list";
+
+const root = document.getElementById("page")!;
+const query = new URLSearchParams(location.search);
+
+// Everything lies relative to this file, which is BASE/page/HASH/page.js. At BASE/live/STREAM the
+// page's files are found below BASE/live, too.
+const base = new URL(new URL("../../", import.meta.url).pathname.replace(/live\/$/, ""), location.href);
+// A token in the fragment never reaches the server's log.
+const token = new URLSearchParams(location.hash.slice(1)).get("token");
+
+/** The addresses to play, or null for the list. */
+function sources(): string | null {
+  const live = (name: string) => {
+    const url = new URL(`live/${encodeURIComponent(name)}`, base);
+    url.protocol = base.protocol.replace("http", "ws");
+    return url.href;
+  };
+  const names = query.get("live"), reel = query.get("reel");
+  if (names) return names.split(",").map((name) => (/^wss?:/.test(name) ? name : live(name))).join(" ");
+  if (reel) return reel;
+  const path = location.pathname.slice(base.pathname.length).replace(/\/?(index\.html)?$/, "");
+  if (path.startsWith("live/")) return live(decodeURIComponent(path.slice(5)));
+  return path === "" ? null : new URL(path, base).href;
+}
+
+function show(src: string): void {
+  const player = element("pointreel-player", { controls: "", tabindex: "-1" }) as PointreelPlayer;
+  const { seconds, mode, view } = readFragment(location.hash);
+  if (mode) player.mode = mode;
+  if (seconds !== undefined) player.currentTime = seconds;
+  player.player.set({ floor: true });
+  player.player.firstView = view ?? null;
+  player.loop = true;
+  player.autoplay = !location.hash.includes("t=");
+  if (token) player.setAttribute("token", token);
+  player.src = src;
+  root.replaceChildren(player);
+  const note = () => {
+    const live = player.player.isLive;
+    // The token stays out of links that are shared.
+    history.replaceState(null, "", writeFragment(live ? null : player.currentTime, player.player.settings.mode, player.player.camera));
+  };
+  player.addEventListener("link", note);
+  let timer = 0;
+  for (const event of ["viewchange", "seeked", "pause", "settingschange"])
+    player.addEventListener(event, () => {
+      clearTimeout(timer);
+      timer = window.setTimeout(() => { if (player.paused && player.player.pictures > 0) note(); }, 500);
+    });
+  document.title = `${decodeURIComponent(src.split(/[/?]/).filter((p) => p && p !== "reel.json").pop() ?? "")} – Pointreel`;
+  // Keys work from anywhere on the page.
+  document.addEventListener("keydown", (event) => {
+    if (event.target === document.body) player.dispatchEvent(new KeyboardEvent("keydown", event));
+  });
+}
+
+const src = sources();
+if (src) show(src);
+else showList(root, base, token).catch((error: Error) => {
+  root.replaceChildren(element("p", { class: "error", role: "alert" }, `The list of reels cannot be shown: ${error.message}.`));
+});

@@ -1,0 +1,418 @@
+// A canvas that plays a reel or live streams. Without controls: element.ts has those.
+import { Camera } from "./camera";
+import { WORKERS } from "./device";
+import { Fetcher } from "./fetching";
+import { LivePlayback } from "./live";
+import { Box, ColorSource, isEmpty, Mode, Module, Vec3 } from "./module";
+import { MadeFrame, ReelPlayback } from "./playback";
+import { Assets, Pool } from "./pool";
+import { Reel } from "./reel";
+import { DrawOptions, Renderer } from "./renderer/renderer";
+import { Look } from "./view";
+
+export interface Settings {
+  mode: Mode;
+  color: ColorSource;
+  lighting: boolean;
+  fillHoles: boolean;
+  smoothOutlines: boolean;
+  floor: boolean;
+  pointSize: number;
+  background: Vec3;
+}
+export const DEFAULTS: Readonly<Settings> = {
+  mode: "surfel", color: "colors", lighting: true, fillHoles: true, smoothOutlines: true, floor: false,
+  pointSize: 2, background: [0x1c / 255, 0x1f / 255, 0x24 / 255],
+};
+
+/** A camera that was moved counts as moving for so long, in milliseconds. */
+const MOVES = 150;
+const SLOW_MS = 45;
+
+export type PlayerEvent =
+  "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" | "timeupdate" | "waiting" |
+  "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" | "ratechange";
+
+async function fetchAsset(base: URL, name: string): Promise<Response> {
+  const response = await fetch(new URL(name, base));
+  if (!response.ok) throw new Error(`${name}: the server answers ${response.status}`);
+  return response;
+}
+async function compile(base: URL, name: string): Promise<WebAssembly.Module> {
+  const response = await fetchAsset(base, name);
+  return response.headers.get("Content-Type")?.startsWith("application/wasm")
+    ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
+}
+
+interface Loaded {
+  assets: Assets;
+  module: Module;
+}
+let loading: Promise<Loaded> | null = null;
+let whole: Promise<WebAssembly.Module> | null = null;
+/** The module and its tables, loaded once for all players of a page. */
+function load(base: URL): Promise<Loaded> {
+  loading ??= (async () => {
+    const tables = fetchAsset(base, "tables.zst").then(async (r) => new Uint8Array(await r.arrayBuffer()));
+    const compiled = await compile(base, "pointreel.wasm");
+    return { assets: { compiled, tables: await tables, worker: new URL("worker.js", base) },
+             module: await Module.create(compiled) };
+  })().catch((error) => {
+    loading = null;
+    throw error;
+  });
+  return loading;
+}
+/** The larger module, which decodes Draco, too. */
+function loadWhole(base: URL): Promise<WebAssembly.Module> {
+  whole ??= compile(base, "pointreel-draco.wasm").catch((error) => {
+    whole = null;
+    throw error;
+  });
+  return whole;
+}
+
+export class Player {
+  readonly settings: Settings = { ...DEFAULTS, background: [...DEFAULTS.background] };
+  camera: Camera | null = null;
+  reel: ReelPlayback | null = null;
+  live: LivePlayback[] = [];
+  /** One line for people, or null. */
+  error: string | null = null;
+  /** Milliseconds of the last picture. */
+  drawMs = 0;
+  drawn = 0;
+  pictures = 0;
+  onEvent: (name: PlayerEvent) => void = () => undefined;
+  private renderer: Renderer | null = null;
+  private pool: Pool | null = null;
+  /** For live streams, by the module that decodes. */
+  private readonly livePools = new Map<WebAssembly.Module, Pool>();
+  private opening: AbortController | null = null;
+  private fetcher: Fetcher | null = null;
+  private scheduled = 0;
+  private lookNumber = 1;
+  private moved = 0;
+  private hasMoved = false;
+  private hasBounds = false;
+  private dirty = true;
+  private wasWaiting = false;
+  private wasSeeking = false;
+  private reduction = 1;
+  private lastTick = 0;
+  private slow = 0;
+  private wantsLoop = false;
+  private homeAspect = 0;
+  /** To be applied once there is a camera. */
+  firstView: ((camera: Camera) => void) | null = null;
+
+  constructor(readonly canvas: HTMLCanvasElement, private readonly base: URL) {}
+
+  get isOpen(): boolean { return this.reel !== null || this.live.length > 0; }
+  get isLive(): boolean { return this.live.length > 0; }
+  get driver(): string { return this.renderer?.driver ?? ""; }
+  get traffic(): { bytes: number; requests: number } {
+    return { bytes: this.fetcher?.total ?? 0, requests: this.fetcher?.requests ?? 0 };
+  }
+  get memory(): number {
+    return [...this.livePools.values()].reduce((sum, pool) => sum + pool.memory, this.pool?.memory ?? 0);
+  }
+  get trouble(): string | null {
+    const live = this.live.map((l) => l.error).find((e) => e);
+    return this.error ?? this.fetcher?.trouble ?? live ?? this.reel?.error ?? null;
+  }
+
+  /** `sources`: the address of a reel.json, or those of live streams. */
+  async open(sources: readonly string[], token: string | null, options: { loop: boolean; startUs: number }): Promise<void> {
+    this.close();
+    const opening = new AbortController();
+    this.opening = opening;
+    this.wantsLoop = options.loop;
+    try {
+      const urls = sources.map((source) => new URL(source, document.baseURI));
+      const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
+      const fetcher = isLive ? null : new Fetcher(urls[0]!, token);
+      const manifest = fetcher?.manifest(opening.signal);
+      manifest?.catch(() => undefined);
+      const { assets, module } = await load(this.base);
+      if (opening.signal.aborted) return;
+      this.renderer ??= new Renderer(this.canvas, module);
+      this.fetcher = fetcher;
+      if (isLive) {
+        const poolFor = async (isDraco: boolean): Promise<Pool> => {
+          const compiled = isDraco ? await loadWhole(this.base) : assets.compiled;
+          if (opening.signal.aborted) throw new Error("the player was closed");
+          const pool = this.livePools.get(compiled) ?? new Pool({ ...assets, compiled }, WORKERS);
+          this.livePools.set(compiled, pool);
+          return pool;
+        };
+        this.live = urls.map((url) => new LivePlayback(url.href, token, module, poolFor, () => this.schedule()));
+        this.camera = new Camera(module);
+      } else if (manifest && fetcher) {
+        const reel = Reel.read(module, await manifest);
+        if (opening.signal.aborted) return reel.free();
+        if (reel.frames === 0) throw new Error("this reel has no frames");
+        const isDraco = reel.text("codec") === "draco";
+        this.pool = new Pool(isDraco ? { ...assets, compiled: await loadWhole(this.base) } : assets, WORKERS);
+        let tables = 0;
+        if (reel.tablesBytes > 0) {
+          const bytes = await fetcher.file(reel.text("tablesPath"), reel.tablesBytes, opening.signal);
+          tables = this.pool.addTables(bytes, reel.text("tablesChecksum"));
+        }
+        this.reel = new ReelPlayback(reel, this.pool, fetcher, tables, options.loop, () => this.schedule());
+        this.camera = new Camera(module, reel.up);
+        this.reel.clock.seek(options.startUs);
+        this.lookHome();
+      }
+      if (this.firstView && !isLive) this.applyFirstView();
+      this.onEvent("loadedmetadata");
+      this.schedule();
+    } catch (error) {
+      if (opening.signal.aborted) return;
+      this.fail((error as Error).message);
+    }
+  }
+  close(): void {
+    this.opening?.abort();
+    this.reel?.free();
+    for (const live of this.live) live.free();
+    this.pool?.free();
+    for (const pool of this.livePools.values()) pool.free();
+    this.livePools.clear();
+    this.reel = null;
+    this.live = [];
+    this.pool = null;
+    this.error = null;
+    this.hasMoved = this.hasBounds = false;
+    this.pictures = 0;
+  }
+  free(): void {
+    this.close();
+    cancelAnimationFrame(this.scheduled);
+    this.renderer?.free();
+    this.renderer = null;
+  }
+  private fail(message: string): void {
+    this.error = message;
+    this.onEvent("error");
+  }
+
+  // Time.
+
+  get playing(): boolean {
+    return this.reel ? this.reel.clock.state().playing : this.live.some((live) => live.playing);
+  }
+  get loop(): boolean { return this.reel?.clock.state().loop ?? this.wantsLoop; }
+  play(): void {
+    this.reel?.play();
+    for (const live of this.live) live.playing = true;
+    this.onEvent("play");
+    this.schedule();
+  }
+  pause(): void {
+    this.reel?.pause();
+    for (const live of this.live) live.playing = false;
+    this.onEvent("pause");
+    this.schedule();
+  }
+  private withReel(act: (reel: ReelPlayback) => void, event?: PlayerEvent): void {
+    if (!this.reel) return;
+    act(this.reel);
+    if (event) this.onEvent(event);
+    this.schedule();
+  }
+  seek(us: number): void { this.withReel((reel) => reel.seek(us), "seeking"); }
+  seekBy(us: number): void { this.withReel((reel) => reel.seekBy(us), "seeking"); }
+  step(frames: number): void {
+    const played = this.playing;
+    this.withReel((reel) => reel.step(frames), "seeking");
+    if (played) this.onEvent("pause");
+  }
+  setSpeed(speed: number): void { this.withReel((reel) => reel.clock.setSpeed(speed), "ratechange"); }
+  setLoop(loop: boolean): void {
+    this.wantsLoop = loop;
+    this.withReel((reel) => reel.clock.setLoop(loop));
+  }
+  setRange(range: { a: number; b: number } | null): void { this.withReel((reel) => reel.clock.setRange(range)); }
+  /** Dragging the time: coarse pictures first. */
+  scrub(us: number | null): void {
+    this.withReel((reel) => {
+      reel.scrubbing = us !== null;
+      if (us !== null) reel.seek(us);
+    }, us !== null ? "seeking" : undefined);
+  }
+
+  // What is seen.
+
+  set(settings: Partial<Settings>): void {
+    Object.assign(this.settings, settings);
+    this.lookNumber += 1;
+    this.dirty = true;
+    this.onEvent("settingschange");
+    this.schedule();
+  }
+  move(act: (camera: Camera) => void): void {
+    if (!this.camera) return;
+    act(this.camera);
+    this.hasMoved = true;
+    this.moved = performance.now();
+    this.lookNumber += 1;
+    this.dirty = true;
+    this.onEvent("viewchange");
+    this.schedule();
+  }
+  lookHome(): void {
+    const box = this.bounds();
+    if (!this.camera || !box) return;
+    const up = this.reel?.reel.up ?? this.live[0]?.up ?? 2;
+    this.camera.state[8] = up;
+    this.homeAspect = this.aspect;
+    this.camera.frameBounds(box, this.aspect);
+    this.hasMoved = false;
+    this.hasBounds = true;
+    this.lookNumber += 1;
+    this.dirty = true;
+    this.onEvent("viewchange");
+    this.schedule();
+  }
+  bounds(): Box | null {
+    const boxes = this.reel ? [this.reel.reel.bounds] : this.live.map((live) => live.bounds);
+    let all: Box | null = null;
+    for (const box of boxes) {
+      if (!box || isEmpty(box)) continue;
+      all = all ? { min: all.min.map((v, i) => Math.min(v, box.min[i]!)) as Vec3,
+                    max: all.max.map((v, i) => Math.max(v, box.max[i]!)) as Vec3 } : box;
+    }
+    return all;
+  }
+  pointAt(x: number, y: number): Vec3 | null { return this.renderer?.pointAt(x, y) ?? null; }
+  get aspect(): number { return this.canvas.width / Math.max(1, this.canvas.height); }
+  private applyFirstView(): void {
+    const view = this.firstView;
+    this.firstView = null;
+    if (view) this.move(view);
+  }
+
+  resize(width: number, height: number): void {
+    if (this.canvas.width === width && this.canvas.height === height) return;
+    this.canvas.width = Math.max(1, width);
+    this.canvas.height = Math.max(1, height);
+    if (!this.hasMoved && this.aspect !== this.homeAspect) this.lookHome();
+    this.lookNumber += 1;
+    this.dirty = true;
+    // At once: the canvas was cleared.
+    this.tick();
+  }
+
+  /** The picture as it is shown, in full quality. */
+  async still(): Promise<Blob> {
+    this.reduction = 1;
+    this.paint(true);
+    return new Promise((resolve, reject) => this.canvas.toBlob(
+      (blob) => (blob ? resolve(blob) : reject(new Error("the picture cannot be saved"))), "image/png"));
+  }
+
+  schedule(): void {
+    if (this.scheduled === 0) this.scheduled = requestAnimationFrame(() => {
+      this.scheduled = 0;
+      this.tick();
+    });
+  }
+
+  private look(): Look {
+    const resting = performance.now() - this.moved > MOVES && !(this.reel && this.playing) && !this.reel?.scrubbing;
+    if (resting !== this.rested) {
+      this.rested = resting;
+      this.lookNumber += 1;
+    }
+    const { mode, color, fillHoles } = this.settings;
+    return { camera: this.camera!, width: this.canvas.width, height: this.canvas.height, mode, color, fillHoles,
+             refine: resting && mode === "surfel", number: this.lookNumber };
+  }
+  private rested = false;
+
+  private tick(): void {
+    if (!this.camera || !this.renderer) return;
+    if (this.renderer.isLost) {
+      if (!this.error) this.fail("the graphics driver has lost this page's pictures; load the page again");
+      return;
+    }
+    try {
+      this.update();
+    } catch (error) {
+      this.fail((error as Error).message);
+    }
+  }
+
+  private update(): void {
+    const look = this.look(), now = performance.now();
+    if (this.isLive && !this.hasBounds && this.bounds()) {
+      this.lookHome();
+      this.applyFirstView();
+    }
+    if (this.reel?.update(look)) this.dirty = true;
+    for (const live of this.live) live.update(look);
+    const parts = this.parts();
+    if (parts.some((part, i) => part !== this.painted[i]) || parts.length !== this.painted.length) this.dirty = true;
+    const resting = this.rested;
+    this.adapt(now, resting);
+    if (this.dirty) this.paint(resting);
+    this.tell();
+    const playing = this.playing && document.visibilityState === "visible";
+    if ((this.reel && playing) || !resting || this.reel?.isWaiting) this.schedule();
+  }
+  private painted: MadeFrame[] = [];
+  private parts(): MadeFrame[] {
+    const shown = this.reel ? [this.reel.shown] : this.live.map((live) => live.shown);
+    return shown.filter((made): made is MadeFrame => made !== null);
+  }
+
+  /** Pictures that come too slowly have fewer pixels until there is time again. */
+  private adapt(now: number, resting: boolean): void {
+    const between = now - this.lastTick;
+    this.lastTick = now;
+    if (resting) {
+      if (this.reduction > 1) this.dirty = true;
+      this.reduction = 1;
+      this.slow = 0;
+    } else if (between < 1000) {
+      this.slow = Math.max(0, this.slow + (between > SLOW_MS ? 1 : -0.5));
+      if (this.slow > 4 && this.reduction < 2) this.reduction = 2;
+    }
+  }
+
+  private paint(_resting: boolean): void {
+    const { renderer, camera, canvas } = this;
+    if (!renderer || !camera) return;
+    const start = performance.now(), parts = this.parts();
+    // After a change of the mode, frames are drawn in the old one until there are others.
+    const mode = parts[0]?.mode ?? this.settings.mode;
+    const side = renderer.largestSide, r = Math.max(this.reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));
+    const options: DrawOptions = {
+      ...this.settings, mode, pointSize: this.settings.pointSize * (window.devicePixelRatio || 1) / r,
+      floor: this.settings.floor ? this.bounds() : null,
+    };
+    const size = { width: Math.ceil(canvas.width / r), height: Math.ceil(canvas.height / r) };
+    this.drawn = renderer.draw(parts.filter((part) => part.mode === mode), camera, size, options);
+    renderer.present();
+    this.painted = parts;
+    this.dirty = false;
+    this.drawMs = performance.now() - start;
+    if (parts.length > 0 && this.pictures++ === 0) this.onEvent("firstpicture");
+  }
+
+  private tell(): void {
+    this.onEvent("timeupdate");
+    const waiting = this.reel?.isWaiting ?? false, seeking = this.reel?.isSeeking ?? false;
+    if (waiting !== this.wasWaiting) this.onEvent(waiting ? "waiting" : "playing");
+    if (this.wasSeeking && !seeking) this.onEvent("seeked");
+    this.wasWaiting = waiting;
+    this.wasSeeking = seeking;
+    if (this.reel && this.playing && this.reel.clock.read().ended) {
+      this.reel.pause();
+      this.onEvent("pause");
+      this.onEvent("ended");
+    }
+  }
+
+}

@@ -1,0 +1,153 @@
+// The workers: who does which job, and what is done about one that traps or hangs.
+import { Done, FromWorker, ToWorker } from "./messages";
+
+/** The job was lost through no fault of its own, and may be given to a worker again. */
+export class LostJob extends Error {}
+
+/** What all workers are given. */
+export interface Assets {
+  compiled: WebAssembly.Module;
+  tables: Uint8Array;
+  worker: URL;
+}
+
+/** A job that runs longer hangs. Dense frames on a slow phone take a few seconds. */
+const HANG_MS = 15_000;
+
+interface Waiting {
+  resolve(done: Done): void;
+  reject(error: Error): void;
+}
+
+class Hand {
+  worker!: Worker;
+  jobs = new Map<number, Waiting>();
+  timer = 0;
+  memory = 0;
+  /** Grows when the worker is replaced and has forgotten all frames. */
+  life = 0;
+}
+
+export class Pool {
+  private readonly hands: Hand[] = [];
+  private readonly ready: Promise<void>[] = [];
+  private readonly tables: ToWorker[] = [];
+  private nextJob = 1;
+  private nextTables = 1;
+
+  /** `count`: how many workers. */
+  constructor(private readonly assets: Assets, count: number) {
+    for (let i = 0; i < count; ++i) {
+      const hand = new Hand();
+      this.hands.push(hand);
+      this.ready.push(this.start(hand));
+    }
+  }
+
+  get size(): number { return this.hands.length; }
+  get memory(): number { return this.hands.reduce((sum, hand) => sum + hand.memory, 0); }
+  opened(): Promise<void[]> { return Promise.all(this.ready); }
+  /** The frames that a worker was given before are lost if this has changed. */
+  life(worker: number): number { return this.hands[worker]!.life; }
+  load(worker: number): number { return this.hands[worker]!.jobs.size; }
+  /** The worker with the fewest jobs. */
+  idlest(): number {
+    let best = 0;
+    for (let i = 1; i < this.hands.length; ++i) if (this.load(i) < this.load(best)) best = i;
+    return best;
+  }
+
+  /** Gives all workers a reel's own tables. Returns the number that jobs name them by. */
+  addTables(bytes: Uint8Array, checksum: string): number {
+    const message: ToWorker = { type: "tables", tables: this.nextTables, bytes, checksum };
+    this.tables.push(message);
+    for (const hand of this.hands) hand.worker.postMessage(message);
+    return this.nextTables++;
+  }
+
+  prepare(worker: number, key: number, bytes: Uint8Array, sizes: Uint32Array, tables: number,
+          options: Float64Array, view: Float64Array): Promise<Done> {
+    return this.ask(worker, { type: "prepare", job: this.nextJob++, key, bytes, sizes, tables, options, view },
+                    [bytes.buffer]);
+  }
+  pack(worker: number, key: number, view: Float64Array): Promise<Done> {
+    return this.ask(worker, { type: "pack", job: this.nextJob++, key, view });
+  }
+  drop(worker: number, keys: number[]): void {
+    this.hands[worker]!.worker.postMessage({ type: "drop", keys } as ToWorker);
+  }
+  free(): void {
+    for (const hand of this.hands) {
+      clearTimeout(hand.timer);
+      hand.worker.terminate();
+      this.fail(hand, "the player was closed");
+    }
+  }
+
+  private ask(worker: number, message: ToWorker & { job: number }, transfer: Transferable[] = []): Promise<Done> {
+    const hand = this.hands[worker]!;
+    return new Promise((resolve, reject) => {
+      hand.jobs.set(message.job, { resolve, reject });
+      hand.worker.postMessage(message, transfer);
+      this.watch(hand);
+    });
+  }
+
+  private start(hand: Hand): Promise<void> {
+    const worker = new Worker(this.assets.worker, { type: "module" });
+    hand.worker = worker;
+    worker.postMessage({ type: "open", compiled: this.assets.compiled, tables: this.assets.tables } as ToWorker);
+    for (const message of this.tables) worker.postMessage(message);
+    return new Promise((resolve, reject) => {
+      worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
+        if (data.type === "opened") return resolve();
+        if (data.type === "failed" && data.job < 0) return reject(new Error(data.message));
+        this.answered(hand, data);
+      };
+      worker.onerror = (event) => {
+        event.preventDefault();
+        reject(new Error("a worker cannot be started"));
+        this.fail(hand, "a worker cannot be started");
+      };
+    });
+  }
+
+  private answered(hand: Hand, data: Exclude<FromWorker, { type: "opened" }>): void {
+    const waiting = hand.jobs.get(data.job);
+    hand.jobs.delete(data.job);
+    this.watch(hand);
+    if (data.type === "done") {
+      hand.memory = data.memory;
+      waiting?.resolve(data);
+      return;
+    }
+    waiting?.reject(new Error(data.trapped ? "the decoder failed" : data.message));
+    if (data.trapped) this.replace(hand);
+  }
+
+  private watch(hand: Hand): void {
+    clearTimeout(hand.timer);
+    if (hand.jobs.size > 0)
+      hand.timer = window.setTimeout(() => this.hangs(hand), HANG_MS);
+  }
+  private hangs(hand: Hand): void {
+    // Jobs are done in their order: the first one hangs.
+    const [job, waiting] = hand.jobs.entries().next().value as [number, Waiting];
+    hand.jobs.delete(job);
+    waiting.reject(new Error("the decoder does not come to an end"));
+    this.replace(hand);
+  }
+  private replace(hand: Hand): void {
+    clearTimeout(hand.timer);
+    hand.worker.terminate();
+    hand.life += 1;
+    hand.memory = 0;
+    this.start(hand).catch(() => undefined);
+    this.fail(hand, "the worker was replaced");
+  }
+  private fail(hand: Hand, why: string): void {
+    const jobs = [...hand.jobs.values()];
+    hand.jobs.clear();
+    for (const job of jobs) job.reject(new LostJob(why));
+  }
+}

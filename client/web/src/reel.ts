@@ -1,0 +1,123 @@
+// A reel's manifest, read and checked by the module.
+import { Box, Mode, MODES, Module, Vec3 } from "./module";
+import { Camera } from "./camera";
+
+export interface Layers {
+  first: number;
+  end: number;
+  colors: number;
+  normals: number;
+}
+/** Where the chunks of one layer of a frame are. */
+export interface Range {
+  layer: number;
+  offset: number;
+  sizes: [number, number, number];
+}
+export interface Segment {
+  number: number;
+  firstFrame: number;
+  frames: number;
+  cube: [number, number, number, number];
+}
+
+const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6 };
+const layersIn = (words: Int32Array): Layers =>
+  ({ first: words[0]!, end: words[1]!, colors: words[2]!, normals: words[3]! });
+
+export class Reel {
+  readonly frames: number;
+  readonly durationUs: number;
+  readonly fps: number;
+  readonly layers: number;
+  readonly depthMax: number;
+  readonly up: number;
+  readonly bounds: Box;
+  readonly tablesBytes: number;
+  readonly timesUs: Float64Array;
+  private readonly files = new Map<number, string>();
+
+  /** `handle`: a PrReel. */
+  constructor(readonly module: Module, readonly handle: number) {
+    const i = module.doubles(module.call("pr_reel_info", handle), 24);
+    this.frames = i[0]!;
+    this.durationUs = i[1]!;
+    this.fps = i[2]!;
+    this.layers = i[4]!;
+    this.depthMax = i[7]!;
+    this.up = i[8]!;
+    this.bounds = { min: [i[12]!, i[13]!, i[14]!] as Vec3, max: [i[15]!, i[16]!, i[17]!] as Vec3 };
+    this.tablesBytes = i[19]!;
+    this.timesUs = module.doubles(module.call("pr_reel_times", handle), this.frames);
+  }
+  static read(module: Module, manifest: Uint8Array): Reel {
+    const [text] = module.put(manifest);
+    return new Reel(module, module.made("pr_reel_new", text!, manifest.length));
+  }
+  free(): void { this.module.call("pr_reel_free", this.handle); }
+
+  text(which: keyof typeof TEXT, index = 0): string {
+    return this.module.text(this.module.call("pr_reel_text", this.handle, TEXT[which], index));
+  }
+  segment(frame: number): Segment {
+    const s = this.module.doubles(this.module.call("pr_reel_segment", this.handle, frame), 7);
+    return { number: s[0]!, firstFrame: s[1]!, frames: s[2]!, cube: [s[3]!, s[4]!, s[5]!, s[6]!] };
+  }
+  file(segment: number, layer: number): string {
+    const key = segment * 8 + layer;
+    let file = this.files.get(key);
+    if (file === undefined) {
+      file = this.module.text(this.module.call("pr_reel_file", this.handle, segment, layer));
+      this.files.set(key, file);
+    }
+    return file;
+  }
+  fileBytes(segment: number, layer: number): number {
+    return this.module.call("pr_reel_file_bytes", this.handle, segment, layer);
+  }
+  ranges(frame: number, layers: Layers): Range[] {
+    const [at] = this.module.put(Uint32Array.of(layers.first, layers.end, layers.colors, layers.normals));
+    const found = this.module.made("pr_reel_ranges", this.handle, frame, at!);
+    const count = this.module.call("pr_reel_range_count"), r = this.module.doubles(found, 5 * count);
+    return Array.from({ length: count }, (_, i): Range => ({
+      layer: r[5 * i]!, offset: r[5 * i + 1]!, sizes: [r[5 * i + 2]!, r[5 * i + 3]!, r[5 * i + 4]!],
+    }));
+  }
+  levelFor(camera: Camera, width: number, height: number): number {
+    const [at] = this.module.put(camera.state);
+    return this.module.call("pr_level_for", this.handle, at!, width, height, 1);
+  }
+  layersFor(mode: Mode, level: number, showNormals: boolean): Layers {
+    const at = this.module.call("pr_layer_choice", this.handle, MODES.indexOf(mode), level, Number(showNormals));
+    return layersIn(this.module.ints(at, 4));
+  }
+}
+
+/** What the link and the machine allow to be fetched: client/playback/layer_control.h. */
+export class LayerControl {
+  private readonly handle: number;
+
+  constructor(private readonly reel: Reel, workers: number) {
+    this.handle = reel.module.made("pr_control_new", reel.handle, workers, 1);
+  }
+  free(): void { this.reel.module.call("pr_control_free", this.handle); }
+  carried(bytes: number, seconds: number): void {
+    this.reel.module.call("pr_control_carried", this.handle, bytes, seconds);
+  }
+  made(layers: number, ms: number): void {
+    this.reel.module.call("pr_control_made", this.handle, layers, ms);
+  }
+  forgetMade(): void { this.reel.module.call("pr_control_forget_made", this.handle); }
+  /** PrSituation. */
+  update(situation: Float64Array, mode: Mode, showNormals: boolean): void {
+    const [at] = this.reel.module.put(situation);
+    this.reel.module.call("pr_control_update", this.handle, at!, MODES.indexOf(mode), Number(showNormals));
+  }
+  decide(mode: Mode, level: number, showNormals: boolean): { layers: Layers; limit: number } {
+    const at = this.reel.module.call("pr_control_decide", this.handle, MODES.indexOf(mode), level,
+                                     Number(showNormals), 255);
+    const words = this.reel.module.ints(at, 5);
+    return { layers: layersIn(words), limit: words[4]! };
+  }
+  get bytesPerSecond(): number { return this.reel.module.call("pr_control_rate", this.handle); }
+}

@@ -1,0 +1,141 @@
+// The texts of all programs. Most are those of the desktop player, written for OpenGL 4.5.
+import back from "../../../render/shaders/back.vert.glsl";
+import common from "../../../render/shaders/common.glsl";
+import discDepth from "../../../render/shaders/disc_depth.frag.glsl";
+import discSum from "../../../render/shaders/disc_sum.frag.glsl";
+import flat from "../../../render/shaders/flat.frag.glsl";
+import floorFragment from "../../../render/shaders/floor.frag.glsl";
+import floorVertex from "../../../render/shaders/floor.vert.glsl";
+import mean from "../../../render/shaders/mean.glsl";
+import nothing from "../../../render/shaders/nothing.frag.glsl";
+import outlines from "../../../render/shaders/outlines.frag.glsl";
+import point from "../../../render/shaders/point.vert.glsl";
+import pull from "../../../render/shaders/pull.frag.glsl";
+import pullSums from "../../../render/shaders/pull_sums.frag.glsl";
+import push from "../../../render/shaders/push.frag.glsl";
+import quadFootprint from "../../../render/shaders/quad_footprint.glsl";
+import resolve from "../../../render/shaders/resolve.frag.glsl";
+import seeThrough from "../../../render/shaders/see_through.frag.glsl";
+import whole from "../../../render/shaders/whole_picture.vert.glsl";
+import mark from "../../../render/instancing/pull/mark.glsl";
+import spriteFootprint from "../../../render/instancing/pull/sprite_footprint.glsl";
+import surfelMark from "../../../render/instancing/pull/surfel_mark.glsl";
+import surfelSprite from "../../../render/instancing/pull/surfel_sprite.glsl";
+import surfelSpriteVertex from "../../../render/instancing/pull/surfel_sprite.vert.glsl";
+import voxelMark from "../../../render/instancing/pull/voxel_mark.glsl";
+import voxelSprite from "../../../render/instancing/pull/voxel_sprite.glsl";
+import voxelSpriteFragment from "../../../render/instancing/pull/voxel_sprite.frag.glsl";
+import voxelSpriteVertex from "../../../render/instancing/pull/voxel_sprite.vert.glsl";
+import instance from "../../../render/instancing/shaders/instance.glsl";
+import surfel from "../../../render/instancing/shaders/surfel.glsl";
+import surfelVertex from "../../../render/instancing/shaders/surfel_vertex.glsl";
+import voxel from "../../../render/instancing/shaders/voxel.glsl";
+import voxelFaces from "../../../render/instancing/shaders/voxel_faces.glsl";
+import depthBits from "./shaders/depth_bits.frag.glsl";
+import fetch from "./shaders/fetch.glsl";
+import present from "./shaders/present.frag.glsl";
+import solid from "./shaders/solid.vert.glsl";
+import sprite from "./shaders/sprite.vert.glsl";
+import sprites from "./shaders/sprites.glsl";
+import srgb from "./shaders/srgb.glsl";
+import { LateProgram, Texts } from "./gl";
+
+const HEADER = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp usampler2D;
+`;
+
+/** What OpenGL ES 3.0 says differently. */
+function es(text: string): string {
+  return text
+    .replace(/layout\(std140, binding = \d+\) uniform/g, "layout(std140) uniform")
+    .replace(/layout\((?:binding|location) = \d+\) uniform/g, "uniform")
+    .replace("noperspective out float side;", "out float side_by_w;\nfloat side;")
+    .replace("noperspective in float side;",
+             "in float side_by_w;\n#define side (side_by_w * gl_FragCoord.w)");
+}
+
+function unitsOf(texts: string[]): Map<string, number> {
+  const units = new Map<string, number>();
+  for (const text of texts)
+    for (const [, unit, name] of text.matchAll(/layout\(binding = (\d+)\) uniform \w+ (\w+);/g))
+      units.set(name!, Number(unit));
+  return units;
+}
+
+/** `main` of a text under another name, for a `main` that calls it. */
+const renamed = (text: string, name: string) => text.replace("void main()", `void ${name}()`);
+
+interface Parts {
+  vertex: string[];
+  fragment: string[];
+  afterVertex?: string;
+  afterFragment?: string;
+}
+
+/**
+ * With the extension EXT_clip_control, depths in clip coordinates go from 0 to w as on the desktop.
+ * Without it they go from -w to w, and each vertex is moved there.
+ */
+export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean) {
+  const toClip = hasClipControl ? "" : "gl_Position.z = 2.0 * gl_Position.z - gl_Position.w;";
+  const stage = (texts: string[], after: string): string => {
+    const [last, ...others] = [...texts].reverse();
+    const all = after ? [...others.reverse(), renamed(last!, "inner_main"),
+                         `void main() {\n  inner_main();\n  ${after}\n}\n`]
+                      : texts;
+    return HEADER + es([common, ...all].join("\n"));
+  };
+  const program = ({ vertex, fragment, afterVertex = "", afterFragment = "" }: Parts) =>
+    new LateProgram(gl, (): Texts => ({
+      vertex: stage(vertex, afterVertex),
+      fragment: stage(fragment, afterFragment),
+      units: unitsOf([...vertex, ...fragment]),
+    }));
+  const inScene = (vertex: string[], fragment: string[]) =>
+    program({ vertex, fragment, afterVertex: toClip });
+  const ofPicture = (fragment: string[], afterFragment = "") =>
+    program({ vertex: [whole], fragment, afterFragment });
+
+  const surfelSprites = [instance, surfel, surfelSprite, fetch, sprites, mark, surfelMark,
+                         renamed(withoutBuffer(surfelSpriteVertex), "place_sprite"), sprite];
+  const surfelSolids = [instance, surfel, fetch, mark, surfelMark, surfelVertex, solid];
+  const voxelSprites = [instance, voxel, voxelSprite, fetch, sprites, mark, voxelMark,
+                        renamed(withoutBuffer(voxelSpriteVertex), "place_sprite"), sprite];
+  return {
+    surfelDepth: {
+      sprites: inScene(surfelSprites, [spriteFootprint, discDepth]),
+      solids: inScene(surfelSolids, [quadFootprint, discDepth]),
+    },
+    surfelSum: {
+      sprites: inScene(surfelSprites, [spriteFootprint, discSum]),
+      solids: inScene(surfelSolids, [quadFootprint, discSum]),
+    },
+    voxel: {
+      sprites: inScene(voxelSprites, [voxelSpriteFragment]),
+      solids: inScene([instance, voxel, fetch, mark, voxelMark, voxelFaces, solid], [flat]),
+    },
+    point: inScene([instance, fetch, point], [flat]),
+    back: inScene([instance, fetch, back], [nothing]),
+    floor: program({
+      vertex: [floorVertex], fragment: [floorFragment],
+      afterVertex: `side_by_w = side * gl_Position.w; ${toClip}`,
+    }),
+    seeThrough: ofPicture([seeThrough]),
+    pullSums: ofPicture([mean, pullSums]),
+    pull: ofPicture([pull]),
+    push: ofPicture([push]),
+    resolve: ofPicture([mean, resolve]),
+    present: ofPicture([srgb, present]),
+    outlines: ofPicture([srgb, outlines], "color.rgb = srgb_from_linear(color.rgb);"),
+    depthBits: ofPicture([depthBits]),
+  };
+}
+export type Programs = ReturnType<typeof makePrograms>;
+
+/** The desktop's sprites come from a buffer, for which ES 3.0 has no sampler: sprites.glsl instead. */
+function withoutBuffer(text: string): string {
+  return text.replace(/layout\(binding = 0\) uniform usamplerBuffer sprites;[^]*?\n}\n/, "");
+}

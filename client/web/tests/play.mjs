@@ -1,0 +1,151 @@
+// node play.mjs PAGE REEL (of 90 frames at 30 a second): the page in a browser. It opens, plays, goes to exact frames, is dragged
+// by mouse and by touch, loops, and fits on a narrow screen.
+import assert from "node:assert/strict";
+import { basename } from "node:path";
+import { test } from "node:test";
+import { openBrowser, settled, until } from "./browser.mjs";
+import { serve } from "./serve.mjs";
+
+const [page, reel] = process.argv.slice(2);
+const requests = [];
+const { server, port } = await serve(page, [reel], requests);
+const browser = await openBrowser();
+const at = (rest, where = port) => `http://127.0.0.1:${where}/${basename(reel)}${rest}`;
+const ask = (tab, question) => tab.evaluate(`(() => {
+  const player = document.querySelector("pointreel-player"), root = player.shadowRoot; return ${question};
+})()`);
+
+async function open(rest, options = {}, where = port) {
+  const context = await browser.newContext({ viewport: { width: 640, height: 360 }, ...options });
+  const tab = await context.newPage();
+  tab.faults = [];
+  tab.on("pageerror", (error) => tab.faults.push(error.message));
+  tab.on("console", (message) => { if (message.type() === "error") tab.faults.push(message.text()); });
+  await tab.goto(at(rest, where));
+  return { tab, close: async () => {
+    assert.deepEqual(tab.faults, []);
+    await context.close();
+  } };
+}
+
+test("the page plays, with few requests, and stays within what it may do", async () => {
+  const { tab, close } = await open("");
+  await until(tab, () => document.querySelector("pointreel-player").frame > 3, "the reel plays");
+  const before = requests.length, seconds = 3;
+  await tab.waitForTimeout(1000 * seconds);
+  assert.ok((requests.length - before) / seconds <= 30);
+  assert.equal(await ask(tab, "player.player.trouble"), null);
+  await close();
+});
+
+test("a seek shows exactly that frame", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  for (const frame of [5, 0, 7, 3]) {
+    await ask(tab, `player.currentTime = player.player.reel.reel.timesUs[${frame}] / 1e6`);
+    await settled(tab);
+    assert.equal(await ask(tab, "player.frame"), frame);
+  }
+  await close();
+});
+
+test("keys step, change the mode and the direction of view", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  await tab.keyboard.press(".");
+  await settled(tab);
+  assert.equal(await ask(tab, "player.frame"), 1);
+  await tab.keyboard.press("m");
+  await settled(tab);
+  assert.equal(await ask(tab, "player.player.reel.shown.mode"), "voxel");
+  await tab.keyboard.press("3");
+  assert.ok(Math.abs(await ask(tab, "player.player.camera.yaw") + Math.PI / 2) < 1e-9);
+  await close();
+});
+
+test("a drag of the mouse turns the scene, and one along the timeline goes to its frames", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  const yaw = await ask(tab, "player.player.camera.yaw");
+  await tab.mouse.move(300, 150);
+  await tab.mouse.down();
+  await tab.mouse.move(360, 150, { steps: 3 });
+  await tab.mouse.up();
+  assert.ok(await ask(tab, "player.player.camera.yaw") < yaw - 0.1);
+  const line = await tab.locator(".timeline").boundingBox();
+  await tab.mouse.move(line.x + 2, line.y + line.height / 2);
+  await tab.mouse.down();
+  await tab.mouse.move(line.x + line.width / 2, line.y + line.height / 2, { steps: 5 });
+  await tab.mouse.up();
+  await settled(tab);
+  const middle = await ask(tab, "player.player.reel.clock.frameAt(player.duration * 5e5)");
+  assert.ok(Math.abs(await ask(tab, "player.frame") - middle) <= 1);
+  await close();
+});
+
+test("a reel that loops begins anew, and one that does not ends", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  await ask(tab, "(player.currentTime = player.duration - 0.1, player.play())");
+  await until(tab, () => {
+    const player = document.querySelector("pointreel-player");
+    return player.currentTime < player.duration / 2 && !player.paused;
+  }, "the reel begins anew");
+  await ask(tab, "(player.loop = false, player.currentTime = player.duration - 0.1)");
+  await until(tab, () => document.querySelector("pointreel-player").ended, "the reel ends");
+  assert.equal(await ask(tab, "player.paused"), true);
+  await close();
+});
+
+test("one finger turns the scene and two zoom; everything fits on 320 pixels", async () => {
+  const { tab, close } = await open("#t=0", { viewport: { width: 320, height: 568 }, hasTouch: true, isMobile: true });
+  await settled(tab);
+  const before = await ask(tab, "[player.player.camera.yaw, player.player.camera.distance]");
+  const client = await tab.context().newCDPSession(tab);
+  const touch = (type, ...points) => client.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  await touch("touchStart", [100, 200]);
+  await touch("touchMove", [160, 200]);
+  await touch("touchEnd");
+  assert.ok(await ask(tab, "player.player.camera.yaw") < before[0] - 0.1);
+  await touch("touchStart", [140, 200], [180, 200]);
+  await touch("touchMove", [100, 200], [220, 200]);
+  await touch("touchEnd");
+  assert.ok(await ask(tab, "player.player.camera.distance") < 0.7 * before[1]);
+  const outside = await ask(tab, `[...root.querySelectorAll("button, .timeline")].filter((e) => e.offsetParent)
+    .filter((e) => { const b = e.getBoundingClientRect(); return b.left < 0 || b.right > innerWidth || b.bottom > innerHeight; }).length`);
+  assert.equal(outside, 0);
+  assert.equal(await tab.evaluate("document.documentElement.scrollWidth"), 320);
+  await close();
+});
+
+test("every control has a name", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  const nameless = await ask(tab, `[...root.querySelectorAll("button, input, [role=slider]")]
+    .filter((e) => !(e.getAttribute("aria-label") || e.textContent.trim() || e.closest("label"))).length`);
+  assert.equal(nameless, 0);
+  await close();
+});
+
+test("damaged frames are named, and the others are shown", async () => {
+  const damaged = (path, bytes) => {
+    const copy = Buffer.from(bytes);
+    for (let i = 20; i < copy.length; i += 97) copy[i] ^= 0x55;
+    return copy;
+  };
+  let damages = true;
+  const other = await serve(page, [reel], [], (path, bytes) => (damages ? damaged(path, bytes) : bytes));
+  const { tab, close } = await open("#t=0", {}, other.port);
+  await until(tab, () => /^frame 0: /.test(document.querySelector("pointreel-player").player.trouble ?? ""), "the frame is named");
+  damages = false;
+  await ask(tab, "player.currentTime = player.player.reel.reel.timesUs[70] / 1e6");
+  await settled(tab);
+  assert.equal(await ask(tab, "player.player.trouble"), null);
+  await close();
+  other.server.close();
+});
+
+test.after(async () => {
+  await browser.close();
+  server.close();
+});

@@ -1,0 +1,62 @@
+// Serves the built page with reels beside it, as any server of plain files does:
+//   node serve.mjs PAGE REELS...
+// prints the port. "/" answers browsers with the page and others with the list of reels; so does
+// "/REEL".
+import { createReadStream, existsSync, readdirSync, readFileSync, statSync } from "node:fs";
+import { createServer } from "node:http";
+import { basename, extname, join, normalize } from "node:path";
+
+const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css",
+                ".wasm": "application/wasm", ".json": "application/json" };
+// The policy of server/serve/page.cpp, so that the tests show that the page needs no more.
+const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; " +
+  "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'";
+
+/** `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. */
+export function serve(page, reels, requests = [], damage = null) {
+  const folders = new Map(reels.map((reel) => [basename(reel), reel]));
+  const list = () => JSON.stringify({
+    packages: [...folders].map(([name, folder]) => {
+      const reel = JSON.parse(readFileSync(join(folder, "reel.json"), "utf8"));
+      return { name, url: `/${name}`, manifest: `/${name}/reel.json`, fps: reel.fps, duration_us: reel.duration_us,
+               codec: reel.codec, frames: reel.segments.reduce((n, s) => n + s.times_us.length, 0),
+               bytes: readdirSync(folder).reduce((n, f) => n + statSync(join(folder, f)).size, 0) };
+    }),
+    streams: [],
+  });
+  const server = createServer((request, response) => {
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://here").pathname));
+    requests.push({ path, range: request.headers.range ?? null, at: Date.now() });
+    const [, first, ...rest] = path.split("/");
+    const asksPage = (request.headers.accept ?? "").includes("text/html");
+    const isShown = path === "/" || (folders.has(first) && rest.join("") === "");
+    if (path === "/" && !asksPage) {
+      response.writeHead(200, { "Content-Type": TYPES[".json"], Vary: "Accept" }).end(list());
+      return;
+    }
+    const file = isShown ? join(page, "index.html")
+      : first === "page" ? join(page, path) : folders.has(first) ? join(folders.get(first), ...rest) : "";
+    if (!file || !existsSync(file) || !statSync(file).isFile()) {
+      response.writeHead(404, { "Content-Type": "text/plain" }).end("not found\n");
+      return;
+    }
+    const size = statSync(file).size, range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? "");
+    const headers = { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Cache-Control": "no-cache",
+                      "Accept-Ranges": "bytes", ...(isShown ? { "Content-Security-Policy": POLICY, Vary: "Accept" } : {}) };
+    if (!range) {
+      response.writeHead(200, { ...headers, "Content-Length": size });
+      createReadStream(file).pipe(response);
+      return;
+    }
+    const from = Number(range[1]), to = Math.min(Number(range[2]), size - 1);
+    response.writeHead(206, { ...headers, "Content-Length": to - from + 1, "Content-Range": `bytes ${from}-${to}/${size}` });
+    if (damage && file.endsWith(".prs")) response.end(damage(path, readFileSync(file).subarray(from, to + 1)));
+    else createReadStream(file, { start: from, end: to }).pipe(response);
+  });
+  return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve({ server, port: server.address().port })));
+}
+
+if (process.argv[1] && import.meta.url.endsWith(basename(process.argv[1]))) {
+  const [page, ...reels] = process.argv.slice(2);
+  serve(page, reels).then(({ port }) => console.log(port));
+}

@@ -1,12 +1,20 @@
 // <pointreel-player>: a player as an element, with attributes, events and methods as <video> has them.
 import { Controls } from "./controls/controls";
 import { element } from "./controls/dom";
-import { MODES, Mode } from "./module";
+import { MODES, Mode, Vec3 } from "./module";
 import { Player, PlayerEvent } from "./player";
 import style from "./style.css";
 
 const sheet = new CSSStyleSheet();
 sheet.replaceSync(style);
+
+/** "x,y,z x,y,z"; what is no number counts as 0. */
+function placesOf(text: string): Vec3[] {
+  return text.split(/\s+/).filter((place) => place !== "").map((place) => {
+    const [x, y, z] = place.split(",").map((part) => Number(part) || 0);
+    return [x ?? 0, y ?? 0, z ?? 0];
+  });
+}
 
 class Ranges implements TimeRanges {
   constructor(private readonly parts: { from: number; to: number }[]) {}
@@ -22,7 +30,7 @@ class Ranges implements TimeRanges {
 
 /**
  * Attributes: `src` (a reel.json, the folder of one, or ws:// addresses of live streams, separated
- * by spaces), `poster`, `autoplay`, `loop`, `controls`, `mode` (surfel, voxel, point), `token`.
+ * by spaces), `places` (where live streams stand, as in "-0.6,0,0 0.6,0,0"), `poster`, `autoplay`, `loop`, `controls`, `mode` (surfel, voxel, point), `token`.
  * Events: those of <video>, and `viewchange`, `settingschange`, `firstpicture`.
  */
 export class PointreelPlayer extends HTMLElement {
@@ -98,7 +106,9 @@ export class PointreelPlayer extends HTMLElement {
     const sources = this.src.split(/\s+/).filter((s) => s !== "")
       .map((s) => (/^wss?:/.test(s) || /\.json(\?|$)/.test(s) ? s : s.replace(/\/?(\?|$)/, "/reel.json$1")));
     this.spinner.hidden = false;
-    this.player.open(sources, this.getAttribute("token"), { loop: this.loop, startUs: this.startUs }).then(() => {
+    this.player.open(sources, this.getAttribute("token"), {
+      loop: this.loop, startUs: this.startUs, places: placesOf(this.getAttribute("places") ?? ""),
+    }).then(() => {
       if (this.autoplay && this.player.reel) this.player.play();
     });
   }

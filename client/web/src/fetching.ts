@@ -8,6 +8,13 @@ const MANIFEST_BYTES = 33_554_432;
 const STALL_MS = 5000;
 const sleep = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
 
+/** What a person should know of an answer that is not the content. */
+export function refusal(response: Response): string {
+  if (response.status === 401)
+    return "the server wants a valid token: #token=TOKEN at the end of the address, or the attribute `token`";
+  return `the server answers ${response.status} ${response.statusText}`.trim();
+}
+
 export interface LinkUse {
   bytes: number;
   /** While at least one answer was coming. */
@@ -87,7 +94,7 @@ export class Fetcher {
     try {
       const response = await fetch(url, { ...init, headers, signal });
       if (response.ok) return response;
-      const why = `${url.pathname}: the server answers ${response.status} ${response.statusText}`.trim();
+      const why = `${url.pathname}: ${refusal(response)}`;
       throw PASSING.has(response.status) ? new Error(why) : new FetchError(why);
     } finally {
       this.count();

@@ -2,6 +2,7 @@
 import { element } from "./controls/dom";
 import { bytesText, timeText } from "./controls/time_text";
 import "./element";
+import { refusal } from "./fetching";
 
 interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string }
 interface Stream { name: string; url: string; publishing: boolean; viewers: number }
@@ -10,7 +11,7 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
   const headers = new Headers({ Accept: "application/json" });
   if (token) headers.set("Authorization", `Bearer ${token}`);
   const response = await fetch(base, { headers, cache: "no-cache" });
-  if (!response.ok) throw new Error(`the server answers ${response.status}`);
+  if (!response.ok) throw new Error(refusal(response));
   const { packages = [], streams = [] } = await response.json() as { packages?: Reel[]; streams?: Stream[] };
   const hash = token ? `#token=${encodeURIComponent(token)}` : "";
   const cards = element("ul", { class: "cards" });
@@ -25,7 +26,7 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
     const path = reel.url.replace(/\/(reel\.json)?$/, "").replace(/^\//, "");
     cards.append(element("li", {}, element("a", { href: new URL(path + hash, base).href }, picture,
       element("strong", {}, reel.name),
-      element("small", {}, `${timeText(reel.duration_us)}, ${reel.frames} frames, ${bytesText(reel.bytes)}`))));
+      element("small", {}, `${timeText(reel.duration_us)}, ${reel.frames} ${reel.frames === 1 ? "frame" : "frames"}, ${bytesText(reel.bytes)}`))));
     posters.push({ picture, src: new URL(reel.manifest.replace(/^\//, ""), base).href });
   }
   root.replaceChildren(element("main", { class: "list" }, element("h1", {}, "Pointreel"),

@@ -35,7 +35,7 @@ export class LivePlayback {
   private pool: Pool | null = null;
 
   /** `poolFor`: who decodes a stream is known when it says hello. */
-  constructor(readonly url: string, private readonly token: string | null, private readonly module: Module,
+  constructor(readonly url: string, private readonly place: Vec3, private readonly token: string | null, private readonly module: Module,
               private readonly poolFor: (isDraco: boolean) => Promise<Pool>, private readonly onReady: () => void) {
     this.handle = module.made("pr_live_new");
     this.connect();
@@ -106,7 +106,8 @@ export class LivePlayback {
       this.error = error.message;
       this.onReady();
     });
-    const vec = (i: number): Vec3 => [info[i]!, info[i + 1]!, info[i + 2]!];
+    const [x, y, z] = this.place;
+    const vec = (i: number): Vec3 => [info[i]! + x, info[i + 1]! + y, info[i + 2]! + z];
     this.bounds = { min: vec(12), max: vec(15) };
     this.onReady();
   }
@@ -122,7 +123,7 @@ export class LivePlayback {
     const options = prepareOptions(look, WHOLE, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES);
     const key = nextKey++, { mode, color, number } = look;
     this.busy = true;
-    pool.prepare(worker, key, bytes, sizes, 0, options, viewOf(look)).then((done) => {
+    pool.prepare(worker, key, bytes, sizes, 0, options, viewOf(look, this.place)).then((done) => {
       const old = this.shown;
       if (old && old.life === pool.life(old.worker)) pool.drop(old.worker, [old.key]);
       this.shown = { frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE, mode, color,
@@ -143,7 +144,7 @@ export class LivePlayback {
     if (!made || !pool || this.packing || this.busy || made.look === look.number || made.mode !== look.mode) return;
     if (made.life !== pool.life(made.worker)) return;
     this.packing = true;
-    pool.pack(made.worker, made.key, viewOf(look)).then((done) => {
+    pool.pack(made.worker, made.key, viewOf(look, this.place)).then((done) => {
       if (this.shown === made) this.shown = { ...made, packed: done.packed, look: look.number };
     }).catch(() => undefined).finally(() => {
       this.packing = false;

@@ -38,6 +38,8 @@ function show(src: string): void {
   player.loop = true;
   player.autoplay = !location.hash.includes("t=");
   if (token) player.setAttribute("token", token);
+  const places = query.get("at");
+  if (places) player.setAttribute("places", places.replace(/;/g, " "));
   player.src = src;
   root.replaceChildren(player);
   const note = () => {

@@ -122,8 +122,12 @@ export class Player {
     return this.error ?? this.fetcher?.trouble ?? live ?? this.reel?.error ?? null;
   }
 
-  /** `sources`: the address of a reel.json, or those of live streams. */
-  async open(sources: readonly string[], token: string | null, options: { loop: boolean; startUs: number }): Promise<void> {
+  /**
+   * `sources`: the address of a reel.json, or those of live streams. `places`: where these stand,
+   * one after another; (0, 0, 0) for those not given.
+   */
+  async open(sources: readonly string[], token: string | null,
+             options: { loop: boolean; startUs: number; places: readonly Vec3[] }): Promise<void> {
     this.close();
     const opening = new AbortController();
     this.opening = opening;
@@ -146,7 +150,7 @@ export class Player {
           this.livePools.set(compiled, pool);
           return pool;
         };
-        this.live = urls.map((url) => new LivePlayback(url.href, token, module, poolFor, () => this.schedule()));
+        this.live = urls.map((url, i) => new LivePlayback(url.href, options.places[i] ?? [0, 0, 0], token, module, poolFor, () => this.schedule()));
         this.camera = new Camera(module);
       } else if (manifest && fetcher) {
         const reel = Reel.read(module, await manifest);

@@ -1,6 +1,6 @@
 // What is drawn and from where: PrView and PrPrepare of wasm/module.h.
 import { Camera } from "./camera";
-import { COLORS, ColorSource, Mode, MODES } from "./module";
+import { COLORS, ColorSource, Mode, MODES, Vec3 } from "./module";
 
 export interface Look {
   camera: Camera;
@@ -19,11 +19,12 @@ export interface Look {
 /** How much more than the picture is packed, so that the camera may move a little meanwhile. */
 const WIDEN = 1.25;
 
-export function viewOf(look: Look): Float64Array {
+/** `place` is added to the coordinates of the frame. */
+export function viewOf(look: Look, place: Vec3 = [0, 0, 0]): Float64Array {
   const view = new Float64Array(20);
   view.set(look.camera.state);
   view.set([look.width, look.height, 1, WIDEN, MODES.indexOf(look.mode), COLORS.indexOf(look.color),
-            Number(look.fillHoles), Number(look.refine)], 9);
+            Number(look.fillHoles), Number(look.refine), ...place], 9);
   return view;
 }
 

@@ -10,7 +10,7 @@
 #include "common/base/try.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
-#include "pointreel/octree.h"
+#include "tests/golden/cells.h"
 
 namespace pointreel::golden {
 namespace {
@@ -18,15 +18,6 @@ namespace {
 template <class T>
 std::string hash(const std::vector<T>& values) {
   return fmt::format("{:016x}", XXH3_64bits(values.data(), values.size() * sizeof(T)));
-}
-
-/// The cells of an octree's leaves, or those in whose centres Draco's points are.
-std::vector<glm::uvec3> cells_of(const DecodedFrame& frame, int depth) {
-  if (frame.svo) return leaf_cells(*frame.svo);
-  std::vector<glm::uvec3> cells;
-  const double scale = static_cast<double>(1 << depth) / frame.cube.edge;
-  for (const glm::vec3& p : frame.cloud.positions) cells.emplace_back(glm::dvec3(p) * scale);
-  return cells;
 }
 
 nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {

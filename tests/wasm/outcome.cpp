@@ -8,7 +8,7 @@
 #include "client/web/wasm/errors.h"
 #include "client/web/wasm/tables.h"
 #include "pointreel/draco.h"
-#include "pointreel/octree.h"
+#include "tests/golden/cells.h"
 
 // What tests look at besides the functions of module.h: a decoded frame itself, as tests/golden
 // records it.
@@ -27,14 +27,6 @@ namespace {
 template <class T>
 std::uint64_t hash(const std::vector<T>& values) {
   return XXH3_64bits(values.data(), values.size() * sizeof(T));
-}
-
-std::vector<glm::uvec3> cells_of(const DecodedFrame& frame, int depth) {
-  if (frame.svo) return leaf_cells(*frame.svo);
-  std::vector<glm::uvec3> cells;
-  const double scale = static_cast<double>(1 << depth) / frame.cube.edge;
-  for (const glm::vec3& p : frame.cloud.positions) cells.emplace_back(glm::dvec3(p) * scale);
-  return cells;
 }
 
 }  // namespace
@@ -63,7 +55,7 @@ PR_EXPORT(const Outcome*, pr_test_outcome)
              static_cast<double>(frame->cloud.size()),
              frame->cloud.has_colors() ? 1.0 : 0.0,
              frame->cloud.has_normals() ? 1.0 : 0.0,
-             hash(cells_of(*frame, depth)),
+             hash(golden::cells_of(*frame, depth)),
              hash(frame->cloud.colors),
              hash(frame->cloud.normals)};
   return &outcome;

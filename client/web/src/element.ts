@@ -30,7 +30,8 @@ class Ranges implements TimeRanges {
 
 /**
  * Attributes: `src` (a reel.json, the folder of one, or ws:// addresses of live streams, separated
- * by spaces), `places` (where live streams stand, as in "-0.6,0,0 0.6,0,0"), `poster`, `autoplay`, `loop`, `controls`, `mode` (surfel, voxel, point), `token`.
+ * by spaces), `places` (where live streams stand, as in "-0.6,0,0 0.6,0,0"), `poster`, `autoplay`,
+ * `loop`, `controls`, `mode` (surfel, voxel, point), `token`.
  * Events: those of <video>, and `viewchange`, `settingschange`, `firstpicture`.
  */
 export class PointreelPlayer extends HTMLElement {

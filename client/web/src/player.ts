@@ -1,7 +1,7 @@
 // A canvas that plays a reel or live streams. Without controls: element.ts has those.
 import { Camera } from "./camera";
 import { WORKERS } from "./device";
-import { Fetcher } from "./fetching";
+import { Fetcher, refusal } from "./fetching";
 import { LivePlayback } from "./live";
 import { Box, ColorSource, isEmpty, Mode, Module, Vec3 } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
@@ -35,7 +35,7 @@ export type PlayerEvent =
 
 async function fetchAsset(base: URL, name: string): Promise<Response> {
   const response = await fetch(new URL(name, base));
-  if (!response.ok) throw new Error(`${name}: the server answers ${response.status}`);
+  if (!response.ok) throw new Error(`${name}: ${refusal(response)}`);
   return response;
 }
 async function compile(base: URL, name: string): Promise<WebAssembly.Module> {
@@ -150,7 +150,8 @@ export class Player {
           this.livePools.set(compiled, pool);
           return pool;
         };
-        this.live = urls.map((url, i) => new LivePlayback(url.href, options.places[i] ?? [0, 0, 0], token, module, poolFor, () => this.schedule()));
+        this.live = urls.map((url, i) => new LivePlayback(
+          url.href, options.places[i] ?? [0, 0, 0], token, module, poolFor, () => this.schedule()));
         this.camera = new Camera(module);
       } else if (manifest && fetcher) {
         const reel = Reel.read(module, await manifest);
@@ -311,7 +312,7 @@ export class Player {
   /** The picture as it is shown, in full quality. */
   async still(): Promise<Blob> {
     this.reduction = 1;
-    this.paint(true);
+    this.paint();
     return new Promise((resolve, reject) => this.canvas.toBlob(
       (blob) => (blob ? resolve(blob) : reject(new Error("the picture cannot be saved"))), "image/png"));
   }
@@ -360,7 +361,7 @@ export class Player {
     if (parts.some((part, i) => part !== this.painted[i]) || parts.length !== this.painted.length) this.dirty = true;
     const resting = this.rested;
     this.adapt(now, resting);
-    if (this.dirty) this.paint(resting);
+    if (this.dirty) this.paint();
     this.tell();
     const playing = this.playing && document.visibilityState === "visible";
     if ((this.reel && playing) || !resting || this.reel?.isWaiting) this.schedule();
@@ -385,7 +386,7 @@ export class Player {
     }
   }
 
-  private paint(_resting: boolean): void {
+  private paint(): void {
     const { renderer, camera, canvas } = this;
     if (!renderer || !camera) return;
     const start = performance.now(), parts = this.parts();

@@ -170,6 +170,7 @@ gl::LateProgram sprite_program(Pass pass) {
 }
 
 std::vector<gl::Stage> solid_stages(Pass, std::vector<std::string_view> primitive) {
+  primitive.push_back("instancing/shaders/separate_triangles.glsl");
   primitive.push_back("instancing/pull/solid.vert.glsl");
   return {{GL_VERTEX_SHADER, std::move(primitive)}};
 }

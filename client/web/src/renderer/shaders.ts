@@ -27,6 +27,7 @@ import voxelSprite from "../../../render/instancing/pull/voxel_sprite.glsl";
 import voxelSpriteFragment from "../../../render/instancing/pull/voxel_sprite.frag.glsl";
 import voxelSpriteVertex from "../../../render/instancing/pull/voxel_sprite.vert.glsl";
 import instance from "../../../render/instancing/shaders/instance.glsl";
+import separateTriangles from "../../../render/instancing/shaders/separate_triangles.glsl";
 import surfel from "../../../render/instancing/shaders/surfel.glsl";
 import surfelVertex from "../../../render/instancing/shaders/surfel_vertex.glsl";
 import voxel from "../../../render/instancing/shaders/voxel.glsl";
@@ -101,7 +102,8 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
 
   const surfelSprites = [instance, surfel, surfelSprite, fetch, sprites, mark, surfelMark,
                          renamed(withoutBuffer(surfelSpriteVertex), "place_sprite"), sprite];
-  const surfelSolids = [instance, surfel, fetch, mark, surfelMark, surfelVertex, solid];
+  const surfelSolids = [instance, surfel, fetch, mark, surfelMark, surfelVertex,
+                        separateTriangles, solid];
   const voxelSprites = [instance, voxel, voxelSprite, fetch, sprites, mark, voxelMark,
                         renamed(withoutBuffer(voxelSpriteVertex), "place_sprite"), sprite];
   return {
@@ -115,7 +117,7 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
     },
     voxel: {
       sprites: inScene(voxelSprites, [voxelSpriteFragment]),
-      solids: inScene([instance, voxel, fetch, mark, voxelMark, voxelFaces, solid], [flat]),
+      solids: inScene([instance, voxel, fetch, mark, voxelMark, voxelFaces, separateTriangles, solid], [flat]),
     },
     point: inScene([instance, fetch, point], [flat]),
     back: inScene([instance, fetch, back], [nothing]),

@@ -1,0 +1,45 @@
+// The View block of common.glsl: from where a picture is seen.
+import { Eye } from "../camera";
+import { Vec3 } from "../module";
+import { Size } from "./gl";
+
+const FLOATS = 44;
+const LIGHT = normalize([-0.35, 0.45, 1]);  // in eye space, over the viewer's left shoulder
+
+function normalize(v: Vec3): Vec3 {
+  const length = Math.hypot(...v);
+  return [v[0] / length, v[1] / length, v[2] / length];
+}
+
+export class ViewBlock {
+  private readonly buffer: WebGLBuffer;
+
+  constructor(private readonly gl: WebGL2RenderingContext) { this.buffer = gl.createBuffer()!; }
+
+  bind(): void { this.gl.bindBufferBase(this.gl.UNIFORM_BUFFER, 0, this.buffer); }
+
+  /** `unsigned`: the signs of normals are unknown. */
+  set(eye: Eye, origin: Vec3, size: Size, lighting: boolean, unsigned: boolean): void {
+    const slope = Math.tan(0.5 * eye.fovY), step = 2 * slope / size.height;
+    const [right, up, back] = eye.axes;
+    const toLight = [0, 1, 2].map((i) => LIGHT[0] * right[i]! + LIGHT[1] * up[i]! + LIGHT[2] * back[i]!);
+    const corner = [0, 1, 2].map((i) => -back[i]! - 0.5 * step * size.width * right[i]! - slope * up[i]!);
+    const view = new Float32Array(FLOATS);
+    view.set(eye.toClip);
+    view.set([...eye.eye.map((v, i) => v - origin[i]!), eye.near, ...toLight, lighting ? 1 : 0,
+              step, unsigned ? 1 : 0, 0, 0, ...corner, 0, ...right.map((c) => step * c), 0,
+              ...up.map((c) => step * c), 0, size.width, size.height, 0, 0], 16);
+    this.upload(view);
+  }
+  /** For programs that ask for nothing but the size. */
+  setSize(size: Size): void {
+    const view = new Float32Array(FLOATS);
+    view.set([size.width, size.height], 40);
+    this.upload(view);
+  }
+
+  private upload(view: Float32Array): void {
+    this.gl.bindBuffer(this.gl.UNIFORM_BUFFER, this.buffer);
+    this.gl.bufferData(this.gl.UNIFORM_BUFFER, view, this.gl.DYNAMIC_DRAW);
+  }
+}

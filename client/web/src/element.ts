@@ -1,4 +1,5 @@
 // <pointreel-player>: a player as an element, with attributes, events and methods as <video> has them.
+import type { PointreelPlayer as Declared } from "../package/element";
 import { Controls } from "./controls/controls";
 import { element } from "./controls/dom";
 import { MODES, Mode, Vec3 } from "./module";
@@ -16,25 +17,38 @@ function placesOf(text: string): Vec3[] {
   });
 }
 
+interface Range {
+  /** Microseconds. */
+  from: number;
+  to: number;
+}
+
 class Ranges implements TimeRanges {
-  constructor(private readonly parts: { from: number; to: number }[]) {}
+  constructor(private readonly parts: readonly Range[]) {}
   get length(): number { return this.parts.length; }
   start(i: number): number { return this.at(i).from / 1e6; }
   end(i: number): number { return this.at(i).to / 1e6; }
-  private at(i: number): { from: number; to: number } {
+  private at(i: number): Range {
     const part = this.parts[i];
     if (!part) throw new DOMException("no such range", "IndexSizeError");
     return part;
   }
 }
 
-/**
- * Attributes: `src` (a reel.json, the folder of one, or ws:// addresses of live streams, separated
- * by spaces), `places` (where live streams stand, as in "-0.6,0,0 0.6,0,0"), `poster`, `autoplay`,
- * `loop`, `controls`, `mode` (surfel, voxel, point), `token`.
- * Events: those of <video>, and `viewchange`, `settingschange`, `firstpicture`.
- */
-export class PointreelPlayer extends HTMLElement {
+/** As the properties of <video> refuse what is no time. */
+function finite(value: number, name: string): number {
+  if (!Number.isFinite(value)) throw new TypeError(`${name} must be a finite number, not ${value}`);
+  return value;
+}
+
+/** A promise that play() has given. */
+interface Starting {
+  resolve(): void;
+  reject(error: DOMException): void;
+}
+
+/** The attributes, properties and events are those of package/element.d.ts. */
+export class PointreelPlayer extends HTMLElement implements Declared {
   static readonly observedAttributes = ["src", "loop", "controls", "mode", "poster"];
   readonly player: Player;
   private readonly canvas = element("canvas", { role: "img", tabindex: "0", "aria-label": "Moving point cloud" });
@@ -44,7 +58,14 @@ export class PointreelPlayer extends HTMLElement {
   private observer: ResizeObserver | null = null;
   private hasLoaded = false;
   private hasEnded = false;
+  /** What was asked for; frames may have to come first. */
+  private isPaused = true;
+  private isRunning = false;
+  private starting: Starting[] = [];
+  private failure: Error | null = null;
+  private hasSought = false;
   private startUs = 0;
+  private toldTime = NaN;
 
   constructor() {
     super();
@@ -64,14 +85,18 @@ export class PointreelPlayer extends HTMLElement {
   }
   disconnectedCallback(): void {
     this.observer?.disconnect();
-    this.hasLoaded = false;
     // Moving the element within the page disconnects and connects it again.
-    queueMicrotask(() => { if (!this.isConnected) this.player.free(); });
+    queueMicrotask(() => {
+      if (this.isConnected) return;
+      this.pause();
+      this.player.free();
+      this.hasLoaded = false;
+    });
   }
   attributeChangedCallback(name: string): void {
     if (name === "src" && this.isConnected) this.load();
     if (name === "loop" && this.player.isOpen) this.player.setLoop(this.loop);
-    if (name === "mode" && (MODES as readonly string[]).includes(this.mode)) this.player.set({ mode: this.mode });
+    if (name === "mode") this.player.set({ mode: this.mode });
     if (name === "controls") this.showControls();
     if (name === "poster") this.showPoster();
   }
@@ -99,18 +124,27 @@ export class PointreelPlayer extends HTMLElement {
     this.canvas.after(this.picture);
   }
 
-  /** Loads `src` anew. */
   load(): void {
-    this.hasLoaded = true;
+    // A player without a source may have been asked to play already.
+    if (this.hasLoaded) {
+      this.isPaused = true;
+      this.isRunning = false;
+      this.stopStarting("AbortError", "another source was loaded");
+      this.dispatchEvent(new Event("emptied"));
+    }
+    this.hasLoaded = this.src !== "";
     this.hasEnded = false;
+    this.failure = null;
     if (!this.src) return this.player.close();
+    this.dispatchEvent(new Event("loadstart"));
     const sources = this.src.split(/\s+/).filter((s) => s !== "")
       .map((s) => (/^wss?:/.test(s) || /\.json(\?|$)/.test(s) ? s : s.replace(/\/?(\?|$)/, "/reel.json$1")));
     this.spinner.hidden = false;
-    this.player.open(sources, this.getAttribute("token"), {
-      loop: this.loop, startUs: this.startUs, places: placesOf(this.getAttribute("places") ?? ""),
+    this.player.open(sources, this.token || null, {
+      loop: this.loop, startUs: this.startUs, places: placesOf(this.places),
     }).then(() => {
-      if (this.autoplay && this.player.reel) this.player.play();
+      if (!this.player.isOpen || (this.isPaused && !this.autoplay)) return;
+      if (!this.player.playing) this.player.play();
     });
   }
 
@@ -119,13 +153,66 @@ export class PointreelPlayer extends HTMLElement {
       this.picture?.remove();
       this.spinner.hidden = true;
     }
-    if (name === "error") this.spinner.hidden = true;
+    if (name === "error") {
+      this.spinner.hidden = true;
+      this.failure = new Error(this.player.error ?? "unknown");
+    }
     if (name === "waiting") this.spinner.hidden = this.player.pictures > 0;
     if (name === "playing") this.spinner.hidden = true;
     if (name === "ended") this.hasEnded = true;
     if (name === "play" || name === "seeking") this.hasEnded = false;
     this.controlsShown?.update();
-    this.dispatchEvent(new Event(name));
+    this.dispatch(name);
+    if (name === "error") this.stopStarting("NotSupportedError", this.failure!.message);
+    if (name === "pause") this.stopStarting("AbortError", "it was paused");
+  }
+  /** Tells what has happened by the events that <video> has. */
+  private dispatch(name: PlayerEvent): void {
+    const tell = (...names: string[]) => { for (const each of names) this.dispatchEvent(new Event(each)); };
+    switch (name) {
+      case "loadedmetadata":
+        return tell("durationchange", name);
+      case "firstpicture":
+        return tell(name, "loadeddata", "canplay");
+      case "play":
+      case "pause":
+        if (this.isPaused === (name === "pause")) return;
+        this.isPaused = name === "pause";
+        tell(name);
+        return this.noteRunning();
+      case "waiting":
+      case "playing":
+        return;  // noteRunning tells, also where frames that were there already begin to move
+      case "seeking":
+        this.hasSought = true;
+        return tell(name);
+      case "seeked":
+        // The first picture, and one after play(), end what no one asked for.
+        if (this.hasSought) tell(name);
+        this.hasSought = false;
+        return;
+      case "timeupdate":
+        this.noteRunning();
+        if (this.currentTime === this.toldTime) return;
+        this.toldTime = this.currentTime;
+        return tell(name);
+      default:
+        return tell(name);
+    }
+  }
+  private noteRunning(): void {
+    const runs = this.player.playing && this.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA;
+    if (runs === this.isRunning) return;
+    this.isRunning = runs;
+    if (runs) {
+      this.dispatchEvent(new Event("playing"));
+      for (const { resolve } of this.starting.splice(0)) resolve();
+    } else if (!this.isPaused) {
+      this.dispatchEvent(new Event("waiting"));
+    }
+  }
+  private stopStarting(name: string, why: string): void {
+    for (const { reject } of this.starting.splice(0)) reject(new DOMException(why, name));
   }
 
   // As <video>.
@@ -140,34 +227,49 @@ export class PointreelPlayer extends HTMLElement {
   set loop(value: boolean) { this.toggleAttribute("loop", value); }
   get controls(): boolean { return this.hasAttribute("controls"); }
   set controls(value: boolean) { this.toggleAttribute("controls", value); }
-  get mode(): Mode { return (this.getAttribute("mode") ?? "surfel") as Mode; }
+  get mode(): Mode { return MODES.find((mode) => mode === this.getAttribute("mode")) ?? "surfel"; }
   set mode(value: Mode) { this.setAttribute("mode", value); }
 
+  get places(): string { return this.getAttribute("places") ?? ""; }
+  set places(value: string) { this.setAttribute("places", value); }
+  get token(): string { return this.getAttribute("token") ?? ""; }
+  set token(value: string) { this.setAttribute("token", value); }
+
   get duration(): number { return this.player.reel ? this.player.reel.reel.durationUs / 1e6 : this.player.isLive ? Infinity : NaN; }
-  /** Seconds. */
   get currentTime(): number { return this.player.reel ? this.player.reel.clock.read().positionUs / 1e6 : this.startUs / 1e6; }
   set currentTime(seconds: number) {
-    if (this.player.reel) this.player.seek(seconds * 1e6);
-    else this.startUs = Math.max(0, seconds * 1e6);
+    const us = Math.max(0, finite(seconds, "currentTime") * 1e6);
+    if (this.player.reel) this.player.seek(Math.min(us, this.player.reel.reel.durationUs));
+    else this.startUs = us;
   }
-  get paused(): boolean { return !this.player.playing; }
+  get paused(): boolean { return this.isPaused; }
   get ended(): boolean { return this.hasEnded; }
   get seeking(): boolean { return this.player.reel?.isSeeking ?? false; }
   get playbackRate(): number { return this.player.reel?.clock.state().speed ?? 1; }
-  set playbackRate(rate: number) { this.player.setSpeed(rate); }
+  set playbackRate(rate: number) { this.player.setSpeed(finite(rate, "playbackRate")); }
+  get readyState(): number {
+    if (!this.player.isOpen) return HTMLMediaElement.HAVE_NOTHING;
+    if (this.player.pictures === 0 || this.seeking) return HTMLMediaElement.HAVE_METADATA;
+    return this.player.reel?.isWaiting ? HTMLMediaElement.HAVE_CURRENT_DATA : HTMLMediaElement.HAVE_ENOUGH_DATA;
+  }
   get buffered(): TimeRanges { return new Ranges(this.player.reel?.buffered().filter((part) => part.whole) ?? []); }
-  get error(): string | null { return this.player.error; }
-  play(): void { this.player.play(); }
-  pause(): void { this.player.pause(); }
-  /** The number of the frame that is shown, and how many there are. */
+  get seekable(): TimeRanges {
+    return new Ranges(this.player.reel ? [{ from: 0, to: this.player.reel.reel.durationUs }] : []);
+  }
+  get error(): Error | null { return this.failure; }
+  play(): Promise<void> {
+    if (this.failure) return Promise.reject(new DOMException(this.failure.message, "NotSupportedError"));
+    if (!this.player.isOpen) this.dispatch("play");
+    else if (!this.player.playing) this.player.play();
+    if (this.isRunning) return Promise.resolve();
+    return new Promise((resolve, reject) => this.starting.push({ resolve, reject }));
+  }
+  pause(): void {
+    if (this.player.playing) this.player.pause();
+    else this.tell("pause");
+  }
   get frame(): number { return this.player.reel?.shown?.frame ?? this.player.live[0]?.shown?.frame ?? -1; }
   get frames(): number { return this.player.reel?.reel.frames ?? 0; }
 }
 
 if (!customElements.get("pointreel-player")) customElements.define("pointreel-player", PointreelPlayer);
-
-declare global {
-  interface HTMLElementTagNameMap {
-    "pointreel-player": PointreelPlayer;
-  }
-}

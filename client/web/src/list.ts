@@ -2,6 +2,7 @@
 import { element } from "./controls/dom";
 import { bytesText, timeText } from "./controls/time_text";
 import "./element";
+import type { PointreelPlayer } from "./element";
 import { refusal } from "./fetching";
 
 interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string }
@@ -38,7 +39,7 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
 const posters: { picture: HTMLElement; src: string }[] = [];
 
 async function drawPoster(picture: HTMLElement, src: string, token: string | null): Promise<void> {
-  const player = element("pointreel-player", { src, class: "drawing", ...(token ? { token } : {}) });
+  const player = element("pointreel-player", { src, class: "drawing", ...(token ? { token } : {}) }) as PointreelPlayer;
   picture.append(player);
   await new Promise<void>((resolve) => {
     const end = () => resolve();

@@ -44,6 +44,13 @@ async function compile(base: URL, name: string): Promise<WebAssembly.Module> {
     ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
 }
 
+/** A worker's script must be of the page's own origin. A line that imports it may be anywhere. */
+function ownOrigin(script: URL): URL {
+  if (script.origin === location.origin) return script;
+  const line = new Blob([`import ${JSON.stringify(script.href)};`], { type: "text/javascript" });
+  return new URL(URL.createObjectURL(line));
+}
+
 interface Loaded {
   assets: Assets;
   module: Module;
@@ -55,7 +62,7 @@ function load(base: URL): Promise<Loaded> {
   loading ??= (async () => {
     const tables = fetchAsset(base, "tables.zst").then(async (r) => new Uint8Array(await r.arrayBuffer()));
     const compiled = await compile(base, "pointreel.wasm");
-    return { assets: { compiled, tables: await tables, worker: new URL("worker.js", base) },
+    return { assets: { compiled, tables: await tables, worker: ownOrigin(new URL("worker.js", base)) },
              module: await Module.create(compiled) };
   })().catch((error) => {
     loading = null;

@@ -1,24 +1,30 @@
-// <pointreel-player>: the interface of web/element.js.
+// <pointreel-player>: the interface of player/element.js. The names that <video> has, too, mean what they mean there.
 
 export type Mode = "surfel" | "voxel" | "point";
 
+/** The events of HTMLMediaElement, and these. */
 export interface PointreelPlayerEventMap extends HTMLElementEventMap {
-  loadedmetadata: Event;
   /** The first picture is drawn. */
   firstpicture: Event;
   /** The camera was moved. */
   viewchange: Event;
+  /** The mode or another setting of drawing was changed. */
   settingschange: Event;
 }
 
 export declare class PointreelPlayer extends HTMLElement {
   /** A reel.json, the folder of one, or ws:// addresses of live streams, separated by spaces. */
   src: string;
+  /** The address of a picture to show before the first frame. */
   poster: string;
   autoplay: boolean;
   loop: boolean;
   controls: boolean;
   mode: Mode;
+  /** Where live streams stand: "-0.6,0,0 0.6,0,0", in the units of the sources. */
+  places: string;
+  /** What a server wants to see before it answers. */
+  token: string;
   /** Seconds. */
   currentTime: number;
   /** Seconds; NaN before `loadedmetadata`, Infinity for a live stream. */
@@ -28,14 +34,20 @@ export declare class PointreelPlayer extends HTMLElement {
   readonly seeking: boolean;
   /** 0.1 to 4, or negative to play backward. */
   playbackRate: number;
+  /** HTMLMediaElement.HAVE_NOTHING to HAVE_ENOUGH_DATA. */
+  readonly readyState: number;
   readonly buffered: TimeRanges;
-  /** One line, or null. */
-  readonly error: string | null;
+  readonly seekable: TimeRanges;
+  /** Why nothing is played; its message is one line. */
+  readonly error: Error | null;
   /** The number of the frame that is shown, counted from 0; -1 before the first. */
   readonly frame: number;
+  /** How many frames there are; 0 for a live stream. */
   readonly frames: number;
+  /** Loads `src` anew. */
   load(): void;
-  play(): void;
+  /** Resolves when frames are shown one after another. */
+  play(): Promise<void>;
   pause(): void;
   addEventListener<K extends keyof PointreelPlayerEventMap>(
     type: K, listener: (event: PointreelPlayerEventMap[K]) => void,

@@ -21,7 +21,7 @@ export class Camera {
   /** PrCamera: target, distance, yaw, pitch, fov_y, scene_radius, up. */
   readonly state = new Float64Array(9);
 
-  constructor(private readonly module: Module, up = 2) { this.change("pr_camera_init", up); }
+  constructor(readonly module: Module, up = 2) { this.change("pr_camera_init", up); }
 
   private change(name: string, ...args: number[]): void {
     const [at] = this.module.put(this.state);

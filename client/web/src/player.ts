@@ -5,7 +5,7 @@ import { Fetcher, refusal } from "./fetching";
 import { LivePlayback } from "./live";
 import { Box, ColorSource, isEmpty, Mode, Module, Vec3 } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
-import { Assets, Pool } from "./pool";
+import { Assets, Pool, Workers } from "./pool";
 import { Reel } from "./reel";
 import { DrawOptions, Renderer } from "./renderer/renderer";
 import { Look } from "./view";
@@ -59,13 +59,15 @@ let loading: Promise<Loaded> | null = null;
 let whole: Promise<WebAssembly.Module> | null = null;
 /** The module and its tables, loaded once for all players of a page. */
 function load(base: URL): Promise<Loaded> {
-  loading ??= (async () => {
+  if (loading) return loading;
+  const workers = new Workers(ownOrigin(new URL("worker.js", base)));
+  loading = (async () => {
     const tables = fetchAsset(base, "tables.zst").then(async (r) => new Uint8Array(await r.arrayBuffer()));
     const compiled = await compile(base, "pointreel.wasm");
-    return { assets: { compiled, tables: await tables, worker: ownOrigin(new URL("worker.js", base)) },
-             module: await Module.create(compiled) };
+    return { assets: { compiled, tables: await tables, workers }, module: await Module.create(compiled) };
   })().catch((error) => {
     loading = null;
+    workers.free();
     throw error;
   });
   return loading;
@@ -145,9 +147,13 @@ export class Player {
       const fetcher = isLive ? null : new Fetcher(urls[0]!, token);
       const manifest = fetcher?.manifest(opening.signal);
       manifest?.catch(() => undefined);
-      const { assets, module } = await load(this.base);
+      const loaded = load(this.base);
+      loaded.catch(() => undefined);
+      // While these are on their way, the driver makes a context and compiles.
+      this.renderer ??= new Renderer(this.canvas);
+      this.renderer.startCompiling(this.settings);
+      const { assets, module } = await loaded;
       if (opening.signal.aborted) return;
-      this.renderer ??= new Renderer(this.canvas, module);
       this.fetcher = fetcher;
       if (isLive) {
         const poolFor = async (isDraco: boolean): Promise<Pool> => {

@@ -1,4 +1,5 @@
 // The workers: who does which job, and what is done about one that traps or hangs.
+import { WORKERS } from "./device";
 import { Done, FromWorker, ToWorker } from "./messages";
 
 /** The job was lost through no fault of its own, and may be given to a worker again. */
@@ -8,7 +9,18 @@ export class LostJob extends Error {}
 export interface Assets {
   compiled: WebAssembly.Module;
   tables: Uint8Array;
-  worker: URL;
+  workers: Workers;
+}
+
+/** Starts workers. Those of the first pool start at once, while the module is still being loaded. */
+export class Workers {
+  private readonly started: Worker[];
+
+  constructor(private readonly script: URL) { this.started = Array.from({ length: WORKERS }, () => this.start()); }
+
+  free(): void { for (const worker of this.started) worker.terminate(); }
+  take(): Worker { return this.started.pop() ?? this.start(); }
+  private start(): Worker { return new Worker(this.script, { type: "module" }); }
 }
 
 /** A job that runs longer hangs. Dense frames on a slow phone take a few seconds. */
@@ -94,7 +106,7 @@ export class Pool {
   }
 
   private start(hand: Hand): Promise<void> {
-    const worker = new Worker(this.assets.worker, { type: "module" });
+    const worker = this.assets.workers.take();
     hand.worker = worker;
     worker.postMessage({ type: "open", compiled: this.assets.compiled, tables: this.assets.tables } as ToWorker);
     for (const message of this.tables) worker.postMessage(message);

@@ -1,6 +1,6 @@
 // The grid on the floor: client/render/floor.h.
 import { Camera } from "../camera";
-import { Box, isEmpty, Module, Vec3 } from "../module";
+import { Box, isEmpty, Vec3 } from "../module";
 import { LateProgram, Size } from "./gl";
 import { ViewBlock } from "./view_block";
 
@@ -18,7 +18,8 @@ export interface FloorLines {
 }
 
 /** The lines that a camera sees of the floor of `box`; null if it has none. */
-export function floorLines(module: Module, box: Box, camera: Camera): FloorLines | null {
+export function floorLines(box: Box, camera: Camera): FloorLines | null {
+  const { module } = camera;
   if (isEmpty(box)) return null;
   const [state, bounds] = module.put(camera.state, Float64Array.of(...box.min, ...box.max));
   const lines = module.call("pr_floor_lines", state!, bounds!);

@@ -45,19 +45,22 @@ export interface Texts {
   units: ReadonlyMap<string, number>;
 }
 
-/** A program that is compiled when it is first used. */
+/** A program that is compiled when it is first used, or before. */
 export class LateProgram {
+  private linking: { program: WebGLProgram; units: ReadonlyMap<string, number> } | null = null;
   private made: Program | null = null;
 
   constructor(private readonly gl: WebGL2RenderingContext, private readonly texts: () => Texts) {}
 
   get(): Program {
-    this.made ??= this.make();
+    this.made ??= this.finish();
     this.made.use();
     return this.made;
   }
 
-  private make(): Program {
+  /** Lets the driver compile and link. To ask how that went would be to wait for it. */
+  start(): void {
+    if (this.linking) return;
     const { gl } = this, texts = this.texts(), program = gl.createProgram();
     if (!program) throw new DrawingError("the graphics driver has gone");
     for (const [type, text] of [[gl.VERTEX_SHADER, texts.vertex], [gl.FRAGMENT_SHADER, texts.fragment]] as const) {
@@ -69,12 +72,18 @@ export class LateProgram {
       gl.deleteShader(shader);
     }
     gl.linkProgram(program);
+    this.linking = { program, units: texts.units };
+  }
+
+  private finish(): Program {
+    this.start();
+    const { gl } = this, { program, units } = this.linking!;
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
       const logs = (gl.getAttachedShaders(program) ?? []).map((s) => gl.getShaderInfoLog(s) ?? "");
       const why = [...logs, gl.getProgramInfoLog(program) ?? ""].join(" ").trim();
       throw new DrawingError(`the graphics driver rejects a program: ${why.split("\n")[0]}`);
     }
-    return new Program(gl, program, texts.units);
+    return new Program(gl, program, units);
   }
 }
 

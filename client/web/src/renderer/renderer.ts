@@ -1,6 +1,6 @@
 // Draws scenes with WebGL2, as client/render does with OpenGL 4.5 and by the same shaders.
 import { Camera, Eye } from "../camera";
-import { Box, Mode, Module, Packed, Vec3 } from "../module";
+import { Box, Mode, Packed, Vec3 } from "../module";
 import { DepthReader } from "./depth_reader";
 import { Floor, floorLines } from "./floor";
 import { bindTexture, DrawingError, LateProgram, Size } from "./gl";
@@ -65,7 +65,7 @@ export class Renderer {
   private region: Rect = EMPTY;
   private smooth = false;
 
-  constructor(readonly canvas: HTMLCanvasElement, private readonly module: Module) {
+  constructor(readonly canvas: HTMLCanvasElement) {
     const gl = canvas.getContext("webgl2", {
       alpha: false, antialias: false, depth: false, stencil: false,
       powerPreference: "high-performance",
@@ -85,6 +85,22 @@ export class Renderer {
     this.floor = new Floor(gl, this.programs.floor);
     this.depthReader = new DepthReader(gl, this.programs.depthBits);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+  }
+
+  /**
+   * Lets the driver compile what pictures of this kind need. It does so beside everything else, as
+   * long as nobody asks for the result.
+   */
+  startCompiling({ mode, fillHoles, smoothOutlines, floor }: Pick<DrawOptions, "mode" | "fillHoles" | "smoothOutlines"> &
+                                                             { floor: boolean }): void {
+    const p = this.programs, needed = [p.present];
+    if (mode === "point") needed.push(p.point);
+    else if (mode === "voxel") needed.push(p.voxel.sprites, p.voxel.solids);
+    else needed.push(p.surfelDepth.sprites, p.surfelSum.sprites, p.surfelDepth.solids, p.surfelSum.solids, p.resolve);
+    if (mode === "surfel" && fillHoles) needed.push(p.back, p.pullSums, p.pull, p.push);
+    if (smoothOutlines) needed.push(p.outlines);
+    if (floor) needed.push(p.floor);
+    for (const program of needed) program.start();
   }
 
   get isLost(): boolean { return this.gl.isContextLost(); }
@@ -113,7 +129,7 @@ export class Renderer {
     const background = options.background.map(linearFromSrgb) as Vec3;
     gl.clearBufferfv(gl.COLOR, 0, [...background, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [0]);
-    const floor = options.floor && floorLines(this.module, options.floor, camera);
+    const floor = options.floor && floorLines(options.floor, camera);
     if (floor?.isBelow) this.floor.draw(floor, camera, size, background);
     if (drawables.length > 0) {
       gl.bindVertexArray(this.noAttributes);
@@ -190,7 +206,7 @@ export class Renderer {
       this.uploaded[i] = packed;
       if (packed.count === 0) return;
       const eye = camera.seenFrom(packed.origin, this.aspect);
-      const place = new Place(this.module, packed.bounds, eye.toClip, size.width, size.height);
+      const place = new Place(camera.module, packed.bounds, eye.toClip, size.width, size.height);
       this.views[i]!.set(eye, packed.origin, size, options.lighting, packed.normalsEstimated);
       drawables.push({ instances: this.textures[i]!, packed, view: this.views[i]!, place, eye,
                        hasSolids: this.mayHaveSolids(place, eye, options.mode) });

@@ -36,7 +36,7 @@ function show(src: string): void {
   player.player.set({ floor: true });
   player.player.firstView = view ?? null;
   player.loop = true;
-  player.autoplay = !location.hash.includes("t=");
+  player.autoplay = seconds === undefined;
   if (token) player.setAttribute("token", token);
   const places = query.get("at");
   if (places) player.setAttribute("places", places.replace(/;/g, " "));

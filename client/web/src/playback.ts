@@ -256,8 +256,9 @@ export class ReelPlayback {
   private hold(frame: number, upcoming: readonly number[], playing: boolean, speed: number): void {
     if (this.seeking === "jump") {
       if (this.shown?.frame !== frame && !this.damaged.has(frame) && !this.store.failed.has(frame)) return;
-      this.seeking = null;
-      this.clock.release();
+      // A picture alone is not enough to play on from.
+      this.seeking = playing && upcoming.length > 0 && this.ahead.fetched === 0 ? "starved" : null;
+      if (!this.seeking) this.clock.release();
     } else if (this.seeking === "starved") {
       const enough = Math.min(upcoming.length, Math.ceil(RESUME * this.reel.fps * Math.abs(speed)));
       if (this.ahead.fetched < enough) return;

@@ -157,12 +157,14 @@ ListPrograms list_programs(bool surfel) {
 gl::LateProgram sprite_program(Pass pass) {
   std::vector<std::string_view> vertex = placing_files(is_surfel(pass)), fragment;
   if (is_surfel(pass)) {
-    vertex.insert(vertex.end(), {"instancing/pull/surfel_sprite.glsl",
-                                 "instancing/pull/surfel_sprite.vert.glsl"});
+    vertex.insert(vertex.end(),
+                  {"instancing/pull/surfel_sprite.glsl", "instancing/pull/listed_surfel.glsl",
+                   "instancing/pull/surfel_sprite.vert.glsl"});
     fragment = fragment_files(pass, "instancing/pull/sprite_footprint.glsl");
   } else {
     vertex.insert(vertex.end(),
-                  {"instancing/pull/voxel_sprite.glsl", "instancing/pull/voxel_sprite.vert.glsl"});
+                  {"instancing/pull/voxel_sprite.glsl", "instancing/pull/listed_voxel.glsl",
+                   "instancing/pull/voxel_sprite.vert.glsl"});
     fragment = {"instancing/pull/voxel_sprite.frag.glsl"};
   }
   return gl::LateProgram(

@@ -1,13 +1,4 @@
 // A listed surfel as a GL point.
-layout(binding = 0) uniform usamplerBuffer sprites;
-
-Sprite fetch_sprite(int i) {
-  uvec4 a = texelFetch(sprites, 3 * i), b = texelFetch(sprites, 3 * i + 1),
-        c = texelFetch(sprites, 3 * i + 2);
-  return Sprite(uintBitsToFloat(a.xy), uintBitsToFloat(a.z), uintBitsToFloat(a.w),
-                uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xy), c.z, c.w);
-}
-
 layout(location = 0) uniform float scale;      // factor for the radius
 layout(location = 1) uniform float tolerance;  // how far it is pushed back, in scaled radii
 

@@ -101,11 +101,11 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
     program({ vertex: [whole], fragment, afterFragment });
 
   const surfelSprites = [instance, surfel, surfelSprite, fetch, sprites, mark, surfelMark,
-                         renamed(withoutBuffer(surfelSpriteVertex), "place_sprite"), sprite];
+                         renamed(surfelSpriteVertex, "place_sprite"), sprite];
   const surfelSolids = [instance, surfel, fetch, mark, surfelMark, surfelVertex,
                         separateTriangles, solid];
   const voxelSprites = [instance, voxel, voxelSprite, fetch, sprites, mark, voxelMark,
-                        renamed(withoutBuffer(voxelSpriteVertex), "place_sprite"), sprite];
+                        renamed(voxelSpriteVertex, "place_sprite"), sprite];
   return {
     surfelDepth: {
       sprites: inScene(surfelSprites, [spriteFootprint, discDepth]),
@@ -136,8 +136,3 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
   };
 }
 export type Programs = ReturnType<typeof makePrograms>;
-
-/** The desktop's sprites come from a buffer, for which ES 3.0 has no sampler: sprites.glsl instead. */
-function withoutBuffer(text: string): string {
-  return text.replace(/layout\(binding = 0\) uniform usamplerBuffer sprites;[^]*?\n}\n/, "");
-}

@@ -1,5 +1,6 @@
 // A live stream: the newest frame, as soon as it has come.
 import { DECODE_BYTES } from "./device";
+import { refusal } from "./fetching";
 import { Box, encode, Module, Vec3 } from "./module";
 import { MadeFrame } from "./playback";
 import { LostJob, Pool } from "./pool";
@@ -65,15 +66,29 @@ export class LivePlayback {
     }
     this.socket = socket;
     socket.binaryType = "arraybuffer";
+    let hasOpened = false;
+    socket.onopen = () => { hasOpened = true; };
     socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
     socket.onclose = (event) => {
       if (this.closed) return;
       this.module.call("pr_live_reconnected", this.handle);
       this.error = event.reason || (this.shown ? "the connection was lost" : "there is no live stream yet");
+      if (!hasOpened) this.askWhy();
       this.again = window.setTimeout(() => this.connect(), this.pause);
       this.pause = Math.min(2 * this.pause, 2000);
       this.onReady();
     };
+  }
+
+  /** A page is not told why a WebSocket was refused. The stream's manifest is refused for the same reason. */
+  private askWhy(): void {
+    const headers = new Headers(this.token === null ? {} : { Authorization: `Bearer ${this.token}` });
+    fetch(`${this.url.replace(/^ws/, "http")}/reel.json`, { headers, cache: "no-store" }).then((response) => {
+      response.body?.cancel().catch(() => undefined);
+      if (this.closed || this.socket?.readyState === WebSocket.OPEN || response.status !== 401) return;
+      this.error = refusal(response);
+      this.onReady();
+    }).catch(() => undefined);
   }
 
   private receive(data: string | ArrayBuffer): void {

@@ -1,6 +1,5 @@
-// node pictures.mjs PAGE POINTREEL REEL SECONDS: pictures of the page against those that the desktop
-// player draws offscreen, in each mode. PSNR of all channels, at least 45 dB. KEEP=FOLDER keeps
-// them.
+// node pictures.mjs BUILD FOLDER: pictures of the page against those that the desktop player draws
+// offscreen, in each mode. PSNR of all channels, at least 45 dB. KEEP=FOLDER keeps them.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -10,11 +9,12 @@ import { test } from "node:test";
 import { openBrowser, settled } from "./browser.mjs";
 import { serve } from "./serve.mjs";
 
-const [page, pointreel, reel, seconds = "0"] = process.argv.slice(2);
-const LEAST = 45;
+const [build, folder] = process.argv.slice(2);
+const page = join(build, "web"), pointreel = join(build, "bin/pointreel"), reel = join(folder, "reel");
+const LEAST = 45, seconds = "1";
 const { server, port } = await serve(page, [reel]);
 const browser = await openBrowser("gl-egl");
-const folder = mkdtempSync(join(tmpdir(), "pointreel-"));
+const scratch = mkdtempSync(join(tmpdir(), "pointreel-"));
 
 const tab = await (await browser.newContext({ viewport: { width: 640, height: 360 } })).newPage();
 await tab.goto(`http://127.0.0.1:${port}/${basename(reel)}#t=${seconds}`);
@@ -44,7 +44,7 @@ for (const floor of [false, true]) {
       await settled(tab);
       const bytes = await tab.evaluate(async () => [...new Uint8Array(
         await (await document.querySelector("pointreel-player").player.still()).arrayBuffer())]);
-      const own = Buffer.from(bytes), file = join(folder, `${mode}.png`);
+      const own = Buffer.from(bytes), file = join(scratch, `${mode}.png`);
       execFileSync(pointreel, ["play", reel, "--offscreen", "640x360", "--at", seconds, "--mode", mode,
                                floor ? "--floor" : "--no-floor", "--screenshot", file]);
       if (process.env.KEEP) {
@@ -61,5 +61,5 @@ for (const floor of [false, true]) {
 test.after(async () => {
   await browser.close();
   server.close();
-  rmSync(folder, { recursive: true });
+  rmSync(scratch, { recursive: true });
 });

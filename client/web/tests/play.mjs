@@ -1,32 +1,19 @@
-// node play.mjs PAGE REEL (of 90 frames at 30 a second): the page in a browser. It opens, plays, goes to exact frames, is dragged
+// node play.mjs BUILD FOLDER: the page in a browser. It opens, plays, goes to exact frames, is dragged
 // by mouse and by touch, loops, and fits on a narrow screen.
 import assert from "node:assert/strict";
-import { basename } from "node:path";
+import { basename, join } from "node:path";
 import { test } from "node:test";
 import { openBrowser, settled, until } from "./browser.mjs";
 import { serve } from "./serve.mjs";
+import { ask, openTab } from "./tab.mjs";
 
-const [page, reel] = process.argv.slice(2);
+const [build, folder] = process.argv.slice(2);
+const page = join(build, "web"), reel = join(folder, "reel");
 const requests = [];
 const { server, port } = await serve(page, [reel], requests);
 const browser = await openBrowser();
 const at = (rest, where = port) => `http://127.0.0.1:${where}/${basename(reel)}${rest}`;
-const ask = (tab, question) => tab.evaluate(`(() => {
-  const player = document.querySelector("pointreel-player"), root = player.shadowRoot; return ${question};
-})()`);
-
-async function open(rest, options = {}, where = port) {
-  const context = await browser.newContext({ viewport: { width: 640, height: 360 }, ...options });
-  const tab = await context.newPage();
-  tab.faults = [];
-  tab.on("pageerror", (error) => tab.faults.push(error.message));
-  tab.on("console", (message) => { if (message.type() === "error") tab.faults.push(message.text()); });
-  await tab.goto(at(rest, where));
-  return { tab, close: async () => {
-    assert.deepEqual(tab.faults, []);
-    await context.close();
-  } };
-}
+const open = (rest, options = {}, where = port) => openTab(browser, at(rest, where), options);
 
 test("the page plays, with few requests, and stays within what it may do", async () => {
   const { tab, close } = await open("");

@@ -1,0 +1,78 @@
+// node nginx.mjs BUILD FOLDER: nginx alone serves the page and a reel, configured by server/nginx/page.conf.
+import assert from "node:assert/strict";
+import { accessSync, cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { createServer } from "node:net";
+import { join } from "node:path";
+import { test } from "node:test";
+import { openBrowser, settled } from "./browser.mjs";
+import { start } from "./programs.mjs";
+import { ask, openTab } from "./tab.mjs";
+
+const [build, folder] = process.argv.slice(2);
+const NGINX = "/usr/sbin/nginx";
+try {
+  accessSync(NGINX);
+} catch {
+  console.log("Skipped: nginx is not installed: apt-get install nginx");
+  process.exit(77);
+}
+
+/** nginx cannot choose a free port and report it. */
+const freePort = () => new Promise((resolve) => {
+  const probe = createServer().listen(0, "127.0.0.1", () => {
+    const { port } = probe.address();
+    probe.close(() => resolve(port));
+  });
+});
+const port = await freePort();
+const site = join(folder, "site"), own = join(folder, "nginx");
+cpSync(join(build, "web"), site, { recursive: true });
+cpSync(join(folder, "reel"), join(site, "reel"), { recursive: true });
+mkdirSync(own);
+const source = new URL("../../../server/nginx/page.conf", import.meta.url);
+const http = [["listen 80;", `listen 127.0.0.1:${port};`], ["/srv/pointreel", site]].reduce((text, [from, to]) => {
+  assert.ok(text.includes(from), `page.conf does not contain "${from}"`);
+  return text.replace(from, to);
+}, readFileSync(source, "utf8"));
+writeFileSync(join(own, "nginx.conf"), `${process.getuid() === 0 ? "user root;\n" : ""}daemon off;
+pid nginx.pid;
+events {}
+http {
+  access_log off;
+  ${["client_body", "proxy", "fastcgi", "uwsgi", "scgi"].map((name) => `${name}_temp_path ${name};`).join("\n  ")}
+${http}
+}
+`);
+const nginx = start(NGINX, ["-p", own, "-c", join(own, "nginx.conf"), "-e", join(own, "error.log")]);
+const browser = await openBrowser();
+const url = `http://127.0.0.1:${port}`;
+for (const end = Date.now() + 30_000; !(await fetch(url).catch(() => null));) {
+  assert.ok(Date.now() < end, readFileSync(join(own, "error.log"), "utf8"));
+  await new Promise((resolve) => setTimeout(resolve, 50));
+}
+
+test("the page and a reel come from nginx alone", async () => {
+  const { tab, close } = await openTab(browser, `${url}/index.html?reel=reel/reel.json#t=1`);
+  await settled(tab);
+  await ask(tab, "player.currentTime = player.player.reel.reel.timesUs[70] / 1e6");
+  await settled(tab);
+  assert.equal(await ask(tab, "player.frame"), 70);
+  if (process.env.KEEP) await tab.screenshot({ path: join(process.env.KEEP, "nginx.png") });
+  await close();
+});
+
+test("modules are compiled as they come, files with a hash are kept, and the policy is strict", async () => {
+  const start = await fetch(`${url}/index.html`), html = await start.text();
+  assert.equal(start.headers.get("Cache-Control"), "no-cache");
+  assert.match(start.headers.get("Content-Security-Policy"), /^default-src 'none'/);
+  const [hash] = /page\/[^/"]+/.exec(html);
+  const module = await fetch(`${url}/${hash}/pointreel.wasm`);
+  assert.equal(module.headers.get("Content-Type"), "application/wasm");
+  assert.match(module.headers.get("Cache-Control"), /immutable/);
+  assert.equal((await fetch(`${url}/reel/notes`)).status, 404);
+});
+
+test.after(async () => {
+  await browser.close();
+  await nginx.end();
+});

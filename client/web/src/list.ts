@@ -8,6 +8,14 @@ import { refusal } from "./fetching";
 interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string }
 interface Stream { name: string; url: string; publishing: boolean; viewers: number }
 
+/** A path of the server's list, which may begin with "/" although the server is below a folder of another one. */
+function within(base: URL, path: string): URL {
+  const url = new URL(path.replace(/^\/+/, ""), base);
+  // The token goes there.
+  if (url.origin !== base.origin) throw new Error(`it names an address elsewhere, ${url.origin}`);
+  return url;
+}
+
 export async function showList(root: HTMLElement, base: URL, token: string | null): Promise<void> {
   const headers = new Headers({ Accept: "application/json" });
   if (token) headers.set("Authorization", `Bearer ${token}`);
@@ -15,30 +23,65 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
   if (!response.ok) throw new Error(refusal(response));
   const { packages = [], streams = [] } = await response.json() as { packages?: Reel[]; streams?: Stream[] };
   const hash = token ? `#token=${encodeURIComponent(token)}` : "";
-  const cards = element("ul", { class: "cards" });
-  for (const stream of streams) {
-    const link = element("a", { href: new URL(`?live=${encodeURIComponent(stream.name)}${hash}`, base).href },
-      element("span", { class: "picture live" }), element("strong", {}, stream.name),
-      element("small", {}, stream.publishing ? `live, ${stream.viewers} watching` : "not live at the moment"));
-    cards.append(element("li", {}, link));
+  const cards = element("ul", { class: "cards" }), posters = new Posters(token);
+  const add = (link: URL, name: string, facts: string, live: boolean): HTMLElement => {
+    const picture = element("span", { class: live ? "picture live" : "picture" });
+    cards.append(element("li", {}, element("a", { href: link.href + hash }, picture, element("strong", {}, name),
+                                           element("small", {}, facts))));
+    return picture;
+  };
+  for (const { name, publishing, viewers } of streams) {
+    const picture = add(new URL(`?live=${encodeURIComponent(name)}`, base), name,
+                        publishing ? `live, ${viewers} watching` : "not live at the moment", true);
+    const stream = new URL(`live/${encodeURIComponent(name)}`, base);
+    stream.protocol = base.protocol.replace("http", "ws");
+    if (publishing) posters.add(picture, stream.href);
   }
-  for (const reel of packages) {
-    const picture = element("span", { class: "picture" });
-    const path = reel.url.replace(/\/(reel\.json)?$/, "").replace(/^\//, "");
-    cards.append(element("li", {}, element("a", { href: new URL(path + hash, base).href }, picture,
-      element("strong", {}, reel.name),
-      element("small", {}, `${timeText(reel.duration_us)}, ${reel.frames} ${reel.frames === 1 ? "frame" : "frames"}, ${bytesText(reel.bytes)}`))));
-    posters.push({ picture, src: new URL(reel.manifest.replace(/^\//, ""), base).href });
+  for (const { name, url, manifest, duration_us, frames, bytes } of packages) {
+    const picture = add(within(base, url.replace(/\/(reel\.json)?$/, "")), name,
+                        `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}`, false);
+    posters.add(picture, within(base, manifest).href);
   }
   root.replaceChildren(element("main", { class: "list" }, element("h1", {}, "Pointreel"),
     cards.childElementCount > 0 ? cards : element("p", {}, "This server has no reels and no live streams.")));
-  // One after another: each takes workers and a WebGL context.
-  for (const poster of posters.splice(0)) await drawPoster(poster.picture, poster.src, token);
 }
 
-const posters: { picture: HTMLElement; src: string }[] = [];
+/**
+ * Draws pictures of what is on the screen or close to it, one after another, because each takes workers and a
+ * WebGL context while it is drawn.
+ */
+class Posters {
+  private readonly sources = new Map<Element, string>();
+  private readonly waiting = new Set<Element>();
+  private isDrawing = false;
+  private readonly observer = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      if (isIntersecting) this.waiting.add(target);
+      else this.waiting.delete(target);
+    }
+    this.draw();
+  }, { rootMargin: "25%" });
 
-async function drawPoster(picture: HTMLElement, src: string, token: string | null): Promise<void> {
+  constructor(private readonly token: string | null) {}
+
+  add(picture: Element, src: string): void {
+    this.sources.set(picture, src);
+    this.observer.observe(picture);
+  }
+
+  private async draw(): Promise<void> {
+    if (this.isDrawing) return;
+    this.isDrawing = true;
+    for (let picture; (picture = [...this.waiting][0]);) {
+      this.waiting.delete(picture);
+      this.observer.unobserve(picture);
+      await drawPoster(picture, this.sources.get(picture)!, this.token);
+    }
+    this.isDrawing = false;
+  }
+}
+
+async function drawPoster(picture: Element, src: string, token: string | null): Promise<void> {
   const player = element("pointreel-player", { src, class: "drawing", ...(token ? { token } : {}) }) as PointreelPlayer;
   picture.append(player);
   await new Promise<void>((resolve) => {
@@ -51,7 +94,11 @@ async function drawPoster(picture: HTMLElement, src: string, token: string | nul
   await new Promise((resolve) => setTimeout(resolve, 300));
   if (player.player.pictures > 0) {
     const still = await player.player.still().catch(() => null);
-    if (still) picture.append(element("img", { src: URL.createObjectURL(still), alt: "" }));
+    if (still) {
+      const url = URL.createObjectURL(still), image = element("img", { src: url, alt: "" });
+      image.onload = () => URL.revokeObjectURL(url);
+      picture.append(image);
+    }
   }
   player.remove();
 }

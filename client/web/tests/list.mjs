@@ -1,0 +1,33 @@
+// node list.mjs BUILD FOLDER: the list of a server with many reels.
+import assert from "node:assert/strict";
+import { symlinkSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { openBrowser, until } from "./browser.mjs";
+import { serve } from "./serve.mjs";
+import { openTab } from "./tab.mjs";
+
+const [build, folder] = process.argv.slice(2), REELS = 50;
+const reels = Array.from({ length: REELS }, (_, i) => join(folder, `reel${i}`));
+for (const reel of reels) symlinkSync(join(folder, "reel"), reel);
+const requests = [];
+const { server, port } = await serve(join(build, "web"), reels, requests);
+const browser = await openBrowser();
+
+test("reels on the screen get their pictures one by one, and the others when one scrolls to them", async () => {
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/`);
+  await until(tab, () => document.querySelectorAll(".picture img").length >= 3, "three pictures", 60_000);
+  assert.equal(await tab.evaluate(`document.querySelectorAll(".cards a").length`), REELS);
+  assert.ok(await tab.evaluate(`document.querySelectorAll("pointreel-player").length`) <= 1);
+  const last = reels.length - 1, asked = () => requests.some(({ path }) => path === `/reel${last}/reel.json`);
+  assert.ok(!asked());
+  await tab.evaluate(() => document.querySelector(".cards li:last-child").scrollIntoView());
+  await until(tab, () => document.querySelector(".cards li:last-child img")?.naturalWidth > 0, "the last picture", 60_000);
+  if (process.env.KEEP) await tab.screenshot({ path: join(process.env.KEEP, "list.png") });
+  await close();
+});
+
+test.after(async () => {
+  await browser.close();
+  server.close();
+});

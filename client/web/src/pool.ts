@@ -101,7 +101,8 @@ export class Pool {
     return new Promise((resolve, reject) => {
       hand.jobs.set(message.job, { resolve, reject });
       hand.worker.postMessage(message, transfer);
-      this.watch(hand);
+      // Jobs that wait behind another must not give that one more time.
+      if (hand.jobs.size === 1) this.watch(hand);
     });
   }
 

@@ -1,13 +1,23 @@
 import { Box, Module, Vec3 } from "./module";
 
-/** PrMatrices, and what else the renderer asks of a camera. */
+/** How an eye sees. */
 export interface Eye {
+  /** From the scene to clip coordinates, with reversed depth. */
   toClip: Float32Array;
   near: number;
   eye: Vec3;
   /** To the right, up and back. */
   axes: [Vec3, Vec3, Vec3];
-  fovY: number;
+  /** Where the picture's sides are at depth 1, to the right and up of the direction of view. */
+  sides: { left: number; right: number; bottom: number; top: number };
+}
+
+/** From where a picture is drawn. */
+export interface Viewpoint {
+  /** Computes where in the picture things lie. */
+  readonly module: Module;
+  /** Relative to an origin near the scene, for pictures of this width over height. */
+  seenFrom(origin: Vec3, aspect: number): Eye;
 }
 
 const NAMED: Record<string, [number, number]> = {
@@ -17,7 +27,7 @@ const NAMED: Record<string, [number, number]> = {
 export type NamedView = keyof typeof NAMED;
 
 /** A camera of client/scene/camera.h, whose functions the module has. */
-export class Camera {
+export class Camera implements Viewpoint {
   /** PrCamera: target, distance, yaw, pitch, fov_y, scene_radius, up. */
   readonly state = new Float64Array(9);
 
@@ -61,13 +71,13 @@ export class Camera {
     this.state[5] = -this.pitch;
   }
 
-  /** Relative to an origin near the scene, for pictures of this width over height. */
   seenFrom(origin: Vec3, aspect: number): Eye {
+    const slope = Math.tan(0.5 * this.fovY), across = slope * aspect;
     const [at] = this.module.put(this.state);
     const m = this.module.floats(this.module.call("pr_camera_matrices", at!, ...origin, aspect), 49);
     const a = this.module.doubles(this.module.call("pr_camera_axes", at!), 12);
     const v = (i: number): Vec3 => [a[i]!, a[i + 1]!, a[i + 2]!];
     return { toClip: m.slice(32, 48), near: m[48]!, eye: v(0), axes: [v(3), v(6), v(9)],
-             fovY: this.fovY };
+             sides: { left: -across, right: across, bottom: -slope, top: slope } };
   }
 }

@@ -1,14 +1,17 @@
 // A canvas that plays a reel or live streams. Without controls: element.ts has those.
 import { Camera } from "./camera";
 import { WORKERS } from "./device";
-import { Fetcher, refusal } from "./fetching";
+import { Fetcher } from "./fetching";
+import { Headset } from "./headset";
 import { LivePlayback } from "./live";
-import { Box, ColorSource, isEmpty, Mode, Module, Vec3 } from "./module";
+import { load, loadWhole } from "./loading";
+import { Box, ColorSource, isEmpty, Mode, Vec3 } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
-import { Assets, Pool, Workers } from "./pool";
+import { Pool } from "./pool";
 import { Reel } from "./reel";
-import { DrawOptions, Renderer } from "./renderer/renderer";
+import { DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
 import { Look } from "./view";
+import { WholeView } from "./whole_view";
 
 export interface Settings {
   mode: Mode;
@@ -33,52 +36,13 @@ export type PlayerEvent =
   "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" | "timeupdate" | "waiting" |
   "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" | "ratechange";
 
-async function fetchAsset(base: URL, name: string): Promise<Response> {
-  const response = await fetch(new URL(name, base));
-  if (!response.ok) throw new Error(`${name}: ${refusal(response)}`);
-  return response;
-}
-async function compile(base: URL, name: string): Promise<WebAssembly.Module> {
-  const response = await fetchAsset(base, name);
-  return response.headers.get("Content-Type")?.startsWith("application/wasm")
-    ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
-}
-
-/** A worker's script must be of the page's own origin. A line that imports it may be anywhere. */
-function ownOrigin(script: URL): URL {
-  if (script.origin === location.origin) return script;
-  const line = new Blob([`import ${JSON.stringify(script.href)};`], { type: "text/javascript" });
-  return new URL(URL.createObjectURL(line));
-}
-
-interface Loaded {
-  assets: Assets;
-  module: Module;
-}
-let loading: Promise<Loaded> | null = null;
-let whole: Promise<WebAssembly.Module> | null = null;
-/** The module and its tables, loaded once for all players of a page. */
-function load(base: URL): Promise<Loaded> {
-  if (loading) return loading;
-  const workers = new Workers(ownOrigin(new URL("worker.js", base)));
-  loading = (async () => {
-    const tables = fetchAsset(base, "tables.zst").then(async (r) => new Uint8Array(await r.arrayBuffer()));
-    const compiled = await compile(base, "pointreel.wasm");
-    return { assets: { compiled, tables: await tables, workers }, module: await Module.create(compiled) };
-  })().catch((error) => {
-    loading = null;
-    workers.free();
-    throw error;
-  });
-  return loading;
-}
-/** The larger module, which decodes Draco, too. */
-function loadWhole(base: URL): Promise<WebAssembly.Module> {
-  whole ??= compile(base, "pointreel-draco.wasm").catch((error) => {
-    whole = null;
-    throw error;
-  });
-  return whole;
+/** Shows pictures in place of the canvas, and calls drawFrame for each. */
+export interface Display {
+  /** Null before anything is known. */
+  view(): WholeView | null;
+  /** `reduction`: how many times fewer pixels there are along each side. Returns how many instances were drawn. */
+  draw(renderer: Renderer, parts: readonly ScenePart[], options: DrawOptions, reduction: number): number;
+  leave(): void;
 }
 
 export class Player {
@@ -97,6 +61,9 @@ export class Player {
   private pool: Pool | null = null;
   /** For live streams, by the module that decodes. */
   private readonly livePools = new Map<WebAssembly.Module, Pool>();
+  /** Null for the canvas. */
+  display: Display | null = null;
+  private seen: WholeView | null = null;
   private opening: AbortController | null = null;
   private fetcher: Fetcher | null = null;
   private scheduled = 0;
@@ -205,6 +172,7 @@ export class Player {
     this.pictures = 0;
   }
   free(): void {
+    this.display?.leave();
     this.close();
     cancelAnimationFrame(this.scheduled);
     this.renderer?.free();
@@ -319,7 +287,7 @@ export class Player {
     this.lookNumber += 1;
     this.dirty = true;
     // At once: the canvas was cleared.
-    this.tick();
+    if (!this.display) this.tick();
   }
 
   /** The picture as it is shown, in full quality. */
@@ -330,7 +298,26 @@ export class Player {
       (blob) => (blob ? resolve(blob) : reject(new Error("the picture cannot be saved"))), "image/png"));
   }
 
+  /** Shows the scene in a headset, until it is taken off. */
+  async enter(mode: XRSessionMode): Promise<void> {
+    if (!this.renderer || !this.camera) throw new Error("nothing is open that a headset could show");
+    this.display = await Headset.enter(mode, this, this.renderer, this.camera.module, () => {
+      this.display = this.seen = null;
+      this.lookNumber += 1;
+      this.dirty = true;
+      this.onEvent("viewchange");
+      this.schedule();
+    });
+    this.onEvent("viewchange");
+  }
+  /** For the display's frames, each of which needs a picture. */
+  drawFrame(): void {
+    this.dirty = true;
+    this.tick();
+  }
+
   schedule(): void {
+    if (this.display) return;
     if (this.scheduled === 0) this.scheduled = requestAnimationFrame(() => {
       this.scheduled = 0;
       this.tick();
@@ -338,14 +325,17 @@ export class Player {
   }
 
   private look(): Look {
-    const resting = performance.now() - this.moved > MOVES && !(this.reel && this.playing) && !this.reel?.scrubbing;
+    const resting = !this.display && performance.now() - this.moved > MOVES && !(this.reel && this.playing) && !this.reel?.scrubbing;
     if (resting !== this.rested) {
       this.rested = resting;
       this.lookNumber += 1;
     }
+    const seen = this.display?.view() ?? null;
+    if (seen !== this.seen) this.lookNumber += 1;
+    this.seen = seen;
     const { mode, color, fillHoles } = this.settings;
-    return { camera: this.camera!, width: this.canvas.width, height: this.canvas.height, mode, color, fillHoles,
-             refine: resting && mode === "surfel", number: this.lookNumber };
+    return { camera: seen?.camera ?? this.camera!, width: seen?.size ?? this.canvas.width,
+             height: seen?.size ?? this.canvas.height, mode, color, fillHoles, refine: resting && mode === "surfel", number: this.lookNumber };
   }
   private rested = false;
 
@@ -402,17 +392,22 @@ export class Player {
   private paint(): void {
     const { renderer, camera, canvas } = this;
     if (!renderer || !camera) return;
-    const start = performance.now(), parts = this.parts();
+    const start = performance.now(), parts = this.parts(), bounds = this.bounds();
     // After a change of the mode, frames are drawn in the old one until there are others.
     const mode = parts[0]?.mode ?? this.settings.mode;
     const side = renderer.largestSide, r = Math.max(this.reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));
     const options: DrawOptions = {
       ...this.settings, mode, pointSize: this.settings.pointSize * (window.devicePixelRatio || 1) / r,
-      floor: this.settings.floor ? this.bounds() : null,
+      floor: this.settings.floor && bounds ? { box: bounds, camera } : null,
     };
     const size = { width: Math.ceil(canvas.width / r), height: Math.ceil(canvas.height / r) };
-    this.drawn = renderer.draw(parts.filter((part) => part.mode === mode), camera, size, options);
-    renderer.present();
+    const drawable = parts.filter((part) => part.mode === mode);
+    if (this.display) {
+      this.drawn = this.display.draw(renderer, drawable, options, this.reduction);
+    } else {
+      this.drawn = renderer.draw(drawable, camera, size, options);
+      renderer.present();
+    }
     this.painted = parts;
     this.dirty = false;
     this.drawMs = performance.now() - start;

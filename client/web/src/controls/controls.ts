@@ -2,6 +2,7 @@
 import { followPointers } from "../camera_input";
 import { Player } from "../player";
 import { element } from "./dom";
+import { headsetButtons } from "./headset_buttons";
 import { Icon, icon } from "./icons";
 import { Interface, press, togglePlay } from "./keys";
 import { DrawingPanel, helpPanel, StatisticsPanel } from "./panels";
@@ -35,6 +36,7 @@ export class Controls implements Interface {
       this.button("forward", "forward", "One frame forward", () => player.step(1)),
       this.button("loop", "loop", "Loop", () => player.setLoop(!player.loop)));
     const right = element("div", { class: "buttons" },
+      ...headsetButtons(player, (text) => this.say(text)),
       this.button("camera", "camera", "Save a picture", () => this.savePicture()),
       this.button("link", "link", "Copy a link to this view", () => this.copyLink()),
       this.button("help", "help", "Keys and gestures", () => this.toggle("help")),

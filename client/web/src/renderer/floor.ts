@@ -1,5 +1,5 @@
 // The grid on the floor: client/render/floor.h.
-import { Camera } from "../camera";
+import { Camera, Viewpoint } from "../camera";
 import { Box, isEmpty, Vec3 } from "../module";
 import { LateProgram, Size } from "./gl";
 import { ViewBlock } from "./view_block";
@@ -51,9 +51,9 @@ export class Floor {
   }
 
   /** Into the bound framebuffer. `background` is linear. */
-  draw(lines: FloorLines, camera: Camera, size: Size, background: Vec3): void {
+  draw(lines: FloorLines, viewpoint: Viewpoint, size: Size, background: Vec3): void {
     const { gl } = this, [r, g, b] = background;
-    this.view.set(camera.seenFrom(lines.origin, size.width / size.height), lines.origin, size, false, false);
+    this.view.set(viewpoint.seenFrom(lines.origin, size.width / size.height), lines.origin, size, false, false);
     this.view.bind();
     gl.bindVertexArray(this.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);

@@ -1,5 +1,5 @@
 // Draws scenes with WebGL2, as client/render does with OpenGL 4.5 and by the same shaders.
-import { Camera, Eye } from "../camera";
+import { Camera, Eye, Viewpoint } from "../camera";
 import { Box, Mode, Packed, Vec3 } from "../module";
 import { DepthReader } from "./depth_reader";
 import { Floor, floorLines } from "./floor";
@@ -20,8 +20,16 @@ export interface DrawOptions {
   pointSize: number;
   /** sRGB, 0 to 1. */
   background: Vec3;
-  /** Draw a grid on the floor of this box. */
-  floor: Box | null;
+  /** Draw a grid on the floor of this box, as a camera sees it. */
+  floor: { box: Box; camera: Camera } | null;
+}
+
+/** The part of a framebuffer where a picture is shown; null is the canvas. */
+export interface Surface extends Size {
+  framebuffer: WebGLFramebuffer | null;
+  x: number;
+  y: number;
+  seeThrough: boolean;
 }
 
 export interface ScenePart {
@@ -47,7 +55,7 @@ interface Drawable {
 }
 
 export class Renderer {
-  private readonly gl: WebGL2RenderingContext;
+  readonly gl: WebGL2RenderingContext;
   private readonly programs: Programs;
   private readonly reconstruction: Reconstruction;
   private readonly noAttributes: WebGLVertexArrayObject;
@@ -111,12 +119,12 @@ export class Renderer {
   get largestSide(): number { return this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) as number; }
 
   /** Returns how many instances were drawn. */
-  draw(parts: readonly ScenePart[], camera: Camera, size: Size, options: DrawOptions): number {
+  draw(parts: readonly ScenePart[], viewpoint: Viewpoint, size: Size, options: DrawOptions): number {
     const { gl } = this;
     this.resize(size);
     const targets = this.targets!;
-    const drawables = this.prepare(parts, camera, options);
-    this.eye = camera.seenFrom([0, 0, 0], this.aspect);
+    const drawables = this.prepare(parts, viewpoint, options);
+    this.eye = viewpoint.seenFrom([0, 0, 0], this.aspect);
     this.smooth = options.smoothOutlines;
     this.region = EMPTY;
     gl.viewport(0, 0, size.width, size.height);
@@ -129,8 +137,8 @@ export class Renderer {
     const background = options.background.map(linearFromSrgb) as Vec3;
     gl.clearBufferfv(gl.COLOR, 0, [...background, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [0]);
-    const floor = options.floor && floorLines(options.floor, camera);
-    if (floor?.isBelow) this.floor.draw(floor, camera, size, background);
+    const floor = options.floor && floorLines(options.floor.box, options.floor.camera);
+    if (floor?.isBelow) this.floor.draw(floor, viewpoint, size, background);
     if (drawables.length > 0) {
       gl.bindVertexArray(this.noAttributes);
       if (options.mode === "surfel") this.drawSurfels(drawables, options);
@@ -139,30 +147,32 @@ export class Renderer {
     }
     if (floor && !floor.isBelow) {
       gl.bindFramebuffer(gl.FRAMEBUFFER, targets.picture);
-      this.floor.draw(floor, camera, size, background);
+      this.floor.draw(floor, viewpoint, size, background);
     }
     return drawables.reduce((sum, d) => sum + d.packed.count, 0);
   }
 
-  /** Shows the last picture on the canvas, whose size may be another. */
-  present(): void {
+  /** Shows the last picture on the canvas or on another surface, whose size may be another. */
+  present(surface: Surface = { framebuffer: null, x: 0, y: 0, width: this.canvas.width, height: this.canvas.height,
+                               seeThrough: false }): void {
     const { gl } = this, targets = this.targets;
     if (!targets) return;
-    const { width, height } = this.canvas;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.viewport(0, 0, width, height);
+    const { width, height } = surface;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, surface.framebuffer);
+    gl.viewport(surface.x, surface.y, width, height);
     for (const off of [gl.BLEND, gl.CULL_FACE, gl.SCISSOR_TEST, gl.DEPTH_TEST]) gl.disable(off);
     gl.colorMask(true, true, true, true);
     gl.bindVertexArray(this.noAttributes);
-    this.presentView.setSize({ width, height });
+    this.presentView.setWindow(surface);
     this.presentView.bind();
-    this.programs.present.get();
+    this.programs.present.get().int("see_through", Number(surface.seeThrough));
     bindTexture(gl, 0, targets.color);
     const filter = width === this.size.width && height === this.size.height ? gl.NEAREST : gl.LINEAR;
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    if (!this.smooth || filter === gl.LINEAR || isNone(this.region)) return;
+    // Outlines are smoothed where pixels of the picture are those of the surface.
+    if (!this.smooth || filter === gl.LINEAR || surface.framebuffer || surface.seeThrough || isNone(this.region)) return;
     const r = this.region, program = this.programs.outlines.get();
     program.ivec4("region", r.x0, r.y0, r.x1 - 1, r.y1 - 1);
     gl.enable(gl.SCISSOR_TEST);
@@ -178,8 +188,9 @@ export class Renderer {
     this.gl.bindVertexArray(this.noAttributes);
     const seen = this.depthReader.nearest(targets.depth, size, x * size.width, (1 - y) * size.height);
     if (!seen) return null;
-    const { eye, near, axes, fovY } = this.eye, t = Math.tan(0.5 * fovY), away = near / seen.depth;
-    const across = t * (2 * seen.x - size.width) / size.height, up = t * (2 * seen.y - size.height) / size.height;
+    const { eye, near, axes, sides } = this.eye, away = near / seen.depth;
+    const across = sides.left + (sides.right - sides.left) * seen.x / size.width;
+    const up = sides.bottom + (sides.top - sides.bottom) * seen.y / size.height;
     return [0, 1, 2].map((i) => eye[i]! + away * (across * axes[0][i]! + up * axes[1][i]! - axes[2][i]!)) as Vec3;
   }
 
@@ -197,7 +208,7 @@ export class Renderer {
   }
 
   /** Uploads what is new, and computes how each part is seen. */
-  private prepare(parts: readonly ScenePart[], camera: Camera, options: DrawOptions): Drawable[] {
+  private prepare(parts: readonly ScenePart[], viewpoint: Viewpoint, options: DrawOptions): Drawable[] {
     const { gl, size } = this, drawables: Drawable[] = [];
     parts.forEach(({ packed }, i) => {
       this.textures[i] ??= new InstanceTexture(gl);
@@ -205,8 +216,8 @@ export class Renderer {
       if (this.uploaded[i] !== packed) this.textures[i]!.upload(packed);
       this.uploaded[i] = packed;
       if (packed.count === 0) return;
-      const eye = camera.seenFrom(packed.origin, this.aspect);
-      const place = new Place(camera.module, packed.bounds, eye.toClip, size.width, size.height);
+      const eye = viewpoint.seenFrom(packed.origin, this.aspect);
+      const place = new Place(viewpoint.module, packed.bounds, eye.toClip, size.width, size.height);
       this.views[i]!.set(eye, packed.origin, size, options.lighting, packed.normalsEstimated);
       drawables.push({ instances: this.textures[i]!, packed, view: this.views[i]!, place, eye,
                        hasSolids: this.mayHaveSolids(place, eye, options.mode) });
@@ -221,9 +232,10 @@ export class Renderer {
   /** False if kind_of in mark.glsl certainly finds no solid. */
   private mayHaveSolids(place: Place, eye: Eye, mode: Mode): boolean {
     const radius = (mode === "voxel" ? CUBE_REACH : SURFEL_REACH * SCALE) * place.largestRadius;
-    const nearest = place.nearest(eye.near), step = 2 * Math.tan(0.5 * eye.fovY) / this.size.height;
+    const { left, right, bottom, top } = eye.sides;
+    const nearest = place.nearest(eye.near), step = (top - bottom) / this.size.height;
     // The distance of an instance in the picture is at most this many times its depth.
-    const slant = Math.hypot(1, Math.tan(0.5 * eye.fovY) * Math.hypot(1, this.aspect));
+    const slant = Math.hypot(1, Math.max(-left, right), Math.max(-bottom, top));
     if (radius > NEAREST_SPRITE * nearest) return true;
     if (2 * radius * slant > LARGEST_SPRITE * step * nearest) return true;
     const r = place.region(0, 0);

@@ -20,21 +20,21 @@ export class ViewBlock {
 
   /** `unsigned`: the signs of normals are unknown. */
   set(eye: Eye, origin: Vec3, size: Size, lighting: boolean, unsigned: boolean): void {
-    const slope = Math.tan(0.5 * eye.fovY), step = 2 * slope / size.height;
-    const [right, up, back] = eye.axes;
+    const { left, right: rightSide, bottom, top } = eye.sides, [right, up, back] = eye.axes;
+    const stepX = (rightSide - left) / size.width, stepY = (top - bottom) / size.height;
     const toLight = [0, 1, 2].map((i) => LIGHT[0] * right[i]! + LIGHT[1] * up[i]! + LIGHT[2] * back[i]!);
-    const corner = [0, 1, 2].map((i) => -back[i]! - 0.5 * step * size.width * right[i]! - slope * up[i]!);
+    const corner = [0, 1, 2].map((i) => -back[i]! + left * right[i]! + bottom * up[i]!);
     const view = new Float32Array(FLOATS);
     view.set(eye.toClip);
     view.set([...eye.eye.map((v, i) => v - origin[i]!), eye.near, ...toLight, lighting ? 1 : 0,
-              step, unsigned ? 1 : 0, 0, 0, ...corner, 0, ...right.map((c) => step * c), 0,
-              ...up.map((c) => step * c), 0, size.width, size.height, 0, 0], 16);
+              stepY, unsigned ? 1 : 0, 0, 0, ...corner, 0, ...right.map((c) => stepX * c), 0,
+              ...up.map((c) => stepY * c), 0, size.width, size.height, 0, 0], 16);
     this.upload(view);
   }
-  /** For programs that ask for nothing but the size. */
-  setSize(size: Size): void {
+  /** For programs that ask for nothing but where the picture is shown. */
+  setWindow({ x, y, width, height }: Size & { x: number; y: number }): void {
     const view = new Float32Array(FLOATS);
-    view.set([size.width, size.height], 40);
+    view.set([width, height, x, y], 40);
     this.upload(view);
   }
 

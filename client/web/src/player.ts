@@ -82,7 +82,13 @@ export class Player {
   /** To be applied once there is a camera. */
   firstView: ((camera: Camera) => void) | null = null;
 
-  constructor(readonly canvas: HTMLCanvasElement, private readonly base: URL) {}
+  /** The canvas's context, while there is no renderer for it. */
+  private givenBack: WEBGL_lose_context | null = null;
+
+  constructor(readonly canvas: HTMLCanvasElement, private readonly base: URL) {
+    // Only a context whose loss is handled can be restored.
+    canvas.addEventListener("webglcontextlost", (event) => { if (this.givenBack) event.preventDefault(); });
+  }
 
   get isOpen(): boolean { return this.reel !== null || this.live.length > 0; }
   get isLive(): boolean { return this.live.length > 0; }
@@ -117,6 +123,8 @@ export class Player {
       const loaded = load(this.base);
       loaded.catch(() => undefined);
       // While these are on their way, the driver makes a context and compiles.
+      if (this.givenBack) await this.takeContext(this.givenBack);
+      if (opening.signal.aborted) return;
       this.renderer ??= new Renderer(this.canvas);
       this.renderer.startCompiling(this.settings);
       const { assets, module } = await loaded;
@@ -157,6 +165,12 @@ export class Player {
       this.fail((error as Error).message);
     }
   }
+  private async takeContext(context: WEBGL_lose_context): Promise<void> {
+    const restored = new Promise((resolve) => this.canvas.addEventListener("webglcontextrestored", resolve, { once: true }));
+    context.restoreContext();
+    await restored;
+    this.givenBack = null;
+  }
   close(): void {
     this.opening?.abort();
     this.reel?.free();
@@ -175,7 +189,7 @@ export class Player {
     this.display?.leave();
     this.close();
     cancelAnimationFrame(this.scheduled);
-    this.renderer?.free();
+    this.givenBack = this.renderer?.free() ?? this.givenBack;
     this.renderer = null;
   }
   private fail(message: string): void {

@@ -105,6 +105,27 @@ test("one finger turns the scene and two zoom; everything fits on 320 pixels", a
   await close();
 });
 
+test("a player that was taken out of the page and put back plays again", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  await tab.evaluate(async () => {
+    window.player = document.querySelector("pointreel-player");
+    window.place = player.parentNode;
+    player.remove();
+    await new Promise((resolve) => setTimeout(resolve, 500));
+    place.append(player);
+  });
+  await settled(tab);
+  const colors = await tab.evaluate(async () => {
+    const picture = await createImageBitmap(await player.player.still());
+    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+    context.drawImage(picture, 0, 0);
+    return new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)).size;
+  });
+  assert.ok(colors > 200, `${colors} colours`);
+  await close();
+});
+
 test("every control has a name", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);

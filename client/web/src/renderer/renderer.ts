@@ -194,7 +194,12 @@ export class Renderer {
     return [0, 1, 2].map((i) => eye[i]! + away * (across * axes[0][i]! + up * axes[1][i]! - axes[2][i]!)) as Vec3;
   }
 
-  free(): void { this.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
+  /** Gives the context back. Returns what can take it again, for the canvas never gets another one. */
+  free(): WEBGL_lose_context | null {
+    const context = this.gl.getExtension("WEBGL_lose_context");
+    context?.loseContext();
+    return context;
+  }
 
   private get aspect(): number { return this.size.width / this.size.height; }
 

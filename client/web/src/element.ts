@@ -2,20 +2,13 @@
 import type { PointreelPlayer as Declared } from "../package/element";
 import { Controls } from "./controls/controls";
 import { element } from "./controls/dom";
-import { MODES, Mode, Vec3 } from "./module";
+import { MODES, Mode } from "./module";
 import { Player, PlayerEvent } from "./player";
+import { placesOf, sourcesOf } from "./sources";
 import style from "./style.css";
 
 const sheet = new CSSStyleSheet();
 sheet.replaceSync(style);
-
-/** "x,y,z x,y,z"; what is no number counts as 0. */
-function placesOf(text: string): Vec3[] {
-  return text.split(/\s+/).filter((place) => place !== "").map((place) => {
-    const [x, y, z] = place.split(",").map((part) => Number(part) || 0);
-    return [x ?? 0, y ?? 0, z ?? 0];
-  });
-}
 
 interface Range {
   /** Microseconds. */
@@ -137,10 +130,8 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     this.failure = null;
     if (!this.src) return this.player.close();
     this.dispatchEvent(new Event("loadstart"));
-    const sources = this.src.split(/\s+/).filter((s) => s !== "")
-      .map((s) => (/^wss?:/.test(s) || /\.json(\?|$)/.test(s) ? s : s.replace(/\/?(\?|$)/, "/reel.json$1")));
     this.spinner.hidden = false;
-    this.player.open(sources, this.token || null, {
+    this.player.open(sourcesOf(this.src), this.token || null, {
       loop: this.loop, startUs: this.startUs, places: placesOf(this.places),
     }).then(() => {
       if (!this.player.isOpen || (this.isPaused && !this.autoplay)) return;

@@ -1,53 +1,16 @@
 // A scene in a headset, by WebXR: at human scale, on the floor before the one who looks.
-import { Camera } from "./camera";
-import { Box, Module, Vec3 } from "./module";
-import { PosedEye } from "./posed_eye";
+import { Module, Vec3 } from "./module";
 import type { Display, Player } from "./player";
 import { DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
+import { Room } from "./room";
 import { WholeView, wholeView } from "./whole_view";
 
-const METRES_TALL = [0.5, 3] as const;  // heights that are taken for metres
-const HEIGHT = 1.7;    // metres, of what has another height
 const AWAY = 1;        // metres from the head to the front of the scene
 const NEAR = 0.05;     // metres
 const MOVED = 0.02;    // of the distance: how far a head moves until other details are made ready
 const SEEK_US = 1e6;
 const SEEK_MS = 350;   // between seeks while the stick is held
 const PUSHED = 0.6;
-
-/** Where a scene stands in a room, whose floor is at y = 0. */
-export class Room {
-  /** Metres for a unit of the scene. */
-  readonly scale: number;
-  private readonly axes: [Vec3, Vec3, Vec3];
-  private readonly foot: Vec3;
-  private readonly back: number;
-
-  constructor(private readonly module: Module, box: Box, up: number) {
-    const axis = Math.abs(up) - 1, height = box.max[axis]! - box.min[axis]!;
-    const isMetres = height >= METRES_TALL[0] && height <= METRES_TALL[1];
-    this.scale = isMetres || !(height > 0) ? 1 : HEIGHT / height;
-    this.axes = new Camera(module, up).seenFrom([0, 0, 0], 1).axes;
-    this.foot = box.min.map((v, i) => (v + box.max[i]!) / 2) as Vec3;
-    this.foot[axis] = up > 0 ? box.min[axis]! : box.max[axis]!;
-    const depth = this.axes[2].reduce((sum, v, i) => sum + Math.abs(v) * (box.max[i]! - box.min[i]!), 0);
-    this.back = AWAY + 0.5 * this.scale * depth;
-  }
-
-  direction(x: number, y: number, z: number): Vec3 {
-    return [0, 1, 2].map((i) => x * this.axes[0][i]! + y * this.axes[1][i]! + z * this.axes[2][i]!) as Vec3;
-  }
-  /** Of the scene, for one of the room. */
-  point(x: number, y: number, z: number): Vec3 {
-    const from = this.direction(x, y, z + this.back);
-    return this.foot.map((v, i) => v + from[i]! / this.scale) as Vec3;
-  }
-  eye(view: XRView): PosedEye {
-    const m = view.transform.matrix, column = (i: number) => this.direction(m[i]!, m[i + 1]!, m[i + 2]!);
-    return new PosedEye(this.module, view.projectionMatrix, this.point(m[12]!, m[13]!, m[14]!), [column(0), column(4), column(8)],
-                        NEAR / this.scale);
-  }
-}
 
 export class Headset implements Display {
   private frame: XRFrame | null = null;
@@ -108,7 +71,7 @@ export class Headset implements Display {
     const pose = this.frame?.getViewerPose(this.space), box = this.player.bounds(), up = this.player.camera?.up;
     const view = pose?.views[0], port = view && this.layer.getViewport(view);
     if (!pose || !port || !box || up === undefined) return this.seen;
-    this.room ??= new Room(this.module, box, up);
+    this.room ??= new Room(this.module, box, up, AWAY);
     const { x, y, z } = pose.transform.position, head = this.room.point(x, y, z);
     const moved = Math.hypot(...head.map((v, i) => v - this.seenFrom[i]!));
     if (this.seen && moved < MOVED * this.seen.camera.distance) return this.seen;
@@ -125,7 +88,7 @@ export class Headset implements Display {
       const port = layer.getViewport(view);
       if (!port || port.width === 0 || port.height === 0) continue;
       const size = { width: Math.ceil(port.width / reduction), height: Math.ceil(port.height / reduction) };
-      drawn = renderer.draw(parts, room.eye(view), size, { ...options, floor: null });
+      drawn = renderer.draw(parts, room.eye(view.transform.matrix, view.projectionMatrix, NEAR), size, { ...options, floor: null });
       renderer.present({ framebuffer: layer.framebuffer, x: port.x, y: port.y, width: port.width, height: port.height,
                          seeThrough: this.mode === "immersive-ar" });
     }

@@ -9,7 +9,7 @@ import { Box, ColorSource, isEmpty, Mode, Vec3 } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
 import { Pool } from "./pool";
 import { Reel } from "./reel";
-import { DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
+import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
 import { Look } from "./view";
 import { WholeView } from "./whole_view";
 
@@ -43,6 +43,13 @@ export interface Display {
   /** `reduction`: how many times fewer pixels there are along each side. Returns how many instances were drawn. */
   draw(renderer: Renderer, parts: readonly ScenePart[], options: DrawOptions, reduction: number): number;
   leave(): void;
+}
+
+/** A canvas's context that others draw with, too. */
+export interface SharedContext {
+  readonly gl: WebGL2RenderingContext;
+  /** Does something with the context in its initial state, and then restores that of the others. */
+  use<Result>(act: () => Result): Result;
 }
 
 export class Player {
@@ -85,7 +92,8 @@ export class Player {
   /** The canvas's context, while there is no renderer for it. */
   private givenBack: WEBGL_lose_context | null = null;
 
-  constructor(readonly canvas: HTMLCanvasElement, private readonly base: URL) {
+  /** With a shared context, a display must be set that calls drawFrame. */
+  constructor(readonly canvas: HTMLCanvasElement, private readonly base: URL, private readonly shared: SharedContext | null = null) {
     // Only a context whose loss is handled can be restored.
     canvas.addEventListener("webglcontextlost", (event) => { if (this.givenBack) event.preventDefault(); });
   }
@@ -125,7 +133,8 @@ export class Player {
       // While these are on their way, the driver makes a context and compiles.
       if (this.givenBack) await this.takeContext(this.givenBack);
       if (opening.signal.aborted) return;
-      this.renderer ??= new Renderer(this.canvas);
+      const { shared } = this;
+      this.renderer ??= shared ? shared.use(() => new Renderer(shared.gl)) : new Renderer(contextOf(this.canvas));
       this.renderer.startCompiling(this.settings);
       const { assets, module } = await loaded;
       if (opening.signal.aborted) return;
@@ -189,8 +198,14 @@ export class Player {
     this.display?.leave();
     this.close();
     cancelAnimationFrame(this.scheduled);
-    this.givenBack = this.renderer?.free() ?? this.givenBack;
+    this.scheduled = 0;
+    const { renderer, shared } = this;
     this.renderer = null;
+    if (!renderer) return;
+    if (shared) return shared.use(() => renderer.free());
+    // The canvas never gets another context, but browsers allow only a few at a time.
+    this.givenBack = renderer.gl.getExtension("WEBGL_lose_context");
+    this.givenBack?.loseContext();
   }
   private fail(message: string): void {
     this.error = message;

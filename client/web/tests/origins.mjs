@@ -12,6 +12,7 @@ export async function serveFiles(folder) {
   const replace = new Map();
   const server = createServer(async (request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, "http://here").pathname));
+    if (path === "/favicon.ico") return response.writeHead(204).end();
     try {
       let bytes = await readFile(join(folder, path));
       if (/\.(html|js)$/.test(path) && !path.startsWith("/node_modules/"))

@@ -2,40 +2,20 @@
 // server of plain files. The reel comes from SERVER, on another origin. The element does what <video> does.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { fileURLToPath } from "node:url";
 import { openBrowser, until } from "./browser.mjs";
-import { serveFiles, serveReels } from "./origins.mjs";
+import { serveFiles } from "./origins.mjs";
+import { installPackage } from "./package_site.mjs";
+import { openTab } from "./tab.mjs";
 
-const [tarball, program, reel] = process.argv.slice(2);
-const folder = mkdtempSync(join(tmpdir(), "pointreel-"));
-cpSync(fileURLToPath(new URL("../examples", import.meta.url)), folder, { recursive: true });
-const reels = ["soccer-shoot", "walk"].map((name) => join(folder, "reels", name));
-for (const copy of reels) cpSync(reel, copy, { recursive: true });
-writeFileSync(join(folder, "package.json"), "{}");
+const installed = await installPackage(...process.argv.slice(2));
+const { folder, site, server } = installed;
 writeFileSync(join(folder, "empty.html"), "<!doctype html>");
-execFileSync("npm", ["install", "--offline", "--no-audit", "--no-fund", tarball], { cwd: folder });
-
-const site = await serveFiles(folder);
 const library = await serveFiles(folder);
-const server = await serveReels(program, reels, site.origin);
-site.replace.set("http://127.0.0.1:8090", server.origin);
 const browser = await openBrowser();
-
-async function open(path) {
-  const tab = await (await browser.newContext({ viewport: { width: 640, height: 480 } })).newPage();
-  const faults = [];
-  tab.on("pageerror", (error) => faults.push(error.message));
-  tab.on("console", (message) => { if (message.type() === "error" && !/favicon/.test(message.location().url)) faults.push(message.text()); });
-  await tab.goto(site.origin + path);
-  return { tab, close: async () => {
-    assert.deepEqual(faults, []);
-    await tab.context().close();
-  } };
-}
+const open = (path) => openTab(browser, site.origin + path);
 
 const noted = ["emptied", "loadstart", "durationchange", "loadedmetadata", "loadeddata", "canplay", "play", "playing", "pause",
                "seeking", "seeked", "ended", "error"];
@@ -137,6 +117,6 @@ test("programs in TypeScript know its interface", () => {
 
 test.after(async () => {
   await browser.close();
-  for (const each of [site, library, server]) each.close();
-  rmSync(folder, { recursive: true });
+  library.close();
+  installed.close();
 });

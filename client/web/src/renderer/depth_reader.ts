@@ -12,10 +12,16 @@ export interface Seen {
 }
 
 export class DepthReader {
-  private readonly bits: WebGLFramebuffer;
+  private readonly bits: WebGLTexture;
+  private readonly framebuffer: WebGLFramebuffer;
 
   constructor(private readonly gl: WebGL2RenderingContext, private readonly program: LateProgram) {
-    this.bits = makeFramebuffer(gl, makeTexture(gl, gl.RGBA32UI, { width: EDGE, height: EDGE }));
+    this.bits = makeTexture(gl, gl.RGBA32UI, { width: EDGE, height: EDGE });
+    this.framebuffer = makeFramebuffer(gl, this.bits);
+  }
+  free(): void {
+    this.gl.deleteFramebuffer(this.framebuffer);
+    this.gl.deleteTexture(this.bits);
   }
 
   /** The surface at, or nearest to, a place in pixels from the lower left corner; null if none is near. */
@@ -36,7 +42,7 @@ export class DepthReader {
 
   private read(depths: WebGLTexture, left: number, bottom: number): Float32Array {
     const { gl } = this, program = this.program.get();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.bits);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
     gl.viewport(0, 0, EDGE, EDGE);
     for (const off of [gl.BLEND, gl.DEPTH_TEST, gl.SCISSOR_TEST]) gl.disable(off);
     bindTexture(gl, 0, depths);

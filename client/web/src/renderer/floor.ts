@@ -50,6 +50,12 @@ export class Floor {
     }
   }
 
+  free(): void {
+    this.gl.deleteVertexArray(this.array);
+    this.gl.deleteBuffer(this.buffer);
+    this.view.free();
+  }
+
   /** Into the bound framebuffer. `background` is linear. */
   draw(lines: FloorLines, viewpoint: Viewpoint, size: Size, background: Vec3): void {
     const { gl } = this, [r, g, b] = background;

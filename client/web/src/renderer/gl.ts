@@ -2,6 +2,9 @@
 
 export class DrawingError extends Error {}
 
+/** Where the View block is bound: the last place that WebGL2 promises, for others who share a context count from 0. */
+export const VIEW_BINDING = 23;
+
 /** A linked program. Samplers are bound to the texture units that the text asks for. */
 export class Program {
   private readonly places = new Map<string, WebGLUniformLocation>();
@@ -19,7 +22,7 @@ export class Program {
       if (unit !== undefined) gl.uniform1i(place, unit);
     }
     const view = gl.getUniformBlockIndex(program, "View");
-    if (view !== gl.INVALID_INDEX) gl.uniformBlockBinding(program, view, 0);
+    if (view !== gl.INVALID_INDEX) gl.uniformBlockBinding(program, view, VIEW_BINDING);
   }
 
   use(): void { this.gl.useProgram(this.program); }
@@ -73,6 +76,11 @@ export class LateProgram {
     }
     gl.linkProgram(program);
     this.linking = { program, units: texts.units };
+  }
+
+  free(): void {
+    this.gl.deleteProgram(this.linking?.program ?? null);
+    this.linking = this.made = null;
   }
 
   private finish(): Program {

@@ -18,6 +18,10 @@ export class InstanceTexture {
       this.texture = makeTexture(gl, gl.RGBA32UI, { width, height: this.rows });
     }
     bindTexture(gl, 0, this.texture);
+    // Others who share the context may have changed these.
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, rows, gl.RGBA_INTEGER, gl.UNSIGNED_INT, words);
     this.count = packed.count;
   }

@@ -36,14 +36,18 @@ export class Reconstruction {
 
   constructor(private readonly gl: WebGL2RenderingContext, private readonly programs: Programs) {}
 
-  resize(size: Size): void {
-    const { gl } = this;
+  free(): void {
     for (const level of [...this.pulled, ...this.pushed]) {
-      gl.deleteFramebuffer(level.framebuffer);
-      gl.deleteTexture(level.texture);
+      this.gl.deleteFramebuffer(level.framebuffer);
+      this.gl.deleteTexture(level.texture);
     }
     this.pulled = [];
     this.pushed = [];
+  }
+
+  resize(size: Size): void {
+    const { gl } = this;
+    this.free();
     const make = (texels: Size): Level => {
       const texture = makeTexture(gl, gl.RGBA16F, texels, gl.LINEAR);
       const framebuffer = makeFramebuffer(gl, texture);

@@ -7,7 +7,7 @@ import { bindTexture, DrawingError, LateProgram, Size } from "./gl";
 import { InstanceTexture } from "./instances";
 import { Filling, Reconstruction } from "./reconstruction";
 import { around, EMPTY, isNone, Place, Rect } from "./region";
-import { makePrograms, Programs } from "./shaders";
+import { freePrograms, makePrograms, Programs } from "./shaders";
 import { Targets } from "./targets";
 import { ViewBlock } from "./view_block";
 
@@ -54,8 +54,29 @@ interface Drawable {
   hasSolids: boolean;
 }
 
+/** A context for a renderer alone. */
+export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext {
+  const gl = canvas.getContext("webgl2", {
+    alpha: false, antialias: false, depth: false, stencil: false,
+    powerPreference: "high-performance",
+  }) as WebGL2RenderingContext | null;
+  if (!gl) throw new DrawingError("this browser has no WebGL2, which is needed to draw");
+  return gl;
+}
+
+interface ClipControl {
+  clipControlEXT(origin: number, depth: number): void;
+  readonly LOWER_LEFT_EXT: number;
+  readonly NEGATIVE_ONE_TO_ONE_EXT: number;
+  readonly ZERO_TO_ONE_EXT: number;
+}
+
+/**
+ * Draws with a context that may be shared. Its state must then be as at its creation when draw() is called, and
+ * leave() must be called before others go on.
+ */
 export class Renderer {
-  readonly gl: WebGL2RenderingContext;
+  private readonly clip: ClipControl | null;
   private readonly programs: Programs;
   private readonly reconstruction: Reconstruction;
   private readonly noAttributes: WebGLVertexArrayObject;
@@ -63,7 +84,7 @@ export class Renderer {
   private readonly depthReader: DepthReader;
   private readonly views: ViewBlock[] = [];
   private readonly presentView: ViewBlock;
-  private readonly textures: InstanceTexture[] = [];
+  private readonly instances: InstanceTexture[] = [];
   private readonly uploaded: (Packed | null)[] = [];
   private size: Size = { width: 0, height: 0 };
   private targets: Targets | null = null;
@@ -73,26 +94,17 @@ export class Renderer {
   private region: Rect = EMPTY;
   private smooth = false;
 
-  constructor(readonly canvas: HTMLCanvasElement) {
-    const gl = canvas.getContext("webgl2", {
-      alpha: false, antialias: false, depth: false, stencil: false,
-      powerPreference: "high-performance",
-    }) as WebGL2RenderingContext | null;
-    if (!gl) throw new DrawingError("this browser has no WebGL2, which is needed to draw");
-    this.gl = gl;
+  constructor(readonly gl: WebGL2RenderingContext) {
     if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
       throw new DrawingError("this graphics driver cannot draw in floating point");
     gl.getExtension("EXT_float_blend");
-    const clip = gl.getExtension("EXT_clip_control") as
-      { clipControlEXT(origin: number, depth: number): void; LOWER_LEFT_EXT: number; ZERO_TO_ONE_EXT: number } | null;
-    clip?.clipControlEXT(clip.LOWER_LEFT_EXT, clip.ZERO_TO_ONE_EXT);
-    this.programs = makePrograms(gl, clip !== null);
+    this.clip = gl.getExtension("EXT_clip_control") as ClipControl | null;
+    this.programs = makePrograms(gl, this.clip !== null);
     this.reconstruction = new Reconstruction(gl, this.programs);
     this.noAttributes = gl.createVertexArray()!;
     this.presentView = new ViewBlock(gl);
     this.floor = new Floor(gl, this.programs.floor);
     this.depthReader = new DepthReader(gl, this.programs.depthBits);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
   }
 
   /**
@@ -120,7 +132,8 @@ export class Renderer {
 
   /** Returns how many instances were drawn. */
   draw(parts: readonly ScenePart[], viewpoint: Viewpoint, size: Size, options: DrawOptions): number {
-    const { gl } = this;
+    const { gl, clip } = this;
+    clip?.clipControlEXT(clip.LOWER_LEFT_EXT, clip.ZERO_TO_ONE_EXT);
     this.resize(size);
     const targets = this.targets!;
     const drawables = this.prepare(parts, viewpoint, options);
@@ -153,7 +166,7 @@ export class Renderer {
   }
 
   /** Shows the last picture on the canvas or on another surface, whose size may be another. */
-  present(surface: Surface = { framebuffer: null, x: 0, y: 0, width: this.canvas.width, height: this.canvas.height,
+  present(surface: Surface = { framebuffer: null, x: 0, y: 0, width: this.gl.canvas.width, height: this.gl.canvas.height,
                                seeThrough: false }): void {
     const { gl } = this, targets = this.targets;
     if (!targets) return;
@@ -194,11 +207,29 @@ export class Renderer {
     return [0, 1, 2].map((i) => eye[i]! + away * (across * axes[0][i]! + up * axes[1][i]! - axes[2][i]!)) as Vec3;
   }
 
-  /** Gives the context back. Returns what can take it again, for the canvas never gets another one. */
-  free(): WEBGL_lose_context | null {
-    const context = this.gl.getExtension("WEBGL_lose_context");
-    context?.loseContext();
-    return context;
+  /**
+   * The last picture: linear colours with alpha 1 where something was drawn and 0 elsewhere, and depths, which are the
+   * near plane's distance over that of the surface, or 0 where there is none.
+   */
+  get textures(): { color: WebGLTexture; depth: WebGLTexture } | null { return this.targets; }
+
+  /** Leaves a shared context to others. */
+  leave(): void {
+    this.clip?.clipControlEXT(this.clip.LOWER_LEFT_EXT, this.clip.NEGATIVE_ONE_TO_ONE_EXT);
+    this.gl.bindVertexArray(null);
+  }
+
+  /** Frees what it has made in the context. */
+  free(): void {
+    this.targets?.free();
+    this.targets = null;
+    this.reconstruction.free();
+    for (const texture of this.instances) texture.free();
+    for (const view of [...this.views, this.presentView]) view.free();
+    this.floor.free();
+    this.depthReader.free();
+    freePrograms(this.programs);
+    this.gl.deleteVertexArray(this.noAttributes);
   }
 
   private get aspect(): number { return this.size.width / this.size.height; }
@@ -216,19 +247,19 @@ export class Renderer {
   private prepare(parts: readonly ScenePart[], viewpoint: Viewpoint, options: DrawOptions): Drawable[] {
     const { gl, size } = this, drawables: Drawable[] = [];
     parts.forEach(({ packed }, i) => {
-      this.textures[i] ??= new InstanceTexture(gl);
+      this.instances[i] ??= new InstanceTexture(gl);
       this.views[i] ??= new ViewBlock(gl);
-      if (this.uploaded[i] !== packed) this.textures[i]!.upload(packed);
+      if (this.uploaded[i] !== packed) this.instances[i]!.upload(packed);
       this.uploaded[i] = packed;
       if (packed.count === 0) return;
       const eye = viewpoint.seenFrom(packed.origin, this.aspect);
       const place = new Place(viewpoint.module, packed.bounds, eye.toClip, size.width, size.height);
       this.views[i]!.set(eye, packed.origin, size, options.lighting, packed.normalsEstimated);
-      drawables.push({ instances: this.textures[i]!, packed, view: this.views[i]!, place, eye,
+      drawables.push({ instances: this.instances[i]!, packed, view: this.views[i]!, place, eye,
                        hasSolids: this.mayHaveSolids(place, eye, options.mode) });
     });
-    for (let i = parts.length; i < this.textures.length; ++i) {
-      this.textures[i]!.free();
+    for (let i = parts.length; i < this.instances.length; ++i) {
+      this.instances[i]!.free();
       this.uploaded[i] = null;
     }
     return drawables;

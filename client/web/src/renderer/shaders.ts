@@ -136,3 +136,8 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
   };
 }
 export type Programs = ReturnType<typeof makePrograms>;
+
+export function freePrograms(programs: Programs): void {
+  for (const each of Object.values(programs))
+    for (const program of each instanceof LateProgram ? [each] : Object.values(each)) program.free();
+}

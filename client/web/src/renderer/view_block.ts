@@ -1,7 +1,7 @@
 // The View block of common.glsl: from where a picture is seen.
 import { Eye } from "../camera";
 import { Vec3 } from "../module";
-import { Size } from "./gl";
+import { Size, VIEW_BINDING } from "./gl";
 
 const FLOATS = 44;
 const LIGHT = normalize([-0.35, 0.45, 1]);  // in eye space, over the viewer's left shoulder
@@ -16,7 +16,8 @@ export class ViewBlock {
 
   constructor(private readonly gl: WebGL2RenderingContext) { this.buffer = gl.createBuffer()!; }
 
-  bind(): void { this.gl.bindBufferBase(this.gl.UNIFORM_BUFFER, 0, this.buffer); }
+  free(): void { this.gl.deleteBuffer(this.buffer); }
+  bind(): void { this.gl.bindBufferBase(this.gl.UNIFORM_BUFFER, VIEW_BINDING, this.buffer); }
 
   /** `unsigned`: the signs of normals are unknown. */
   set(eye: Eye, origin: Vec3, size: Size, lighting: boolean, unsigned: boolean): void {

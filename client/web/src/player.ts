@@ -109,7 +109,8 @@ export class Player {
   }
   get trouble(): string | null {
     const live = this.live.map((l) => l.error).find((e) => e);
-    return this.error ?? this.fetcher?.trouble ?? live ?? this.reel?.error ?? null;
+    const pool = [this.pool, ...this.livePools.values()].map((p) => p?.trouble).find((e) => e);
+    return this.error ?? pool ?? this.fetcher?.trouble ?? live ?? this.reel?.error ?? null;
   }
 
   /**

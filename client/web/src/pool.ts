@@ -23,8 +23,11 @@ export class Workers {
   private start(): Worker { return new Worker(this.script, { type: "module" }); }
 }
 
-/** A job that runs longer hangs. Dense frames on a slow phone take a few seconds. */
-const HANG_MS = 15_000;
+/**
+ * A job hangs if it takes so many times as long as the longest before it, but at least and at most so many milliseconds.
+ * Until a job is done nothing is known; dense frames on a slow phone take a few seconds.
+ */
+const HANGS = { times: 20, least: 3000, most: 15_000 };
 
 interface Waiting {
   resolve(done: Done): void;
@@ -42,23 +45,25 @@ class Hand {
 
 export class Pool {
   private readonly hands: Hand[] = [];
-  private readonly ready: Promise<void>[] = [];
   private readonly tables: ToWorker[] = [];
   private nextJob = 1;
   private nextTables = 1;
+  /** Milliseconds that the longest job took. */
+  private longest = Infinity;
+  /** Why some worker does not work, or null. */
+  trouble: string | null = null;
 
   /** `count`: how many workers. */
   constructor(private readonly assets: Assets, count: number) {
     for (let i = 0; i < count; ++i) {
       const hand = new Hand();
       this.hands.push(hand);
-      this.ready.push(this.start(hand));
+      this.start(hand);
     }
   }
 
   get size(): number { return this.hands.length; }
   get memory(): number { return this.hands.reduce((sum, hand) => sum + hand.memory, 0); }
-  opened(): Promise<void[]> { return Promise.all(this.ready); }
   /** The frames that a worker was given before are lost if this has changed. */
   life(worker: number): number { return this.hands[worker]!.life; }
   load(worker: number): number { return this.hands[worker]!.jobs.size; }
@@ -106,23 +111,21 @@ export class Pool {
     });
   }
 
-  private start(hand: Hand): Promise<void> {
+  private start(hand: Hand): void {
     const worker = this.assets.workers.take();
     hand.worker = worker;
     worker.postMessage({ type: "open", compiled: this.assets.compiled, tables: this.assets.tables } as ToWorker);
     for (const message of this.tables) worker.postMessage(message);
-    return new Promise((resolve, reject) => {
-      worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
-        if (data.type === "opened") return resolve();
-        if (data.type === "failed" && data.job < 0) return reject(new Error(data.message));
-        this.answered(hand, data);
-      };
-      worker.onerror = (event) => {
-        event.preventDefault();
-        reject(new Error("a worker cannot be started"));
-        this.fail(hand, "a worker cannot be started");
-      };
-    });
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
+      if (data.type === "opened") this.trouble = null;
+      else if (data.type === "failed" && data.job < 0) this.trouble = data.message;
+      else this.answered(hand, data);
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      this.trouble = "a worker of the page cannot be started";
+      this.fail(hand, this.trouble);
+    };
   }
 
   private answered(hand: Hand, data: Exclude<FromWorker, { type: "opened" }>): void {
@@ -131,6 +134,8 @@ export class Pool {
     this.watch(hand);
     if (data.type === "done") {
       hand.memory = data.memory;
+      const took = data.times.prepareMs + data.times.packMs;
+      this.longest = this.longest === Infinity ? took : Math.max(this.longest, took);
       waiting?.resolve(data);
       return;
     }
@@ -140,8 +145,9 @@ export class Pool {
 
   private watch(hand: Hand): void {
     clearTimeout(hand.timer);
-    if (hand.jobs.size > 0)
-      hand.timer = window.setTimeout(() => this.hangs(hand), HANG_MS);
+    if (hand.jobs.size === 0) return;
+    const limit = Math.min(Math.max(HANGS.times * this.longest, HANGS.least), HANGS.most);
+    hand.timer = window.setTimeout(() => this.hangs(hand), limit);
   }
   private hangs(hand: Hand): void {
     // Jobs are done in their order: the first one hangs.
@@ -155,7 +161,7 @@ export class Pool {
     hand.worker.terminate();
     hand.life += 1;
     hand.memory = 0;
-    this.start(hand).catch(() => undefined);
+    this.start(hand);
     this.fail(hand, "the worker was replaced");
   }
   private fail(hand: Hand, why: string): void {

@@ -105,6 +105,36 @@ test("one finger turns the scene and two zoom; everything fits on 320 pixels", a
   await close();
 });
 
+test("a worker that does not answer any more is replaced, and its frames come from another", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  await ask(tab, "player.player.pool.hands.forEach((hand) => { hand.worker.postMessage = () => undefined; })");
+  await ask(tab, "player.currentTime = 2");
+  await until(tab, "document.querySelector('pointreel-player').player.pool.hands.some((hand) => hand.life > 0)", "a worker is replaced");
+  await ask(tab, "player.currentTime = 2.5");
+  await until(tab, "document.querySelector('pointreel-player').frame === 75", "the frame at 2.5 s");
+  await close();
+});
+
+test("a worker that cannot be started is told of", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  await ask(tab, "player.player.pool.hands[0].worker.onerror({ preventDefault() {} })");
+  await until(tab, "/cannot be started/.test(document.querySelector('pointreel-player').shadowRoot.querySelector('.trouble').textContent)", "the line");
+  await close();
+});
+
+test("the loop button and the key change what the element's loop says", async () => {
+  const { tab, close } = await open("#t=0");
+  await settled(tab);
+  const before = await ask(tab, "player.loop");
+  await tab.click("button[aria-label=Loop]");
+  assert.deepEqual(await ask(tab, "[player.loop, player.player.loop]"), [!before, !before]);
+  await tab.keyboard.press("Shift+L");
+  assert.deepEqual(await ask(tab, "[player.loop, player.player.loop]"), [before, before]);
+  await close();
+});
+
 test("a player that was taken out of the page and put back plays again", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);

@@ -34,7 +34,7 @@ export class Controls implements Interface {
       this.button("back", "back", "One frame back", () => player.step(-1)),
       this.button("play", "play", "Play", () => togglePlay(player, this)),
       this.button("forward", "forward", "One frame forward", () => player.step(1)),
-      this.button("loop", "loop", "Loop", () => player.setLoop(!player.loop)));
+      this.button("loop", "loop", "Loop", () => this.toggleLoop()));
     const right = element("div", { class: "buttons" },
       ...headsetButtons(player, (text) => this.say(text)),
       this.button("camera", "camera", "Save a picture", () => this.savePicture()),
@@ -80,6 +80,8 @@ export class Controls implements Interface {
     this.buttons.get(name)!.setAttribute("aria-expanded", String(!panel.hidden));
     this.update();
   }
+  /** The attribute of the element counts, as that of <video> does. */
+  toggleLoop(): void { this.host.toggleAttribute("loop"); }
   leave(): boolean {
     for (const name of ["help", "drawing", "statistics"] as const) {
       if (this.panels[name].hidden) continue;

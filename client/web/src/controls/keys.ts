@@ -9,6 +9,7 @@ export interface Interface {
   toggle(panel: "help" | "drawing" | "statistics"): void;
   fullscreen(): void;
   savePicture(): void;
+  toggleLoop(): void;
   /** Closes what is open; false if nothing was. */
   leave(): boolean;
 }
@@ -86,7 +87,7 @@ export const BINDINGS: readonly Binding[] = [
   { keys: ["r"], help: "reverse the direction", acts: [speed((s) => -s)] },
   { keys: ["l"], help: "A-B loop: set A, then B, then clear", acts: [markLoop] },
   { keys: ["L"], help: "loop at the end, or stop there", acts: [(player, ui) => {
-    player.setLoop(!player.loop);
+    ui.toggleLoop();
     ui.say(player.loop ? "loop" : "no loop");
   }] },
   { keys: ["o"], help: "show the time and the frame number", acts: [tellTime] },

@@ -102,6 +102,15 @@ test("one finger turns the scene and two zoom; everything fits on 320 pixels", a
     .filter((e) => { const b = e.getBoundingClientRect(); return b.left < 0 || b.right > innerWidth || b.bottom > innerHeight; }).length`);
   assert.equal(outside, 0);
   assert.equal(await tab.evaluate("document.documentElement.scrollWidth"), 320);
+  const [left, middle, width] = await ask(tab, `(() => {
+    const box = root.querySelector(".timeline").getBoundingClientRect();
+    return [box.left, box.top + box.height / 2, box.width];
+  })()`);
+  await touch("touchStart", [left + 0.1 * width, middle]);
+  for (const share of [0.3, 0.5]) await touch("touchMove", [left + share * width, middle]);
+  await touch("touchEnd");
+  await settled(tab);
+  assert.ok(Math.abs(await ask(tab, "player.currentTime") - 1.5) < 0.1);
   await close();
 });
 

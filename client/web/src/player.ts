@@ -1,14 +1,10 @@
 // A canvas that plays a reel or live streams. Without controls: element.ts has those.
 import { Camera } from "./camera";
-import { WORKERS } from "./device";
-import { Fetcher } from "./fetching";
+import { Content, ContentOptions } from "./content";
 import { Headset } from "./headset";
-import { LivePlayback } from "./live";
-import { load, loadWhole } from "./loading";
-import { Box, ColorSource, isEmpty, Mode, Vec3 } from "./module";
-import { MadeFrame, ReelPlayback } from "./playback";
-import { Pool } from "./pool";
-import { Reel } from "./reel";
+import type { LivePlayback } from "./live";
+import { Box, ColorSource, Mode, Vec3 } from "./module";
+import type { MadeFrame, ReelPlayback } from "./playback";
 import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
 import { Look } from "./view";
 import { WholeView } from "./whole_view";
@@ -55,8 +51,6 @@ export interface SharedContext {
 export class Player {
   readonly settings: Settings = { ...DEFAULTS, background: [...DEFAULTS.background] };
   camera: Camera | null = null;
-  reel: ReelPlayback | null = null;
-  live: LivePlayback[] = [];
   /** One line for people, or null. */
   error: string | null = null;
   /** Milliseconds of the last picture. */
@@ -65,14 +59,11 @@ export class Player {
   pictures = 0;
   onEvent: (name: PlayerEvent) => void = () => undefined;
   private renderer: Renderer | null = null;
-  private pool: Pool | null = null;
-  /** For live streams, by the module that decodes. */
-  private readonly livePools = new Map<WebAssembly.Module, Pool>();
+  private content: Content | null = null;
   /** Null for the canvas. */
   display: Display | null = null;
   private seen: WholeView | null = null;
   private opening: AbortController | null = null;
-  private fetcher: Fetcher | null = null;
   private scheduled = 0;
   private lookNumber = 1;
   private moved = 0;
@@ -98,82 +89,52 @@ export class Player {
     canvas.addEventListener("webglcontextlost", (event) => { if (this.givenBack) event.preventDefault(); });
   }
 
-  get isOpen(): boolean { return this.reel !== null || this.live.length > 0; }
+  get reel(): ReelPlayback | null { return this.content?.reel ?? null; }
+  get live(): readonly LivePlayback[] { return this.content?.live ?? []; }
+  get isOpen(): boolean { return this.content !== null; }
   get isLive(): boolean { return this.live.length > 0; }
   get driver(): string { return this.renderer?.driver ?? ""; }
-  get traffic(): { bytes: number; requests: number } {
-    return { bytes: this.fetcher?.total ?? 0, requests: this.fetcher?.requests ?? 0 };
-  }
-  get memory(): number {
-    return [...this.livePools.values()].reduce((sum, pool) => sum + pool.memory, this.pool?.memory ?? 0);
-  }
-  get trouble(): string | null {
-    const live = this.live.map((l) => l.error).find((e) => e);
-    const pool = [this.pool, ...this.livePools.values()].map((p) => p?.trouble).find((e) => e);
-    return this.error ?? pool ?? this.fetcher?.trouble ?? live ?? this.reel?.error ?? null;
-  }
+  get traffic(): { bytes: number; requests: number } { return this.content?.traffic ?? { bytes: 0, requests: 0 }; }
+  get memory(): number { return this.content?.memory ?? 0; }
+  /** What is wrong at the moment, in one line, or null. */
+  get trouble(): string | null { return this.error ?? this.content?.trouble ?? null; }
 
-  /**
-   * `sources`: the address of a reel.json, or those of live streams. `places`: where these stand,
-   * one after another; (0, 0, 0) for those not given.
-   */
-  async open(sources: readonly string[], token: string | null,
-             options: { loop: boolean; startUs: number; places: readonly Vec3[] }): Promise<void> {
+  /** As Content.open. */
+  async open(sources: readonly string[], token: string | null, options: ContentOptions): Promise<void> {
     this.close();
     const opening = new AbortController();
     this.opening = opening;
     this.wantsLoop = options.loop;
+    let content: Promise<Content> | null = null;
     try {
-      const urls = sources.map((source) => new URL(source, document.baseURI));
-      const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
-      const fetcher = isLive ? null : new Fetcher(urls[0]!, token);
-      const manifest = fetcher?.manifest(opening.signal);
-      manifest?.catch(() => undefined);
-      const loaded = load(this.base);
-      loaded.catch(() => undefined);
-      // While these are on their way, the driver makes a context and compiles.
-      if (this.givenBack) await this.takeContext(this.givenBack);
-      if (opening.signal.aborted) return;
-      const { shared } = this;
-      this.renderer ??= shared ? shared.use(() => new Renderer(shared.gl)) : new Renderer(contextOf(this.canvas));
-      this.renderer.startCompiling(this.settings);
-      const { assets, module } = await loaded;
-      if (opening.signal.aborted) return;
-      this.fetcher = fetcher;
-      if (isLive) {
-        const poolFor = async (isDraco: boolean): Promise<Pool> => {
-          const compiled = isDraco ? await loadWhole(this.base) : assets.compiled;
-          if (opening.signal.aborted) throw new Error("the player was closed");
-          const pool = this.livePools.get(compiled) ?? new Pool({ ...assets, compiled }, WORKERS);
-          this.livePools.set(compiled, pool);
-          return pool;
-        };
-        this.live = urls.map((url, i) => new LivePlayback(
-          url.href, options.places[i] ?? [0, 0, 0], token, module, poolFor, () => this.schedule()));
-        this.camera = new Camera(module);
-      } else if (manifest && fetcher) {
-        const reel = Reel.read(module, await manifest);
-        if (opening.signal.aborted) return reel.free();
-        if (reel.frames === 0) throw new Error("this reel has no frames");
-        const isDraco = reel.text("codec") === "draco";
-        this.pool = new Pool(isDraco ? { ...assets, compiled: await loadWhole(this.base) } : assets, WORKERS);
-        let tables = 0;
-        if (reel.tablesBytes > 0) {
-          const bytes = await fetcher.file(reel.text("tablesPath"), reel.tablesBytes, opening.signal);
-          tables = this.pool.addTables(bytes, reel.text("tablesChecksum"));
-        }
-        this.reel = new ReelPlayback(reel, this.pool, fetcher, tables, options.loop, () => this.schedule());
-        this.camera = new Camera(module, reel.up);
-        this.reel.clock.seek(options.startUs);
+      content = Content.open(this.base, sources, token, options, () => this.schedule(), opening.signal);
+      content.catch(() => undefined);
+      // While it is on its way, the driver makes a context and compiles.
+      await this.makeRenderer(opening.signal);
+      const opened = await content;
+      opening.signal.throwIfAborted();
+      this.content = opened;
+      this.camera = new Camera(opened.module, opened.up);
+      if (this.reel) {
         this.lookHome();
+        if (this.firstView) this.applyFirstView();
       }
-      if (this.firstView && !isLive) this.applyFirstView();
       this.onEvent("loadedmetadata");
       this.schedule();
     } catch (error) {
+      content?.then((unused) => unused.free(), () => undefined);
       if (opening.signal.aborted) return;
+      this.content = null;
+      opening.abort();
       this.fail((error as Error).message);
     }
+  }
+  private async makeRenderer(signal: AbortSignal): Promise<void> {
+    if (this.givenBack) await this.takeContext(this.givenBack);
+    signal.throwIfAborted();
+    const { shared } = this;
+    this.renderer ??= shared ? shared.use(() => new Renderer(shared.gl)) : new Renderer(contextOf(this.canvas));
+    this.renderer.startCompiling(this.settings);
   }
   private async takeContext(context: WEBGL_lose_context): Promise<void> {
     const restored = new Promise((resolve) => this.canvas.addEventListener("webglcontextrestored", resolve, { once: true }));
@@ -183,14 +144,8 @@ export class Player {
   }
   close(): void {
     this.opening?.abort();
-    this.reel?.free();
-    for (const live of this.live) live.free();
-    this.pool?.free();
-    for (const pool of this.livePools.values()) pool.free();
-    this.livePools.clear();
-    this.reel = null;
-    this.live = [];
-    this.pool = null;
+    this.content?.free();
+    this.content = null;
     this.error = null;
     this.hasMoved = this.hasBounds = false;
     this.pictures = 0;
@@ -280,7 +235,7 @@ export class Player {
   lookHome(): void {
     const box = this.bounds();
     if (!this.camera || !box) return;
-    const up = this.reel?.reel.up ?? this.live[0]?.up ?? 2;
+    const up = this.content?.up ?? 2;
     this.camera.state[8] = up;
     this.homeAspect = this.aspect;
     this.camera.frameBounds(box, this.aspect);
@@ -291,16 +246,7 @@ export class Player {
     this.onEvent("viewchange");
     this.schedule();
   }
-  bounds(): Box | null {
-    const boxes = this.reel ? [this.reel.reel.bounds] : this.live.map((live) => live.bounds);
-    let all: Box | null = null;
-    for (const box of boxes) {
-      if (!box || isEmpty(box)) continue;
-      all = all ? { min: all.min.map((v, i) => Math.min(v, box.min[i]!)) as Vec3,
-                    max: all.max.map((v, i) => Math.max(v, box.max[i]!)) as Vec3 } : box;
-    }
-    return all;
-  }
+  bounds(): Box | null { return this.content?.bounds() ?? null; }
   pointAt(x: number, y: number): Vec3 | null { return this.renderer?.pointAt(x, y) ?? null; }
   get aspect(): number { return this.canvas.width / Math.max(1, this.canvas.height); }
   private applyFirstView(): void {
@@ -390,7 +336,7 @@ export class Player {
     }
     if (this.reel?.update(look)) this.dirty = true;
     for (const live of this.live) live.update(look);
-    const parts = this.parts();
+    const parts = this.content?.shown() ?? [];
     if (parts.some((part, i) => part !== this.painted[i]) || parts.length !== this.painted.length) this.dirty = true;
     const resting = this.rested;
     this.adapt(now, resting);
@@ -400,10 +346,6 @@ export class Player {
     if ((this.reel && playing) || !resting || this.reel?.isWaiting) this.schedule();
   }
   private painted: MadeFrame[] = [];
-  private parts(): MadeFrame[] {
-    const shown = this.reel ? [this.reel.shown] : this.live.map((live) => live.shown);
-    return shown.filter((made): made is MadeFrame => made !== null);
-  }
 
   /** Pictures that come too slowly have fewer pixels until there is time again. */
   private adapt(now: number, resting: boolean): void {
@@ -422,7 +364,7 @@ export class Player {
   private paint(): void {
     const { renderer, camera, canvas } = this;
     if (!renderer || !camera) return;
-    const start = performance.now(), parts = this.parts(), bounds = this.bounds();
+    const start = performance.now(), parts = this.content?.shown() ?? [], bounds = this.bounds();
     // After a change of the mode, frames are drawn in the old one until there are others.
     const mode = parts[0]?.mode ?? this.settings.mode;
     const side = renderer.largestSide, r = Math.max(this.reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));

@@ -114,12 +114,15 @@ test("one finger turns the scene and two zoom; everything fits on 320 pixels", a
   await close();
 });
 
+/** The workers of a player. */
+const hands = "[...player.player.content.pools.values()][0].hands";
+
 test("a worker that does not answer any more is replaced, and its frames come from another", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);
-  await ask(tab, "player.player.pool.hands.forEach((hand) => { hand.worker.postMessage = () => undefined; })");
+  await ask(tab, `${hands}.forEach((hand) => { hand.worker.postMessage = () => undefined; })`);
   await ask(tab, "player.currentTime = 2");
-  await until(tab, "document.querySelector('pointreel-player').player.pool.hands.some((hand) => hand.life > 0)", "a worker is replaced");
+  await until(tab, `(() => { const player = document.querySelector("pointreel-player"); return ${hands}.some((hand) => hand.life > 0); })()`, "a worker is replaced");
   await ask(tab, "player.currentTime = 2.5");
   await until(tab, "document.querySelector('pointreel-player').frame === 75", "the frame at 2.5 s");
   await close();
@@ -128,7 +131,7 @@ test("a worker that does not answer any more is replaced, and its frames come fr
 test("a worker that cannot be started is told of", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);
-  await ask(tab, "player.player.pool.hands[0].worker.onerror({ preventDefault() {} })");
+  await ask(tab, `${hands}[0].worker.onerror({ preventDefault() {} })`);
   await until(tab, "/cannot be started/.test(document.querySelector('pointreel-player').shadowRoot.querySelector('.trouble').textContent)", "the line");
   await close();
 });

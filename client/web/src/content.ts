@@ -1,0 +1,108 @@
+// What a player has open: a reel or live streams, and what fetches and decodes them.
+import { WORKERS } from "./device";
+import { Fetcher } from "./fetching";
+import { LivePlayback } from "./live";
+import { load, loadWhole } from "./loading";
+import { Box, isEmpty, Module, Vec3 } from "./module";
+import { MadeFrame, ReelPlayback } from "./playback";
+import { Assets, Pool } from "./pool";
+import { Reel } from "./reel";
+
+export interface ContentOptions {
+  loop: boolean;
+  startUs: number;
+  /** Where live streams stand, one after another; (0, 0, 0) for those not given. */
+  places: readonly Vec3[];
+}
+
+export class Content {
+  reel: ReelPlayback | null = null;
+  live: LivePlayback[] = [];
+  /** By the module that decodes. */
+  private readonly pools = new Map<WebAssembly.Module, Pool>();
+
+  private constructor(private readonly base: URL, readonly module: Module, private readonly assets: Assets,
+                      private readonly fetcher: Fetcher | null, private readonly signal: AbortSignal) {}
+
+  /**
+   * `sources`: the address of a reel.json, or those of live streams. `base`: where the player's files are.
+   * Calls `changed` when there may be something else to show.
+   */
+  static async open(base: URL, sources: readonly string[], token: string | null, options: ContentOptions,
+                    changed: () => void, signal: AbortSignal): Promise<Content> {
+    const urls = sources.map((source) => new URL(source, document.baseURI));
+    const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
+    const fetcher = isLive ? null : new Fetcher(urls[0]!, token);
+    const [manifest, { assets, module }] = await Promise.all([fetcher?.manifest(signal), load(base)]);
+    signal.throwIfAborted();
+    const content = new Content(base, module, assets, fetcher, signal);
+    try {
+      if (manifest && fetcher) await content.openReel(Reel.read(module, manifest), fetcher, options, changed);
+      else {
+        content.live = urls.map((url, i) => new LivePlayback(
+          url.href, options.places[i] ?? [0, 0, 0], token, module, (isDraco) => content.poolFor(isDraco), changed));
+      }
+      return content;
+    } catch (error) {
+      content.free();
+      throw error;
+    }
+  }
+
+  private async openReel(reel: Reel, fetcher: Fetcher, options: ContentOptions, changed: () => void): Promise<void> {
+    try {
+      if (reel.frames === 0) throw new Error("this reel has no frames");
+      const pool = await this.poolFor(reel.text("codec") === "draco");
+      let tables = 0;
+      if (reel.tablesBytes > 0) {
+        const bytes = await fetcher.file(reel.text("tablesPath"), reel.tablesBytes, this.signal);
+        tables = pool.addTables(bytes, reel.text("tablesChecksum"));
+      }
+      this.reel = new ReelPlayback(reel, pool, fetcher, tables, options.loop, changed);
+      this.reel.clock.seek(options.startUs);
+    } finally {
+      if (!this.reel) reel.free();
+    }
+  }
+  private async poolFor(isDraco: boolean): Promise<Pool> {
+    const compiled = isDraco ? await loadWhole(this.base) : this.assets.compiled;
+    this.signal.throwIfAborted();
+    const pool = this.pools.get(compiled) ?? new Pool({ ...this.assets, compiled }, WORKERS);
+    this.pools.set(compiled, pool);
+    return pool;
+  }
+
+  free(): void {
+    this.reel?.free();
+    for (const live of this.live) live.free();
+    for (const pool of this.pools.values()) pool.free();
+  }
+
+  get up(): number | undefined { return this.reel?.reel.up ?? this.live[0]?.up; }
+  /** Of all frames and streams so far; null if nothing is known yet. */
+  bounds(): Box | null {
+    const boxes = this.reel ? [this.reel.reel.bounds] : this.live.map((live) => live.bounds);
+    let all: Box | null = null;
+    for (const box of boxes) {
+      if (!box || isEmpty(box)) continue;
+      all = all ? { min: all.min.map((v, i) => Math.min(v, box.min[i]!)) as Vec3,
+                    max: all.max.map((v, i) => Math.max(v, box.max[i]!)) as Vec3 } : box;
+    }
+    return all;
+  }
+  /** The frames to draw. */
+  shown(): MadeFrame[] {
+    const shown = this.reel ? [this.reel.shown] : this.live.map((live) => live.shown);
+    return shown.filter((made): made is MadeFrame => made !== null);
+  }
+  get traffic(): { bytes: number; requests: number } {
+    return { bytes: this.fetcher?.total ?? 0, requests: this.fetcher?.requests ?? 0 };
+  }
+  get memory(): number { return [...this.pools.values()].reduce((sum, pool) => sum + pool.memory, 0); }
+  /** What is wrong at the moment, in one line, or null. */
+  get trouble(): string | null {
+    const first = (lines: (string | null)[]) => lines.find((line) => line) ?? null;
+    return first([...[...this.pools.values()].map((pool) => pool.trouble), this.fetcher?.trouble ?? null,
+                  ...this.live.map((live) => live.error), this.reel?.error ?? null]);
+  }
+}

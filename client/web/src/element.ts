@@ -226,7 +226,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   get token(): string { return this.getAttribute("token") ?? ""; }
   set token(value: string) { this.setAttribute("token", value); }
 
-  get duration(): number { return this.player.reel ? this.player.reel.reel.durationUs / 1e6 : this.player.isLive ? Infinity : NaN; }
+  get duration(): number { return this.player.duration; }
   get currentTime(): number { return this.player.reel ? this.player.reel.clock.read().positionUs / 1e6 : this.startUs / 1e6; }
   set currentTime(seconds: number) {
     const us = Math.max(0, finite(seconds, "currentTime") * 1e6);
@@ -236,7 +236,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   get paused(): boolean { return this.isPaused; }
   get ended(): boolean { return this.hasEnded; }
   get seeking(): boolean { return this.player.reel?.isSeeking ?? false; }
-  get playbackRate(): number { return this.player.reel?.clock.state().speed ?? 1; }
+  get playbackRate(): number { return this.player.speed; }
   set playbackRate(rate: number) { this.player.setSpeed(finite(rate, "playbackRate")); }
   get readyState(): number {
     if (!this.player.isOpen) return HTMLMediaElement.HAVE_NOTHING;
@@ -259,7 +259,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     if (this.player.playing) this.player.pause();
     else this.tell("pause");
   }
-  get frame(): number { return this.player.reel?.shown?.frame ?? this.player.live[0]?.shown?.frame ?? -1; }
+  get frame(): number { return this.player.frame; }
   get frames(): number { return this.player.reel?.reel.frames ?? 0; }
 }
 

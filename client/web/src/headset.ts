@@ -1,13 +1,12 @@
 // A scene in a headset, by WebXR: at human scale, on the floor before the one who looks.
-import { Module, Vec3 } from "./module";
+import { Module } from "./module";
 import type { Display, Player } from "./player";
 import { DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
 import { Room } from "./room";
-import { WholeView, wholeView } from "./whole_view";
+import { FollowingView, WholeView } from "./whole_view";
 
 const AWAY = 1;        // metres from the head to the front of the scene
 const NEAR = 0.05;     // metres
-const MOVED = 0.02;    // of the distance: how far a head moves until other details are made ready
 const SEEK_US = 1e6;
 const SEEK_MS = 350;   // between seeks while the stick is held
 const PUSHED = 0.6;
@@ -15,8 +14,7 @@ const PUSHED = 0.6;
 export class Headset implements Display {
   private frame: XRFrame | null = null;
   private room: Room | null = null;
-  private seen: WholeView | null = null;
-  private seenFrom: Vec3 = [0, 0, 0];
+  private readonly following = new FollowingView();
   private sought = 0;
 
   private constructor(private readonly player: Player, private readonly module: Module, private readonly session: XRSession,
@@ -70,14 +68,11 @@ export class Headset implements Display {
   view(): WholeView | null {
     const pose = this.frame?.getViewerPose(this.space), box = this.player.bounds(), up = this.player.camera?.up;
     const view = pose?.views[0], port = view && this.layer.getViewport(view);
-    if (!pose || !port || !box || up === undefined) return this.seen;
+    if (!pose || !port || !box || up === undefined) return this.following.seen;
     this.room ??= new Room(this.module, box, up, AWAY);
     const { x, y, z } = pose.transform.position, head = this.room.point(x, y, z);
-    const moved = Math.hypot(...head.map((v, i) => v - this.seenFrom[i]!));
-    if (this.seen && moved < MOVED * this.seen.camera.distance) return this.seen;
-    this.seenFrom = head;
     // The frustum's height at depth 1 is 2 over this number.
-    return (this.seen = wholeView(this.module, box, up, head, 0.5 * port.height * view.projectionMatrix[5]!));
+    return this.following.follow(this.module, box, up, head, 0.5 * port.height * view.projectionMatrix[5]!);
   }
 
   draw(renderer: Renderer, parts: readonly ScenePart[], options: DrawOptions, reduction: number): number {

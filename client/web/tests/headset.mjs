@@ -55,7 +55,7 @@ const eyes = (tab) => tab.evaluate(() => new Promise((resolve) => {
     }));
   });
 }));
-const entered = (tab) => until(tab, () => document.querySelector("pointreel-player").player.display?.seen, "the headset shows the scene");
+const entered = (tab) => until(tab, () => document.querySelector("pointreel-player").player.display?.following.seen, "the headset shows the scene");
 
 for (const [mode, button] of [["VR", "Enter VR"], ["AR", "Enter AR"]]) {
   test(`${mode}: both eyes see the scene from their own places while it plays, and then the page is as before`, async () => {

@@ -35,7 +35,7 @@ after.renderOrder = 1;
 scene.add(plane, after, person);
 const loaded = person.load(${JSON.stringify(server.origin)} + "/walk");
 
-function count(near) {
+function count() {
   renderer.render(scene, camera);
   const gl = renderer.getContext(), pixels = new Uint8Array(4 * 300 * 300);
   gl.readPixels(0, 0, 300, 300, gl.RGBA, gl.UNSIGNED_BYTE, pixels);

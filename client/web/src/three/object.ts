@@ -6,11 +6,9 @@ import { Display, Player, SharedContext } from "../player";
 import { DrawOptions, Renderer, ScenePart } from "../renderer/renderer";
 import { Room } from "../room";
 import { placesOf, sourcesOf } from "../sources";
-import { WholeView, wholeView } from "../whole_view";
+import { FollowingView, WholeView } from "../whole_view";
 import fragmentShader from "./composite.frag.glsl";
 import vertexShader from "./composite.vert.glsl";
-
-const MOVED = 0.02;  // of the distance: how far a camera moves until other details are made ready
 
 /** What a camera of three.js sees of the object. */
 interface Eye {
@@ -26,8 +24,7 @@ class CameraDisplay implements Display {
   readonly viewport = new THREE.Vector4();
   private room: Room | null = null;
   private roomOf: unknown = null;
-  private seen: WholeView | null = null;
-  private seenAs: number[] = [];
+  private following = new FollowingView();
 
   constructor(private readonly player: Player) {}
 
@@ -40,20 +37,17 @@ class CameraDisplay implements Display {
     if (of !== this.roomOf) {
       this.room = new Room(player.camera.module, box, player.camera.up, null);
       this.roomOf = of;
-      this.seen = null;
+      this.following = new FollowingView();
     }
     return this.room;
   }
 
   view(): WholeView | null {
     const room = this.place(), { eye, player } = this, box = player.bounds();
-    if (!eye || !room || !box || !player.camera) return this.seen;
+    if (!eye || !room || !box || !player.camera) return this.following.seen;
     const [x, y, z] = eye.pose.slice(12), from = room.point(x!, y!, z!);
     const pixels = 0.5 * this.viewport.w * eye.camera.projectionMatrix.elements[5]!;
-    const moved = Math.hypot(...from.map((v, i) => v - this.seenAs[i]!));
-    if (this.seen && moved < MOVED * this.seen.camera.distance && pixels === this.seenAs[3]) return this.seen;
-    this.seenAs = [...from, pixels];
-    return (this.seen = wholeView(player.camera.module, box, player.camera.up, from, pixels));
+    return this.following.follow(player.camera.module, box, player.camera.up, from, pixels);
   }
 
   draw(renderer: Renderer, parts: readonly ScenePart[], options: DrawOptions, reduction: number): number {
@@ -136,16 +130,16 @@ export class PointreelObject extends THREE.Mesh<THREE.BufferGeometry, THREE.Shad
   }
 
   get paused(): boolean { return !this.player.playing; }
-  get duration(): number { return this.player.reel ? this.player.reel.reel.durationUs / 1e6 : this.player.isLive ? Infinity : NaN; }
+  get duration(): number { return this.player.duration; }
   get currentTime(): number { return (this.player.reel?.clock.read().positionUs ?? 0) / 1e6; }
   set currentTime(seconds: number) { this.player.seek(Math.max(0, seconds) * 1e6); }
-  get playbackRate(): number { return this.player.reel?.clock.state().speed ?? 1; }
+  get playbackRate(): number { return this.player.speed; }
   set playbackRate(rate: number) { this.player.setSpeed(rate); }
   get mode(): Mode { return this.player.settings.mode; }
   set mode(mode: Mode) { this.player.set({ mode }); }
   get lighting(): boolean { return this.player.settings.lighting; }
   set lighting(lighting: boolean) { this.player.set({ lighting }); }
-  get frame(): number { return this.player.reel?.shown?.frame ?? this.player.live[0]?.shown?.frame ?? -1; }
+  get frame(): number { return this.player.frame; }
   get error(): string | null { return this.player.trouble; }
   get size(): Vec3 | null { return this.display.place()?.size ?? null; }
 

@@ -6,13 +6,13 @@
 
 #include <epoxy/gl.h>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 
 namespace pointreel {
 
 /// How much of each pixel of the last picture is covered: 0 if nothing was drawn there, 255 if the
 /// background does not show. Rows run from top to bottom. Empty before the first picture.
-inline std::vector<std::uint8_t> read_alpha(const Renderer& renderer) {
+inline std::vector<std::uint8_t> read_alpha(Renderer& renderer) {
   if (renderer.texture() == 0) return {};
   GLint width = 0, height = 0;
   glGetTextureLevelParameteriv(renderer.texture(), 0, GL_TEXTURE_WIDTH, &width);

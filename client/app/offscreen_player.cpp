@@ -16,7 +16,7 @@
 #include "client/playback/stage.h"
 #include "client/record/frame_plan.h"
 #include "client/record/open_recorder.h"
-#include "client/render/gl_context.h"
+#include "client/render/make_renderer.h"
 #include "client/session/console.h"
 #include "client/session/presenter.h"
 #include "client/session/stage_setup.h"
@@ -46,8 +46,8 @@ class OffscreenPlayer {
     if (!options_.record.empty()) TRY(check_recording(options_.record));
     stage_ = TRY(open_stage());
     if (!stage_) return {};
-    const OffscreenContext context = TRY(OffscreenContext::create());
-    presenter_ = TRY(Presenter::create(options_));
+    OffscreenRenderer offscreen = TRY(make_offscreen_renderer(options_.settings.renderer));
+    presenter_ = std::make_unique<Presenter>(options_, std::move(offscreen.renderer));
     presenter_->begin(*stage_);
     presenter_->start_clock();
     camera_ = first_camera(options_, stage_->view_bounds(), stage_->up(), size_);

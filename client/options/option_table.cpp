@@ -140,8 +140,13 @@ std::vector<Option> make_table() {
        number([](auto& s) -> auto& { return s.draw.scales.shading; }, {0.01, 100}, splat_scale),
        "--splatting normalized enlarges surfels by this factor to blend their colours",
        "Colour size", "Enlarges discs to blend their colours"},
+      {"renderer",
+       choice([](auto& s) -> auto& { return s.renderer; }, {"Auto", "OpenGL", "Software"}),
+       "What draws: opengl; software, which is the processor, without OpenGL; or auto, which takes "
+       "OpenGL if there is a graphics card for it",
+       "Renderer", "OpenGL, or the processor without OpenGL"},
       {"instancing", choice([](auto& s) -> auto& { return s.draw.instancing; }),
-       "How the graphics card draws surfels and voxels: by a geometry shader; as instances whose "
+       "How OpenGL draws surfels and voxels: by a geometry shader; as instances whose "
        "data is in uniform buffers, a texture buffer or vertex attributes; or by pull, which first "
        "lists what is visible. The picture is the same",
        "Instancing", "How each element becomes triangles; the picture is the same"},

@@ -7,6 +7,7 @@
 
 #include "client/prepare/prepare.h"
 #include "client/scene/draw_options.h"
+#include "client/scene/renderer_choice.h"
 #include "client/scene/up.h"
 
 namespace pointreel {
@@ -19,6 +20,7 @@ inline constexpr int kMaxImageSide = 16384;
 struct Settings {
   glm::ivec2 size{1280, 720};  ///< of the window
   std::optional<bool> loop;    ///< by default a window loops, and playing offscreen does not
+  RendererChoice renderer = RendererChoice::automatic;
   DrawOptions draw;
   double delta = PrepareOptions{}.delta;
   Refine refine = Refine::automatic;

@@ -15,7 +15,8 @@ const glm::dvec3& origin_of(const SceneFrame& frame, bool is_tree) {
 }  // namespace
 
 Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                                    const ElementStyle& style, float pixel_size) {
+                                    const ElementStyle& style, float pixel_size,
+                                    InstanceMemory& memory) {
   stats_.cut_ms = 0.0;
   const View view{camera, size, pixel_size};
   const bool same = view_ && scene == scene_ && style == style_;
@@ -30,12 +31,12 @@ Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, gl
   cut(scene);
   std::size_t most = 0;
   for (const Part& part : parts_) most += part.most;
-  const std::span<Instance> out = instances_.write(most);
+  const std::span<Instance> out = memory.write(most);
   if (out.size() < most) {
     view_.reset();
     stats_ = {};
     return fail(ErrorCode::limit,
-                "the graphics driver has no memory for " + std::to_string(most) + " elements");
+                "there is no memory to draw " + std::to_string(most) + " elements");
   }
   origin_ = glm::dvec3(0.0);
   bounds_ = {};
@@ -45,7 +46,7 @@ Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, gl
     if (count == 0) origin_ = scene[i].place + origin_of(*scene[i].frame, parts_[i].is_tree);
     count += pack(scene[i], parts_[i], out.subspan(count, parts_[i].most));
   }
-  instances_.keep(count);
+  memory.keep(count);
   return {};
 }
 

@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/render/instance_buffer.h"
+#include "client/render/instance.h"
 #include "client/render/instances.h"
 #include "client/render/region.h"
 #include "client/scene/camera.h"
@@ -19,9 +19,8 @@
 
 namespace pointreel {
 
-/// The instances of a scene as a camera sees it, in one buffer: the cuts of the frames' trees and
-/// the points of their clouds. Remakes them only if something changed. Needs the renderer's OpenGL
-/// context.
+/// The instances of a scene as a camera sees it, one after another: the cuts of the frames' trees
+/// and the points of their clouds. Remakes them only if something changed.
 class SceneInstances {
  public:
   struct Stats {
@@ -29,13 +28,12 @@ class SceneInstances {
     double cut_ms = 0.0;  ///< of the last update, with refinement; 0 if no frame was cut or refined
   };
 
-  /// Makes the instances of `scene` as `camera` sees it in a picture of `size` pixels. Nothing that
-  /// was submitted may still be reading the old instances. Shares ownership of the frames. Fails
-  /// with ErrorCode::limit if the driver has too little memory; there are no instances then.
+  /// Makes the instances of `scene` as `camera` sees it in a picture of `size` pixels, and writes
+  /// them to `memory`, which is the same every time. Shares ownership of the frames. Fails with
+  /// ErrorCode::limit if there is too little memory; there are no instances then.
   Result<void> update(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                      const ElementStyle& style, float pixel_size);
+                      const ElementStyle& style, float pixel_size, InstanceMemory& memory);
 
-  const InstanceBuffer& buffer() const { return instances_; }
   const InstanceBounds& bounds() const { return bounds_; }
   /// The zero of the instances' coordinates, in the world.
   const glm::dvec3& origin() const { return origin_; }
@@ -67,7 +65,6 @@ class SceneInstances {
   Scene scene_;
   ElementStyle style_;
   std::vector<Part> parts_;
-  InstanceBuffer instances_;
   InstanceBounds bounds_;
   glm::dvec3 origin_{0.0};
   bool normals_estimated_ = false;

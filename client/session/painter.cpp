@@ -1,15 +1,9 @@
 #include "client/session/painter.h"
 
-#include <utility>
-
 #include "client/render/supersampling.h"
 #include "common/base/try.h"
 
 namespace pointreel {
-
-Result<std::unique_ptr<Painter>> Painter::create(int supersample) {
-  return std::unique_ptr<Painter>(new Painter(TRY(Renderer::create()), supersample));
-}
 
 Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
                                 const DrawOptions& options) {
@@ -17,22 +11,22 @@ Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::i
   camera_ = camera;
   size_ = size;
   options_ = options;
-  return renderer_.draw(scene, camera, size, options);
+  return renderer_->draw(scene, camera, size, options);
 }
 
 Result<Image> Painter::picture() {
   if (reduced()) {
     options_.reduction = 1;
-    TRY(renderer_.draw(scene_, camera_, size_, options_));
+    TRY(renderer_->draw(scene_, camera_, size_, options_));
   }
-  if (supersample_ == 1) return renderer_.read_pixels();
+  if (supersample_ == 1) return renderer_->read_pixels();
   DrawOptions larger = options_;
   larger.point_size *= static_cast<float>(supersample_);
   larger.pixel_size *= static_cast<float>(supersample_);
-  TRY(renderer_.draw(scene_, camera_, supersample_ * size_, larger));
-  const Image large = TRY(renderer_.read_pixels());
+  TRY(renderer_->draw(scene_, camera_, supersample_ * size_, larger));
+  const Image large = TRY(renderer_->read_pixels());
   // The renderer shows the picture in its own size again.
-  TRY(renderer_.draw(scene_, camera_, size_, options_));
+  TRY(renderer_->draw(scene_, camera_, size_, options_));
   return average_squares(large, supersample_);
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <glm/glm.hpp>
 
@@ -13,19 +14,22 @@
 
 namespace pointreel {
 
-/// Draws scenes and writes pictures of them. Needs the renderer's OpenGL context.
+/// Draws scenes and writes pictures of them. Needs the renderer's OpenGL context, if it has one.
 class Painter {
  public:
   /// Pictures that are written are drawn `supersample` times as wide and high, and averaged.
-  static Result<std::unique_ptr<Painter>> create(int supersample);
+  Painter(std::unique_ptr<Renderer> renderer, int supersample)
+      : renderer_(std::move(renderer)), supersample_(supersample) {}
+
+  std::string describe_renderer() const { return renderer_->describe(); }
 
   Result<DrawStats> draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
                          const DrawOptions& options);
   /// Copies the last picture into the window's framebuffer.
-  void present() const { renderer_.present(0); }
+  void present() const { renderer_->present(0); }
   /// As Renderer::point_at, in the last picture.
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const {
-    return renderer_.point_at(pixel);
+    return renderer_->point_at(pixel);
   }
   /// Whether the last picture was drawn with fewer pixels than it is shown
   /// (DrawOptions::reduction).
@@ -36,11 +40,8 @@ class Painter {
   Result<void> write(const std::string& path);
 
  private:
-  explicit Painter(Renderer renderer, int supersample)
-      : renderer_(std::move(renderer)), supersample_(supersample) {}
-
-  Renderer renderer_;
-  const int supersample_;
+  std::unique_ptr<Renderer> renderer_;
+  int supersample_;
   // Of the last picture.
   Scene scene_;
   Camera camera_;

@@ -5,24 +5,28 @@
 #include <fstream>
 #include <utility>
 
-#include "client/render/gl_context.h"
 #include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
 
 namespace pointreel {
 
-Result<std::unique_ptr<Presenter>> Presenter::create(const PlayOptions& options) {
-  std::unique_ptr<Presenter> presenter(new Presenter(options));
-  presenter->painter_ = TRY(Painter::create(options.supersample));
-  presenter->report_.gl_renderer = describe_opengl();
-  presenter->report_.size = options.picture_size();
-  return presenter;
+Presenter::Presenter(const PlayOptions& options, std::unique_ptr<Renderer> renderer)
+    : options_(options), painter_(std::move(renderer), options.supersample) {
+  report_.renderer = painter_.describe_renderer();
+  report_.size = options.picture_size();
+}
+
+void Presenter::set_renderer(std::unique_ptr<Renderer> renderer) {
+  painter_ = Painter(std::move(renderer), options_.supersample);
+  report_.renderer = painter_.describe_renderer();
+  draft_ = {};
+  shot_.reset();
 }
 
 void Presenter::begin(const Stage& stage) {
   PlayReport report;
-  report.gl_renderer = report_.gl_renderer;
+  report.renderer = report_.renderer;
   report.size = report_.size;
   report.mode = options_.settings.draw.mode;
   report.instancing = options_.settings.draw.instancing;
@@ -60,7 +64,7 @@ Result<void> Presenter::draw(const Stage& stage, const std::vector<Stage::Change
   options.reduction = draft_.reduction(shot.haste, elements);
   options.refine = options.refine && shot.haste.of == Haste::Of::nobody;
   hasty_ = options.reduction > 1 || options.refine != shot.draw.refine;
-  drawn_ = TRY(painter_->draw(stage.scene(), shot.camera, shot.size, options));
+  drawn_ = TRY(painter_.draw(stage.scene(), shot.camera, shot.size, options));
   draft_.drew(elements, drawn_.cut_ms + drawn_.render_ms);
   for (const Stage::Change& change : changes) add_to_report(stage, change);
   return {};

@@ -26,12 +26,15 @@ struct Shot {
   Haste haste = {};
 };
 
-/// Draws what is on a stage and keeps the report of it. Needs the OpenGL context that was current
-/// when it was made.
+/// Draws what is on a stage and keeps the report of it. Needs the renderer's OpenGL context, if it
+/// has one.
 class Presenter {
  public:
   /// The options must outlive the presenter.
-  static Result<std::unique_ptr<Presenter>> create(const PlayOptions& options);
+  Presenter(const PlayOptions& options, std::unique_ptr<Renderer> renderer);
+
+  /// Draws with another renderer from now on.
+  void set_renderer(std::unique_ptr<Renderer> renderer);
 
   /// Starts a new report, of this stage.
   void begin(const Stage& stage);
@@ -48,8 +51,8 @@ class Presenter {
   const DrawStats& drawn() const { return drawn_; }  ///< of the last picture
   bool shown() const { return shown_; }              ///< any frame, since begin()
 
-  Painter& painter() { return *painter_; }
-  const Painter& painter() const { return *painter_; }
+  Painter& painter() { return painter_; }
+  const Painter& painter() const { return painter_; }
 
   /// Time since the first frame was shown; 0 before that.
   double seconds() const;
@@ -67,12 +70,10 @@ class Presenter {
   Result<void> write_report() const;
 
  private:
-  explicit Presenter(const PlayOptions& options) : options_(options) {}
-
   void add_to_report(const Stage& stage, const Stage::Change& change);
 
   const PlayOptions& options_;
-  std::unique_ptr<Painter> painter_;
+  Painter painter_;
   Draft draft_;
   PlayReport report_;
   std::optional<Shot> shot_;  ///< of the last picture

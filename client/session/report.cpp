@@ -147,7 +147,7 @@ std::uint64_t PlayReport::fetched_bytes() const {
 
 std::string PlayReport::to_json() const {
   nlohmann::ordered_json json;
-  json["gl_renderer"] = gl_renderer;
+  json["renderer"] = renderer;
   json["mode"] = name(mode);
   json["instancing"] = name(instancing);
   json["splatting"] = name(splatting);

@@ -65,7 +65,7 @@ class PlayReport {
  public:
   std::vector<SourceReport> sources;
   std::optional<WindowReport> window;  ///< none offscreen
-  std::string gl_renderer;
+  std::string renderer;
   DrawMode mode = DrawMode::surfel;
   Instancing instancing = Instancing::pull;
   Splatting splatting = Splatting::normalized;

@@ -127,6 +127,7 @@ void edit_elements(Settings& settings) {
       edit("point_size", settings);
       break;
   }
+  edit("renderer", settings);
   if (settings.draw.mode != DrawMode::point) edit("instancing", settings);
   edit("smooth_outlines", settings);
   edit("pixel_size", settings);

@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 #include <imgui.h>
 
-#include "client/render/gl_objects.h"
+#include "client/render/opengl/gl_objects.h"
 
 namespace pointreel {
 

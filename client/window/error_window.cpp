@@ -3,7 +3,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "client/ui/gui.h"
 #include "client/ui/interface_scale.h"
 #include "client/ui/overlay.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "client/options/play_options.h"
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "client/ui/window_input.h"
 #include "pointreel/error.h"
 

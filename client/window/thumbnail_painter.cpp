@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "client/render/make_renderer.h"
+
 namespace pointreel {
 namespace {
 
@@ -11,9 +13,15 @@ constexpr glm::ivec2 kSize{176, 99};
 
 std::optional<Thumbnail> ThumbnailPainter::draw(const PlacedFrame& frame, const Box& bounds,
                                                 const Camera& camera, const glm::vec3& background,
-                                                float scale) {
+                                                RendererChoice choice, float scale) {
+  if (choice != choice_) {
+    choice_ = choice;
+    renderer_.reset();
+    failed_ = false;
+    frame_ = {};
+  }
   if (!renderer_ && !failed_) {
-    auto renderer = Renderer::create();
+    auto renderer = make_window_renderer(choice);
     failed_ = !renderer;
     if (renderer) renderer_ = *std::move(renderer);
   }

@@ -8,6 +8,7 @@
 #include "client/render/renderer.h"
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
+#include "client/scene/renderer_choice.h"
 #include "client/ui/timeline.h"
 
 namespace pointreel {
@@ -16,13 +17,14 @@ namespace pointreel {
 /// current when the first one was drawn.
 class ThumbnailPainter {
  public:
-  /// Looks in the direction of the camera at all of `bounds`. Nothing if OpenGL cannot draw it. The
+  /// Looks in the direction of the camera at all of `bounds`. Nothing if it cannot be drawn. The
   /// last picture is kept for as long as nothing changes. `scale` is that of the interface.
   std::optional<Thumbnail> draw(const PlacedFrame& frame, const Box& bounds, const Camera& camera,
-                                const glm::vec3& background, float scale);
+                                const glm::vec3& background, RendererChoice choice, float scale);
 
  private:
-  std::optional<Renderer> renderer_;
+  RendererChoice choice_ = RendererChoice::automatic;  ///< of renderer_
+  std::unique_ptr<Renderer> renderer_;
   bool failed_ = false;
   PlacedFrame frame_;
   Camera camera_;

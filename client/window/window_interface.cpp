@@ -118,7 +118,7 @@ std::optional<Thumbnail> WindowInterface::thumbnail() {
   if (!base) return std::nullopt;
   return thumbnails_.draw({std::move(base), stage.place(controls_.source())}, stage.bounds(),
                           controls_.camera(), controls_.settings().draw.background,
-                          interface_.scale());
+                          controls_.settings().renderer, interface_.scale());
 }
 
 void WindowInterface::draw(bool timed) {

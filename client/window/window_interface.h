@@ -10,7 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "client/playback/statistics.h"
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "client/ui/controls.h"
 #include "client/ui/interface.h"
 #include "client/ui/play_statistics.h"

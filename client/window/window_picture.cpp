@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "client/render/make_renderer.h"
 #include "client/session/stage_setup.h"
 #include "common/base/try.h"
 
@@ -10,7 +11,9 @@ namespace pointreel {
 Result<std::unique_ptr<WindowPicture>> WindowPicture::create(const PlayOptions& options,
                                                              Controls& controls) {
   std::unique_ptr<WindowPicture> picture(new WindowPicture(options, controls));
-  picture->presenter_ = TRY(Presenter::create(options));
+  picture->renderer_ = controls.settings().renderer;
+  picture->presenter_ =
+      std::make_unique<Presenter>(options, TRY(make_window_renderer(picture->renderer_)));
   return picture;
 }
 
@@ -46,8 +49,14 @@ Result<bool> WindowPicture::draw(Stage& stage, const Stage::Update& update, glm:
   const bool by_hand = !presenter_->shown() || controls_.scrubbing();
   const Shot shot{controls_.camera(), size, draw_options(stage),
                   motion_.haste(controls_.settings().drafts, stage, by_hand, now)};
+  bool other_renderer = false;
+  if (const RendererChoice wanted = controls_.settings().renderer; wanted != renderer_) {
+    presenter_->set_renderer(TRY(make_window_renderer(wanted)));
+    renderer_ = wanted;
+    other_renderer = true;
+  }
   const bool finer = presenter_->hasty() && shot.haste.of == Haste::Of::nobody;
-  if (!shown && !finer && presenter_->shows(shot)) return false;
+  if (!shown && !finer && !other_renderer && presenter_->shows(shot)) return false;
   TRY(presenter_->draw(stage, update.changes, shot));
   recent.redrawn(presenter_->drawn());
   for (const Stage::Change& change : update.changes)

@@ -54,6 +54,7 @@ class WindowPicture {
   const PlayOptions& options_;
   Controls& controls_;
   std::unique_ptr<Presenter> presenter_;
+  RendererChoice renderer_ = RendererChoice::automatic;  ///< of the presenter
   WindowMotion motion_;
   std::size_t view_version_ = 0;      ///< of the stage when the camera looked at all of it
   DrawMode mode_ = DrawMode::surfel;  ///< for which the frames shown were prepared

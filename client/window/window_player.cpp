@@ -17,7 +17,7 @@
 
 #include "client/playback/stage.h"
 #include "client/record/numbered_path.h"
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "client/session/stage_setup.h"
 #include "client/ui/controls.h"
 #include "client/ui/interface_scale.h"

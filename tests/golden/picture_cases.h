@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 
 namespace pointreel::golden {
 

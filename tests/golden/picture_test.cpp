@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "tests/golden/picture_cases.h"
 
 namespace pointreel::golden {
@@ -31,7 +31,7 @@ constexpr std::size_t kPixels = 12;
 Result<std::map<std::string, Image>> draw(const PointCloud& cloud) {
   auto context = OffscreenContext::create();
   if (!context) return fail(context.error().message);
-  auto renderer = Renderer::create();
+  auto renderer = GlRenderer::create();
   if (!renderer) return fail(renderer.error().message);
   std::map<std::string, Image> pictures;
   for (const PictureCase& one : picture_cases(cloud)) {

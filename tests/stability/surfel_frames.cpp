@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <string>
 
-#include "client/render/gl_context.h"
-#include "client/render/gl_objects.h"
-#include "client/render/shaders.h"
+#include "client/render/opengl/gl_context.h"
+#include "client/render/opengl/gl_objects.h"
+#include "client/render/opengl/shaders.h"
 #include "common/base/try.h"
 
 namespace pointreel {

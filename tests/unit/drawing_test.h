@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_context.h"
+#include "client/render/opengl/gl_renderer.h"
 
 namespace pointreel {
 
@@ -18,9 +18,9 @@ class DrawingTest : public testing::Test {
     Result<OffscreenContext> context = OffscreenContext::create();
     ASSERT_TRUE(context) << context.error().message;
     context_ = std::make_unique<OffscreenContext>(std::move(*context));
-    Result<Renderer> renderer = Renderer::create();
+    Result<GlRenderer> renderer = GlRenderer::create();
     ASSERT_TRUE(renderer) << renderer.error().message;
-    renderer_ = std::make_unique<Renderer>(std::move(*renderer));
+    renderer_ = std::make_unique<GlRenderer>(std::move(*renderer));
   }
   void TearDown() override {
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));

@@ -1,4 +1,4 @@
-#include "client/render/eye_dome_lighting.h"
+#include "client/render/opengl/eye_dome_lighting.h"
 
 #include <memory>
 

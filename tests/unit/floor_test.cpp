@@ -1,4 +1,4 @@
-#include "client/render/floor.h"
+#include "client/render/opengl/floor.h"
 
 #include <algorithm>
 #include <array>

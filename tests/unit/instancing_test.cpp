@@ -1,6 +1,6 @@
 #include <random>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "tests/unit/renderer_test.h"
 
 namespace pointreel {

@@ -27,6 +27,7 @@ TEST(OptionTable, names_in_the_settings_file_do_not_change) {
   EXPECT_EQ(names, (std::set<std::string_view>{"window",
                                                "loop",
                                                "mode",
+                                               "renderer",
                                                "instancing",
                                                "splatting",
                                                "fill_holes",

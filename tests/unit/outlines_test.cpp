@@ -1,4 +1,4 @@
-#include "client/render/outlines.h"
+#include "client/render/opengl/outlines.h"
 
 #include <cmath>
 #include <memory>

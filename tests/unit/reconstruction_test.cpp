@@ -1,4 +1,4 @@
-#include "client/render/reconstruction.h"
+#include "client/render/opengl/reconstruction.h"
 
 #include <algorithm>
 #include <cmath>

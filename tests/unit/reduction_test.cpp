@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "client/render/gl_objects.h"
+#include "client/render/opengl/gl_objects.h"
 #include "tests/unit/drawing_test.h"
 
 namespace pointreel {

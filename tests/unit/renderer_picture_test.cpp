@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "tests/unit/renderer_test.h"
 
 namespace pointreel {
@@ -174,7 +174,7 @@ TEST_F(RendererTest, exposes_the_picture_as_a_texture_of_the_same_bytes) {
 TEST_F(RendererTest, draws_the_same_with_a_second_renderer_in_one_context) {
   const auto frame = frame_of(asymmetric_cloud());
   const Image first = picture(frame, front_camera(), plain(DrawMode::point));
-  auto second = Renderer::create();
+  auto second = GlRenderer::create();
   ASSERT_TRUE(second);
   ASSERT_TRUE(second->draw(frame, front_camera(), kSize / 2, plain(DrawMode::surfel)));
   ASSERT_TRUE(second->draw(frame, front_camera(), kSize, plain(DrawMode::point)));

@@ -1,4 +1,4 @@
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 
 #include <algorithm>
 #include <cmath>

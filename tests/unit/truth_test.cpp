@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_context.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "tests/bench/render/scenes.h"
 #include "tests/bench/render/viewpoints.h"
 
@@ -75,7 +75,7 @@ Image moved(const Image& image, const glm::ivec2& by) {
 TEST(Truth, agrees_with_the_picture_of_very_many_points) {
   const auto context = OffscreenContext::create();
   ASSERT_TRUE(context) << context.error().message;
-  auto renderer = Renderer::create();
+  auto renderer = GlRenderer::create();
   ASSERT_TRUE(renderer) << renderer.error().message;
   const TruthScene scene = balls();
   const double area = surface_area(scene.grid).value();

@@ -11,7 +11,7 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "client/ui/interface.h"
 #include "client/ui/timeline.h"
 #include "client/ui/window_input.h"

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "tests/bench/measure.h"
 
 namespace pointreel::bench {

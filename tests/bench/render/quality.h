@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "tests/bench/render/image_error.h"
 #include "tests/bench/render/scenes.h"
 #include "tests/bench/render/viewpoints.h"

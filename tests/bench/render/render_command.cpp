@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
@@ -168,7 +168,7 @@ Result<json> write_render_report(const Options& options) {
   }
   if (options.json != "-") print("{}\n", gl);
   const auto choices = TRY(choose_scenes(options, software ? effort.even_points : kGpuEvenPoints));
-  Renderer renderer = TRY(Renderer::create());
+  GlRenderer renderer = TRY(GlRenderer::create());
 
   json report = {{"benchmark", "render"}, {"quick", options.quick},
                  {"machine", machine()},  {"size", {effort.size.x, effort.size.y}},

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// The same values as in client/render/renderer.cpp and shaders/common.glsl.
+/// The same values as in client/render/opengl/gl_renderer.cpp and shaders/common.glsl.
 const glm::dvec3 kLight = glm::normalize(glm::dvec3(-0.35, 0.45, 1.0));
 constexpr double kAmbient = 0.4;
 

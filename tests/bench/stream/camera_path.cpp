@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "client/playback/reel_playback.h"
-#include "client/render/gl_context.h"
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_context.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "client/render/supersampling.h"
 #include "client/source/open_source.h"
 #include "common/base/try.h"
@@ -111,7 +111,7 @@ double decibels(double errors, std::size_t pictures) {
 Result<json> run_camera_path(const StreamOptions& options, std::vector<Bar>& bars) {
   const auto reels = TRY(streamed_reels(options));
   const auto context = TRY(OffscreenContext::create());
-  Renderer renderer = TRY(Renderer::create());
+  GlRenderer renderer = TRY(GlRenderer::create());
   json rows = json::array();
   for (const StreamedReel& reel : reels) {
     const std::uint32_t pictures = std::min(reel.packed_frames, options.quick ? 4u : 10u);

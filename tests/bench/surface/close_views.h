@@ -5,7 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "pointreel/error.h"
 #include "tests/bench/surface/measure_frame.h"
 

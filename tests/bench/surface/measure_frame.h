@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/render/renderer.h"
+#include "client/render/opengl/gl_renderer.h"
 #include "client/scene/frame.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/render/gl_context.h"
+#include "client/render/opengl/gl_context.h"
 #include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
@@ -121,7 +121,7 @@ Result<json> measure_surface(bool quick) {
   const double begin = now_ms();
   const Effort& effort = quick ? kQuick : kFull;
   const OffscreenContext context = TRY(OffscreenContext::create());
-  Renderer renderer = TRY(Renderer::create());
+  GlRenderer renderer = TRY(GlRenderer::create());
   const std::vector<Capture> captures = surface_captures(quick);
   const std::vector<Treatment> treatments = surface_treatments(quick);
   const auto library = smoothing_library();

@@ -1,4 +1,4 @@
-// The grid on the floor: client/render/floor.h.
+// The grid on the floor: client/render/opengl/floor.h.
 import { Camera, Viewpoint } from "../camera";
 import { Box, isEmpty, Vec3 } from "../module";
 import { LateProgram, Size } from "./gl";

@@ -1,4 +1,4 @@
-// Fills the holes of a splatted surface, as client/render/reconstruction.h explains.
+// Fills the holes of a splatted surface, as client/render/opengl/reconstruction.h explains.
 import { bindTexture, makeFramebuffer, makeTexture, Size } from "./gl";
 import { around, EMPTY, Rect } from "./region";
 import { Programs } from "./shaders";

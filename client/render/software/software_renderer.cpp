@@ -1,0 +1,277 @@
+#include "client/render/software/software_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "client/render/hole_rules.h"
+#include "client/render/pick.h"
+#include "client/render/software/effects.h"
+#include "client/render/software/raster.h"
+#include "common/base/for_each.h"
+#include "common/base/try.h"
+#include "pointreel/cpu.h"
+
+namespace pointreel {
+namespace {
+
+/// Below it, the sum of weights counts as nothing: it is less than the weight at the rim of a
+/// splat, and more than rounding errors (shaders/mean.glsl).
+constexpr float kNoWeight = 1e-6f;
+
+constexpr int kMostPixels = 16384;  ///< width and height of a picture
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+bool touches(const SplatBlock& block, int tile) {
+  const auto any = [tile](const TileBins& bins) { return bins.begin(tile) != bins.end(tile); };
+  return any(block.ellipse_bins) || any(block.disc_bins) || any(block.back_bins);
+}
+
+bool touches(const Splats& splats, int tile) {
+  return std::any_of(splats.blocks().begin(), splats.blocks().end(),
+                     [tile](const SplatBlock& block) { return touches(block, tile); });
+}
+
+/// Calls visit(pixel in the picture, index in the planes) for each pixel of a tile.
+template <class Visit>
+void each_pixel(const SplatTile& tile, const Picture& picture, const Visit& visit) {
+  for (int y = tile.pixels.min.y; y < tile.pixels.max.y; ++y) {
+    std::size_t pixel = picture.index(tile.pixels.min.x, y);
+    auto at = static_cast<std::size_t>((y - tile.pixels.min.y) * kTileStride);
+    for (int x = tile.pixels.min.x; x < tile.pixels.max.x; ++x) visit(pixel++, at++);
+  }
+}
+
+}  // namespace
+
+SoftwareRenderer::SoftwareRenderer(Executor executor) : executor_(std::move(executor)) {}
+
+std::string SoftwareRenderer::describe() const {
+  return std::string("software on ") + std::to_string(std::thread::hardware_concurrency()) +
+         " threads" + ((cpu_features() & kCpuAvx2) != 0 ? " with AVX2" : "");
+}
+
+std::span<Instance> SoftwareRenderer::Memory::write(std::size_t count) {
+  size_ = 0;
+  try {
+    if (memory_.size() < count) memory_.resize(count + count / 4);
+  } catch (const std::bad_alloc&) {
+    return {};
+  }
+  size_ = count;
+  return {memory_.data(), count};
+}
+
+Result<void> SoftwareRenderer::resize(glm::ivec2 size) {
+  if (size == picture_.grid.size) return {};
+  if (size.x < 1 || size.y < 1 || size.x > kMostPixels || size.y > kMostPixels)
+    return fail(ErrorCode::argument, "a picture of " + std::to_string(size.x) + "x" +
+                                         std::to_string(size.y) +
+                                         " pixels cannot be drawn: width and height must be 1 to " +
+                                         std::to_string(kMostPixels));
+  try {
+    picture_ = Picture(size);
+  } catch (const std::bad_alloc&) {
+    picture_ = Picture();
+    return fail(ErrorCode::limit, "there is no memory for a picture of " + std::to_string(size.x) +
+                                      "x" + std::to_string(size.y) + " pixels");
+  }
+  return {};
+}
+
+void SoftwareRenderer::clear(const glm::vec3& background) {
+  const glm::u8vec4 color(glm::round(255.0f * glm::clamp(background, 0.0f, 1.0f)), 0.0f);
+  for_each(executor_, picture_.grid.tiles.y, [&](int row) {
+    const std::size_t begin = picture_.index(0, row * kTileHeight);
+    const std::size_t end =
+        picture_.index(0, std::min((row + 1) * kTileHeight, picture_.grid.size.y));
+    std::fill(picture_.colors.begin() + static_cast<std::ptrdiff_t>(begin),
+              picture_.colors.begin() + static_cast<std::ptrdiff_t>(end), color);
+    std::fill(picture_.depths.begin() + static_cast<std::ptrdiff_t>(begin),
+              picture_.depths.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
+  });
+  std::fill(picture_.busy.begin(), picture_.busy.end(), std::uint8_t{0});
+}
+
+Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camera,
+                                         glm::ivec2 shown, const DrawOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
+  TRY(resize(size));
+  TRY(instances_.update(scene, camera, size,
+                        {options.mode, options.color, options.fill_holes, options.refine},
+                        options.pixel_size, memory_));
+  DrawStats stats;
+  stats.reduction = options.reduction;
+  stats.drawn = static_cast<std::uint32_t>(memory_.instances().size());
+  stats.visited = instances_.stats().visited;
+  stats.out_of_view = instances_.stats().out_of_view;
+  stats.below_pixel = instances_.stats().below_pixel;
+  stats.hidden = instances_.stats().hidden;
+  stats.cut_ms = instances_.stats().cut_ms;
+
+  camera_ = camera;
+  shown_ = shown;
+  background_ = options.background;
+  const View view = make_view(camera, instances_.origin(), size, options.lighting,
+                              instances_.normals_estimated());
+  const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
+  drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
+
+  clear(options.background);
+  const auto floor = [&] {
+    draw_floor(*options.floor, camera,
+               make_view(camera, floor_origin(*options.floor), size, options.lighting, false),
+               options.background, picture_);
+  };
+  const bool above_floor = options.floor && is_above(camera.eye(), *options.floor);
+  if (above_floor) floor();
+  if (stats.drawn > 0) {
+    if (options.mode == DrawMode::surfel) {
+      draw_surfels(view, options);
+    } else {
+      const float point = std::max(1.0f, options.point_size / static_cast<float>(options.reduction));
+      solids_.draw(memory_.instances(), options.mode == DrawMode::voxel, point, view, executor_,
+                   picture_);
+      if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
+    }
+    if (options.smooth_outlines) smooth_outlines(region, executor_, picture_);
+  }
+  if (options.floor && !above_floor) floor();
+  stats.render_ms = milliseconds_since(start) - stats.cut_ms;
+  return stats;
+}
+
+void SoftwareRenderer::draw_surfels(const View& view, const DrawOptions& options) {
+  const Splatting splatting = options.splatting;
+  const SplatScales scales = scales_of(splatting, options.scales);
+  const bool two_passes = splatting != Splatting::regular && splatting != Splatting::no_depth;
+  const bool means = splatting == Splatting::normalized, fills = options.fill_holes && means;
+  const bool signs_unknown = instances_.normals_estimated();
+  const auto instances = memory_.instances();
+
+  const bool backs = fills && !signs_unknown;
+  color_splats_.set(
+      instances, view, picture_.grid,
+      {scales.shading,
+       backs && scales.shading == scales.visibility ? hole_rules::one_back_in(instances.size())
+                                                    : 0},
+      executor_);
+  const Splats* depth_splats = &color_splats_;
+  if (two_passes && scales.visibility != scales.shading) {
+    depth_splats_.set(instances, view, picture_.grid,
+                      {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0},
+                      executor_);
+    depth_splats = &depth_splats_;
+  }
+
+  const SplatKernels& kernels = splat_kernels();
+  const SrgbTables& srgb = SrgbTables::get();
+  const BlendDepth blend = two_passes                          ? BlendDepth::test
+                           : splatting == Splatting::no_depth ? BlendDepth::none
+                                                               : BlendDepth::write;
+  for_each(executor_, picture_.grid.count(), [&](int number) {
+    if (!touches(color_splats_, number) && !(two_passes && touches(*depth_splats, number))) return;
+    SplatTile tile;
+    tile.pixels = picture_.grid.pixels(number);
+    tile.depth.fill(0.0f);
+    if (two_passes) {
+      for (const SplatBlock& block : depth_splats->blocks())
+        if (touches(block, number)) kernels.depth(block, number, view, tile);
+    }
+    for (TilePlane* plane : {&tile.red, &tile.green, &tile.blue, &tile.weight}) plane->fill(0.0f);
+    if (!means)
+      each_pixel(tile, picture_, [&](std::size_t pixel, std::size_t at) {
+        const glm::vec3 color = srgb.decode(picture_.colors[pixel]);
+        tile.red[at] = color.r;
+        tile.green[at] = color.g;
+        tile.blue[at] = color.b;
+      });
+    for (const SplatBlock& block : color_splats_.blocks()) {
+      if (!touches(block, number)) continue;
+      if (means)
+        kernels.sum(block, number, view, tile);
+      else
+        kernels.blend(block, number, view, blend, tile);
+    }
+    picture_.busy[static_cast<std::size_t>(number)] = 1;
+    each_pixel(tile, picture_, [&](std::size_t pixel, std::size_t at) {
+      picture_.depths[pixel] = tile.depth[at];
+      const float weight = tile.weight[at];
+      if (!(weight >= kNoWeight)) return;
+      const glm::vec3 color(tile.red[at], tile.green[at], tile.blue[at]);
+      picture_.colors[pixel] =
+          means ? srgb.encode(color / weight, kDrawn)
+                : srgb.encode(color, static_cast<std::uint8_t>(255.0f * std::min(weight, 1.0f) + 0.5f));
+    });
+  });
+
+  if (fills) {
+    const InstanceBounds& bounds = instances_.bounds();
+    if (signs_unknown)
+      HoleFilling::clear_see_through(view, static_cast<float>(bounds.mean_radius()),
+                                     nearest_depth(bounds, view.to_clip, view.eye.w), executor_,
+                                     picture_);
+    holes_.find(picture_, radius_in_pixels(bounds, view.to_clip, picture_.grid.size), executor_);
+  }
+  // What is filled has no depth of its own, and is not darkened.
+  if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
+  if (fills) holes_.fill(executor_, picture_);
+}
+
+void SoftwareRenderer::present(unsigned framebuffer) {
+  texture_.upload(picture_, drawn_on_);
+  // The bytes are copied without conversion.
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_SCISSOR_TEST);
+  const std::array<GLfloat, 4> background = {background_.x, background_.y, background_.z, 1.0f};
+  glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, background.data());
+  if (drawn_on_.empty()) return;
+  const auto [from, to] = drawn_on_;
+  const glm::ivec2 size = picture_.grid.size;
+  const glm::ivec2 shown_from = from * shown_ / size, shown_to = to * shown_ / size;
+  glBlitNamedFramebuffer(texture_.framebuffer(), framebuffer, from.x, from.y, to.x, to.y,
+                         shown_from.x, shown_from.y, shown_to.x, shown_to.y, GL_COLOR_BUFFER_BIT,
+                         size == shown_ ? GL_NEAREST : GL_LINEAR);
+}
+
+unsigned SoftwareRenderer::texture() {
+  if (picture_.grid.size.x == 0) return 0;
+  texture_.upload(picture_, {glm::ivec2(0), picture_.grid.size});
+  return texture_.name();
+}
+
+std::optional<glm::dvec3> SoftwareRenderer::point_at(const glm::dvec2& pixel) const {
+  const glm::ivec2 size = picture_.grid.size;
+  if (size.x == 0) return std::nullopt;
+  // In pixels of the drawn picture, from the lower left corner.
+  const glm::dvec2 at =
+      glm::dvec2(pixel.x, shown_.y - pixel.y) * glm::dvec2(size) / glm::dvec2(shown_);
+  const PixelRect area = pick_area(at, size);
+  if (area.empty()) return std::nullopt;
+  std::vector<float> depths;
+  for (int y = area.min.y; y < area.max.y; ++y)
+    for (int x = area.min.x; x < area.max.x; ++x)
+      depths.push_back(picture_.depths[picture_.index(x, y)]);
+  return pick(at, area, depths, camera_, size);
+}
+
+Result<Image> SoftwareRenderer::read_pixels() const {
+  const glm::ivec2 size = picture_.grid.size;
+  if (size.x == 0) return fail(ErrorCode::not_found, "there is no picture yet");
+  Image image{size.x, size.y, {}};
+  image.pixels.reserve(picture_.colors.size());
+  for (int y = size.y; y-- > 0;)
+    for (int x = 0; x < size.x; ++x)
+      image.pixels.emplace_back(picture_.colors[picture_.index(x, y)]);
+  return image;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "client/render/instance.h"
+#include "client/render/software/picture.h"
+#include "client/render/software/tile.h"
+#include "client/render/view.h"
+#include "client/scene/draw_options.h"
+#include "pointreel/executor.h"
+
+namespace pointreel {
+
+/// Draws voxels and points: opaque elements of which the nearest is seen in each pixel. A pixel
+/// first gets the number of its element, and its colour once all are drawn.
+class Solids {
+ public:
+  /// Draws into a picture whose colours are the background and whose depths are 0. `cubes`: draws
+  /// voxels, else squares of `point_size` pixels.
+  void draw(std::span<const Instance> instances, bool cubes, float point_size, const View& view,
+            const Executor& executor, Picture& picture);
+
+ private:
+  static constexpr std::size_t kBlock = 4096;  ///< instances for each block
+
+  /// A cube, as the ray through each pixel meets it (instancing/pull/voxel_sprite.frag.glsl).
+  struct Cube {
+    glm::vec3 center;  ///< relative to the eye
+    float half_edge;
+    glm::vec3 colors[3];  ///< linear, lit, of the visible face across each axis
+    TileRect rect;
+  };
+  struct Square {
+    float depth;
+    glm::vec3 color;  ///< linear, lit
+    TileRect rect;
+  };
+  struct Block {
+    std::vector<Cube> cubes;
+    std::vector<Square> squares;
+    TileBins bins;
+  };
+  struct Tile;
+
+  static void add_cube(const Instance& voxel, const View& view, Block& block);
+  static void add_square(const Instance& point, float size, const View& view, Block& block);
+  void draw_cubes(std::uint32_t block, int tile, const View& view, Tile& to) const;
+  void draw_squares(std::uint32_t block, int tile, Tile& to) const;
+  glm::vec3 color_of(std::uint32_t element, bool cubes) const;
+
+  std::vector<Block> blocks_;
+};
+
+}  // namespace pointreel

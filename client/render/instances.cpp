@@ -1,11 +1,15 @@
 #include "client/render/instances.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include <glm/gtc/packing.hpp>
 
 #include "client/render/srgb.h"
+#include "common/base/for_each.h"
 
 namespace pointreel {
 namespace {
@@ -50,6 +54,45 @@ unsigned octant_of(const glm::vec3& eye, const glm::vec3& center) {
   return (eye.x > center.x ? 1u : 0u) | (eye.y > center.y ? 2u : 0u) | (eye.z > center.z ? 4u : 0u);
 }
 
+/// Packs the elements from 0 to `count` that are kept, in their order, block by block: make(i)
+/// returns the instance of one. `keeps_all` saves asking keeps(i).
+template <class Keeps, class Make>
+std::size_t pack(std::size_t count, bool keeps_all, const Keeps& keeps, const Make& make,
+                 std::span<Instance> out, InstanceBounds& bounds, const Executor& executor) {
+  constexpr std::size_t kBlock = 16384;
+  const auto blocks = static_cast<int>((count + kBlock - 1) / kBlock);
+  const auto range = [count](int block) {
+    const std::size_t begin = static_cast<std::size_t>(block) * kBlock;
+    return std::pair(begin, std::min(begin + kBlock, count));
+  };
+  std::vector<std::size_t> first(static_cast<std::size_t>(blocks) + 1);
+  for_each(executor, blocks, [&](int block) {
+    const auto [begin, end] = range(block);
+    std::size_t kept = end - begin;
+    if (!keeps_all) {
+      kept = 0;
+      for (std::size_t i = begin; i < end; ++i) kept += keeps(i) ? 1 : 0;
+    }
+    first[static_cast<std::size_t>(block) + 1] = kept;
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<InstanceBounds> parts(static_cast<std::size_t>(blocks));
+  for_each(executor, blocks, [&](int block) {
+    const auto [begin, end] = range(block);
+    std::size_t to = first[static_cast<std::size_t>(block)];
+    InstanceBounds part;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!keeps_all && !keeps(i)) continue;
+      const Instance one = make(i);
+      out[to++] = one;
+      part.grow(one.center, one.radius);
+    }
+    parts[static_cast<std::size_t>(block)] = part;
+  });
+  for (const InstanceBounds& part : parts) bounds.grow(part);
+  return first.back();
+}
+
 }  // namespace
 
 glm::u16vec3 fake_color(const glm::i16vec4& normal) {
@@ -58,21 +101,19 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal) {
 
 std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
                         const std::vector<bool>& divided, std::span<Instance> out,
-                        InstanceBounds& bounds) {
+                        InstanceBounds& bounds, const Executor& executor) {
   const PointCloud& cloud = frame.cloud;
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!divided.empty() && divided[i]) continue;
+  const auto make = [&](std::size_t i) -> Instance {
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
-    const float radius = cloud.has_radii() ? cloud.radii[i] : leaf_radius;
-    const glm::vec3 center = cloud.positions[i] + offset;
-    out[count++] = {center, radius, normal, pack_color(color_of(color, cloud.colors, i, normal))};
-    bounds.grow(center, radius);
-  }
-  return count;
+    return {cloud.positions[i] + offset, cloud.has_radii() ? cloud.radii[i] : leaf_radius, normal,
+            pack_color(color_of(color, cloud.colors, i, normal))};
+  };
+  return pack(
+      cloud.size(), divided.empty(), [&](std::size_t i) { return !divided[i]; }, make, out, bounds,
+      executor);
 }
 
 void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfels,
@@ -95,7 +136,7 @@ void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfel
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        const std::vector<bool>& divided, std::span<Instance> out,
-                       InstanceBounds& bounds) {
+                       InstanceBounds& bounds, const Executor& executor) {
   const NodeAttributes& attributes = frame.attributes;
   const bool halves = style.mode == DrawMode::voxel || frame.radii.empty();
   const bool unfilled = !style.fill_holes && !frame.filled.empty();
@@ -103,25 +144,27 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
   const bool hiding = style.mode == DrawMode::voxel && !frame.neighbors.empty() && !unfilled;
   const bool on_surface = style.mode == DrawMode::surfel && !frame.heights.empty();
   const std::uint32_t first_leaf = frame.svo.node_count() - frame.svo.leaf_count();
-  std::size_t count = 0;
-  for (const CutNode& node : cut) {
-    if (unfilled && frame.filled[node.node]) continue;
-    if (!divided.empty() && node.node >= first_leaf && divided[node.node - first_leaf]) continue;
-    if (hiding && node.node >= first_leaf &&
-        hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center)))
-      continue;
+  const auto keeps = [&](std::size_t i) {
+    const CutNode& node = cut[i];
+    if (unfilled && frame.filled[node.node]) return false;
+    if (node.node < first_leaf) return true;
+    if (!divided.empty() && divided[node.node - first_leaf]) return false;
+    return !hiding ||
+           !hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center));
+  };
+  const auto make = [&](std::size_t i) -> Instance {
+    const CutNode& node = cut[i];
     const glm::i16vec4 normal = attributes.normals.empty()
                                     ? glm::i16vec4(0)
                                     : glm::i16vec4(attributes.normals[node.node], 0);
-    const float radius = halves ? node.half : frame.radii[node.node];
     glm::vec3 center = node.center + offset;
     if (on_surface && node.node >= first_leaf)
       center += frame.heights[node.node - first_leaf] / 32767.0f * glm::vec3(normal);
-    out[count++] = {center, radius, normal,
-                    pack_color(color_of(style.color, attributes.colors, node.node, normal))};
-    bounds.grow(center, radius);
-  }
-  return count;
+    return {center, halves ? node.half : frame.radii[node.node], normal,
+            pack_color(color_of(style.color, attributes.colors, node.node, normal))};
+  };
+  return pack(cut.size(), !unfilled && divided.empty() && !hiding, keeps, make, out, bounds,
+              executor);
 }
 
 }  // namespace pointreel

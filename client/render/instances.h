@@ -13,6 +13,7 @@
 #include "client/scene/draw_options.h"
 #include "client/scene/frame.h"
 #include "client/scene/refinement.h"
+#include "pointreel/executor.h"
 
 namespace pointreel {
 
@@ -35,10 +36,10 @@ struct ElementStyle {
 /// the cloud's origin and moved by `offset`. Radii are those of the cloud; if it has none (because
 /// the frame was prepared for another mode), half the diagonal of the octree's leaves. Leaves out
 /// points that were `divided`, if that is not empty. Returns the number of instances packed. Grows
-/// `bounds`.
+/// `bounds`. The result does not depend on the executor.
 std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
                         const std::vector<bool>& divided, std::span<Instance> out,
-                        InstanceBounds& bounds);
+                        InstanceBounds& bounds, const Executor& executor = {});
 
 /// Packs the nodes of a cut through a frame's tree, with their mean attributes, into `out`, which
 /// has room for all of them. Centres are relative to the cube's origin and moved by `offset`. The
@@ -49,7 +50,7 @@ std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::v
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        const std::vector<bool>& divided, std::span<Instance> out,
-                       InstanceBounds& bounds);
+                       InstanceBounds& bounds, const Executor& executor = {});
 
 /// Packs all surfels of a refinement of a frame, as above.
 void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfels,

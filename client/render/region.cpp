@@ -16,6 +16,20 @@ void InstanceBounds::grow(const glm::vec3& center, float its_radius) {
   ++count;
 }
 
+void InstanceBounds::grow(const InstanceBounds& other) {
+  if (other.empty()) return;
+  if (empty()) {
+    min = other.min;
+    max = other.max;
+  } else {
+    min = glm::min(min, other.min);
+    max = glm::max(max, other.max);
+  }
+  radius = glm::max(radius, other.radius);
+  all_radii += other.all_radii;
+  count += other.count;
+}
+
 PixelRect around(const PixelRect& a, const PixelRect& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;

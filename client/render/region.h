@@ -14,6 +14,7 @@ struct InstanceBounds {
   std::size_t count = 0;
 
   void grow(const glm::vec3& center, float its_radius);
+  void grow(const InstanceBounds& other);
   bool empty() const { return min.x > max.x; }
   double mean_radius() const { return count > 0 ? all_radii / static_cast<double>(count) : 0.0; }
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -16,6 +17,7 @@
 #include "client/scene/frame.h"
 #include "client/scene/refinement.h"
 #include "pointreel/error.h"
+#include "pointreel/executor.h"
 
 namespace pointreel {
 
@@ -23,6 +25,9 @@ namespace pointreel {
 /// and the points of their clouds. Remakes them only if something changed.
 class SceneInstances {
  public:
+  /// Large scenes are packed by the executor's threads; what they pack does not depend on it.
+  explicit SceneInstances(Executor executor = {}) : executor_(std::move(executor)) {}
+
   struct Stats {
     std::uint32_t visited = 0, out_of_view = 0, below_pixel = 0, hidden = 0;  ///< as in DrawStats
     double cut_ms = 0.0;  ///< of the last update, with refinement; 0 if no frame was cut or refined
@@ -61,6 +66,7 @@ class SceneInstances {
   void cut(const Scene& scene);
   std::size_t pack(const PlacedFrame& placed, const Part& part, std::span<Instance> out);
 
+  Executor executor_;
   std::optional<View> view_;  ///< of the instances; empty if there are none
   Scene scene_;
   ElementStyle style_;

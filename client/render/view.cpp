@@ -19,7 +19,7 @@ constexpr float kCubeCorner = 1.7321f;
 
 }  // namespace
 
-View make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, bool lighting,
+PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, bool lighting,
                bool signs_unknown) {
   const glm::dmat3 axes = camera.axes();
   const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;

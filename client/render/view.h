@@ -11,7 +11,7 @@ namespace pointreel {
 
 /// How a camera sees a scene in a picture, with coordinates relative to an origin near the scene.
 /// The layout is that of the View block of common.glsl.
-struct View {
+struct PictureView {
   glm::mat4 to_clip;  ///< from the scene to clip coordinates, with reversed depth; w is the depth
   glm::vec4 eye;      ///< xyz: position in the scene; w: distance of the near plane
   glm::vec4 light;    ///< xyz: unit vector towards the light; w: 1 with lighting, 0 without
@@ -22,7 +22,7 @@ struct View {
   glm::vec4 window;  ///< xy: size of the picture in pixels
 };
 
-View make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, bool lighting,
+PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, bool lighting,
                bool signs_unknown);
 
 /// The factors by which the two passes of splatting multiply radii. `chosen` are those for

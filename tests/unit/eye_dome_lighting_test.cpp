@@ -47,7 +47,9 @@ class EyeDomeLightingTest : public DrawingTest {
   std::shared_ptr<const SceneFrame> frame_;
 };
 
-TEST_F(EyeDomeLightingTest, darkens_only_pixels_that_lie_behind_their_neighbours) {
+INSTANTIATE_TEST_SUITE_P(, EyeDomeLightingTest, kBothRenderers, renderer_name);
+
+TEST_P(EyeDomeLightingTest, darkens_only_pixels_that_lie_behind_their_neighbours) {
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
     const Image without = picture(mode, 0.0f), with = picture(mode, 1.0f);
     // The middle row shows from left to right the background, the sheet behind, its rim and the
@@ -67,7 +69,7 @@ TEST_F(EyeDomeLightingTest, darkens_only_pixels_that_lie_behind_their_neighbours
   }
 }
 
-TEST_F(EyeDomeLightingTest, darkens_more_as_its_strength_rises) {
+TEST_P(EyeDomeLightingTest, darkens_more_as_its_strength_rises) {
   const auto sum = [](const Image& image) {
     long total = 0;
     for (const glm::u8vec3& pixel : image.pixels) total += pixel.r;
@@ -80,7 +82,7 @@ TEST_F(EyeDomeLightingTest, darkens_more_as_its_strength_rises) {
   EXPECT_GT(some, more);
 }
 
-TEST_F(EyeDomeLightingTest, does_not_affect_the_next_picture) {
+TEST_P(EyeDomeLightingTest, does_not_affect_the_next_picture) {
   const Image before = picture(DrawMode::surfel, 0.0f);
   picture(DrawMode::surfel, 2.0f);
   EXPECT_EQ(picture(DrawMode::surfel, 0.0f).pixels, before.pixels);

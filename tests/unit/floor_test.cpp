@@ -143,7 +143,9 @@ class FloorTest : public DrawingTest {
   }
 };
 
-TEST_F(FloorTest, is_hidden_by_the_scene_from_above_and_hides_it_from_below) {
+INSTANTIATE_TEST_SUITE_P(, FloorTest, kBothRenderers, renderer_name);
+
+TEST_P(FloorTest, is_hidden_by_the_scene_from_above_and_hides_it_from_below) {
   std::vector<DrawOptions> ways;
   for (int i = 0; i < kSplattings; ++i) ways.emplace_back().splatting = static_cast<Splatting>(i);
   ways.emplace_back().mode = DrawMode::voxel;
@@ -174,7 +176,7 @@ TEST_F(FloorTest, is_hidden_by_the_scene_from_above_and_hides_it_from_below) {
   }
 }
 
-TEST_F(FloorTest, contrasts_with_dark_and_with_light_backgrounds) {
+TEST_P(FloorTest, contrasts_with_dark_and_with_light_backgrounds) {
   const FloorGrid grid{box_of(2.0), 'y'};
   for (const float background : {0.0f, 0.12f, 0.9f, 1.0f}) {
     DrawOptions options;
@@ -192,7 +194,7 @@ TEST_F(FloorTest, contrasts_with_dark_and_with_light_backgrounds) {
   }
 }
 
-TEST_F(FloorTest, looks_the_same_far_from_the_origin_of_the_world) {
+TEST_P(FloorTest, looks_the_same_far_from_the_origin_of_the_world) {
   const FloorGrid here{box_of(2.0), 'z'};
   const glm::dvec3 offset = 1e7 * floor_step(here.bounds) * glm::dvec3(1.0, -2.0, 1.0);
   const FloorGrid there{box_of(2.0, offset), 'z'};
@@ -210,7 +212,7 @@ TEST_F(FloorTest, looks_the_same_far_from_the_origin_of_the_world) {
   EXPECT_LE(largest, 3);
 }
 
-TEST_F(FloorTest, leaves_nothing_behind_when_it_is_switched_off) {
+TEST_P(FloorTest, leaves_nothing_behind_when_it_is_switched_off) {
   const FloorGrid grid{box_of(2.0), 'y'};
   const Camera camera = camera_of(grid);
   DrawOptions options;

@@ -30,7 +30,10 @@ double share_different(const Image& a, const Image& b, int but_for = 2) {
   return static_cast<double>(different) / static_cast<double>(a.pixels.size());
 }
 
-TEST_F(RendererTest, every_method_of_instancing_draws_the_same_surfels) {
+class InstancingTest : public RendererTest {};
+INSTANTIATE_TEST_SUITE_P(, InstancingTest, testing::Values(RendererChoice::opengl), renderer_name);
+
+TEST_P(InstancingTest, every_method_of_instancing_draws_the_same_surfels) {
   const auto frame = frame_of(prickly_sphere(5000, 3));
   auto estimated = frame_of(prickly_sphere(3000, 4));
   estimated->normals_estimated = true;
@@ -71,7 +74,7 @@ PointCloud smooth_sphere(int points) {
   return cloud;
 }
 
-TEST_F(RendererTest, pulled_points_look_like_quads) {
+TEST_P(InstancingTest, pulled_points_look_like_quads) {
   const auto frame = frame_of(smooth_sphere(20000));
   auto estimated = frame_of(smooth_sphere(20000));
   estimated->normals_estimated = true;
@@ -91,7 +94,7 @@ TEST_F(RendererTest, pulled_points_look_like_quads) {
   }
 }
 
-TEST_F(RendererTest, every_method_of_instancing_draws_the_same_voxels) {
+TEST_P(InstancingTest, every_method_of_instancing_draws_the_same_voxels) {
   const auto frame = frame_of(prickly_sphere(5000, 5), 6);
   for (const VoxelShape shape : {VoxelShape::faces, VoxelShape::cube}) {
     DrawOptions options = plain(DrawMode::voxel);
@@ -109,7 +112,7 @@ TEST_F(RendererTest, every_method_of_instancing_draws_the_same_voxels) {
   }
 }
 
-TEST_F(RendererTest, skips_voxels_that_others_hide_without_changing_the_picture) {
+TEST_P(InstancingTest, skips_voxels_that_others_hide_without_changing_the_picture) {
   PointCloud cloud;
   std::mt19937 random(6);
   for (int i = 0; i < 20 * 20 * 20; ++i) {

@@ -56,13 +56,15 @@ double difference(const Image& a, const Image& b) {
   return std::sqrt(sum / static_cast<double>(a.pixels.size()));
 }
 
-TEST_F(OutlinesTest, come_closer_to_a_picture_with_many_samples) {
+INSTANTIATE_TEST_SUITE_P(, OutlinesTest, kBothRenderers, renderer_name);
+
+TEST_P(OutlinesTest, come_closer_to_a_picture_with_many_samples) {
   const Image many = average_squares(picture(false, 8), 8);
   const double hard = difference(picture(false), many), smooth = difference(picture(true), many);
   EXPECT_LT(smooth, 0.65 * hard) << hard;
 }
 
-TEST_F(OutlinesTest, change_no_pixel_that_has_no_outline_beside_it) {
+TEST_P(OutlinesTest, change_no_pixel_that_has_no_outline_beside_it) {
   const Image hard = picture(false), smooth = picture(true);
   const glm::u8vec3 background = hard.at(0, 0);
   int changed = 0;
@@ -82,7 +84,7 @@ TEST_F(OutlinesTest, change_no_pixel_that_has_no_outline_beside_it) {
   EXPECT_GT(changed, 50);
 }
 
-TEST_F(OutlinesTest, keep_thin_lines) {
+TEST_P(OutlinesTest, keep_thin_lines) {
   const Image hard = picture(false), smooth = picture(true);
   const glm::u8vec3 background = hard.at(0, 0);
   double before = 0.0, after = 0.0;
@@ -96,7 +98,7 @@ TEST_F(OutlinesTest, keep_thin_lines) {
   EXPECT_GT(after, 0.5 * before);
 }
 
-TEST_F(OutlinesTest, are_smoothed_whatever_is_drawn) {
+TEST_P(OutlinesTest, are_smoothed_whatever_is_drawn) {
   DrawOptions options;
   options.mode = DrawMode::point;
   options.point_size = 8.0f;

@@ -74,7 +74,9 @@ class ReconstructionTest : public DrawingTest {
   Camera camera_;
 };
 
-TEST_F(ReconstructionTest, a_hole_in_a_closed_surface_is_filled_with_the_surrounding_colours) {
+INSTANTIATE_TEST_SUITE_P(, ReconstructionTest, kBothRenderers, renderer_name);
+
+TEST_P(ReconstructionTest, a_hole_in_a_closed_surface_is_filled_with_the_surrounding_colours) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, but_the_front);
   const Image image = picture(cloud);
@@ -86,14 +88,14 @@ TEST_F(ReconstructionTest, a_hole_in_a_closed_surface_is_filled_with_the_surroun
   }
 }
 
-TEST_F(ReconstructionTest, a_hole_stays_if_filling_is_off) {
+TEST_P(ReconstructionTest, a_hole_stays_if_filling_is_off) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, but_the_front);
   options_.fill_holes = false;
   EXPECT_EQ(middle(picture(cloud)), kBackground);
 }
 
-TEST_F(ReconstructionTest, objects_behind_a_hole_do_not_show_through_it) {
+TEST_P(ReconstructionTest, objects_behind_a_hole_do_not_show_through_it) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 0.5f, kRed, but_the_front);
   add_sphere(cloud, {0.0f, 0.0f, -3.0f}, 1.0f, kGreen, all);
@@ -103,7 +105,7 @@ TEST_F(ReconstructionTest, objects_behind_a_hole_do_not_show_through_it) {
   EXPECT_TRUE(near(middle(picture(cloud)), kGreen8));
 }
 
-TEST_F(ReconstructionTest, an_opening_between_surfaces_stays_open) {
+TEST_P(ReconstructionTest, an_opening_between_surfaces_stays_open) {
   PointCloud cloud;
   for (const float x : {-0.54f, 0.54f}) add_sphere(cloud, {x, 0.0f, 0.0f}, 0.5f, kRed, all);
   const Image image = picture(cloud);
@@ -118,7 +120,7 @@ TEST_F(ReconstructionTest, an_opening_between_surfaces_stays_open) {
   EXPECT_LE(static_cast<double>(covered(image)), 1.02 * static_cast<double>(covered(without)));
 }
 
-TEST_F(ReconstructionTest, a_one_sided_surface_is_invisible_from_behind) {
+TEST_P(ReconstructionTest, a_one_sided_surface_is_invisible_from_behind) {
   PointCloud cloud;
   for (int y = -20; y <= 20; ++y) {
     for (int x = -20; x <= 20; ++x) {
@@ -136,7 +138,7 @@ TEST_F(ReconstructionTest, a_one_sided_surface_is_invisible_from_behind) {
   EXPECT_EQ(middle(image, -0.1), kBackground);
 }
 
-TEST_F(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_side) {
+TEST_P(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_side) {
   // A sheet without a back, of which one surfel is missing.
   PointCloud cloud;
   for (int y = -20; y <= 20; ++y) {
@@ -160,7 +162,7 @@ TEST_F(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_s
   }
 }
 
-TEST_F(ReconstructionTest, an_outline_that_leaves_the_picture_does_not_move) {
+TEST_P(ReconstructionTest, an_outline_that_leaves_the_picture_does_not_move) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, all);
   const auto frame = frame_of(cloud);
@@ -181,7 +183,7 @@ TEST_F(ReconstructionTest, an_outline_that_leaves_the_picture_does_not_move) {
   }
 }
 
-TEST_F(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
+TEST_P(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
   PointCloud holed, other;
   add_sphere(holed, {0.2f, 0.1f, 0.0f}, 0.4f, kRed, but_the_front);
   add_sphere(other, {-0.5f, -0.2f, 0.0f}, 0.8f, kGreen, but_the_front);
@@ -193,7 +195,7 @@ TEST_F(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
   EXPECT_TRUE(picture(frame).pixels == again.pixels);
 }
 
-TEST_F(ReconstructionTest, every_method_of_instancing_is_filled_in_the_same_way) {
+TEST_P(ReconstructionTest, every_method_of_instancing_is_filled_in_the_same_way) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, but_the_front);
   const auto frame = frame_of(cloud);

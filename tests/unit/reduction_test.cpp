@@ -33,7 +33,9 @@ class ReductionTest : public DrawingTest {
   DrawOptions options_;
 };
 
-TEST_F(ReductionTest, draws_the_same_as_a_smaller_picture) {
+INSTANTIATE_TEST_SUITE_P(, ReductionTest, kBothRenderers, renderer_name);
+
+TEST_P(ReductionTest, draws_the_same_as_a_smaller_picture) {
   const Image reduced = draw(frame_, camera_, kSize, options_);
   options_.reduction = 1;
   options_.point_size /= kReduction;
@@ -42,7 +44,7 @@ TEST_F(ReductionTest, draws_the_same_as_a_smaller_picture) {
   EXPECT_EQ(reduced.pixels, smaller.pixels);
 }
 
-TEST_F(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
+TEST_P(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
   const auto shown = [&] {
     draw(frame_, camera_, kSize, options_);
     gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
@@ -72,7 +74,7 @@ TEST_F(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(reduced[i], whole[i], kReduction) << i;
 }
 
-TEST_F(ReductionTest, looks_up_points_at_pixels_of_the_full_size) {
+TEST_P(ReductionTest, looks_up_points_at_pixels_of_the_full_size) {
   options_.reduction = 1;
   draw(frame_, camera_, kSize, options_);
   int asked = 0;

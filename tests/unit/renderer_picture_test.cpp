@@ -15,7 +15,7 @@
 namespace pointreel {
 namespace {
 
-TEST_F(RendererTest, presents_the_same_bytes_that_it_reads_back) {
+TEST_P(RendererTest, presents_the_same_bytes_that_it_reads_back) {
   gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
   gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, kSize.x, kSize.y);
   const Result<gl::Framebuffer> target = gl::make_framebuffer(color, depth);
@@ -54,7 +54,7 @@ TEST_F(RendererTest, presents_the_same_bytes_that_it_reads_back) {
   expect_the_same(picture(nullptr, front_camera(), plain(DrawMode::surfel)));
 }
 
-TEST_F(RendererTest, takes_colours_from_the_frame_or_from_its_normals_or_none) {
+TEST_P(RendererTest, takes_colours_from_the_frame_or_from_its_normals_or_none) {
   PointCloud cloud = asymmetric_cloud();
   const glm::vec3 askew = glm::normalize(glm::vec3(0.3f, -0.2f, 1.0f));
   for (glm::vec3& normal : cloud.normals) normal = askew;
@@ -82,7 +82,7 @@ TEST_F(RendererTest, takes_colours_from_the_frame_or_from_its_normals_or_none) {
   }
 }
 
-TEST_F(RendererTest, finds_the_world_position_of_a_pixel) {
+TEST_P(RendererTest, finds_the_world_position_of_a_pixel) {
   for (const glm::dvec3& offset : {glm::dvec3(0.0), glm::dvec3(4e6, -7e6, 2e5)}) {
     auto frame = frame_of(asymmetric_cloud());
     frame->cloud.origin += offset;
@@ -116,7 +116,7 @@ TEST_F(RendererTest, finds_the_world_position_of_a_pixel) {
   }
 }
 
-TEST_F(RendererTest, finds_the_nearest_drawn_pixel_for_one_beside_it) {
+TEST_P(RendererTest, finds_the_nearest_drawn_pixel_for_one_beside_it) {
   PointCloud cloud;
   add(cloud, {0.3f, 0.2f, 0.1f}, kFront, kRed, 0.1f);
   const auto frame = frame_of(cloud);
@@ -144,7 +144,7 @@ TEST_F(RendererTest, finds_the_nearest_drawn_pixel_for_one_beside_it) {
   EXPECT_FALSE(renderer_->point_at({0.5, 0.5}));
 }
 
-TEST_F(RendererTest, exposes_the_picture_as_a_texture_of_the_same_bytes) {
+TEST_P(RendererTest, exposes_the_picture_as_a_texture_of_the_same_bytes) {
   EXPECT_EQ(renderer_->texture(), 0u);
   EXPECT_FALSE(renderer_->point_at({1.0, 1.0}));
   for (const glm::ivec2& size : {kSize, glm::ivec2(33, 57)}) {
@@ -171,18 +171,17 @@ TEST_F(RendererTest, exposes_the_picture_as_a_texture_of_the_same_bytes) {
   }
 }
 
-TEST_F(RendererTest, draws_the_same_with_a_second_renderer_in_one_context) {
+TEST_P(RendererTest, draws_the_same_with_a_second_renderer_in_one_context) {
   const auto frame = frame_of(asymmetric_cloud());
   const Image first = picture(frame, front_camera(), plain(DrawMode::point));
-  auto second = GlRenderer::create();
-  ASSERT_TRUE(second);
+  const std::unique_ptr<Renderer> second = make_renderer();
   ASSERT_TRUE(second->draw(frame, front_camera(), kSize / 2, plain(DrawMode::surfel)));
   ASSERT_TRUE(second->draw(frame, front_camera(), kSize, plain(DrawMode::point)));
   EXPECT_EQ(largest_difference(first, *second->read_pixels()), 0);
   EXPECT_EQ(largest_difference(first, picture(frame, front_camera(), plain(DrawMode::point))), 0);
 }
 
-TEST_F(RendererTest, refuses_an_oversized_picture_and_reads_none_before_the_first) {
+TEST_P(RendererTest, refuses_an_oversized_picture_and_reads_none_before_the_first) {
   EXPECT_FALSE(renderer_->read_pixels());
   EXPECT_FALSE(renderer_->draw(nullptr, Camera{}, {0, 100}, DrawOptions{}));
   const Result<DrawStats> huge = renderer_->draw(nullptr, Camera{}, {1 << 24, 1}, DrawOptions{});
@@ -190,7 +189,7 @@ TEST_F(RendererTest, refuses_an_oversized_picture_and_reads_none_before_the_firs
   EXPECT_NE(huge.error().message.find("16777216x1"), std::string::npos);
 }
 
-TEST_F(RendererTest, names_a_missing_shader) {
+TEST_P(RendererTest, names_a_missing_shader) {
   const auto program_of = [](std::string_view vertex) {
     return gl::make_program(std::array{gl::Stage{GL_VERTEX_SHADER, {vertex}},
                                        gl::Stage{GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}});

@@ -14,7 +14,9 @@
 namespace pointreel {
 namespace {
 
-TEST_F(RendererTest, draws_each_colour_at_its_place_in_every_mode) {
+INSTANTIATE_TEST_SUITE_P(, RendererTest, kBothRenderers, renderer_name);
+
+TEST_P(RendererTest, draws_each_colour_at_its_place_in_every_mode) {
   const PointCloud cloud = asymmetric_cloud();
   const auto frame = frame_of(cloud);
   for (const char up : {'y', 'z'}) {
@@ -36,7 +38,7 @@ TEST_F(RendererTest, draws_each_colour_at_its_place_in_every_mode) {
   }
 }
 
-TEST_F(RendererTest, shows_the_scene_from_the_right_when_the_eye_moves_right) {
+TEST_P(RendererTest, shows_the_scene_from_the_right_when_the_eye_moves_right) {
   PointCloud cloud;
   add(cloud, {0.04f, 0.04f, 0.8f}, kFront, kRed, 0.1f);  // nearer than the target
   const auto frame = frame_of(cloud);
@@ -50,7 +52,7 @@ TEST_F(RendererTest, shows_the_scene_from_the_right_when_the_eye_moves_right) {
   }
 }
 
-TEST_F(RendererTest, draws_the_same_far_from_the_origin_of_the_world) {
+TEST_P(RendererTest, draws_the_same_far_from_the_origin_of_the_world) {
   PointCloud cloud = asymmetric_cloud();
   Camera camera = front_camera();
   for (const DrawMode mode : kModes) {
@@ -63,7 +65,7 @@ TEST_F(RendererTest, draws_the_same_far_from_the_origin_of_the_world) {
   }
 }
 
-TEST_F(RendererTest, draws_only_the_background_for_an_empty_frame_or_none) {
+TEST_P(RendererTest, draws_only_the_background_for_an_empty_frame_or_none) {
   for (const DrawMode mode : kModes) {
     picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
     for (const auto& frame : {std::shared_ptr<SceneFrame>(), std::make_shared<SceneFrame>()}) {
@@ -74,7 +76,7 @@ TEST_F(RendererTest, draws_only_the_background_for_an_empty_frame_or_none) {
   }
 }
 
-TEST_F(RendererTest, culls_surfels_that_face_away_but_not_those_of_unknown_orientation) {
+TEST_P(RendererTest, culls_surfels_that_face_away_but_not_those_of_unknown_orientation) {
   const auto pixels_of = [&](const glm::vec3& n) {
     PointCloud cloud;
     add(cloud, glm::vec3(0.0f), n, kOrange, 0.2f);
@@ -93,7 +95,7 @@ TEST_F(RendererTest, culls_surfels_that_face_away_but_not_those_of_unknown_orien
   EXPECT_EQ(pixels_of(glm::vec3(nan)), facing);
 }
 
-TEST_F(RendererTest, ignores_the_sign_of_estimated_normals) {
+TEST_P(RendererTest, ignores_the_sign_of_estimated_normals) {
   for (const DrawMode mode : kModes) {
     DrawOptions options = plain(mode);
     options.lighting = true;
@@ -111,7 +113,7 @@ TEST_F(RendererTest, ignores_the_sign_of_estimated_normals) {
   }
 }
 
-TEST_F(RendererTest, draws_a_cloud_without_normals_or_colours_in_grey) {
+TEST_P(RendererTest, draws_a_cloud_without_normals_or_colours_in_grey) {
   PointCloud cloud;
   cloud.positions = {{0.3f, 0.2f, 0.0f}};
   cloud.radii = {0.1f};
@@ -123,7 +125,7 @@ TEST_F(RendererTest, draws_a_cloud_without_normals_or_colours_in_grey) {
   }
 }
 
-TEST_F(RendererTest, makes_colours_from_the_normals_where_they_are_asked_for) {
+TEST_P(RendererTest, makes_colours_from_the_normals_where_they_are_asked_for) {
   PointCloud cloud;
   const glm::vec3 n = glm::normalize(glm::vec3(0.6f, -0.3f, 0.74f));
   cloud.positions = {{0.3f, 0.2f, 0.0f}};
@@ -140,7 +142,7 @@ TEST_F(RendererTest, makes_colours_from_the_normals_where_they_are_asked_for) {
   }
 }
 
-TEST_F(RendererTest, lights_surfaces_that_face_the_light_more_brightly) {
+TEST_P(RendererTest, lights_surfaces_that_face_the_light_more_brightly) {
   for (const DrawMode mode : kModes) {
     const auto brightness = [&](const glm::vec3& n) {
       PointCloud cloud;
@@ -154,7 +156,7 @@ TEST_F(RendererTest, lights_surfaces_that_face_the_light_more_brightly) {
   }
 }
 
-TEST_F(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orientation) {
+TEST_P(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orientation) {
   DrawOptions options = plain(DrawMode::surfel);
   options.scales = {1.0f, 1.0f};
   Camera camera = front_camera();
@@ -171,7 +173,7 @@ TEST_F(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orient
   }
 }
 
-TEST_F(RendererTest, blends_splats_by_weight_in_linear_light) {
+TEST_P(RendererTest, blends_splats_by_weight_in_linear_light) {
   PointCloud cloud;
   add(cloud, {-0.1f, 0.0f, 0.0f}, kFront, kRed, 0.2f);
   add(cloud, {0.1f, 0.0f, 0.0f}, kFront, kGreen, 0.2f);
@@ -180,14 +182,14 @@ TEST_F(RendererTest, blends_splats_by_weight_in_linear_light) {
   EXPECT_LE(difference(image.at(120, 90), glm::u8vec3(188, 188, 0)), 1);
 }
 
-TEST_F(RendererTest, does_not_saturate_under_thousands_of_splats_on_one_pixel) {
+TEST_P(RendererTest, does_not_saturate_under_thousands_of_splats_on_one_pixel) {
   PointCloud cloud;
   for (int i = 0; i < 20000; ++i) add(cloud, glm::vec3(0.0f), kFront, kOrange, 0.05f);
   const Image image = picture(frame_of(cloud), front_camera(), plain(DrawMode::surfel));
   EXPECT_LE(difference(image.at(kSize.x / 2, kSize.y / 2), eight_bits(kOrange)), 1);
 }
 
-TEST_F(RendererTest, hides_far_surfaces_behind_near_ones_in_any_order) {
+TEST_P(RendererTest, hides_far_surfaces_behind_near_ones_in_any_order) {
   for (const bool front_first : {true, false}) {
     PointCloud cloud;
     const auto add_red = [&] { add(cloud, {0.04f, 0.04f, 0.9f}, kFront, kRed, 0.1f); };
@@ -203,7 +205,7 @@ TEST_F(RendererTest, hides_far_surfaces_behind_near_ones_in_any_order) {
   }
 }
 
-TEST_F(RendererTest, orders_depths_a_hundred_thousand_near_plane_distances_away) {
+TEST_P(RendererTest, orders_depths_a_hundred_thousand_near_plane_distances_away) {
   Camera camera = front_camera();
   camera.distance = 1.0;
   const float far = static_cast<float>(1e5 * camera.near_plane());
@@ -225,7 +227,7 @@ TEST_F(RendererTest, orders_depths_a_hundred_thousand_near_plane_distances_away)
   }
 }
 
-TEST_F(RendererTest, fills_the_lower_half_with_a_floor_that_crosses_the_near_plane) {
+TEST_P(RendererTest, fills_the_lower_half_with_a_floor_that_crosses_the_near_plane) {
   PointCloud cloud;
   add(cloud, {0.0f, -0.5f, 0.0f}, {0.0f, 1.0f, 0.0f}, kGreen, 100.0f);
   Camera camera = front_camera();  // the eye is above the middle of the floor
@@ -239,7 +241,7 @@ TEST_F(RendererTest, fills_the_lower_half_with_a_floor_that_crosses_the_near_pla
   EXPECT_EQ(difference(image.at(kSize.x / 2, 0), kBackground), 0);
 }
 
-TEST_F(RendererTest, handles_surfels_around_and_at_the_eye) {
+TEST_P(RendererTest, handles_surfels_around_and_at_the_eye) {
   PointCloud cloud;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-0.02f, 0.02f);
@@ -254,7 +256,7 @@ TEST_F(RendererTest, handles_surfels_around_and_at_the_eye) {
             image.pixels.size());
 }
 
-TEST_F(RendererTest, draws_voxels_in_the_size_of_their_level_without_gaps) {
+TEST_P(RendererTest, draws_voxels_in_the_size_of_their_level_without_gaps) {
   // A full plate of 8 x 8 voxels of the 3-unit cube at depth 5, normals unknown.
   PointCloud cloud;
   const float cell = 3.0f / 32.0f;
@@ -278,7 +280,7 @@ TEST_F(RendererTest, draws_voxels_in_the_size_of_their_level_without_gaps) {
   }
 }
 
-TEST_F(RendererTest, shows_the_faces_of_a_cube_towards_the_eye_from_every_side) {
+TEST_P(RendererTest, shows_the_faces_of_a_cube_towards_the_eye_from_every_side) {
   PointCloud cloud;
   add(cloud, glm::vec3(0.0f), glm::vec3(0.0f), glm::u16vec3(0xffff), 0.1f);
   const auto frame = frame_of(cloud, 1);  // the voxel from 0 to 1.5
@@ -304,7 +306,7 @@ TEST_F(RendererTest, shows_the_faces_of_a_cube_towards_the_eye_from_every_side) 
   }
 }
 
-TEST_F(RendererTest, redraws_a_static_scene_identically_and_reuses_its_cut) {
+TEST_P(RendererTest, redraws_a_static_scene_identically_and_reuses_its_cut) {
   const auto frame = frame_of(asymmetric_cloud());
   for (const DrawMode mode : kModes) {
     const Image first = picture(frame, front_camera(), plain(mode));
@@ -324,7 +326,7 @@ TEST_F(RendererTest, redraws_a_static_scene_identically_and_reuses_its_cut) {
   }
 }
 
-TEST_F(RendererTest, draws_the_leaves_of_a_tree_as_surfels_and_points_and_reuses_its_cut) {
+TEST_P(RendererTest, draws_the_leaves_of_a_tree_as_surfels_and_points_and_reuses_its_cut) {
   const auto leaves = std::make_shared<SceneFrame>(*frame_of(asymmetric_cloud()));
   leaves->cloud = leaf_centers(leaves->svo);
   const auto tree = std::make_shared<SceneFrame>(*leaves);
@@ -362,7 +364,7 @@ TEST_F(RendererTest, draws_the_leaves_of_a_tree_as_surfels_and_points_and_reuses
   }
 }
 
-TEST_F(RendererTest, changes_colours_by_at_most_one_step_with_the_order_of_surfels) {
+TEST_P(RendererTest, changes_colours_by_at_most_one_step_with_the_order_of_surfels) {
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
   PointCloud cloud, shuffled;
@@ -383,7 +385,7 @@ TEST_F(RendererTest, changes_colours_by_at_most_one_step_with_the_order_of_surfe
   EXPECT_LE(largest_difference(a, b), 1);
 }
 
-TEST_F(RendererTest, sets_alpha_exactly_where_it_draws) {
+TEST_P(RendererTest, sets_alpha_exactly_where_it_draws) {
   for (const DrawMode mode : kModes) {
     const Image image = picture(frame_of(asymmetric_cloud()), front_camera(), plain(mode));
     const auto alpha = read_alpha(*renderer_);
@@ -393,7 +395,7 @@ TEST_F(RendererTest, sets_alpha_exactly_where_it_draws) {
   }
 }
 
-TEST_F(RendererTest, leaves_no_trace_of_a_larger_frame_another_mode_or_another_size) {
+TEST_P(RendererTest, leaves_no_trace_of_a_larger_frame_another_mode_or_another_size) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   PointCloud large;

@@ -65,7 +65,9 @@ class SceneInstancesTest : public DrawingTest {
   }();
 };
 
-TEST_F(SceneInstancesTest, two_frames_at_their_places_look_like_one_frame_with_both) {
+INSTANTIATE_TEST_SUITE_P(, SceneInstancesTest, kBothRenderers, renderer_name);
+
+TEST_P(SceneInstancesTest, two_frames_at_their_places_look_like_one_frame_with_both) {
   const glm::u16vec3 red(0xffff, 0, 0), blue(0, 0, 0xffff);
   PointCloud left, right, both;
   add_tile(left, glm::vec3(0.0f), red);
@@ -87,7 +89,7 @@ TEST_F(SceneInstancesTest, two_frames_at_their_places_look_like_one_frame_with_b
   }
 }
 
-TEST_F(SceneInstancesTest, near_frames_hide_far_ones_in_any_order) {
+TEST_P(SceneInstancesTest, near_frames_hide_far_ones_in_any_order) {
   PointCloud tile, other;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   add_tile(other, glm::vec3(0.0f), {0, 0xffff, 0});
@@ -103,7 +105,7 @@ TEST_F(SceneInstancesTest, near_frames_hide_far_ones_in_any_order) {
   }
 }
 
-TEST_F(SceneInstancesTest, a_missing_frame_draws_nothing) {
+TEST_P(SceneInstancesTest, a_missing_frame_draws_nothing) {
   PointCloud tile;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   const auto frame = frame_of(tile, false);
@@ -117,7 +119,7 @@ TEST_F(SceneInstancesTest, a_missing_frame_draws_nothing) {
   }
 }
 
-TEST_F(SceneInstancesTest, gaps_between_voxels_are_filled_or_left_by_the_options) {
+TEST_P(SceneInstancesTest, gaps_between_voxels_are_filled_or_left_by_the_options) {
   PointCloud net;
   for (int i = 0; i < 18 * 18; ++i) {
     const int x = i % 18, y = i / 18;
@@ -146,7 +148,7 @@ TEST_F(SceneInstancesTest, gaps_between_voxels_are_filled_or_left_by_the_options
   }
 }
 
-TEST_F(SceneInstancesTest, a_moved_frame_is_redrawn) {
+TEST_P(SceneInstancesTest, a_moved_frame_is_redrawn) {
   PointCloud tile;
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   const auto frame = frame_of(tile, true);

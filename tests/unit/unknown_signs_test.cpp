@@ -66,7 +66,9 @@ int count_inside(const Image& image, const Camera& camera, double share, Conditi
 
 class UnknownSigns : public RendererTest {};
 
-TEST_F(UnknownSigns, the_far_side_of_a_sparse_sphere_does_not_show_through_its_near_side) {
+INSTANTIATE_TEST_SUITE_P(, UnknownSigns, kBothRenderers, renderer_name);
+
+TEST_P(UnknownSigns, the_far_side_of_a_sparse_sphere_does_not_show_through_its_near_side) {
   const auto reddish = [](const glm::u8vec3& p) { return p.r > p.b; };
   int red_without = 0;
   for (const int points : {1000, 4000, 20000}) {
@@ -93,7 +95,7 @@ TEST_F(UnknownSigns, the_far_side_of_a_sparse_sphere_does_not_show_through_its_n
   EXPECT_GT(red_without, 200) << "there are holes that must be filled";
 }
 
-TEST_F(UnknownSigns, voxels_close_a_sparse_sphere_from_all_sides) {
+TEST_P(UnknownSigns, voxels_close_a_sparse_sphere_from_all_sides) {
   const auto shows_through = [](const glm::u8vec3& p) { return p == kFar || p == kBackground; };
   const glm::ivec2 size(480, 360);
   DrawOptions filled = plain(DrawMode::voxel), open = filled;
@@ -128,7 +130,7 @@ TEST_F(UnknownSigns, voxels_close_a_sparse_sphere_from_all_sides) {
   EXPECT_GT(through_open, all / 50) << "there are holes that must be filled";
 }
 
-TEST_F(UnknownSigns, openings_and_depressions_wider_than_holes_stay_as_they_are) {
+TEST_P(UnknownSigns, openings_and_depressions_wider_than_holes_stay_as_they_are) {
   // A red wall, and in front of it a blue one with a round opening, fourteen spacings wide.
   PointCloud cloud;
   for (int y = -40; y <= 40; ++y) {
@@ -147,7 +149,7 @@ TEST_F(UnknownSigns, openings_and_depressions_wider_than_holes_stay_as_they_are)
   EXPECT_EQ(with.at(kSize.x / 2, kSize.y / 2), kFar);
 }
 
-TEST_F(UnknownSigns, do_not_change_a_picture_of_a_cloud) {
+TEST_P(UnknownSigns, do_not_change_a_picture_of_a_cloud) {
   const PointCloud cloud = [] {
     PointCloud all = sparse_sphere(3000, 2, 0.02f);
     std::mt19937 random(8);
@@ -188,7 +190,7 @@ TEST_F(UnknownSigns, do_not_change_a_picture_of_a_cloud) {
   }
 }
 
-TEST_F(UnknownSigns, do_not_change_a_picture_of_a_coarse_tree) {
+TEST_P(UnknownSigns, do_not_change_a_picture_of_a_coarse_tree) {
   PrepareOptions prepare;
   auto frame = frame_of_file(sparse_sphere(20000, 3, 0.0f), prepare);
   PointCloud cloud = frame->cloud;

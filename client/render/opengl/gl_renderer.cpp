@@ -44,7 +44,7 @@ GlRenderer::GlRenderer()
               {GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}}),
       points_(make_instance_array(0)),
       view_buffer_(gl::Buffer::create()) {
-  glNamedBufferStorage(view_buffer_.name(), sizeof(View), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  glNamedBufferStorage(view_buffer_.name(), sizeof(PictureView), nullptr, GL_DYNAMIC_STORAGE_BIT);
 }
 
 InstancingMethod& GlRenderer::method_for(Instancing instancing) {
@@ -97,7 +97,7 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   camera_ = camera;
   shown_ = shown;
   background_ = options.background;
-  const View view = make_view(camera, instances_.origin(), size, options.lighting,
+  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
                               instances_.normals_estimated());
   const PixelRect region =
       elements_region(options, instances_.bounds(), view.to_clip, size);
@@ -140,7 +140,7 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   return stats;
 }
 
-void GlRenderer::set_view(const View& view) const {
+void GlRenderer::set_view(const PictureView& view) const {
   glNamedBufferSubData(view_buffer_.name(), 0, sizeof(view), &view);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_buffer_.name());
 }
@@ -154,7 +154,7 @@ Result<void> GlRenderer::draw_floor(const FloorGrid& grid, const Camera& camera,
   return drawn;
 }
 
-Result<void> GlRenderer::draw_instances(const View& view, const PixelRect& region,
+Result<void> GlRenderer::draw_instances(const PictureView& view, const PixelRect& region,
                                         const DrawOptions& options) {
   TRY(options.mode == DrawMode::point    ? draw_points(options)
       : options.mode == DrawMode::surfel ? draw_surfels(view, region, options)
@@ -164,7 +164,7 @@ Result<void> GlRenderer::draw_instances(const View& view, const PixelRect& regio
   return eye_dome_.draw(options.edl, means ? &splatter_.sums() : nullptr);
 }
 
-Result<void> GlRenderer::draw_surfels(const View& view, const PixelRect& region,
+Result<void> GlRenderer::draw_surfels(const PictureView& view, const PixelRect& region,
                                       const DrawOptions& options) {
   InstancingMethod& method = method_for(options.instancing);
   const SplatScales scales = scales_of(options.splatting, options.scales);

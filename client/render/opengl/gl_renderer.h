@@ -21,6 +21,7 @@
 #include "client/render/renderer.h"
 #include "client/render/scene_instances.h"
 #include "client/render/view.h"
+#include "common/base/tbb_executor.h"
 
 namespace pointreel {
 
@@ -49,11 +50,11 @@ class GlRenderer final : public Renderer {
   GlRenderer();
   Result<void> resize(glm::ivec2 size);
   InstancingMethod& method_for(Instancing instancing);
-  void set_view(const View& view) const;
+  void set_view(const PictureView& view) const;
   /// `view` and `region` are those of the instances.
-  Result<void> draw_instances(const View& view, const PixelRect& region,
+  Result<void> draw_instances(const PictureView& view, const PixelRect& region,
                               const DrawOptions& options);
-  Result<void> draw_surfels(const View& view, const PixelRect& region, const DrawOptions& options);
+  Result<void> draw_surfels(const PictureView& view, const PixelRect& region, const DrawOptions& options);
   Result<void> draw_voxels(const DrawOptions& options);
   Result<void> draw_points(const DrawOptions& options);
   Result<void> draw_floor(const FloorGrid& grid, const Camera& camera, const DrawOptions& options);
@@ -75,7 +76,7 @@ class GlRenderer final : public Renderer {
   Camera camera_;
   glm::vec3 background_{0.0f};
   PixelRect drawn_on_;  ///< the rest of the picture is background
-  SceneInstances instances_;
+  SceneInstances instances_{tbb_executor()};
   InstanceBuffer buffer_;
 };
 

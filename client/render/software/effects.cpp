@@ -161,7 +161,7 @@ void smooth_outlines(const PixelRect& region, const Executor& executor, Picture&
     for (const Changed& one : of_tile) picture.colors[one.pixel] = one.color;
 }
 
-void draw_floor(const FloorGrid& grid, const Camera& camera, const View& view,
+void draw_floor(const FloorGrid& grid, const Camera& camera, const PictureView& view,
                 const glm::vec3& background, Picture& picture) {
   const FloorInk ink = floor_ink(background);
   const SrgbTables& srgb = SrgbTables::get();

@@ -17,7 +17,7 @@ void smooth_outlines(const PixelRect& region, const Executor& executor, Picture&
 
 /// Blends the lines of a floor over a picture (opengl/floor.h). `view` has the coordinates of
 /// floor_origin. Leaves alpha and depths as they are.
-void draw_floor(const FloorGrid& grid, const Camera& camera, const View& view,
+void draw_floor(const FloorGrid& grid, const Camera& camera, const PictureView& view,
                 const glm::vec3& background, Picture& picture);
 
 }  // namespace pointreel

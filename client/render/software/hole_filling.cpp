@@ -1,6 +1,7 @@
 #include "client/render/software/hole_filling.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -24,6 +25,18 @@ void for_rows(const Executor& executor, int rows, const std::function<void(int, 
 /// outline of a surface no more than half of it is.
 constexpr float kMostlyCovered = 0.7f;
 
+/// The seventh root of a number >= 1, the same on every machine: Newton's method from a guess by the
+/// exponent. Wrong by less than 1e-6.
+float seventh_root(float v) {
+  constexpr std::int32_t kOne = std::bit_cast<std::int32_t>(1.0f);
+  float root = std::bit_cast<float>((std::bit_cast<std::int32_t>(v) - kOne) / 7 + kOne);
+  for (int i = 0; i < 3; ++i) {
+    const float cube = root * root * root, sixth = cube * cube;
+    root -= (sixth * root - v) / (7.0f * sixth);
+  }
+  return root;
+}
+
 }  // namespace
 
 void HoleFilling::Level::resize(glm::ivec2 texels_in) {
@@ -40,27 +53,22 @@ glm::vec4 HoleFilling::Level::sample(const glm::vec2& place) const {
                   glm::mix(this->at(low.x, high.y), this->at(high.x, high.y), f.x), f.y);
 }
 
-void HoleFilling::clear_see_through(const View& view, float radius, float nearest,
+void HoleFilling::clear_see_through(const PictureView& view, float radius, float nearest,
                                     const Executor& executor, Picture& picture) {
   // How far a hole reaches from one of its pixels to its rim at most, and how much nearer the rim
   // is at least, in radii; and in how many distances, for each direction, it is looked for
   // (see_through.frag.glsl).
   constexpr float kRim = 5.0f, kNearer = 4.0f;
-  constexpr int kDistances = 8;
+  constexpr int kDistances = 8;  // seventh_root is for seven steps between them
   constexpr int kAround[8][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},
                                  {1, 1}, {-1, -1}, {-1, 1}, {1, -1}};
   const glm::ivec2 size = picture.grid.size;
   const float near = view.eye.w;
   const auto reach_at = [&](float w) { return std::max(kRim * radius / (view.pixel.x * w), 2.0f); };
-  // The distances grow from `least` by a constant factor, which only depends on how often `least`
-  // goes into the largest. Those are few enough for a table.
   const float most_steps_at_nearest = reach_at(nearest);
   for_each(executor, picture.grid.count(), [&](int tile) {
     if (!picture.busy[static_cast<std::size_t>(tile)]) return;
     const PixelRect pixels = picture.grid.pixels(tile);
-    float last_least = -1.0f;
-    int steps[kDistances] = {};
-    float lengths[kDistances] = {};
     for (int y = pixels.min.y; y < pixels.max.y; ++y) {
       for (int x = pixels.min.x; x < pixels.max.x; ++x) {
         const std::size_t at = picture.index(x, y);
@@ -69,26 +77,19 @@ void HoleFilling::clear_see_through(const View& view, float radius, float neares
         // The depth that the rim has at most. The nearer it is, the larger its surfels look.
         const float most = near / own - kNearer * radius;
         if (most <= nearest) continue;
-        // In steps of an eighth of a pixel, so that neighbouring pixels share the distances.
-        const float least =
-            std::max(std::floor(8.0f * 0.25f * reach_at(most)) / 8.0f, 1.0f);
-        if (least != last_least) {
-          last_least = least;
-          const float most_steps = std::clamp(most_steps_at_nearest, least,
-                                              std::max(least, 0.5f * static_cast<float>(size.y)));
-          const double factor = std::pow(static_cast<double>(most_steps) / least,
-                                         1.0 / (kDistances - 1));
-          double away = least;
-          for (int k = 0; k < kDistances; ++k, away *= factor) {
-            lengths[k] = static_cast<float>(away);
-            steps[k] = static_cast<int>(lengths[k] + 0.5f);
-          }
-        }
+        // The distances grow from the least to the largest by a constant factor.
+        const float least = std::max(0.25f * reach_at(most), 1.0f);
+        const float most_steps = std::clamp(most_steps_at_nearest, least,
+                                            std::max(least, 0.5f * static_cast<float>(size.y)));
+        const float factor = seventh_root(most_steps / least);
+        float lengths[kDistances] = {least};
+        for (int k = 1; k < kDistances; ++k) lengths[k] = lengths[k - 1] * factor;
         bool surrounded = true;
         for (int i = 0; i < 8 && surrounded; ++i) {
           bool rim = false;
           for (int k = 0; k < kDistances && !rim; ++k) {
-            const int there_x = x + steps[k] * kAround[i][0], there_y = y + steps[k] * kAround[i][1];
+            const int step = static_cast<int>(lengths[k] + 0.5f);
+            const int there_x = x + step * kAround[i][0], there_y = y + step * kAround[i][1];
             // The edge of the picture may cut a hole.
             if (there_x < 0 || there_y < 0 || there_x >= size.x || there_y >= size.y) {
               rim = true;

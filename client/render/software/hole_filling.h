@@ -18,7 +18,7 @@ class HoleFilling {
   /// If the signs of normals are unknown: marks pixels that show a farther surface through a hole
   /// of a nearer one as not drawn. `radius` is that of a typical surfel, and `nearest` a depth that
   /// no surfel is in front of, > 0.
-  static void clear_see_through(const View& view, float radius, float nearest,
+  static void clear_see_through(const PictureView& view, float radius, float nearest,
                                 const Executor& executor, Picture& picture);
 
   /// Finds the colours of holes in `picture`. `pixels` is the radius of a typical surfel in pixels.

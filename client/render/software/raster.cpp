@@ -65,7 +65,7 @@ POINTREEL_INLINE void each_group(const EllipseSplat& splat, const PixelRect& pix
 
 /// The same for an exact disc.
 template <class Visit>
-POINTREEL_INLINE void each_group(const DiscSplat& splat, const View& view,
+POINTREEL_INLINE void each_group(const DiscSplat& splat, const PictureView& view,
                                  const PixelRect& pixels, const Visit& visit) {
   const Part part = part_of(splat.rect, pixels);
   const float near = view.eye.w;
@@ -91,7 +91,7 @@ POINTREEL_INLINE void each_group(const DiscSplat& splat, const View& view,
 
 /// Pixels beyond the end of a row are in the tile's margin, where nobody looks.
 template <class Visit>
-POINTREEL_INLINE void each_splat(const SplatBlock& block, int tile, const View& view,
+POINTREEL_INLINE void each_splat(const SplatBlock& block, int tile, const PictureView& view,
                                  const PixelRect& pixels, const Visit& visit) {
   for (const std::uint16_t* i = block.ellipse_bins.begin(tile);
        i != block.ellipse_bins.end(tile); ++i) {
@@ -110,7 +110,7 @@ POINTREEL_INLINE void each_splat(const SplatBlock& block, int tile, const View& 
   }
 }
 
-POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const View& view,
+POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const PictureView& view,
                                  SplatTile& to) {
   float* depths = to.depth.data();
   each_splat(block, tile, view, to.pixels,
@@ -137,7 +137,7 @@ POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const View& 
   }
 }
 
-POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const View& view,
+POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const PictureView& view,
                                SplatTile& to) {
   const auto add = [](float* plane, const Lanes& value) {
     Lanes sum;
@@ -159,7 +159,7 @@ POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const View& vi
              });
 }
 
-POINTREEL_INLINE void draw_blend(const SplatBlock& block, int tile, const View& view,
+POINTREEL_INLINE void draw_blend(const SplatBlock& block, int tile, const PictureView& view,
                                  BlendDepth how, SplatTile& to) {
   const auto mix = [](float* plane, const Lanes& opacity, const Lanes& value) {
     Lanes old;
@@ -183,25 +183,25 @@ POINTREEL_INLINE void draw_blend(const SplatBlock& block, int tile, const View& 
              });
 }
 
-void depth_portable(const SplatBlock& block, int tile, const View& view, SplatTile& to) {
+void depth_portable(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to) {
   draw_depth(block, tile, view, to);
 }
-void sum_portable(const SplatBlock& block, int tile, const View& view, SplatTile& to) {
+void sum_portable(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to) {
   draw_sum(block, tile, view, to);
 }
-void blend_portable(const SplatBlock& block, int tile, const View& view, BlendDepth how,
+void blend_portable(const SplatBlock& block, int tile, const PictureView& view, BlendDepth how,
                     SplatTile& to) {
   draw_blend(block, tile, view, how, to);
 }
 
-POINTREEL_AVX2 void depth_avx2(const SplatBlock& block, int tile, const View& view,
+POINTREEL_AVX2 void depth_avx2(const SplatBlock& block, int tile, const PictureView& view,
                                SplatTile& to) {
   draw_depth(block, tile, view, to);
 }
-POINTREEL_AVX2 void sum_avx2(const SplatBlock& block, int tile, const View& view, SplatTile& to) {
+POINTREEL_AVX2 void sum_avx2(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to) {
   draw_sum(block, tile, view, to);
 }
-POINTREEL_AVX2 void blend_avx2(const SplatBlock& block, int tile, const View& view,
+POINTREEL_AVX2 void blend_avx2(const SplatBlock& block, int tile, const PictureView& view,
                                BlendDepth how, SplatTile& to) {
   draw_blend(block, tile, view, how, to);
 }

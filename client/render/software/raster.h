@@ -26,13 +26,13 @@ enum class BlendDepth {
 /// the discs. The functions of all versions give the same results.
 struct SplatKernels {
   /// The first pass: depths, pushed back; of fronts and of backs.
-  void (*depth)(const SplatBlock& block, int tile, const View& view, SplatTile& to);
+  void (*depth)(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to);
   /// The second pass of normalized splatting: sums of weighted colours and of weights, of what is
   /// not behind the depths.
-  void (*sum)(const SplatBlock& block, int tile, const View& view, SplatTile& to);
+  void (*sum)(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to);
   /// The same, but colours are blended over each other, with the weights as opacities. `weight` is
   /// how much of the background they cover.
-  void (*blend)(const SplatBlock& block, int tile, const View& view, BlendDepth how,
+  void (*blend)(const SplatBlock& block, int tile, const PictureView& view, BlendDepth how,
                 SplatTile& to);
 };
 

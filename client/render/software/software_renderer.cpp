@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "client/render/hole_rules.h"
 #include "client/render/pick.h"
 #include "client/render/software/effects.h"
@@ -51,11 +53,11 @@ void each_pixel(const SplatTile& tile, const Picture& picture, const Visit& visi
 
 }  // namespace
 
-SoftwareRenderer::SoftwareRenderer(Executor executor) : executor_(std::move(executor)) {}
+SoftwareRenderer::SoftwareRenderer(Executor executor) : executor_(std::move(executor)), instances_(executor_) {}
 
 std::string SoftwareRenderer::describe() const {
-  return std::string("software on ") + std::to_string(std::thread::hardware_concurrency()) +
-         " threads" + ((cpu_features() & kCpuAvx2) != 0 ? " with AVX2" : "");
+  return fmt::format("software on {} threads{}", std::thread::hardware_concurrency(),
+                     (cpu_features() & kCpuAvx2) != 0 ? " with AVX2" : "");
 }
 
 std::span<Instance> SoftwareRenderer::Memory::write(std::size_t count) {
@@ -120,7 +122,7 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   camera_ = camera;
   shown_ = shown;
   background_ = options.background;
-  const View view = make_view(camera, instances_.origin(), size, options.lighting,
+  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
                               instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
@@ -149,7 +151,7 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   return stats;
 }
 
-void SoftwareRenderer::draw_surfels(const View& view, const DrawOptions& options) {
+void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& options) {
   const Splatting splatting = options.splatting;
   const SplatScales scales = scales_of(splatting, options.scales);
   const bool two_passes = splatting != Splatting::regular && splatting != Splatting::no_depth;
@@ -162,12 +164,14 @@ void SoftwareRenderer::draw_surfels(const View& view, const DrawOptions& options
       instances, view, picture_.grid,
       {scales.shading,
        backs && scales.shading == scales.visibility ? hole_rules::one_back_in(instances.size())
-                                                    : 0},
+                                                    : 0,
+       !means},
       executor_);
   const Splats* depth_splats = &color_splats_;
   if (two_passes && scales.visibility != scales.shading) {
     depth_splats_.set(instances, view, picture_.grid,
-                      {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0},
+                      {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0,
+                       !means},
                       executor_);
     depth_splats = &depth_splats_;
   }

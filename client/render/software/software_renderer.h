@@ -63,7 +63,7 @@ class SoftwareRenderer final : public Renderer {
 
   Result<void> resize(glm::ivec2 size);
   void clear(const glm::vec3& background);
-  void draw_surfels(const View& view, const DrawOptions& options);
+  void draw_surfels(const PictureView& view, const DrawOptions& options);
 
   const Executor executor_;
   SceneInstances instances_;

@@ -22,13 +22,13 @@ glm::vec3 color_of_instance(const Instance& one) {
 }
 
 /// Diffuse light from near the eye, and ambient light so that nothing is black (common.glsl).
-float light_on(const glm::vec3& normal, const View& view) {
+float light_on(const glm::vec3& normal, const PictureView& view) {
   const float diffuse = std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
   return view.light.w * (0.4f + 0.6f * diffuse) + (1.0f - view.light.w);
 }
 
 /// The normal of an element, turned towards the eye if its sign is unknown; 0 if all of it is.
-glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const View& view) {
+glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const PictureView& view) {
   const glm::vec3 n = glm::vec3(one.normal) / 32767.0f;
   if (!(glm::dot(n, n) > 0.25f)) return glm::vec3(0.0f);
   return view.pixel.y > 0.5f && glm::dot(n, from_eye) > 0.0f ? -n : n;
@@ -40,7 +40,7 @@ std::int16_t bounded(float v, float most) {
 
 struct Projection {
   glm::vec3 right, up, forward, shift;
-  explicit Projection(const View& view) {
+  explicit Projection(const PictureView& view) {
     const glm::mat4& m = view.to_clip;
     const auto row = [&m](int i) { return glm::vec3(m[0][i], m[1][i], m[2][i]); };
     right = row(0);
@@ -62,7 +62,7 @@ struct Solids::Tile {
   std::array<std::uint32_t, std::tuple_size_v<TilePlane>> elements;
 };
 
-void Solids::add_square(const Instance& point, float size, const View& view, Block& block) {
+void Solids::add_square(const Instance& point, float size, const PictureView& view, Block& block) {
   const Projection p(view);
   const glm::vec3& center = point.center;
   const float w = glm::dot(p.forward, center) + p.shift.z;
@@ -84,7 +84,7 @@ void Solids::add_square(const Instance& point, float size, const View& view, Blo
       {view.eye.w / w, color_of_instance(point) * light_on(normal, view), rect});
 }
 
-void Solids::add_cube(const Instance& voxel, const View& view, Block& block) {
+void Solids::add_cube(const Instance& voxel, const PictureView& view, Block& block) {
   const Projection p(view);
   const float near = view.eye.w;
   const glm::vec3 from_eye = voxel.center - glm::vec3(view.eye);
@@ -155,7 +155,7 @@ POINTREEL_INLINE Lanes inverse(const Lanes& v) { return 1.0f / (v == 0.0f ? 1e-2
 /// Draws a cube into the planes of a tile. A ray enters the cube at the last of the three planes on
 /// the side of the eye, unless it has left through one of the other three before.
 POINTREEL_INLINE void cast_cube(const glm::vec3& center, float half_edge, const TileRect& rect,
-                                std::uint32_t number, const View& view, const PixelRect& pixels,
+                                std::uint32_t number, const PictureView& view, const PixelRect& pixels,
                                 float* depths, std::uint32_t* elements) {
   const int x0 = std::max<int>(rect.x0, pixels.min.x), x1 = std::min<int>(rect.x1, pixels.max.x),
             y0 = std::max<int>(rect.y0, pixels.min.y), y1 = std::min<int>(rect.y1, pixels.max.y);
@@ -193,19 +193,19 @@ POINTREEL_INLINE void cast_cube(const glm::vec3& center, float half_edge, const 
 
 }  // namespace
 
-void Solids::draw_cubes(std::uint32_t block, int tile, const View& view, Tile& to) const {
+void Solids::draw_cubes(std::uint32_t block, int tile, const PictureView& view, Tile& to) const {
   const Block& from = blocks_[block];
   struct Kernels {
-    static void portable(const Block& from, std::uint32_t block, int tile, const View& view,
+    static void portable(const Block& from, std::uint32_t block, int tile, const PictureView& view,
                          Tile& to) {
       run(from, block, tile, view, to);
     }
     POINTREEL_AVX2 static void avx2(const Block& from, std::uint32_t block, int tile,
-                                    const View& view, Tile& to) {
+                                    const PictureView& view, Tile& to) {
       run(from, block, tile, view, to);
     }
     POINTREEL_INLINE static void run(const Block& from, std::uint32_t block, int tile,
-                                     const View& view, Tile& to) {
+                                     const PictureView& view, Tile& to) {
       for (const std::uint16_t* i = from.bins.begin(tile); i != from.bins.end(tile); ++i) {
         const Cube& cube = from.cubes[*i];
         cast_cube(cube.center, cube.half_edge, cube.rect, element(block, *i), view, to.pixels,
@@ -224,7 +224,7 @@ glm::vec3 Solids::color_of(std::uint32_t number, bool cubes) const {
 }
 
 void Solids::draw(std::span<const Instance> instances, bool cubes, float point_size,
-                  const View& view, const Executor& executor, Picture& picture) {
+                  const PictureView& view, const Executor& executor, Picture& picture) {
   const std::size_t count = (instances.size() + kBlock - 1) / kBlock;
   if (blocks_.size() < count) blocks_.resize(count);
   for_each(executor, static_cast<int>(count), [&](int i) {
@@ -235,10 +235,10 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, float point_s
     for (const Instance& one :
          instances.subspan(begin, std::min(kBlock, instances.size() - begin)))
       cubes ? add_cube(one, view, block) : add_square(one, point_size, view, block);
-    std::vector<TileRect> rects;
-    for (const Cube& cube : block.cubes) rects.push_back(cube.rect);
-    for (const Square& square : block.squares) rects.push_back(square.rect);
-    block.bins.sort(rects, picture.grid);
+    block.bins.sort(cubes ? block.cubes.size() : block.squares.size(), picture.grid,
+                    [&](std::size_t k) {
+                      return cubes ? block.cubes[k].rect : block.squares[k].rect;
+                    });
   });
   const SrgbTables& srgb = SrgbTables::get();
   for_each(executor, picture.grid.count(), [&](int tile) {

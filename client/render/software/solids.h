@@ -21,7 +21,7 @@ class Solids {
  public:
   /// Draws into a picture whose colours are the background and whose depths are 0. `cubes`: draws
   /// voxels, else squares of `point_size` pixels.
-  void draw(std::span<const Instance> instances, bool cubes, float point_size, const View& view,
+  void draw(std::span<const Instance> instances, bool cubes, float point_size, const PictureView& view,
             const Executor& executor, Picture& picture);
 
  private:
@@ -46,9 +46,9 @@ class Solids {
   };
   struct Tile;
 
-  static void add_cube(const Instance& voxel, const View& view, Block& block);
-  static void add_square(const Instance& point, float size, const View& view, Block& block);
-  void draw_cubes(std::uint32_t block, int tile, const View& view, Tile& to) const;
+  static void add_cube(const Instance& voxel, const PictureView& view, Block& block);
+  static void add_square(const Instance& point, float size, const PictureView& view, Block& block);
+  void draw_cubes(std::uint32_t block, int tile, const PictureView& view, Tile& to) const;
   void draw_squares(std::uint32_t block, int tile, Tile& to) const;
   glm::vec3 color_of(std::uint32_t element, bool cubes) const;
 

@@ -1,6 +1,7 @@
 #include "client/render/software/splats.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -28,10 +29,12 @@ POINTREEL_INLINE Lanes from_half(const LaneMask& half) {
   return std::bit_cast<Lanes>(half << 13) * 0x1p112f;
 }
 
-POINTREEL_INLINE void gather(Group& g, const Instance* instances, std::size_t count) {
+/// Instances by their numbers, the first `count` of `picked`.
+POINTREEL_INLINE void gather(Group& g, const Instance* instances, const std::uint16_t* picked,
+                             std::size_t count) {
   LaneMask nx, ny, nz, red, green, blue;
-  for (int k = 0; k < kLaneStep; ++k) {
-    const Instance& one = instances[std::min(static_cast<std::size_t>(k), count - 1)];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const Instance& one = instances[picked[std::min(k, count - 1)]];
     g.x[k] = one.center.x;
     g.y[k] = one.center.y;
     g.z[k] = one.center.z;
@@ -82,17 +85,25 @@ TileRect pixels_in(float x0, float y0, float x1, float y1, const glm::vec2& size
           static_cast<std::int16_t>(std::floor(clamp(y1 + 0.5f, size.y)))};
 }
 
+/// The first pixel whose centre is not below a coordinate, cut off at 0 and `size`.
+POINTREEL_INLINE LaneMask first_pixel(const Lanes& from, float size) {
+  // The order of the arguments makes a NaN 0.
+  const Lanes at = min_of(max_of(from - 0.5f, Lanes{}), Lanes{} + size);
+  const LaneMask whole = __builtin_convertvector(at, LaneMask);
+  return whole - (__builtin_convertvector(whole, Lanes) < at);  // true is -1
+}
+
 bool is_empty(const TileRect& rect) { return rect.x0 >= rect.x1 || rect.y0 >= rect.y1; }
 
 /// What the splats of a block are made from, beside the instances.
 struct Setup {
-  const View& view;
+  const PictureView& view;
   SplatSetup splats;
   glm::vec3 right, up, forward;  ///< rows of the matrix: the gradients of clip coordinates
   glm::vec3 shift;               ///< their constant parts
   float left_length, top_length;
 
-  Setup(const View& the_view, const SplatSetup& setup) : view(the_view), splats(setup) {
+  Setup(const PictureView& the_view, const SplatSetup& setup) : view(the_view), splats(setup) {
     const glm::mat4& m = view.to_clip;
     const auto row = [&m](int i) { return glm::vec3(m[0][i], m[1][i], m[2][i]); };
     right = row(0);
@@ -107,7 +118,7 @@ struct Setup {
 /// Adds the exact disc of one surfel.
 void add_disc(const Setup& setup, const glm::vec3& center, const glm::vec3& normal, float radius,
               float push, const glm::vec3& color, SplatBlock& block) {
-  const View& view = setup.view;
+  const PictureView& view = setup.view;
   const float facing = glm::dot(normal, center);
   if (!(facing < 0.0f) || !(radius > 0.0f)) return;
   // A square around the disc, cut off at the near plane.
@@ -136,14 +147,15 @@ void add_disc(const Setup& setup, const glm::vec3& center, const glm::vec3& norm
   block.discs.push_back({center, facing, normal, 1.0f / (radius * radius), color, push, rect});
 }
 
-/// Adds the splats of up to eight instances.
-POINTREEL_INLINE void add_group(const Setup& setup, const Instance* instances, std::size_t count,
-                                SplatBlock& block) {
-  const View& view = setup.view;
+/// Adds the splats of up to eight instances, none of which shows its back.
+POINTREEL_INLINE void add_fronts(const Setup& setup, const Instance* instances,
+                                 const std::uint16_t* picked, std::size_t count,
+                                 SplatBlock& block) {
+  const PictureView& view = setup.view;
   const float scale = setup.splats.scale, near = view.eye.w;
   const glm::vec3 eye(view.eye), light(view.light);
   Group g;
-  gather(g, instances, count);
+  gather(g, instances, picked, count);
 
   const Lanes fx = g.x - eye.x, fy = g.y - eye.y, fz = g.z - eye.z;  // from the eye
   const Lanes away2 = fx * fx + fy * fy + fz * fz;
@@ -160,7 +172,6 @@ POINTREEL_INLINE void add_group(const Setup& setup, const Instance* instances, s
   const LaneMask known = n2 > 0.25f;
   Lanes facing = g.nx * fx + g.ny * fy + g.nz * fz;
   const bool signs_unknown = view.pixel.y > 0.5f;
-  const LaneMask is_back = known & (facing >= 0.0f) & (signs_unknown ? 0 : -1);
   Lanes length = n2;
   sqrt_of(length);
   Lanes to_unit = 1.0f / max_of(length, Lanes{} + 1e-30f);
@@ -175,7 +186,7 @@ POINTREEL_INLINE void add_group(const Setup& setup, const Instance* instances, s
   const Lanes abs_x = max_of(clip_x, -clip_x), abs_y = max_of(clip_y, -clip_y);
   const LaneMask in_view = (w + reach >= near) & (abs_x - w <= reach * setup.left_length) &
                        (abs_y - w <= reach * setup.top_length);
-  const LaneMask is_ellipse = (w >= near) & (reach <= kNearestEllipse * w);
+  const LaneMask is_ellipse = (w >= near) & (reach <= kNearestEllipse * w) & (setup.splats.in_order ? 0 : -1);
 
   const Lanes lit =
       nx * light.x + ny * light.y + nz * light.z;
@@ -226,49 +237,77 @@ POINTREEL_INLINE void add_group(const Setup& setup, const Instance* instances, s
   const Lanes conic_a = c_yy * inverse_det, conic_b = -2.0f * c_xy * inverse_det,
                conic_c = c_xx * inverse_det;
 
-  const glm::vec2 size(view.window);
-  for (int k = 0; k < static_cast<int>(std::min(count, kLanes)); ++k) {
-    if (is_back[k] != 0) {
-      const glm::vec3 center(g.x[k], g.y[k], g.z[k]);
-      const std::uint32_t one_in = setup.splats.one_in;
-      // As OpenGL does, a square whose middle is not in the picture is left out.
-      if (one_in == 0 || !(w[k] >= near) || abs_x[k] > w[k] || abs_y[k] > w[k] ||
-          hash(center) % one_in != 0)
-        continue;
-      // A surfel that is seen at an angle gets a square as narrow as it looks, to keep outlines in
-      // place.
-      const float sine = facing[k] * inverse_away[k];
-      if (!(sine > 0.0f)) continue;
-      const float half = 0.5f * std::clamp(2.0f * hole_rules::kReach *
-                                               std::sqrt(static_cast<float>(one_in)) *
-                                               g.radius[k] * sine / (view.pixel.x * w[k]),
-                                           1.0f, 1024.0f);
-      const TileRect rect = pixels_in(middle_x[k] - half, middle_y[k] - half, middle_x[k] + half,
-                                      middle_y[k] + half, size);
-      if (is_empty(rect)) continue;
-      const float tolerance =
-          hole_rules::kBackTolerance * g.radius[k] / std::max(away[k], near);
-      block.backs.push_back({depth[k] / (1.0f + tolerance), rect});
-    } else if (in_view[k] == 0) {
-      continue;
-    } else if (is_ellipse[k] != 0) {
-      const TileRect rect = pixels_in(middle_x[k] - extent_x[k], middle_y[k] - extent_y[k],
-                                      middle_x[k] + extent_x[k], middle_y[k] + extent_y[k], size);
-      if (is_empty(rect)) continue;
-      block.ellipses.push_back({middle_x[k], middle_y[k], conic_a[k], conic_b[k], conic_c[k],
-                                depth[k], depth_x[k], depth_y[k], depth_reach[k], push[k],
-                                {red[k], green[k], blue[k]}, rect});
-    } else {
+  const LaneMask x0 = first_pixel(middle_x - extent_x, view.window.x),
+                 y0 = first_pixel(middle_y - extent_y, view.window.y),
+                 x1 = first_pixel(middle_x + extent_x, view.window.x),
+                 y1 = first_pixel(middle_y + extent_y, view.window.y);
+  const LaneMask added = in_view & is_ellipse & (x0 < x1) & (y0 < y1);
+  const LaneMask discs = in_view & ~is_ellipse;
+  EllipseSplat* out = &block.ellipses[block.ellipse_count];
+  for (std::size_t k = 0; k < std::min(count, kLanes); ++k) {
+    // Whether it stays is hard to predict, so it is written first, and perhaps overwritten.
+    *out = {middle_x[k],    middle_y[k], conic_a[k],
+            conic_b[k],     conic_c[k],  depth[k],
+            depth_x[k],     depth_y[k],  depth_reach[k],
+            push[k],        {red[k], green[k], blue[k]},
+            {static_cast<std::int16_t>(x0[k]), static_cast<std::int16_t>(y0[k]),
+             static_cast<std::int16_t>(x1[k]), static_cast<std::int16_t>(y1[k])}};
+    out -= added[k];
+    if (discs[k] != 0)
       add_disc(setup, {fx[k], fy[k], fz[k]}, {nx[k], ny[k], nz[k]}, scale * g.radius[k], push[k],
                {red[k], green[k], blue[k]}, block);
-    }
   }
+  block.ellipse_count = static_cast<std::size_t>(out - block.ellipses.data());
+}
+
+/// Adds the back of a surfel if it is one of those that keep it.
+void add_back(const Setup& setup, const Instance& surfel, SplatBlock& block) {
+  const std::uint32_t one_in = setup.splats.one_in;
+  if (one_in == 0 || hash(surfel.center) % one_in != 0) return;
+  const PictureView& view = setup.view;
+  const glm::vec3& center = surfel.center;
+  const float near = view.eye.w, w = glm::dot(setup.forward, center) + setup.shift.z;
+  const glm::vec2 clip(glm::dot(setup.right, center) + setup.shift.x,
+                       glm::dot(setup.up, center) + setup.shift.y);
+  // As OpenGL does, a square whose middle is not in the picture is left out.
+  if (!(w >= near) || std::max(std::abs(clip.x), std::abs(clip.y)) > w) return;
+  const glm::vec3 from_eye = center - glm::vec3(view.eye);
+  const float away = glm::length(from_eye);
+  // A surfel that is seen at an angle gets a square as narrow as it looks, to keep outlines in
+  // place.
+  const float sine = glm::dot(glm::vec3(surfel.normal) / 32767.0f, from_eye) / away;
+  if (!(sine > 0.0f)) return;
+  const float half =
+      0.5f * std::clamp(2.0f * hole_rules::kReach * std::sqrt(static_cast<float>(one_in)) *
+                            surfel.radius * sine / (view.pixel.x * w),
+                        1.0f, 1024.0f);
+  const glm::vec2 middle = 0.5f * glm::vec2(view.window) * (clip / w + 1.0f);
+  const TileRect rect = pixels_in(middle.x - half, middle.y - half, middle.x + half,
+                                  middle.y + half, glm::vec2(view.window));
+  if (is_empty(rect)) return;
+  const float tolerance = hole_rules::kBackTolerance * surfel.radius / std::max(away, near);
+  block.backs.push_back({near / w / (1.0f + tolerance), rect});
 }
 
 POINTREEL_INLINE void add_all(const Setup& setup, std::span<const Instance> instances,
                               SplatBlock& block) {
-  for (std::size_t i = 0; i < instances.size(); i += kLanes)
-    add_group(setup, &instances[i], instances.size() - i, block);
+  // Those that show their backs take a fraction of the work.
+  std::array<std::uint16_t, Splats::kBlock> fronts, backs;
+  std::size_t front_count = 0, back_count = 0;
+  const glm::vec3 eye(setup.view.eye);
+  const bool signs_unknown = setup.view.pixel.y > 0.5f;
+  constexpr float kKnown = 0.25f * 32767.0f * 32767.0f;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const glm::vec3 normal(instances[i].normal);
+    const bool is_back = !signs_unknown && glm::dot(normal, normal) > kKnown &&
+                         glm::dot(normal, instances[i].center - eye) >= 0.0f;
+    fronts[front_count] = backs[back_count] = static_cast<std::uint16_t>(i);
+    front_count += is_back ? 0 : 1;
+    back_count += is_back ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < front_count; i += kLanes)
+    add_fronts(setup, instances.data(), &fronts[i], front_count - i, block);
+  for (std::size_t i = 0; i < back_count; ++i) add_back(setup, instances[backs[i]], block);
 }
 
 void add_portable(const Setup& setup, std::span<const Instance> instances, SplatBlock& block) {
@@ -281,16 +320,14 @@ POINTREEL_AVX2 void add_avx2(const Setup& setup, std::span<const Instance> insta
 }
 
 template <class Splat>
-void sort(const std::vector<Splat>& splats, const TileGrid& grid, std::vector<TileRect>& rects,
+void sort(const std::vector<Splat>& splats, std::size_t count, const TileGrid& grid,
           TileBins& bins) {
-  rects.clear();
-  for (const Splat& splat : splats) rects.push_back(splat.rect);
-  bins.sort(rects, grid);
+  bins.sort(count, grid, [&](std::size_t i) { return splats[i].rect; });
 }
 
 }  // namespace
 
-void Splats::set(std::span<const Instance> instances, const View& view, const TileGrid& grid,
+void Splats::set(std::span<const Instance> instances, const PictureView& view, const TileGrid& grid,
                  const SplatSetup& setup, const Executor& executor) {
   count_ = (instances.size() + kBlock - 1) / kBlock;
   if (blocks_.size() < count_) blocks_.resize(count_);
@@ -300,14 +337,14 @@ void Splats::set(std::span<const Instance> instances, const View& view, const Ti
     const std::size_t begin = static_cast<std::size_t>(i) * kBlock;
     const auto part = instances.subspan(begin, std::min(kBlock, instances.size() - begin));
     SplatBlock& block = blocks_[static_cast<std::size_t>(i)];
-    block.ellipses.clear();
+    block.ellipses.resize(kBlock);
+    block.ellipse_count = 0;
     block.discs.clear();
     block.backs.clear();
     (avx2 ? add_avx2 : add_portable)(shared, part, block);
-    std::vector<TileRect> rects;
-    sort(block.ellipses, grid, rects, block.ellipse_bins);
-    sort(block.discs, grid, rects, block.disc_bins);
-    sort(block.backs, grid, rects, block.back_bins);
+    sort(block.ellipses, block.ellipse_count, grid, block.ellipse_bins);
+    sort(block.discs, block.discs.size(), grid, block.disc_bins);
+    sort(block.backs, block.backs.size(), grid, block.back_bins);
   });
 }
 

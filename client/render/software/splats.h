@@ -16,7 +16,7 @@ namespace pointreel {
 
 /// The image of a surfel's disc as an ellipse. The disc is small in the picture, so its projection
 /// is approximated as affine (instancing/pull/surfel_sprite.glsl).
-struct EllipseSplat {
+struct alignas(64) EllipseSplat {
   float x, y;     ///< middle, in window coordinates
   float a, b, c;  ///< the square of the distance from the middle is a dx^2 + b dx dy + c dy^2, and
                   ///< 1 at the rim
@@ -48,7 +48,8 @@ struct BackSplat {
 /// A part of the surfels of a picture, and the tiles that they touch. Surfels that are not visible
 /// are left out.
 struct SplatBlock {
-  std::vector<EllipseSplat> ellipses;
+  std::vector<EllipseSplat> ellipses;  ///< room for all instances of a block
+  std::size_t ellipse_count = 0;       ///< how many of them are in use
   std::vector<DiscSplat> discs;
   std::vector<BackSplat> backs;
   TileBins ellipse_bins, disc_bins, back_bins;
@@ -58,6 +59,7 @@ struct SplatBlock {
 struct SplatSetup {
   float scale = 1.0f;        ///< factor for the radii
   std::uint32_t one_in = 0;  ///< one in this many surfels keeps its back; 0: none
+  bool in_order = false;     ///< draw all as discs, which keep the order of the surfels
 };
 
 /// Surfels in a picture, in blocks.
@@ -65,7 +67,7 @@ class Splats {
  public:
   static constexpr std::size_t kBlock = 4096;  ///< instances for each block
 
-  void set(std::span<const Instance> instances, const View& view, const TileGrid& grid,
+  void set(std::span<const Instance> instances, const PictureView& view, const TileGrid& grid,
            const SplatSetup& setup, const Executor& executor);
 
   std::span<const SplatBlock> blocks() const { return {blocks_.data(), count_}; }

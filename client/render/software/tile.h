@@ -51,24 +51,34 @@ struct TileGrid {
 /// Which elements of a list touch which tile. They keep their order.
 class TileBins {
  public:
-  /// `rects` are the pixels that at most 65,536 elements cover, within the picture.
-  void sort(const std::vector<TileRect>& rects, const TileGrid& grid) {
+  /// `rect_of(i)` are the pixels that element i of `count` covers, within the picture. No more than
+  /// 65,536 elements.
+  template <class RectOf>
+  void sort(std::size_t count, const TileGrid& grid, const RectOf& rect_of) {
     begin_.assign(static_cast<std::size_t>(grid.count()) + 1, 0);
+    const auto across = static_cast<unsigned>(grid.tiles.x);
     const auto each = [&](const TileRect& rect, const auto& visit) {
-      const int last_x = (rect.x1 - 1) / kTileWidth, last_y = (rect.y1 - 1) / kTileHeight;
-      for (int y = rect.y0 / kTileHeight; y <= last_y; ++y)
-        for (int x = rect.x0 / kTileWidth; x <= last_x; ++x)
-          visit(static_cast<std::size_t>(y * grid.tiles.x + x));
+      const unsigned first_x = static_cast<unsigned>(rect.x0) / kTileWidth,
+                     first_y = static_cast<unsigned>(rect.y0) / kTileHeight,
+                     last_x = static_cast<unsigned>(rect.x1 - 1) / kTileWidth,
+                     last_y = static_cast<unsigned>(rect.y1 - 1) / kTileHeight;
+      if (first_x == last_x && first_y == last_y) {
+        visit(first_y * across + first_x);
+        return;
+      }
+      for (unsigned y = first_y; y <= last_y; ++y)
+        for (unsigned x = first_x; x <= last_x; ++x) visit(y * across + x);
     };
-    for (const TileRect& rect : rects) each(rect, [&](std::size_t tile) { ++begin_[tile]; });
+    for (std::size_t i = 0; i < count; ++i)
+      each(rect_of(i), [&](unsigned tile) { ++begin_[tile]; });
     std::uint32_t total = 0;
     for (std::uint32_t& begin : begin_) {
       total += begin;
       begin = total;  // the end of the tile's list, which is filled from its end
     }
     elements_.resize(total);
-    for (std::size_t i = rects.size(); i-- > 0;)
-      each(rects[i], [&](std::size_t tile) {
+    for (std::size_t i = count; i-- > 0;)
+      each(rect_of(i), [&](unsigned tile) {
         elements_[--begin_[tile]] = static_cast<std::uint16_t>(i);
       });
   }

@@ -1,0 +1,185 @@
+#include "client/render/software/software_renderer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <xxhash.h>
+
+#include "pointreel/cpu.h"
+#include "tests/bench/render/image_error.h"
+#include "tests/unit/renderer_test.h"
+
+namespace pointreel {
+namespace {
+
+using bench::psnr;
+
+/// Runs bodies on a number of threads of its own, in an order that is not theirs.
+Executor executor_of(int threads) {
+  return [threads](int count, const std::function<void(int)>& body) {
+    std::vector<std::jthread> running;
+    for (int t = 0; t < threads; ++t)
+      running.emplace_back([=, &body] {
+        for (int i = count - 1 - t; i >= 0; i -= threads) body(i);
+      });
+  };
+}
+
+/// A sphere with dents and a few holes, in colours that change slowly, without any function of the
+/// system's library, so that it is the same everywhere.
+PointCloud dented_sphere(int points) {
+  std::mt19937 random(7);
+  const auto unit = [&random] { return static_cast<float>(random() >> 8) / 8388608.0f - 1.0f; };
+  PointCloud cloud;
+  while (static_cast<int>(cloud.size()) < points) {
+    const glm::vec3 p(unit(), unit(), unit());
+    const float square = glm::dot(p, p);
+    if (square > 1.0f || square < 0.01f) continue;
+    const glm::vec3 n = p / std::sqrt(square);
+    const float dent = 0.1f * n.x * n.y;
+    const auto from_hole = n - glm::vec3(0.4f, 0.2f, 0.894427f);
+    if (glm::dot(from_hole, from_hole) < 0.01f) continue;
+    add(cloud, (1.0f - dent) * n, n, glm::u16vec3(32767.0f * (1.0f + n)), 2.2f / std::sqrt(static_cast<float>(points)));
+  }
+  return cloud;
+}
+
+struct View {
+  const char* name;
+  Camera camera;
+};
+
+std::vector<View> views() {
+  View front{"front", front_camera()}, close{"close", front_camera()}, far{"far", front_camera()},
+      inside{"inside", front_camera()};
+  close.camera.distance = 1.3;
+  close.camera.yaw = 0.5;
+  far.camera.distance = 30.0;
+  inside.camera.distance = 0.4;
+  return {front, close, far, inside};
+}
+
+std::vector<DrawOptions> all_options() {
+  std::vector<DrawOptions> all;
+  for (const DrawMode mode : kModes) {
+    DrawOptions options = plain(mode);
+    options.lighting = true;
+    all.push_back(options);
+    options.edl = 0.5f;
+    options.smooth_outlines = true;
+    options.floor = FloorGrid{{glm::dvec3(-1.0), glm::dvec3(1.0)}};
+    all.push_back(options);
+  }
+  for (const auto& splatting : kEnumNames<Splatting>) {
+    DrawOptions options = plain(DrawMode::surfel);
+    options.splatting = splatting.value;
+    options.scales = {1.0f, 1.6f};
+    all.push_back(options);
+  }
+  return all;
+}
+
+Image draw_with(Renderer& renderer, const std::shared_ptr<const SceneFrame>& frame,
+                const Camera& camera, const DrawOptions& options) {
+  const auto stats = renderer.draw(frame, camera, kSize, options);
+  EXPECT_TRUE(stats) << stats.error().message;
+  return renderer.read_pixels().value();
+}
+
+TEST(SoftwareRenderer, draws_the_same_bytes_with_any_number_of_threads_and_without_avx2) {
+  const auto frame = frame_of(dented_sphere(30'000), 6);
+  auto estimated = std::make_shared<SceneFrame>(*frame);
+  estimated->normals_estimated = true;
+  SoftwareRenderer one(executor_of(1)), three(executor_of(3)), none{Executor{}},
+      portable(executor_of(2));
+  for (const auto& drawn : {frame, estimated}) {
+    for (const View& view : views()) {
+      for (const DrawOptions& options : all_options()) {
+        const Image expected = draw_with(one, drawn, view.camera, options);
+        EXPECT_EQ(largest_difference(expected, draw_with(three, drawn, view.camera, options)), 0);
+        EXPECT_EQ(largest_difference(expected, draw_with(none, drawn, view.camera, options)), 0);
+        set_cpu_feature_mask(0);
+        const Image without = draw_with(portable, drawn, view.camera, options);
+        set_cpu_feature_mask(~0u);
+        EXPECT_EQ(largest_difference(expected, without), 0) << view.name;
+      }
+    }
+  }
+}
+
+TEST(SoftwareRenderer, draws_the_same_bytes_on_every_machine) {
+  const auto frame = frame_of(dented_sphere(20'000), 6);
+  SoftwareRenderer renderer(executor_of(2));
+  std::vector<std::uint64_t> hashes;
+  for (const DrawMode mode : kModes) {
+    DrawOptions options = plain(mode);
+    options.lighting = true;
+    options.edl = 0.5f;
+    options.smooth_outlines = true;
+    const Image image = draw_with(renderer, frame, front_camera(), options);
+    hashes.push_back(XXH3_64bits(image.pixels.data(), 3 * image.pixels.size()));
+  }
+  EXPECT_EQ(hashes, (std::vector<std::uint64_t>{5714456441871908337u, 7947853401194051860u,
+                                                 5254578123286790837u}));
+}
+
+TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) {
+  const auto context = OffscreenContext::create();
+  ASSERT_TRUE(context) << context.error().message;
+  auto opengl = GlRenderer::create();
+  ASSERT_TRUE(opengl) << opengl.error().message;
+  SoftwareRenderer software(executor_of(2));
+  const auto frame = frame_of(dented_sphere(30'000), 6);
+  auto estimated = std::make_shared<SceneFrame>(*frame);
+  estimated->normals_estimated = true;
+  for (const auto& drawn : {frame, estimated}) {
+    for (const View& view : views()) {
+      int number = 0;
+      for (const DrawOptions& options : all_options()) {
+        // The paper's ways to splat depend on the order, which the default of OpenGL changes.
+        DrawOptions same = options;
+        if (options.splatting != Splatting::normalized) same.instancing = Instancing::attribute;
+        const Image expected = draw_with(*opengl, drawn, view.camera, same);
+        const Image image = draw_with(software, drawn, view.camera, options);
+        // OpenGL drivers move points to a raster of fractions of pixels.
+        EXPECT_GT(psnr(expected, image).value_or(99.0),
+                  options.mode == DrawMode::point ? 38.0 : 45.0)
+            << view.name << ", options " << number
+            << (drawn->normals_estimated ? ", signs unknown" : "");
+        ++number;
+      }
+    }
+  }
+}
+
+TEST(SoftwareRenderer, survives_surfels_that_are_not_numbers_or_reach_everywhere) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInf = std::numeric_limits<float>::infinity();
+  PointCloud cloud = dented_sphere(500);
+  for (const float odd : {kNan, kInf, -kInf, 1e30f, -1e30f, 0.0f, -1.0f, 1e-30f}) {
+    add(cloud, {odd, 0.0f, 0.0f}, kFront, kRed, 0.1f);
+    add(cloud, {0.0f, 0.0f, 0.0f}, {odd, odd, odd}, kRed, 0.1f);
+    add(cloud, {0.1f, 0.0f, 0.0f}, kFront, kRed, odd);
+    add(cloud, {odd, odd, odd}, {odd, 0.0f, odd}, kRed, odd);
+  }
+  auto frame = std::make_shared<SceneFrame>();
+  frame->cloud = std::move(cloud);
+  SoftwareRenderer renderer(executor_of(2));
+  for (const View& view : views())
+    for (const DrawOptions& options : all_options())
+      if (options.mode != DrawMode::voxel) draw_with(renderer, frame, view.camera, options);
+}
+
+TEST(SoftwareRenderer, says_what_it_is) {
+  EXPECT_NE(SoftwareRenderer(executor_of(1)).describe().find("software"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -38,7 +38,9 @@ Result<OffscreenRenderer> make_offscreen_renderer(RendererChoice choice) {
       made.renderer = TRY(make_gl_renderer());
       return made;
     }
-    if (choice == RendererChoice::opengl) return tl::unexpected(std::move(context.error()));
+    if (choice == RendererChoice::opengl)
+      return fail(context.error().code,
+                  context.error().message + "; --renderer software draws without OpenGL");
   }
   made.renderer = make_software_renderer();
   return made;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <new>
 #include <thread>
 #include <utility>
@@ -30,6 +32,18 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
 }
+
+/// Returns the milliseconds since its last call, or since it was made.
+class Laps {
+ public:
+  double lap() {
+    const auto before = std::exchange(begin_, std::chrono::steady_clock::now());
+    return std::chrono::duration<double, std::milli>(begin_ - before).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
 
 bool touches(const SplatBlock& block, int tile) {
   const auto any = [tile](const TileBins& bins) { return bins.begin(tile) != bins.end(tile); };
@@ -106,6 +120,8 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
                                          glm::ivec2 shown, const DrawOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
+  stages_ = {};
+  Laps laps;
   TRY(resize(size));
   TRY(instances_.update(scene, camera, size,
                         {options.mode, options.color, options.fill_holes, options.refine},
@@ -127,7 +143,9 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
 
+  stages_.warp = laps.lap() - stats.cut_ms;
   clear(options.background);
+  stages_.clear = laps.lap();
   const auto floor = [&] {
     draw_floor(*options.floor, camera,
                make_view(camera, floor_origin(*options.floor), size, options.lighting, false),
@@ -138,13 +156,16 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   if (stats.drawn > 0) {
     if (options.mode == DrawMode::surfel) {
       draw_surfels(view, options);
+      laps.lap();
     } else {
       const float point = std::max(1.0f, options.point_size / static_cast<float>(options.reduction));
       solids_.draw(memory_.instances(), options.mode == DrawMode::voxel, point, view, executor_,
                    picture_);
+      stages_.shading = laps.lap();
       if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
     }
     if (options.smooth_outlines) smooth_outlines(region, executor_, picture_);
+    stages_.reconstruction += laps.lap();
   }
   if (options.floor && !above_floor) floor();
   stats.render_ms = milliseconds_since(start) - stats.cut_ms;
@@ -159,6 +180,7 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   const bool signs_unknown = instances_.normals_estimated();
   const auto instances = memory_.instances();
 
+  Laps laps;
   const bool backs = fills && !signs_unknown;
   color_splats_.set(
       instances, view, picture_.grid,
@@ -176,6 +198,10 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
     depth_splats = &depth_splats_;
   }
 
+  stages_.warp += laps.lap();
+
+  // The two passes over each tile follow each other; how they share the time is summed over tiles.
+  std::atomic<std::int64_t> first_pass{0}, both_passes{0};
   const SplatKernels& kernels = splat_kernels();
   const SrgbTables& srgb = SrgbTables::get();
   const BlendDepth blend = two_passes                          ? BlendDepth::test
@@ -183,6 +209,7 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
                                                                : BlendDepth::write;
   for_each(executor_, picture_.grid.count(), [&](int number) {
     if (!touches(color_splats_, number) && !(two_passes && touches(*depth_splats, number))) return;
+    const auto start = std::chrono::steady_clock::now();
     SplatTile tile;
     tile.pixels = picture_.grid.pixels(number);
     tile.depth.fill(0.0f);
@@ -190,6 +217,7 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
       for (const SplatBlock& block : depth_splats->blocks())
         if (touches(block, number)) kernels.depth(block, number, view, tile);
     }
+    first_pass += (std::chrono::steady_clock::now() - start).count();
     for (TilePlane* plane : {&tile.red, &tile.green, &tile.blue, &tile.weight}) plane->fill(0.0f);
     if (!means)
       each_pixel(tile, picture_, [&](std::size_t pixel, std::size_t at) {
@@ -215,7 +243,13 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
           means ? srgb.encode(color / weight, kDrawn)
                 : srgb.encode(color, static_cast<std::uint8_t>(255.0f * std::min(weight, 1.0f) + 0.5f));
     });
+    both_passes += (std::chrono::steady_clock::now() - start).count();
   });
+  const double splatting_ms = laps.lap();
+  const double share = static_cast<double>(first_pass) /
+                       static_cast<double>(std::max<std::int64_t>(both_passes, 1));
+  stages_.visibility = share * splatting_ms;
+  stages_.shading = (1.0 - share) * splatting_ms;
 
   if (fills) {
     const InstanceBounds& bounds = instances_.bounds();
@@ -228,6 +262,7 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   // What is filled has no depth of its own, and is not darkened.
   if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
   if (fills) holes_.fill(executor_, picture_);
+  stages_.reconstruction = laps.lap();
 }
 
 void SoftwareRenderer::present(unsigned framebuffer) {

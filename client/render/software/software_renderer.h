@@ -22,6 +22,16 @@
 
 namespace pointreel {
 
+/// The milliseconds of each step of a picture, as in Table 3 of Pfister et al. Steps that share a
+/// pass over the tiles share its time.
+struct SoftwareStages {
+  double clear = 0.0;
+  double warp = 0.0;            ///< packing the cut, and projecting it into the tiles
+  double visibility = 0.0;      ///< splatting depths
+  double shading = 0.0;         ///< weighted means of what is visible; all of voxels and points
+  double reconstruction = 0.0;  ///< holes, eye-dome lighting, outlines
+};
+
 /// Draws scenes with the processor, by the pipeline of H. Pfister, M. Zwicker, J. van Baar, M.
 /// Gross, "Surfels: Surface Elements as Rendering Primitives", 2000, section 7: surfels are warped
 /// into the picture block by block of a cut through the tree, discs are splatted into a depth
@@ -47,6 +57,9 @@ class SoftwareRenderer final : public Renderer {
   unsigned texture() override;
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const override;
   Result<Image> read_pixels() const override;
+
+  /// Of the last picture.
+  const SoftwareStages& stages() const { return stages_; }
 
  private:
   /// Instances in ordinary memory.
@@ -74,6 +87,7 @@ class SoftwareRenderer final : public Renderer {
   Picture picture_;
   PictureTexture texture_;
   // The last picture:
+  SoftwareStages stages_;
   glm::ivec2 shown_{0};  ///< the size in which it is shown
   Camera camera_;
   glm::vec3 background_{0.0f};

@@ -34,21 +34,37 @@ glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const Pic
   return view.pixel.y > 0.5f && glm::dot(n, from_eye) > 0.0f ? -n : n;
 }
 
+/// The colour of an element that a pixel shows, linear and lit. `face`: the axis across the face of
+/// a voxel.
+glm::vec3 lit_color(const Instance& one, bool is_cube, std::uint32_t face,
+                    const PictureView& view) {
+  const glm::vec3 from_eye = one.center - glm::vec3(view.eye);
+  glm::vec3 normal = known_normal(one, from_eye, view);
+  if (normal == glm::vec3(0.0f)) {
+    if (is_cube) {
+      const int axis = static_cast<int>(face);
+      normal[axis] = from_eye[axis] <= 0.0f ? 1.0f : -1.0f;
+    } else {
+      const float away = glm::length(from_eye);
+      normal = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
+    }
+  }
+  return color_of_instance(one) * light_on(normal, view);
+}
+
 std::int16_t bounded(float v, float most) {
   return static_cast<std::int16_t>(v > 0.0f ? (v < most ? v : most) : 0.0f);
 }
 
-struct Projection {
-  glm::vec3 right, up, forward, shift;
-  explicit Projection(const PictureView& view) {
-    const glm::mat4& m = view.to_clip;
-    const auto row = [&m](int i) { return glm::vec3(m[0][i], m[1][i], m[2][i]); };
-    right = row(0);
-    up = row(1);
-    forward = row(3);
-    shift = {m[3][0], m[3][1], m[3][3]};
-  }
-};
+/// The pixels whose centres lie between two coordinates, or less than `more` outside of them.
+TileRect pixels_between(const glm::vec2& low, const glm::vec2& high, float more,
+                        const glm::vec2& size) {
+  const glm::vec2 from = glm::ceil(low - (0.5f + more)), to = glm::ceil(high - (0.5f - more));
+  return {bounded(from.x, size.x), bounded(from.y, size.y), bounded(to.x, size.x),
+          bounded(to.y, size.y)};
+}
+
+bool is_empty(const TileRect& rect) { return rect.x0 >= rect.x1 || rect.y0 >= rect.y1; }
 
 /// The number of an element: its block, its place in the block, and the axis of the face.
 constexpr std::uint32_t kNothing = ~0u;
@@ -62,71 +78,66 @@ struct Solids::Tile {
   std::array<std::uint32_t, std::tuple_size_v<TilePlane>> elements;
 };
 
-void Solids::add_square(const Instance& point, float size, const PictureView& view, Block& block) {
-  const Projection p(view);
-  const glm::vec3& center = point.center;
-  const float w = glm::dot(p.forward, center) + p.shift.z;
-  const glm::vec2 clip(glm::dot(p.right, center) + p.shift.x,
-                       glm::dot(p.up, center) + p.shift.y);
-  if (!(w >= view.eye.w) || std::max(std::abs(clip.x), std::abs(clip.y)) > w) return;
-  const glm::vec2 at = 0.5f * glm::vec2(view.window) * (clip / w + 1.0f);
-  const glm::vec2 low = glm::ceil(at - 0.5f * size - 0.5f), high = glm::ceil(at + 0.5f * size - 0.5f);
-  const TileRect rect{bounded(low.x, view.window.x), bounded(low.y, view.window.y),
-                      bounded(high.x, view.window.x), bounded(high.y, view.window.y)};
-  if (rect.x0 >= rect.x1 || rect.y0 >= rect.y1) return;
-  const glm::vec3 from_eye = center - glm::vec3(view.eye);
-  glm::vec3 normal = known_normal(point, from_eye, view);
-  if (normal == glm::vec3(0.0f)) {
-    const float away = glm::length(from_eye);
-    normal = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
+/// Projects instances of a picture.
+class Solids::Setup {
+ public:
+  explicit Setup(const PictureView& view) : view_(view) {
+    const glm::mat4& m = view.to_clip;
+    const auto row = [&m](int i) { return glm::vec3(m[0][i], m[1][i], m[2][i]); };
+    right_ = row(0);
+    up_ = row(1);
+    forward_ = row(3);
+    shift_ = {m[3][0], m[3][1], m[3][3]};
   }
-  block.squares.push_back(
-      {view.eye.w / w, color_of_instance(point) * light_on(normal, view), rect});
-}
 
-void Solids::add_cube(const Instance& voxel, const PictureView& view, Block& block) {
-  const Projection p(view);
-  const float near = view.eye.w;
-  const glm::vec3 from_eye = voxel.center - glm::vec3(view.eye);
-  const float w = glm::dot(p.forward, voxel.center) + p.shift.z;
-  // No cube is drawn smaller than a pixel, so that none falls between the centres of pixels.
-  const float half = std::max(voxel.radius, 0.5f * view.pixel.x * w);
-  const float reach = 1.73206f * half;
-  if (!(w + reach >= near)) return;
-  glm::vec2 low(0.0f), high(view.window);
-  if (w - reach >= near) {
-    low = glm::vec2(1e30f);
-    high = glm::vec2(-1e30f);
-    const glm::vec3 clip(glm::dot(p.right, voxel.center) + p.shift.x,
-                         glm::dot(p.up, voxel.center) + p.shift.y, w);
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::vec3 d(corner & 1 ? half : -half, corner & 2 ? half : -half,
-                        corner & 4 ? half : -half);
-      const glm::vec2 at = glm::vec2(clip.x + glm::dot(p.right, d), clip.y + glm::dot(p.up, d)) /
-                           (w + glm::dot(p.forward, d));
-      low = glm::min(low, at);
-      high = glm::max(high, at);
+  void add_square(const Instance& point, std::uint16_t number, float size, Block& block) const {
+    const glm::vec3 clip = to_clip(point.center);
+    const float w = clip.z;
+    if (!(w >= view_.eye.w) || std::max(std::abs(clip.x), std::abs(clip.y)) > w) return;
+    const glm::vec2 at = in_window(glm::vec2(clip) / w);
+    const TileRect rect =
+        pixels_between(at - 0.5f * size, at + 0.5f * size, 0.0f, glm::vec2(view_.window));
+    if (!is_empty(rect)) block.squares.push_back({view_.eye.w / w, rect, number});
+  }
+
+  void add_cube(const Instance& voxel, std::uint16_t number, Block& block) const {
+    const float near = view_.eye.w;
+    const glm::vec3 clip = to_clip(voxel.center);
+    const float w = clip.z;
+    // No cube is drawn smaller than a pixel, so that none falls between the centres of pixels.
+    const float half = std::max(voxel.radius, 0.5f * view_.pixel.x * w);
+    const float reach = 1.73206f * half;
+    if (!(w + reach >= near)) return;
+    glm::vec2 low(0.0f), high(view_.window);
+    if (w - reach >= near) {
+      // The box around the image, from the slopes of the projection at the centre. The nearest
+      // corner looks larger.
+      const glm::vec2 middle = glm::vec2(clip) / w;
+      const glm::vec3 x = glm::abs(right_ - middle.x * forward_),
+                      y = glm::abs(up_ - middle.y * forward_);
+      const glm::vec2 extent =
+          0.5f * glm::vec2(view_.window) * half / (w - reach) * glm::vec2(x.x + x.y + x.z,
+                                                                         y.x + y.y + y.z);
+      low = in_window(middle) - extent;
+      high = in_window(middle) + extent;
     }
-    low = 0.5f * glm::vec2(view.window) * (low + 1.0f);
-    high = 0.5f * glm::vec2(view.window) * (high + 1.0f);
+    const TileRect rect = pixels_between(low, high, 0.01f, glm::vec2(view_.window));
+    if (!is_empty(rect))
+      block.cubes.push_back({voxel.center - glm::vec3(view_.eye), half, rect, number});
   }
-  // One row and column more than the pixels whose centres are inside, against rounding: the rays
-  // decide.
-  const TileRect rect{bounded(std::floor(low.x - 0.5f), view.window.x),
-                      bounded(std::floor(low.y - 0.5f), view.window.y),
-                      bounded(std::ceil(high.x + 0.5f), view.window.x),
-                      bounded(std::ceil(high.y + 0.5f), view.window.y)};
-  if (rect.x0 >= rect.x1 || rect.y0 >= rect.y1) return;
-  const glm::vec3 normal = known_normal(voxel, from_eye, view);
-  const glm::vec3 color = color_of_instance(voxel);
-  Cube cube{from_eye, half, {}, rect};
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::vec3 face(0.0f);
-    face[axis] = from_eye[axis] <= 0.0f ? 1.0f : -1.0f;
-    cube.colors[axis] = color * light_on(normal == glm::vec3(0.0f) ? face : normal, view);
+
+ private:
+  /// x, y and w.
+  glm::vec3 to_clip(const glm::vec3& p) const {
+    return glm::vec3(glm::dot(right_, p), glm::dot(up_, p), glm::dot(forward_, p)) + shift_;
   }
-  block.cubes.push_back(cube);
-}
+  glm::vec2 in_window(const glm::vec2& device) const {
+    return 0.5f * glm::vec2(view_.window) * (device + 1.0f);
+  }
+
+  const PictureView& view_;
+  glm::vec3 right_, up_, forward_, shift_;
+};
 
 void Solids::draw_squares(std::uint32_t block, int tile, Tile& to) const {
   const Block& from = blocks_[block];
@@ -217,24 +228,22 @@ void Solids::draw_cubes(std::uint32_t block, int tile, const PictureView& view, 
   (avx2 ? Kernels::avx2 : Kernels::portable)(from, block, tile, view, to);
 }
 
-glm::vec3 Solids::color_of(std::uint32_t number, bool cubes) const {
-  const Block& block = blocks_[number >> 14];
-  const std::size_t at = number >> 2 & 4095u;
-  return cubes ? block.cubes[at].colors[number & 3u] : block.squares[at].color;
-}
-
 void Solids::draw(std::span<const Instance> instances, bool cubes, float point_size,
                   const PictureView& view, const Executor& executor, Picture& picture) {
   const std::size_t count = (instances.size() + kBlock - 1) / kBlock;
   if (blocks_.size() < count) blocks_.resize(count);
+  const Setup setup(view);
   for_each(executor, static_cast<int>(count), [&](int i) {
     const std::size_t begin = static_cast<std::size_t>(i) * kBlock;
     Block& block = blocks_[static_cast<std::size_t>(i)];
     block.cubes.clear();
     block.squares.clear();
-    for (const Instance& one :
-         instances.subspan(begin, std::min(kBlock, instances.size() - begin)))
-      cubes ? add_cube(one, view, block) : add_square(one, point_size, view, block);
+    const std::size_t end = std::min(begin + kBlock, instances.size());
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto number = static_cast<std::uint16_t>(k - begin);
+      cubes ? setup.add_cube(instances[k], number, block)
+            : setup.add_square(instances[k], number, point_size, block);
+    }
     block.bins.sort(cubes ? block.cubes.size() : block.squares.size(), picture.grid,
                     [&](std::size_t k) {
                       return cubes ? block.cubes[k].rect : block.squares[k].rect;
@@ -257,14 +266,25 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, float point_s
     }
     if (!any) return;
     picture.busy[static_cast<std::size_t>(tile)] = 1;
+    std::uint32_t last = kNothing;
+    glm::u8vec4 color{};
     for (int y = to.pixels.min.y; y < to.pixels.max.y; ++y) {
       for (int x = to.pixels.min.x; x < to.pixels.max.x; ++x) {
         const auto at = static_cast<std::size_t>((y - to.pixels.min.y) * kTileStride + x -
                                                  to.pixels.min.x);
-        if (to.elements[at] == kNothing) continue;
+        const std::uint32_t number = to.elements[at];
+        if (number == kNothing) continue;
         const std::size_t pixel = picture.index(x, y);
         picture.depths[pixel] = to.depth[at];
-        picture.colors[pixel] = srgb.encode(color_of(to.elements[at], cubes), kDrawn);
+        if (number != last) {
+          last = number;
+          const std::size_t block = number >> 14, in_block = number >> 2 & 4095u;
+          const std::size_t instance = cubes ? blocks_[block].cubes[in_block].instance
+                                             : blocks_[block].squares[in_block].instance;
+          color = srgb.encode(
+              lit_color(instances[block * kBlock + instance], cubes, number & 3u, view), kDrawn);
+        }
+        picture.colors[pixel] = color;
       }
     }
   });

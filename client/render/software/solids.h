@@ -16,7 +16,8 @@
 namespace pointreel {
 
 /// Draws voxels and points: opaque elements of which the nearest is seen in each pixel. A pixel
-/// first gets the number of its element, and its colour once all are drawn.
+/// first gets the number of its element, and its colour once all are drawn (Pfister et al.,
+/// Surfels, section 7.5: shading comes after visibility).
 class Solids {
  public:
   /// Draws into a picture whose colours are the background and whose depths are 0. `cubes`: draws
@@ -31,13 +32,13 @@ class Solids {
   struct Cube {
     glm::vec3 center;  ///< relative to the eye
     float half_edge;
-    glm::vec3 colors[3];  ///< linear, lit, of the visible face across each axis
     TileRect rect;
+    std::uint16_t instance;  ///< in its block
   };
   struct Square {
     float depth;
-    glm::vec3 color;  ///< linear, lit
     TileRect rect;
+    std::uint16_t instance;  ///< in its block
   };
   struct Block {
     std::vector<Cube> cubes;
@@ -45,12 +46,10 @@ class Solids {
     TileBins bins;
   };
   struct Tile;
+  class Setup;
 
-  static void add_cube(const Instance& voxel, const PictureView& view, Block& block);
-  static void add_square(const Instance& point, float size, const PictureView& view, Block& block);
   void draw_cubes(std::uint32_t block, int tile, const PictureView& view, Tile& to) const;
   void draw_squares(std::uint32_t block, int tile, Tile& to) const;
-  glm::vec3 color_of(std::uint32_t element, bool cubes) const;
 
   std::vector<Block> blocks_;
 };

@@ -2,27 +2,20 @@
 
 #include <string>
 #include <system_error>
-#include <vector>
 
 #include "common/base/try.h"
-#include "tests/e2e/process.h"
+#include "tests/bench/program.h"
 
 namespace pointreel::bench {
-namespace {
 
 using nlohmann::json;
 
-Result<std::string> run_program(const std::string& program,
-                                const std::vector<std::string>& arguments) {
-  constexpr int kSeconds = 300;
-  e2e::Outcome outcome = e2e::run(program, arguments, kSeconds);
-  if (outcome.exit_code != 0) return fail(ErrorCode::io, program + ": " + outcome.err);
-  return std::move(outcome.out);
-}
-
-Result<json> play(const std::string& reel, const std::string& mode) {
-  const std::string out = TRY(run_program(
-      "pointreel", {"play", reel, "--mode", mode, "--offscreen", "1280x720", "--json", "-"}));
+Result<json> play_reel(const std::string& reel, const std::string& mode,
+                       const std::string& renderer) {
+  const std::string out =
+      TRY(run_program("pointreel", {"play", reel, "--mode", mode, "--renderer", renderer,
+                                    "--offscreen", "1280x720", "--json", "-"}))
+          .out;
   const json played = json::parse(out, nullptr, false);
   if (played.is_discarded()) return fail("pointreel play printed no JSON");
   json row = {{"mode", mode}, {"fps", played["fps"]}, {"frames", played["frames_shown"]}};
@@ -31,8 +24,6 @@ Result<json> play(const std::string& reel, const std::string& mode) {
   }
   return row;
 }
-
-}  // namespace
 
 Result<json> measure_playback(const std::filesystem::path& folder, int frames) {
   const std::filesystem::path scratch = folder / ".playback";
@@ -44,7 +35,7 @@ Result<json> measure_playback(const std::filesystem::path& folder, int frames) {
                     {"soccer-shoot", "-o", clouds, "--frames", std::to_string(frames)}));
     TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel}));
     json rows = json::array();
-    for (const char* mode : {"surfel", "voxel", "point"}) rows.push_back(TRY(play(reel, mode)));
+    for (const char* mode : {"surfel", "voxel", "point"}) rows.push_back(TRY(play_reel(reel, mode, "opengl")));
     return rows;
   };
   auto rows = measure();

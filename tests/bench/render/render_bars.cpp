@@ -9,6 +9,34 @@ namespace {
 
 using nlohmann::json;
 
+/// Bars of the software renderer at 1280x720.
+void add_software(std::vector<Bar>& bars, const json& software) {
+  for (const json& sequence : software["sequences"]) {
+    const std::string name = sequence["name"].get<std::string>();
+    const bool dense = name != "soccer-shoot";
+    for (const json& row : sequence["modes"]) {
+      if (row["mode"] != "surfel") continue;
+      const json &by_software = row["software"], &by_opengl = row["opengl"];
+      const auto ms = [](const json& of) { return of["ms"]["median"].get<double>(); };
+      bars.push_back({"software, " + name + ": surfels", ms(by_software), "ms", dense ? 25.0 : 12.0});
+      bars.push_back({"software, " + name + ": speed over software OpenGL",
+                      ms(by_opengl) / ms(by_software), "x", 4.0, true});
+      bars.push_back({"software, " + name + ": PSNR below OpenGL",
+                      by_opengl["psnr_mask"].get<double>() - by_software["psnr_mask"].get<double>(),
+                      "dB", 0.3});
+    }
+    for (const json& row : sequence["playback"])
+      if (row["renderer"] == "software")
+        bars.push_back({"software, " + name + ": playback", row["fps"].get<double>(), "/s",
+                        dense ? 24.0 : 30.0, true});
+  }
+  const json& dolly = software["dolly"];
+  const double truth = dolly["truth"]["largest"].get<double>();
+  for (const char* renderer : {"software", "opengl"})
+    bars.push_back({std::string(renderer) + ": largest jump of a slow dolly over that of the truth",
+                    dolly[renderer]["largest"].get<double>() / truth, "x", 1.3});
+}
+
 /// The mean of a figure of a setting over the views.
 double mean(const json& scene, std::size_t row, const char* figure) {
   double sum = 0.0;
@@ -86,6 +114,7 @@ std::vector<Bar> render_bars(const json& report) {
     bars.push_back(
         {"voxels: time of whole cubes over that of visible faces", voxels / timed, "x", 1.5, true});
   }
+  if (report.contains("software")) add_software(bars, report["software"]);
   for (const json& row : report.value("playback", json::array())) {
     if (row["mode"] != "surfel") continue;
     bars.push_back({"playback of soccer-shoot at 1280x720, surfels", row["fps"].get<double>(), "/s",

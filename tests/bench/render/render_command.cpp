@@ -22,6 +22,7 @@
 #include "tests/bench/render/render_bars.h"
 #include "tests/bench/render/render_markdown.h"
 #include "tests/bench/render/sampling_limit.h"
+#include "tests/bench/render/software.h"
 #include "tests/bench/render/tables.h"
 
 namespace pointreel::bench {
@@ -37,6 +38,7 @@ struct Options {
   int poses = 1;
   bool quick = false;
   bool gpu = false;
+  bool only_software = false;
 };
 
 /// How much is measured.
@@ -178,12 +180,14 @@ Result<json> write_render_report(const Options& options) {
   report["stopwatch"] = software ? "wall" : "gpu";
   const std::size_t pictures = static_cast<std::size_t>(effort.views) * picture_settings().size();
   Progress progress("render", choices.size() * (pictures + 1));
-  for (const SceneChoice& choice : choices) {
+  for (const SceneChoice& choice : options.only_software ? std::vector<SceneChoice>{} : choices) {
     auto scene = measure_scene(renderer, choice, effort, stopwatch, folder, progress);
     if (!scene) return fail_at(choice.name, scene.error());
     report["scenes"].push_back(std::move(*scene));
   }
-  if (options.scenes.empty()) {
+  if (options.scenes.empty() && !options.gpu)
+    report["software"] = TRY(measure_software(renderer, folder, options.quick));
+  if (options.scenes.empty() && !options.only_software) {
     report["playback"] = TRY(measure_playback(folder, effort.played_frames));
   }
   const std::vector<Bar> bars = render_bars(report);
@@ -217,6 +221,8 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_flag("--quick", options->quick, "two small scenes and few runs, in half a minute");
+  command->add_flag("--software", options->only_software,
+                    "only the software renderer, beside software OpenGL");
   command->add_flag("--gpu", options->gpu, "fail on software OpenGL");
   command->add_option("--json", options->json,
                       "also write the report to this file; - is standard output");

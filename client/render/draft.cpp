@@ -14,7 +14,7 @@ constexpr double kShareOfClock = 0.75;
 /// How long a picture takes at each level, as a share of level 0. Measured with 916,000 surfels on
 /// software OpenGL.
 constexpr std::array<double, Draft::kCoarsest + 1> kShare = {1.0, 0.3, 0.12};
-constexpr int kUnknown = 2;  ///< the level before anything was measured
+constexpr int kUnknown = 1;  ///< the level before anything was measured
 /// The share of the first picture's time that is taken for drawing. The rest is the compilation of
 /// shaders.
 constexpr double kTrustInFirst = 0.25;
@@ -57,7 +57,8 @@ int Draft::level_at_clock(double ms) {
   if (!at_clock_) {
     late_ = in_time_ = since_finer_ = 0;
     patience_ = kPatience;
-    return finest_within(drawn_ > 1 ? ms : ms / kTrustInFirst);
+    // What plays first is never coarser than half: it may turn out that there is time for more.
+    return std::min(finest_within(drawn_ > 1 ? ms : ms / kTrustInFirst), kUnknown);
   }
   ++since_finer_;
   // A single late picture now and then may be due to anything else on the machine.
@@ -69,7 +70,7 @@ int Draft::level_at_clock(double ms) {
     // The last attempt at a finer level failed: wait twice as long before the next.
     if (since_finer_ < patience_) patience_ = std::min(2 * patience_, kMostPatience);
     late_ = in_time_ = 0;
-    return std::max(level_ + 1, finest_within(ms));
+    return level_ + 1;
   }
   if (in_time_ >= patience_) {
     late_ = in_time_ = since_finer_ = 0;

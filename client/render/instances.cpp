@@ -149,8 +149,7 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
     if (unfilled && frame.filled[node.node]) return false;
     if (node.node < first_leaf) return true;
     if (!divided.empty() && divided[node.node - first_leaf]) return false;
-    return !hiding ||
-           !hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center));
+    return !hiding || !hidden(frame.neighbors[node.node - first_leaf], octant_of(eye, node.center));
   };
   const auto make = [&](std::size_t i) -> Instance {
     const CutNode& node = cut[i];

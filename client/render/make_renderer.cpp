@@ -31,8 +31,7 @@ Result<OffscreenRenderer> make_offscreen_renderer(RendererChoice choice) {
   OffscreenRenderer made;
   if (choice != RendererChoice::software) {
     Result<OffscreenContext> context = OffscreenContext::create();
-    const bool usable =
-        context && (choice == RendererChoice::opengl || !is_software_opengl());
+    const bool usable = context && (choice == RendererChoice::opengl || !is_software_opengl());
     if (usable) {
       made.context = *std::move(context);
       made.renderer = TRY(make_gl_renderer());

@@ -19,8 +19,8 @@ constexpr float kCubeCorner = 1.7321f;
 
 }  // namespace
 
-PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, bool lighting,
-               bool signs_unknown) {
+PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size,
+                      bool lighting, bool signs_unknown) {
   const glm::dmat3 axes = camera.axes();
   const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;
   return {camera.projection(static_cast<double>(size.x) / size.y) * camera.view_from(origin),

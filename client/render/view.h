@@ -22,8 +22,8 @@ struct PictureView {
   glm::vec4 window;  ///< xy: size of the picture in pixels
 };
 
-PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, bool lighting,
-               bool signs_unknown);
+PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size,
+                      bool lighting, bool signs_unknown);
 
 /// The factors by which the two passes of splatting multiply radii. `chosen` are those for
 /// Splatting::normalized. FORMULAS.md, "Splat scales".

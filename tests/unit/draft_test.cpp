@@ -20,15 +20,15 @@ TEST(Draft, is_used_only_while_somebody_waits_for_the_picture) {
   EXPECT_EQ(draft.reduction(kNobody, kMany), 1);
 }
 
-TEST(Draft, is_the_coarsest_for_the_first_picture) {
+TEST(Draft, is_half_for_the_first_picture) {
   Draft draft;
-  EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
+  EXPECT_EQ(draft.reduction(kHand, 10), 2);
   draft.drew(10, 0.1);
   draft.reduction(kNobody, 10);
   draft.drew(10, 1.0);
   EXPECT_EQ(draft.reduction(kHand, 10), 1) << "whole pictures are fast enough";
   draft = {};
-  EXPECT_EQ(draft.reduction(kHand, 10), kCoarsest);
+  EXPECT_EQ(draft.reduction(kHand, 10), 2);
 }
 
 TEST(Draft, is_as_fine_as_the_available_time_permits) {
@@ -101,12 +101,15 @@ TEST_F(PlayingDraft, soon_becomes_whole_if_only_the_first_picture_took_long) {
   EXPECT_LE(changes(reductions), 2);
 }
 
-TEST_F(PlayingDraft, is_coarser_at_once_if_the_last_picture_took_much_too_long) {
+TEST_F(PlayingDraft, is_half_at_once_and_a_quarter_soon_if_the_last_picture_took_much_too_long) {
   draw(kNobody, 60.0);
   draw(kNobody, 60.0);
   EXPECT_EQ(play(200, 60.0), std::vector<int>(200, 2));
   draw(kNobody, 400.0);
-  EXPECT_EQ(play(200, 400.0), std::vector<int>(200, kCoarsest));
+  const std::vector<int> reductions = play(200, 400.0);
+  EXPECT_EQ(reductions.front(), 2);
+  EXPECT_EQ(reductions[3], kCoarsest);
+  EXPECT_EQ(changes(reductions), 1);
 }
 
 TEST_F(PlayingDraft, does_not_become_coarser_for_a_single_slow_picture) {

@@ -1,4 +1,4 @@
-#include "client/render/opengl/gl_renderer.h"
+#include "tests/unit/renderer_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "client/render/opengl/gl_renderer.h"
 #include "tests/read_alpha.h"
-#include "tests/unit/renderer_test.h"
 
 namespace pointreel {
 namespace {

@@ -46,7 +46,8 @@ PointCloud dented_sphere(int points) {
     const float dent = 0.1f * n.x * n.y;
     const auto from_hole = n - glm::vec3(0.4f, 0.2f, 0.894427f);
     if (glm::dot(from_hole, from_hole) < 0.01f) continue;
-    add(cloud, (1.0f - dent) * n, n, glm::u16vec3(32767.0f * (1.0f + n)), 2.2f / std::sqrt(static_cast<float>(points)));
+    add(cloud, (1.0f - dent) * n, n, glm::u16vec3(32767.0f * (1.0f + n)),
+        2.2f / std::sqrt(static_cast<float>(points)));
   }
   return cloud;
 }
@@ -127,7 +128,7 @@ TEST(SoftwareRenderer, draws_the_same_bytes_on_every_machine) {
     hashes.push_back(XXH3_64bits(image.pixels.data(), 3 * image.pixels.size()));
   }
   EXPECT_EQ(hashes, (std::vector<std::uint64_t>{5714456441871908337u, 7947853401194051860u,
-                                                 5254578123286790837u}));
+                                                5254578123286790837u}));
 }
 
 TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) {

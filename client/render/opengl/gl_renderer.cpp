@@ -78,7 +78,7 @@ Result<void> GlRenderer::resize(glm::ivec2 size) {
 }
 
 Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm::ivec2 shown,
-                                 const DrawOptions& options) {
+                                   const DrawOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
   TRY(resize(size));
@@ -98,9 +98,8 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   shown_ = shown;
   background_ = options.background;
   const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
-                              instances_.normals_estimated());
-  const PixelRect region =
-      elements_region(options, instances_.bounds(), view.to_clip, size);
+                                     instances_.normals_estimated());
+  const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
   glViewport(0, 0, size.x, size.y);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -146,7 +145,7 @@ void GlRenderer::set_view(const PictureView& view) const {
 }
 
 Result<void> GlRenderer::draw_floor(const FloorGrid& grid, const Camera& camera,
-                                  const DrawOptions& options) {
+                                    const DrawOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   set_view(make_view(camera, floor_origin(grid), size_, options.lighting, false));
   auto drawn = floor_.draw(grid, camera, options.background);
@@ -171,14 +170,13 @@ Result<void> GlRenderer::draw_surfels(const PictureView& view, const PixelRect& 
   cull_backs();
   method.begin(std::max(scales.visibility, scales.shading));
   const InstanceBounds& bounds = instances_.bounds();
-  const SplatPlace place{
-      .region = region,
-      .radius = static_cast<float>(bounds.mean_radius()),
-      .pixels = radius_in_pixels(bounds, view.to_clip, size_),
-      .nearest = nearest_depth(bounds, view.to_clip, view.eye.w),
-      .signs_unknown = instances_.normals_estimated()};
-  auto drawn = splatter_.draw(method, buffer_, options.splatting, scales,
-                              options.fill_holes, place);
+  const SplatPlace place{.region = region,
+                         .radius = static_cast<float>(bounds.mean_radius()),
+                         .pixels = radius_in_pixels(bounds, view.to_clip, size_),
+                         .nearest = nearest_depth(bounds, view.to_clip, view.eye.w),
+                         .signs_unknown = instances_.normals_estimated()};
+  auto drawn =
+      splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes, place);
   glDisable(GL_CULL_FACE);
   return drawn;
 }
@@ -190,8 +188,7 @@ Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
   auto drawn = method.draw(
-      buffer_,
-      options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces, {});
+      buffer_, options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces, {});
   glDisable(GL_CULL_FACE);
   return drawn;
 }

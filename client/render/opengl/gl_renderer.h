@@ -25,8 +25,8 @@
 
 namespace pointreel {
 
-/// Draws scenes with OpenGL 4.5 into a framebuffer of its own. Surfels and voxels are drawn with any
-/// of the methods of instancing (Slomp et al., Geometry Instancing, section IV).
+/// Draws scenes with OpenGL 4.5 into a framebuffer of its own. Surfels and voxels are drawn with
+/// any of the methods of instancing (Slomp et al., Geometry Instancing, section IV).
 ///
 /// Needs the same current context from construction to destruction, whether of a window or
 /// offscreen. Sets all OpenGL state that it depends on, and restores none.
@@ -54,7 +54,8 @@ class GlRenderer final : public Renderer {
   /// `view` and `region` are those of the instances.
   Result<void> draw_instances(const PictureView& view, const PixelRect& region,
                               const DrawOptions& options);
-  Result<void> draw_surfels(const PictureView& view, const PixelRect& region, const DrawOptions& options);
+  Result<void> draw_surfels(const PictureView& view, const PixelRect& region,
+                            const DrawOptions& options);
   Result<void> draw_voxels(const DrawOptions& options);
   Result<void> draw_points(const DrawOptions& options);
   Result<void> draw_floor(const FloorGrid& grid, const Camera& camera, const DrawOptions& options);

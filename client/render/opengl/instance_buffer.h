@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <span>
 
-#include "client/render/opengl/gl_objects.h"
 #include "client/render/instance.h"
+#include "client/render/opengl/gl_objects.h"
 
 namespace pointreel {
 

@@ -19,10 +19,8 @@ float exp_minus(float x) {
   const float t = (halves - whole) * 0.69314718f;
   const float part =
       1.0f +
-      t * (1.0f +
-           t * (0.5f +
-                t * (1.0f / 6.0f +
-                     t * (1.0f / 24.0f + t * (1.0f / 120.0f + t * (1.0f / 720.0f))))));
+      t * (1.0f + t * (0.5f + t * (1.0f / 6.0f + t * (1.0f / 24.0f +
+                                                      t * (1.0f / 120.0f + t * (1.0f / 720.0f))))));
   return part * std::bit_cast<float>((static_cast<std::int32_t>(whole) + 127) << 23);
 }
 
@@ -123,9 +121,9 @@ void smooth_outlines(const PixelRect& region, const Executor& executor, Picture&
         for (int dy = -1; dy <= 1; ++dy) {
           for (int dx = -1; dx <= 1; ++dx) {
             if (dx == 0 && dy == 0) continue;
-            const glm::vec3 there = srgb.decode(picture.colors[picture.index(
-                std::clamp(x + dx, region.min.x, region.max.x - 1),
-                std::clamp(y + dy, region.min.y, region.max.y - 1))]);
+            const glm::vec3 there = srgb.decode(
+                picture.colors[picture.index(std::clamp(x + dx, region.min.x, region.max.x - 1),
+                                             std::clamp(y + dy, region.min.y, region.max.y - 1))]);
             if (drawn[static_cast<std::size_t>(y + dy - y0 + kReach)]
                      [static_cast<std::size_t>(x + dx - x0 + kReach)] != 0) {
               surface += there;
@@ -188,13 +186,12 @@ void draw_floor(const FloorGrid& grid, const Camera& camera, const PictureView& 
     // One pixel after another along the longer side of the line, and the few across it.
     const int major = std::abs(direction.x) >= std::abs(direction.y) ? 0 : 1, minor = 1 - major;
     const float thickness = (half_width + 0.5f) / std::abs(direction[major]);
-    const int first = std::max(
-        0, static_cast<int>(std::ceil(std::clamp(std::min(from[major], to[major]) - 0.5f, -1.0f,
-                                                 window[major])))),
-              last = std::min(
-                  size[major] - 1,
-                  static_cast<int>(std::floor(std::clamp(
-                      std::max(from[major], to[major]) - 0.5f, -1.0f, window[major]))));
+    const int first =
+                  std::max(0, static_cast<int>(std::ceil(std::clamp(
+                                  std::min(from[major], to[major]) - 0.5f, -1.0f, window[major])))),
+              last = std::min(size[major] - 1,
+                              static_cast<int>(std::floor(std::clamp(
+                                  std::max(from[major], to[major]) - 0.5f, -1.0f, window[major]))));
     for (int i = first; i <= last; ++i) {
       const float step = static_cast<float>(i) + 0.5f - from[major];
       const float middle = from[minor] + step * direction[minor] / direction[major];
@@ -211,15 +208,12 @@ void draw_floor(const FloorGrid& grid, const Camera& camera, const PictureView& 
         const float t = std::clamp(glm::dot(offset, direction) / length, 0.0f, 1.0f);
         // The place on the line, with perspective.
         const float inverse_w = glm::mix(1.0f / a.w, 1.0f / b.w, t);
-        const glm::vec3 place =
-            glm::mix(line.from / a.w, line.to / b.w, t) / inverse_w;
+        const glm::vec3 place = glm::mix(line.from / a.w, line.to / b.w, t) / inverse_w;
         // The distance in pixels to the next line of the same strength (floor.frag.glsl).
         const float w = 1.0f / inverse_w;
         const glm::vec3 from_eye = place - eye;
-        const glm::vec3 x =
-            0.5f * window.x / w * (right - glm::dot(right, from_eye) / w * forward);
-        const glm::vec3 y =
-            0.5f * window.y / w * (above - glm::dot(above, from_eye) / w * forward);
+        const glm::vec3 x = 0.5f * window.x / w * (right - glm::dot(right, from_eye) / w * forward);
+        const glm::vec3 y = 0.5f * window.y / w * (above - glm::dot(above, from_eye) / w * forward);
         const glm::vec2 unit(glm::dot(x, along_line), glm::dot(y, along_line));
         const glm::vec2 next =
             line.step * glm::vec2(glm::dot(x, across_line), glm::dot(y, across_line));

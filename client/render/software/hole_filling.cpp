@@ -25,8 +25,8 @@ void for_rows(const Executor& executor, int rows, const std::function<void(int, 
 /// outline of a surface no more than half of it is.
 constexpr float kMostlyCovered = 0.7f;
 
-/// The seventh root of a number >= 1, the same on every machine: Newton's method from a guess by the
-/// exponent. Wrong by less than 1e-6.
+/// The seventh root of a number >= 1, the same on every machine: Newton's method from a guess by
+/// the exponent. Wrong by less than 1e-6.
 float seventh_root(float v) {
   constexpr std::int32_t kOne = std::bit_cast<std::int32_t>(1.0f);
   float root = std::bit_cast<float>((std::bit_cast<std::int32_t>(v) - kOne) / 7 + kOne);
@@ -60,7 +60,7 @@ void HoleFilling::clear_see_through(const PictureView& view, float radius, float
   // (see_through.frag.glsl).
   constexpr float kRim = 5.0f, kNearer = 4.0f;
   constexpr int kDistances = 8;  // seventh_root is for seven steps between them
-  constexpr int kAround[8][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},
+  constexpr int kAround[8][2] = {{1, 0}, {-1, 0},  {0, 1},  {0, -1},
                                  {1, 1}, {-1, -1}, {-1, 1}, {1, -1}};
   const glm::ivec2 size = picture.grid.size;
   const float near = view.eye.w;
@@ -129,8 +129,8 @@ void HoleFilling::find(const Picture& picture, float radius, const Executor& exe
     for (int y = begin; y < end; ++y) {
       for (int x = 0; x < finest.size.x; ++x) {
         glm::vec4 total(0.0f);
-        const int tile = kFinest * y / kTileHeight * picture.grid.tiles.x +
-                         kFinest * x / kTileWidth;
+        const int tile =
+            kFinest * y / kTileHeight * picture.grid.tiles.x + kFinest * x / kTileWidth;
         if (picture.busy[static_cast<std::size_t>(tile)]) {
           for (int i = 0; i < 4; ++i) {
             const int px = kFinest * x + kPlaces[i], py = kFinest * y + i;
@@ -226,7 +226,8 @@ void HoleFilling::fill(const Executor& executor, Picture& picture) const {
       for (int x = pixels.min.x; x < pixels.max.x; ++x) {
         glm::u8vec4& color = picture.colors[picture.index(x, y)];
         if (color.a == kDrawn || !is_hole(picture, x, y)) continue;
-        const glm::vec4 mean = filled.sample((glm::vec2(x, y) + 0.5f) / static_cast<float>(kFinest));
+        const glm::vec4 mean =
+            filled.sample((glm::vec2(x, y) + 0.5f) / static_cast<float>(kFinest));
         if (mean.a > 0.0f) color = srgb.encode(glm::vec3(mean) / mean.a, kDrawn);
       }
     }

@@ -16,9 +16,7 @@ namespace pointreel {
 #endif
 
 POINTREEL_INLINE void load(Lanes& to, const float* from) { std::memcpy(&to, from, sizeof(to)); }
-POINTREEL_INLINE void store(float* to, const Lanes& from) {
-  std::memcpy(to, &from, sizeof(from));
-}
+POINTREEL_INLINE void store(float* to, const Lanes& from) { std::memcpy(to, &from, sizeof(from)); }
 
 POINTREEL_INLINE Lanes max_of(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 POINTREEL_INLINE Lanes min_of(const Lanes& a, const Lanes& b) { return a < b ? a : b; }

@@ -8,7 +8,6 @@
 namespace pointreel {
 namespace {
 
-
 POINTREEL_INLINE bool any_of(const LaneMask& mask) {
   std::int64_t parts[4];
   std::memcpy(parts, &mask, sizeof(parts));
@@ -20,8 +19,7 @@ POINTREEL_INLINE bool any_of(const LaneMask& mask) {
 POINTREEL_INLINE Lanes gaussian(const Lanes& d2) {
   const Lanes t = d2 * -1.125f + 0.5625f;
   const Lanes root =
-      0.5697828f *
-      (1.0f + t * (1.0f + t * (0.5f + t * (1.0f / 6.0f + t * (1.0f / 24.0f)))));
+      0.5697828f * (1.0f + t * (1.0f + t * (0.5f + t * (1.0f / 6.0f + t * (1.0f / 24.0f)))));
   const Lanes square = root * root;
   return square * square;
 }
@@ -54,9 +52,8 @@ POINTREEL_INLINE void each_group(const EllipseSplat& splat, const PixelRect& pix
     for (int x = part.x0; x < part.x1; x += kLaneStep) {
       const Lanes d2 = dx * (splat.a * dx + b) + c;
       const Lanes change = splat.depth_x * dx + depth_y;
-      const Lanes depth =
-          splat.depth + max_of(min_of(change, Lanes{} + splat.depth_reach),
-                               Lanes{} - splat.depth_reach);
+      const Lanes depth = splat.depth + max_of(min_of(change, Lanes{} + splat.depth_reach),
+                                               Lanes{} - splat.depth_reach);
       visit(row + static_cast<std::size_t>(x), d2 <= 1.0f, d2, depth);
       dx += static_cast<float>(kLaneStep);
     }
@@ -71,18 +68,17 @@ POINTREEL_INLINE void each_group(const DiscSplat& splat, const PictureView& view
   const float near = view.eye.w;
   const glm::vec3 ray_x(view.ray_x);
   for (int y = part.y0; y < part.y1; ++y) {
-    const glm::vec3 row_ray =
-        glm::vec3(view.ray_corner) +
-        (static_cast<float>(pixels.min.y + y) + 0.5f) * glm::vec3(view.ray_y);
+    const glm::vec3 row_ray = glm::vec3(view.ray_corner) +
+                              (static_cast<float>(pixels.min.y + y) + 0.5f) * glm::vec3(view.ray_y);
     const std::size_t row = static_cast<std::size_t>(y * kTileStride);
     for (int x = part.x0; x < part.x1; x += kLaneStep) {
       const Lanes column = kIota + (static_cast<float>(pixels.min.x + x) + 0.5f);
       const Lanes rx = row_ray.x + column * ray_x.x, ry = row_ray.y + column * ray_x.y,
-                   rz = row_ray.z + column * ray_x.z;
+                  rz = row_ray.z + column * ray_x.z;
       const Lanes w =
           splat.facing / (splat.normal.x * rx + splat.normal.y * ry + splat.normal.z * rz);
       const Lanes dx = w * rx - splat.center.x, dy = w * ry - splat.center.y,
-                   dz = w * rz - splat.center.z;
+                  dz = w * rz - splat.center.z;
       const Lanes d2 = (dx * dx + dy * dy + dz * dz) * splat.inverse_square;
       visit(row + static_cast<std::size_t>(x), (d2 <= 1.0f) & (w >= near), d2, near / w);
     }
@@ -93,8 +89,8 @@ POINTREEL_INLINE void each_group(const DiscSplat& splat, const PictureView& view
 template <class Visit>
 POINTREEL_INLINE void each_splat(const SplatBlock& block, int tile, const PictureView& view,
                                  const PixelRect& pixels, const Visit& visit) {
-  for (const std::uint16_t* i = block.ellipse_bins.begin(tile);
-       i != block.ellipse_bins.end(tile); ++i) {
+  for (const std::uint16_t* i = block.ellipse_bins.begin(tile); i != block.ellipse_bins.end(tile);
+       ++i) {
     const EllipseSplat& splat = block.ellipses[*i];
     each_group(splat, pixels,
                [&](std::size_t at, const LaneMask& inside, const Lanes& d2, const Lanes& depth) {
@@ -198,7 +194,8 @@ POINTREEL_AVX2 void depth_avx2(const SplatBlock& block, int tile, const PictureV
                                SplatTile& to) {
   draw_depth(block, tile, view, to);
 }
-POINTREEL_AVX2 void sum_avx2(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to) {
+POINTREEL_AVX2 void sum_avx2(const SplatBlock& block, int tile, const PictureView& view,
+                             SplatTile& to) {
   draw_sum(block, tile, view, to);
 }
 POINTREEL_AVX2 void blend_avx2(const SplatBlock& block, int tile, const PictureView& view,

@@ -67,7 +67,8 @@ void each_pixel(const SplatTile& tile, const Picture& picture, const Visit& visi
 
 }  // namespace
 
-SoftwareRenderer::SoftwareRenderer(Executor executor) : executor_(std::move(executor)), instances_(executor_) {}
+SoftwareRenderer::SoftwareRenderer(Executor executor)
+    : executor_(std::move(executor)), instances_(executor_) {}
 
 std::string SoftwareRenderer::describe() const {
   return fmt::format("software on {} threads{}", std::thread::hardware_concurrency(),
@@ -116,8 +117,8 @@ void SoftwareRenderer::clear(const glm::vec3& background) {
   std::fill(picture_.busy.begin(), picture_.busy.end(), std::uint8_t{0});
 }
 
-Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camera,
-                                         glm::ivec2 shown, const DrawOptions& options) {
+Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camera, glm::ivec2 shown,
+                                         const DrawOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const glm::ivec2 size = (shown + options.reduction - 1) / options.reduction;
   stages_ = {};
@@ -139,7 +140,7 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   shown_ = shown;
   background_ = options.background;
   const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
-                              instances_.normals_estimated());
+                                     instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
 
@@ -158,7 +159,8 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
       draw_surfels(view, options);
       laps.lap();
     } else {
-      const float point = std::max(1.0f, options.point_size / static_cast<float>(options.reduction));
+      const float point =
+          std::max(1.0f, options.point_size / static_cast<float>(options.reduction));
       solids_.draw(memory_.instances(), options.mode == DrawMode::voxel, point, view, executor_,
                    picture_);
       stages_.shading = laps.lap();
@@ -185,16 +187,15 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   color_splats_.set(
       instances, view, picture_.grid,
       {scales.shading,
-       backs && scales.shading == scales.visibility ? hole_rules::one_back_in(instances.size())
-                                                    : 0,
+       backs && scales.shading == scales.visibility ? hole_rules::one_back_in(instances.size()) : 0,
        !means},
       executor_);
   const Splats* depth_splats = &color_splats_;
   if (two_passes && scales.visibility != scales.shading) {
-    depth_splats_.set(instances, view, picture_.grid,
-                      {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0,
-                       !means},
-                      executor_);
+    depth_splats_.set(
+        instances, view, picture_.grid,
+        {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0, !means},
+        executor_);
     depth_splats = &depth_splats_;
   }
 
@@ -204,9 +205,9 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   std::atomic<std::int64_t> first_pass{0}, both_passes{0};
   const SplatKernels& kernels = splat_kernels();
   const SrgbTables& srgb = SrgbTables::get();
-  const BlendDepth blend = two_passes                          ? BlendDepth::test
+  const BlendDepth blend = two_passes                         ? BlendDepth::test
                            : splatting == Splatting::no_depth ? BlendDepth::none
-                                                               : BlendDepth::write;
+                                                              : BlendDepth::write;
   for_each(executor_, picture_.grid.count(), [&](int number) {
     if (!touches(color_splats_, number) && !(two_passes && touches(*depth_splats, number))) return;
     const auto start = std::chrono::steady_clock::now();
@@ -241,13 +242,14 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
       const glm::vec3 color(tile.red[at], tile.green[at], tile.blue[at]);
       picture_.colors[pixel] =
           means ? srgb.encode(color / weight, kDrawn)
-                : srgb.encode(color, static_cast<std::uint8_t>(255.0f * std::min(weight, 1.0f) + 0.5f));
+                : srgb.encode(color,
+                              static_cast<std::uint8_t>(255.0f * std::min(weight, 1.0f) + 0.5f));
     });
     both_passes += (std::chrono::steady_clock::now() - start).count();
   });
   const double splatting_ms = laps.lap();
-  const double share = static_cast<double>(first_pass) /
-                       static_cast<double>(std::max<std::int64_t>(both_passes, 1));
+  const double share =
+      static_cast<double>(first_pass) / static_cast<double>(std::max<std::int64_t>(both_passes, 1));
   stages_.visibility = share * splatting_ms;
   stages_.shading = (1.0 - share) * splatting_ms;
 

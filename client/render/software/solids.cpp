@@ -115,9 +115,8 @@ class Solids::Setup {
       const glm::vec2 middle = glm::vec2(clip) / w;
       const glm::vec3 x = glm::abs(right_ - middle.x * forward_),
                       y = glm::abs(up_ - middle.y * forward_);
-      const glm::vec2 extent =
-          0.5f * glm::vec2(view_.window) * half / (w - reach) * glm::vec2(x.x + x.y + x.z,
-                                                                         y.x + y.y + y.z);
+      const glm::vec2 extent = 0.5f * glm::vec2(view_.window) * half / (w - reach) *
+                               glm::vec2(x.x + x.y + x.z, y.x + y.y + y.z);
       low = in_window(middle) - extent;
       high = in_window(middle) + extent;
     }
@@ -159,30 +158,29 @@ void Solids::draw_squares(std::uint32_t block, int tile, Tile& to) const {
 
 namespace {
 
-
 /// A ray along a plane never meets it, but infinity would make NaNs.
 POINTREEL_INLINE Lanes inverse(const Lanes& v) { return 1.0f / (v == 0.0f ? 1e-20f : v); }
 
 /// Draws a cube into the planes of a tile. A ray enters the cube at the last of the three planes on
 /// the side of the eye, unless it has left through one of the other three before.
 POINTREEL_INLINE void cast_cube(const glm::vec3& center, float half_edge, const TileRect& rect,
-                                std::uint32_t number, const PictureView& view, const PixelRect& pixels,
-                                float* depths, std::uint32_t* elements) {
+                                std::uint32_t number, const PictureView& view,
+                                const PixelRect& pixels, float* depths, std::uint32_t* elements) {
   const int x0 = std::max<int>(rect.x0, pixels.min.x), x1 = std::min<int>(rect.x1, pixels.max.x),
             y0 = std::max<int>(rect.y0, pixels.min.y), y1 = std::min<int>(rect.y1, pixels.max.y);
   const float near = view.eye.w;
   const glm::vec3 ray_x(view.ray_x);
   for (int y = y0; y < y1; ++y) {
-    const glm::vec3 row_ray = glm::vec3(view.ray_corner) +
-                              (static_cast<float>(y) + 0.5f) * glm::vec3(view.ray_y);
+    const glm::vec3 row_ray =
+        glm::vec3(view.ray_corner) + (static_cast<float>(y) + 0.5f) * glm::vec3(view.ray_y);
     for (int x = x0; x < x1; x += kLaneStep) {
       const Lanes column = kIota + (static_cast<float>(x) + 0.5f);
       const Lanes ix = inverse(row_ray.x + column * ray_x.x),
-                   iy = inverse(row_ray.y + column * ray_x.y),
-                   iz = inverse(row_ray.z + column * ray_x.z);
+                  iy = inverse(row_ray.y + column * ray_x.y),
+                  iz = inverse(row_ray.z + column * ray_x.z);
       const Lanes mx = center.x * ix, my = center.y * iy, mz = center.z * iz;
       const Lanes hx = half_edge * max_of(ix, -ix), hy = half_edge * max_of(iy, -iy),
-                   hz = half_edge * max_of(iz, -iz);
+                  hz = half_edge * max_of(iz, -iz);
       const Lanes ex = mx - hx, ey = my - hy, ez = mz - hz;
       const Lanes enter = max_of(max_of(ex, ey), ez);
       const Lanes leave = min_of(min_of(mx + hx, my + hy), mz + hz);
@@ -193,7 +191,8 @@ POINTREEL_INLINE void cast_cube(const glm::vec3& center, float half_edge, const 
       const LaneMask visible = (enter <= leave) & (enter >= near) & (depth > old);
       store(depths + at, visible ? depth : old);
       const auto first = static_cast<std::int32_t>(number);
-      const LaneMask axis = ex == enter ? LaneMask{} : (ey == enter ? LaneMask{} + 1 : LaneMask{} + 2);
+      const LaneMask axis =
+          ex == enter ? LaneMask{} : (ey == enter ? LaneMask{} + 1 : LaneMask{} + 2);
       LaneMask numbers;
       std::memcpy(&numbers, elements + at, sizeof(numbers));
       numbers = visible ? axis + first : numbers;
@@ -244,10 +243,9 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, float point_s
       cubes ? setup.add_cube(instances[k], number, block)
             : setup.add_square(instances[k], number, point_size, block);
     }
-    block.bins.sort(cubes ? block.cubes.size() : block.squares.size(), picture.grid,
-                    [&](std::size_t k) {
-                      return cubes ? block.cubes[k].rect : block.squares[k].rect;
-                    });
+    block.bins.sort(
+        cubes ? block.cubes.size() : block.squares.size(), picture.grid,
+        [&](std::size_t k) { return cubes ? block.cubes[k].rect : block.squares[k].rect; });
   });
   const SrgbTables& srgb = SrgbTables::get();
   for_each(executor, picture.grid.count(), [&](int tile) {
@@ -270,8 +268,8 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, float point_s
     glm::u8vec4 color{};
     for (int y = to.pixels.min.y; y < to.pixels.max.y; ++y) {
       for (int x = to.pixels.min.x; x < to.pixels.max.x; ++x) {
-        const auto at = static_cast<std::size_t>((y - to.pixels.min.y) * kTileStride + x -
-                                                 to.pixels.min.x);
+        const auto at =
+            static_cast<std::size_t>((y - to.pixels.min.y) * kTileStride + x - to.pixels.min.x);
         const std::uint32_t number = to.elements[at];
         if (number == kNothing) continue;
         const std::size_t pixel = picture.index(x, y);

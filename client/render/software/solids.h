@@ -22,8 +22,8 @@ class Solids {
  public:
   /// Draws into a picture whose colours are the background and whose depths are 0. `cubes`: draws
   /// voxels, else squares of `point_size` pixels.
-  void draw(std::span<const Instance> instances, bool cubes, float point_size, const PictureView& view,
-            const Executor& executor, Picture& picture);
+  void draw(std::span<const Instance> instances, bool cubes, float point_size,
+            const PictureView& view, const Executor& executor, Picture& picture);
 
  private:
   static constexpr std::size_t kBlock = 4096;  ///< instances for each block

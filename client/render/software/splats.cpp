@@ -59,9 +59,7 @@ POINTREEL_INLINE void sqrt_of(Lanes& v) {
   for (int k = 0; k < kLaneStep; ++k) v[k] = __builtin_sqrtf(v[k]);
 }
 
-
-POINTREEL_INLINE Lanes dot(const glm::vec3& v, const Lanes& x, const Lanes& y,
-                            const Lanes& z) {
+POINTREEL_INLINE Lanes dot(const glm::vec3& v, const Lanes& x, const Lanes& y, const Lanes& z) {
   return v.x * x + v.y * y + v.z * z;
 }
 
@@ -122,8 +120,8 @@ void add_disc(const Setup& setup, const glm::vec3& center, const glm::vec3& norm
   const float facing = glm::dot(normal, center);
   if (!(facing < 0.0f) || !(radius > 0.0f)) return;
   // A square around the disc, cut off at the near plane.
-  glm::vec3 u = glm::cross(std::abs(normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0),
-                           normal);
+  glm::vec3 u =
+      glm::cross(std::abs(normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0), normal);
   u = u * (radius / glm::length(u));
   const glm::vec3 v = glm::cross(normal, u);
   const glm::vec3 corners[4] = {center - u - v, center + u - v, center + u + v, center - u + v};
@@ -185,13 +183,12 @@ POINTREEL_INLINE void add_fronts(const Setup& setup, const Instance* instances,
   const Lanes reach = 1.41422f * scale * g.radius;
   const Lanes abs_x = max_of(clip_x, -clip_x), abs_y = max_of(clip_y, -clip_y);
   const LaneMask in_view = (w + reach >= near) & (abs_x - w <= reach * setup.left_length) &
-                       (abs_y - w <= reach * setup.top_length);
-  const LaneMask is_ellipse = (w >= near) & (reach <= kNearestEllipse * w) & (setup.splats.in_order ? 0 : -1);
+                           (abs_y - w <= reach * setup.top_length);
+  const LaneMask is_ellipse =
+      (w >= near) & (reach <= kNearestEllipse * w) & (setup.splats.in_order ? 0 : -1);
 
-  const Lanes lit =
-      nx * light.x + ny * light.y + nz * light.z;
-  const Lanes shade =
-      view.light.w * (0.4f + 0.6f * max_of(lit, Lanes{})) + (1.0f - view.light.w);
+  const Lanes lit = nx * light.x + ny * light.y + nz * light.z;
+  const Lanes shade = view.light.w * (0.4f + 0.6f * max_of(lit, Lanes{})) + (1.0f - view.light.w);
   const Lanes red = g.red * shade, green = g.green * shade, blue = g.blue * shade;
 
   // The gradients of window coordinates, and with them the image of the disc.
@@ -235,7 +232,7 @@ POINTREEL_INLINE void add_fronts(const Setup& setup, const Instance* instances,
   const Lanes depth_y = change * (nx * ray_y.x + ny * ray_y.y + nz * ray_y.z);
   const Lanes depth_reach = depth * share;
   const Lanes conic_a = c_yy * inverse_det, conic_b = -2.0f * c_xy * inverse_det,
-               conic_c = c_xx * inverse_det;
+              conic_c = c_xx * inverse_det;
 
   const LaneMask x0 = first_pixel(middle_x - extent_x, view.window.x),
                  y0 = first_pixel(middle_y - extent_y, view.window.y),
@@ -246,10 +243,17 @@ POINTREEL_INLINE void add_fronts(const Setup& setup, const Instance* instances,
   EllipseSplat* out = &block.ellipses[block.ellipse_count];
   for (std::size_t k = 0; k < std::min(count, kLanes); ++k) {
     // Whether it stays is hard to predict, so it is written first, and perhaps overwritten.
-    *out = {middle_x[k],    middle_y[k], conic_a[k],
-            conic_b[k],     conic_c[k],  depth[k],
-            depth_x[k],     depth_y[k],  depth_reach[k],
-            push[k],        {red[k], green[k], blue[k]},
+    *out = {middle_x[k],
+            middle_y[k],
+            conic_a[k],
+            conic_b[k],
+            conic_c[k],
+            depth[k],
+            depth_x[k],
+            depth_y[k],
+            depth_reach[k],
+            push[k],
+            {red[k], green[k], blue[k]},
             {static_cast<std::int16_t>(x0[k]), static_cast<std::int16_t>(y0[k]),
              static_cast<std::int16_t>(x1[k]), static_cast<std::int16_t>(y1[k])}};
     out -= added[k];

@@ -78,9 +78,8 @@ class TileBins {
     }
     elements_.resize(total);
     for (std::size_t i = count; i-- > 0;)
-      each(rect_of(i), [&](unsigned tile) {
-        elements_[--begin_[tile]] = static_cast<std::uint16_t>(i);
-      });
+      each(rect_of(i),
+           [&](unsigned tile) { elements_[--begin_[tile]] = static_cast<std::uint16_t>(i); });
   }
 
   /// The elements that touch a tile.

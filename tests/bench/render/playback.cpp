@@ -35,7 +35,8 @@ Result<json> measure_playback(const std::filesystem::path& folder, int frames) {
                     {"soccer-shoot", "-o", clouds, "--frames", std::to_string(frames)}));
     TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel}));
     json rows = json::array();
-    for (const char* mode : {"surfel", "voxel", "point"}) rows.push_back(TRY(play_reel(reel, mode, "opengl")));
+    for (const char* mode : {"surfel", "voxel", "point"})
+      rows.push_back(TRY(play_reel(reel, mode, "opengl")));
     return rows;
   };
   auto rows = measure();

@@ -18,7 +18,8 @@ void add_software(std::vector<Bar>& bars, const json& software) {
       if (row["mode"] != "surfel") continue;
       const json &by_software = row["software"], &by_opengl = row["opengl"];
       const auto ms = [](const json& of) { return of["ms"]["median"].get<double>(); };
-      bars.push_back({"software, " + name + ": surfels", ms(by_software), "ms", dense ? 25.0 : 12.0});
+      bars.push_back(
+          {"software, " + name + ": surfels", ms(by_software), "ms", dense ? 25.0 : 12.0});
       bars.push_back({"software, " + name + ": speed over software OpenGL",
                       ms(by_opengl) / ms(by_software), "x", 4.0, true});
       bars.push_back({"software, " + name + ": PSNR below OpenGL",

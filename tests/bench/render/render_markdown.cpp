@@ -180,8 +180,8 @@ std::string software_tables(const json& report) {
   Table times({"sequence", "mode", "elements", "software, ms", "OpenGL, ms", "ratio", "PSNR, dB",
                "of OpenGL", "holes", "of OpenGL", "IoU", "of OpenGL"});
   Table stages({"sequence", "mode", "WRP", "VIS", "SHD", "REC", "CLR", "fps"});
-  Table playback({"sequence", "renderer", "frames per second", "decode, ms", "octree", "cut",
-                  "render"});
+  Table playback(
+      {"sequence", "renderer", "frames per second", "decode, ms", "octree", "cut", "render"});
   for (const json& sequence : software["sequences"]) {
     const std::string name = sequence["name"];
     for (const json& row : sequence["modes"]) {
@@ -192,9 +192,8 @@ std::string software_tables(const json& report) {
                  milliseconds(ours["ms"]), milliseconds(theirs["ms"]),
                  fmt::format("{:.1f}x", ms(theirs) / ms(ours)),
                  fmt::format("{:.2f}", number(ours["psnr_mask"])),
-                 fmt::format("{:.2f}", number(theirs["psnr_mask"])),
-                 percent(number(ours["holes"])), percent(number(theirs["holes"])),
-                 fmt::format("{:.4f}", number(ours["iou"])),
+                 fmt::format("{:.2f}", number(theirs["psnr_mask"])), percent(number(ours["holes"])),
+                 percent(number(theirs["holes"])), fmt::format("{:.4f}", number(ours["iou"])),
                  fmt::format("{:.4f}", number(theirs["iou"]))});
       double all = 0.0;
       for (const json& stage : row["stages"]) all += number(stage);
@@ -216,11 +215,13 @@ std::string software_tables(const json& report) {
   const json& dolly = software["dolly"];
   const auto largest = [&](const char* of) { return number(dolly[of]["largest"]); };
   return fmt::format(
-      "\n## The software renderer\n\n{} at 1280x720, beside OpenGL in the same run. First frames of "
+      "\n## The software renderer\n\n{} at 1280x720, beside OpenGL in the same run. First frames "
+      "of "
       "packages, whole figures in view; medians (least to most).\n\n{}\nThe share of each step, as "
       "in Table 3 of Pfister et al., Surfels: warping, visibility splatting, shading, "
       "reconstruction, and clearing.\n\n{}\nPlayback with `pointreel play`, with medians per "
-      "frame.\n\n{}\nThe largest change between neighbouring pictures while the camera moves slowly "
+      "frame.\n\n{}\nThe largest change between neighbouring pictures while the camera moves "
+      "slowly "
       "away from the dense kick to 2.5 times the distance, in steps of 1/255: software {:.2f}, "
       "OpenGL {:.2f}, the supersampled truth {:.2f}.\n\n",
       software["renderer"].get<std::string>(), times.text(), stages.text(), playback.text(),

@@ -49,8 +49,7 @@ Result<Figures> make_figures(const Sequence& sequence, int frames) {
   SequenceOptions options;
   Figures figures{TRY(make_truth_scene(pose_body(motion->pose(0.0))))};
   if (sequence.voxelized) {
-    const VoxelGrid grid =
-        voxel_grid(sequence_bounds(*motion, options.fps, frames), kGridBits);
+    const VoxelGrid grid = voxel_grid(sequence_bounds(*motion, options.fps, frames), kGridBits);
     figures.origin = grid.origin;
     figures.unit = grid.voxel;
   }
@@ -99,7 +98,8 @@ Result<json> measure_mode(Renderer& opengl, SoftwareRenderer& software, const st
   camera.frame_bounds(frame->main_box, static_cast<double>(kSize.x) / kSize.y);
   const TruthPicture truth = cast_truth(figures.truth, in_metres(camera, figures), kSize, {});
   json row = {{"mode", name(mode)}};
-  row["software"] = picture_errors(truth, TRY(draw_picture(software, frame, camera, kSize, options)));
+  row["software"] =
+      picture_errors(truth, TRY(draw_picture(software, frame, camera, kSize, options)));
   row["opengl"] = picture_errors(truth, TRY(draw_picture(opengl, frame, camera, kSize, options)));
   std::vector<double> software_ms, opengl_ms, cut_ms;
   SoftwareStages stages;
@@ -144,8 +144,7 @@ Result<json> measure_dolly(Renderer& opengl, SoftwareRenderer& software, const s
       before = image;
     }
     json result() const {
-      return {{"largest", *std::max_element(changes.begin(), changes.end())},
-              {"changes", changes}};
+      return {{"largest", *std::max_element(changes.begin(), changes.end())}, {"changes", changes}};
     }
   };
   Series by_software, by_opengl, by_truth;
@@ -184,7 +183,8 @@ Result<json> measure_software(Renderer& opengl, const fs::path& folder, bool qui
       TRY(run_program("pointreel-synth", synth));
       TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel}));
       const Figures figures = TRY(make_figures(sequence, count));
-      json result = {{"name", sequence.name}, {"modes", json::array()}, {"playback", json::array()}};
+      json result = {
+          {"name", sequence.name}, {"modes", json::array()}, {"playback", json::array()}};
       for (const auto& mode : kEnumNames<DrawMode>)
         result["modes"].push_back(
             TRY(measure_mode(opengl, software, reel, figures, mode.value, quick ? 3 : 31)));

@@ -31,7 +31,7 @@ Result<void> check_folder_of(const std::string& file) {
 
 constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0, 1e9},
     kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
-constexpr int kMaxLayers = 255, kMaxSupersample = 4;
+constexpr int kMaxLayers = 255, kMaxSupersample = 4, kMostCache = 1 << 20;
 
 /// Accepts what `parse` accepts; its error is the message.
 template <class Parse>
@@ -148,6 +148,14 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->type_name("N")
       ->group(group);
   add_frame_memory_option(command, options_.frame_memory)->group(group);
+  command
+      .add_option("--cache", options_.cache,
+                  "The memory for decoded frames of a package or folder that are kept after they "
+                  "were shown, in MiB, so that a loop that fits is decoded once; 0: none")
+      ->check(CLI::Range(0, kMostCache))
+      ->capture_default_str()
+      ->type_name("MIB")
+      ->group(group);
   command
       .add_option(
           "--fps", options_.fps,

@@ -27,6 +27,7 @@ struct PlayOptions {
   std::string token, ca_file;                       ///< as in SourceOptions
   bool follow_redirects = false;                    ///< as in SourceOptions
   std::uint64_t frame_memory = kFrameMemory >> 20;  ///< MiB that decoding a frame may take
+  std::uint64_t cache = 512;                        ///< MiB of decoded frames that are kept
   Settings settings;                                ///< to begin with
   /// A window keeps in this file what the user changes of the settings; empty: nothing is kept.
   std::string settings_file;

@@ -51,6 +51,7 @@ void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_pass
   const std::uint32_t before = playhead_;
   const int direction_before = direction_;
   const PlayOrder order_before = order(direction_);
+  const std::uint32_t last_before = scrubbing_ ? 0 : options_.ahead;
   playhead_ = std::min(frame, options_.frame_count - 1);
   direction_ = direction < 0 ? -1 : 1;
   ++order_;
@@ -66,18 +67,26 @@ void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_pass
   std::int64_t newest = -1;
   std::shared_ptr<const SceneFrame> passed;
   for (auto it = finished_.begin(); it != finished_.end();) {
-    const std::uint32_t from = order_before.steps(before, it->first).value_or(0);
+    const auto steps = order_before.steps(before, it->first);
+    const std::uint32_t from = steps.value_or(0);
+    const bool was_in_window = steps && *steps <= last_before;
     const bool stays = in_window(it->first);
     // Frames that were ahead, and are behind only because playback turned around, were never shown.
     const bool was_passed =
-        (direction_ == direction_before || from == 0) && (!stays || from < moved);
+        was_in_window && (direction_ == direction_before || from == 0) && (!stays || from < moved);
     if (it->second.frame && was_passed && from > newest) {
       newest = from;
       passed = it->second.frame;
     }
     const bool failed = !it->second.frame;
-    it = stays && !(failed && forgiven(it->first)) ? std::next(it) : finished_.erase(it);
+    it = failed && forgiven(it->first) ? finished_.erase(it) : std::next(it);
   }
+  if (playhead_ != before) {
+    if (const auto it = finished_.find(before); it != finished_.end()) it->second.passed = true;
+    if (const auto it = finished_.find(playhead_); it != finished_.end() && it->second.frame)
+      reused_ += it->second.passed;
+  }
+  trim();
   if (!keep_newest_passed)
     passed_ = nullptr;
   else if (passed)
@@ -86,6 +95,27 @@ void FrameBuffer::move(std::uint32_t frame, int direction, bool keep_newest_pass
   store_.shrink(options_.store_bytes, [this](std::uint32_t f) -> std::uint64_t {
     return in_fetch_window(f) ? 0 : distance(f);
   });
+}
+
+/// Drops what lies outside the window and is beyond the budget, or failed.
+void FrameBuffer::trim() {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> kept;  // distance, frame
+  std::uint64_t bytes = 0;
+  std::erase_if(finished_, [&](const auto& entry) {
+    if (in_window(entry.first)) return false;
+    if (!entry.second.frame || options_.cache_bytes == 0) return true;
+    bytes += memory_of(*entry.second.frame);
+    kept.emplace_back(distance(entry.first), entry.first);
+    return false;
+  });
+  if (bytes <= options_.cache_bytes) return;
+  std::sort(kept.rbegin(), kept.rend());
+  for (const auto& [steps, frame] : kept) {
+    if (bytes <= options_.cache_bytes) break;
+    const auto it = finished_.find(frame);
+    bytes -= memory_of(*it->second.frame);
+    finished_.erase(it);
+  }
 }
 
 /// Stops the making of frames for which `stale` says so. They may be made again at once.
@@ -125,15 +155,15 @@ void FrameBuffer::scrub(std::uint32_t frame) {
     const std::lock_guard lock(mutex_);
     const std::uint32_t before = playhead_;
     if (!scrubbing_) {
-      // The frame on the screen stays there. Frames ahead of it will not be shown.
+      // The frame on the screen stays there. Frames ahead of it count as outside the window.
       if (const auto it = finished_.find(before); it != finished_.end() && it->second.frame)
         passed_ = it->second.frame;
-      std::erase_if(finished_, [&](const auto& entry) { return entry.first != before; });
       // Later on, what is being made is a base that shows where the cursor passed.
       stop_making([&](std::uint32_t f) { return f != before; });
       scrubbing_ = true;
       ++epoch_;
       passed_order_ = order_;
+      trim();
     }
     if (frame != before) {
       dragged_back_ = frame < before;
@@ -152,7 +182,7 @@ void FrameBuffer::set_loop(bool loop) {
   {
     const std::lock_guard lock(mutex_);
     options_.loop = loop;
-    order_changed();
+    trim();
   }
   wake_all();
 }
@@ -162,13 +192,9 @@ void FrameBuffer::set_loop_range(const std::optional<FrameRange>& range) {
     const std::lock_guard lock(mutex_);
     if (range == loop_range_) return;
     loop_range_ = range;
-    order_changed();
+    trim();
   }
   wake_all();
-}
-
-void FrameBuffer::order_changed() {
-  std::erase_if(finished_, [&](const auto& entry) { return !in_window(entry.first); });
 }
 
 void FrameBuffer::make_again(DrawMode mode) {
@@ -317,6 +343,11 @@ std::optional<FetchedFrame> FrameBuffer::stored_base(std::uint32_t frame, bool c
 std::uint64_t FrameBuffer::stored_bytes() const {
   const std::lock_guard lock(mutex_);
   return store_.bytes();
+}
+
+std::uint64_t FrameBuffer::reused() const {
+  const std::lock_guard lock(mutex_);
+  return reused_;
 }
 
 }  // namespace pointreel

@@ -60,9 +60,10 @@ struct BufferedRange {
 /// A jump also stops the making of frames that it leaves behind, and so does the beginning of a
 /// drag, so that the threads are free for what the user asked for.
 ///
-/// Holds no more than `ahead` + 2 finished frames: the window, and one frame that came late. A
-/// machine that is too slow for the reel's rate is always late, and shows at least that one. Safe
-/// to use from any thread.
+/// Holds the finished frames of the window, one frame that came late, and, within a memory budget,
+/// finished frames outside the window: a loop that fits into it is made once. Those that playback
+/// reaches last are dropped first. A machine that is too slow for the reel's rate is always late,
+/// and shows at least the late frame. Safe to use from any thread.
 class FrameBuffer {
  public:
   /// What is wanted of a frame for this mode and level. Called with the buffer locked: it must not
@@ -82,6 +83,7 @@ class FrameBuffer {
     /// How many bytes of coded frames are kept, besides those of the window of `ahead` and those
     /// that are just being fetched.
     std::uint64_t store_bytes = 0;
+    std::uint64_t cache_bytes = 0;  ///< of finished frames outside the window that are kept
     /// The finest level that a frame has with one layer, with two, and so on. The last entry is
     /// kWholeFrame.
     std::vector<int> levels = {kWholeFrame};
@@ -172,9 +174,11 @@ class FrameBuffer {
   /// The frame was not made because the request was stopped.
   void make_stopped(const FrameRequest& request);
 
-  std::size_t held() const;            ///< finished frames; no more than `ahead` + 2
+  std::size_t held() const;            ///< finished frames; `ahead` + 2 and those that are kept
   std::uint64_t held_bytes() const;    ///< that the finished frames take
   std::uint64_t stored_bytes() const;  ///< of coded frames
+  /// How often the playhead came back to a frame that was still finished from an earlier time.
+  std::uint64_t reused() const;
   /// The base of a frame as it was fetched, if it has come with these attributes.
   std::optional<FetchedFrame> stored_base(std::uint32_t frame, bool colors, bool normals) const;
 
@@ -183,6 +187,7 @@ class FrameBuffer {
     std::shared_ptr<const SceneFrame> frame;  ///< null: it failed
     int tried = 0;                            ///< the finest level that it was made for
     LayerRange made_of;                       ///< its attributes count
+    bool passed = false;                      ///< the playhead was here before
   };
   struct Making {
     int level = 0;  ///< the finest that any of the threads makes
@@ -204,7 +209,6 @@ class FrameBuffer {
   }
   /// The frame `step` steps from the playhead; none beyond the reel's end.
   std::optional<std::uint32_t> at(std::uint32_t step) const;
-  void order_changed();
   bool in_window(std::uint32_t frame) const {
     return distance(frame) <= (scrubbing_ ? 0 : options_.ahead);
   }
@@ -219,8 +223,10 @@ class FrameBuffer {
   std::optional<FrameRequest> find_wanted();
   std::optional<FrameRequest> make(std::uint32_t step, bool again);
   void move(std::uint32_t frame, int direction, bool keep_newest_passed);
+  void trim();
   std::uint32_t behind(std::uint32_t frame) const;
   void answered(const FrameRequest& request);
+  void keep(const FrameRequest& request, std::shared_ptr<const SceneFrame> frame);
   template <class Stale>
   void stop_making(Stale stale);
   void wake_all();
@@ -241,9 +247,10 @@ class FrameBuffer {
   bool closed_ = false;
   int level_ = kWholeFrame;
   LayerStore store_;
-  std::map<std::uint32_t, Finished> finished_;  ///< frames of the window
-  std::shared_ptr<const SceneFrame> passed_;    ///< the newest frame behind the playhead
-  std::uint64_t passed_order_ = 0;              ///< FrameRequest::order of it, while scrubbing
+  std::map<std::uint32_t, Finished> finished_;  ///< frames of the window, and those that are kept
+  std::uint64_t reused_ = 0;
+  std::shared_ptr<const SceneFrame> passed_;  ///< the newest frame behind the playhead
+  std::uint64_t passed_order_ = 0;            ///< FrameRequest::order of it, while scrubbing
   /// Frames being made in the current mode, without those that were stopped.
   std::map<std::uint32_t, Making> making_;
 };

@@ -210,6 +210,19 @@ void FrameBuffer::answered(const FrameRequest& request) {
   if (--it->second.threads <= 0) making_.erase(it);
 }
 
+/// Adds what was made to the finished frames.
+void FrameBuffer::keep(const FrameRequest& request, std::shared_ptr<const SceneFrame> frame) {
+  Finished& finished = finished_[request.frame];
+  const int level = std::min(request.level, options_.levels[request.layers - 1]);
+  // Two threads may have made it, each from what had come when it began.
+  if (!finished.frame || finished.frame->level <= frame->level) {
+    finished.frame = std::move(frame);
+    finished.made_of = request.wanted;
+    finished.passed = false;
+  }
+  finished.tried = std::max(finished.tried, level);
+}
+
 void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const SceneFrame> frame) {
   {
     const std::lock_guard lock(mutex_);
@@ -220,14 +233,7 @@ void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const Sce
         return;
       passed_ = std::move(frame);
     } else if (in_window(request.frame)) {
-      Finished& finished = finished_[request.frame];
-      const int level = std::min(request.level, options_.levels[request.layers - 1]);
-      // Two threads may have made it, each from what had come when it began.
-      if (!finished.frame || finished.frame->level <= frame->level) {
-        finished.frame = std::move(frame);
-        finished.made_of = request.wanted;
-      }
-      finished.tried = std::max(finished.tried, level);
+      keep(request, std::move(frame));
       if (focus_ && satisfied(playhead_)) {
         to_fetch_.notify_all();
         to_make_.notify_all();
@@ -235,8 +241,15 @@ void FrameBuffer::deliver(const FrameRequest& request, std::shared_ptr<const Sce
       // Coded frames that are cheap to fetch again are not kept.
       if (options_.store_bytes == 0 && satisfied(request.frame))
         store_.shrink(0, [&](std::uint32_t f) -> std::uint64_t { return f == request.frame; });
-    } else if (request.epoch == epoch_) {
-      if (scrubbing_) {
+    } else {
+      // It comes too late for now, but the playhead may come back to it.
+      if (options_.cache_bytes > 0) {
+        keep(request, frame);
+        trim();
+      }
+      if (request.epoch != epoch_) {
+        // It is from before a jump.
+      } else if (scrubbing_) {
         if (request.order > passed_order_) {
           passed_order_ = request.order;
           passed_ = std::move(frame);

@@ -46,6 +46,7 @@ FrameBuffer::Options buffer_options(const Manifest& manifest,
   buffer.loop = options.loop;
   buffer.mode = options.prepare.mode;
   buffer.levels = levels_of(manifest);
+  buffer.cache_bytes = options.cache_bytes;
   if (options.remote && !options.single_frame) {
     buffer.fetch_ahead = frames_in(manifest, kFetchAhead, options.speed);
     buffer.near = frames_in(manifest, kNear, options.speed);
@@ -142,6 +143,7 @@ ReelPlayback::Statistics ReelPlayback::statistics() const {
   Statistics statistics = statistics_;
   statistics.fetched_bytes = pipeline_->fetched_bytes();
   statistics.refetched = pipeline_->refetched();
+  statistics.reused = buffer_.reused();
   statistics.stored_bytes = buffer_.stored_bytes();
   statistics.frame_bytes = buffer_.held_bytes() + (thumbnails_ ? thumbnails_->bytes() : 0);
   statistics.buffered_seconds = fill_.fetched * frame_seconds();

@@ -37,6 +37,7 @@ class ReelPlayback : public Playback {
     bool single_frame = false;  ///< only the first frame will be shown
     /// How many bytes of a remote reel's coded frames are kept, besides those played next.
     std::uint64_t store_bytes = std::uint64_t{96} << 20;
+    std::uint64_t cache_bytes = 0;  ///< FrameBuffer::Options::cache_bytes
   };
 
   /// Begins to fetch what the camera shows in a picture of `size` pixels. The source must have at
@@ -118,6 +119,7 @@ class ReelPlayback : public Playback {
   struct Statistics {
     std::uint64_t fetched_bytes = 0;
     std::uint64_t refetched = 0;      ///< layers that came damaged
+    std::uint64_t reused = 0;         ///< frames that were shown again without being made again
     double link_bits_per_second = 0;  ///< 0: not known
     double buffered_seconds = 0;      ///< how long the frames fetched so far will last
     /// How often playback stood still for want of frames, other than at its start and after jumps.

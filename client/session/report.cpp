@@ -64,6 +64,7 @@ nlohmann::ordered_json json_of(const SourceReport& source) {
                                  {"frames_dropped", source.frames_dropped},
                                  {"errors", source.errors}};
   if (source.reel) {
+    json["frames_from_cache"] = source.reel->reused;
     json["fetched_bytes"] = source.reel->fetched_bytes;
     json["refetched_layers"] = source.reel->refetched;
     json["link_mbit_per_second"] = rounded(source.reel->link_bits_per_second / 1e6);

@@ -25,6 +25,8 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.reel.speed = options.speed;
   stage.reel.start_us = start_us(options);
   stage.reel.single_frame = is_single_frame(options);
+  // Offscreen and without a loop, no frame is shown twice.
+  if (!options.offscreen || stage.reel.loop) stage.reel.cache_bytes = options.cache << 20;
   stage.live.prepare_threads = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);
   return stage;
 }

@@ -231,6 +231,119 @@ TEST(FrameBuffer, a_change_of_mode_drops_prepared_frames_and_keeps_fetched_ones)
   EXPECT_EQ(buffer.held(), 0u);
 }
 
+/// Room for this many frames outside the window.
+FrameBuffer::Options options_with_cache(std::uint32_t frames, std::uint32_t ahead, bool loop,
+                                        std::uint32_t kept) {
+  FrameBuffer::Options with_cache = options(frames, ahead, loop);
+  with_cache.cache_bytes = kept * memory_of(*picture(0));
+  return with_cache;
+}
+
+/// Plays a round, beginning where the buffer is, and returns the frames that had to be made.
+Frames play_round(FrameBuffer& buffer, std::uint32_t frames) {
+  Frames made;
+  for (std::uint32_t frame = 0; frame < frames; ++frame) {
+    buffer.advance(frame);
+    if (buffer.wait(milliseconds(0)) == FrameBuffer::State::waiting)
+      for (const std::uint32_t one : serve(buffer, 1)) made.push_back(one);
+    EXPECT_EQ(buffer.best()->index, frame);
+  }
+  return made;
+}
+
+TEST(FrameBuffer, a_loop_that_fits_the_cache_is_made_once) {
+  FrameBuffer buffer(options_with_cache(10, 0, true, 9));
+  EXPECT_EQ(play_round(buffer, 10).size(), 10u);
+  EXPECT_EQ(buffer.reused(), 0u);
+  EXPECT_EQ(play_round(buffer, 10), Frames{});
+  EXPECT_EQ(buffer.reused(), 10u);
+  EXPECT_EQ(buffer.held(), 10u + 1u) << "and the one that was passed";
+  Fetcher fetcher(buffer);
+  EXPECT_TRUE(fetcher.waits());
+  buffer.close();
+  EXPECT_FALSE(fetcher.job());
+}
+
+TEST(FrameBuffer, of_a_loop_beyond_the_cache_the_frames_that_come_next_are_kept) {
+  FrameBuffer buffer(options_with_cache(10, 0, true, 4));
+  EXPECT_EQ(play_round(buffer, 10).size(), 10u);
+  // When 0 came into the window, there was room for 9 besides 1 to 3.
+  EXPECT_EQ(play_round(buffer, 10), (Frames{4, 5, 6, 7, 8}));
+  EXPECT_EQ(buffer.reused(), 5u);
+}
+
+TEST(FrameBuffer, backward_the_cache_keeps_what_comes_next_in_that_direction) {
+  FrameBuffer buffer(options_with_cache(10, 0, true, 2));
+  for (std::uint32_t frame = 0; frame < 3; ++frame) {
+    buffer.advance(frame);
+    serve(buffer, 1);
+  }
+  buffer.advance(1, -1);  // 0 comes next, and 2 comes last
+  buffer.advance(9, -1);
+  EXPECT_EQ(serve(buffer, 1), (Frames{9}));
+  buffer.advance(8, -1);
+  EXPECT_EQ(serve(buffer, 1), (Frames{8}));
+  buffer.advance(2, -1);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
+  buffer.advance(1, -1);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
+}
+
+TEST(FrameBuffer, dragging_back_shows_kept_frames_at_once) {
+  FrameBuffer buffer(options_with_cache(100, 0, false, 20));
+  EXPECT_EQ(play_round(buffer, 10).size(), 10u);
+  for (const std::uint32_t frame : {8u, 3u, 6u}) {
+    buffer.scrub(frame);
+    EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+    EXPECT_EQ(buffer.best()->index, frame);
+  }
+}
+
+TEST(FrameBuffer, a_jump_shows_kept_frames_at_once_but_no_others_in_their_place) {
+  FrameBuffer buffer(options_with_cache(100, 0, false, 20));
+  EXPECT_EQ(play_round(buffer, 10).size(), 10u);
+  buffer.seek(4);
+  EXPECT_EQ(buffer.best()->index, 4u);
+  buffer.seek(50);
+  EXPECT_EQ(buffer.best(), nullptr);
+}
+
+TEST(FrameBuffer, kept_frames_are_made_again_for_another_mode_or_a_finer_level) {
+  FrameBuffer buffer(options_with_cache(10, 0, true, 9));
+  buffer.set_level(5);
+  const auto serve_level = [&](int level) {
+    const auto request = ask(buffer);
+    auto frame = std::make_shared<SceneFrame>(*picture(request.frame));
+    frame->level = level;
+    buffer.deliver(request, frame);
+    return request.frame;
+  };
+  EXPECT_EQ(serve_level(5), 0u);
+  buffer.advance(1);
+  EXPECT_EQ(serve_level(5), 1u);
+  buffer.set_level(4);
+  buffer.advance(0);
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready) << "fine enough";
+  buffer.set_level(6);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready) << "until it is made again";
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::waiting);
+  EXPECT_EQ(serve_level(6), 0u);
+  buffer.make_again(DrawMode::voxel);
+  EXPECT_EQ(buffer.held(), 0u);
+}
+
+TEST(FrameBuffer, a_frame_that_comes_too_late_is_kept_for_the_next_round) {
+  FrameBuffer buffer(options_with_cache(10, 0, true, 9));
+  const auto late = ask(buffer);
+  buffer.advance(5);
+  EXPECT_EQ(serve(buffer, 1), (Frames{5}));
+  buffer.deliver(late, picture(0));
+  EXPECT_EQ(buffer.best()->index, 5u);
+  buffer.advance(0);
+  EXPECT_EQ(buffer.best()->index, 0u);
+  EXPECT_EQ(buffer.wait(milliseconds(0)), FrameBuffer::State::ready);
+}
+
 TEST(FrameBuffer, switching_the_loop_off_drops_frames_prepared_beyond_the_end) {
   FrameBuffer buffer(options(10, 3, true));
   buffer.seek(8);

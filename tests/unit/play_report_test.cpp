@@ -83,9 +83,11 @@ TEST(PlayReport, counts_the_bytes_of_reels_and_of_live_streams) {
   PlayReport report;
   report.sources.resize(2);
   report.sources[0].reel.emplace().fetched_bytes = 1353;
+  report.sources[0].reel->reused = 17;
   report.sources[1].live.emplace().bytes = 2400;
   const auto json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["sources"][0]["fetched_bytes"], 1353);
+  EXPECT_EQ(json["sources"][0]["frames_from_cache"], 17);
   EXPECT_EQ(json["fetched_bytes"], 1353 + 2400);
 }
 

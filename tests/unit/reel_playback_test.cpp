@@ -97,7 +97,8 @@ class ReelPlaybackTest : public PackTest {
     source_ = gated.get();
     source_->open(!held_back_);
     ReelPlayback::Options options;
-    options.remote = true;
+    options.remote = remote_;
+    options.cache_bytes = cache_bytes_;
     options.loop = loop;
     options.speed = speed;
     options.start_us = start_us;
@@ -128,6 +129,8 @@ class ReelPlaybackTest : public PackTest {
   void pass(milliseconds time) { now_ += time; }
 
   Clock::TimePoint now_{std::chrono::hours(1)};
+  bool remote_ = true;
+  std::uint64_t cache_bytes_ = 0;
   bool held_back_ = false;  ///< nothing arrives until the source is opened
   GatedSource* source_ = nullptr;
   std::unique_ptr<ReelPlayback> playback_;
@@ -143,6 +146,31 @@ TEST_F(ReelPlaybackTest, shows_every_frame_forward_and_across_the_end_of_the_loo
   }
   EXPECT_EQ(playback_->dropped(), 0u);
   EXPECT_EQ(playback_->errors(), 0u);
+}
+
+TEST_F(ReelPlaybackTest, decodes_a_loop_once_that_fits_the_cache) {
+  remote_ = false;  // then what has been decoded is fetched again before it is decoded again
+  for (const bool cached : {false, true}) {
+    cache_bytes_ = cached ? std::uint64_t{1} << 30 : 0;
+    start();
+    until_shown(0);
+    for (std::uint32_t frame = 1; frame < 2 * kFrames; ++frame) {
+      pass(milliseconds(100));
+      until_shown(frame % kFrames);
+    }
+    playback_->pause(now_);
+    playback_->scrub_to(300'000, now_);
+    until_shown(3);
+    playback_->scrub_end(now_);
+    until_whole(3);
+    if (cached) {
+      EXPECT_EQ(source_->layers().size(), kFrames);
+      EXPECT_EQ(playback_->statistics().reused, kFrames + 1);
+    } else {
+      EXPECT_GT(source_->layers().size(), 2 * kFrames);
+      EXPECT_EQ(playback_->statistics().reused, 0u);
+    }
+  }
 }
 
 TEST_F(ReelPlaybackTest, shows_every_frame_backward_and_across_the_start_of_the_loop) {

@@ -55,8 +55,27 @@ Result<void> check_start(const std::vector<std::unique_ptr<Source>>& reels,
 
 /// A frame that is so much smaller than the bounds cannot be seen in a picture of those.
 constexpr double kSpeck = 30.0;
+/// A view of the bounds is no view of the frame if a few of its own points make them so much
+/// larger.
+constexpr double kStray = 2.0;
+/// How close to a side of the bounds a frame's box reaches that side, as a share of the bounds.
+/// That is more than a cell of a base layer.
+constexpr double kReaches = 0.05;
 
 double extent(const Box& box) { return glm::length(box.extent()); }
+
+/// The bounds without what only a few points of this frame add to them.
+Box without_strays(const Box& bounds, const FrameBoxes& frame) {
+  Box box = bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double close = kReaches * bounds.extent()[axis];
+    if (frame.all.min[axis] <= bounds.min[axis] + close)
+      box.min[axis] = std::max(bounds.min[axis], frame.main.min[axis]);
+    if (frame.all.max[axis] >= bounds.max[axis] - close)
+      box.max[axis] = std::min(bounds.max[axis], frame.main.max[axis]);
+  }
+  return box;
+}
 
 }  // namespace
 
@@ -148,13 +167,17 @@ Box Stage::bounds() const {
   return all;
 }
 
+Box Stage::Part::view_bounds() const {
+  const Box bounds = playback().bounds();
+  if (first.main.empty() || bounds.empty()) return bounds;
+  const Box box = without_strays(bounds, first);
+  if (extent(bounds) > kStray * extent(box)) return box;
+  return extent(bounds) > kSpeck * extent(first.main) ? first.main : bounds;
+}
+
 Box Stage::view_bounds() const {
   Box all;
-  for (const Part& part : parts_) {
-    const Box bounds = part.playback().bounds();
-    const bool is_speck = extent(bounds) > kSpeck * extent(part.first_box);
-    grow(all, !part.first_box.empty() && is_speck ? part.first_box : bounds, part.place);
-  }
+  for (const Part& part : parts_) grow(all, part.view_bounds(), part.place);
   return all;
 }
 
@@ -206,14 +229,12 @@ std::vector<Stage::Change> Stage::take(std::size_t source,
 
 void Stage::show(std::size_t source, std::shared_ptr<const SceneFrame> frame) {
   Part& part = parts_[source];
-  // From afar, a speck is decoded as a single cell, which is much larger than the frame. In more
+  // From afar, a speck is decoded as a few cells, which are much larger than the frame. In more
   // detail it is smaller, or turns out to be a single place. Of a live stream, it may be another
   // frame that comes in more detail.
-  const Box& box = frame->main_box;
-  if (!part.first_level || (frame->level > *part.first_level && !part.first_box.empty() &&
-                            (box.empty() || 2.0 * extent(box) < extent(part.first_box)))) {
+  if (!part.first_level || (part.first.rough && frame->level > *part.first_level)) {
     part.first_level = frame->level;
-    part.first_box = box;
+    part.first = frame->boxes;
     ++first_boxes_;
   }
   scene_[source].frame = std::move(frame);

@@ -60,12 +60,13 @@ class Stage {
   const LivePlayback* live(std::size_t i) const { return parts_[i].live(); }
   /// The bounds of all sources, in the world; empty while nothing is known.
   Box bounds() const;
-  /// What a camera that sees everything should look at: the bounds, but of a source whose first
+  /// What a camera that sees everything should look at: the bounds, but without what only a few
+  /// points of a source's first frame add to them if that is much, and of a source whose first
   /// frame is a speck in them, that frame. A single point far away can make the bounds so large.
   Box view_bounds() const;
   /// Changes when the bounds of a source become known, when its first frame came, and when one came
-  /// in more detail and is much smaller. A camera that nobody moved should then look at
-  /// view_bounds() again, but not whenever bounds grow.
+  /// in so much more detail that it tells better where its points are. A camera that nobody moved
+  /// should then look at view_bounds() again, but not whenever bounds grow.
   std::size_t view_version() const;
   char up() const { return parts_.front().playback().up(); }
   bool playing() const;
@@ -111,9 +112,10 @@ class Stage {
     std::string where;
     glm::dvec3 place;
     std::optional<int> first_level;  ///< of the frame that was shown first
-    Box first_box;                   ///< its main_box
+    FrameBoxes first;                ///< of that frame
     std::variant<std::unique_ptr<ReelPlayback>, std::unique_ptr<LivePlayback>> source;
 
+    Box view_bounds() const;
     Playback& playback() const {
       return std::visit([](const auto& either) -> Playback& { return *either; }, source);
     }
@@ -134,7 +136,7 @@ class Stage {
   PrepareOptions prepare_;
   std::vector<Part> parts_;
   Scene scene_;
-  std::size_t first_boxes_ = 0;  ///< how often first_box was set
+  std::size_t first_boxes_ = 0;  ///< how often a Part::first was set
 };
 
 /// The sources of what was dropped on a window together: PLY and Draco files are one reel, in

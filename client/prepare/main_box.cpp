@@ -12,13 +12,12 @@ namespace pointreel {
 namespace {
 
 constexpr std::size_t kSamples = 4096, kOutermost = 200;
+constexpr std::size_t kFewest = 3;  ///< of which one can be left out
 constexpr double kMargin = 0.05;
 
-}  // namespace
-
-Box main_box(const PointCloud& cloud) {
-  if (cloud.empty()) return {};
-  const std::size_t count = std::min(kSamples, cloud.size()), outer = count / kOutermost;
+/// Without `outer` of some thousand samples on each side.
+Box inner_box(const PointCloud& cloud, std::size_t outer) {
+  const std::size_t count = std::min(kSamples, cloud.size());
   Box box{cloud.origin, cloud.origin};
   std::vector<double> places(count);
   for (int axis = 0; axis < 3; ++axis) {
@@ -36,17 +35,35 @@ Box main_box(const PointCloud& cloud) {
   return box.min == box.max ? Box{} : box;
 }
 
-Box main_box(const Svo& svo) {
+}  // namespace
+
+FrameBoxes frame_boxes(const PointCloud& cloud) {
+  FrameBoxes boxes;
+  boxes.rough = false;
+  if (cloud.empty()) return boxes;
+  boxes.all = bounds(cloud);
+  boxes.main = inner_box(cloud, std::min(kSamples, cloud.size()) / kOutermost);
+  return boxes;
+}
+
+FrameBoxes frame_boxes(const Svo& svo, std::uint32_t points, bool whole) {
   int level = 0;
   while (level < svo.depth && svo.node_count(level) < kSamples) ++level;
   const PointCloud centers = leaf_centers(level < svo.depth ? truncate(svo, level) : svo);
-  if (centers.empty()) return {};
-  Box box = main_box(centers);
-  if (box.empty()) box = bounds(centers);
+  FrameBoxes boxes;
+  boxes.rough = !whole && centers.size() < kSamples;
+  if (centers.empty()) return boxes;
+  std::size_t outer = std::min(kSamples, centers.size()) / kOutermost;
+  if (points >= kOutermost && centers.size() >= kFewest) outer = std::max<std::size_t>(outer, 1);
+  boxes.all = bounds(centers);
+  boxes.main = inner_box(centers, outer);
+  if (boxes.main.empty()) boxes.main = boxes.all;
   const double half = 0.5 * svo.cube.edge / static_cast<double>(1u << level);
-  box.min -= half;
-  box.max += half;
-  return box;
+  for (Box* box : {&boxes.all, &boxes.main}) {
+    box->min -= half;
+    box->max += half;
+  }
+  return boxes;
 }
 
 }  // namespace pointreel

@@ -214,7 +214,8 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     // The size of a single cell may be that of many points that look like one from afar. A few
     // points in it may as well coincide.
     constexpr std::uint32_t kMany = 100;
-    if (scene.svo.leaf_count() > 1 || scene.points >= kMany) scene.main_box = main_box(scene.svo);
+    scene.boxes = frame_boxes(scene.svo, scene.points, scene.level == kWholeFrame);
+    if (scene.svo.leaf_count() <= 1 && scene.points < kMany) scene.boxes.main = {};
     derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stopped));
@@ -225,7 +226,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     }
   } else {
     scene.cloud = std::move(frame.cloud);
-    scene.main_box = main_box(scene.cloud);
+    scene.boxes = frame_boxes(scene.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stopped));

@@ -17,6 +17,13 @@ namespace pointreel {
 /// The level of a frame that fetching or preparing more of it would not make finer.
 inline constexpr int kWholeFrame = kMaxDepth;
 
+/// Where the points of a frame are, as far as it was decoded.
+struct FrameBoxes {
+  Box all;            ///< of all points, or of the cells that hold them
+  Box main;           ///< without a few points far away; empty if they coincide: it tells no size
+  bool rough = true;  ///< a frame in more detail may tell something else
+};
+
 /// A decoded frame, ready to draw. Immutable once the pipeline has made it.
 ///
 /// Either a tree with attributes of its nodes, of which a cut is drawn, or a cloud, whose points
@@ -47,8 +54,7 @@ struct SceneFrame {
   /// The finest level of the tree that can be drawn from this frame. A view that shows finer levels
   /// needs the frame to be fetched or prepared again.
   int level = kWholeFrame;
-  Box main_box;              ///< of what was decoded, without a few points far away; empty if
-                             ///< they coincide, which tells no size
+  FrameBoxes boxes;
   std::uint32_t points = 0;  ///< of the source, as far as the frame tells
   std::uint32_t layers = 0;  ///< that the frame was made of; 0 for a file
   /// How long each stage took, in their order; normals only if they were estimated.

@@ -72,8 +72,9 @@ Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm:
 }
 
 std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera) {
-  if (stage.bounds().empty()) return std::nullopt;
-  return FloorGrid{stage.bounds(), camera.up};
+  const Box bounds = stage.view_bounds();
+  if (bounds.empty()) return std::nullopt;
+  return FloorGrid{bounds, camera.up};
 }
 
 }  // namespace pointreel

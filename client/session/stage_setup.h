@@ -37,7 +37,7 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
 /// precedence over it.
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
 
-/// The floor below everything on the stage; none while the bounds are unknown.
+/// The floor below everything that the first view shows; none while the bounds are unknown.
 std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera);
 
 }  // namespace pointreel

@@ -116,7 +116,7 @@ std::optional<Thumbnail> WindowInterface::thumbnail() {
   ReelPlayback& reel = *stage.reel(controls_.source());
   auto base = reel.thumbnail(reel.timeline().frame_at(*hovered_us_));
   if (!base) return std::nullopt;
-  return thumbnails_.draw({std::move(base), stage.place(controls_.source())}, stage.bounds(),
+  return thumbnails_.draw({std::move(base), stage.place(controls_.source())}, stage.view_bounds(),
                           controls_.camera(), controls_.settings().draw.background,
                           controls_.settings().renderer, interface_.scale());
 }

@@ -427,7 +427,7 @@ TEST(PrepareFrame, has_a_box_without_points_far_away) {
   const Manifest manifest = manifest_of(cloud);
   for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel})
     for (const FetchedFrame& frame : {fetched(cloud, EncodeOptions{OctreeOptions{}}), ply(cloud)}) {
-      const Box box = prepare_frame(manifest, 0, frame, {mode})->main_box;
+      const Box box = prepare_frame(manifest, 0, frame, {mode})->boxes.main;
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(box.extent()[axis], 2.15, 0.2) << "2.4 with that point";
         EXPECT_NEAR(box.center()[axis], axis == 0 ? 10.0 : 0.0, 0.05);
@@ -442,7 +442,7 @@ TEST(PrepareFrame, has_no_box_for_points_that_coincide) {
   const Manifest manifest = manifest_of(same);
   for (const FetchedFrame& frame : {fetched(same, EncodeOptions{OctreeOptions{}}), ply(same)})
     for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point})
-      EXPECT_TRUE(prepare_frame(manifest, 0, frame, {mode})->main_box.empty());
+      EXPECT_TRUE(prepare_frame(manifest, 0, frame, {mode})->boxes.main.empty());
 }
 
 TEST(PrepareFrame, draws_a_single_point_at_its_place_and_size_within_a_large_cube) {
@@ -452,7 +452,7 @@ TEST(PrepareFrame, draws_a_single_point_at_its_place_and_size_within_a_large_cub
   const Manifest manifest = manifest_of(one);
   const FetchedFrame frame = fetched(one, EncodeOptions{OctreeOptions{}});
   const SceneFrame surfel = prepare_frame(manifest, 0, frame, {DrawMode::surfel}).value();
-  EXPECT_TRUE(surfel.main_box.empty()) << "which tells no size, so the view shows all frames";
+  EXPECT_TRUE(surfel.boxes.main.empty()) << "which tells no size, so the view shows all frames";
   ASSERT_EQ(surfel.svo.leaf_count(), 1u);
   EXPECT_LT(glm::distance(leaf_centers(surfel.svo).world(0), one.world(0)), 1e-3);
   EXPECT_GT(surfel.radii.back(), 0.03f);

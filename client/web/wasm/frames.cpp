@@ -117,8 +117,8 @@ const PrFrame* pr_frame(std::uint32_t key) {
       frame.cloud.empty() ? frame.svo.leaf_count() : static_cast<double>(frame.cloud.size());
   answer.normals_estimated = frame.normals_estimated;
   answer.memory = static_cast<double>(memory_of(frame));
-  copy(frame.main_box.min, answer.main_box_min);
-  copy(frame.main_box.max, answer.main_box_max);
+  copy(frame.boxes.main.min, answer.main_box_min);
+  copy(frame.boxes.main.max, answer.main_box_max);
   return &answer;
 }
 

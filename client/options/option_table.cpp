@@ -100,7 +100,11 @@ std::vector<Option> make_table() {
        "Draw a grid on the floor, with steps of 1, 2 or 5 times a power of ten", "Floor grid"},
       {"point_size",
        number([](auto& s) -> auto& { return s.draw.point_size; }, {1, 64}, {{1, 16}, "%.1f px"}),
-       "Width of a point in pixels", "Point size"},
+       "Width of a point in pixels; the least with --adaptive-points", "Point size"},
+      {"adaptive_points", flag([](auto& s) -> auto& { return s.draw.adaptive_points; }),
+       "Draw points as large as the distance between neighbours asks for (the default), so that "
+       "surfaces look closed",
+       "Adaptive points", "Points grow until surfaces look closed"},
       {"pixel_size",
        number([](auto& s) -> auto& { return s.draw.pixel_size; }, {0, 1000}, {{0, 16}, "%.1f px"}),
        "Parts of the octree that look smaller than this many pixels are drawn as one element; 0 "

@@ -10,6 +10,7 @@
 #include "client/prepare/layer_choice.h"
 #include "client/prepare/main_box.h"
 #include "client/prepare/node_radii.h"
+#include "client/prepare/point_spacing.h"
 #include "client/prepare/tree_radii.h"
 #include "codec/cloud_file.h"
 #include "common/base/tbb_executor.h"
@@ -109,12 +110,16 @@ DepthRule voxel_rule(double delta) {
   return rule;
 }
 
+/// The number of cells at each level of a tree.
+std::vector<std::uint32_t> cells_of(const Svo& svo) {
+  std::vector<std::uint32_t> cells;
+  for (int level = 0; level <= svo.depth; ++level) cells.push_back(svo.node_count(level));
+  return cells;
+}
+
 /// Cuts the tree off at the level that is drawn as voxels.
 Result<void> coarsen(SceneFrame& scene, double delta) {
-  std::vector<std::uint32_t> occupied;
-  for (int level = 0; level <= scene.svo.depth; ++level) {
-    occupied.push_back(scene.svo.node_count(level));
-  }
+  const std::vector<std::uint32_t> occupied = cells_of(scene.svo);
   const int by_delta = TRY(choose_depth(occupied, scene.points, voxel_rule(delta)));
   const int depth = depth_that_closes(occupied, scene.points, by_delta, delta);
   const double leaves = occupied[static_cast<std::size_t>(depth)];
@@ -165,6 +170,9 @@ Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptio
   return {};
 }
 
+/// Enough levels to tell the spacing of a million points on a surface.
+constexpr int kSpacingLevels = 10;
+
 /// Prepares a cloud to be drawn as surfels or points: its points, or a tree as deep as the view
 /// shows, if that has much fewer elements.
 Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
@@ -178,6 +186,10 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
       if (with_radii) make_surfels(scene);
       return {};
     }
+  }
+  if (options.mode == DrawMode::point) {
+    const SortedPoints sorted = sort_points(scene.cloud, cube, kSpacingLevels);
+    scene.spacing = point_spacing(sorted.occupied, cube.edge, scene.cloud.size());
   }
   if (with_radii && !scene.cloud.has_radii()) {
     const auto tree = TRY(sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta)));
@@ -223,6 +235,8 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
       TRY(coarsen(scene, options.delta));
     } else if (options.mode == DrawMode::surfel) {
       make_surfels(scene);
+    } else {
+      scene.spacing = point_spacing(cells_of(scene.svo), scene.svo.cube.edge, scene.points);
     }
   } else {
     scene.cloud = std::move(frame.cloud);

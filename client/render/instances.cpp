@@ -40,6 +40,10 @@ glm::u16vec4 pack_color(const glm::u16vec3& c) {
   return {kLinear[c.x], kLinear[c.y], kLinear[c.z], 0};
 }
 
+/// The radius of points in spacings between neighbours. With 1, scanned curves still show what is
+/// behind them; more than this widens outlines.
+constexpr float kCover = 1.25f;
+
 /// The colour of every element with ColorSource::plain, and of those without one, sRGB.
 constexpr glm::u16vec3 kPlain(0xd0d0);
 
@@ -108,7 +112,10 @@ std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::v
   const auto make = [&](std::size_t i) -> Instance {
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
-    return {cloud.positions[i] + offset, cloud.has_radii() ? cloud.radii[i] : leaf_radius, normal,
+    const float radius = frame.spacing > 0.0f ? kCover * frame.spacing
+                         : cloud.has_radii()  ? cloud.radii[i]
+                                              : leaf_radius;
+    return {cloud.positions[i] + offset, radius, normal,
             pack_color(color_of(color, cloud.colors, i, normal))};
   };
   return pack(
@@ -159,7 +166,9 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
     glm::vec3 center = node.center + offset;
     if (on_surface && node.node >= first_leaf)
       center += frame.heights[node.node - first_leaf] / 32767.0f * glm::vec3(normal);
-    return {center, halves ? node.half : frame.radii[node.node], normal,
+    const float radius =
+        halves ? std::max(node.half, kCover * frame.spacing) : frame.radii[node.node];
+    return {center, radius, normal,
             pack_color(color_of(style.color, attributes.colors, node.node, normal))};
   };
   return pack(cut.size(), !unfilled && divided.empty() && !hiding, keeps, make, out, bounds,

@@ -58,7 +58,7 @@ PixelRect elements_region(const DrawOptions& options, const InstanceBounds& boun
     case DrawMode::voxel:  // no voxel is drawn smaller than a pixel
       return region_of(bounds, kCubeCorner, to_clip, size, 1);
     case DrawMode::point:
-      return region_of(bounds, 0.0f, to_clip, size,
+      return region_of(bounds, options.adaptive_points ? 1.0f : 0.0f, to_clip, size,
                        static_cast<int>(std::ceil(0.5f * options.point_size)));
   }
   return {};

@@ -117,7 +117,10 @@ struct DrawOptions {
   ColorSource color = ColorSource::colors;
   VoxelShape voxel_shape = VoxelShape::faces;
   float pixel_size = 1.0f;  ///< edge in pixels below which nodes are not divided; see VoxelCut
-  float point_size = 2.0f;  ///< edge of a point in pixels
+  float point_size = 2.0f;  ///< edge of a point in pixels; the least with `adaptive_points`
+  /// Points are as large as the distance between neighbours asks for, so that surfaces look closed
+  /// (M. Schuetz, "Potree: Rendering Large Point Clouds in Web Browsers", 2016, section 4.2).
+  bool adaptive_points = true;
   /// The picture is drawn and read with this many times fewer pixels per side, rounded up, and is
   /// enlarged to its full size when it is shown. 1 to 16.
   int reduction = 1;
@@ -129,6 +132,9 @@ struct DrawOptions {
 
   bool operator==(const DrawOptions&) const = default;
 };
+
+/// The largest edge of adaptive points, in pixels.
+inline constexpr float kLargestPoint = 64.0f;
 
 inline constexpr int kInstancings = static_cast<int>(kEnumNames<Instancing>.size());
 inline constexpr int kSplattings = static_cast<int>(kEnumNames<Splatting>.size());

@@ -47,6 +47,9 @@ struct SceneFrame {
   /// One entry for each leaf, in voxel mode if enough voxels hide others (worth_hiding); else
   /// empty.
   std::vector<NeighborBits> neighbors;
+  /// The typical distance between neighbouring points, in point mode (point_spacing.h); 0 if it is
+  /// not known.
+  float spacing = 0.0f;
   /// The normals were estimated from neighbours. Their line is right but their sign may be wrong,
   /// so that surfels must not be culled by the side that they face.
   bool normals_estimated = false;

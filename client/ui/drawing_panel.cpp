@@ -125,6 +125,7 @@ void edit_elements(Settings& settings) {
       break;
     case DrawMode::point:
       edit("point_size", settings);
+      edit("adaptive_points", settings);
       break;
   }
   edit("renderer", settings);

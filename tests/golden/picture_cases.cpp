@@ -121,6 +121,7 @@ std::vector<PictureCase> picture_cases(const PointCloud& cloud) {
   DrawOptions point;
   point.mode = DrawMode::point;
   point.point_size = 5.0f;
+  point.adaptive_points = false;
   keep("point", point);
 
   // From inside the ball, with surfels behind the eye and across the near plane.

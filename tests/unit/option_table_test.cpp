@@ -38,6 +38,7 @@ TEST(OptionTable, names_in_the_settings_file_do_not_change) {
                                                "edl",
                                                "color",
                                                "point_size",
+                                               "adaptive_points",
                                                "shading_scale",
                                                "lighting",
                                                "pixel_size",

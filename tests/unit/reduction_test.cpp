@@ -24,6 +24,7 @@ class ReductionTest : public DrawingTest {
     options_.mode = DrawMode::point;
     options_.lighting = false;
     options_.point_size = 12.0f;
+    options_.adaptive_points = false;
     camera_.distance = 3.0;
     options_.reduction = kReduction;
   }

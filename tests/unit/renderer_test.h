@@ -85,6 +85,7 @@ inline DrawOptions plain(DrawMode mode) {
   options.mode = mode;
   options.lighting = false;
   options.point_size = 5.0f;
+  options.adaptive_points = false;
   options.background = glm::vec3(0.2f, 0.4f, 0.6f);
   return options;
 }

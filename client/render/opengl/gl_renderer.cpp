@@ -198,7 +198,9 @@ Result<void> GlRenderer::draw_points(const DrawOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   bind_instance_array(points_, buffer_);
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glUniform1f(0, std::max(1.0f, options.point_size / static_cast<float>(options.reduction)));
+  const auto reduction = static_cast<float>(options.reduction);
+  glUniform1f(0, std::max(1.0f, options.point_size / reduction));
+  glUniform1f(1, options.adaptive_points ? kLargestPoint / reduction : 0.0f);
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(buffer_.size()));
   return {};
 }

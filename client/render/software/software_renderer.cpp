@@ -159,10 +159,11 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
       draw_surfels(view, options);
       laps.lap();
     } else {
-      const float point =
-          std::max(1.0f, options.point_size / static_cast<float>(options.reduction));
-      solids_.draw(memory_.instances(), options.mode == DrawMode::voxel, point, view, executor_,
-                   picture_);
+      const auto reduction = static_cast<float>(options.reduction);
+      const float least = std::max(1.0f, options.point_size / reduction);
+      const float most = options.adaptive_points ? kLargestPoint / reduction : 0.0f;
+      solids_.draw(memory_.instances(), options.mode == DrawMode::voxel,
+                   {least, std::max(least, most)}, view, executor_, picture_);
       stages_.shading = laps.lap();
       if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
     }

@@ -90,11 +90,14 @@ class Solids::Setup {
     shift_ = {m[3][0], m[3][1], m[3][3]};
   }
 
-  void add_square(const Instance& point, std::uint16_t number, float size, Block& block) const {
+  void add_square(const Instance& point, std::uint16_t number, PointSizes sizes,
+                  Block& block) const {
     const glm::vec3 clip = to_clip(point.center);
     const float w = clip.z;
     if (!(w >= view_.eye.w) || std::max(std::abs(clip.x), std::abs(clip.y)) > w) return;
     const glm::vec2 at = in_window(glm::vec2(clip) / w);
+    const float size =
+        std::clamp(2.0f * point.radius / (view_.pixel.x * w), sizes.least, sizes.most);
     const TileRect rect =
         pixels_between(at - 0.5f * size, at + 0.5f * size, 0.0f, glm::vec2(view_.window));
     if (!is_empty(rect)) block.squares.push_back({view_.eye.w / w, rect, number});
@@ -227,7 +230,7 @@ void Solids::draw_cubes(std::uint32_t block, int tile, const PictureView& view, 
   (avx2 ? Kernels::avx2 : Kernels::portable)(from, block, tile, view, to);
 }
 
-void Solids::draw(std::span<const Instance> instances, bool cubes, float point_size,
+void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes sizes,
                   const PictureView& view, const Executor& executor, Picture& picture) {
   const std::size_t count = (instances.size() + kBlock - 1) / kBlock;
   if (blocks_.size() < count) blocks_.resize(count);
@@ -241,7 +244,7 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, float point_s
     for (std::size_t k = begin; k < end; ++k) {
       const auto number = static_cast<std::uint16_t>(k - begin);
       cubes ? setup.add_cube(instances[k], number, block)
-            : setup.add_square(instances[k], number, point_size, block);
+            : setup.add_square(instances[k], number, sizes, block);
     }
     block.bins.sort(
         cubes ? block.cubes.size() : block.squares.size(), picture.grid,

@@ -15,14 +15,19 @@
 
 namespace pointreel {
 
+/// Bounds on the edges of points, in pixels.
+struct PointSizes {
+  float least, most;
+};
+
 /// Draws voxels and points: opaque elements of which the nearest is seen in each pixel. A pixel
 /// first gets the number of its element, and its colour once all are drawn (Pfister et al.,
 /// Surfels, section 7.5: shading comes after visibility).
 class Solids {
  public:
   /// Draws into a picture whose colours are the background and whose depths are 0. `cubes`: draws
-  /// voxels, else squares of `point_size` pixels.
-  void draw(std::span<const Instance> instances, bool cubes, float point_size,
+  /// voxels, else squares.
+  void draw(std::span<const Instance> instances, bool cubes, PointSizes sizes,
             const PictureView& view, const Executor& executor, Picture& picture);
 
  private:

@@ -16,17 +16,20 @@ export interface Settings {
   fillHoles: boolean;
   smoothOutlines: boolean;
   floor: boolean;
+  /** Pixels; the least with adaptive points, which are as large as the distance between neighbours asks for. */
   pointSize: number;
+  adaptivePoints: boolean;
   background: Vec3;
 }
 export const DEFAULTS: Readonly<Settings> = {
   mode: "surfel", color: "colors", lighting: true, fillHoles: true, smoothOutlines: true, floor: false,
-  pointSize: 2, background: [0x1c / 255, 0x1f / 255, 0x24 / 255],
+  pointSize: 2, adaptivePoints: true, background: [0x1c / 255, 0x1f / 255, 0x24 / 255],
 };
 
 /** A camera that was moved counts as moving for so long, in milliseconds. */
 const MOVES = 150;
 const SLOW_MS = 45;
+const LARGEST_POINT = 64;  // pixels, with adaptive points
 
 export type PlayerEvent =
   "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" | "timeupdate" | "waiting" |
@@ -375,6 +378,7 @@ export class Player {
     const side = renderer.largestSide, r = Math.max(this.reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));
     const options: DrawOptions = {
       ...this.settings, mode, pointSize: this.settings.pointSize * (window.devicePixelRatio || 1) / r,
+      largestPoint: this.settings.adaptivePoints ? LARGEST_POINT / r : 0,
       floor: this.settings.floor && bounds ? { box: bounds, camera } : null,
     };
     const size = { width: Math.ceil(canvas.width / r), height: Math.ceil(canvas.height / r) };

@@ -95,7 +95,7 @@ Result<json> measure_mode(Renderer& opengl, SoftwareRenderer& software, const st
   const auto frame = TRY(first_frame(reel, mode));
   const DrawOptions options = options_of(mode);
   Camera camera;
-  camera.frame_bounds(frame->main_box, static_cast<double>(kSize.x) / kSize.y);
+  camera.frame_bounds(frame->boxes.main, static_cast<double>(kSize.x) / kSize.y);
   const TruthPicture truth = cast_truth(figures.truth, in_metres(camera, figures), kSize, {});
   json row = {{"mode", name(mode)}};
   row["software"] =
@@ -133,7 +133,7 @@ Result<json> measure_dolly(Renderer& opengl, SoftwareRenderer& software, const s
   const int pictures = quick ? 6 : 72, supersample = quick ? 2 : 3;
   const auto frame = TRY(first_frame(reel, DrawMode::surfel));
   Camera camera;
-  camera.frame_bounds(frame->main_box, static_cast<double>(size.x) / size.y);
+  camera.frame_bounds(frame->boxes.main, static_cast<double>(size.x) / size.y);
   const double first = camera.distance;
   struct Series {
     std::vector<double> changes;

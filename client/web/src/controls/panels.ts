@@ -32,7 +32,8 @@ export class DrawingPanel {
       this.choice("Mode", "mode", MODES, ["Surfels", "Voxels", "Points"]),
       this.choice("Colour", "color", COLORS, ["Colours", "Normals", "Plain"]),
       this.flag("Lighting", "lighting"), this.flag("Fill holes", "fillHoles"),
-      this.flag("Smooth outlines", "smoothOutlines"), this.flag("Floor grid", "floor"), this.pointSize(), this.background());
+      this.flag("Smooth outlines", "smoothOutlines"), this.flag("Floor grid", "floor"),
+      this.flag("Adaptive points", "adaptivePoints"), this.pointSize(), this.background());
     this.update();
   }
   update(): void { for (const update of this.updates) update(); }
@@ -47,7 +48,7 @@ export class DrawingPanel {
     });
     return group;
   }
-  private flag(label: string, key: "lighting" | "fillHoles" | "smoothOutlines" | "floor"): Node {
+  private flag(label: string, key: "lighting" | "fillHoles" | "smoothOutlines" | "floor" | "adaptivePoints"): Node {
     const box = element("input", { type: "checkbox" });
     box.onchange = () => this.player.set({ [key]: box.checked });
     this.updates.push(() => (box.checked = this.player.settings[key]));

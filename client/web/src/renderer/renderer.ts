@@ -16,8 +16,9 @@ export interface DrawOptions {
   lighting: boolean;
   fillHoles: boolean;
   smoothOutlines: boolean;
-  /** Edge of a point in pixels of the picture. */
+  /** The least edge of a point, and the largest, in pixels of the picture. If that is less, all have the least. */
   pointSize: number;
+  largestPoint: number;
   /** sRGB, 0 to 1. */
   background: Vec3;
   /** Draw a grid on the floor of this box, as a camera sees it. */
@@ -156,7 +157,7 @@ export class Renderer {
       gl.bindVertexArray(this.noAttributes);
       if (options.mode === "surfel") this.drawSurfels(drawables, options);
       else if (options.mode === "voxel") this.drawVoxels(drawables);
-      else this.drawPoints(drawables, options.pointSize);
+      else this.drawPoints(drawables, options.pointSize, options.largestPoint);
     }
     if (floor && !floor.isBelow) {
       gl.bindFramebuffer(gl.FRAMEBUFFER, targets.picture);
@@ -299,13 +300,14 @@ export class Renderer {
     }
   }
 
-  private drawPoints(parts: readonly Drawable[], size: number): void {
+  private drawPoints(parts: readonly Drawable[], size: number, largest: number): void {
     const { gl } = this, program = this.programs.point.get();
     program.float("size", Math.max(1, size));
+    program.float("largest", largest);
     for (const part of parts) {
       this.bind(part);
       gl.drawArrays(gl.POINTS, 0, part.packed.count);
-      this.region = around(this.region, part.place.region(0, Math.ceil(0.5 * size)));
+      this.region = around(this.region, part.place.region(1, Math.ceil(0.5 * size)));
     }
   }
 

@@ -40,8 +40,8 @@ class PanelsWindow : public WindowTest, public testing::WithParamInterface<int> 
  protected:
   /// Opens the player in point mode, paused, with nothing over the picture.
   void open_still(std::vector<std::string> arguments = {}) {
-    arguments.insert(arguments.end(),
-                     {"--mode", "point", "--at", "6", "--ui-scale", std::to_string(scale())});
+    arguments.insert(arguments.end(), {"--mode", "point", "--no-adaptive-points", "--at", "6",
+                                       "--ui-scale", std::to_string(scale())});
     open(arguments);
     player().resize({1500, 900});
     pause();

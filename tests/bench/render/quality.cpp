@@ -54,6 +54,8 @@ std::vector<PictureSetting> picture_settings() {
   }
   settings.push_back({"voxels", {.mode = DrawMode::voxel}});
   settings.push_back({"points", {.mode = DrawMode::point}});
+  settings.push_back(
+      {"points of a fixed size", {.mode = DrawMode::point, .adaptive_points = false}});
   return settings;
 }
 

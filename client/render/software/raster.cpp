@@ -115,7 +115,7 @@ POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const Pictur
                Lanes old;
                load(old, depths + at);
                const Lanes pushed = depth * push;
-               store(depths + at, inside & (pushed > old) ? pushed : old);
+               store(depths + at, (inside & (pushed > old)) ? pushed : old);
              });
   for (const std::uint16_t* i = block.back_bins.begin(tile); i != block.back_bins.end(tile); ++i) {
     const BackSplat& splat = block.backs[*i];
@@ -127,7 +127,7 @@ POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const Pictur
         Lanes old;
         load(old, at);
         const LaneMask inside = kIota < static_cast<float>(part.x1 - x);
-        store(at, inside & (depth > old) ? depth : old);
+        store(at, (inside & (depth > old)) ? depth : old);
       }
     }
   }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "client/prepare/layer_choice.h"
+#include "client/prepare/leaf_points.h"
 #include "client/prepare/main_box.h"
 #include "client/prepare/node_radii.h"
 #include "client/prepare/point_spacing.h"
@@ -15,6 +17,7 @@
 #include "codec/cloud_file.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/cloud/lattice.h"
 #include "common/octree/build.h"
 #include "common/octree/normal_lines.h"
 #include "common/surface/leaf_heights.h"
@@ -43,6 +46,14 @@ constexpr double kWorthATree = 0.7;
 /// The fewest cells of a level that any surface worth drawing fills if it has the points to do so,
 /// as a share of the square of the cells along the cube's edge.
 constexpr double kLeastFilled = 0.25;
+
+/// Fewer points are drawn as they are in so little time that it does not matter which are seen.
+constexpr std::size_t kManyPoints = 1u << 17;
+/// How many leaves a tree has at least for each node on the level above them, where the leaves
+/// touch each other. It is four on a closed surface.
+constexpr double kClosed = 2.8;
+/// Cells that are larger by this factor look as large.
+constexpr double kSameSize = 1.1;
 
 Result<void> check(const std::function<bool()>& stopped) {
   if (stopped && stopped()) return fail(ErrorCode::cancelled, "the frame is not wanted any more");
@@ -132,22 +143,26 @@ Result<void> coarsen(SceneFrame& scene, double delta) {
   return {};
 }
 
-/// Frames with more leaves keep their surfels in the middle of the voxels. These are so small that
-/// it hardly shows, and heights would take longer than decoding: 250 ms for 900,000 leaves.
+/// Frames with more leaves keep their surfels in the middle of the voxels, unless there are points
+/// to tell better. These are so small that it hardly shows, and heights would take longer than
+/// decoding: 250 ms for 900,000 leaves.
 constexpr std::uint32_t kMostHeights = 1u << 18;
 
-/// What surfels need: how large they are, and where the surface is.
-void make_surfels(SceneFrame& scene) {
-  scene.radii = node_radii(scene.svo, leaf_radii(scene.svo));
+std::span<const glm::i16vec3> leaf_normals(const SceneFrame& scene) {
   const std::vector<glm::i16vec3>& normals = scene.attributes.normals;
-  if (normals.empty() || scene.svo.leaf_count() > kMostHeights) return;
-  const std::uint32_t first_leaf = scene.svo.node_count() - scene.svo.leaf_count();
-  scene.heights =
-      leaf_heights(scene.svo, std::span(normals).subspan(first_leaf), scene.normals_estimated);
+  return std::span(normals).subspan(normals.empty() ? 0 : scene.svo.internal_count());
 }
 
-/// Replaces the cloud by a tree of it.
-void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
+/// What surfels need: how large they are, and where the surface is.
+void make_surfels(SceneFrame& scene, const std::vector<float>& radii) {
+  scene.radii = node_radii(scene.svo, radii);
+  const std::span normals = leaf_normals(scene);
+  if (normals.empty() || scene.svo.leaf_count() > kMostHeights) return;
+  scene.heights = leaf_heights(scene.svo, normals, scene.normals_estimated);
+}
+
+/// Fills the tree with the means of the cloud's attributes.
+void add_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
   scene.svo = build_svo(sorted, depth);
   std::vector<glm::i16vec3> lines;
   if (scene.normals_estimated) {
@@ -156,7 +171,6 @@ void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
   }
   scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted);
   if (scene.normals_estimated) scene.attributes.normals = std::move(lines);
-  scene.cloud = {};
 }
 
 /// Prepares a cloud to be drawn as voxels.
@@ -165,25 +179,68 @@ Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptio
   rule.most = options.level;
   const auto tree = TRY(sort_to_depth(scene.cloud, cube, rule));
   if (tree.depth == options.level) scene.level = options.level;
-  use_tree(scene, tree.sorted,
+  add_tree(scene, tree.sorted,
            depth_that_closes(tree.sorted.occupied, scene.cloud.size(), tree.depth, options.delta));
+  scene.cloud = {};
   return {};
 }
 
 /// Enough levels to tell the spacing of a million points on a surface.
 constexpr int kSpacingLevels = 10;
 
+/// Whether the finest cells lie side by side, so that the tree has hardly more nodes than leaves.
+bool is_closed(const std::vector<std::uint32_t>& occupied) {
+  return occupied.size() > 1 && occupied.back() >= kClosed * occupied[occupied.size() - 2];
+}
+
+/// Replaces the cloud by a tree of it, for surfels or points.
+void use_tree(SceneFrame& scene, const SortedPoints& sorted, int depth, bool with_radii) {
+  add_tree(scene, sorted, depth);
+  if (with_radii) {
+    make_surfels(scene, scene.cloud.has_radii() ? own_radii(scene.svo, scene.cloud, sorted)
+                                                : leaf_radii(scene.svo));
+    // Voxels with a single point have it in their middle.
+    const std::span normals = leaf_normals(scene);
+    if (scene.heights.empty() && !normals.empty() && scene.svo.leaf_count() < scene.cloud.size())
+      scene.heights = point_heights(scene.svo, scene.cloud, sorted, normals);
+  } else {
+    scene.spacing = point_spacing(cells_of(scene.svo), scene.svo.cube.edge, scene.cloud.size());
+  }
+  scene.cloud = {};
+}
+
+/// The voxels of a voxelised cloud, if it is large and they are worth a tree.
+std::optional<VoxelCube> voxels_of(const PointCloud& cloud) {
+  if (cloud.size() < kManyPoints) return std::nullopt;
+  const auto lattice = lattice_of(cloud);
+  if (!lattice) return std::nullopt;
+  const VoxelCube voxels = lattice_cube(bounds(cloud), *lattice);
+  if (voxels.depth == 0 || voxels.depth > kMaxDepth) return std::nullopt;
+  return voxels;
+}
+
 /// Prepares a cloud to be drawn as surfels or points: its points, or a tree as deep as the view
-/// shows, if that has much fewer elements.
+/// shows, if that has much fewer elements or loses nothing.
 Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
   const auto points = static_cast<double>(scene.cloud.size());
   const bool with_radii = options.mode == DrawMode::surfel;
-  if (points * kWorthATree > kLeastFilled * std::pow(4.0, options.level)) {
-    const SortedPoints sorted = sort_points(scene.cloud, cube, options.level);
-    if (sorted.occupied.back() <= kWorthATree * points) {
-      scene.level = options.level;
-      use_tree(scene, sorted, options.level);
-      if (with_radii) make_surfels(scene);
+  const auto voxels = voxels_of(scene.cloud);
+  Cube grid = cube;
+  int level = options.level;
+  if (voxels) {
+    grid = voxels->cube;
+    // The level was found for the cells of the other cube.
+    for (double edge = kSameSize * cube.edge; edge < grid.edge && level < voxels->depth; edge *= 2)
+      ++level;
+    level = std::min(level, voxels->depth);
+  }
+  const bool all_voxels = voxels && level == voxels->depth;
+  if (all_voxels || points * kWorthATree > kLeastFilled * std::pow(4.0, level)) {
+    const SortedPoints sorted = sort_points(scene.cloud, grid, level);
+    const bool few = sorted.occupied.back() <= kWorthATree * points;
+    if (few || (all_voxels && is_closed(sorted.occupied))) {
+      if (!all_voxels) scene.level = options.level;
+      use_tree(scene, sorted, level, with_radii);
       return {};
     }
   }
@@ -234,7 +291,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     if (options.mode == DrawMode::voxel) {
       TRY(coarsen(scene, options.delta));
     } else if (options.mode == DrawMode::surfel) {
-      make_surfels(scene);
+      make_surfels(scene, leaf_radii(scene.svo));
     } else {
       scene.spacing = point_spacing(cells_of(scene.svo), scene.svo.cube.edge, scene.points);
     }

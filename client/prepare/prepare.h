@@ -44,9 +44,12 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// delta, by the count of the source's points.
 ///
 /// Surfels and points draw any other frame as a cloud, unless so many of its points fall together
-/// at `options.level` that building a tree of that depth pays. Voxels draw a tree that is built to
-/// satisfy delta, or to `options.level`. Trees are built in `info.cube`, but those of files in the
-/// frame's bounding cube. Gaps between voxels are filled (gap_filling.h).
+/// at `options.level` that building a tree of that depth pays, or it is a large cloud of voxels,
+/// which becomes the tree of these voxels that its package would have. Radii of points then become
+/// radii of leaves. Voxels draw a tree that is built to satisfy delta, or to `options.level`. Trees
+/// are built in `info.cube`, but those of files in the frame's bounding cube, and those of large
+/// clouds of voxels in a cube whose cells these are. Gaps between voxels are filled
+/// (gap_filling.h).
 ///
 /// Normals that are needed but absent are estimated from neighbours. Radii that are absent are made
 /// in surfel mode, from the tree (tree_radii.h, node_radii.h).

@@ -394,6 +394,43 @@ TEST(PrepareFrame, turns_a_frame_without_points_into_an_empty_scene) {
   }
 }
 
+/// The voxels of a grid of whole numbers that a sphere passes through.
+PointCloud voxelised_sphere(int radius) {
+  PointCloud cloud;
+  for (int x = -radius; x <= radius; ++x)
+    for (int y = -radius; y <= radius; ++y)
+      for (int z = -radius; z <= radius; ++z)
+        if (std::abs(std::sqrt(x * x + y * y + z * z) - radius) < 0.7)
+          cloud.positions.emplace_back(x, y, z);
+  return cloud;
+}
+
+TEST(PrepareFrame, draws_a_large_cloud_of_voxels_as_a_tree_that_loses_nothing) {
+  const PointCloud cloud = voxelised_sphere(100);
+  ASSERT_GT(cloud.size(), 150'000u);
+  const Manifest manifest = manifest_of(cloud);
+  const FetchedFrame file = ply(cloud);
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
+    const auto whole = prepare_frame(manifest, 0, file, {mode});
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->level, kWholeFrame);
+    EXPECT_TRUE(whole->cloud.empty());
+    ASSERT_EQ(whole->svo.leaf_count(), cloud.size());
+    const PointCloud leaves = leaf_centers(whole->svo);
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      ASSERT_LT(glm::distance(leaves.world(i), glm::round(leaves.world(i))), 1e-3);
+    EXPECT_EQ(whole->radii.size(), mode == DrawMode::surfel ? whole->svo.node_count() : 0u);
+
+    PrepareOptions options{mode};
+    options.level = 6;
+    const auto coarse = prepare_frame(manifest, 0, file, options);
+    ASSERT_TRUE(coarse);
+    EXPECT_EQ(coarse->level, 6) << "the level that was asked for";
+    EXPECT_EQ(coarse->svo.depth, 7) << "its cube is larger than that of the bounds";
+    EXPECT_LT(coarse->svo.leaf_count(), cloud.size() / 3);
+  }
+}
+
 TEST(PrepareFrame, reports_the_problem_with_damaged_bytes) {
   const PointCloud cloud = sphere(1'000, false, true);
   FetchedFrame frame = fetched(cloud, octree(0.05));

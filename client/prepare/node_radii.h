@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "pointreel/executor.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -13,7 +14,8 @@ namespace pointreel {
 /// node's surfel stands for the sum of its children's areas: a coarser cut covers as much of the
 /// picture as a finer one. Where noise has thickened the surface that would be too much. A node
 /// therefore gets no more than a disc around its cell or, where leaves lie farther apart than their
-/// size, twice the area of its largest child.
-std::vector<float> node_radii(const Svo& svo, const std::vector<float>& leaf_radii);
+/// size, twice the area of its largest child. The threads of the executor share large levels.
+std::vector<float> node_radii(const Svo& svo, const std::vector<float>& leaf_radii,
+                              const Executor& executor = {});
 
 }  // namespace pointreel

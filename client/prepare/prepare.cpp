@@ -108,7 +108,7 @@ void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
   } else if (attributes.normals.empty()) {
     PointCloud leaves = leaf_centers(scene.svo);
     estimate_normals(leaves);
-    attributes.normals = mean_normal_lines(scene.svo, leaves);
+    attributes.normals = mean_normal_lines(scene.svo, leaves, tbb_executor());
     scene.normals_estimated = true;
   }
 }
@@ -155,7 +155,7 @@ std::span<const glm::i16vec3> leaf_normals(const SceneFrame& scene) {
 
 /// What surfels need: how large they are, and where the surface is.
 void make_surfels(SceneFrame& scene, const std::vector<float>& radii) {
-  scene.radii = node_radii(scene.svo, radii);
+  scene.radii = node_radii(scene.svo, radii, tbb_executor());
   const std::span normals = leaf_normals(scene);
   if (normals.empty() || scene.svo.leaf_count() > kMostHeights) return;
   scene.heights = leaf_heights(scene.svo, normals, scene.normals_estimated);
@@ -163,13 +163,14 @@ void make_surfels(SceneFrame& scene, const std::vector<float>& radii) {
 
 /// Fills the tree with the means of the cloud's attributes.
 void add_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
-  scene.svo = build_svo(sorted, depth);
+  const Executor executor = tbb_executor();
+  scene.svo = build_svo(sorted, depth, executor);
   std::vector<glm::i16vec3> lines;
   if (scene.normals_estimated) {
-    lines = mean_normal_lines(scene.svo, scene.cloud, sorted);
+    lines = mean_normal_lines(scene.svo, scene.cloud, sorted, executor);
     scene.cloud.normals.clear();
   }
-  scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted);
+  scene.attributes = mean_attributes(scene.svo, scene.cloud, sorted, executor);
   if (scene.normals_estimated) scene.attributes.normals = std::move(lines);
 }
 
@@ -177,7 +178,7 @@ void add_tree(SceneFrame& scene, const SortedPoints& sorted, int depth) {
 Result<void> make_voxels(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
   DepthRule rule = voxel_rule(options.delta);
   rule.most = options.level;
-  const auto tree = TRY(sort_to_depth(scene.cloud, cube, rule));
+  const auto tree = TRY(sort_to_depth(scene.cloud, cube, rule, tbb_executor()));
   if (tree.depth == options.level) scene.level = options.level;
   add_tree(scene, tree.sorted,
            depth_that_closes(tree.sorted.occupied, scene.cloud.size(), tree.depth, options.delta));
@@ -236,7 +237,7 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
   }
   const bool all_voxels = voxels && level == voxels->depth;
   if (all_voxels || points * kWorthATree > kLeastFilled * std::pow(4.0, level)) {
-    const SortedPoints sorted = sort_points(scene.cloud, grid, level);
+    const SortedPoints sorted = sort_points(scene.cloud, grid, level, tbb_executor());
     const bool few = sorted.occupied.back() <= kWorthATree * points;
     if (few || (all_voxels && is_closed(sorted.occupied))) {
       if (!all_voxels) scene.level = options.level;
@@ -245,12 +246,14 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
     }
   }
   if (options.mode == DrawMode::point) {
-    const SortedPoints sorted = sort_points(scene.cloud, cube, kSpacingLevels);
+    const SortedPoints sorted = sort_points(scene.cloud, cube, kSpacingLevels, tbb_executor());
     scene.spacing = point_spacing(sorted.occupied, cube.edge, scene.cloud.size());
   }
   if (with_radii && !scene.cloud.has_radii()) {
-    const auto tree = TRY(sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta)));
-    scene.cloud.radii = point_radii(build_svo(tree.sorted, tree.depth), tree.sorted);
+    const Executor executor = tbb_executor();
+    const auto tree =
+        TRY(sort_to_depth(scene.cloud, cube, DepthRule::by_delta(options.delta), executor));
+    scene.cloud.radii = point_radii(build_svo(tree.sorted, tree.depth, executor), tree.sorted);
   }
   return {};
 }

@@ -56,8 +56,9 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 ///
 /// Fills decode_ms (bytes to cloud or tree), normals_ms (their estimation) and svo_ms (tree,
 /// attributes and radii), and level, points and layers as far as they are known. The bytes may be
-/// hostile. Large frames are decoded by several threads of the caller's TBB arena, if it has idle
-/// ones. From the first time that `stopped` says yes, it fails soon with ErrorCode::cancelled.
+/// hostile. Large frames are decoded, and their trees built, by several threads of the caller's TBB
+/// arena, if it has idle ones. From the first time that `stopped` says yes, it fails soon with
+/// ErrorCode::cancelled.
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
                                  const PrepareOptions& options,
                                  const std::function<bool()>& stopped = {});

@@ -245,11 +245,11 @@ void cut_off(OctreeFrame& frame, int depth) {
 }
 
 /// Adds the nodes' means of those attributes that were coded for the leaves alone.
-void add_means(OctreeFrame& frame) {
+void add_means(OctreeFrame& frame, const Executor& executor) {
   PointCloud leaves;
   if (frame.nodes.colors.empty()) leaves.colors.swap(frame.colors);
   if (frame.nodes.normals.empty()) leaves.normals.swap(frame.normals);
-  NodeAttributes means = mean_attributes(frame.svo, leaves);
+  NodeAttributes means = mean_attributes(frame.svo, leaves, executor);
   if (leaves.has_colors()) {
     frame.nodes.colors = std::move(means.colors);
     frame.colors.swap(leaves.colors);
@@ -519,7 +519,7 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
     });
     for (const Result<void>& done : results) TRY(done);
   }
-  if (limits.inner_nodes) add_means(frame);
+  if (limits.inner_nodes) add_means(frame, limits.executor);
   if (depth < frame.svo.depth) cut_off(frame, depth);
   return frame;
 }

@@ -10,9 +10,12 @@
 #include "common/octree/radix_sort.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
+#include "pointreel/executor.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
+
+// The threads of an executor share the work on large clouds. What is built does not depend on it.
 
 /// The points of a cloud, sorted into the cells of a cube. Choosing the depth, building the tree
 /// and averaging the attributes all start from this.
@@ -28,7 +31,8 @@ struct SortedPoints {
 /// Quantises and sorts the points, of which there are fewer than 2^31. Points outside the cube move
 /// to the cells at its boundary (FORMULAS.md, "Cube of a frame"). Fewer levels take less time.
 /// O(n).
-SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels = kMaxDepth);
+SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels = kMaxDepth,
+                         const Executor& executor = {});
 
 /// The depth that the rule asks for, at most rule.most. For a delta that is the smallest h, from
 /// rule.least on, with oct(h) / n >= 1 - delta, at most the level that tells all distinct points
@@ -51,7 +55,7 @@ struct SortedToDepth {
 /// repeated vertices are after a rounding. Sorts no more levels than it takes to decide. Errors: as
 /// choose_depth.
 Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
-                                    const DepthRule& rule);
+                                    const DepthRule& rule, const Executor& executor = {});
 
 /// The rule for coding a frame of this many points. Few points are divided further than delta asks,
 /// because each stands for itself: to keep them apart says little about where they are
@@ -59,7 +63,7 @@ Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
 DepthRule coding_rule(DepthRule rule, std::size_t points);
 
 /// Builds the tree of the given depth, 0 to sorted.levels. An empty cloud gives an empty tree.
-Svo build_svo(const SortedPoints& sorted, int depth);
+Svo build_svo(const SortedPoints& sorted, int depth, const Executor& executor = {});
 
 /// Fills in `level_begin` and `first_child` of a tree whose `depth` and `masks` are set. Returns
 /// false if the masks do not form such a tree: if an internal node has no child, or there are too
@@ -70,21 +74,25 @@ bool index_svo(Svo& svo, bool occupied);
 /// The mean attributes of the leaves, from the points in each, and of the inner nodes, from their
 /// leaves, each of which counts once. The sums are integers, so the result does not depend on the
 /// order of the points.
-NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted);
+NodeAttributes mean_attributes(const Svo& svo, const PointCloud& cloud, const SortedPoints& sorted,
+                               const Executor& executor = {});
 
 /// One of the two attributes alone. The cloud has it.
 std::vector<glm::u16vec3> mean_colors(const Svo& svo, const PointCloud& cloud,
-                                      const SortedPoints& sorted);
+                                      const SortedPoints& sorted, const Executor& executor = {});
 std::vector<glm::i16vec3> mean_normals(const Svo& svo, const PointCloud& cloud,
-                                       const SortedPoints& sorted);
+                                       const SortedPoints& sorted, const Executor& executor = {});
 /// The same for the leaves alone, in their order.
 std::vector<glm::u16vec3> mean_leaf_colors(const Svo& svo, const PointCloud& cloud,
-                                           const SortedPoints& sorted);
+                                           const SortedPoints& sorted,
+                                           const Executor& executor = {});
 std::vector<glm::i16vec3> mean_leaf_normals(const Svo& svo, const PointCloud& cloud,
-                                            const SortedPoints& sorted);
+                                            const SortedPoints& sorted,
+                                            const Executor& executor = {});
 
 /// mean_attributes of a cloud that holds exactly one point for each leaf, in the order of the
 /// leaves.
-NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves);
+NodeAttributes mean_attributes(const Svo& svo, const PointCloud& leaves,
+                               const Executor& executor = {});
 
 }  // namespace pointreel

@@ -13,8 +13,10 @@ namespace pointreel {
 /// lie on. A normal and its opposite count the same, so the signs of the points' normals change
 /// nothing but the signs of the means, which follow the majority. The cloud has normals.
 std::vector<glm::i16vec3> mean_normal_lines(const Svo& svo, const PointCloud& cloud,
-                                            const SortedPoints& sorted);
+                                            const SortedPoints& sorted,
+                                            const Executor& executor = {});
 /// The same for a cloud that holds exactly one point for each leaf, in the order of the leaves.
-std::vector<glm::i16vec3> mean_normal_lines(const Svo& svo, const PointCloud& leaves);
+std::vector<glm::i16vec3> mean_normal_lines(const Svo& svo, const PointCloud& leaves,
+                                            const Executor& executor = {});
 
 }  // namespace pointreel

@@ -5,8 +5,12 @@
 #include <compare>
 #include <cstddef>
 #include <cstring>
+#include <memory>
+#include <numeric>
 #include <optional>
+#include <span>
 
+#include "common/base/blocks.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
 #include "common/octree/build.h"
@@ -20,31 +24,35 @@ namespace {
 /// take three digits of the radix sort.
 constexpr int kCommonLevels = 11;
 
-/// Calls visit(i, key) for each point, in order. Works on blocks of coordinates, x, y and z alike,
-/// so that the compiler can turn them into cells with vector instructions.
+/// Calls visit(i, key) for each point, a block of points in order. Works on some coordinates at a
+/// time, x, y and z alike, so that the compiler can turn them into cells with vector instructions.
 template <class Visit>
-void for_each_key(const PointCloud& cloud, const Cube& cube, int levels, Visit&& visit) {
-  constexpr std::size_t kBlock = 64;
+void for_each_key(const PointCloud& cloud, const Cube& cube, int levels, const Blocks& blocks,
+                  const Executor& executor, const Visit& visit) {
+  constexpr std::size_t kAtOnce = 64;
   constexpr double kLast = (1 << kMaxDepth) - 1;
   const glm::dvec3 corner = cloud.origin - cube.origin;
   const double cells_per_unit = std::ldexp(1.0, kMaxDepth) / cube.edge;
   const int drop = kMaxDepth - levels;
-  std::array<double, 3 * kBlock> offset;
+  std::array<double, 3 * kAtOnce> offset;
   for (std::size_t i = 0; i < offset.size(); ++i) offset[i] = corner[static_cast<int>(i % 3)];
-  std::array<std::int32_t, 3 * kBlock> cells;
-  for (std::size_t begin = 0; begin < cloud.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, cloud.size() - begin);
-    const float* const coordinates = &cloud.positions[begin].x;
-    for (std::size_t i = 0; i < 3 * count; ++i) {
-      // Clamped before the conversion, since a point far outside would overflow the integer.
-      const double cell = (static_cast<double>(coordinates[i]) + offset[i]) * cells_per_unit;
-      const double at_least_0 = cell > 0.0 ? cell : 0.0;
-      cells[i] = static_cast<std::int32_t>(at_least_0 < kLast ? at_least_0 : kLast) >> drop;
+  for_each_block(executor, blocks, [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::array<std::int32_t, 3 * kAtOnce> cells;
+    for (; begin < end; begin += kAtOnce) {
+      const std::size_t count = std::min(kAtOnce, end - begin);
+      const float* const coordinates = &cloud.positions[begin].x;
+      for (std::size_t i = 0; i < 3 * count; ++i) {
+        // Clamped before the conversion, since a point far outside would overflow the integer.
+        const double cell = (static_cast<double>(coordinates[i]) + offset[i]) * cells_per_unit;
+        const double at_least_0 = cell > 0.0 ? cell : 0.0;
+        cells[i] = static_cast<std::int32_t>(at_least_0 < kLast ? at_least_0 : kLast) >> drop;
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        visit(begin + i,
+              morton_encode(glm::uvec3(cells[3 * i], cells[3 * i + 1], cells[3 * i + 2])));
+      }
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      visit(begin + i, morton_encode(glm::uvec3(cells[3 * i], cells[3 * i + 1], cells[3 * i + 2])));
-    }
-  }
+  });
 }
 
 bool meets(const DepthRule& rule, std::uint32_t cells, std::uint64_t n) {
@@ -77,23 +85,29 @@ std::size_t count_distinct(std::span<glm::vec3> run, float tolerance) {
 
 /// The number of points that are farther apart than half a cell of the deepest level. Those that
 /// share no cell of the sorted levels need no look.
-std::uint64_t count_distinct(const PointCloud& cloud, const SortedPoints& sorted) {
+std::uint64_t count_distinct(const PointCloud& cloud, const SortedPoints& sorted,
+                             const Executor& executor) {
   const auto tolerance = static_cast<float>(std::ldexp(sorted.cube.edge, -kMaxDepth - 1));
   const std::vector<KeyIndex>& points = sorted.points;
-  std::vector<glm::vec3> run;
-  std::uint64_t distinct = 0;
-  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
-    end = begin + 1;
-    while (end < points.size() && points[end].key == points[begin].key) ++end;
-    if (end - begin == 1) {
-      ++distinct;
-      continue;
+  const Blocks blocks(executor, points.size(), kLeastPerBlock);
+  std::vector<std::uint64_t> distinct(blocks.count());
+  for_each_block(executor, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    // Runs count where they begin.
+    while (begin > 0 && begin < end && points[begin].key == points[begin - 1].key) ++begin;
+    std::vector<glm::vec3> run;
+    for (std::size_t next = begin; begin < end; begin = next) {
+      ++next;
+      while (next < points.size() && points[next].key == points[begin].key) ++next;
+      if (next - begin == 1) {
+        ++distinct[block];
+        continue;
+      }
+      run.clear();
+      for (std::size_t i = begin; i < next; ++i) run.push_back(cloud.positions[points[i].index]);
+      distinct[block] += count_distinct(run, tolerance);
     }
-    run.clear();
-    for (std::size_t i = begin; i < end; ++i) run.push_back(cloud.positions[points[i].index]);
-    distinct += count_distinct(run, tolerance);
-  }
-  return distinct;
+  });
+  return std::accumulate(distinct.begin(), distinct.end(), std::uint64_t{0});
 }
 
 /// Appends the masks of the parents of `keys` to `masks`, and replaces `keys` by the keys of the
@@ -116,15 +130,89 @@ void reduce_level(std::vector<std::uint64_t>& keys, std::vector<std::uint8_t>& m
   masks.resize(begin + last + 1);
 }
 
+/// The nodes above a block of sorted points. Its first node of a level may be the last one of the
+/// block before, too: these have parts of one node's children each.
+struct BlockTree {
+  std::vector<std::uint8_t> masks;    ///< those of the level above the leaves first
+  std::vector<std::uint32_t> counts;  ///< of the nodes of each level
+  std::vector<std::uint32_t> begin;   ///< the number of its first node in the tree's level
+  std::uint64_t first = 0, last = 0;  ///< the keys of its leaves
+  std::size_t shared = 0;             ///< on so many levels, the first node is the block's before
+
+  BlockTree() = default;
+  /// `points`: at least one. `shift` makes leaves of their keys.
+  BlockTree(std::span<const KeyIndex> points, int shift, int depth)
+      : counts(static_cast<std::size_t>(depth) + 1), begin(counts.size()) {
+    std::vector<std::uint64_t> keys(points.size());
+    std::size_t distinct = 0;
+    std::uint64_t previous = ~std::uint64_t{0};
+    for (const KeyIndex& point : points) {
+      const std::uint64_t key = point.key >> shift;
+      distinct += static_cast<std::size_t>(key != previous);
+      keys[distinct - 1] = previous = key;
+    }
+    keys.resize(distinct);
+    first = keys.front();
+    last = keys.back();
+    for (std::size_t level = counts.size();;) {
+      counts[--level] = static_cast<std::uint32_t>(keys.size());
+      if (level == 0) break;
+      reduce_level(keys, masks);
+    }
+  }
+
+  void share_with(const BlockTree& before, int depth) {
+    const auto width = static_cast<int>(std::bit_width(before.last ^ first));
+    shared = static_cast<std::size_t>(depth + 1 - (width + 2) / 3);
+  }
+
+  /// Sets the nodes that are not shared.
+  void copy_to(Svo& svo) const {
+    const std::uint8_t* mask = masks.data() + masks.size();
+    for (std::size_t level = 0; level + 1 < counts.size(); ++level) {
+      mask -= counts[level];
+      const std::uint32_t node = svo.level_begin[level] + begin[level];
+      std::uint32_t child = svo.level_begin[level + 1] + begin[level + 1];
+      const std::uint32_t count = counts[level];
+      std::uint32_t i = 0;
+      if (level < shared) child += static_cast<std::uint32_t>(std::popcount(mask[i++]));
+      std::copy(mask + i, mask + count, svo.masks.data() + node + i);
+      for (; i < count; ++i) {
+        svo.first_child[node + i] = child;
+        child += static_cast<std::uint32_t>(std::popcount(mask[i]));
+      }
+    }
+  }
+
+  /// Adds the children of nodes that an earlier block has set.
+  void add_shared_to(Svo& svo) const {
+    const std::uint8_t* mask = masks.data() + masks.size();
+    for (std::size_t level = 0; level < std::min(shared, counts.size() - 1); ++level) {
+      mask -= counts[level];
+      std::uint8_t& whole = svo.masks[svo.level_begin[level] + begin[level]];
+      whole = static_cast<std::uint8_t>(whole | *mask);
+    }
+  }
+};
+
 /// Counts the occupied cells of every level at once. In sorted order, a key begins a new cell of
 /// level h if it differs from the key before at level h or above, so a histogram of the widths of
 /// these differences gives the counts of all levels.
 class OccupiedCounter {
  public:
-  /// To be called for the keys of all points, in order.
+  /// Before the first key of all.
+  OccupiedCounter() = default;
+  /// After the key of another counter's last point.
+  explicit OccupiedCounter(std::uint64_t previous) : previous_(previous) {}
+
+  /// To be called for the keys of consecutive points, in order.
   void add(std::uint64_t key) {
     ++widths_[static_cast<std::size_t>(std::bit_width(previous_ ^ key))];
     previous_ = key;
+  }
+
+  void add(const OccupiedCounter& other) {
+    for (std::size_t i = 0; i < widths_.size(); ++i) widths_[i] += other.widths_[i];
   }
 
   std::vector<std::uint32_t> counts(int levels) const {
@@ -223,32 +311,49 @@ Result<void> check_depth(int depth) {
 
 double Svo::cell_size(int level) const { return std::ldexp(cube.edge, -level); }
 
-SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels) {
+SortedPoints sort_points(const PointCloud& cloud, const Cube& cube, int levels,
+                         const Executor& executor) {
   SortedPoints sorted;
   sorted.cube = cube;
   sorted.levels = levels;
   sorted.points.resize(cloud.size());
-  OccupiedCounter occupied;
+  const Blocks blocks(executor, cloud.size(), kLeastPerBlock);
+  std::vector<OccupiedCounter> occupied(blocks.count());
+  // Calls keep(i) for each point, too.
+  const auto count = [&](const auto& key_at, const auto& keep) {
+    for_each_block(executor, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+      OccupiedCounter counter;
+      if (begin > 0) counter = OccupiedCounter(key_at(begin - 1));
+      for (std::size_t i = begin; i < end; ++i) {
+        counter.add(key_at(i));
+        keep(i);
+      }
+      occupied[block] = counter;
+    });
+  };
   if (3 * levels + kPackedIndexBits <= 64) {
-    std::vector<std::uint64_t> packed(cloud.size());
-    for_each_key(cloud, cube, levels, [&packed](std::size_t i, std::uint64_t key) {
+    // Not set here, since that would take a good part of the time.
+    const auto packed = std::make_unique_for_overwrite<std::uint64_t[]>(2 * cloud.size());
+    for_each_key(cloud, cube, levels, blocks, executor, [&](std::size_t i, std::uint64_t key) {
       packed[i] = key << kPackedIndexBits | i;
     });
-    radix_sort(packed, 3 * levels);
+    const std::span<std::uint64_t> both(packed.get(), 2 * cloud.size());
+    const auto in_order =
+        radix_sort(both.first(cloud.size()), both.last(cloud.size()), 3 * levels, executor);
     constexpr std::uint64_t kIndex = (std::uint64_t{1} << kPackedIndexBits) - 1;
-    for (std::size_t i = 0; i < packed.size(); ++i) {
-      const std::uint64_t key = packed[i] >> kPackedIndexBits;
-      occupied.add(key);
-      sorted.points[i] = {key, static_cast<std::uint32_t>(packed[i] & kIndex)};
-    }
+    const auto key_at = [in_order](std::size_t i) { return in_order[i] >> kPackedIndexBits; };
+    count(key_at, [&](std::size_t i) {
+      sorted.points[i] = {key_at(i), static_cast<std::uint32_t>(in_order[i] & kIndex)};
+    });
   } else {
-    for_each_key(cloud, cube, levels, [&sorted](std::size_t i, std::uint64_t key) {
+    for_each_key(cloud, cube, levels, blocks, executor, [&](std::size_t i, std::uint64_t key) {
       sorted.points[i] = {key, static_cast<std::uint32_t>(i)};
     });
-    radix_sort(sorted.points, 3 * levels);
-    for (const KeyIndex& point : sorted.points) occupied.add(point.key);
+    radix_sort(sorted.points, 3 * levels, executor);
+    count([&](std::size_t i) { return sorted.points[i].key; }, [](std::size_t) {});
   }
-  sorted.occupied = occupied.counts(levels);
+  for (std::size_t i = 1; i < occupied.size(); ++i) occupied.front().add(occupied[i]);
+  sorted.occupied = occupied.front().counts(levels);
   return sorted;
 }
 
@@ -276,16 +381,16 @@ Result<int> choose_depth(std::span<const std::uint32_t> occupied, std::uint64_t 
 }
 
 Result<SortedToDepth> sort_to_depth(const PointCloud& cloud, const Cube& cube,
-                                    const DepthRule& rule) {
+                                    const DepthRule& rule, const Executor& executor) {
   if (rule.kind == DepthRule::Kind::fixed) {
     const int depth = TRY(choose_depth({}, 0, rule));
-    return SortedToDepth{sort_points(cloud, cube, depth), depth};
+    return SortedToDepth{sort_points(cloud, cube, depth, executor), depth};
   }
   const int first = std::clamp(rule.least, kCommonLevels, kMaxDepth);
   std::optional<std::uint64_t> distinct;
   for (int levels = first;; levels = kMaxDepth) {
-    SortedPoints sorted = sort_points(cloud, cube, levels);
-    if (!distinct) distinct = count_distinct(cloud, sorted);
+    SortedPoints sorted = sort_points(cloud, cube, levels, executor);
+    if (!distinct) distinct = count_distinct(cloud, sorted, executor);
     const int depth = TRY(choose_depth(sorted.occupied, *distinct, rule));
     // If this depth does not meet the rule, it is only where the levels sorted so far end.
     const std::uint32_t cells = sorted.occupied[static_cast<std::size_t>(depth)];
@@ -305,37 +410,36 @@ DepthRule coding_rule(DepthRule rule, std::size_t points) {
   return rule;
 }
 
-Svo build_svo(const SortedPoints& sorted, int depth) {
+Svo build_svo(const SortedPoints& sorted, int depth, const Executor& executor) {
   Svo svo;
   svo.cube = sorted.cube;
   svo.depth = depth;
-  std::vector<std::uint64_t> keys(sorted.points.size());
+  const auto levels = static_cast<std::size_t>(depth) + 1;
+  svo.level_begin.assign(levels + 1, 0);
+  if (sorted.points.empty()) return svo;
   const int shift = 3 * (sorted.levels - depth);
-  std::size_t distinct = 0;
-  std::uint64_t previous = ~std::uint64_t{0};
-  for (const KeyIndex& point : sorted.points) {
-    const std::uint64_t key = point.key >> shift;
-    distinct += static_cast<std::size_t>(key != previous);
-    keys[distinct - 1] = previous = key;
-  }
-  keys.resize(distinct);
-  if (!keys.empty()) {
-    // Masks are made from the leaves upwards; then the order of the levels is reversed.
-    std::vector<std::uint8_t> upward;
-    std::vector<std::size_t> begin;
-    for (int level = depth; level > 0; --level) {
-      begin.push_back(upward.size());
-      reduce_level(keys, upward);
-    }
-    svo.masks.reserve(upward.size());
-    std::size_t end = upward.size();
-    for (auto level = begin.rbegin(); level != begin.rend(); ++level) {
-      const auto from = upward.begin() + static_cast<std::ptrdiff_t>(*level);
-      svo.masks.insert(svo.masks.end(), from, upward.begin() + static_cast<std::ptrdiff_t>(end));
-      end = *level;
+  const Blocks blocks(executor, sorted.points.size(), kLeastPerBlock);
+  std::vector<BlockTree> trees(blocks.count());
+  for_each_block(executor, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    trees[block] = BlockTree(std::span(sorted.points).subspan(begin, end - begin), shift, depth);
+  });
+  // Where the nodes of each block go: numbers among those of their level, as long as the levels'
+  // own numbers are not known.
+  std::vector<std::uint32_t> counts(levels);
+  for (std::size_t block = 0; block < trees.size(); ++block) {
+    BlockTree& tree = trees[block];
+    if (block > 0) tree.share_with(trees[block - 1], depth);
+    for (std::size_t level = 0; level < levels; ++level) {
+      tree.begin[level] = counts[level] - (level < tree.shared ? 1 : 0);
+      counts[level] = tree.begin[level] + tree.counts[level];
     }
   }
-  index_svo(svo, !keys.empty());
+  std::partial_sum(counts.begin(), counts.end(), svo.level_begin.begin() + 1);
+  svo.masks.resize(svo.level_begin[levels - 1]);
+  svo.first_child.resize(svo.masks.size());
+  for_each_block(executor, blocks,
+                 [&](std::size_t block, std::size_t, std::size_t) { trees[block].copy_to(svo); });
+  for (const BlockTree& tree : trees) tree.add_shared_to(svo);
   return svo;
 }
 

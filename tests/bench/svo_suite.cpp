@@ -1,9 +1,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include "client/scene/cut.h"
 #include "common/base/print.h"
+#include "common/base/tbb_executor.h"
 #include "common/octree/build.h"
 #include "datasets_synthetic/sequences.h"
 #include "pointreel/octree.h"
@@ -18,9 +20,9 @@ namespace {
 constexpr double kDelta = 0.05;
 
 /// Quantises, sorts, chooses the depth and builds, as the client does for a frame of points.
-Svo build(const PointCloud& cloud, const Cube& cube) {
-  const auto points = sort_to_depth(cloud, cube, DepthRule::by_delta(kDelta));
-  return build_svo(points->sorted, points->depth);
+Svo build(const PointCloud& cloud, const Cube& cube, const Executor& executor = {}) {
+  const auto points = sort_to_depth(cloud, cube, DepthRule::by_delta(kDelta), executor);
+  return build_svo(points->sorted, points->depth, executor);
 }
 
 struct Row {
@@ -78,6 +80,46 @@ nlohmann::json measure_traversal(int runs, std::vector<Bar>& bars) {
           {"traverse_ms", to_json(timing)}};
 }
 
+/// The same work on one thread and on two.
+struct OnThreads {
+  double one = 0.0, two = 0.0;  ///< ms, the least of all runs: other programs may use the cores
+  double gain() const { return one / two; }
+};
+
+/// Runs alternate, so that both meet the same load by other programs.
+template <class Work>
+OnThreads measure_on_threads(int runs, const Work& work) {
+  tbb::task_arena arena(2);
+  std::vector<double> one, two;
+  for (int i = 0; i < runs; ++i) {
+    one.push_back(time_runs(1, [&] { work(Executor{}); }).front());
+    arena.execute([&] { two.push_back(time_runs(1, [&] { work(tbb_executor()); }).front()); });
+  }
+  return {summarise(one).min, summarise(two).min};
+}
+
+nlohmann::json measure_threads(int runs, std::vector<Bar>& bars) {
+  constexpr std::size_t kPoints = 1'000'000;
+  const PointCloud cloud = scan_like_cloud(kPoints);
+  const Cube cube = bounding_cube(bounds(cloud));
+  const auto points = sort_to_depth(cloud, cube, DepthRule::by_delta(kDelta));
+  const Svo svo = build_svo(points->sorted, points->depth);
+  auto rows = nlohmann::json::array();
+  const auto add = [&](const char* what, double least_gain, const OnThreads& times) {
+    print("{:<40} {:>8.2f} ms {:>8.2f} ms {:>6.2f}x\n", what, times.one, times.two, times.gain());
+    rows.push_back({{"what", what}, {"threads_1_ms", times.one}, {"threads_2_ms", times.two}});
+    bars.push_back(
+        {fmt::format("{}, one thread / two", what), times.gain(), "x", least_gain, true});
+  };
+  print("\n{:<40} {:>11} {:>11} {:>7}\n", "1,000,000 points", "one thread", "two", "gain");
+  add("building an SVO", 1.7,
+      measure_on_threads(runs, [&](const Executor& executor) { build(cloud, cube, executor); }));
+  add("its mean attributes", 1.7, measure_on_threads(runs, [&](const Executor& executor) {
+        mean_attributes(svo, cloud, points->sorted, executor);
+      }));
+  return rows;
+}
+
 }  // namespace
 
 nlohmann::json run_svo(const SuiteOptions& options) {
@@ -120,8 +162,14 @@ nlohmann::json run_svo(const SuiteOptions& options) {
     }
   }
   const nlohmann::json traversal = measure_traversal(4 * runs, bars);
+  const nlohmann::json threads =
+      options.quick ? nlohmann::json::array() : measure_threads(runs, bars);
   print(bars);
-  return {{"delta", kDelta}, {"rows", rows}, {"traversal", traversal}, {"bars", to_json(bars)}};
+  return {{"delta", kDelta},
+          {"rows", rows},
+          {"traversal", traversal},
+          {"threads", threads},
+          {"bars", to_json(bars)}};
 }
 
 }  // namespace pointreel::bench

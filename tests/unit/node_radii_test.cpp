@@ -7,6 +7,7 @@
 
 #include "client/prepare/tree_radii.h"
 #include "common/octree/build.h"
+#include "tests/unit/executors.h"
 
 namespace pointreel {
 namespace {
@@ -89,6 +90,18 @@ TEST(NodeRadii, cover_a_closed_surface_on_every_level) {
     EXPECT_GT(area_at(level), 0.65 * area) << level;
     EXPECT_LT(area_at(level), 1.01 * area_at(9)) << level;
   }
+}
+
+TEST(NodeRadii, are_the_same_for_any_number_of_threads) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> anywhere(0.0f, 1.0f);
+  std::vector<glm::vec3> positions;
+  for (int i = 0; i < 150'000; ++i)
+    positions.emplace_back(anywhere(random), anywhere(random), anywhere(random));
+  const Svo svo = tree(positions, 8);
+  const std::vector<float> leaves = leaf_radii(svo), expected = node_radii(svo, leaves);
+  for (const Executor& executor : some_executors())
+    EXPECT_EQ(node_radii(svo, leaves, executor), expected);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/executors.h"
+
 namespace pointreel {
 namespace {
 
@@ -48,9 +50,10 @@ TEST(RadixSort, agrees_with_a_stable_sort_of_packed_items) {
       packed.push_back(item.key << kPackedIndexBits | item.index);
     std::stable_sort(expected.begin(), expected.end(),
                      [](const KeyIndex& a, const KeyIndex& b) { return a.key < b.key; });
-    radix_sort(packed, bits);
+    std::vector<std::uint64_t> spare(packed.size());
+    const auto sorted = radix_sort(packed, spare, bits);
     for (std::size_t i = 0; i < packed.size(); ++i) {
-      ASSERT_EQ(packed[i], expected[i].key << kPackedIndexBits | expected[i].index) << i;
+      ASSERT_EQ(sorted[i], expected[i].key << kPackedIndexBits | expected[i].index) << i;
     }
   }
 }
@@ -61,6 +64,38 @@ TEST(RadixSort, sorts_input_that_is_sorted_or_nearly_sorted) {
   expect_sorted_like_the_library(items);
   items.push_back({7, 5000});
   expect_sorted_like_the_library(items);
+}
+
+TEST(RadixSort, is_the_same_for_any_number_of_threads) {
+  // From less than one block to several, with few and many items of the same key.
+  for (const std::size_t n : {1000u, 65535u, 65536u, 98304u, 200001u}) {
+    for (const int bits : {1, 7, 33, 63}) {
+      const std::vector<KeyIndex> items = random_items(n, bits);
+      std::vector<KeyIndex> expected = items;
+      radix_sort(expected);
+      for (const Executor& executor : some_executors()) {
+        std::vector<KeyIndex> sorted = items;
+        radix_sort(sorted, 63, executor);
+        ASSERT_TRUE(std::ranges::equal(sorted, expected,
+                                       [](const KeyIndex& a, const KeyIndex& b) {
+                                         return a.key == b.key && a.index == b.index;
+                                       }))
+            << n << " items, " << bits << " bits";
+      }
+    }
+  }
+}
+
+TEST(RadixSort, sees_a_single_item_that_is_out_of_order_anywhere) {
+  std::vector<KeyIndex> sorted;
+  for (std::uint32_t i = 0; i < 131072; ++i) sorted.push_back({i, i});
+  const Executor two = threads_executor(2);
+  for (const std::size_t at : {0u, 32767u, 32768u, 65535u, 65536u, 98303u, 131070u}) {
+    std::vector<KeyIndex> items = sorted;
+    std::swap(items[at], items[at + 1]);
+    radix_sort(items, 63, two);
+    for (std::size_t i = 0; i < items.size(); ++i) ASSERT_EQ(items[i].index, i) << at;
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "common/octree/normal_lines.h"
 #include "pointreel/octree.h"
 #include "tests/reference/recursive_octree.h"
+#include "tests/unit/executors.h"
 
 namespace pointreel {
 namespace {
@@ -387,6 +388,70 @@ TEST(MeanNormalLines, are_zero_only_where_all_normals_are) {
   EXPECT_EQ(std::abs(means[0].z), 32767);
   EXPECT_EQ(std::abs(means[1].z), 32767);
   EXPECT_EQ(means[2], glm::i16vec3(0));
+}
+
+/// Expects what is built of a cloud with any number of threads to be what is built with one.
+void expect_same_with_threads(const PointCloud& cloud, int depth, const char* what) {
+  const Cube cube{glm::dvec3(-1.0), 2.0};
+  const auto bytes_equal = [](const auto& a, const auto& b) { return std::ranges::equal(a, b); };
+  for (const int levels : {depth, kMaxDepth}) {
+    const SortedPoints sorted = sort_points(cloud, cube, levels);
+    const Svo svo = build_svo(sorted, depth);
+    const NodeAttributes attributes = mean_attributes(svo, cloud, sorted);
+    const auto lines = mean_normal_lines(svo, cloud, sorted);
+    for (const Executor& executor : some_executors()) {
+      const SortedPoints sorted2 = sort_points(cloud, cube, levels, executor);
+      ASSERT_EQ(sorted2.occupied, sorted.occupied) << what;
+      ASSERT_TRUE(std::ranges::equal(sorted2.points, sorted.points,
+                                     [](const KeyIndex& a, const KeyIndex& b) {
+                                       return a.key == b.key && a.index == b.index;
+                                     }))
+          << what;
+      const Svo svo2 = build_svo(sorted, depth, executor);
+      ASSERT_EQ(svo2.level_begin, svo.level_begin) << what;
+      ASSERT_EQ(svo2.masks, svo.masks) << what;
+      ASSERT_EQ(svo2.first_child, svo.first_child) << what;
+      const NodeAttributes attributes2 = mean_attributes(svo, cloud, sorted, executor);
+      ASSERT_TRUE(bytes_equal(attributes2.colors, attributes.colors)) << what;
+      ASSERT_TRUE(bytes_equal(attributes2.normals, attributes.normals)) << what;
+      ASSERT_TRUE(bytes_equal(mean_normal_lines(svo, cloud, sorted, executor), lines)) << what;
+    }
+  }
+  const auto rule = DepthRule::by_delta(0.05);
+  const int by_delta = sort_to_depth(cloud, cube, rule)->depth;
+  for (const Executor& executor : some_executors())
+    ASSERT_EQ(sort_to_depth(cloud, cube, rule, executor)->depth, by_delta) << what;
+}
+
+TEST(Svo, is_the_same_for_any_number_of_threads) {
+  const PointCloud cloud = random_shell(110'000, 10);
+  expect_same_with_threads(cloud, 9, "a shell");
+  expect_same_with_threads(cloud, 3, "a shell with hundreds of points in each leaf");
+  expect_same_with_threads(cloud, 0, "a single leaf");
+  expect_same_with_threads(random_shell(70'000, 11), kMaxDepth, "a shell to the last level");
+  expect_same_with_threads(PointCloud{}, 5, "no points");
+  expect_same_with_threads(random_shell(1, 12), 5, "a point");
+}
+
+TEST(Svo, is_the_same_for_any_number_of_threads_wherever_their_blocks_meet) {
+  PointCloud same = random_shell(1, 13);
+  same.positions.resize(100'000, same.positions[0]);
+  same.normals.resize(100'000, same.normals[0]);
+  same.colors.resize(100'000, same.colors[0]);
+  expect_same_with_threads(same, 8, "identical points");
+  // With few points around many that share one leaf, blocks meet inside, before and behind them.
+  for (const std::size_t before : {0u, 1u, 20'000u, 49'999u, 50'000u}) {
+    PointCloud cloud = same;
+    for (std::size_t i = 0; i < before; ++i) {
+      const auto t = static_cast<float>(i) / 50'000.0f;
+      cloud.positions[i] = {-0.9f, -0.9f + 1.5f * t, 0.3f * t * t};
+    }
+    expect_same_with_threads(cloud, 10, "repeated points among others");
+  }
+  // Chains of single children, whose nodes all blocks share down to the last levels.
+  PointCloud near = random_shell(100'000, 14);
+  for (std::size_t i = 0; i < near.size(); ++i) near.positions[i] *= i % 1000 == 0 ? 1e-3f : 1e-5f;
+  expect_same_with_threads(near, kMaxDepth, "a small part of the cube");
 }
 
 }  // namespace

@@ -148,6 +148,29 @@ class Around {
   float spacing_ = 0.0f;  ///< between surfels here
 };
 
+/// The size of a pixel at a distance of 1.
+float pixel_at_1(const Camera& camera, glm::ivec2 size) {
+  return static_cast<float>(2.0 * std::tan(0.5 * camera.fov_y) / size.y);
+}
+
+/// False only if no surfel of the frame looks large: not even the largest of them would, where the
+/// frame is nearest to the eye.
+bool may_look_large(const SceneFrame& frame, const Camera& camera, glm::ivec2 size) {
+  const bool is_tree = frame.cloud.empty();
+  const std::span all(is_tree ? frame.radii : frame.cloud.radii);
+  const std::span radii =
+      all.subspan(std::min<std::size_t>(is_tree ? frame.svo.internal_count() : 0, all.size()));
+  if (radii.empty()) return false;
+  const Box& box = frame.boxes.all;
+  if (box.empty()) return true;
+  const glm::dvec3 back = camera.axes()[2];
+  const glm::dvec3 nearest = glm::mix(box.min, box.max, glm::greaterThan(back, glm::dvec3(0.0)));
+  const float largest = *std::max_element(radii.begin(), radii.end());
+  // Surfels may lie off the middle of their cells.
+  const double away = glm::dot(camera.eye() - nearest, back) - 2.0 * largest;
+  return !(largest < kLargePixels * pixel_at_1(camera, size) * away);
+}
+
 }  // namespace
 
 /// A surfel to divide.
@@ -157,20 +180,20 @@ struct Refinement::Wanted {
   float step;  ///< between new surfels
 };
 
-void Refinement::look_at(std::shared_ptr<const SceneFrame> frame) {
-  clear();
-  frame_ = std::move(frame);
-  points_ = surfels_of(*frame_);
-}
-
 void Refinement::run(std::shared_ptr<const SceneFrame> frame, const Camera& camera,
                      glm::ivec2 size) {
-  if (frame != frame_) look_at(std::move(frame));
+  if (frame != frame_) {
+    clear();
+    frame_ = std::move(frame);
+  }
   if (camera_ == camera && size_ == size) return;
   camera_ = camera;
   size_ = size;
   surfels_.clear();
   divided_.clear();
+  // Most pictures show whole figures, whose surfels need not be looked at one by one.
+  if (!may_look_large(*frame_, camera, size)) return;
+  if (points_.empty()) points_ = surfels_of(*frame_);
   if (!points_.has_normals() || !points_.has_radii()) return;
   std::vector<Wanted> wanted = find_wanted(camera, size);
   if (wanted.empty()) return;
@@ -187,7 +210,7 @@ std::vector<Refinement::Wanted> Refinement::find_wanted(const Camera& camera,
   const glm::vec3 eye(camera.eye() - points_.origin);
   const float slope = static_cast<float>(std::tan(0.5 * camera.fov_y));
   const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
-  const float pixel = 2.0f * slope / static_cast<float>(size.y);  // at a distance of 1
+  const float pixel = pixel_at_1(camera, size);
   std::vector<Wanted> wanted;
   double area = 0.0;
   for (std::uint32_t i = 0; i < points_.size(); ++i) {

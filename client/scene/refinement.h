@@ -52,7 +52,6 @@ class Refinement {
  private:
   struct Wanted;
 
-  void look_at(std::shared_ptr<const SceneFrame> frame);
   std::vector<Wanted> find_wanted(const Camera& camera, glm::ivec2 size) const;
   void fit(std::span<const Wanted> wanted);
   /// Chooses how far new surfels are apart, and removes those that need none.
@@ -62,7 +61,8 @@ class Refinement {
   std::shared_ptr<const SceneFrame> frame_;
   std::optional<Camera> camera_;
   glm::ivec2 size_{0};
-  // The frame's points, and in their Morton order what was found around them:
+  // The frame's points, once some may look large, and in their Morton order what was found around
+  // them:
   PointCloud points_;
   std::vector<std::uint32_t> at_;  ///< of a point: its place in that order
   std::optional<PointSurface> surface_;

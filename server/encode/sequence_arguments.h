@@ -6,10 +6,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "codec/sequence/encoding_options.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
-#include "server/encode/encoding_options.h"
 
 namespace pointreel {
 

@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
+#include "codec/sequence/grid.h"
 #include "pointreel/codec.h"
 #include "pointreel/geometry.h"
-#include "server/encode/grid.h"
 
 namespace pointreel {
 

@@ -5,7 +5,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "common/base/median.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -26,69 +25,41 @@ Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
   return source;
 }
 
-Result<SegmentInput::Extent> SegmentInput::read_extent(const std::stop_token& stop) {
-  struct Frame {
-    std::optional<Error> error;
-    Box box;
-    std::optional<PointLattice> lattice;
-    std::size_t points = 0;
-    CleanReport cleaning;
-  };
-  std::vector<Frame> frames(files_.size());
+Result<std::vector<FrameExtent>> SegmentInput::read_extents(const std::stop_token& stop) {
+  std::vector<FrameExtent> frames(files_.size());
+  std::vector<std::optional<Error>> errors(files_.size());
   std::atomic<std::size_t> kept_bytes = 0;
   tbb::parallel_for(std::size_t{0}, files_.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
     Result<SourceFrame> loaded = read(i);
     if (!loaded) {
-      frames[i].error = std::move(loaded.error());
+      errors[i] = std::move(loaded.error());
       return;
     }
-    frames[i] = {{},
-                 bounds(loaded->cloud),
-                 lattice_of(loaded->cloud),
-                 loaded->cloud.size(),
-                 loaded->cleaning};
+    frames[i] = extent_of(loaded->cloud, loaded->cleaning);
     const std::size_t bytes = memory_of(loaded->cloud);
     if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
       kept_[i] = std::make_shared<const SourceFrame>(std::move(*loaded));
     }
   });
-  Extent all;
-  std::vector<double> cells;
-  std::size_t frames_with_points = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Frame& frame = frames[i];
-    if (frame.error) return tl::unexpected(*frame.error);
-    if (frame.points == 0) continue;
-    if (frame.cleaning.cleaned) cells.push_back(frame.cleaning.cell);
-    ++frames_with_points;
-    const bool first = all.box.empty();
-    if (first) {
-      all.lattice = frame.lattice;
-    } else if (all.lattice) {
-      all.lattice = frame.lattice ? common_lattice(*all.lattice, *frame.lattice) : std::nullopt;
-    }
-    if (first || frame.points > frames[all.largest].points) all.largest = i;
-    all.box.grow(frame.box);
+  for (const auto& error : errors) {
+    if (error) return tl::unexpected(*error);
   }
-  if (!cells.empty() && cells.size() == frames_with_points) {
-    all.cell = median(std::move(cells));
-  }
-  return all;
+  return frames;
 }
 
 Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   if (options_.cube_per_frame) return {};
-  Extent extent = TRY(read_extent(stop));
-  if (extent.cell && cells_follow_points(options_)) {
-    extent.lattice = lattice_for_cells(*extent.cell);
-  } else if (extent.lattice && !options_.voxel) {
-    const Cloud largest = TRY(look(extent.largest));
-    if (!reaches(*extent.lattice, extent.box, largest->cloud, options_.encode)) {
-      extent.lattice.reset();
-    }
-  }
-  const Result<Grid> grid = grid_for(extent.box, options_, extent.lattice);
+  const std::vector<FrameExtent> extents = TRY(read_extents(stop));
+  std::optional<Error> unread;
+  const auto cloud_of = [&](std::size_t frame) -> Result<std::shared_ptr<const PointCloud>> {
+    const Result<Cloud> read = look(frame);
+    if (read) return std::shared_ptr<const PointCloud>(*read, &(*read)->cloud);
+    unread = read.error();
+    return tl::unexpected(*unread);
+  };
+  const Result<Grid> grid = grid_for_frames(extents, options_, cloud_of);
+  if (unread) return tl::unexpected(*unread);
   if (!grid) return fail_at(files_.front().string(), grid.error());
   shared_ = *grid;
   return {};

@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "codec/cloud_file.h"
-#include "common/cloud/lattice.h"
+#include "codec/sequence/frames_grid.h"
+#include "codec/sequence/grid.h"
 #include "pointreel/error.h"
-#include "pointreel/geometry.h"
-#include "server/encode/grid.h"
 #include "server/pack/pack_options.h"
 
 namespace pointreel {
@@ -51,14 +50,7 @@ class SegmentInput {
   Result<Cloud> take(std::size_t frame);
 
  private:
-  /// Where all points of the segment lie.
-  struct Extent {
-    Box box;
-    std::optional<PointLattice> lattice;  ///< on which all of them lie
-    std::size_t largest = 0;              ///< the frame with the most points
-    std::optional<double> cell;           ///< the median, if all of them were cleaned
-  };
-  Result<Extent> read_extent(const std::stop_token& stop);
+  Result<std::vector<FrameExtent>> read_extents(const std::stop_token& stop);
   Result<SourceFrame> read(std::size_t frame) const;
 
   std::span<const std::filesystem::path> files_;

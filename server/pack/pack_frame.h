@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/sequence/coarsening.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
@@ -14,7 +15,6 @@
 #include "pointreel/geometry.h"
 #include "server/pack/input.h"
 #include "server/pack/pack_options.h"
-#include "server/rate/coarsening.h"
 #include "server/rate/frame_time_control.h"
 
 namespace pointreel {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/encode/encoding_options.h"
+#include "codec/sequence/encoding_options.h"
 
 namespace pointreel {
 

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include "codec/sequence/segment_writer.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
 #include "server/pack/cleaning.h"
-#include "server/pack/layer_writer.h"
 
 namespace pointreel {
 namespace {
@@ -21,26 +19,17 @@ namespace {
 class Writer {
  public:
   Writer(std::uint32_t first_frame, const PackOptions& options, const SegmentOutput& output)
-      : fps_(options.fps) {
-    segment_.entry.first_frame = first_frame;
+      : fps_(options.fps),
+        first_frame_(first_frame),
+        files_(output.folder, first_frame, output.layer_names) {
     segment_.summary.first_frame = first_frame;
-    for (const std::string& layer : output.layer_names) {
-      files_.emplace_back(output.folder, fmt::format("{:05}.{}", first_frame, layer));
-    }
   }
 
   Result<void> add(const PackedFrame& frame) {
     const EncodedFrame& encoded = frame.encoded;
-    if (encoded.layers.size() > files_.size()) return fail("the codec made too many layers");
-    static const Chunks<Bytes> kNone;
-    for (std::size_t i = 0; i < files_.size(); ++i) {
-      files_[i].append(i < encoded.layers.size() ? encoded.layers[i] : kNone);
-    }
-    Segment& entry = segment_.entry;
-    entry.times_us.push_back(presentation_time_us(entry.first_frame + entry.points.size(), fps_));
-    entry.points.push_back(encoded.source_points);
-
     SegmentSummary& summary = segment_.summary;
+    TRY(files_.append(encoded, presentation_time_us(first_frame_ + summary.frames, fps_)));
+
     const auto depth = static_cast<std::uint32_t>(encoded.depth);
     summary.depth_min = summary.frames == 0 ? depth : std::min(summary.depth_min, depth);
     summary.depth_max = std::max(summary.depth_max, depth);
@@ -69,27 +58,23 @@ class Writer {
     return {};
   }
 
-  Result<PackedSegment> finish() {
+  /// `shared`: the cube of all frames, if they share one.
+  Result<PackedSegment> finish(const std::optional<Grid>& shared) {
     SegmentSummary& summary = segment_.summary;
-    for (LayerWriter& file : files_) {
-      segment_.entry.layers.push_back(TRY(file.finish()));
-      summary.bytes += segment_.entry.layers.back().bytes;
-    }
+    segment_.entry = TRY(files_.finish(shared ? shared->cube : bounding_cube(segment_.box)));
+    for (const LayerFile& file : segment_.entry.layers) summary.bytes += file.bytes;
     summary.bits_per_second = 8.0 * static_cast<double>(summary.bytes) * fps_ / summary.frames;
     return std::move(segment_);
   }
 
  private:
   const double fps_;
-  std::vector<LayerWriter> files_;
+  const std::uint32_t first_frame_;
+  SegmentWriter files_;
   PackedSegment segment_;
 };
 
 }  // namespace
-
-std::uint64_t presentation_time_us(std::size_t frame, double fps) {
-  return static_cast<std::uint64_t>(std::llround(static_cast<double>(frame) * 1e6 / fps));
-}
 
 Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_frame,
                                    const PackOptions& options, FrameLimits& limits,
@@ -125,10 +110,9 @@ Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_fram
   if (error) return tl::unexpected(*error);
   if (output.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
 
-  Result<PackedSegment> packed = writer.finish();
+  Result<PackedSegment> packed = writer.finish(input.shared_grid());
   if (!packed) return fail_at(options.output.string(), packed.error());
   packed->summary.encode = limits.of_segment(options.encode);
-  packed->entry.cube = input.shared_grid() ? input.shared_grid()->cube : bounding_cube(packed->box);
   return packed;
 }
 

@@ -48,7 +48,4 @@ Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_fram
                                    const PackOptions& options, FrameLimits& limits,
                                    const SegmentOutput& output);
 
-/// The presentation time of a frame of the reel.
-std::uint64_t presentation_time_us(std::size_t frame, double fps);
-
 }  // namespace pointreel

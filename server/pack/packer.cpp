@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <fstream>
 #include <new>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,9 +14,11 @@
 #include <tbb/task_arena.h>
 
 #include "codec/cloud_file.h"
+#include "codec/sequence/layer_writer.h"
+#include "codec/sequence/package_folder.h"
+#include "codec/sequence/segment_writer.h"
 #include "codec/training/sequence_tables.h"
 #include "common/base/output_folder.h"
-#include "common/base/print.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/stream/manifest.h"
@@ -27,7 +27,6 @@
 #include "server/encode/unread_properties.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/input.h"
-#include "server/pack/layer_writer.h"
 #include "server/pack/pack_frame.h"
 #include "server/pack/pack_segment.h"
 #include "server/pack/sample_trees.h"
@@ -40,46 +39,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string default_name(const fs::path& output) {
-  const fs::path normal = fs::absolute(output).lexically_normal();
-  const fs::path last = normal.has_filename() ? normal.filename() : normal.parent_path().filename();
-  return visible(last.extension() == ".reel" ? last.stem().string() : last.string());
-}
-
-/// With --force, packages are replaced, but nothing else that someone may have put there.
-Result<void> may_replace_package(const fs::path& folder) {
-  const Result<Manifest> manifest = read_manifest(folder);
-  if (!manifest && manifest.error().code == ErrorCode::not_found) {
-    return fail(ErrorCode::argument,
-                "is not a package, and --force replaces only packages; remove it first");
-  }
-  if (!manifest) {
-    return fail(ErrorCode::argument,
-                fmt::format("nobody knows which files belong to it, because {} is damaged; remove "
-                            "it first",
-                            kManifestName));
-  }
-  std::set<std::string> parts = {kManifestName, kJournalName};
-  for (const PackageFile* file : manifest->files()) parts.insert(file->path);
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!parts.contains(name)) {
-      return fail(ErrorCode::argument,
-                  fmt::format("holds {}, which is not part of the package; remove it first", name));
-    }
-  }
-  if (error) return fail(ErrorCode::io, error.message());
-  return {};
-}
-
 /// Packs one segment after another into a folder.
 class Packer {
  public:
   Packer(const PackOptions& options, const PackListener& listener, std::vector<fs::path> files,
          const fs::path& folder)
       : options_(options), listener_(listener), files_(std::move(files)), limits_(options) {
-    if (options_.name.empty()) options_.name = default_name(options.output);
+    if (options_.name.empty()) options_.name = default_reel_name(options.output);
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(manifest_) = reel_head(options_);
@@ -207,38 +173,12 @@ class Packer {
     fs::remove(output_.folder / file.path, ignored);
   }
 
-  /// Shallow octrees do not have the finest layers. Layers that no frame has are not packed.
-  void drop_unused_layers() {
-    const auto unused = [](const Segment& segment) { return segment.layers.back().bytes == 0; };
-    while (manifest_.layer_names.size() > 1 &&
-           std::all_of(manifest_.segments.begin(), manifest_.segments.end(), unused)) {
-      for (Segment& segment : manifest_.segments) {
-        remove_file(segment.layers.back());
-        segment.layers.pop_back();
-      }
-      manifest_.layer_names.pop_back();
-    }
-  }
-
   Result<PackSummary> finish() {
-    drop_unused_layers();
     manifest_.depth_min = summary_.depth_min;
     manifest_.depth_max = summary_.depth_max;
     manifest_.max_error = summary_.max_error;
     if (summary_.cleaning.frames > 0) manifest_.cleaning = summary_.cleaning;
-    const std::string text = write_manifest(manifest_);
-    if (const auto parsed = parse_manifest(text); !parsed) {
-      return fail_at("the package would not be valid", parsed.error());
-    }
-    std::ofstream out(output_.folder / kManifestName, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) {
-      return fail(ErrorCode::io, options_.output.string() +
-                                     ": cannot be written; check that the disk is not full");
-    }
-
-    summary_.bytes = text.size();
+    summary_.bytes = TRY(finish_package(output_.folder, manifest_, options_.output));
     for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
     summary_.encode_ms = spread_of(std::move(encode_ms_));
     summary_.late_frames = limits_.late_frames();

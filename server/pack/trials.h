@@ -5,9 +5,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "codec/sequence/grid.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
-#include "server/encode/grid.h"
 #include "server/pack/input.h"
 #include "server/rate/rate_control.h"
 

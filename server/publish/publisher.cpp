@@ -13,12 +13,12 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
+#include "codec/sequence/coarsening.h"
 #include "common/base/ordered_turns.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "server/encode/unread_properties.h"
-#include "server/rate/coarsening.h"
 #include "server/rate/frame_time_control.h"
 
 namespace pointreel {

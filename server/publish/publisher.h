@@ -6,10 +6,10 @@
 #include <stop_token>
 #include <string>
 
+#include "codec/sequence/encoding_options.h"
+#include "codec/sequence/grid.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
-#include "server/encode/encoding_options.h"
-#include "server/encode/grid.h"
 #include "server/encode/spread.h"
 #include "server/publish/frame_input.h"
 #include "server/publish/outbox.h"

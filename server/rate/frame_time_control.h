@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
+#include "codec/sequence/coarsening.h"
 #include "common/base/backoff.h"
 #include "pointreel/octree.h"
-#include "server/rate/coarsening.h"
 
 namespace pointreel {
 

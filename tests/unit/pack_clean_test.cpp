@@ -7,9 +7,9 @@
 
 #include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
+#include "codec/sequence/encoding_options.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
-#include "server/encode/encoding_options.h"
 #include "server/pack/inspect.h"
 #include "server/pack/packer.h"
 #include "tests/unit/pack_folder.h"

@@ -12,9 +12,9 @@
 
 #include "client/prepare/prepare.h"
 #include "codec/part_sizes.h"
+#include "codec/sequence/grid.h"
 #include "common/base/try.h"
 #include "datasets_synthetic/closest_point.h"
-#include "server/encode/grid.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/render/quality.h"
 #include "tests/bench/surface/true_surface.h"

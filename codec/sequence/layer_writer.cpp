@@ -1,4 +1,4 @@
-#include "server/pack/layer_writer.h"
+#include "codec/sequence/layer_writer.h"
 
 #include <cstdint>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "server/rate/coarsening.h"
+#include "codec/sequence/coarsening.h"
 
 #include <algorithm>
 

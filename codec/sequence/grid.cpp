@@ -1,13 +1,13 @@
-#include "server/encode/grid.h"
+#include "codec/sequence/grid.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "codec/frame_header.h"
+#include "codec/sequence/coarsening.h"
 #include "common/octree/build.h"
 #include "pointreel/octree.h"
-#include "server/rate/coarsening.h"
 
 namespace pointreel {
 namespace {

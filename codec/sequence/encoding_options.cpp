@@ -1,4 +1,4 @@
-#include "server/encode/encoding_options.h"
+#include "codec/sequence/encoding_options.h"
 
 namespace pointreel {
 

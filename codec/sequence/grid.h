@@ -2,11 +2,11 @@
 
 #include <optional>
 
+#include "codec/sequence/encoding_options.h"
 #include "common/cloud/lattice.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
-#include "server/encode/encoding_options.h"
 
 namespace pointreel {
 

@@ -1,0 +1,81 @@
+#include "codec/sequence/package_folder.h"
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "common/base/print.h"
+#include "common/stream/manifest.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+void drop_unused_layers(const fs::path& folder, Manifest& manifest) {
+  const auto unused = [](const Segment& segment) { return segment.layers.back().bytes == 0; };
+  while (manifest.layer_names.size() > 1 &&
+         std::all_of(manifest.segments.begin(), manifest.segments.end(), unused)) {
+    for (Segment& segment : manifest.segments) {
+      std::error_code ignored;
+      fs::remove(folder / segment.layers.back().path, ignored);
+      segment.layers.pop_back();
+    }
+    manifest.layer_names.pop_back();
+  }
+}
+
+}  // namespace
+
+std::string default_reel_name(const fs::path& output) {
+  const fs::path normal = fs::absolute(output).lexically_normal();
+  const fs::path last = normal.has_filename() ? normal.filename() : normal.parent_path().filename();
+  return visible(last.extension() == ".reel" ? last.stem().string() : last.string());
+}
+
+Result<void> may_replace_package(const fs::path& folder) {
+  const Result<Manifest> manifest = read_manifest(folder);
+  if (!manifest && manifest.error().code == ErrorCode::not_found) {
+    return fail(ErrorCode::argument,
+                "is not a package, and --force replaces only packages; remove it first");
+  }
+  if (!manifest) {
+    return fail(ErrorCode::argument,
+                fmt::format("nobody knows which files belong to it, because {} is damaged; remove "
+                            "it first",
+                            kManifestName));
+  }
+  std::set<std::string> parts = {kManifestName, kJournalName};
+  for (const PackageFile* file : manifest->files()) parts.insert(file->path);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!parts.contains(name)) {
+      return fail(ErrorCode::argument,
+                  fmt::format("holds {}, which is not part of the package; remove it first", name));
+    }
+  }
+  if (error) return fail(ErrorCode::io, error.message());
+  return {};
+}
+
+Result<std::uint64_t> finish_package(const fs::path& folder, Manifest& manifest,
+                                     const fs::path& shown) {
+  drop_unused_layers(folder, manifest);
+  const std::string text = write_manifest(manifest);
+  if (const auto parsed = parse_manifest(text); !parsed) {
+    return fail_at("the package would not be valid", parsed.error());
+  }
+  std::ofstream out(folder / kManifestName, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) {
+    return fail(ErrorCode::io,
+                shown.string() + ": cannot be written; check that the disk is not full");
+  }
+  return text.size();
+}
+
+}  // namespace pointreel

@@ -1,0 +1,191 @@
+#include "codec/sequence/package_writer.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "codec/max_error.h"
+#include "codec/sequence/frames_grid.h"
+#include "codec/sequence/package_folder.h"
+#include "codec/sequence/segment_writer.h"
+#include "common/base/output_folder.h"
+#include "common/base/tbb_executor.h"
+#include "common/base/try.h"
+#include "common/stream/manifest.h"
+
+namespace pointreel {
+namespace {
+
+constexpr std::size_t kMostSegmentBytes = std::size_t{512} << 20;
+
+std::size_t memory_of(const PointCloud& cloud) {
+  return cloud.positions.size() * sizeof(glm::vec3) + cloud.normals.size() * sizeof(glm::vec3) +
+         cloud.colors.size() * sizeof(glm::u16vec3) + cloud.radii.size() * sizeof(float);
+}
+
+Result<void> check(const WriteOptions& options) {
+  if (!is_frame_rate(options.fps))
+    return fail(ErrorCode::argument, fmt::format("{} frames per second are out of range: give {} "
+                                                 "to {}",
+                                                 options.fps, kMinFps, kMaxFps));
+  if (options.up != 'y' && options.up != 'z')
+    return fail(ErrorCode::argument, "the axis that points up is y or z");
+  if (options.segment_frames == 0)
+    return fail(ErrorCode::argument, "a segment has at least one frame");
+  return {};
+}
+
+}  // namespace
+
+class PackageWriter::Impl {
+ public:
+  Impl(const WriteOptions& options, OutputFolder folder)
+      : options_(options), folder_(std::move(folder)) {
+    if (options_.name.empty()) options_.name = default_reel_name(options.output);
+    options_.encode.executor = tbb_executor();
+    static_cast<ReelHead&>(manifest_) = reel_head(options_);
+  }
+
+  /// Refuses what a client would refuse before the work, not after it.
+  Result<void> check_head() const {
+    TRY(parse_manifest(write_manifest(manifest_)));
+    return {};
+  }
+
+  Result<void> add(PointCloud cloud, std::optional<std::uint64_t> time_us,
+                   const std::stop_token& stop) {
+    TRY(usable());
+    const std::uint64_t time = time_us.value_or(next_time());
+    if (frames_ > 0 && time < last_time_)
+      return fail(ErrorCode::argument,
+                  fmt::format("frame {} is shown at {} us, before the frame that precedes it",
+                              frames_, time));
+    sanitize(cloud);
+    bytes_ += memory_of(cloud);
+    segment_.push_back(std::move(cloud));
+    times_.push_back(time);
+    timed_ |= time_us.has_value();
+    last_time_ = time;
+    ++frames_;
+    if (segment_.size() < options_.segment_frames && bytes_ < kMostSegmentBytes) return {};
+    return remember(write_segment(stop));
+  }
+
+  Result<void> finish(const std::stop_token& stop) {
+    TRY(usable());
+    if (frames_ == 0) return fail(ErrorCode::argument, "a package has at least one frame");
+    return remember([&]() -> Result<void> {
+      if (!segment_.empty()) TRY(write_segment(stop));
+      manifest_.duration_us = next_time();
+      TRY(finish_package(folder_.path(), manifest_, options_.output));
+      TRY(folder_.publish());
+      ended_ = true;
+      return {};
+    }());
+  }
+
+ private:
+  /// When the frame after the last one is shown, unless its time is given.
+  std::uint64_t next_time() const {
+    return timed_ ? last_time_ + presentation_time_us(1, options_.fps)
+                  : presentation_time_us(frames_, options_.fps);
+  }
+
+  Result<void> usable() const {
+    if (ended_) return fail(ErrorCode::argument, "the package is already complete");
+    if (failed_) return fail(ErrorCode::argument, "the package could not be written before");
+    return {};
+  }
+
+  Result<void> remember(Result<void> result) {
+    failed_ |= !result;
+    return result;
+  }
+
+  /// Calls body(0) and so on for the frames of the segment, in parallel.
+  template <class Body>
+  void for_each_frame(const Body& body) const {
+    tbb_executor()(static_cast<int>(segment_.size()),
+                   [&](int i) { body(static_cast<std::size_t>(i)); });
+  }
+
+  Result<void> write_segment(const std::stop_token& stop) {
+    std::vector<FrameExtent> extents(segment_.size());
+    for_each_frame([&](std::size_t i) { extents[i] = extent_of(segment_[i]); });
+    const Grid grid = TRY(grid_for_frames(extents, options_, [&](std::size_t i) {
+      // Not owned: the frames stay until the segment is written.
+      return Result<std::shared_ptr<const PointCloud>>(
+          std::shared_ptr<const PointCloud>(std::shared_ptr<void>(), &segment_[i]));
+    }));
+    const std::size_t first = frames_ - segment_.size();
+    std::vector<Result<EncodedFrame>> encoded(segment_.size());
+    std::vector<double> errors(segment_.size());
+    for_each_frame([&](std::size_t i) {
+      if (stop.stop_requested()) return;
+      encoded[i] = encode_frame(segment_[i], grid.cube, grid.encode);
+      if (encoded[i]) errors[i] = geometry_error(segment_[i], grid.cube, encoded[i]->depth);
+    });
+    if (stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    SegmentWriter writer(folder_.path(), static_cast<std::uint32_t>(first), manifest_.layer_names);
+    for (std::size_t i = 0; i < segment_.size(); ++i) {
+      if (!encoded[i]) return fail_at(fmt::format("frame {}", first + i), encoded[i].error());
+      TRY(writer.append(*encoded[i], times_[i]));
+      sum_up(segment_[i], extents[i], encoded[i]->depth, errors[i]);
+    }
+    manifest_.segments.push_back(TRY(writer.finish(grid.cube)));
+    segment_.clear();
+    times_.clear();
+    bytes_ = 0;
+    return {};
+  }
+
+  void sum_up(const PointCloud& cloud, const FrameExtent& extent, int depth, double error) {
+    const auto level = static_cast<std::uint32_t>(depth);
+    manifest_.depth_min = summed_up_ == 0 ? level : std::min(manifest_.depth_min, level);
+    manifest_.depth_max = std::max(manifest_.depth_max, level);
+    manifest_.max_error = std::max(manifest_.max_error.value_or(0.0), error);
+    manifest_.bounds.grow(extent.box);
+    manifest_.colors |= options_.encode.colors && cloud.has_colors();
+    manifest_.normals |= options_.encode.normals && cloud.has_normals();
+    ++summed_up_;
+  }
+
+  WriteOptions options_;
+  OutputFolder folder_;
+  Manifest manifest_;
+  // Of the segment that is not complete yet:
+  std::vector<PointCloud> segment_;
+  std::vector<std::uint64_t> times_;
+  std::size_t bytes_ = 0;
+
+  std::size_t frames_ = 0, summed_up_ = 0;
+  std::uint64_t last_time_ = 0;
+  bool timed_ = false;  ///< a time was given
+  bool failed_ = false, ended_ = false;
+};
+
+PackageWriter::PackageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PackageWriter::PackageWriter(PackageWriter&&) noexcept = default;
+PackageWriter& PackageWriter::operator=(PackageWriter&&) noexcept = default;
+PackageWriter::~PackageWriter() = default;
+
+Result<PackageWriter> PackageWriter::create(const WriteOptions& options) {
+  TRY(check(options));
+  OutputFolder folder = TRY(OutputFolder::create(
+      options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
+  auto impl = std::make_unique<Impl>(options, std::move(folder));
+  TRY(impl->check_head());
+  return PackageWriter(std::move(impl));
+}
+
+Result<void> PackageWriter::add(PointCloud cloud, std::optional<std::uint64_t> time_us,
+                                const std::stop_token& stop) {
+  return impl_->add(std::move(cloud), time_us, stop);
+}
+
+Result<void> PackageWriter::finish(const std::stop_token& stop) { return impl_->finish(stop); }
+
+}  // namespace pointreel

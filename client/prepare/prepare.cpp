@@ -14,7 +14,7 @@
 #include "client/prepare/node_radii.h"
 #include "client/prepare/point_spacing.h"
 #include "client/prepare/tree_radii.h"
-#include "codec/cloud_file.h"
+#include "client/source/decode_fetched.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/cloud/lattice.h"
@@ -22,8 +22,6 @@
 #include "common/octree/normal_lines.h"
 #include "common/surface/leaf_heights.h"
 #include "common/surface/normals.h"
-#include "pointreel/chunks.h"
-#include "pointreel/draco.h"
 
 namespace pointreel {
 namespace {
@@ -64,24 +62,13 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
                             const PrepareOptions& options, const std::function<bool()>& stopped) {
   DecodeLimits limits;
   limits.max_memory = options.max_memory;
-  if (fetched.layers.empty()) {
-    auto loaded = read_cloud(fetched.file.view(), limits);
-    if (!loaded) return fail_at(fetched.file_name, loaded.error());
-    DecodedFrame frame;
-    frame.cloud = std::move(loaded->cloud);
-    frame.cube = bounding_cube(bounds(frame.cloud));
-    frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
-    return frame;
-  }
-  std::vector<Chunks<ByteView>> views;
-  for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
-  limits.tables = fetched.tables.get();
   limits.executor = tbb_executor();
   limits.stopped = stopped;
   limits.inner_nodes = true;
   limits.leaves = false;
   limits.depth = options.level;
-  auto frame = decode_frame(views, limits);
+  auto frame = decode_fetched(fetched, limits);
+  if (fetched.layers.empty()) return frame;
   // A cloud without a tree of its own gets one in the cube that all frames of its segment share, so
   // that voxels do not jump from frame to frame (common/FORMULAS.md, "Cube of a frame").
   if (frame && !frame->svo) frame->cube = cube;

@@ -159,11 +159,8 @@ Bytes write_live_header(const LiveLayer& layer) {
   return header;
 }
 
-Result<LiveLayer> parse_live_layer(ByteView message) {
-  if (message.size() > kMaxLiveLayer) {
-    return fail(ErrorCode::limit, concat("layer: has more than ", kMaxLiveLayer, " bytes"));
-  }
-  ByteReader in(message);
+Result<LiveLayer> next_live_layer(ByteView& messages) {
+  ByteReader in(messages);
   LiveLayer layer;
   const auto magic = in.get<std::uint32_t>();
   layer.frame = in.get<std::uint32_t>();
@@ -178,7 +175,7 @@ Result<LiveLayer> parse_live_layer(ByteView message) {
   const auto checksum = in.get<std::uint32_t>();
   if (!in.ok()) return fail("layer: is shorter than its header");
   if (magic != kMagic) return fail("layer: does not begin with PRL1");
-  if (checksum != header_checksum(message.first(kLiveHeaderSize - sizeof(checksum)))) {
+  if (checksum != header_checksum(messages.first(kLiveHeaderSize - sizeof(checksum)))) {
     return fail("layer: its header is damaged");
   }
   if (reserved != 0) return fail("layer: reserved bytes are not 0");
@@ -186,10 +183,27 @@ Result<LiveLayer> parse_live_layer(ByteView message) {
     return fail(concat("layer: its number is ", layer.layer, " of ", layer.layers));
   }
   if (layer.capture_us > kMaxCaptureTime) return fail("layer: its capture time is out of range");
-  layer.bytes = in.rest();
   if (layer.sizes.geometry == 0) return fail("layer: has no geometry");
-  if (total(layer.sizes) != layer.bytes.size()) {
-    return fail(concat("layer: has ", layer.bytes.size(), " bytes, but its chunks take ",
+  const std::uint64_t size = total(layer.sizes);
+  if (size > kMaxLiveLayer - kLiveHeaderSize) {
+    return fail(ErrorCode::limit, concat("layer: has more than ", kMaxLiveLayer, " bytes"));
+  }
+  if (size > in.rest().size()) {
+    return fail(concat("layer: has ", in.rest().size(), " bytes, but its chunks take ", size));
+  }
+  layer.bytes = in.rest().first(size);
+  messages = in.rest().subspan(size);
+  return layer;
+}
+
+Result<LiveLayer> parse_live_layer(ByteView message) {
+  if (message.size() > kMaxLiveLayer) {
+    return fail(ErrorCode::limit, concat("layer: has more than ", kMaxLiveLayer, " bytes"));
+  }
+  const std::size_t size = message.size();
+  const LiveLayer layer = TRY(next_live_layer(message));
+  if (!message.empty()) {
+    return fail(concat("layer: has ", size - kLiveHeaderSize, " bytes, but its chunks take ",
                        total(layer.sizes)));
   }
   return layer;

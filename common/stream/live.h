@@ -100,6 +100,8 @@ Bytes write_live_header(const LiveLayer& layer);
 /// `bytes` of the result point into the message. Errors: `limit` for more than kMaxLiveLayer bytes,
 /// otherwise `invalid`.
 Result<LiveLayer> parse_live_layer(ByteView message);
+/// The first of several such messages that follow each other, which it takes away from `messages`.
+Result<LiveLayer> next_live_layer(ByteView& messages);
 
 /// True for 1 to 64 letters, digits, '.', '_' and '-' that do not begin with '.'.
 bool is_stream_name(std::string_view name);

@@ -1,0 +1,30 @@
+#include "client/source/decode_fetched.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "codec/cloud_file.h"
+#include "pointreel/chunks.h"
+#include "pointreel/draco.h"
+#include "pointreel/geometry.h"
+
+namespace pointreel {
+
+Result<DecodedFrame> decode_fetched(const FetchedFrame& fetched, DecodeLimits limits) {
+  limits.tables = fetched.tables.get();
+  if (fetched.layers.empty()) {
+    auto loaded = read_cloud(fetched.file.view(), limits);
+    if (!loaded) return fail_at(fetched.file_name, loaded.error());
+    DecodedFrame frame;
+    frame.cloud = std::move(loaded->cloud);
+    frame.cube = bounding_cube(bounds(frame.cloud));
+    frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
+    return frame;
+  }
+  std::vector<Chunks<ByteView>> views;
+  for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
+  return decode_frame(views, limits);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,74 @@
+#include "client/bindings/frames/encoded_bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "common/base/concat.h"
+#include "common/base/out_of_memory.h"
+#include "common/base/try.h"
+#include "common/stream/live.h"
+
+namespace pointreel {
+namespace {
+
+bool begins_with(ByteView bytes, std::string_view text) {
+  return bytes.size() >= text.size() && std::equal(text.begin(), text.end(), bytes.begin());
+}
+
+Result<FetchedFrame> layers_of(ByteView bytes, std::uint32_t most) {
+  FetchedFrame fetched;
+  std::uint8_t layers = 0;
+  while (!bytes.empty()) {
+    const LiveLayer layer = TRY(next_live_layer(bytes));
+    if (fetched.layers.empty()) layers = layer.layers;
+    if (layer.layer != fetched.layers.size() || layer.layers != layers)
+      return fail(concat("layer ", static_cast<int>(layer.layer), " of ",
+                         static_cast<int>(layer.layers), " is out of place"));
+    fetched.layers.push_back({Bytes(layer.bytes.begin(), layer.bytes.end()), layer.sizes});
+  }
+  if (fetched.layers.empty()) return fail("there are no bytes");
+  if (fetched.layers.size() > most) fetched.layers.resize(most);
+  return fetched;
+}
+
+}  // namespace
+
+Result<Bytes> frame_bytes(const EncodedFrame& frame) {
+  Bytes bytes;
+  bytes.reserve(frame.size() + frame.layers.size() * kLiveHeaderSize);
+  LiveLayer header;
+  header.layers = static_cast<std::uint8_t>(frame.layers.size());
+  header.points = frame.source_points;
+  for (const Chunks<Bytes>& layer : frame.layers) {
+    if (total(layer) > kMaxLiveLayer - kLiveHeaderSize)
+      return fail(ErrorCode::limit, concat("a layer of the frame takes more than ", kMaxLiveLayer,
+                                           " bytes; write it into a package"));
+    header.sizes = {static_cast<std::uint32_t>(layer.geometry.size()),
+                    static_cast<std::uint32_t>(layer.colors.size()),
+                    static_cast<std::uint32_t>(layer.normals.size())};
+    const Bytes written = write_live_header(header);
+    for (const Bytes* part : {&written, &layer.geometry, &layer.colors, &layer.normals})
+      bytes.insert(bytes.end(), part->begin(), part->end());
+    ++header.layer;
+  }
+  return bytes;
+}
+
+Result<SharedFrame> decode_bytes(ByteView bytes, const ReadLimits& limits) {
+  if (limits.layers == 0) return fail(ErrorCode::argument, "a frame has at least one layer");
+  return or_out_of_memory([&]() -> Result<SharedFrame> {
+    FetchedFrame fetched;
+    if (begins_with(bytes, "ply") || begins_with(bytes, "DRACO")) {
+      fetched.file = Bytes(bytes.begin(), bytes.end());
+      fetched.file_name = "the file";
+    } else {
+      fetched = TRY(layers_of(bytes, limits.layers));
+    }
+    return decode_points(std::move(fetched), {}, limits);
+  });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,91 @@
+#include "client/bindings/frames/point_arrays.h"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "codec/sequence/frames_grid.h"
+#include "common/base/out_of_memory.h"
+#include "common/base/tbb_executor.h"
+#include "common/base/try.h"
+#include "pointreel/codec.h"
+
+namespace pointreel {
+namespace {
+
+/// Copies `count` vectors that are stored without gaps.
+template <class Vector, class Number>
+std::vector<Vector> vectors(const Number* numbers, std::size_t count) {
+  static_assert(sizeof(Vector) == 3 * sizeof(Number));
+  std::vector<Vector> result(count);
+  if (count > 0) std::memcpy(static_cast<void*>(result.data()), numbers, count * sizeof(Vector));
+  return result;
+}
+
+bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void take_world_positions(PointCloud& cloud, const PointArrays& arrays) {
+  const auto position = [&](std::size_t i) {
+    const double* at = arrays.world_positions + 3 * i;
+    return glm::dvec3(at[0], at[1], at[2]);
+  };
+  Box box;
+  for (std::size_t i = 0; i < arrays.count; ++i)
+    if (is_finite(position(i))) box.grow(position(i));
+  // Small whole coordinates stay what they are.
+  cloud.origin = glm::floor(box.center());
+  cloud.positions.reserve(arrays.count);
+  for (std::size_t i = 0; i < arrays.count; ++i)
+    cloud.positions.emplace_back(position(i) - cloud.origin);
+}
+
+}  // namespace
+
+Result<PointCloud> cloud_of(const PointArrays& arrays) {
+  if ((arrays.positions != nullptr) == (arrays.world_positions != nullptr) && arrays.count > 0)
+    return fail(ErrorCode::argument, "either float or double positions are needed");
+  if (arrays.colors_8 != nullptr && arrays.colors_16 != nullptr)
+    return fail(ErrorCode::argument, "colours have either 8 or 16 bits");
+  if (arrays.count > DecodeLimits{}.max_points)
+    return fail(ErrorCode::limit, "a frame has at most 2^26 points");
+  if (!is_finite(arrays.origin)) return fail(ErrorCode::argument, "the origin is not finite");
+  return or_out_of_memory([&]() -> Result<PointCloud> {
+    PointCloud cloud;
+    if (arrays.positions != nullptr) {
+      cloud.origin = arrays.origin;
+      cloud.positions = vectors<glm::vec3>(arrays.positions, arrays.count);
+    } else {
+      take_world_positions(cloud, arrays);
+    }
+    if (arrays.normals != nullptr) cloud.normals = vectors<glm::vec3>(arrays.normals, arrays.count);
+    if (arrays.colors_16 != nullptr)
+      cloud.colors = vectors<glm::u16vec3>(arrays.colors_16, arrays.count);
+    if (arrays.colors_8 != nullptr) {
+      cloud.colors.reserve(arrays.count);
+      for (std::size_t i = 0; i < arrays.count; ++i) {
+        const std::uint8_t* at = arrays.colors_8 + 3 * i;
+        cloud.colors.emplace_back(257 * at[0], 257 * at[1], 257 * at[2]);
+      }
+    }
+    sanitize(cloud);
+    return cloud;
+  });
+}
+
+Result<EncodedFrame> encode_points(const PointCloud& cloud, const EncodingOptions& options) {
+  return or_out_of_memory([&]() -> Result<EncodedFrame> {
+    EncodingOptions parallel = options;
+    parallel.encode.executor = tbb_executor();
+    const FrameExtent extent = extent_of(cloud);
+    const Grid grid = TRY(grid_for_frames({&extent, 1}, parallel, [&](std::size_t) {
+      return Result<std::shared_ptr<const PointCloud>>(
+          std::shared_ptr<const PointCloud>(std::shared_ptr<void>(), &cloud));
+    }));
+    return encode_frame(cloud, grid.cube, grid.encode);
+  });
+}
+
+}  // namespace pointreel

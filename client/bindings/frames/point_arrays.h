@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+#include "codec/sequence/package_writer.h"
+#include "pointreel/cloud.h"
+#include "pointreel/draco.h"
+#include "pointreel/error.h"
+
+namespace pointreel {
+
+/// Points in somebody else's memory, three numbers for each. Of the positions, either are given.
+struct PointArrays {
+  std::size_t count = 0;
+  const float* positions = nullptr;         ///< relative to `origin`
+  const double* world_positions = nullptr;  ///< an origin is found among them
+  glm::dvec3 origin{0.0};
+  // Null where the points do not have the attribute.
+  const std::uint8_t* colors_8 = nullptr;
+  const std::uint16_t* colors_16 = nullptr;
+  const float* normals = nullptr;
+};
+
+/// Copies them. `argument` where arrays are missing or given twice, `limit` for too many points.
+/// The values may be anything: points without a finite position are left out (`sanitize`).
+Result<PointCloud> cloud_of(const PointArrays& arrays);
+
+/// Encodes a cloud in the grid that fits it. Errors: as encode_frame.
+Result<EncodedFrame> encode_points(const PointCloud& cloud, const EncodingOptions& options);
+
+}  // namespace pointreel

@@ -1,0 +1,62 @@
+#include "client/bindings/frames/read_ahead.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+namespace pointreel {
+namespace {
+
+/// One fetches while another decodes, with all processors.
+constexpr std::size_t kMostThreads = 2;
+
+}  // namespace
+
+ReadAhead::ReadAhead(std::shared_ptr<Source> source, std::vector<std::uint32_t> order,
+                     const ReadLimits& limits, std::size_t ahead)
+    : source_(std::move(source)), order_(std::move(order)), limits_(limits), ahead_(ahead) {
+  outer_stop_.emplace(limits.stop, [this] { stop_.request_stop(); });
+  limits_.stop = stop_.get_token();
+  const std::size_t threads = std::min({kMostThreads, ahead_, order_.size()});
+  for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { read(); });
+}
+
+ReadAhead::~ReadAhead() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  outer_stop_.reset();
+  stop_.request_stop();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+std::optional<Result<SharedFrame>> ReadAhead::next(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  if (!changed_.wait_for(lock, timeout, [&] { return read_.contains(taken_); }))
+    return std::nullopt;
+  auto frame = std::move(read_.extract(taken_++).mapped());
+  lock.unlock();
+  changed_.notify_all();
+  return frame;
+}
+
+void ReadAhead::read() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    const auto may_begin = [&] {
+      return ending_ || begun_ == order_.size() || begun_ < taken_ + ahead_;
+    };
+    changed_.wait(lock, may_begin);
+    if (ending_ || begun_ == order_.size()) return;
+    const std::size_t place = begun_++;
+    lock.unlock();
+    auto frame = read_points(*source_, order_[place], limits_);
+    lock.lock();
+    read_.emplace(place, std::move(frame));
+    changed_.notify_all();
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "client/bindings/frames/point_frame.h"
+#include "client/source/source.h"
+
+namespace pointreel {
+
+/// Reads frames in a given order, some of them before they are asked for: while the caller works
+/// with one, threads of this object fetch and decode the next ones. No more than `ahead` frames are
+/// held, so that memory does not grow. To be used by one thread.
+class ReadAhead {
+ public:
+  /// `ahead` is at least 1.
+  ReadAhead(std::shared_ptr<Source> source, std::vector<std::uint32_t> order,
+            const ReadLimits& limits, std::size_t ahead);
+  /// Stops what is being read, and waits for it.
+  ~ReadAhead();
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+
+  bool ended() const { return taken_ == order_.size(); }
+  /// The next frame, or why it cannot be had; nothing if it has not come by then. Reading goes on
+  /// with the frame after it in either case. Not to be called once it has ended.
+  std::optional<Result<SharedFrame>> next(std::chrono::milliseconds timeout);
+
+ private:
+  void read();
+
+  const std::shared_ptr<Source> source_;
+  const std::vector<std::uint32_t> order_;
+  ReadLimits limits_;
+  const std::size_t ahead_;
+  std::stop_source stop_;
+  std::optional<std::stop_callback<std::function<void()>>> outer_stop_;  ///< stops stop_
+
+  std::mutex mutex_;  ///< guards what follows, up to the threads
+  std::condition_variable changed_;
+  std::map<std::size_t, Result<SharedFrame>> read_;  ///< by their place in the order
+  std::size_t begun_ = 0, taken_ = 0;
+  bool ending_ = false;
+
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace pointreel

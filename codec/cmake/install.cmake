@@ -1,6 +1,6 @@
 # What cmake --install, find_package(pointreel) and pkg-config need, and the Debian packages:
-# `pointreel` holds the programs, `libpointreel0` the library for C, `libpointreel-dev` what other
-# programs are built against.
+# `pointreel` holds the programs, `libpointreel0` the library for C, `python3-pointreel` the module
+# for Python, `libpointreel-dev` what other programs are built against.
 include(CMakePackageConfigHelpers)
 
 set(libraries pointreel_core pointreel_codec)
@@ -70,6 +70,11 @@ if(TARGET pointreel_c)
   install(FILES ${CMAKE_CURRENT_LIST_DIR}/copyright
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/libpointreel${POINTREEL_ABI} COMPONENT library)
 endif()
+if(TARGET pointreel_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  install(FILES ${CMAKE_CURRENT_LIST_DIR}/copyright
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/python3-pointreel COMPONENT python)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_STRIP_FILES ON)
@@ -88,6 +93,17 @@ set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Point clouds that move, for C
  Reads reels and live streams, decodes and encodes frames, and writes packages.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
+
+if(TARGET pointreel_python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-pointreel)
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Point clouds that move, as arrays of numpy
+ Reads reels and live streams, decodes and encodes frames, writes packages, and draws pictures.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  math(EXPR next_python "${POINTREEL_PYTHON_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3-numpy, \
+python3 (>= 3.${POINTREEL_PYTHON_MINOR}), python3 (<< 3.${next_python})")
+endif()
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpointreel-dev)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "Point clouds that move, for programs in C and C++

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,6 +13,7 @@
 #include "client/bindings/c/border.h"
 #include "client/bindings/c/handles.h"
 #include "client/bindings/frames/encoded_bytes.h"
+#include "client/bindings/frames/encoding_choice.h"
 #include "client/bindings/frames/point_arrays.h"
 #include "client/bindings/frames/point_frame.h"
 #include "client/source/open_live_source.h"
@@ -126,42 +125,18 @@ Result<PointCloud> cloud_of(const pointreel_points* given) {
   return cloud_of(arrays);
 }
 
-Result<void> check_range(int value, int least, int most, const char* what) {
-  if (value >= least && value <= most) return {};
-  return fail(ErrorCode::argument, concat(what, " is ", value, ", not ", least, " to ", most));
-}
-
 Result<EncodingOptions> encoding_of(const pointreel_encode_options* given) {
   const pointreel_encode_options options = TRY(options_of(given, "pointreel_encode_options"));
-  EncodingOptions encoding;
-  if (options.codec == POINTREEL_DRACO) {
-    DracoOptions draco;
-    TRY(check_range(options.depth, 0, kMaxDepth, "depth"));
-    if (options.depth != 0) draco.position_bits = options.depth;
-    if (options.voxel != 0.0 || options.color_quality != 0 || options.normal_quality != 0 ||
-        options.fast != 0)
-      return fail(ErrorCode::argument, "Draco has no voxels, qualities or fast frames");
-    encoding.encode.codec = draco;
-    return encoding;
-  }
-  if (options.codec != POINTREEL_OCTREE)
+  if (options.codec != POINTREEL_OCTREE && options.codec != POINTREEL_DRACO)
     return fail(ErrorCode::argument, concat("there is no codec ", options.codec));
-  OctreeOptions octree;
-  TRY(check_range(options.depth, 0, kMaxDepth, "depth"));
-  TRY(check_range(options.color_quality, 0, kLosslessColorQuality, "color_quality"));
-  TRY(check_range(options.normal_quality, 0, kBestNormalQuality, "normal_quality"));
-  if (options.depth != 0) octree.depth = DepthRule::fixed(options.depth);
-  if (options.color_quality != 0) octree.color_quality = options.color_quality;
-  if (options.normal_quality != 0) octree.normal_quality = options.normal_quality;
-  if (options.fast != 0) octree.entropy = Entropy::zstd;
-  if (options.voxel != 0.0) {
-    if (!(options.voxel > 0.0) || !std::isfinite(options.voxel))
-      return fail(ErrorCode::argument, "voxel is not a length above 0");
-    if (options.depth != 0) return fail(ErrorCode::argument, "voxel and depth exclude each other");
-    encoding.voxel = options.voxel;
-  }
-  encoding.encode.codec = octree;
-  return encoding;
+  EncodingChoice choice;
+  choice.codec = options.codec == POINTREEL_DRACO ? Codec::draco : Codec::octree;
+  choice.depth = options.depth;
+  choice.voxel = options.voxel;
+  choice.color_quality = options.color_quality;
+  choice.normal_quality = options.normal_quality;
+  choice.fast = options.fast != 0;
+  return encoding_of(choice);
 }
 
 /// Copies one attribute: `value` gives the three numbers of a point.
@@ -258,10 +233,9 @@ pointreel_status pointreel_frame_get_world_positions(const pointreel_frame* fram
 
 pointreel_status pointreel_frame_get_colors_8(const pointreel_frame* frame, uint8_t* values,
                                               size_t capacity, size_t* count) {
-  return give_values(frame, has_colors, values, capacity, count,
-                     [](const PointCloud& cloud, std::size_t i) {
-                       return (glm::uvec3(cloud.colors[i]) + 128u) / 257u;
-                     });
+  return give_values(
+      frame, has_colors, values, capacity, count,
+      [](const PointCloud& cloud, std::size_t i) { return to_8_bits(cloud.colors[i]); });
 }
 
 pointreel_status pointreel_frame_get_colors_16(const pointreel_frame* frame, uint16_t* values,

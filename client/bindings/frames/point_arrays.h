@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/type_precision.hpp>
 
 #include "codec/sequence/package_writer.h"
 #include "pointreel/cloud.h"
@@ -27,6 +28,11 @@ struct PointArrays {
 /// Copies them. `argument` where arrays are missing or given twice, `limit` for too many points.
 /// The values may be anything: points without a finite position are left out (`sanitize`).
 Result<PointCloud> cloud_of(const PointArrays& arrays);
+
+/// The colour as 8 bits, rounded.
+inline glm::u8vec3 to_8_bits(const glm::u16vec3& color) {
+  return glm::u8vec3((glm::uvec3(color) + 128u) / 257u);
+}
 
 /// Encodes a cloud in the grid that fits it. Errors: as encode_frame.
 Result<EncodedFrame> encode_points(const PointCloud& cloud, const EncodingOptions& options);

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "codec/sequence/encoding_options.h"
+#include "pointreel/codec.h"
+#include "pointreel/error.h"
+
+namespace pointreel {
+
+/// How to encode, as other languages choose it: each member has its own default for 0.
+struct EncodingChoice {
+  Codec codec = Codec::octree;
+  int depth = 0;           ///< octree: levels, 0: by the points; Draco: bits
+  double voxel = 0.0;      ///< octree: edge of a voxel; 0: by `depth`
+  int color_quality = 0;   ///< octree: 1 to 100
+  int normal_quality = 0;  ///< octree: 1 to 100
+  bool fast = false;       ///< octree: Entropy::zstd
+};
+
+/// Errors: `argument` for what is out of range, or does not go together.
+Result<EncodingOptions> encoding_of(const EncodingChoice& choice);
+
+}  // namespace pointreel

@@ -1,0 +1,337 @@
+// The module pointreel._native, on which pointreel/__init__.py stands.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "client/bindings/frames/encoded_bytes.h"
+#include "client/bindings/frames/encoding_choice.h"
+#include "client/bindings/frames/point_arrays.h"
+#include "client/bindings/frames/read_ahead.h"
+#include "client/bindings/python/arrays.h"
+#include "client/bindings/python/call.h"
+#include "client/bindings/python/picture.h"
+#include "client/source/open_live_source.h"
+#include "client/source/open_source.h"
+#include "codec/sequence/package_writer.h"
+#include "common/base/try.h"
+#include "common/net/url.h"
+#include "common/stream/manifest.h"
+#include "pointreel/version.h"
+
+namespace py = pybind11;
+
+namespace pointreel {
+namespace {
+
+using Positions = py::array;
+using Attribute = std::optional<py::array>;
+using Vector = std::array<double, 3>;
+
+glm::dvec3 to_glm(const Vector& v) { return {v[0], v[1], v[2]}; }
+
+SourceOptions source_options(double fps, std::string token, std::string ca_file,
+                             bool follow_redirects) {
+  SourceOptions options;
+  options.fps = fps;
+  options.token = std::move(token);
+  options.ca_file = std::move(ca_file);
+  options.follow_redirects = follow_redirects;
+  return options;
+}
+
+ReadLimits read_limits(std::optional<std::uint32_t> layers,
+                       std::optional<std::uint64_t> max_memory) {
+  ReadLimits limits;
+  if (layers) limits.layers = *layers;
+  if (max_memory) limits.max_memory = *max_memory;
+  return limits;
+}
+
+EncodingOptions encoding(const std::string& codec, int depth, double voxel, int color_quality,
+                         int normal_quality, bool fast) {
+  EncodingChoice choice;
+  if (codec == name(Codec::draco)) {
+    choice.codec = Codec::draco;
+  } else if (codec != name(Codec::octree)) {
+    raise({"codec is octree or draco, not " + codec, ErrorCode::argument});
+  }
+  choice.depth = depth;
+  choice.voxel = voxel;
+  choice.color_quality = color_quality;
+  choice.normal_quality = normal_quality;
+  choice.fast = fast;
+  return value_or_raise(encoding_of(choice));
+}
+
+class PyReel {
+ public:
+  PyReel(const std::string& where, double fps, std::string token, std::string ca_file,
+         bool follow_redirects)
+      : remote_(!scheme_of(where).empty()) {
+    if (!is_frame_rate(fps)) raise({"fps is out of range", ErrorCode::argument});
+    const SourceOptions options =
+        source_options(fps, std::move(token), std::move(ca_file), follow_redirects);
+    source_ = interruptible([&](const std::stop_token& stop) {
+      SourceOptions stoppable = options;
+      stoppable.stop = stop;
+      return open_source(where, stoppable);
+    });
+  }
+
+  const Manifest& manifest() const { return source_->manifest(); }
+  std::size_t size() const { return manifest().frame_count(); }
+
+  std::string metadata() const { return write_manifest(manifest()); }
+  std::string trouble() const { return source_->trouble().value_or(""); }
+  py::object bounds() const { return box_of(manifest().bounds); }
+
+  py::array times() const {
+    std::vector<double> seconds;
+    seconds.reserve(size());
+    for (const Segment& segment : manifest().segments)
+      for (const std::uint64_t time : segment.times_us)
+        seconds.push_back(static_cast<double>(time) / 1e6);
+    return py::array_t<double>(static_cast<py::ssize_t>(seconds.size()), seconds.data());
+  }
+
+  PyFrame read(std::uint32_t index, std::optional<std::uint32_t> layers,
+               std::optional<std::uint64_t> max_memory) const {
+    ReadLimits limits = read_limits(layers, max_memory);
+    if (!remote_) return {without_gil([&] { return read_points(*source_, index, limits); })};
+    return {interruptible([&](const std::stop_token& stop) {
+      limits.stop = stop;
+      return read_points(*source_, index, limits);
+    })};
+  }
+
+  std::unique_ptr<ReadAhead> read_ahead(std::vector<std::uint32_t> order,
+                                        std::optional<std::uint32_t> layers,
+                                        std::optional<std::uint64_t> max_memory,
+                                        std::size_t ahead) const {
+    return std::make_unique<ReadAhead>(source_, std::move(order), read_limits(layers, max_memory),
+                                       std::max<std::size_t>(1, ahead));
+  }
+
+ private:
+  bool remote_ = false;
+  std::shared_ptr<Source> source_;
+};
+
+PyFrame next_of(ReadAhead& ahead) {
+  if (ahead.ended()) throw py::stop_iteration();
+  return {value_or_raise(
+      until_signalled([&](std::chrono::milliseconds time) { return ahead.next(time); }))};
+}
+
+class PyLive {
+ public:
+  PyLive(const std::string& url, std::string token, std::string ca_file, bool follow_redirects)
+      : source_(without_gil([&] {
+          return open_live_source(
+              url, source_options(30.0, std::move(token), std::move(ca_file), follow_redirects));
+        })) {}
+
+  /// None if nothing has come by then.
+  std::optional<PyFrame> next(std::optional<double> timeout, std::optional<std::uint32_t> layers,
+                              std::optional<std::uint64_t> max_memory) {
+    using Clock = std::chrono::steady_clock;
+    const auto end = timeout ? std::optional(Clock::now() + std::chrono::duration<double>(
+                                                                std::clamp(*timeout, 0.0, 1e6)))
+                             : std::nullopt;
+    std::optional<LiveFrame> frame = until_signalled(
+        [&](std::chrono::milliseconds time) -> std::optional<std::optional<LiveFrame>> {
+          auto newest = source_->next(time);
+          if (newest || (end && Clock::now() >= *end)) return newest;
+          return std::nullopt;
+        });
+    if (!frame) return std::nullopt;
+    const ReadLimits limits = read_limits(layers, max_memory);
+    return PyFrame{without_gil([&] { return decode_live(std::move(*frame), limits); })};
+  }
+
+  std::string trouble() const { return source_->trouble().value_or(""); }
+
+ private:
+  std::unique_ptr<LiveSource> source_;
+};
+
+class PyWriter {
+ public:
+  PyWriter(const std::string& folder, const std::string& title, double fps, const std::string& up,
+           bool replace, std::uint32_t segment_frames, const EncodingOptions& encoding)
+      : writer_([&] {
+          WriteOptions options;
+          static_cast<EncodingOptions&>(options) = encoding;
+          options.output = folder;
+          options.name = title;
+          options.fps = fps;
+          options.up = up.size() == 1 ? up[0] : ' ';
+          options.force = replace;
+          options.segment_frames = segment_frames;
+          return without_gil([&] { return PackageWriter::create(options); });
+        }()) {}
+
+  void add(const Positions& positions, const Attribute& colors, const Attribute& normals,
+           const Vector& origin, std::optional<double> time) {
+    std::optional<std::uint64_t> time_us;
+    if (time) {
+      if (!(*time >= 0.0 && *time < 1e9))
+        raise({"a frame's time is in seconds from the reel's start", ErrorCode::argument});
+      time_us = static_cast<std::uint64_t>(std::llround(1e6 * *time));
+    }
+    add(cloud_of(positions, colors, normals, to_glm(origin)), time_us);
+  }
+
+  void add_frame(const PyFrame& frame, std::optional<double> time) {
+    PointCloud copy = frame.frame->cloud;
+    std::optional<std::uint64_t> time_us;
+    if (time) time_us = static_cast<std::uint64_t>(std::llround(1e6 * *time));
+    add(std::move(copy), time_us);
+  }
+
+  void finish() {
+    interruptible([&](const std::stop_token& stop) { return writer_.finish(stop); });
+  }
+
+ private:
+  void add(PointCloud cloud, std::optional<std::uint64_t> time_us) {
+    interruptible(
+        [&](const std::stop_token& stop) { return writer_.add(std::move(cloud), time_us, stop); });
+  }
+
+  PackageWriter writer_;
+};
+
+py::bytes encode(const Positions& positions, const Attribute& colors, const Attribute& normals,
+                 const Vector& origin, const EncodingOptions& options) {
+  const PointCloud cloud = cloud_of(positions, colors, normals, to_glm(origin));
+  const Bytes bytes = without_gil([&]() -> Result<Bytes> {
+    const EncodedFrame frame = TRY(encode_points(cloud, options));
+    return frame_bytes(frame);
+  });
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+PyFrame decode(const py::buffer& data, std::optional<std::uint32_t> layers,
+               std::optional<std::uint64_t> max_memory) {
+  const py::buffer_info info = data.request();
+  py::ssize_t contiguous = info.itemsize;
+  for (py::ssize_t axis = info.ndim; axis-- > 0;
+       contiguous *= info.shape[static_cast<std::size_t>(axis)])
+    if (info.strides[static_cast<std::size_t>(axis)] != contiguous)
+      raise({"the bytes have gaps", ErrorCode::argument});
+  const ByteView bytes(static_cast<const std::uint8_t*>(info.ptr),
+                       static_cast<std::size_t>(info.size * info.itemsize));
+  const ReadLimits limits = read_limits(layers, max_memory);
+  return {without_gil([&] { return decode_bytes(bytes, limits); })};
+}
+
+py::array picture(const PyFrame& frame, int width, int height, const std::string& mode,
+                  std::optional<std::array<double, 2>> view, double zoom, const std::string& up,
+                  const std::optional<std::array<Vector, 2>>& bounds,
+                  const std::array<float, 3>& background) {
+  PictureOptions options;
+  options.size = {width, height};
+  const auto known_mode = parse_enum<DrawMode>(mode);
+  const auto known_up = parse_up(up);
+  if (!known_mode) raise({"mode is surfel, voxel or point, not " + mode, ErrorCode::argument});
+  if (!known_up) raise({std::string("up is one of ") + kUpNames, ErrorCode::argument});
+  options.mode = *known_mode;
+  options.up = *known_up;
+  if (view) options.view = glm::dvec2((*view)[0], (*view)[1]);
+  options.zoom = zoom;
+  if (bounds) options.box = {to_glm((*bounds)[0]), to_glm((*bounds)[1])};
+  options.background = {background[0], background[1], background[2]};
+  const Image image = without_gil([&] { return picture_of(*frame.frame, options); });
+  py::array_t<std::uint8_t> array({height, width, 3});
+  std::memcpy(array.mutable_data(), image.pixels.data(), image.pixels.size() * 3);
+  return array;
+}
+
+std::string describe(const PyFrame& frame) {
+  const PointCloud& cloud = frame.frame->cloud;
+  return "<pointreel.Frame " + std::to_string(frame.frame->info.index) + " of " +
+         std::to_string(cloud.size()) + " points" + (cloud.has_colors() ? ", colors" : "") +
+         (cloud.has_normals() ? ", normals" : "") + ">";
+}
+
+}  // namespace
+}  // namespace pointreel
+
+PYBIND11_MODULE(_native, module) {
+  using namespace pointreel;
+  module.attr("__version__") = POINTREEL_VERSION;
+  add_error(module);
+
+  py::class_<PyFrame>(module, "Frame", "The points of a frame, which do not change.")
+      .def("__len__", [](const PyFrame& frame) { return frame.frame->cloud.size(); })
+      .def("__repr__", describe)
+      .def_property_readonly("positions", positions_of,
+                             "float32, n x 3, relative to `origin`: the frame's memory itself.")
+      .def_property_readonly("colors", colors_of,
+                             "uint16, n x 3, sRGB, or None: the frame's memory itself. An 8-bit "
+                             "value v is 257 v; `colors8` has 8 bits.")
+      .def_property_readonly("colors8", colors8_of, "uint8, n x 3, sRGB, or None: a copy.")
+      .def_property_readonly("normals", normals_of,
+                             "float32, n x 3, of unit length or zero where unknown, or None: the "
+                             "frame's memory itself.")
+      .def_property_readonly("world", world_of, "float64, n x 3: origin + positions, a copy.")
+      .def_property_readonly(
+          "origin", [](const PyFrame& frame) { return vector_of(frame.frame->cloud.origin); },
+          "float64, 3.")
+      .def_property_readonly(
+          "index", [](const PyFrame& frame) { return frame.frame->info.index; },
+          "The frame's number in its reel or stream.")
+      .def_property_readonly(
+          "time",
+          [](const PyFrame& frame) { return static_cast<double>(frame.frame->info.time_us) / 1e6; },
+          "Seconds from the reel's start; of live streams, Unix time of the capture.")
+      .def_property_readonly(
+          "layers", [](const PyFrame& frame) { return frame.frame->layers; },
+          "How many layers it was decoded from; 0 for a file.");
+
+  py::class_<ReadAhead>(module, "ReadAhead")
+      .def("__iter__", [](const py::object& self) { return self; })
+      .def("__next__", next_of);
+
+  py::class_<PyReel>(module, "Reel")
+      .def(py::init<const std::string&, double, std::string, std::string, bool>())
+      .def("__len__", &PyReel::size)
+      .def("metadata", &PyReel::metadata)
+      .def("trouble", &PyReel::trouble)
+      .def("bounds", &PyReel::bounds)
+      .def("times", &PyReel::times)
+      .def("read", &PyReel::read)
+      .def("read_ahead", &PyReel::read_ahead);
+
+  py::class_<PyLive>(module, "Live")
+      .def(py::init<const std::string&, std::string, std::string, bool>())
+      .def("next", &PyLive::next)
+      .def("trouble", &PyLive::trouble);
+
+  py::class_<EncodingOptions>(module, "Encoding").def(py::init(&encoding));
+
+  py::class_<PyWriter>(module, "Writer")
+      .def(py::init<const std::string&, const std::string&, double, const std::string&, bool,
+                    std::uint32_t, const EncodingOptions&>())
+      .def("add", py::overload_cast<const Positions&, const Attribute&, const Attribute&,
+                                    const Vector&, std::optional<double>>(&PyWriter::add))
+      .def("add_frame", &PyWriter::add_frame)
+      .def("finish", &PyWriter::finish);
+
+  module.def("encode", &encode);
+  module.def("decode", &decode);
+  module.def("picture", &picture);
+}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "client/bindings/frames/point_frame.h"
+#include "client/render/image.h"
+#include "client/scene/draw_options.h"
+#include "client/scene/up.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
+
+namespace pointreel {
+
+struct PictureOptions {
+  glm::ivec2 size{1280, 720};
+  DrawMode mode = DrawMode::surfel;
+  std::optional<glm::dvec2> view;  ///< yaw and pitch in degrees; absent: from slightly above
+  double zoom = 1.0;               ///< > 0; 1 shows all of the box
+  Up up = 'y';
+  Box box;  ///< what the camera looks at; empty: the frame's points, but for strays
+  glm::vec3 background = DrawOptions{}.background;  ///< sRGB, 0 to 1
+};
+
+/// Draws a frame as the player does when it writes pictures, by the processor alone.
+Result<Image> picture_of(const PointFrame& frame, const PictureOptions& options);
+
+}  // namespace pointreel

@@ -1,0 +1,303 @@
+"""Point clouds that move: reels, live streams, and encoded frames, as arrays of numpy.
+
+    import pointreel
+
+    reel = pointreel.open("http://127.0.0.1:8090/REEL")  # or a folder
+    frame = reel[10]
+    frame.positions  # float32, n x 3, without a copy
+    for frame in reel[20:40]:  # the next frames are decoded meanwhile
+        ...
+
+All functions raise `pointreel.Error`, whose member `code` tells what kind of failure it was, and
+let other threads run while they fetch, decode or encode. Ctrl-C ends them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence as _Sequence
+from typing import Any, Iterable, Iterator, NamedTuple, Optional, Tuple, Union, overload
+
+import numpy as np
+
+from . import _native
+from ._native import Error, Frame, __version__
+
+__all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "open", "live", "encode", "decode",
+           "pack", "render", "__version__"]
+
+
+class Points(NamedTuple):
+    """The points of a frame that is to be written."""
+
+    positions: Any
+    """n x 3. float64 keeps coordinates far from zero; of anything else, float32 is made."""
+    colors: Any = None
+    """n x 3, sRGB: uint8, uint16, or floats from 0 to 1."""
+    normals: Any = None
+    """n x 3, of any length."""
+    origin: Tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """What positions of float32 are relative to."""
+    time: Optional[float] = None
+    """Seconds from the reel's start; None: one frame's time after the frame before."""
+
+
+def _rows(values: Any, name: str, dtype: Any = None) -> np.ndarray:
+    array = np.asarray(values)
+    if array.size == 0:
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} has the shape {array.shape}, not n x 3")
+    if array.dtype.kind not in "fiub":
+        raise ValueError(f"{name} holds {array.dtype}, not numbers")
+    return np.ascontiguousarray(array, dtype)
+
+
+def _colors(values: Any) -> Optional[np.ndarray]:
+    if values is None:
+        return None
+    array = _rows(values, "colors")
+    if array.dtype.kind == "f":
+        return np.rint(np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
+    if array.dtype in (np.uint8, np.uint16):
+        return array
+    raise ValueError(f"colors are uint8, uint16 or floats from 0 to 1, not {array.dtype}")
+
+
+def _arrays(points: Points):
+    positions = _rows(points.positions, "positions")
+    if positions.dtype != np.float64:
+        positions = _rows(positions, "positions", np.float32)
+    colors = _colors(points.colors)
+    normals = None if points.normals is None else _rows(points.normals, "normals", np.float32)
+    return positions, colors, normals, tuple(map(float, points.origin))
+
+
+def _points_of(item: Any) -> Points:
+    """The points of whatever `pack` takes as a frame."""
+    if isinstance(item, Points):
+        return item
+    if isinstance(item, dict):
+        return Points(**item)
+    if isinstance(item, (tuple, list)) and len(item) in (2, 3) and np.ndim(item[0]) == 2:
+        return Points(*item)
+    if hasattr(item, "points"):  # as Open3D's PointCloud
+        def attribute(name):
+            values = np.asarray(getattr(item, name, ()))
+            return values if values.size else None
+        return Points(np.asarray(item.points), attribute("colors"), attribute("normals"))
+    return Points(item)
+
+
+class Frames(_Sequence):
+    """Frames of a reel in some order. Nothing is read before a frame is asked for."""
+
+    def __init__(self, reel: Reel, indices: range):
+        self._reel, self._indices = reel, indices
+
+    def __len__(self) -> int:
+        return len(self._indices)
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> Frames: ...
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return Frames(self._reel, self._indices[index])
+        return self._reel.read(self._indices[index])
+
+    def __iter__(self) -> Iterator[Frame]:
+        return self._reel._ahead(self._indices)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} frames of {self._reel!r}>"
+
+
+class Reel(Frames):
+    """A sequence of frames: `reel[10]`, `reel[-1]`, `reel[::5]`, `for frame in reel`."""
+
+    def __init__(self, native: _native.Reel, layers: Optional[int], max_memory: Optional[int],
+                 ahead: int):
+        super().__init__(self, range(len(native)))
+        self._native, self._layers = native, layers
+        self._max_memory, self._ahead_frames = max_memory, ahead
+        self.metadata: dict = json.loads(native.metadata())
+        """What the package's reel.json says."""
+        self.times: np.ndarray = native.times()
+        """When each frame is shown: seconds from the reel's start."""
+        self.bounds: Optional[np.ndarray] = native.bounds()
+        """The smallest and the largest coordinates of all frames, 2 x 3."""
+
+    @property
+    def name(self) -> str:
+        return self.metadata["name"]
+
+    @property
+    def codec(self) -> str:
+        """octree, draco or files."""
+        return self.metadata["codec"]
+
+    @property
+    def fps(self) -> float:
+        """The nominal frame rate; `times` are authoritative."""
+        return self.metadata["fps"]
+
+    @property
+    def duration(self) -> float:
+        """Seconds of one pass."""
+        return self.metadata["duration_us"] / 1e6
+
+    @property
+    def up(self) -> str:
+        """The axis that points up: y or z."""
+        return self.metadata["up"]
+
+    @property
+    def layers(self) -> int:
+        """How many layers its frames have, from coarse to fine; 0 for files."""
+        return len(self.metadata["layers"])
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing comes over the network at present, or an empty text. For other threads."""
+        return self._native.trouble()
+
+    def read(self, index: int, layers: Optional[int] = None) -> Frame:
+        """A frame, of its first `layers` layers if that is given."""
+        return self._native.read(index, layers or self._layers, self._max_memory)
+
+    def _ahead(self, indices: range) -> Iterator[Frame]:
+        return self._native.read_ahead(list(indices), self._layers, self._max_memory,
+                                       self._ahead_frames)
+
+    def __repr__(self) -> str:
+        return f"<pointreel.Reel {self.name!r} of {len(self)} frames>"
+
+
+def open(where: Union[str, os.PathLike], *, layers: Optional[int] = None, ahead: int = 3,
+         fps: float = 30.0, token: str = "", ca_file: str = "", follow_redirects: bool = False,
+         max_memory: Optional[int] = None) -> Reel:
+    """Opens a package (its folder, its reel.json, or an http:// or https:// address of either), a
+    folder of PLY and Draco files, or one such file.
+
+    layers: fetch and decode the first layers of each frame only. ahead: how many frames iteration
+    decodes ahead. fps: of folders of files, which do not tell it. token: bearer token for the
+    server. ca_file: certificates to trust for https, in PEM form. max_memory: bytes that decoding a
+    frame may take, 1 GiB by default.
+    """
+    native = _native.Reel(os.fspath(where), fps, token, ca_file, follow_redirects)
+    return Reel(native, layers, max_memory, ahead)
+
+
+class Live:
+    """Frames of a live stream as they come; it never ends by itself."""
+
+    def __init__(self, native: _native.Live, timeout: Optional[float], layers: Optional[int],
+                 max_memory: Optional[int]):
+        self._native, self._timeout = native, timeout
+        self._layers, self._max_memory = layers, max_memory
+
+    def __iter__(self) -> Iterator[Frame]:
+        return self
+
+    def __next__(self) -> Frame:
+        frame = self.next(self._timeout)
+        if frame is None:
+            raise TimeoutError(self.trouble or f"no frame has come for {self._timeout} s")
+        return frame
+
+    def next(self, timeout: Optional[float] = None) -> Optional[Frame]:
+        """The newest frame that was not given yet; None if there is none within `timeout` seconds.
+        A frame whose finest layers come late is given again."""
+        return self._native.next(timeout, self._layers, self._max_memory)
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing comes, or an empty text."""
+        return self._native.trouble()
+
+
+def live(url: str, *, timeout: Optional[float] = None, layers: Optional[int] = None,
+         token: str = "", ca_file: str = "", follow_redirects: bool = False,
+         max_memory: Optional[int] = None) -> Live:
+    """Watches ws(s)://HOST/live/NAME: `for frame in pointreel.live(url)`. Older frames are skipped
+    where the program is too slow for all. A broken connection is made again.
+
+    timeout: seconds without a frame after which iteration raises TimeoutError; without it, it
+    waits.
+    """
+    return Live(_native.Live(url, token, ca_file, follow_redirects), timeout, layers, max_memory)
+
+
+def _encoding(codec, depth, voxel, color_quality, normal_quality, fast):
+    return _native.Encoding(codec, depth or 0, voxel or 0.0, color_quality or 0,
+                            normal_quality or 0, fast)
+
+
+def encode(positions: Any, colors: Any = None, normals: Any = None, *,
+           origin: Tuple[float, float, float] = (0.0, 0.0, 0.0), codec: str = "octree",
+           depth: Optional[int] = None, voxel: Optional[float] = None,
+           color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
+           fast: bool = False) -> bytes:
+    """Encodes a single frame; `decode` reads it. The arrays are those of `Points`.
+
+    codec: octree or draco. depth: levels of the octree, or bits of Draco's positions. voxel: the
+    edge of a voxel instead. color_quality, normal_quality: of octrees, 1 to 100, at which colours
+    are lossless. fast: an octree that decodes in half the time and is 25 % larger.
+    """
+    arrays = _arrays(Points(positions, colors, normals, origin))
+    return _native.encode(*arrays,
+                          _encoding(codec, depth, voxel, color_quality, normal_quality, fast))
+
+
+def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int] = None) -> Frame:
+    """Decodes what `encode` made, or a whole PLY or Draco file. `data`: bytes, or anything with a
+    buffer. `layers` and `max_memory` as for `open`."""
+    return _native.decode(data, layers, max_memory)
+
+
+def pack(frames: Iterable[Any], path: Union[str, os.PathLike], *, fps: float = 30.0, name: str = "",
+         up: str = "y", replace: bool = False, segment: int = 30, codec: str = "octree",
+         depth: Optional[int] = None, voxel: Optional[float] = None,
+         color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
+         fast: bool = False) -> int:
+    """Writes a package, which players and servers take, and returns how many frames it has.
+
+    frames: for each frame its positions, (positions, colors), (positions, colors, normals),
+    `Points`, a dict with the same names, a `Frame`, or anything with points, colors and normals, as
+    Open3D's PointCloud. They may come from a generator: only a segment of them is held.
+
+    The package is complete or absent, whatever fails. replace: one that is already there. segment:
+    frames that share a file. The rest is as for `encode`.
+    """
+    encoding = _encoding(codec, depth, voxel, color_quality, normal_quality, fast)
+    writer = _native.Writer(os.fspath(path), name, fps, up, replace, segment, encoding)
+    count = 0
+    for item in frames:
+        if isinstance(item, Frame):
+            writer.add_frame(item, None)
+        else:
+            points = _points_of(item)
+            writer.add(*_arrays(points), points.time)
+        count += 1
+    writer.finish()
+    return count
+
+
+def render(frame: Frame, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",
+           view: Optional[Tuple[float, float]] = None, zoom: float = 1.0, up: str = "y",
+           bounds: Any = None,
+           background: Tuple[float, float, float] = (0.11, 0.12, 0.14)) -> np.ndarray:
+    """Draws a frame without a display or a graphics card: uint8, height x width x 3, sRGB.
+
+    mode: surfel, voxel or point. view: yaw and pitch of the camera in degrees, (0, 0) from the
+    front; by default slightly from above. bounds: what the camera looks at, 2 x 3; give
+    `reel.bounds` to draw several frames alike. up: the axis that points up, as `reel.up`.
+    """
+    if bounds is not None:
+        bounds = np.asarray(bounds, dtype=np.float64).tolist()
+    return _native.picture(frame, int(size[0]), int(size[1]), mode,
+                           None if view is None else list(map(float, view)), zoom, up, bounds,
+                           list(map(float, background)))

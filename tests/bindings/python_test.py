@@ -1,0 +1,405 @@
+"""The Python module, as a program in Python uses it.
+
+    python_test.py SERVER [TEST...]
+
+SERVER is the program pointreel-server. PYTHONPATH has the module.
+"""
+
+import ast
+import gc
+import os
+import pathlib
+import random
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import types
+import unittest
+
+import numpy as np
+
+import pointreel
+
+SERVER = None
+POINTS = 3000
+
+
+def ball(frame=0, points=POINTS):
+    """Positions on a sphere that grows, with colours and normals."""
+    i = np.arange(points)
+    z = 1.0 - (2.0 * i + 1.0) / points
+    r, angle = np.sqrt(1.0 - z * z), 2.399963229728653 * i
+    normals = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)
+    colors = np.stack([i % 256, i // 2 % 256, i // 4 % 256], axis=1).astype(np.uint8)
+    return ((1.0 + 0.1 * frame) * normals).astype(np.float32), colors, normals.astype(np.float32)
+
+
+def lattice():
+    """Points that decode to themselves."""
+    i = np.arange(1000)
+    return np.stack([i % 10, i // 10 % 10, i // 100], axis=1).astype(np.float32)
+
+
+def rows(array):
+    return sorted(map(tuple, np.asarray(array).tolist()))
+
+
+def address(array):
+    return array.__array_interface__["data"][0]
+
+
+class TemporaryFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+
+class Codec(unittest.TestCase):
+    def test_a_lattice_comes_back_exactly_with_its_colors(self):
+        positions = lattice()
+        colors = (positions * 25).astype(np.uint8)
+        data = pointreel.encode(positions, colors, origin=(100.0, 0.0, -5.0), color_quality=100)
+        frame = pointreel.decode(data)
+        self.assertEqual(len(frame), 1000)
+        self.assertEqual(rows(frame.world), rows(positions + np.array([100.0, 0.0, -5.0])))
+        source = np.rint(frame.world - [100.0, 0.0, -5.0]).astype(int)
+        np.testing.assert_array_equal(frame.colors8, source * 25)
+        np.testing.assert_array_equal(frame.colors, source * 25 * 257)
+        self.assertIsNone(frame.normals)
+
+    def test_doubles_far_from_zero_keep_their_precision(self):
+        positions = 1e-3 * lattice().astype(np.float64) + [4e6, 5e5, 100.0]
+        frame = pointreel.decode(pointreel.encode(positions))
+        np.testing.assert_allclose(np.sort(frame.world, axis=0), np.sort(positions, axis=0),
+                                   atol=1e-4)
+        self.assertLess(np.abs(frame.positions).max(), 1.0)
+
+    def test_colors_may_be_floats_and_arrays_may_have_gaps(self):
+        positions, colors, normals = ball()
+        data = pointreel.encode(positions[::-1][::2], colors[::-1][::2] / 255.0,
+                                np.asfortranarray(normals)[::-1][::2], color_quality=100)
+        same = pointreel.encode(positions[1::2], colors[1::2].astype(np.uint16) * 257,
+                                normals[1::2].astype(np.float64), color_quality=100)
+        self.assertEqual(data, same)
+
+    def test_draco_and_files_are_decoded(self):
+        frame = pointreel.decode(pointreel.encode(lattice(), codec="draco"))
+        self.assertEqual(len(frame), 1000)
+        ply = (b"ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+               b"property float z\nend_header\n1 2 3\n4 5 6\n")
+        frame = pointreel.decode(memoryview(ply))
+        self.assertEqual(rows(frame.world), [(1.0, 2.0, 3.0), (4.0, 5.0, 6.0)])
+        self.assertIsNone(frame.colors)
+
+    def test_fewer_layers_are_coarser(self):
+        data = pointreel.encode(*ball(points=20000), depth=10)
+        self.assertLess(len(pointreel.decode(data, layers=1)), len(pointreel.decode(data)))
+        self.assertEqual(pointreel.decode(data, layers=1).layers, 1)
+
+    def test_frames_without_points_are_frames(self):
+        frame = pointreel.decode(pointreel.encode(np.zeros((0, 3))))
+        self.assertEqual(len(frame), 0)
+        self.assertEqual(frame.positions.shape, (0, 3))
+        self.assertEqual(len(pointreel.decode(pointreel.encode([[np.nan, 0, 0]]))), 0)
+
+    def test_damaged_bytes_are_errors(self):
+        data = pointreel.encode(*ball(points=200))
+        for cut in range(0, len(data), 7):
+            with self.assertRaises(pointreel.Error) as raised:
+                pointreel.decode(data[:cut])
+            self.assertEqual(raised.exception.code, "invalid")
+        choose = random.Random(1)
+        for _ in range(500):
+            damaged = bytearray(data)
+            damaged[choose.randrange(len(data))] ^= 1 << choose.randrange(8)
+            with self.assertRaises(pointreel.Error):
+                pointreel.decode(damaged)
+        with self.assertRaises(pointreel.Error) as raised:
+            pointreel.decode(data, max_memory=100)
+        self.assertEqual(raised.exception.code, "limit")
+
+    def test_wrong_arguments_are_errors(self):
+        positions, colors, normals = ball()
+        for wrong in ({"codec": "zip"}, {"depth": 30}, {"voxel": -1.0}, {"color_quality": 101},
+                      {"depth": 5, "voxel": 0.1}, {"codec": "draco", "fast": True},
+                      {"origin": (np.inf, 0, 0)}):
+            with self.assertRaises(pointreel.Error, msg=wrong) as raised:
+                pointreel.encode(positions, **wrong)
+            self.assertEqual(raised.exception.code, "argument")
+        with self.assertRaises(pointreel.Error):
+            pointreel.encode(positions, colors[1:])
+        for wrong in (positions[:, :2], positions.ravel(), "text", [[None] * 3]):
+            with self.assertRaises((ValueError, TypeError)):
+                pointreel.encode(wrong)
+        with self.assertRaises(ValueError):
+            pointreel.encode(positions, colors.astype(np.int32))
+        with self.assertRaises(TypeError):
+            pointreel.decode("text")
+
+
+class Arrays(unittest.TestCase):
+    def test_arrays_are_the_frames_own_memory_and_keep_it(self):
+        frame = pointreel.decode(pointreel.encode(*ball()))
+        for name in ("positions", "colors", "normals"):
+            array = getattr(frame, name)
+            self.assertEqual(address(array), address(getattr(frame, name)), name)
+            self.assertFalse(array.flags.owndata or array.flags.writeable, name)
+            self.assertTrue(array.flags.c_contiguous, name)
+        positions, before = frame.positions, frame.positions.copy()
+        del frame
+        gc.collect()
+        others = [pointreel.decode(pointreel.encode(*ball(i))) for i in range(20)]
+        np.testing.assert_array_equal(positions, before)
+        self.assertEqual(len(others), 20)
+
+
+class Packages(TemporaryFolder):
+    def make(self, frames=10, **options):
+        path = self.folder / "ball.reel"
+        count = pointreel.pack((ball(i) for i in range(frames)), path, fps=10, **options)
+        self.assertEqual(count, frames)
+        return path
+
+    def test_a_package_has_what_was_packed(self):
+        reel = pointreel.open(self.make(up="z", name="a ball", segment=4))
+        self.assertEqual((len(reel), reel.fps, reel.up, reel.name), (10, 10.0, "z", "a ball"))
+        self.assertEqual((reel.codec, reel.duration), ("octree", 1.0))
+        np.testing.assert_allclose(reel.times, np.arange(10) / 10)
+        np.testing.assert_allclose(reel.bounds, [[-1.9] * 3, [1.9] * 3], atol=0.01)
+        self.assertEqual(reel.metadata["name"], "a ball")
+        for i in (0, 7):
+            frame = reel[i]
+            self.assertEqual((frame.index, frame.time), (i, i / 10))
+            radii = np.linalg.norm(frame.world, axis=1)
+            np.testing.assert_allclose(radii, 1.0 + 0.1 * i, atol=0.05)
+
+    def test_indices_and_slices_are_those_of_lists(self):
+        reel = pointreel.open(self.make())
+        indices = list(range(10))
+        for part in (slice(None), slice(2, 5), slice(None, None, -1), slice(8, 2, -3),
+                     slice(5, 5), slice(-3, 100)):
+            self.assertEqual([frame.index for frame in reel[part]], indices[part], part)
+            self.assertEqual(len(reel[part]), len(indices[part]))
+        self.assertEqual(reel[-1].index, 9)
+        self.assertEqual(reel[2:8][1:][::2][-1].index, indices[2:8][1:][::2][-1])
+        self.assertEqual([frame.index for frame in reversed(reel[:3])], [2, 1, 0])
+        for wrong in (10, -11):
+            with self.assertRaises(IndexError):
+                reel[wrong]
+        with self.assertRaises(TypeError):
+            reel["first"]
+
+    def test_iteration_gives_what_indexing_gives(self):
+        reel = pointreel.open(self.make(), ahead=1)
+        for i, frame in enumerate(reel):
+            np.testing.assert_array_equal(frame.positions, reel[i].positions)
+        iterator = iter(pointreel.open(self.folder / "ball.reel", ahead=5))
+        next(iterator)
+        del iterator  # in the middle of reading ahead
+
+    def test_threads_read_one_reel(self):
+        reel, seen = pointreel.open(self.make()), []
+        threads = [threading.Thread(target=lambda: seen.append(
+            [frame.index for frame in reel])) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(seen, [list(range(10))] * 4)
+
+    def test_frames_of_all_kinds_are_packed(self):
+        positions, colors, normals = ball()
+        # As Open3D's PointCloud: vectors of doubles, colours from 0 to 1, empty where absent.
+        cloud = types.SimpleNamespace(points=positions.astype(np.float64), colors=colors / 255.0,
+                                      normals=np.zeros((0, 3)))
+        frame = pointreel.decode(pointreel.encode(positions, colors))
+        path = self.folder / "mixed"
+        pointreel.pack([positions, (positions, colors), [positions, colors, normals],
+                        {"positions": positions, "normals": normals}, cloud, frame,
+                        pointreel.Points(positions, time=2.0), positions.tolist()], path)
+        reel = pointreel.open(path)
+        self.assertEqual([frame.colors is not None for frame in reel],
+                         [False, True, True, False, True, True, False, False])
+        self.assertEqual([frame.normals is not None for frame in reel],
+                         [False, False, True, True, False, False, False, False])
+        self.assertEqual(reel.times[6], 2.0)
+        self.assertGreater(reel.times[7], 2.0)
+        # And back to Open3D's arrays.
+        frame = reel[4]
+        self.assertEqual(frame.world.dtype, np.float64)
+        self.assertLessEqual((frame.colors / 65535.0).max(), 1.0)
+
+    def test_a_package_is_complete_or_absent(self):
+        def failing():
+            yield ball()
+            raise KeyError("the camera was unplugged")
+
+        path = self.folder / "broken"
+        with self.assertRaises(KeyError):
+            pointreel.pack(failing(), path)
+        gc.collect()
+        self.assertEqual(list(self.folder.iterdir()), [])
+        with self.assertRaises(pointreel.Error):
+            pointreel.pack([], path)
+        made = self.make(frames=1)
+        with self.assertRaises(pointreel.Error) as raised:
+            self.make(frames=2)
+        self.assertEqual(raised.exception.code, "argument")
+        self.make(frames=2, replace=True)
+        self.assertEqual(len(pointreel.open(made)), 2)
+
+    def test_a_folder_of_files_is_a_reel(self):
+        subprocess.run([SERVER, "unpack", "-i", self.make(), "-o", self.folder / "files"],
+                       check=True, stdout=subprocess.DEVNULL)
+        reel = pointreel.open(self.folder / "files", fps=5)
+        self.assertEqual((len(reel), reel.fps, reel.codec, reel.layers), (10, 5.0, "files", 0))
+        self.assertGreater(len(reel[3]), 0)
+
+    def test_what_is_not_there_is_an_error(self):
+        for where, code in (("/nowhere", "not_found"), ("gopher://host/reel", "argument"),
+                            (self.folder, "not_found")):
+            with self.assertRaises(pointreel.Error) as raised:
+                pointreel.open(where)
+            self.assertEqual(raised.exception.code, code)
+            self.assertIn(str(where), str(raised.exception))
+
+    def test_pictures_show_the_frame(self):
+        reel = pointreel.open(self.make(frames=2))
+        for mode in ("surfel", "voxel", "point"):
+            picture = pointreel.render(reel[0], size=(200, 100), mode=mode, background=(0, 0, 0))
+            self.assertEqual((picture.shape, picture.dtype), ((100, 200, 3), np.uint8))
+            self.assertEqual(picture[:, :20].max(), 0)
+            self.assertGreater(picture[40:60, 90:110].mean(), 20)
+        small = pointreel.render(reel[0], size=(200, 100), bounds=reel.bounds * 3)
+        self.assertGreater(np.ptp(picture.astype(int), axis=(0, 1)).max(), 0)
+        self.assertLess((small != small[0, 0]).sum(), (picture != picture[0, 0]).sum())
+        for wrong in ({"mode": "oil"}, {"size": (0, 5)}, {"size": (1 << 20, 5)}, {"up": "w"},
+                      {"zoom": 0.0}, {"view": (0, 100)}):
+            with self.assertRaises(pointreel.Error, msg=wrong):
+                pointreel.render(reel[0], **wrong)
+
+
+class Servers(TemporaryFolder):
+    def serve(self, *options):
+        """Starts a server; returns its address."""
+        server = subprocess.Popen([SERVER, "serve", *options, "--listen", "127.0.0.1:0"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(server.stdout.close)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.terminate)
+        for line in server.stdout:
+            found = re.match(r"listening on http://(\S+)", line)
+            if found:
+                return found[1]
+        self.fail("the server did not start")
+
+    def test_reels_are_read_over_http(self):
+        pointreel.pack((ball(i) for i in range(6)), self.folder / "reel")
+        address = self.serve(self.folder / "reel")
+        remote, local = pointreel.open(f"http://{address}/reel"), pointreel.open(self.folder / "reel")
+        self.assertEqual(len(remote), 6)
+        np.testing.assert_array_equal(remote[5].positions, local[5].positions)
+        for a, b in zip(remote[::2], local[::2]):
+            np.testing.assert_array_equal(a.colors, b.colors)
+        self.assertEqual(remote.trouble, "")
+        with self.assertRaises(pointreel.Error) as raised:
+            pointreel.open(f"http://{address}/nothing")
+        self.assertEqual(raised.exception.code, "not_found")
+
+    def test_live_streams_are_iterators(self):
+        pointreel.pack((ball(i) for i in range(6)), self.folder / "reel")
+        subprocess.run([SERVER, "unpack", "-i", self.folder / "reel", "-o", self.folder / "files"],
+                       check=True, stdout=subprocess.DEVNULL)
+        url = f"ws://{self.serve('--live')}/live/ball"
+        self.assertIsNone(pointreel.live(url).next(timeout=0.1))
+        publisher = subprocess.Popen(
+            [SERVER, "publish", "-i", self.folder / "files", "--loop", "--to", url],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(publisher.wait)
+        self.addCleanup(publisher.terminate)
+        numbers = []
+        for frame in pointreel.live(url, timeout=30):
+            self.assertGreater(len(frame), 0)
+            self.assertLess(abs(frame.time - time.time()), 60)
+            numbers.append(frame.index)
+            if len(numbers) == 5:
+                break
+        self.assertEqual(numbers, sorted(numbers))
+
+    def test_iteration_ends_where_nothing_comes_for_the_given_time(self):
+        with self.assertRaises(TimeoutError):
+            next(pointreel.live("ws://127.0.0.1:9/live/nobody", timeout=0.2))
+
+    def test_an_interrupt_ends_waiting(self):
+        def interrupt():
+            time.sleep(0.3)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            address = f"127.0.0.1:{silent.getsockname()[1]}"
+            for wait in (lambda: next(pointreel.live(f"ws://{address}/live/nobody")),
+                         lambda: pointreel.open(f"http://{address}/reel")):
+                thread = threading.Thread(target=interrupt)
+                thread.start()
+                with self.assertRaises(KeyboardInterrupt):
+                    wait()
+                thread.join()
+
+
+class Threads(unittest.TestCase):
+    def test_other_threads_run_while_a_frame_is_decoded(self):
+        data = pointreel.encode(*ball(points=200_000), color_quality=100)
+        rounds, ended = [0], threading.Event()
+
+        def count():
+            while not ended.is_set():
+                rounds[0] += 1
+                time.sleep(0)
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        begin = rounds[0]
+        for _ in range(3):
+            # The switch interval is longer than a decode, so that only a released lock counts.
+            sys.setswitchinterval(100)
+            pointreel.decode(data)
+        sys.setswitchinterval(0.005)
+        during = rounds[0] - begin
+        ended.set()
+        thread.join()
+        self.assertGreater(during, 3)
+
+
+class Types(unittest.TestCase):
+    def test_everything_public_is_explained(self):
+        for name in pointreel.__all__:
+            if name != "__version__":
+                self.assertTrue(getattr(pointreel, name).__doc__, name)
+        for name in dir(pointreel.Frame):
+            if not name.startswith("_"):
+                self.assertTrue(getattr(pointreel.Frame, name).__doc__, name)
+
+    def test_the_stub_names_what_the_module_has(self):
+        folder = pathlib.Path(pointreel.__file__).parent
+        self.assertTrue((folder / "py.typed").exists())
+        stub = ast.parse((folder / "_native.pyi").read_text())
+        for node in stub.body:
+            if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+                self.assertTrue(hasattr(pointreel._native, node.name), node.name)
+            if isinstance(node, ast.ClassDef) and node.name != "Error":
+                named = {member.name for member in node.body
+                         if isinstance(member, ast.FunctionDef) and not member.name.startswith("_")}
+                has = {name for name in dir(getattr(pointreel._native, node.name))
+                       if not name.startswith("_")}
+                self.assertEqual(named, has, node.name)
+
+
+if __name__ == "__main__":
+    SERVER = sys.argv.pop(1)
+    unittest.main(verbosity=2)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -9,6 +10,7 @@
 #include <stop_token>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "client/bindings/c/border.h"
 #include "client/bindings/c/handles.h"
@@ -139,11 +141,11 @@ Result<EncodingOptions> encoding_of(const pointreel_encode_options* given) {
   return encoding_of(choice);
 }
 
-/// Copies one attribute: `value` gives the three numbers of a point.
-template <class Number, class Value>
+/// Copies one attribute, by `copy`, to the caller's room for it.
+template <class Number, class Copy>
 pointreel_status give_values(const pointreel_frame* handle, bool has(const PointCloud&),
                              Number* values, std::size_t capacity, std::size_t* count,
-                             const Value& value) {
+                             const Copy& copy) {
   return guarded([&]() -> Result<void> {
     if (count != nullptr) *count = 0;
     const auto frame = TRY(frames().get(handle, "the frame"));
@@ -158,12 +160,25 @@ pointreel_status give_values(const pointreel_frame* handle, bool has(const Point
     if (capacity < cloud.size())
       return fail(ErrorCode::limit,
                   concat("there are ", cloud.size(), " points, and room for ", capacity));
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const auto v = value(cloud, i);
-      for (int axis = 0; axis < 3; ++axis) values[3 * i + axis] = static_cast<Number>(v[axis]);
-    }
+    copy(cloud, values);
     return {};
   });
+}
+
+/// Copies vectors as they are.
+template <class Vector, class Number>
+void copy_all(const std::vector<Vector>& vectors, Number* to) {
+  static_assert(sizeof(Vector) == 3 * sizeof(Number));
+  if (!vectors.empty()) std::memcpy(to, vectors.data(), vectors.size() * sizeof(Vector));
+}
+
+/// Copies the three numbers that `value` gives for each point.
+template <class Number, class Value>
+void copy_each(const PointCloud& cloud, Number* to, const Value& value) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto v = value(i);
+    for (int axis = 0; axis < 3; ++axis) *to++ = v[axis];
+  }
 }
 
 bool always(const PointCloud&) { return true; }
@@ -222,32 +237,35 @@ pointreel_status pointreel_frame_get_info(const pointreel_frame* handle,
 pointreel_status pointreel_frame_get_positions(const pointreel_frame* frame, float* values,
                                                size_t capacity, size_t* count) {
   return give_values(frame, always, values, capacity, count,
-                     [](const PointCloud& cloud, std::size_t i) { return cloud.positions[i]; });
+                     [](const PointCloud& cloud, float* to) { copy_all(cloud.positions, to); });
 }
 
 pointreel_status pointreel_frame_get_world_positions(const pointreel_frame* frame, double* values,
                                                      size_t capacity, size_t* count) {
   return give_values(frame, always, values, capacity, count,
-                     [](const PointCloud& cloud, std::size_t i) { return cloud.world(i); });
+                     [](const PointCloud& cloud, double* to) {
+                       copy_each(cloud, to, [&](std::size_t i) { return cloud.world(i); });
+                     });
 }
 
 pointreel_status pointreel_frame_get_colors_8(const pointreel_frame* frame, uint8_t* values,
                                               size_t capacity, size_t* count) {
   return give_values(
-      frame, has_colors, values, capacity, count,
-      [](const PointCloud& cloud, std::size_t i) { return to_8_bits(cloud.colors[i]); });
+      frame, has_colors, values, capacity, count, [](const PointCloud& cloud, uint8_t* to) {
+        copy_each(cloud, to, [&](std::size_t i) { return to_8_bits(cloud.colors[i]); });
+      });
 }
 
 pointreel_status pointreel_frame_get_colors_16(const pointreel_frame* frame, uint16_t* values,
                                                size_t capacity, size_t* count) {
   return give_values(frame, has_colors, values, capacity, count,
-                     [](const PointCloud& cloud, std::size_t i) { return cloud.colors[i]; });
+                     [](const PointCloud& cloud, uint16_t* to) { copy_all(cloud.colors, to); });
 }
 
 pointreel_status pointreel_frame_get_normals(const pointreel_frame* frame, float* values,
                                              size_t capacity, size_t* count) {
   return give_values(frame, has_normals, values, capacity, count,
-                     [](const PointCloud& cloud, std::size_t i) { return cloud.normals[i]; });
+                     [](const PointCloud& cloud, float* to) { copy_all(cloud.normals, to); });
 }
 
 const float* pointreel_frame_positions(const pointreel_frame* handle) {

@@ -14,7 +14,8 @@
  * also while another thread closes it: the object then lasts until the call has returned. Threads
  * read frames of one reel at the same time. Calls with the same writer, or pointreel_live_next with
  * the same stream, wait for each other. Decoding and encoding use all processors, by TBB's threads.
- * The library must not be used by a process that was forked from one that uses it.
+ * The library must not be used by a process that was forked from one that uses it. Once loaded it
+ * stays: dlclose does not remove it.
  *
  * To stop a call that takes long, make a pointreel_canceller, pass it in the options, and let
  * another thread call pointreel_cancel: calls that were given it return POINTREEL_CANCELLED soon,

@@ -13,6 +13,7 @@
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/command_line/option_checks.h"
+#include "common/live/frame_sender.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/publish/publisher.h"
@@ -29,26 +30,18 @@ struct PublishArguments {
   SequenceArguments sequence;
 };
 
-/// The name of the stream, if the address ends in one.
-std::string stream_name(const std::string& url) { return url.substr(url.rfind('/') + 1); }
-
 Result<PublishOptions> make_options(const PublishArguments& arguments) {
-  TRY(parse_websocket_url(arguments.to));
+  const std::string address = TRY(publishing_address(arguments.to));
   if (std::string fault = fault_of_token(*arguments.token_option); !fault.empty()) {
     return fail(ErrorCode::argument, std::move(fault));
-  }
-  if (arguments.to.find_first_of("?#") != std::string::npos ||
-      !is_stream_name(stream_name(arguments.to))) {
-    return fail(ErrorCode::argument,
-                arguments.to + ": does not end in a stream's name, as in ws://HOST:8090/live/NAME");
   }
   if (arguments.input == "-" && (arguments.loop || arguments.follow)) {
     return fail(ErrorCode::argument, "--loop and --follow need a folder as --input");
   }
   PublishOptions options;
   static_cast<EncodingOptions&>(options) = TRY(arguments.sequence.options());
-  if (options.name.empty()) options.name = stream_name(arguments.to);
-  options.outbox.url = arguments.to + "?publish";  // a viewer would connect without the query
+  if (options.name.empty()) options.name = stream_name_of(arguments.to);
+  options.outbox.url = address;
   options.outbox.token = arguments.token;
   options.outbox.ca_file = arguments.ca_file;
   return options;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
-#include <random>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -14,10 +13,12 @@
 #include <tbb/task_arena.h>
 
 #include "codec/sequence/coarsening.h"
+#include "codec/sequence/steady_grid.h"
 #include "common/base/ordered_turns.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/live/frame_sender.h"
 #include "server/encode/unread_properties.h"
 #include "server/rate/frame_time_control.h"
 
@@ -32,34 +33,8 @@ constexpr double kBudgetShare = 0.8;
 constexpr int kMostLanes = 8;
 /// With fewer levels nobody could be recognised, and hardly any time would be saved.
 constexpr int kMinDepth = 6;
-/// How long sending the last frames may take at the end; the longer time over a link that works.
-constexpr std::chrono::milliseconds kFlushTime{2000}, kSlowFlushTime{8000};
-
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-LiveSecret random_secret() {
-  std::random_device device;
-  LiveSecret secret;
-  for (std::uint8_t& byte : secret) byte = static_cast<std::uint8_t>(device());
-  return secret;
-}
-
-/// The messages of an encoded frame, one for each layer.
-std::vector<LiveMessage> messages_of(EncodedFrame encoded, std::uint32_t number,
-                                     std::uint64_t capture_us) {
-  LiveLayer header;
-  header.frame = number;
-  header.layers = static_cast<std::uint8_t>(encoded.layers.size());
-  header.capture_us = capture_us;
-  header.points = encoded.source_points;
-  std::vector<LiveMessage> messages;
-  for (Chunks<Bytes>& layer : encoded.layers) {
-    messages.push_back(layer_message(header, std::move(layer)));
-    ++header.layer;
-  }
-  return messages;
 }
 
 /// A frame on its way through the encoder.
@@ -87,36 +62,34 @@ class Publisher {
         frame_time_ms_(options.frame_time_ms.value_or(kBudgetShare * 1000.0 / options.fps *
                                                       static_cast<double>(lanes_))),
         time_(frame_time_ms_, kMaxDepth, kMinDepth),
-        outbox_([&] {
-          OutboxOptions outbox = options.outbox;
-          outbox.say = [this](const std::string& line) { say(line); };
-          return outbox;
-        }()) {
-    static_cast<ReelHead&>(hello_) = reel_head(options);
+        sender_(
+            [&] {
+              OutboxOptions outbox = options.outbox;
+              outbox.say = [this](const std::string& line) { say(line); };
+              return outbox;
+            }(),
+            reel_head(options)) {
     options_.encode.executor = tbb_executor();
   }
 
   Result<PublishSummary> run() {
     const Clock::time_point start = Clock::now();
     // Frames that come before the connection would be lost, and short sequences as a whole.
-    outbox_.wait_until_tried(listener_.stop);
+    sender_.outbox().wait_until_tried(listener_.stop);
     {
       std::vector<std::jthread> others;
       for (int lane = 1; lane < lanes_; ++lane) others.emplace_back([this] { publish_frames(); });
       publish_frames();
     }
-    if (number_ > 0 && !listener_.stop.stop_requested()) {
-      outbox_.flush(kFlushTime);
-      if (outbox_.trouble().empty()) outbox_.flush(kSlowFlushTime);
-    }
-    if (std::optional<Error> failure = outbox_.failure()) return tl::unexpected(*failure);
+    if (sender_.sent() > 0 && !listener_.stop.stop_requested()) sender_.flush();
+    if (std::optional<Error> failure = sender_.outbox().failure()) return tl::unexpected(*failure);
     summary_.skipped = input_.skipped();
     summary_.encode_ms = spread_of(std::move(encode_ms_));
-    summary_.sent = outbox_.statistics();
+    summary_.sent = sender_.outbox().statistics();
     // Whatever was not accepted until now was lost, wherever it was.
     summary_.sent.drops.frames =
-        number_ - std::min<std::uint64_t>(number_, summary_.sent.accepted_frames);
-    summary_.trouble = outbox_.trouble();
+        sender_.sent() - std::min<std::uint64_t>(sender_.sent(), summary_.sent.accepted_frames);
+    summary_.trouble = sender_.outbox().trouble();
     summary_.seconds = 1e-3 * ms_since(start);
     return summary_;
   }
@@ -137,7 +110,7 @@ class Publisher {
     const std::lock_guard lock(input_mutex_);
     if (ended_) return std::nullopt;
     ended_ = true;
-    if (outbox_.failure()) return std::nullopt;
+    if (sender_.outbox().failure()) return std::nullopt;
     auto frame = or_out_of_memory([&] { return input_.next(listener_.stop); });
     if (!frame) {
       summary_.input_error = frame.error();
@@ -203,25 +176,13 @@ class Publisher {
   /// In the order of the frames.
   Result<void> send(const FrameInProgress& frame, EncodedFrame encoded) {
     const int depth = encoded.depth;
-    greet(frame.input.cloud->cloud, frame.box);
-    // Capture times must rise, even if two frames came within a microsecond.
-    last_us_ = std::max(frame.input.capture_us, last_us_ + 1);
-    outbox_.push(number_, messages_of(std::move(encoded), number_, last_us_));
-    ++number_;
+    const PointCloud& cloud = frame.input.cloud->cloud;
+    sender_.send(std::move(encoded),
+                 {frame.box, options_.encode.colors && cloud.has_colors(),
+                  options_.encode.normals && cloud.has_normals()},
+                 frame.input.capture_us);
     count(depth, frame.clean_ms + frame.encode_ms, frame.clean_ms);
     return {};
-  }
-
-  /// Sends a hello before the first frame, and again whenever a frame changes what it says.
-  void greet(const PointCloud& cloud, const Box& box) {
-    LiveHello hello = hello_;
-    hello.bounds.grow(box);
-    hello.colors |= options_.encode.colors && cloud.has_colors();
-    hello.normals |= options_.encode.normals && cloud.has_normals();
-    if (greeted_ && hello == hello_) return;
-    greeted_ = true;
-    hello_ = std::move(hello);
-    outbox_.hello(text_message(write_publisher_hello(hello_, secret_)));
   }
 
   void count(int depth, double ms, double clean_ms) {
@@ -284,15 +245,11 @@ class Publisher {
   FrameTimeControl time_;
 
   OrderedTurns send_turns_;
-  const LiveSecret secret_ = random_secret();
-  LiveHello hello_;  ///< used in turns only, as is all that follows
-  bool greeted_ = false;
-  std::uint32_t number_ = 0;
-  std::uint64_t last_us_ = 0;
+  // Used in turns only, as is all that follows.
   int allowed_told_ = kMaxDepth;  ///< the depth that was last reported
   std::vector<double> encode_ms_;
   PublishSummary summary_;
-  Outbox outbox_;  ///< destroyed first, because its thread calls `say`
+  FrameSender sender_;  ///< destroyed first, because its thread calls `say`
 };
 
 }  // namespace

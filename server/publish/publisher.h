@@ -7,12 +7,10 @@
 #include <string>
 
 #include "codec/sequence/encoding_options.h"
-#include "codec/sequence/grid.h"
+#include "common/live/outbox.h"
 #include "pointreel/error.h"
-#include "pointreel/geometry.h"
 #include "server/encode/spread.h"
 #include "server/publish/frame_input.h"
-#include "server/publish/outbox.h"
 
 namespace pointreel {
 
@@ -46,26 +44,5 @@ struct PublishSummary {
 /// good.
 Result<PublishSummary> publish(FrameInput& input, const PublishOptions& options,
                                const PublishListener& listener);
-
-/// A cube that consecutive frames share, so that voxels do not jump between them. It stays until a
-/// frame does not fit. Then it gets a margin of a tenth of the frame's box on each side, and still
-/// holds what the previous cube was made for, unless that would make it more than twice as large. A
-/// cube eight times as large as a frame is made anew.
-/// Voxelised frames are coded on their own lattice, as pack does, so that they come back exactly or
-/// without a shift, and the cells of cleaned frames are those that fit their points, until these
-/// change by a quarter.
-class SteadyGrid {
- public:
-  explicit SteadyGrid(const EncodingOptions& options) : options_(options) {}
-  /// The grid to encode a cloud in, whose points lie within `box`.
-  Result<Grid> of(const PointCloud& cloud, const Box& box, const CleanReport& cleaning = {});
-
- private:
-  EncodingOptions options_;
-  std::optional<Grid> grid_;
-  Box held_;                             ///< what the grid was made for
-  std::optional<PointLattice> lattice_;  ///< of the frames that it was made for
-  bool on_lattice_ = false;              ///< the grid's cells are the lattice's
-};
 
 }  // namespace pointreel

@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "codec/sequence/steady_grid.h"
 #include "pointreel/draco.h"
 #include "server/commands.h"
 #include "server/encode/unread_properties.h"

@@ -1,7 +1,8 @@
+#include "codec/sequence/steady_grid.h"
+
 #include <algorithm>
 
 #include "common/base/try.h"
-#include "server/publish/publisher.h"
 
 namespace pointreel {
 namespace {

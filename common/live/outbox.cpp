@@ -1,4 +1,4 @@
-#include "server/publish/outbox.h"
+#include "common/live/outbox.h"
 
 #include <cstring>
 #include <utility>

@@ -1,0 +1,82 @@
+#include "common/live/frame_sender.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "common/base/try.h"
+#include "common/net/websocket.h"
+#include "common/stream/live_queue.h"
+
+namespace pointreel {
+namespace {
+
+/// How long sending the last frames may take at the end; the longer time over a link that works.
+constexpr std::chrono::milliseconds kFlushTime{2000}, kSlowFlushTime{8000};
+
+LiveSecret random_secret() {
+  std::random_device device;
+  LiveSecret secret;
+  for (std::uint8_t& byte : secret) byte = static_cast<std::uint8_t>(device());
+  return secret;
+}
+
+/// The messages of an encoded frame, one for each layer.
+std::vector<LiveMessage> messages_of(EncodedFrame encoded, std::uint32_t number,
+                                     std::uint64_t capture_us) {
+  LiveLayer header;
+  header.frame = number;
+  header.layers = static_cast<std::uint8_t>(encoded.layers.size());
+  header.capture_us = capture_us;
+  header.points = encoded.source_points;
+  std::vector<LiveMessage> messages;
+  for (Chunks<Bytes>& layer : encoded.layers) {
+    messages.push_back(layer_message(header, std::move(layer)));
+    ++header.layer;
+  }
+  return messages;
+}
+
+}  // namespace
+
+FrameSender::FrameSender(OutboxOptions options, const ReelHead& head)
+    : secret_(random_secret()), outbox_(std::move(options)) {
+  static_cast<ReelHead&>(hello_) = head;
+}
+
+void FrameSender::send(EncodedFrame frame, const Content& content, std::uint64_t capture_us) {
+  greet(content);
+  // Capture times must rise, even if two frames came within a microsecond.
+  last_us_ = std::max(capture_us, last_us_ + 1);
+  outbox_.push(number_, messages_of(std::move(frame), number_, last_us_));
+  ++number_;
+}
+
+void FrameSender::flush() {
+  outbox_.flush(kFlushTime);
+  if (outbox_.trouble().empty()) outbox_.flush(kSlowFlushTime);
+}
+
+void FrameSender::greet(const Content& content) {
+  LiveHello hello = hello_;
+  hello.bounds.grow(content.box);
+  hello.colors |= content.colors;
+  hello.normals |= content.normals;
+  if (greeted_ && hello == hello_) return;
+  greeted_ = true;
+  hello_ = std::move(hello);
+  outbox_.hello(text_message(write_publisher_hello(hello_, secret_)));
+}
+
+std::string stream_name_of(const std::string& url) { return url.substr(url.rfind('/') + 1); }
+
+Result<std::string> publishing_address(const std::string& url) {
+  TRY(parse_websocket_url(url));
+  if (url.find_first_of("?#") != std::string::npos || !is_stream_name(stream_name_of(url)))
+    return fail(ErrorCode::argument,
+                url + ": does not end in a stream's name, as in ws://HOST:8090/live/NAME");
+  return url + "?publish";  // a viewer would connect without the query
+}
+
+}  // namespace pointreel

@@ -332,6 +332,38 @@ class Servers(TemporaryFolder):
                 break
         self.assertEqual(numbers, sorted(numbers))
 
+    def test_published_frames_arrive(self):
+        url = f"ws://{self.serve('--live')}/live/ball"
+        viewer, seen = pointreel.live(url), []
+        with pointreel.publish(url, fps=10, color_quality=100) as stream:
+            deadline = time.time() + 30
+            while len(seen) < 5 and time.time() < deadline:
+                stream.send(ball(len(seen)))
+                stream.send(pointreel.Points(*ball(), time=time.time()))
+                stream.send(pointreel.decode(pointreel.encode(*ball())))
+                frame = viewer.next(timeout=0.2)
+                if frame is not None:
+                    seen.append(frame)
+            self.assertEqual(len(seen), 5, stream.trouble)
+            stream._native.flush()
+            self.assertGreaterEqual(stream.sent, 5)
+            self.assertGreaterEqual(stream.accepted, 5)
+            self.assertEqual(stream.trouble, "")
+        self.assertTrue(all(frame.colors is not None and len(frame) > 2000 for frame in seen))
+        with self.assertRaises(ValueError):
+            stream.send(ball())
+
+    def test_publishing_fails_where_the_server_says_no(self):
+        with self.assertRaises(pointreel.Error) as raised:
+            pointreel.publish("ws://127.0.0.1:9/")
+        self.assertEqual(raised.exception.code, "argument")
+        url = f"ws://{self.serve('--live', '--publish-token', 'right')}/live/ball"
+        with self.assertRaises(pointreel.Error):
+            with pointreel.publish(url, token="wrong") as stream:
+                for _ in range(200):
+                    stream.send(ball())
+                    time.sleep(0.05)
+
     def test_iteration_ends_where_nothing_comes_for_the_given_time(self):
         with self.assertRaises(TimeoutError):
             next(pointreel.live("ws://127.0.0.1:9/live/nobody", timeout=0.2))

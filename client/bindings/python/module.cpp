@@ -17,6 +17,7 @@
 
 #include "client/bindings/frames/encoded_bytes.h"
 #include "client/bindings/frames/encoding_choice.h"
+#include "client/bindings/frames/frame_publisher.h"
 #include "client/bindings/frames/point_arrays.h"
 #include "client/bindings/frames/read_ahead.h"
 #include "client/bindings/python/arrays.h"
@@ -73,6 +74,13 @@ EncodingOptions encoding(const std::string& codec, int depth, double voxel, int 
   choice.normal_quality = normal_quality;
   choice.fast = fast;
   return value_or_raise(encoding_of(choice));
+}
+
+std::optional<std::uint64_t> microseconds(std::optional<double> seconds) {
+  if (!seconds) return std::nullopt;
+  if (!(*seconds >= 0.0 && *seconds < 1e10))
+    raise({"a time is in seconds, and not below 0", ErrorCode::argument});
+  return static_cast<std::uint64_t>(std::llround(1e6 * *seconds));
 }
 
 class PyReel {
@@ -185,20 +193,12 @@ class PyWriter {
 
   void add(const Positions& positions, const Attribute& colors, const Attribute& normals,
            const Vector& origin, std::optional<double> time) {
-    std::optional<std::uint64_t> time_us;
-    if (time) {
-      if (!(*time >= 0.0 && *time < 1e9))
-        raise({"a frame's time is in seconds from the reel's start", ErrorCode::argument});
-      time_us = static_cast<std::uint64_t>(std::llround(1e6 * *time));
-    }
-    add(cloud_of(positions, colors, normals, to_glm(origin)), time_us);
+    add(cloud_of(positions, colors, normals, to_glm(origin)), microseconds(time));
   }
 
   void add_frame(const PyFrame& frame, std::optional<double> time) {
     PointCloud copy = frame.frame->cloud;
-    std::optional<std::uint64_t> time_us;
-    if (time) time_us = static_cast<std::uint64_t>(std::llround(1e6 * *time));
-    add(std::move(copy), time_us);
+    add(std::move(copy), microseconds(time));
   }
 
   void finish() {
@@ -212,6 +212,44 @@ class PyWriter {
   }
 
   PackageWriter writer_;
+};
+
+class PyPublisher {
+ public:
+  PyPublisher(const std::string& url, const std::string& token, const std::string& ca_file,
+              const std::string& title, double fps, const std::string& up,
+              const EncodingOptions& encoding) {
+    EncodingOptions options = encoding;
+    options.name = title;
+    options.fps = fps;
+    options.up = up.size() == 1 ? up[0] : ' ';
+    publisher_ = interruptible([&](const std::stop_token& stop) {
+      return FramePublisher::open(url, token, ca_file, options, stop);
+    });
+  }
+
+  void send(const Positions& positions, const Attribute& colors, const Attribute& normals,
+            const Vector& origin, std::optional<double> time) {
+    send(cloud_of(positions, colors, normals, to_glm(origin)), time);
+  }
+  void send_frame(const PyFrame& frame, std::optional<double> time) {
+    send(frame.frame->cloud, time);
+  }
+  void flush() {
+    const py::gil_scoped_release release;
+    publisher_->flush();
+  }
+  std::string trouble() const { return publisher_->trouble(); }
+  std::uint32_t sent() const { return publisher_->sent(); }
+  std::uint64_t accepted() const { return publisher_->accepted(); }
+
+ private:
+  void send(const PointCloud& cloud, std::optional<double> time) {
+    const auto time_us = microseconds(time);
+    without_gil([&] { return publisher_->send(cloud, time_us); });
+  }
+
+  std::unique_ptr<FramePublisher> publisher_;
 };
 
 py::bytes encode(const Positions& positions, const Attribute& colors, const Attribute& normals,
@@ -330,6 +368,17 @@ PYBIND11_MODULE(_native, module) {
                                     const Vector&, std::optional<double>>(&PyWriter::add))
       .def("add_frame", &PyWriter::add_frame)
       .def("finish", &PyWriter::finish);
+
+  py::class_<PyPublisher>(module, "Publisher")
+      .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&,
+                    double, const std::string&, const EncodingOptions&>())
+      .def("send", py::overload_cast<const Positions&, const Attribute&, const Attribute&,
+                                     const Vector&, std::optional<double>>(&PyPublisher::send))
+      .def("send_frame", &PyPublisher::send_frame)
+      .def("flush", &PyPublisher::flush)
+      .def("trouble", &PyPublisher::trouble)
+      .def("sent", &PyPublisher::sent)
+      .def("accepted", &PyPublisher::accepted);
 
   module.def("encode", &encode);
   module.def("decode", &decode);

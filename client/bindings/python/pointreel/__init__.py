@@ -24,8 +24,8 @@ import numpy as np
 from . import _native
 from ._native import Error, Frame, __version__
 
-__all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "open", "live", "encode", "decode",
-           "pack", "render", "__version__"]
+__all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "Publisher", "open", "live",
+           "encode", "decode", "pack", "publish", "render", "__version__"]
 
 
 class Points(NamedTuple):
@@ -88,6 +88,15 @@ def _points_of(item: Any) -> Points:
             return values if values.size else None
         return Points(np.asarray(item.points), attribute("colors"), attribute("normals"))
     return Points(item)
+
+
+def _give(item: Any, add: Any, add_frame: Any) -> None:
+    """Gives a frame, of whatever kind, to one of these."""
+    if isinstance(item, Frame):
+        add_frame(item, None)
+    else:
+        points = _points_of(item)
+        add(*_arrays(points), points.time)
 
 
 class Frames(_Sequence):
@@ -276,14 +285,71 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike], *, fps: float = 3
     writer = _native.Writer(os.fspath(path), name, fps, up, replace, segment, encoding)
     count = 0
     for item in frames:
-        if isinstance(item, Frame):
-            writer.add_frame(item, None)
-        else:
-            points = _points_of(item)
-            writer.add(*_arrays(points), points.time)
+        _give(item, writer.add, writer.add_frame)
         count += 1
     writer.finish()
     return count
+
+
+class Publisher:
+    """A live stream that this program publishes."""
+
+    def __init__(self, native: _native.Publisher):
+        self._native: Optional[_native.Publisher] = native
+
+    def send(self, frame: Any) -> None:
+        """Encodes a frame, which is whatever `pack` takes, and hands it to a thread that sends it.
+        Its `time`, if it has one, is the Unix time of its capture. Where the link is too slow,
+        frames are left out."""
+        native = self._open()
+        _give(frame, native.send, native.send_frame)
+
+    @property
+    def sent(self) -> int:
+        """How many frames were given."""
+        return self._open().sent()
+
+    @property
+    def accepted(self) -> int:
+        """How many of them the server has accepted."""
+        return self._open().accepted()
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing can be sent at present, or an empty text."""
+        return self._open().trouble()
+
+    def close(self) -> None:
+        """Gives what was sent last some time to arrive, and ends the stream."""
+        if self._native is not None:
+            native, self._native = self._native, None
+            native.flush()
+
+    def _open(self) -> _native.Publisher:
+        if self._native is None:
+            raise ValueError("the stream is closed")
+        return self._native
+
+    def __enter__(self) -> Publisher:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+
+def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps: float = 30.0,
+            up: str = "y", codec: str = "octree", depth: Optional[int] = None,
+            voxel: Optional[float] = None, color_quality: Optional[int] = None,
+            normal_quality: Optional[int] = None, fast: bool = True) -> Publisher:
+    """Publishes frames as they come: `with pointreel.publish(url) as stream: stream.send(frame)`.
+
+    url: ws(s)://HOST/live/NAME on a server that was started with --live. token: the server's for
+    publishers. fps: the nominal frame rate. A lost connection is restored. The rest is as for
+    `encode`, but octrees are `fast` by default.
+    """
+    encoding = _encoding(codec, depth, voxel, color_quality, normal_quality,
+                         fast and codec == "octree")
+    return Publisher(_native.Publisher(url, token, ca_file, name, fps, up, encoding))
 
 
 def render(frame: Frame, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",

@@ -1,0 +1,51 @@
+#include "client/bindings/frames/frame_publisher.h"
+
+#include <utility>
+
+#include "common/base/out_of_memory.h"
+#include "common/base/tbb_executor.h"
+#include "common/base/try.h"
+#include "common/base/unix_time.h"
+#include "pointreel/draco.h"
+
+namespace pointreel {
+
+FramePublisher::FramePublisher(OutboxOptions outbox, const EncodingOptions& options)
+    : options_(options), grid_(options), sender_(std::move(outbox), reel_head(options)) {}
+
+Result<std::unique_ptr<FramePublisher>> FramePublisher::open(const std::string& url,
+                                                             const std::string& token,
+                                                             const std::string& ca_file,
+                                                             const EncodingOptions& options,
+                                                             const std::stop_token& stop) {
+  OutboxOptions outbox;
+  outbox.url = TRY(publishing_address(url));
+  outbox.token = token;
+  outbox.ca_file = ca_file;
+  if (!is_frame_rate(options.fps)) return fail(ErrorCode::argument, "fps is out of range");
+  if (options.up != 'y' && options.up != 'z')
+    return fail(ErrorCode::argument, "the axis that points up is y or z");
+  EncodingOptions named = options;
+  if (named.name.empty()) named.name = stream_name_of(url);
+  named.encode.executor = tbb_executor();
+  std::unique_ptr<FramePublisher> publisher(new FramePublisher(std::move(outbox), named));
+  publisher->sender_.outbox().wait_until_tried(stop);
+  if (stop.stop_requested()) return fail(ErrorCode::cancelled, url + ": connecting was cancelled");
+  if (auto failure = publisher->sender_.outbox().failure()) return tl::unexpected(*failure);
+  return publisher;
+}
+
+Result<void> FramePublisher::send(const PointCloud& cloud,
+                                  std::optional<std::uint64_t> capture_us) {
+  if (auto failure = sender_.outbox().failure()) return tl::unexpected(*failure);
+  const std::uint64_t time = capture_us.value_or(unix_time_us());
+  return or_out_of_memory([&]() -> Result<void> {
+    const Box box = bounds(cloud);
+    const Grid grid = TRY(grid_.of(cloud, box));
+    EncodedFrame frame = TRY(encode_frame(cloud, grid.cube, grid.encode));
+    sender_.send(std::move(frame), {box, cloud.has_colors(), cloud.has_normals()}, time);
+    return {};
+  });
+}
+
+}  // namespace pointreel

@@ -39,7 +39,7 @@ Result<void> may_replace_package(const fs::path& folder) {
   const Result<Manifest> manifest = read_manifest(folder);
   if (!manifest && manifest.error().code == ErrorCode::not_found) {
     return fail(ErrorCode::argument,
-                "is not a package, and --force replaces only packages; remove it first");
+                "is not a package, and only packages are replaced; remove it first");
   }
   if (!manifest) {
     return fail(ErrorCode::argument,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -174,6 +176,10 @@ PackageWriter::~PackageWriter() = default;
 
 Result<PackageWriter> PackageWriter::create(const WriteOptions& options) {
   TRY(check(options));
+  std::error_code absent;
+  if (!options.force && !std::filesystem::is_empty(options.output, absent) && !absent)
+    return fail(ErrorCode::argument,
+                options.output.string() + ": exists; name another folder, or allow to replace it");
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
   auto impl = std::make_unique<Impl>(options, std::move(folder));

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <exception>
 #include <new>
-#include <stop_token>
 #include <string>
 #include <type_traits>
 

@@ -16,10 +16,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence as _Sequence
-from typing import Any, Iterable, Iterator, NamedTuple, Optional, Tuple, Union, overload
+from typing import (Any, Dict, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union,
+                    overload)
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _native
 from ._native import Error, Frame, __version__
@@ -43,7 +44,7 @@ class Points(NamedTuple):
     """Seconds from the reel's start; None: one frame's time after the frame before."""
 
 
-def _rows(values: Any, name: str, dtype: Any = None) -> np.ndarray:
+def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
     array = np.asarray(values)
     if array.size == 0:
         array = array.reshape(0, 3)
@@ -54,18 +55,21 @@ def _rows(values: Any, name: str, dtype: Any = None) -> np.ndarray:
     return np.ascontiguousarray(array, dtype)
 
 
-def _colors(values: Any) -> Optional[np.ndarray]:
+def _colors(values: Any) -> Optional[NDArray[Any]]:
     if values is None:
         return None
     array = _rows(values, "colors")
     if array.dtype.kind == "f":
-        return np.rint(np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
+        rounded: NDArray[np.uint16] = np.rint(
+            np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
+        return rounded
     if array.dtype in (np.uint8, np.uint16):
         return array
     raise ValueError(f"colors are uint8, uint16 or floats from 0 to 1, not {array.dtype}")
 
 
-def _arrays(points: Points):
+def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
+                                     Optional[NDArray[Any]], Tuple[float, ...]]:
     positions = _rows(points.positions, "positions")
     if positions.dtype != np.float64:
         positions = _rows(positions, "positions", np.float32)
@@ -83,7 +87,7 @@ def _points_of(item: Any) -> Points:
     if isinstance(item, (tuple, list)) and len(item) in (2, 3) and np.ndim(item[0]) == 2:
         return Points(*item)
     if hasattr(item, "points"):  # as Open3D's PointCloud
-        def attribute(name):
+        def attribute(name: str) -> Optional[NDArray[Any]]:
             values = np.asarray(getattr(item, name, ()))
             return values if values.size else None
         return Points(np.asarray(item.points), attribute("colors"), attribute("normals"))
@@ -99,7 +103,7 @@ def _give(item: Any, add: Any, add_frame: Any) -> None:
         add(*_arrays(points), points.time)
 
 
-class Frames(_Sequence):
+class Frames(Sequence[Frame]):
     """Frames of a reel in some order. Nothing is read before a frame is asked for."""
 
     def __init__(self, reel: Reel, indices: range):
@@ -112,7 +116,7 @@ class Frames(_Sequence):
     def __getitem__(self, index: int) -> Frame: ...
     @overload
     def __getitem__(self, index: slice) -> Frames: ...
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return Frames(self._reel, self._indices[index])
         return self._reel.read(self._indices[index])
@@ -132,36 +136,36 @@ class Reel(Frames):
         super().__init__(self, range(len(native)))
         self._native, self._layers = native, layers
         self._max_memory, self._ahead_frames = max_memory, ahead
-        self.metadata: dict = json.loads(native.metadata())
+        self.metadata: Dict[str, Any] = json.loads(native.metadata())
         """What the package's reel.json says."""
-        self.times: np.ndarray = native.times()
+        self.times: NDArray[np.float64] = native.times()
         """When each frame is shown: seconds from the reel's start."""
-        self.bounds: Optional[np.ndarray] = native.bounds()
+        self.bounds: Optional[NDArray[np.float64]] = native.bounds()
         """The smallest and the largest coordinates of all frames, 2 x 3."""
 
     @property
     def name(self) -> str:
-        return self.metadata["name"]
+        return str(self.metadata["name"])
 
     @property
     def codec(self) -> str:
         """octree, draco or files."""
-        return self.metadata["codec"]
+        return str(self.metadata["codec"])
 
     @property
     def fps(self) -> float:
         """The nominal frame rate; `times` are authoritative."""
-        return self.metadata["fps"]
+        return float(self.metadata["fps"])
 
     @property
     def duration(self) -> float:
         """Seconds of one pass."""
-        return self.metadata["duration_us"] / 1e6
+        return float(self.metadata["duration_us"]) / 1e6
 
     @property
     def up(self) -> str:
         """The axis that points up: y or z."""
-        return self.metadata["up"]
+        return str(self.metadata["up"])
 
     @property
     def layers(self) -> int:
@@ -185,7 +189,7 @@ class Reel(Frames):
         return f"<pointreel.Reel {self.name!r} of {len(self)} frames>"
 
 
-def open(where: Union[str, os.PathLike], *, layers: Optional[int] = None, ahead: int = 3,
+def open(where: Union[str, os.PathLike[str]], *, layers: Optional[int] = None, ahead: int = 3,
          fps: float = 30.0, token: str = "", ca_file: str = "", follow_redirects: bool = False,
          max_memory: Optional[int] = None) -> Reel:
     """Opens a package (its folder, its reel.json, or an http:// or https:// address of either), a
@@ -240,7 +244,9 @@ def live(url: str, *, timeout: Optional[float] = None, layers: Optional[int] = N
     return Live(_native.Live(url, token, ca_file, follow_redirects), timeout, layers, max_memory)
 
 
-def _encoding(codec, depth, voxel, color_quality, normal_quality, fast):
+def _encoding(codec: str, depth: Optional[int], voxel: Optional[float],
+              color_quality: Optional[int], normal_quality: Optional[int],
+              fast: bool) -> _native.Encoding:
     return _native.Encoding(codec, depth or 0, voxel or 0.0, color_quality or 0,
                             normal_quality or 0, fast)
 
@@ -267,8 +273,8 @@ def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int]
     return _native.decode(data, layers, max_memory)
 
 
-def pack(frames: Iterable[Any], path: Union[str, os.PathLike], *, fps: float = 30.0, name: str = "",
-         up: str = "y", replace: bool = False, segment: int = 30, codec: str = "octree",
+def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: float = 30.0,
+         name: str = "", up: str = "y", replace: bool = False, segment: int = 30, codec: str = "octree",
          depth: Optional[int] = None, voxel: Optional[float] = None,
          color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
          fast: bool = False) -> int:
@@ -355,7 +361,7 @@ def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps
 def render(frame: Frame, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",
            view: Optional[Tuple[float, float]] = None, zoom: float = 1.0, up: str = "y",
            bounds: Any = None,
-           background: Tuple[float, float, float] = (0.11, 0.12, 0.14)) -> np.ndarray:
+           background: Tuple[float, float, float] = (0.11, 0.12, 0.14)) -> NDArray[np.uint8]:
     """Draws a frame without a display or a graphics card: uint8, height x width x 3, sRGB.
 
     mode: surfel, voxel or point. view: yaw and pitch of the camera in degrees, (0, 0) from the

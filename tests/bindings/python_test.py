@@ -187,6 +187,7 @@ class Packages(TemporaryFolder):
             self.assertEqual([frame.index for frame in reel[part]], indices[part], part)
             self.assertEqual(len(reel[part]), len(indices[part]))
         self.assertEqual(reel[-1].index, 9)
+        self.assertEqual(reel.read(-2).index, 8)
         self.assertEqual(reel[2:8][1:][::2][-1].index, indices[2:8][1:][::2][-1])
         self.assertEqual([frame.index for frame in reversed(reel[:3])], [2, 1, 0])
         for wrong in (10, -11):

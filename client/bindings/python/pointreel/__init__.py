@@ -179,7 +179,7 @@ class Reel(Frames):
 
     def read(self, index: int, layers: Optional[int] = None) -> Frame:
         """A frame, of its first `layers` layers if that is given."""
-        return self._native.read(index, layers or self._layers, self._max_memory)
+        return self._native.read(range(len(self))[index], layers or self._layers, self._max_memory)
 
     def _ahead(self, indices: range) -> Iterator[Frame]:
         return self._native.read_ahead(list(indices), self._layers, self._max_memory,
@@ -274,8 +274,8 @@ def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int]
 
 
 def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: float = 30.0,
-         name: str = "", up: str = "y", replace: bool = False, segment: int = 30, codec: str = "octree",
-         depth: Optional[int] = None, voxel: Optional[float] = None,
+         name: str = "", up: str = "y", replace: bool = False, segment: int = 30,
+         codec: str = "octree", depth: Optional[int] = None, voxel: Optional[float] = None,
          color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
          fast: bool = False) -> int:
     """Writes a package, which players and servers take, and returns how many frames it has.

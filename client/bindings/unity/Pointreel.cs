@@ -163,8 +163,8 @@ namespace Pointreel
 
         public int Points { get { return (int)Info.Points; } }
 
-        /// <summary>x, y and z of each point, relative to the origin in Info. Null: no points.
-        /// The array is used again if it has room.</summary>
+        /// <summary>x, y and z of each point, relative to the origin in Info. An array that is given
+        /// is used if it has room.</summary>
         public float[] Positions(float[] room = null)
         {
             UIntPtr count;

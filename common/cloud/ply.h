@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread = n
 /// normals as float; colours as uchar where 8 bits suffice (`colors_fit_8_bits`), otherwise as
 /// ushort; radii as float "radius". read_ply restores the world coordinates and attributes exactly.
 Bytes ply_bytes(const PointCloud& cloud);
+
+/// The same with faces: triangles of vertices of the cloud, as an element "face" after the
+/// vertices, with lists of the type uchar uint named "vertex_indices".
+Bytes ply_bytes(const PointCloud& vertices, std::span<const glm::uvec3> triangles);
 
 /// Writes `ply_bytes(cloud)` to a file, replacing an existing one. The error (`io`) begins with the
 /// path.

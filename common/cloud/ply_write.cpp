@@ -38,9 +38,8 @@ std::uint8_t* put_vector(std::uint8_t* at, const glm::vec<N, V>& v) {
   return at;
 }
 
-}  // namespace
-
-Bytes ply_bytes(const PointCloud& cloud) {
+/// Faces of null: the file has no such element, as clouds have none.
+Bytes bytes_of(const PointCloud& cloud, const std::span<const glm::uvec3>* faces) {
   const bool as_float = world_fits_float(cloud);
   const bool as_bytes = colors_fit_8_bits(cloud);
   std::size_t row_size = as_float ? 12 : 24;
@@ -62,9 +61,15 @@ Bytes ply_bytes(const PointCloud& cloud) {
     declare("float", {"radius"});
     row_size += 4;
   }
+  std::size_t face_bytes = 0;
+  if (faces != nullptr) {
+    header +=
+        fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", faces->size());
+    face_bytes = 13 * faces->size();
+  }
   header += "end_header\n";
 
-  Bytes bytes(header.size() + row_size * cloud.size());
+  Bytes bytes(header.size() + row_size * cloud.size() + face_bytes);
   std::uint8_t* at = std::copy(header.begin(), header.end(), bytes.data());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     at = as_float ? put_vector<float>(at, cloud.world(i)) : put_vector<double>(at, cloud.world(i));
@@ -76,7 +81,19 @@ Bytes ply_bytes(const PointCloud& cloud) {
     }
     if (cloud.has_radii()) at = put(at, cloud.radii[i]);
   }
+  if (faces != nullptr) {
+    for (const glm::uvec3& triangle : *faces)
+      at = put_vector<std::uint32_t>(put(at, std::uint8_t{3}), triangle);
+  }
   return bytes;
+}
+
+}  // namespace
+
+Bytes ply_bytes(const PointCloud& cloud) { return bytes_of(cloud, nullptr); }
+
+Bytes ply_bytes(const PointCloud& vertices, std::span<const glm::uvec3> triangles) {
+  return bytes_of(vertices, &triangles);
 }
 
 Result<void> write_ply(const std::filesystem::path& path, const PointCloud& cloud) {

@@ -218,20 +218,6 @@ bool has_usable_scale(const PointCloud& cloud) {
   return edge > 1e-12 && edge < 1e15;
 }
 
-/// Gives normals to the points that have none.
-void complete_normals(PointCloud& cloud) {
-  const auto lacks = [](const glm::vec3& normal) { return normal == glm::vec3(0.0f); };
-  if (!cloud.has_normals()) {
-    estimate_normals(cloud);
-  } else if (std::ranges::any_of(cloud.normals, lacks)) {
-    std::vector<glm::vec3> given = std::move(cloud.normals);
-    estimate_normals(cloud);
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      if (!lacks(given[i])) cloud.normals[i] = given[i];
-    }
-  }
-}
-
 bool is_voxelised(const PointCloud& cloud, double spacing) {
   const auto lattice = lattice_of(cloud);
   return lattice && spacing < kVoxelSpacing * lattice->step;

@@ -385,4 +385,17 @@ void estimate_normals_and_radii(PointCloud& cloud) {
   estimate.write_normals(cloud.normals);
 }
 
+void complete_normals(PointCloud& cloud) {
+  const auto lacks = [](const glm::vec3& normal) { return normal == glm::vec3(0.0f); };
+  if (!cloud.has_normals()) {
+    estimate_normals(cloud);
+  } else if (std::ranges::any_of(cloud.normals, lacks)) {
+    std::vector<glm::vec3> given = std::move(cloud.normals);
+    estimate_normals(cloud);
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (!lacks(given[i])) cloud.normals[i] = given[i];
+    }
+  }
+}
+
 }  // namespace pointreel

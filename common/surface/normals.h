@@ -27,6 +27,10 @@ void estimate_normals(PointCloud& cloud);
 /// Duplicates count once.
 void estimate_normals_and_radii(PointCloud& cloud);
 
+/// Estimates the normals of points that have none, as `estimate_normals` does, and keeps the
+/// others.
+void complete_normals(PointCloud& cloud);
+
 /// Estimates the radius of every point whose radius is zero, which is how `sanitize` marks unusable
 /// ones. No estimate exceeds the largest radius of the cloud. Does nothing if the cloud has no
 /// radii.

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "common/mesh/local_surface.h"
+#include "common/mesh/triangle_mesh.h"
+#include "pointreel/executor.h"
+
+namespace pointreel {
+
+/// A mesh that reaches a little beyond the boundaries of its surface.
+struct UncutMesh {
+  TriangleMesh mesh;
+  std::vector<float> beside;  ///< for each vertex, as in SurfaceFits
+};
+
+/// The surface of the points where it crosses the edges of the grid, with a vertex for each patch
+/// of a cell: dual marching cubes. Every vertex is moved onto the surface of the points. No edge is
+/// longer than two diagonals of a cell. The mesh does not depend on the executor.
+UncutMesh extract_surface(const GriddedCloud& points, const Executor& executor);
+
+}  // namespace pointreel

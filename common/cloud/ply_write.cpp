@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "common/base/write_file.h"
 #include "common/cloud/ply.h"
 
 namespace pointreel {
@@ -97,22 +95,7 @@ Bytes ply_bytes(const PointCloud& vertices, std::span<const glm::uvec3> triangle
 }
 
 Result<void> write_ply(const std::filesystem::path& path, const PointCloud& cloud) {
-  const Bytes bytes = ply_bytes(cloud);
-  const auto failed = [&path] {
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
-  };
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) return failed();
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  if (!written) {
-    const auto error = failed();
-    std::fclose(file);
-    return error;
-  }
-  // A full disk may not be reported before this.
-  if (std::fclose(file) != 0) return failed();
-  return {};
+  return write_file(path, ply_bytes(cloud));
 }
 
 }  // namespace pointreel

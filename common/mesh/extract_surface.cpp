@@ -8,6 +8,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "common/base/for_each.h"
 #include "common/mesh/cell_patches.h"
 #include "common/mesh/point_blocks.h"
@@ -73,6 +75,9 @@ class Extraction {
         executor_(executor),
         blocks_(points.cloud, points.grid, points.reaches, executor),
         all_(blocks_.size()) {}
+
+  /// That the blocks may take, if all of them have a surface.
+  std::uint64_t memory() const { return blocks_.size() * (sizeof(Block) + sizeof(Samples)); }
 
   UncutMesh run() {
     for_blocks([this](std::uint32_t block, LocalSurface& surface) { sample(block, surface); });
@@ -325,8 +330,17 @@ class Extraction {
 
 }  // namespace
 
-UncutMesh extract_surface(const GriddedCloud& points, const Executor& executor) {
-  return Extraction(points, executor).run();
+Result<UncutMesh> extract_surface(const GriddedCloud& points, std::uint64_t max_memory,
+                                  const Executor& executor) {
+  const auto too_much = [](std::uint64_t memory) {
+    return fail(ErrorCode::limit,
+                fmt::format("a mesh would take about {} MiB of memory", memory >> 20));
+  };
+  const std::uint64_t seen = PointBlocks::memory(points.reaches);
+  if (seen > max_memory) return too_much(seen);
+  Extraction extraction(points, executor);
+  if (extraction.memory() > max_memory) return too_much(extraction.memory());
+  return extraction.run();
 }
 
 }  // namespace pointreel

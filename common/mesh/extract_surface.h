@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "common/mesh/local_surface.h"
 #include "common/mesh/triangle_mesh.h"
+#include "pointreel/error.h"
 #include "pointreel/executor.h"
 
 namespace pointreel {
@@ -17,6 +19,8 @@ struct UncutMesh {
 /// The surface of the points where it crosses the edges of the grid, with a vertex for each patch
 /// of a cell: dual marching cubes. Every vertex is moved onto the surface of the points. No edge is
 /// longer than two diagonals of a cell. The mesh does not depend on the executor.
-UncutMesh extract_surface(const GriddedCloud& points, const Executor& executor);
+/// Error: `limit` if it would take more than `max_memory` bytes.
+Result<UncutMesh> extract_surface(const GriddedCloud& points, std::uint64_t max_memory,
+                                  const Executor& executor);
 
 }  // namespace pointreel

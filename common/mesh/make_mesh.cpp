@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/median.h"
+#include "common/base/try.h"
 #include "common/cloud/keep_points.h"
 #include "common/mesh/close_holes.h"
 #include "common/mesh/cut_border.h"
@@ -21,6 +22,8 @@ namespace {
 
 /// Around how many points their spacing is measured.
 constexpr double kCounted = 16.0;
+/// Smaller cells would show no more.
+constexpr double kLeastSpacings = 0.5;
 /// Points are seen within so many cells, and further where they are sparser than elsewhere: up to
 /// kMostReach cells.
 constexpr float kReach = 2.5f;
@@ -49,22 +52,24 @@ std::vector<float> spacings_of(const PointCloud& cloud) {
 
 }  // namespace
 
-TriangleMesh make_mesh(PointCloud cloud, const MeshOptions& options, const Executor& executor) {
+Result<TriangleMesh> make_mesh(PointCloud cloud, const MeshOptions& options,
+                               const Executor& executor) {
   complete_normals(cloud);
   keep_points(cloud, [&](std::size_t i) { return cloud.normals[i] != glm::vec3(0.0f); });
-  if (cloud.size() < 3) return {};
+  if (cloud.size() < 3) return TriangleMesh{};
   const std::vector<float> spacings = spacings_of(cloud);
   const Box box = bounds(cloud);
   const double extent = bounding_cube(box).edge;
   const double spacing = std::max(double{median(spacings)}, 0.0);
-  const double cell = std::max(options.cell.value_or(kCellSpacings * spacing), extent / kMostCells);
+  const double cell = std::max({options.cell.value_or(kCellSpacings * spacing),
+                                kLeastSpacings * spacing, extent / kMostCells});
   const MeshGrid grid{box.min - cloud.origin - kMargin * cell, cell};
   std::vector<float> reaches(cloud.size());
   for (std::size_t i = 0; i < reaches.size(); ++i) {
     const float sparser = spacings[i] * static_cast<float>(kCellSpacings / cell) / kSparse;
     reaches[i] = std::clamp(kReach * sparser, kReach, kMostReach);
   }
-  UncutMesh uncut = extract_surface({cloud, grid, reaches}, executor);
+  UncutMesh uncut = TRY(extract_surface({cloud, grid, reaches}, options.max_memory, executor));
   TriangleMesh& mesh = uncut.mesh;
   cut_border(mesh, uncut.beside);
   remove_folds(mesh);

@@ -57,6 +57,17 @@ PointBlocks::PointBlocks(const PointCloud& cloud, const MeshGrid& grid,
   }
 }
 
+std::uint64_t PointBlocks::memory(std::span<const float> reaches) {
+  double blocks = 0.0;
+  for (const float reach : reaches) {
+    const double along = 2.0 * double{reach} / kEdge + 1.0;
+    // Of a cube of blocks around a point, those at the corners are too far away.
+    blocks += 0.75 * along * along * along;
+  }
+  // Sorting takes as much again.
+  return static_cast<std::uint64_t>(2.0 * sizeof(KeyIndex) * blocks);
+}
+
 glm::ivec3 PointBlocks::corner(std::uint32_t block) const {
   return glm::ivec3(morton_decode(seen_[starts_[block]].key)) << kBits;
 }

@@ -40,6 +40,9 @@ class PointBlocks {
   PointBlocks(const PointCloud& cloud, const MeshGrid& grid, std::span<const float> reaches,
               const Executor& executor);
 
+  /// About how much memory it takes to make them, in bytes.
+  static std::uint64_t memory(std::span<const float> reaches);
+
   std::size_t size() const { return starts_.size(); }
   /// The coordinates of the block's first cell.
   glm::ivec3 corner(std::uint32_t block) const;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/mesh/make_mesh.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
@@ -57,17 +58,35 @@ Result<VerifyReport> verify(const std::filesystem::path& folder,
 /// UnpackOptions::last_frame: the last frame that there is.
 inline constexpr std::uint32_t kToTheEnd = ~0u;
 
+/// The files that meshes are written to.
+enum class MeshFormat : std::uint8_t { ply, obj, glb };
+
+struct UnpackMesh {
+  MeshFormat format = MeshFormat::ply;
+  MeshOptions options;
+  /// All frames in one file, `animation.glb`, which plays at the times of the reel. Needs
+  /// MeshFormat::glb.
+  bool animation = false;
+};
+
 struct UnpackOptions {
   std::filesystem::path input, output;
   std::size_t layers = SIZE_MAX;            ///< how many layers to decode, from the base
   std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
   std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist
-  bool force = false;                       ///< replace a folder of frame_*.ply files
+  bool force = false;                       ///< replace a folder of such files
+  std::optional<UnpackMesh> mesh = {};      ///< write meshes instead of points
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };
 
-/// Writes decoded frames as `frame_00000.ply`, ... at their original coordinates. Like a package,
-/// the folder is either complete or absent. Returns the number of frames.
-Result<std::uint32_t> unpack(const UnpackOptions& options, const InspectListener& listener = {});
+struct UnpackReport {
+  std::uint32_t frames = 0;
+  std::uint64_t triangles = 0;     ///< of all meshes
+  std::uint32_t without_mesh = 0;  ///< frames with points through which no surface goes
+};
+
+/// Writes decoded frames as `frame_00000.ply`, ... at their original coordinates; the names of
+/// meshes end as their format says. Like a package, the folder is either complete or absent.
+Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener = {});
 
 }  // namespace pointreel

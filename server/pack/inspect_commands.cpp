@@ -13,9 +13,11 @@
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
+#include "common/command_line/option_checks.h"
 #include "common/command_line/shared_options.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
+#include "server/encode/sequence_arguments.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/inspect.h"
 
@@ -223,13 +225,20 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   }
   const StopSignal stop;
   std::unique_ptr<Progress> progress;
-  const Result<std::uint32_t> count = unpack(options, listener_for("unpack", progress, stop));
+  const Result<UnpackReport> report = unpack(options, listener_for("unpack", progress, stop));
   progress.reset();
-  if (!count) {
-    print_error(count.error().message);
+  if (!report) {
+    print_error(report.error().message);
     return kExitFailed;
   }
-  print("{}: {}\n", options.output.string(), counted(*count, "frame"));
+  print("{}: {}{}\n", options.output.string(), counted(report->frames, "frame"),
+        options.mesh ? ", " + counted(report->triangles, "triangle") : "");
+  if (report->without_mesh > 0) {
+    const bool one = report->without_mesh == 1;
+    print_error(fmt::format("{} of {} {} points but no surface, so {} empty", report->without_mesh,
+                            counted(report->frames, "frame"), one ? "has" : "have",
+                            one ? "its mesh is" : "their meshes are"));
+  }
   return kExitOk;
 }
 
@@ -239,9 +248,14 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     std::uint64_t frame_memory = 0;
     std::uint32_t layers = 0;
     bool force = false;
+    bool mesh = false, animation = false;
+    std::optional<double> cell;
+    std::optional<std::size_t> triangles;
+    MeshFormat format = MeshFormat::ply;
   };
   const auto a = std::make_shared<Arguments>();
-  CLI::App* unpack = app.add_subcommand("unpack", "Decode a package into PLY files");
+  CLI::App* unpack =
+      app.add_subcommand("unpack", "Decode a package into files of points or meshes");
   unpack->add_option("-i,--input", a->input, "the folder of the package")
       ->required()
       ->type_name("REEL");
@@ -259,6 +273,33 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
                    "decode only frames A to B, including both, or only frame A, numbered from 0")
       ->type_name("A-B");
   add_frame_memory_option(*unpack, a->frame_memory);
+  CLI::Option* mesh = unpack->add_flag(
+      "--mesh", a->mesh, "make a mesh of the surface that the points of each frame stand for");
+  add_choice<MeshFormat>(
+      *unpack, "--format", a->format,
+      {{"ply", MeshFormat::ply}, {"obj", MeshFormat::obj}, {"glb", MeshFormat::glb}},
+      "the files of meshes: PLY, Wavefront OBJ, or binary glTF 2.0")
+      ->needs(mesh);
+  unpack
+      ->add_flag("--animation", a->animation,
+                 "write one file, animation.glb, which plays all frames; needs --format glb")
+      ->needs(mesh);
+  unpack
+      ->add_option(
+          "--cell", a->cell,
+          "the edge of the cells in which a mesh follows the surface, in the units of the "
+          "source; edges of triangles are about as long (default: 1.5 times the spacing of "
+          "the points)")
+      ->check(positive_number())
+      ->type_name("LENGTH")
+      ->needs(mesh);
+  unpack
+      ->add_option("--triangles", a->triangles,
+                   "reduce each mesh to this many triangles, or as far as its shape allows "
+                   "(default: all)")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
+      ->type_name("N")
+      ->needs(mesh);
   unpack->add_flag("--force", a->force,
                    "replace a folder of unpacked frames that is already there");
   unpack->callback([a, layers, &exit_code] {
@@ -268,6 +309,16 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     options.force = a->force;
     options.max_memory = a->frame_memory << 20;
     if (layers->count() > 0) options.layers = a->layers;
+    if (a->animation && a->format != MeshFormat::glb) {
+      print_error("--animation: only .glb files can hold one; add --format glb");
+      exit_code = kExitUsage;
+      return;
+    }
+    if (a->mesh) {
+      options.mesh = UnpackMesh{.format = a->format,
+                                .options = {.cell = a->cell, .triangles = a->triangles},
+                                .animation = a->animation};
+    }
     exit_code = run_unpack(options, a->frames);
   });
 }

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -8,12 +11,15 @@
 
 #include "common/base/natural_order.h"
 #include "common/base/output_folder.h"
+#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/cloud/ply.h"
 #include "common/stream/manifest.h"
 #include "server/pack/inspect.h"
 #include "server/pack/read_package.h"
+#include "server/pack/unpack_mesh.h"
+#include "server/write/glb.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -22,12 +28,19 @@ namespace {
 /// The least number of digits in the name of an unpacked frame.
 constexpr std::size_t kDigits = 5;
 
+/// The file that animations are written to.
+constexpr const char* kAnimation = "animation.glb";
+
 /// With --force, folders of unpacked frames are replaced, but nothing else.
 Result<void> may_replace_frames(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (!is_numbered(name, "frame_", kDigits, ".ply")) {
+    const auto is_frame = [&name](MeshFormat format) {
+      return is_numbered(name, "frame_", kDigits, extension(format));
+    };
+    if (name != kAnimation && !is_frame(MeshFormat::ply) && !is_frame(MeshFormat::obj) &&
+        !is_frame(MeshFormat::glb)) {
       return fail(ErrorCode::argument,
                   fmt::format("holds {}, and --force replaces only folders of unpacked frames; "
                               "remove it first",
@@ -38,61 +51,124 @@ Result<void> may_replace_frames(const fs::path& folder) {
   return {};
 }
 
-Result<void> unpack_frame(const UnpackOptions& options, const Manifest& manifest,
-                          const FrameDecoder& decoder, std::uint32_t frame, const fs::path& path) {
-  const auto layers = TRY(read_frame(options.input, manifest, frame, options.layers));
-  const Result<DecodedFrame> decoded = decoder.decode(layer_views(layers));
-  if (!decoded) {
-    return fail_at(fmt::format("{}: frame {}", options.input.string(), frame), decoded.error());
-  }
-  return write_ply(path, decoded->cloud);
-}
+/// The frames of a package that were asked for.
+class Unpacking {
+ public:
+  Unpacking(const UnpackOptions& options, const Manifest& manifest)
+      : options_(options), manifest_(manifest), decoder_(options.max_memory) {}
 
-Result<std::uint32_t> unpack_parsed(const UnpackOptions& options, const Manifest& manifest,
-                                    const InspectListener& listener) {
-  const std::uint32_t frames = manifest.frame_count();
-  const bool past_the_end = options.last_frame != kToTheEnd && options.last_frame >= frames;
-  if (options.layers == 0 || options.first_frame > options.last_frame || past_the_end ||
-      (options.first_frame >= frames && frames > 0)) {
-    return fail(ErrorCode::argument,
-                fmt::format("{}: has {}, numbered from 0, and {}; ask for at least "
-                            "one of each",
-                            options.input.string(), counted(frames, "frame"),
-                            counted(manifest.layer_names.size(), "layer")));
-  }
-  FrameDecoder decoder(options.max_memory);
-  if (manifest.tables) {
-    const auto read = decoder.read_tables(options.input, *manifest.tables);
-    if (!read) return fail_at((options.input / manifest.tables->path).string(), read.error());
-  }
-  OutputFolder folder = TRY(OutputFolder::create(
-      options.output, options.force ? may_replace_frames : OutputFolder::MayReplace{}));
-
-  const std::uint32_t last = std::min<std::uint32_t>(options.last_frame, frames - 1);
-  const std::uint32_t count = frames == 0 ? 0 : last - options.first_frame + 1;
-  const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last).size());
-  if (listener.begin) listener.begin(count);
-  std::mutex mutex;
-  std::optional<std::pair<std::uint32_t, Error>> first_error;
-  for_each_frame(count, listener, [&](std::uint32_t i) {
-    const std::uint32_t frame = options.first_frame + i;
-    const fs::path path = folder.path() / fmt::format("frame_{:0{}}.ply", frame, digits);
-    if (const Result<void> done = unpack_frame(options, manifest, decoder, frame, path); !done) {
-      const std::lock_guard lock(mutex);
-      if (!first_error || frame < first_error->first) first_error = {frame, done.error()};
+  Result<UnpackReport> run(const InspectListener& listener) {
+    TRY(check());
+    if (manifest_.tables) {
+      const auto read = decoder_.read_tables(options_.input, *manifest_.tables);
+      if (!read) return fail_at((options_.input / manifest_.tables->path).string(), read.error());
     }
-  });
-  if (first_error) return tl::unexpected(first_error->second);
-  if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
-  TRY(folder.publish());
-  return count;
-}
+    OutputFolder folder = TRY(OutputFolder::create(
+        options_.output, options_.force ? may_replace_frames : OutputFolder::MayReplace{}));
+    const std::uint32_t frames = manifest_.frame_count();
+    last_ = std::min<std::uint32_t>(options_.last_frame, frames - 1);
+    report_.frames = frames == 0 ? 0 : last_ - options_.first_frame + 1;
+    if (listener.begin) listener.begin(report_.frames);
+    TRY(options_.mesh && options_.mesh->animation ? write_animation(folder.path(), listener)
+                                                  : write_files(folder.path(), listener));
+    if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    TRY(folder.publish());
+    return report_;
+  }
+
+ private:
+  Result<void> check() const {
+    const std::uint32_t frames = manifest_.frame_count();
+    const bool past_the_end = options_.last_frame != kToTheEnd && options_.last_frame >= frames;
+    if (options_.layers == 0 || options_.first_frame > options_.last_frame || past_the_end ||
+        (options_.first_frame >= frames && frames > 0)) {
+      return fail(ErrorCode::argument,
+                  fmt::format("{}: has {}, numbered from 0, and {}; ask for at least "
+                              "one of each",
+                              options_.input.string(), counted(frames, "frame"),
+                              counted(manifest_.layer_names.size(), "layer")));
+    }
+    return {};
+  }
+
+  Result<PointCloud> decode(std::uint32_t frame) const {
+    const auto layers = TRY(read_frame(options_.input, manifest_, frame, options_.layers));
+    Result<DecodedFrame> decoded = decoder_.decode(layer_views(layers));
+    if (!decoded) return fail_at(place(frame), decoded.error());
+    return std::move(decoded->cloud);
+  }
+
+  std::string place(std::uint32_t frame) const {
+    return fmt::format("{}: frame {}", options_.input.string(), frame);
+  }
+
+  /// The mesh of a frame, counted. Called from any thread.
+  Result<TriangleMesh> mesh(std::uint32_t frame) {
+    PointCloud cloud = TRY(decode(frame));
+    const bool has_points = !cloud.empty();
+    MeshOptions options = options_.mesh->options;
+    options.max_memory = options_.max_memory;
+    Result<TriangleMesh> mesh = make_mesh(std::move(cloud), options, tbb_executor());
+    if (!mesh && mesh.error().code == ErrorCode::limit) {
+      return fail(ErrorCode::limit, fmt::format("{}: {}; raise --frame-memory, or ask for a larger "
+                                                "--cell",
+                                                place(frame), mesh.error().message));
+    }
+    if (!mesh) return fail_at(place(frame), mesh.error());
+    const std::lock_guard lock(mutex_);
+    report_.triangles += mesh->triangles.size();
+    if (has_points && mesh->empty()) ++report_.without_mesh;
+    return mesh;
+  }
+
+  Result<void> write(std::uint32_t frame, const fs::path& path) {
+    if (!options_.mesh) return write_ply(path, TRY(decode(frame)));
+    return write_mesh(path, TRY(mesh(frame)), options_.mesh->format, manifest_.name, manifest_.up);
+  }
+
+  Result<void> write_files(const fs::path& folder, const InspectListener& listener) {
+    const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last_).size());
+    const char* ending = extension(options_.mesh ? options_.mesh->format : MeshFormat::ply);
+    std::optional<std::pair<std::uint32_t, Error>> first_error;
+    for_each_frame(report_.frames, listener, [&](std::uint32_t i) {
+      const std::uint32_t frame = options_.first_frame + i;
+      const fs::path path = folder / fmt::format("frame_{:0{}}{}", frame, digits, ending);
+      if (const Result<void> done = write(frame, path); !done) {
+        const std::lock_guard lock(mutex_);
+        if (!first_error || frame < first_error->first) first_error = {frame, done.error()};
+      }
+    });
+    if (first_error) return tl::unexpected(first_error->second);
+    return {};
+  }
+
+  /// One frame after another, so that the file does not depend on which is ready first. All threads
+  /// work on each.
+  Result<void> write_animation(const fs::path& folder, const InspectListener& listener) {
+    GlbWriter glb(folder / kAnimation, manifest_.name, manifest_.up);
+    for (std::uint32_t i = 0; i < report_.frames && !listener.stop.stop_requested(); ++i) {
+      const std::uint32_t frame = options_.first_frame + i;
+      TRY(glb.add(TRY(mesh(frame)), frame_time_us(manifest_, frame)));
+      if (listener.frame_done) listener.frame_done();
+    }
+    const bool to_the_end = report_.frames == 0 || last_ + 1 == manifest_.frame_count();
+    return glb.finish(to_the_end ? manifest_.duration_us : frame_time_us(manifest_, last_ + 1));
+  }
+
+  const UnpackOptions& options_;
+  const Manifest& manifest_;
+  FrameDecoder decoder_;
+  std::uint32_t last_ = 0;
+  std::mutex mutex_;
+  UnpackReport report_;
+};
 
 }  // namespace
 
-Result<std::uint32_t> unpack(const UnpackOptions& options, const InspectListener& listener) {
-  return without_exceptions([&]() -> Result<std::uint32_t> {
-    return unpack_parsed(options, TRY(read_manifest(options.input)), listener);
+Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener) {
+  return without_exceptions([&]() -> Result<UnpackReport> {
+    const Manifest manifest = TRY(read_manifest(options.input));
+    return Unpacking(options, manifest).run(listener);
   });
 }
 

@@ -210,9 +210,9 @@ TEST_F(Unpack, writes_every_frame_near_its_source) {
   InspectListener listener;
   listener.begin = [](std::uint32_t total) { EXPECT_EQ(total, 5u); };
   listener.frame_done = [&] { ++done; };
-  const Result<std::uint32_t> count = unpack(unpacking(), listener);
-  ASSERT_TRUE(count) << count.error().message;
-  EXPECT_EQ(*count, 5u);
+  const Result<UnpackReport> report = unpack(unpacking(), listener);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->frames, 5u);
   EXPECT_EQ(done, 5);
   EXPECT_THAT(names_in(folder() / "out"),
               ElementsAre("frame_00000.ply", "frame_00001.ply", "frame_00002.ply",
@@ -243,8 +243,8 @@ TEST_F(Unpack, writes_fewer_points_within_half_a_coarse_voxel_from_the_first_lay
   std::vector<std::size_t> points;
   for (const int level : {7, 9, 10}) {
     unpack_options.layers = points.size() + 1;
-    const Result<std::uint32_t> count = unpack(unpack_options);
-    ASSERT_TRUE(count) << count.error().message;
+    const Result<UnpackReport> report = unpack(unpack_options);
+    ASSERT_TRUE(report) << report.error().message;
     const auto back = read_cloud_file(folder() / "out/frame_00000.ply");
     ASSERT_TRUE(back);
     points.push_back(back->cloud.size());
@@ -264,12 +264,12 @@ TEST_F(Unpack, accepts_a_range_of_frames) {
   UnpackOptions options = unpacking();
   options.first_frame = 2;
   options.last_frame = 3;
-  EXPECT_EQ(unpack(options).value_or(0), 2u);
+  EXPECT_EQ(unpack(options).value_or(UnpackReport{}).frames, 2u);
   EXPECT_THAT(names_in(options.output), ElementsAre("frame_00002.ply", "frame_00003.ply"));
   options.force = true;
   options.first_frame = 4;
   options.last_frame = kToTheEnd;
-  EXPECT_EQ(unpack(options).value_or(0), 1u);
+  EXPECT_EQ(unpack(options).value_or(UnpackReport{}).frames, 1u);
   EXPECT_THAT(names_in(options.output), ElementsAre("frame_00004.ply"));
 }
 
@@ -278,21 +278,21 @@ TEST_F(Unpack, refuses_frames_that_do_not_exist) {
     UnpackOptions options = unpacking();
     options.first_frame = first;
     options.last_frame = last;
-    const Result<std::uint32_t> count = unpack(options);
-    ASSERT_FALSE(count) << first << " to " << last;
-    EXPECT_THAT(count.error().message, HasSubstr("has 5 frames"));
+    const Result<UnpackReport> report = unpack(options);
+    ASSERT_FALSE(report) << first << " to " << last;
+    EXPECT_THAT(report.error().message, HasSubstr("has 5 frames"));
     EXPECT_FALSE(fs::exists(options.output));
   }
 }
 
 TEST_F(Unpack, names_the_damaged_frame_and_leaves_nothing_behind) {
   flip_byte(layer_file("00003.base"), byte_range(manifest().segments[1].layers[0], 1).offset + 70);
-  const Result<std::uint32_t> count = unpack(unpacking());
-  ASSERT_FALSE(count);
-  EXPECT_THAT(count.error().message, HasSubstr("frame 4"));
+  const Result<UnpackReport> report = unpack(unpacking());
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().message, HasSubstr("frame 4"));
   const std::string gone = layer_file("00000.full");
   fs::remove(reel() / gone);
-  const Result<std::uint32_t> missing = unpack(unpacking());
+  const Result<UnpackReport> missing = unpack(unpacking());
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message, StartsWith((reel() / gone).string()));
   EXPECT_THAT(names_in(folder()), ElementsAre("in", "reel"));
@@ -303,9 +303,9 @@ TEST_F(Unpack, leaves_nothing_behind_when_it_is_stopped) {
   InspectListener listener;
   listener.frame_done = [&] { stop.request_stop(); };
   listener.stop = stop.get_token();
-  const Result<std::uint32_t> count = unpack(unpacking(), listener);
-  ASSERT_FALSE(count);
-  EXPECT_THAT(count.error().message, StartsWith("interrupted"));
+  const Result<UnpackReport> report = unpack(unpacking(), listener);
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().message, StartsWith("interrupted"));
   EXPECT_THAT(names_in(folder()), ElementsAre("in", "reel"));
 }
 
@@ -313,7 +313,7 @@ TEST_F(Unpack, replaces_folders_of_unpacked_frames_only) {
   UnpackOptions options = unpacking();
   EXPECT_TRUE(unpack(options));
   const auto before = contents(options.output);
-  const Result<std::uint32_t> refused = unpack(options);
+  const Result<UnpackReport> refused = unpack(options);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, StartsWith(options.output.string() + ": exists"));
 
@@ -322,7 +322,7 @@ TEST_F(Unpack, replaces_folders_of_unpacked_frames_only) {
   EXPECT_EQ(contents(options.output), before);
 
   write_file(options.output / "frame_1.ply.bak", "mine");
-  const Result<std::uint32_t> other = unpack(options);
+  const Result<UnpackReport> other = unpack(options);
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("frame_1.ply.bak"));
   EXPECT_EQ(read_text(options.output / "frame_1.ply.bak"), "mine");
@@ -342,9 +342,9 @@ TEST_F(Verify, decodes_no_frame_that_takes_more_memory_than_allowed) {
   EXPECT_THAT(report->faults.front().what, HasSubstr("raise --frame-memory"));
   UnpackOptions options = unpacking();
   options.max_memory = 1024;
-  const Result<std::uint32_t> count = unpack(options);
-  ASSERT_FALSE(count);
-  EXPECT_THAT(count.error().message, HasSubstr("raise --frame-memory"));
+  const Result<UnpackReport> unpacked = unpack(options);
+  ASSERT_FALSE(unpacked);
+  EXPECT_THAT(unpacked.error().message, HasSubstr("raise --frame-memory"));
 }
 
 }  // namespace

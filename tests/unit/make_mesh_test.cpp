@@ -71,6 +71,13 @@ glm::dvec3 position(const TriangleMesh& mesh, std::uint32_t vertex) {
   return glm::dvec3(mesh.vertices.positions[vertex]);
 }
 
+TriangleMesh mesh_of(const PointCloud& cloud, const MeshOptions& options = {},
+                     const Executor& executor = {}) {
+  Result<TriangleMesh> mesh = make_mesh(cloud, options, executor);
+  EXPECT_TRUE(mesh);
+  return mesh ? std::move(*mesh) : TriangleMesh{};
+}
+
 /// How triangles hang together.
 struct Shape {
   int euler = 0;         ///< vertices - edges + triangles
@@ -129,7 +136,7 @@ double largest_error(const TriangleMesh& mesh,
 double sphere_distance(const glm::dvec3& p) { return glm::length(p) - 1.0; }
 
 TEST(MakeMesh, makes_a_closed_surface_of_a_sphere) {
-  const TriangleMesh mesh = make_mesh(sphere(20000));
+  const TriangleMesh mesh = mesh_of(sphere(20000));
   const Shape shape = shape_of(mesh);
   EXPECT_GT(mesh.triangles.size(), 10000u);
   EXPECT_EQ(shape.euler, 2);
@@ -146,7 +153,7 @@ TEST(MakeMesh, makes_a_closed_surface_of_a_sphere) {
 }
 
 TEST(MakeMesh, makes_a_closed_surface_of_a_torus) {
-  const TriangleMesh mesh = make_mesh(torus(30000));
+  const TriangleMesh mesh = mesh_of(torus(30000));
   const Shape shape = shape_of(mesh);
   EXPECT_EQ(shape.euler, 0);
   EXPECT_EQ(shape.boundary, 0);
@@ -159,7 +166,7 @@ TEST(MakeMesh, makes_a_closed_surface_of_a_torus) {
 TEST(MakeMesh, estimates_normals_where_there_are_none) {
   PointCloud cloud = torus(30000);
   cloud.normals.clear();
-  const TriangleMesh mesh = make_mesh(cloud);
+  const TriangleMesh mesh = mesh_of(cloud);
   EXPECT_EQ(shape_of(mesh).euler, 0);
   EXPECT_LT(largest_error(mesh, torus_distance), 5e-3);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -177,7 +184,7 @@ TEST(MakeMesh, averages_the_noise_of_points) {
     p *= 1.0f + noise(random);
     sum += std::abs(sphere_distance(glm::dvec3(p)));
   }
-  const TriangleMesh mesh = make_mesh(cloud);
+  const TriangleMesh mesh = mesh_of(cloud);
   for (const glm::vec3& p : mesh.vertices.positions)
     mesh_sum += std::abs(sphere_distance(glm::dvec3(p)));
   EXPECT_LT(mesh_sum / static_cast<double>(mesh.vertices.size()),
@@ -185,7 +192,7 @@ TEST(MakeMesh, averages_the_noise_of_points) {
 }
 
 TEST(MakeMesh, ends_near_the_boundary_of_a_plane) {
-  const TriangleMesh mesh = make_mesh(square(20000));
+  const TriangleMesh mesh = mesh_of(square(20000));
   const Shape shape = shape_of(mesh);
   EXPECT_EQ(shape.euler, 1) << "a disc without holes";
   EXPECT_EQ(shape.parts, 1);
@@ -211,8 +218,8 @@ TEST(MakeMesh, leaves_large_holes_open_and_closes_small_gaps) {
     return [radius](double x, double y) { return std::hypot(x - 0.5, y - 0.5) < radius; };
   };
   const double spacing = 1.0 / std::sqrt(20000.0);
-  EXPECT_EQ(shape_of(make_mesh(square(20000, round(20.0 * spacing)))).euler, 0);
-  EXPECT_EQ(shape_of(make_mesh(square(20000, round(1.2 * spacing)))).euler, 1);
+  EXPECT_EQ(shape_of(mesh_of(square(20000, round(20.0 * spacing)))).euler, 0);
+  EXPECT_EQ(shape_of(mesh_of(square(20000, round(1.2 * spacing)))).euler, 1);
 }
 
 TEST(MakeMesh, keeps_two_sheets_apart) {
@@ -222,7 +229,7 @@ TEST(MakeMesh, keeps_two_sheets_apart) {
     cloud.positions.push_back(front.positions[i] - glm::vec3(0.0f, 0.0f, 0.03f));
     cloud.normals.emplace_back(0.0f, 0.0f, -1.0f);
   }
-  const TriangleMesh mesh = make_mesh(cloud);
+  const TriangleMesh mesh = mesh_of(cloud);
   const Shape shape = shape_of(mesh);
   EXPECT_TRUE(shape.manifold);
   EXPECT_EQ(shape.turned, 0);
@@ -237,7 +244,7 @@ TEST(MakeMesh, has_no_long_edges_whatever_the_points) {
   PointCloud cloud = sphere(20000);
   std::erase_if(cloud.positions, [](const glm::vec3& p) { return p.z > 0.3f && p.z < 0.6f; });
   cloud.normals.clear();
-  EXPECT_LT(shape_of(make_mesh(cloud)).longest, 6.0 * kCellSpacings * std::sqrt(4.0 * kPi / 20000));
+  EXPECT_LT(shape_of(mesh_of(cloud)).longest, 6.0 * kCellSpacings * std::sqrt(4.0 * kPi / 20000));
 }
 
 TEST(MakeMesh, makes_parts_of_things_far_from_each_other) {
@@ -245,7 +252,7 @@ TEST(MakeMesh, makes_parts_of_things_far_from_each_other) {
   const PointCloud other = sphere(5000, 1.0, glm::dvec3(300.0, -40.0, 0.0));
   cloud.positions.insert(cloud.positions.end(), other.positions.begin(), other.positions.end());
   cloud.normals.insert(cloud.normals.end(), other.normals.begin(), other.normals.end());
-  const Shape shape = shape_of(make_mesh(cloud));
+  const Shape shape = shape_of(mesh_of(cloud));
   EXPECT_EQ(shape.parts, 2);
   EXPECT_EQ(shape.euler, 4);
 }
@@ -258,34 +265,34 @@ TEST(MakeMesh, leaves_out_stray_points) {
     cloud.positions.push_back(stray);
     cloud.normals.push_back(glm::normalize(stray));
   }
-  const TriangleMesh mesh = make_mesh(cloud);
+  const TriangleMesh mesh = mesh_of(cloud);
   EXPECT_EQ(shape_of(mesh).parts, 1);
   EXPECT_LT(largest_error(mesh, sphere_distance), 5e-3);
 }
 
 TEST(MakeMesh, makes_nothing_of_too_few_points) {
-  EXPECT_TRUE(make_mesh({}).empty());
+  EXPECT_TRUE(mesh_of({}).empty());
   for (const std::size_t count : {1, 2, 3}) {
-    const TriangleMesh mesh = make_mesh(sphere(count));
+    const TriangleMesh mesh = mesh_of(sphere(count));
     EXPECT_TRUE(mesh.empty()) << count;
     EXPECT_TRUE(mesh.vertices.empty()) << count;
   }
   PointCloud same;
   same.positions.assign(1000, glm::vec3(1.0f));
-  EXPECT_TRUE(make_mesh(same).empty());
+  EXPECT_TRUE(mesh_of(same).empty());
   PointCloud line;
   for (int i = 0; i < 1000; ++i) line.positions.emplace_back(i, 0.0f, 0.0f);
-  EXPECT_TRUE(make_mesh(line).empty());
+  EXPECT_TRUE(mesh_of(line).empty());
 }
 
 TEST(MakeMesh, makes_a_surface_of_sparse_points) {
-  const TriangleMesh mesh = make_mesh(sphere(300));
+  const TriangleMesh mesh = mesh_of(sphere(300));
   EXPECT_EQ(shape_of(mesh).parts, 1);
   EXPECT_LT(largest_error(mesh, sphere_distance), 0.1);
 }
 
 TEST(MakeMesh, reduces_to_the_triangles_that_are_asked_for) {
-  const TriangleMesh mesh = make_mesh(torus(30000), {.triangles = 2000});
+  const TriangleMesh mesh = mesh_of(torus(30000), {.triangles = 2000});
   EXPECT_LE(mesh.triangles.size(), 2000u);
   EXPECT_GT(mesh.triangles.size(), 1900u);
   const Shape shape = shape_of(mesh);
@@ -297,8 +304,8 @@ TEST(MakeMesh, reduces_to_the_triangles_that_are_asked_for) {
 }
 
 TEST(MakeMesh, takes_the_cell_that_is_asked_for) {
-  const TriangleMesh coarse = make_mesh(sphere(20000), {.cell = 0.1});
-  const TriangleMesh fine = make_mesh(sphere(20000), {.cell = 0.05});
+  const TriangleMesh coarse = mesh_of(sphere(20000), {.cell = 0.1});
+  const TriangleMesh fine = mesh_of(sphere(20000), {.cell = 0.05});
   EXPECT_EQ(shape_of(coarse).euler, 2);
   EXPECT_NEAR(
       static_cast<double>(fine.triangles.size()) / static_cast<double>(coarse.triangles.size()),
@@ -309,7 +316,7 @@ TEST(MakeMesh, gives_vertices_the_colours_of_the_points_there) {
   PointCloud cloud = square(20000);
   for (const glm::vec3& p : cloud.positions)
     cloud.colors.push_back(p.x < 0.5f ? glm::u16vec3(65535, 0, 0) : glm::u16vec3(0, 0, 65535));
-  const TriangleMesh mesh = make_mesh(cloud);
+  const TriangleMesh mesh = mesh_of(cloud);
   ASSERT_EQ(mesh.vertices.colors.size(), mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const float x = mesh.vertices.positions[i].x;
@@ -322,18 +329,30 @@ TEST(MakeMesh, gives_vertices_the_colours_of_the_points_there) {
 
 TEST(MakeMesh, keeps_the_origin_of_clouds_far_away) {
   PointCloud cloud = sphere(5000);
-  const TriangleMesh near = make_mesh(cloud);
+  const TriangleMesh near = mesh_of(cloud);
   cloud.origin = glm::dvec3(4.5e6, -1.0e6, 300.0);
-  const TriangleMesh far = make_mesh(cloud);
+  const TriangleMesh far = mesh_of(cloud);
   EXPECT_EQ(far.vertices.origin, cloud.origin);
   EXPECT_EQ(shape_of(far).euler, 2);
   EXPECT_NEAR(static_cast<double>(far.triangles.size()), static_cast<double>(near.triangles.size()),
               0.02 * static_cast<double>(near.triangles.size()));
 }
 
+TEST(MakeMesh, takes_no_more_memory_than_it_may) {
+  PointCloud cloud = sphere(1000, 1e-3);
+  // Points far from each other, which share no cells.
+  const PointCloud strays = sphere(900, 1e3);
+  cloud.positions.insert(cloud.positions.end(), strays.positions.begin(), strays.positions.end());
+  cloud.normals.insert(cloud.normals.end(), strays.normals.begin(), strays.normals.end());
+  EXPECT_TRUE(make_mesh(sphere(1000), {.max_memory = 1 << 20}));
+  const Result<TriangleMesh> mesh = make_mesh(cloud, {.max_memory = 1 << 20});
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, ErrorCode::limit);
+}
+
 TEST(MakeMesh, does_not_depend_on_the_executor) {
   const PointCloud cloud = torus(100000);
-  const TriangleMesh one = make_mesh(cloud), all = make_mesh(cloud, {}, tbb_executor());
+  const TriangleMesh one = mesh_of(cloud), all = mesh_of(cloud, {}, tbb_executor());
   EXPECT_EQ(one.triangles, all.triangles);
   EXPECT_EQ(one.vertices.positions, all.vertices.positions);
 }

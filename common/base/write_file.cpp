@@ -1,0 +1,29 @@
+#include "common/base/write_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+
+Result<void> write_file(const std::filesystem::path& path, ByteView bytes) {
+  const auto failed = [&path] {
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+  };
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return failed();
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  if (!written) {
+    const auto error = failed();
+    std::fclose(file);
+    return error;
+  }
+  // A full disk may not be reported before this.
+  if (std::fclose(file) != 0) return failed();
+  return {};
+}
+
+}  // namespace pointreel

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
+
+namespace pointreel {
+
+/// Writes a file, replacing an existing one. The error (`io`) begins with the path.
+Result<void> write_file(const std::filesystem::path& path, ByteView bytes);
+
+}  // namespace pointreel

@@ -67,7 +67,7 @@ constexpr CellPatches patches_of(int inside) {
 }  // namespace
 
 const CellPatches& cell_patches(std::uint8_t inside) {
-  static constexpr auto kAll = [] {
+  static const auto kAll = [] {
     std::array<CellPatches, 256> all{};
     for (int i = 0; i < 256; ++i) all[i] = patches_of(i);
     return all;

@@ -75,9 +75,11 @@ std::vector<Option> make_table() {
                "offscreen)",
        .group = "Playback"},
       {"mode",
-       choice([](auto& s) -> auto& { return s.draw.mode; }, {"Surfels", "Voxels", "Points"}),
+       choice([](auto& s) -> auto& { return s.draw.mode; },
+              {"Surfels", "Voxels", "Points", "Strips"}),
        "What to draw: surfels, which are discs that face along the normals; voxels, which are the "
-       "cubes of the octree, down to the size of a pixel; or points",
+       "cubes of the octree, down to the size of a pixel; points; or strips, which are triangles "
+       "between the points",
        "Mode"},
       {"color",
        choice([](auto& s) -> auto& { return s.draw.color; }, {"Colours", "Normals", "Plain"}),

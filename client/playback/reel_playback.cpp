@@ -206,7 +206,8 @@ void ReelPlayback::set_prepare_options(const PrepareOptions& options) {
   if (options.pixel_size != before.pixel_size) camera_.reset();
   // Surfels are drawn from a package's own trees, whatever delta is, and points need no tree.
   const bool by_delta = options.mode == DrawMode::voxel ||
-                        (options.mode == DrawMode::surfel && manifest().codec != "octree");
+                        ((options.mode == DrawMode::surfel || options.mode == DrawMode::strip) &&
+                         manifest().codec != "octree");
   const bool normals_come_or_go = options.show_normals != before.show_normals &&
                                   !draws_normals(options.mode, manifest().colors);
   const bool again =

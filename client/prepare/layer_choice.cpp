@@ -9,7 +9,7 @@
 namespace pointreel {
 
 bool draws_normals(DrawMode mode, bool colored, bool shown) {
-  return shown || mode == DrawMode::surfel || !colored;
+  return shown || mode == DrawMode::surfel || mode == DrawMode::strip || !colored;
 }
 
 int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size) {

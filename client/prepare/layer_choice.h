@@ -12,8 +12,8 @@
 
 namespace pointreel {
 
-/// Whether a mode draws normals of a cloud, coloured or not: surfels are oriented by them, and
-/// where there is no colour, light on them shows the shape. (Voxels and points that have colours
+/// Whether a mode draws normals of a cloud, coloured or not: surfels and
+/// strips are oriented by them, and where there is no colour, light on them shows the shape. (Voxels and points that have colours
 /// are lit by their faces and from the eye: normals cost more to send than they show.) `shown`:
 /// normals are what is shown.
 bool draws_normals(DrawMode mode, bool colored, bool shown = false);

@@ -13,6 +13,7 @@
 #include "client/prepare/main_box.h"
 #include "client/prepare/node_radii.h"
 #include "client/prepare/point_spacing.h"
+#include "client/prepare/strip_frame.h"
 #include "client/prepare/tree_radii.h"
 #include "client/source/decode_fetched.h"
 #include "common/base/tbb_executor.h"
@@ -211,7 +212,7 @@ std::optional<VoxelCube> voxels_of(const PointCloud& cloud) {
 /// shows, if that has much fewer elements or loses nothing.
 Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOptions& options) {
   const auto points = static_cast<double>(scene.cloud.size());
-  const bool with_radii = options.mode == DrawMode::surfel;
+  const bool with_radii = options.mode != DrawMode::point;
   const auto voxels = voxels_of(scene.cloud);
   Cube grid = cube;
   int level = options.level;
@@ -280,7 +281,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     TRY(check(stopped));
     if (options.mode == DrawMode::voxel) {
       TRY(coarsen(scene, options.delta));
-    } else if (options.mode == DrawMode::surfel) {
+    } else if (options.mode != DrawMode::point) {
       make_surfels(scene, leaf_radii(scene.svo));
     } else {
       scene.spacing = point_spacing(cells_of(scene.svo), scene.svo.cube.edge, scene.points);
@@ -299,6 +300,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
       scene.filled = fill_gaps(scene.svo, scene.attributes, widest);
     if (worth_hiding(scene.svo)) scene.neighbors = leaf_neighbors(scene.svo);
   }
+  if (options.mode == DrawMode::strip) make_strips(scene, tbb_executor());
   scene.svo_ms = watch.lap();
   return scene;
 }

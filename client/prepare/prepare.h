@@ -54,6 +54,8 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// Normals that are needed but absent are estimated from neighbours. Radii that are absent are made
 /// in surfel mode, from the tree (tree_radii.h, node_radii.h).
 ///
+/// Strips are made of surfels (strip_frame.h).
+///
 /// Fills decode_ms (bytes to cloud or tree), normals_ms (their estimation) and svo_ms (tree,
 /// attributes and radii), and level, points and layers as far as they are known. The bytes may be
 /// hostile. Large frames are decoded, and their trees built, by several threads of the caller's TBB

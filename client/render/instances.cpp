@@ -140,6 +140,16 @@ void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfel
   }
 }
 
+Instance pack_representative(const SceneFrame& frame, const StripNode& node, ColorSource color,
+                             const glm::vec3& offset) {
+  const glm::i16vec4 normal(node.normal, 0);
+  const bool plain = color == ColorSource::plain || !frame.cloud.has_colors();
+  const glm::u16vec3 shown = color == ColorSource::normals ? fake_color(normal)
+                             : plain                       ? kPlain
+                                                           : node.color;
+  return {node.position + offset, 0.0f, normal, pack_color(shown)};
+}
+
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        const std::vector<bool>& divided, std::span<Instance> out,

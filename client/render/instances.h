@@ -57,4 +57,8 @@ void pack_refined(const SceneFrame& frame, std::span<const RefinedSurfel> surfel
                   ColorSource color, const glm::vec3& offset, std::span<Instance> out,
                   InstanceBounds& bounds);
 
+/// Packs the representative surfel of a node of a frame's strips, as above. Its radius is 0.
+Instance pack_representative(const SceneFrame& frame, const StripNode& node, ColorSource color,
+                             const glm::vec3& offset);
+
 }  // namespace pointreel

@@ -55,6 +55,8 @@ PixelRect elements_region(const DrawOptions& options, const InstanceBounds& boun
       const float scale = 1.5f * std::max(scales.visibility, scales.shading);
       return region_of(bounds, scale, to_clip, size);
     }
+    case DrawMode::strip:  // triangles reach no farther than their corners
+      return region_of(bounds, 0.0f, to_clip, size, 1);
     case DrawMode::voxel:  // no voxel is drawn smaller than a pixel
       return region_of(bounds, kCubeCorner, to_clip, size, 1);
     case DrawMode::point:

@@ -30,7 +30,8 @@ PointCloud surfels_of(const SceneFrame& frame) {
 std::uint64_t memory_of(const SceneFrame& frame) {
   const PointCloud& cloud = frame.cloud;
   return sizeof(SceneFrame) + memory_of(cloud.positions) + memory_of(cloud.normals) +
-         memory_of(cloud.colors) + memory_of(cloud.radii) + memory_of(frame.svo.level_begin) +
+         memory_of(cloud.colors) + memory_of(cloud.radii) + memory_of(frame.strips.nodes) +
+         memory_of(frame.strips.indices) + memory_of(frame.svo.level_begin) +
          memory_of(frame.svo.masks) + memory_of(frame.svo.first_child) +
          memory_of(frame.attributes.colors) + memory_of(frame.attributes.normals) +
          memory_of(frame.radii) + memory_of(frame.heights) + frame.filled.capacity() / 8 +

@@ -9,6 +9,7 @@
 #include "client/scene/draw_mode.h"
 #include "client/scene/gap_filling.h"
 #include "client/scene/leaf_neighbors.h"
+#include "client/strips/strips.h"
 #include "pointreel/cloud.h"
 #include "pointreel/octree.h"
 
@@ -33,6 +34,8 @@ struct SceneFrame {
   std::uint64_t time_us = 0;  ///< from the reel's start
   /// Surfels and points draw the cloud if it is not empty, else the tree, as voxels do.
   PointCloud cloud;
+  /// In strip mode, the surface between the points of the cloud; else empty. There is no tree then.
+  SurfelStrips strips;
   Svo svo;
   // The cloud and the tree's nodes have the same attributes: colours only if the source has them;
   // normals in surfel mode, where there are no colours, and where they are shown (estimated from
@@ -60,7 +63,8 @@ struct SceneFrame {
   FrameBoxes boxes;
   std::uint32_t points = 0;  ///< of the source, as far as the frame tells
   std::uint32_t layers = 0;  ///< that the frame was made of; 0 for a file
-  /// How long each stage took, in their order; normals only if they were estimated.
+  /// How long each stage took, in their order; normals only if they were estimated. Making strips
+  /// is part of the last.
   double fetch_ms = 0.0, decode_ms = 0.0, normals_ms = 0.0, svo_ms = 0.0;
 };
 

@@ -127,9 +127,12 @@ void edit_elements(Settings& settings) {
       edit("point_size", settings);
       edit("adaptive_points", settings);
       break;
+    case DrawMode::strip:
+      break;
   }
   edit("renderer", settings);
-  if (settings.draw.mode != DrawMode::point) edit("instancing", settings);
+  if (settings.draw.mode == DrawMode::surfel || settings.draw.mode == DrawMode::voxel)
+    edit("instancing", settings);
   edit("smooth_outlines", settings);
   edit("pixel_size", settings);
   edit("drafts", settings);

@@ -36,32 +36,33 @@ constexpr Steps kSteps = make_steps();
 
 }  // namespace
 
+void child_blocks(const Svo& svo, const NodeBlock& around, NodeBlock* blocks) {
+  // All neighbours of this node's children are children of the 27 nodes around it. Number those
+  // first, so that each child only has to look its neighbours up.
+  std::array<std::array<std::uint32_t, 8>, 27> numbers;
+  for (std::size_t i = 0; i < 27; ++i) {
+    const unsigned mask = around[i] == kNoNode ? 0 : svo.masks[around[i]];
+    std::uint32_t next = around[i] == kNoNode ? 0 : svo.first_child[around[i]];
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      const bool there = (mask >> octant & 1u) != 0;
+      numbers[i][octant] = there ? next : kNoNode;
+      next += there ? 1u : 0u;
+    }
+  }
+  for (unsigned octants = svo.masks[around[13]]; octants != 0; octants &= octants - 1) {
+    const auto& steps = kSteps[static_cast<std::size_t>(std::countr_zero(octants))];
+    NodeBlock& block = *blocks++;
+    for (std::size_t i = 0; i < 27; ++i) block[i] = numbers[steps[i].parent][steps[i].octant];
+  }
+}
+
 std::vector<NodeBlock> node_blocks(const Svo& svo) {
   std::vector<NodeBlock> blocks(svo.node_count());
   if (blocks.empty()) return blocks;
   blocks[0].fill(kNoNode);
   blocks[0][13] = 0;
-  for (std::uint32_t node = 0; node < svo.internal_count(); ++node) {
-    const NodeBlock& around = blocks[node];
-    // All neighbours of this node's children are children of the 27 nodes around it. Number those
-    // first, so that each child only has to look its neighbours up.
-    std::array<std::array<std::uint32_t, 8>, 27> numbers;
-    for (std::size_t i = 0; i < 27; ++i) {
-      const unsigned mask = around[i] == kNoNode ? 0 : svo.masks[around[i]];
-      std::uint32_t next = around[i] == kNoNode ? 0 : svo.first_child[around[i]];
-      for (unsigned octant = 0; octant < 8; ++octant) {
-        const bool there = (mask >> octant & 1u) != 0;
-        numbers[i][octant] = there ? next : kNoNode;
-        next += there ? 1u : 0u;
-      }
-    }
-    std::uint32_t child = svo.first_child[node];
-    for (unsigned octants = svo.masks[node]; octants != 0; octants &= octants - 1) {
-      const auto& steps = kSteps[static_cast<std::size_t>(std::countr_zero(octants))];
-      NodeBlock& block = blocks[child++];
-      for (std::size_t i = 0; i < 27; ++i) block[i] = numbers[steps[i].parent][steps[i].octant];
-    }
-  }
+  for (std::uint32_t node = 0; node < svo.internal_count(); ++node)
+    child_blocks(svo, blocks[node], &blocks[svo.first_child[node]]);
   return blocks;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "client/prepare/strip_frame.h"
 #include "common/octree/build.h"
 #include "tests/unit/drawing_test.h"
 
@@ -52,6 +53,14 @@ inline std::shared_ptr<SceneFrame> frame_of(PointCloud cloud, int depth = 5) {
   const SortedPoints sorted = sort_points(frame->cloud, {frame->cloud.origin - 1.5, 3.0});
   frame->svo = build_svo(sorted, depth);
   frame->attributes = mean_attributes(frame->svo, frame->cloud, sorted);
+  return frame;
+}
+
+/// The same cloud as triangle strips.
+inline std::shared_ptr<SceneFrame> strip_frame_of(PointCloud cloud) {
+  auto frame = std::make_shared<SceneFrame>();
+  frame->cloud = std::move(cloud);
+  make_strips(*frame, {});
   return frame;
 }
 

@@ -78,6 +78,12 @@ std::vector<DrawOptions> all_options() {
     options.floor = FloorGrid{{glm::dvec3(-1.0), glm::dvec3(1.0)}};
     all.push_back(options);
   }
+  for (const bool fill_holes : {true, false}) {
+    DrawOptions options = plain(DrawMode::strip);
+    options.lighting = true;
+    options.fill_holes = fill_holes;
+    all.push_back(options);
+  }
   for (const auto& splatting : kEnumNames<Splatting>) {
     DrawOptions options = plain(DrawMode::surfel);
     options.splatting = splatting.value;
@@ -87,6 +93,25 @@ std::vector<DrawOptions> all_options() {
   return all;
 }
 
+/// A cloud made ready for all modes.
+struct Frames {
+  std::shared_ptr<SceneFrame> elements, strips;
+
+  explicit Frames(const PointCloud& cloud)
+      : elements(frame_of(cloud, 6)), strips(strip_frame_of(cloud)) {}
+  Frames with_unknown_signs() const {
+    Frames unknown = *this;
+    for (auto* frame : {&unknown.elements, &unknown.strips}) {
+      *frame = std::make_shared<SceneFrame>(**frame);
+      (*frame)->normals_estimated = true;
+    }
+    return unknown;
+  }
+  const std::shared_ptr<SceneFrame>& of(DrawMode mode) const {
+    return mode == DrawMode::strip ? strips : elements;
+  }
+};
+
 Image draw_with(Renderer& renderer, const std::shared_ptr<const SceneFrame>& frame,
                 const Camera& camera, const DrawOptions& options) {
   const auto stats = renderer.draw(frame, camera, kSize, options);
@@ -95,14 +120,13 @@ Image draw_with(Renderer& renderer, const std::shared_ptr<const SceneFrame>& fra
 }
 
 TEST(SoftwareRenderer, draws_the_same_bytes_with_any_number_of_threads_and_without_avx2) {
-  const auto frame = frame_of(dented_sphere(30'000), 6);
-  auto estimated = std::make_shared<SceneFrame>(*frame);
-  estimated->normals_estimated = true;
+  const Frames frames(dented_sphere(30'000));
   SoftwareRenderer one(executor_of(1)), three(executor_of(3)), none{Executor{}},
       portable(executor_of(2));
-  for (const auto& drawn : {frame, estimated}) {
+  for (const Frames& all : {frames, frames.with_unknown_signs()}) {
     for (const View& view : views()) {
       for (const DrawOptions& options : all_options()) {
+        const auto& drawn = all.of(options.mode);
         const Image expected = draw_with(one, drawn, view.camera, options);
         EXPECT_EQ(largest_difference(expected, draw_with(three, drawn, view.camera, options)), 0);
         EXPECT_EQ(largest_difference(expected, draw_with(none, drawn, view.camera, options)), 0);
@@ -116,15 +140,15 @@ TEST(SoftwareRenderer, draws_the_same_bytes_with_any_number_of_threads_and_witho
 }
 
 TEST(SoftwareRenderer, draws_the_same_bytes_on_every_machine) {
-  const auto frame = frame_of(dented_sphere(20'000), 6);
+  const Frames frames(dented_sphere(20'000));
   SoftwareRenderer renderer(executor_of(2));
   std::vector<std::uint64_t> hashes;
-  for (const DrawMode mode : kModes) {
+  for (const auto& [mode, name] : kEnumNames<DrawMode>) {
     DrawOptions options = plain(mode);
     options.lighting = true;
     options.edl = 0.5f;
     options.smooth_outlines = true;
-    const Image image = draw_with(renderer, frame, front_camera(), options);
+    const Image image = draw_with(renderer, frames.of(mode), front_camera(), options);
     hashes.push_back(XXH3_64bits(image.pixels.data(), 3 * image.pixels.size()));
   }
   EXPECT_EQ(hashes, (std::vector<std::uint64_t>{5714456441871908337u, 7947853401194051860u,
@@ -137,13 +161,12 @@ TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) 
   auto opengl = GlRenderer::create();
   ASSERT_TRUE(opengl) << opengl.error().message;
   SoftwareRenderer software(executor_of(2));
-  const auto frame = frame_of(dented_sphere(30'000), 6);
-  auto estimated = std::make_shared<SceneFrame>(*frame);
-  estimated->normals_estimated = true;
-  for (const auto& drawn : {frame, estimated}) {
+  const Frames frames(dented_sphere(30'000));
+  for (const Frames& all : {frames, frames.with_unknown_signs()}) {
     for (const View& view : views()) {
       int number = 0;
       for (const DrawOptions& options : all_options()) {
+        const auto& drawn = all.of(options.mode);
         // The paper's ways to splat depend on the order, which the default of OpenGL changes.
         DrawOptions same = options;
         if (options.splatting != Splatting::normalized) same.instancing = Instancing::attribute;
@@ -176,6 +199,21 @@ TEST(SoftwareRenderer, survives_surfels_that_are_not_numbers_or_reach_everywhere
   for (const View& view : views())
     for (const DrawOptions& options : all_options())
       if (options.mode != DrawMode::voxel) draw_with(renderer, frame, view.camera, options);
+}
+
+TEST(SoftwareRenderer, survives_vertices_that_are_not_numbers_or_far_away) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInf = std::numeric_limits<float>::infinity();
+  const auto frame = strip_frame_of(dented_sphere(2000));
+  std::size_t i = 0;
+  for (const float odd : {kNan, kInf, -kInf, 1e30f, -1e30f, 1e-30f, 1e5f}) {
+    for (int axis = 0; axis < 3; ++axis) frame->cloud.positions[17 * i++][axis] = odd;
+    frame->cloud.normals[17 * i++] = glm::vec3(odd);
+  }
+  SoftwareRenderer renderer(executor_of(2));
+  for (const View& view : views())
+    for (const DrawOptions& options : all_options())
+      if (options.mode == DrawMode::strip) draw_with(renderer, frame, view.camera, options);
 }
 
 TEST(SoftwareRenderer, says_what_it_is) {

@@ -93,6 +93,10 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   stats.below_pixel = instances_.stats().below_pixel;
   stats.hidden = instances_.stats().hidden;
   stats.cut_ms = instances_.stats().cut_ms;
+  if (options.mode == DrawMode::strip) {
+    strips_.update(scene, camera, size, options, instances_, stats);
+    TRY(strip_passes_.set(strips_, instances_.normals_estimated()));
+  }
 
   camera_ = camera;
   shown_ = shown;
@@ -157,9 +161,13 @@ Result<void> GlRenderer::draw_instances(const PictureView& view, const PixelRect
                                         const DrawOptions& options) {
   TRY(options.mode == DrawMode::point    ? draw_points(options)
       : options.mode == DrawMode::surfel ? draw_surfels(view, region, options)
-                                         : draw_voxels(options));
+      : options.mode == DrawMode::strip  ? draw_strips(view, region, options)
+
+                                        : draw_voxels(options));
   if (options.edl <= 0.0f) return {};
-  const bool means = options.mode == DrawMode::surfel && options.splatting == Splatting::normalized;
+  const bool means =
+      (options.mode == DrawMode::surfel && options.splatting == Splatting::normalized) ||
+      (options.mode == DrawMode::strip && options.fill_holes);
   return eye_dome_.draw(options.edl, means ? &splatter_.sums() : nullptr);
 }
 
@@ -169,16 +177,27 @@ Result<void> GlRenderer::draw_surfels(const PictureView& view, const PixelRect& 
   const SplatScales scales = scales_of(options.splatting, options.scales);
   cull_backs();
   method.begin(std::max(scales.visibility, scales.shading));
-  const InstanceBounds& bounds = instances_.bounds();
-  const SplatPlace place{.region = region,
-                         .radius = static_cast<float>(bounds.mean_radius()),
-                         .pixels = radius_in_pixels(bounds, view.to_clip, size_),
-                         .nearest = nearest_depth(bounds, view.to_clip, view.eye.w),
-                         .signs_unknown = instances_.normals_estimated()};
-  auto drawn =
-      splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes, place);
+  auto drawn = splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes,
+                              splat_place(view, region));
   glDisable(GL_CULL_FACE);
   return drawn;
+}
+
+SplatPlace GlRenderer::splat_place(const PictureView& view, const PixelRect& region) const {
+  const InstanceBounds& bounds = instances_.bounds();
+  return {.region = region,
+          .radius = static_cast<float>(bounds.mean_radius()),
+          .pixels = radius_in_pixels(bounds, view.to_clip, size_),
+          .nearest = nearest_depth(bounds, view.to_clip, view.eye.w),
+          .signs_unknown = instances_.normals_estimated()};
+}
+
+Result<void> GlRenderer::draw_strips(const PictureView& view, const PixelRect& region,
+                                     const DrawOptions& options) {
+  glFrontFace(GL_CCW);
+  return splatter_.draw_strips(
+      strip_passes_, buffer_, [this] { return draw_points(strip_passes_.points(), 1.0f, 0.0f); },
+      options.fill_holes, splat_place(view, region));
 }
 
 Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
@@ -194,14 +213,20 @@ Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
 }
 
 Result<void> GlRenderer::draw_points(const DrawOptions& options) {
-  TRY(point_.use());
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
-  bind_instance_array(points_, buffer_);
-  glEnable(GL_PROGRAM_POINT_SIZE);
   const auto reduction = static_cast<float>(options.reduction);
-  glUniform1f(0, std::max(1.0f, options.point_size / reduction));
-  glUniform1f(1, options.adaptive_points ? kLargestPoint / reduction : 0.0f);
-  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(buffer_.size()));
+  return draw_points(buffer_, std::max(1.0f, options.point_size / reduction),
+                     options.adaptive_points ? kLargestPoint / reduction : 0.0f);
+}
+
+Result<void> GlRenderer::draw_points(const InstanceBuffer& points, float least, float largest) {
+  if (points.size() == 0) return {};
+  TRY(point_.use());
+  bind_instance_array(points_, points);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glUniform1f(0, least);
+  glUniform1f(1, largest);
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(points.size()));
   return {};
 }
 

@@ -17,9 +17,11 @@
 #include "client/render/opengl/instancing/instancing.h"
 #include "client/render/opengl/outlines.h"
 #include "client/render/opengl/splatting.h"
+#include "client/render/opengl/strip_passes.h"
 #include "client/render/region.h"
 #include "client/render/renderer.h"
 #include "client/render/scene_instances.h"
+#include "client/render/scene_strips.h"
 #include "client/render/view.h"
 #include "common/base/tbb_executor.h"
 
@@ -57,7 +59,12 @@ class GlRenderer final : public Renderer {
   Result<void> draw_surfels(const PictureView& view, const PixelRect& region,
                             const DrawOptions& options);
   Result<void> draw_voxels(const DrawOptions& options);
+  Result<void> draw_strips(const PictureView& view, const PixelRect& region,
+                           const DrawOptions& options);
   Result<void> draw_points(const DrawOptions& options);
+  /// Into the bound framebuffer; sizes as in point.vert.glsl.
+  Result<void> draw_points(const InstanceBuffer& points, float least, float largest);
+  SplatPlace splat_place(const PictureView& view, const PixelRect& region) const;
   Result<void> draw_floor(const FloorGrid& grid, const Camera& camera, const DrawOptions& options);
 
   /// By the number of the method, made when first used.
@@ -79,6 +86,8 @@ class GlRenderer final : public Renderer {
   PixelRect drawn_on_;  ///< the rest of the picture is background
   SceneInstances instances_{tbb_executor()};
   InstanceBuffer buffer_;
+  SceneStrips strips_;
+  StripPasses strip_passes_;
 };
 
 }  // namespace pointreel

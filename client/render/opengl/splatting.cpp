@@ -83,17 +83,49 @@ Result<void> Splatter::draw_blended(InstancingMethod& method, const InstanceBuff
 Result<void> Splatter::draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
                                        float scale, bool fill_holes, const SplatPlace& place) {
   glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
-  // At 16 bytes per pixel, clearing the whole texture would take a while.
-  const std::array<GLfloat, 4> nothing{};
-  scissor(around(std::exchange(summed_, place.region), place.region));
-  glEnable(GL_SCISSOR_TEST);
-  glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
-  glDisable(GL_SCISSOR_TEST);
+  clear_sums(place.region);
   glBlendFunc(GL_ONE, GL_ONE);
   TRY(method.draw(instances, Pass::surfel_sum, {scale, 0.0f}));
 
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
+  return resolve(fill_holes, place);
+}
+
+Result<void> Splatter::draw_strips(StripPasses& strips, const InstanceBuffer& vertices,
+                                   const std::function<Result<void>()>& points, bool fill_holes,
+                                   const SplatPlace& place) {
+  const auto draw = [&]() -> Result<void> {
+    glBindFramebuffer(GL_FRAMEBUFFER, fill_holes ? splats_.name() : picture_.name());
+    if (fill_holes) clear_sums(place.region);
+    if (fill_holes && !place.signs_unknown) {
+      glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+      TRY(strips.draw_backs(vertices));
+      glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    }
+    TRY(strips.draw_fronts(vertices));
+    TRY(points());
+    glDisable(GL_DEPTH_TEST);
+    return fill_holes ? resolve(true, place) : Result<void>();
+  };
+  auto drawn = draw();
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  return drawn;
+}
+
+void Splatter::clear_sums(const PixelRect& region) {
+  // At 16 bytes per pixel, clearing the whole texture would take a while.
+  const std::array<GLfloat, 4> nothing{};
+  scissor(around(std::exchange(summed_, region), region));
+  glEnable(GL_SCISSOR_TEST);
+  glClearNamedFramebufferfv(splats_.name(), GL_COLOR, 0, nothing.data());
+  glDisable(GL_SCISSOR_TEST);
+}
+
+Result<void> Splatter::resolve(bool fill_holes, const SplatPlace& place) {
   Reconstruction::Filling filling{};
   if (fill_holes && place.signs_unknown) {
     glBindFramebuffer(GL_FRAMEBUFFER, only_sums_.name());

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <functional>
+
 #include <glm/glm.hpp>
 
 #include "client/render/opengl/gl_objects.h"
 #include "client/render/opengl/instancing/method.h"
 #include "client/render/opengl/reconstruction.h"
+#include "client/render/opengl/strip_passes.h"
 #include "client/render/region.h"
 #include "client/scene/draw_options.h"
 
@@ -38,6 +41,13 @@ class Splatter {
   Result<void> draw(InstancingMethod& method, const InstanceBuffer& instances, Splatting splatting,
                     const SplatScales& scales, bool fill_holes, const SplatPlace& place);
 
+  /// Draws strips, whose pixels need no blending, into the same textures, and fills holes by the
+  /// same rules. `points` draws the representative surfels of the strips. The state on entry and on
+  /// return is as for `draw`; faces are not culled.
+  Result<void> draw_strips(StripPasses& strips, const InstanceBuffer& vertices,
+                           const std::function<Result<void>()>& points, bool fill_holes,
+                           const SplatPlace& place);
+
   /// The sums of weighted colours (rgb) and of weights (alpha) of the last picture that was drawn
   /// with Splatting::normalized.
   const gl::Texture& sums() const { return sums_; }
@@ -50,6 +60,10 @@ class Splatter {
                             float scale) const;
   Result<void> draw_normalized(InstancingMethod& method, const InstanceBuffer& instances,
                                float scale, bool fill_holes, const SplatPlace& place);
+
+  void clear_sums(const PixelRect& region);
+  /// Makes the picture of the sums. Depth test and blending are off.
+  Result<void> resolve(bool fill_holes, const SplatPlace& place);
 
   gl::LateProgram resolve_;
   gl::Texture sums_;

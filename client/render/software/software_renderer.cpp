@@ -135,6 +135,8 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   stats.below_pixel = instances_.stats().below_pixel;
   stats.hidden = instances_.stats().hidden;
   stats.cut_ms = instances_.stats().cut_ms;
+  if (options.mode == DrawMode::strip)
+    strips_.update(scene, camera, size, options, instances_, stats);
 
   camera_ = camera;
   shown_ = shown;
@@ -158,6 +160,13 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
     if (options.mode == DrawMode::surfel) {
       draw_surfels(view, options);
       laps.lap();
+    } else if (options.mode == DrawMode::strip) {
+      triangles_.draw(memory_.instances(), strips_,
+                      options.fill_holes ? Triangles::Backs::depth : Triangles::Backs::none, view,
+                      executor_, picture_);
+      stages_.shading = laps.lap();
+      close_surface(view, options);
+
     } else {
       const auto reduction = static_cast<float>(options.reduction);
       const float least = std::max(1.0f, options.point_size / reduction);
@@ -254,9 +263,16 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   stages_.visibility = share * splatting_ms;
   stages_.shading = (1.0 - share) * splatting_ms;
 
+  close_surface(view, options);
+  stages_.reconstruction = laps.lap();
+}
+
+void SoftwareRenderer::close_surface(const PictureView& view, const DrawOptions& options) {
+  const bool fills = options.fill_holes && (options.mode == DrawMode::strip ||
+                                            options.splatting == Splatting::normalized);
   if (fills) {
     const InstanceBounds& bounds = instances_.bounds();
-    if (signs_unknown)
+    if (instances_.normals_estimated())
       HoleFilling::clear_see_through(view, static_cast<float>(bounds.mean_radius()),
                                      nearest_depth(bounds, view.to_clip, view.eye.w), executor_,
                                      picture_);
@@ -265,7 +281,6 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   // What is filled has no depth of its own, and is not darkened.
   if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
   if (fills) holes_.fill(executor_, picture_);
-  stages_.reconstruction = laps.lap();
 }
 
 void SoftwareRenderer::present(unsigned framebuffer) {

@@ -12,11 +12,13 @@
 #include "client/render/region.h"
 #include "client/render/renderer.h"
 #include "client/render/scene_instances.h"
+#include "client/render/scene_strips.h"
 #include "client/render/software/hole_filling.h"
 #include "client/render/software/picture.h"
 #include "client/render/software/picture_texture.h"
 #include "client/render/software/solids.h"
 #include "client/render/software/splats.h"
+#include "client/render/software/triangles.h"
 #include "client/render/view.h"
 #include "pointreel/executor.h"
 
@@ -77,12 +79,16 @@ class SoftwareRenderer final : public Renderer {
   Result<void> resize(glm::ivec2 size);
   void clear(const glm::vec3& background);
   void draw_surfels(const PictureView& view, const DrawOptions& options);
+  /// Fills holes of surfels and strips, and lights the picture by its depths.
+  void close_surface(const PictureView& view, const DrawOptions& options);
 
   const Executor executor_;
   SceneInstances instances_;
+  SceneStrips strips_;
   Memory memory_;
   Splats depth_splats_, color_splats_;
   Solids solids_;
+  Triangles triangles_;
   HoleFilling holes_;
   Picture picture_;
   PictureTexture texture_;

@@ -1,0 +1,77 @@
+#include "client/prepare/strip_frame.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "common/octree/build.h"
+#include "common/octree/normal_lines.h"
+#include "pointreel/octree.h"
+
+namespace pointreel {
+namespace {
+
+/// The share of distinct points that may fall together with others. The last few would make the
+/// tree much deeper.
+constexpr double kMayMeet = 0.02;
+
+/// Replaces a cloud by one with a point for each leaf of a tree, and makes that tree.
+void merge_points(SceneFrame& scene, const Executor& executor) {
+  const PointCloud& points = scene.cloud;
+  const auto sorted =
+      sort_to_depth(points, bounding_cube(bounds(points)), DepthRule::by_delta(kMayMeet), executor);
+  if (!sorted) return;  // only for a rule that makes no sense
+  const int depth = sorted->depth, unused = 3 * (sorted->sorted.levels - depth);
+  scene.svo = build_svo(sorted->sorted, depth, executor);
+  scene.attributes = mean_attributes(scene.svo, points, sorted->sorted, executor);
+  if (scene.normals_estimated)
+    scene.attributes.normals = mean_normal_lines(scene.svo, points, sorted->sorted, executor);
+  const glm::vec3 offset(points.origin - scene.svo.cube.origin);
+  PointCloud merged;
+  merged.origin = scene.svo.cube.origin;
+  merged.positions.reserve(scene.svo.leaf_count());
+  merged.radii.reserve(scene.svo.leaf_count());
+  const std::vector<KeyIndex>& order = sorted->sorted.points;
+  for (std::size_t begin = 0, end; begin < order.size(); begin = end) {
+    const std::uint64_t key = order[begin].key >> unused;
+    glm::dvec3 sum(0.0);
+    float radius = 0.0f;
+    for (end = begin; end < order.size() && order[end].key >> unused == key; ++end) {
+      sum += glm::dvec3(points.positions[order[end].index]);
+      radius = std::max(radius, points.radii[order[end].index]);
+    }
+    merged.positions.push_back(offset + glm::vec3(sum / static_cast<double>(end - begin)));
+    merged.radii.push_back(radius);
+  }
+  const auto first = static_cast<std::ptrdiff_t>(scene.svo.internal_count());
+  const NodeAttributes& means = scene.attributes;
+  if (!means.colors.empty()) merged.colors.assign(means.colors.begin() + first, means.colors.end());
+  for (std::size_t i = scene.svo.internal_count(); i < means.normals.size(); ++i)
+    merged.normals.push_back(glm::vec3(means.normals[i]) / 32767.0f);
+  scene.cloud = std::move(merged);
+}
+
+}  // namespace
+
+void make_strips(SceneFrame& scene, const Executor& executor) {
+  if (scene.cloud.empty())
+    scene.cloud = surfels_of(scene);
+  else
+    merge_points(scene, executor);
+  PointCloud& surfels = scene.cloud;
+  if (surfels.normals.empty()) surfels.normals.resize(surfels.size(), glm::vec3(0.0f));
+  scene.strips = make_strips({.svo = scene.svo,
+                              .positions = surfels.positions,
+                              .normals = surfels.normals,
+                              .radii = surfels.radii,
+                              .lines = scene.normals_estimated},
+                             scene.attributes, {}, executor);
+  scene.svo = {};
+  scene.attributes = {};
+  scene.radii = {};
+  scene.heights = {};
+}
+
+}  // namespace pointreel

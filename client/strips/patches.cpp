@@ -1,0 +1,188 @@
+#include "client/strips/patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "client/strips/delaunay.h"
+#include "common/base/for_each.h"
+
+namespace pointreel {
+namespace {
+
+struct SurfelRange {
+  std::uint32_t begin, end;
+};
+
+/// A box around surfels.
+struct Bounds {
+  glm::vec3 min, max;
+
+  Bounds(std::span<const glm::vec3> positions) : min(positions[0]), max(positions[0]) {
+    for (const glm::vec3& p : positions) {
+      min = glm::min(min, p);
+      max = glm::max(max, p);
+    }
+  }
+  /// The square of the distance of a point from the box.
+  float distance2(const glm::vec3& p) const {
+    const glm::vec3 d = glm::max(glm::max(min - p, p - max), 0.0f);
+    return glm::dot(d, d);
+  }
+};
+
+/// Triangulates patches, one after another. Keeps its buffers.
+class Triangulation {
+ public:
+  Triangulation(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule)
+      : surfels_(surfels), tree_(tree), rule_(rule) {}
+
+  /// Appends the triangles of a patch.
+  void run(const PatchNode& patch, std::vector<PatchTriangle>& out) {
+    const PatchPlane plane = patch_plane(surfels_, patch.begin, patch.end);
+    gather(patch, plane);
+    project(plane);
+    // Triangles are put into the order of their lowest corners by counting, and then, the few that
+    // share it, by comparing.
+    kept_.clear();
+    places_.assign(members_.size() + 1, 0);
+    for (const Delaunay::Triangle& triangle : delaunay_.run(points_)) {
+      if (!is_kept(triangle)) continue;
+      const std::size_t lowest = lowest_corner(triangle);
+      ++places_[triangle.corners[lowest] + 1u];
+      PatchTriangle to;
+      to.inner = true;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t from = (lowest + i) % 3;
+        to.corners[i] = members_[triangle.corners[from]];
+        const std::uint16_t beyond = triangle.beyond[from];
+        to.beyond[i] = beyond == Delaunay::kNone ? kNoSurfel : members_[beyond];
+        to.inner = to.inner && own_[triangle.corners[from]] != 0;
+      }
+      kept_.push_back({triangle.corners[lowest], to});
+    }
+    std::partial_sum(places_.begin(), places_.end(), places_.begin());
+    const std::size_t first = out.size();
+    out.resize(first + kept_.size());
+    for (const auto& [lowest, triangle] : kept_) {
+      std::size_t at = first + places_[lowest]++;
+      for (; at > first && triangle.corners < out[at - 1].corners &&
+             out[at - 1].corners[0] == triangle.corners[0];
+           --at)
+        out[at] = out[at - 1];
+      out[at] = triangle;
+    }
+  }
+
+ private:
+  /// Collects the surfels of a patch and those near it, by their index.
+  void gather(const PatchNode& patch, const PatchPlane& plane) {
+    const Svo& svo = surfels_.svo;
+    float reach = 0.0f;
+    for (std::uint32_t i = patch.begin; i < patch.end; ++i) reach += surfels_.radii[i];
+    reach *= rule_.distance / static_cast<float>(patch.end - patch.begin);
+    const float reach2 = reach * reach;
+    // The neighbours of a node that is large enough hold all that is near.
+    const PatchNode* node = &patch;
+    while (svo.cell_size(node->level) < reach && node->level > 0) node = &tree_.nodes[node->parent];
+    ranges_.clear();
+    for (const std::uint32_t around : node->around) {
+      if (around == kNoNode) continue;
+      const auto [begin, end] = tree_.surfels_below(svo, around, node->level);
+      ranges_.push_back({begin, end});
+    }
+    std::sort(ranges_.begin(), ranges_.end(),
+              [](const SurfelRange& a, const SurfelRange& b) { return a.begin < b.begin; });
+    const Bounds box(surfels_.positions.subspan(patch.begin, patch.end - patch.begin));
+    members_.clear();
+    own_.clear();
+    for (const SurfelRange& range : ranges_) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        const bool own = i >= patch.begin && i < patch.end;
+        if (!own) {
+          if (!(box.distance2(surfels_.positions[i]) <= reach2)) continue;
+          const float cosine = glm::dot(surfels_.normals[i], plane.normal);
+          if ((surfels_.lines ? std::abs(cosine) : cosine) < rule_.least_cosine &&
+              surfels_.normals[i] != glm::vec3(0.0f))
+            continue;
+        }
+        if (members_.size() == Delaunay::kMostPoints) return;
+        members_.push_back(i);
+        own_.push_back(own ? 1 : 0);
+      }
+    }
+  }
+
+  /// Projects the members into the plane, and rounds their coordinates to as many steps as there
+  /// are.
+  void project(const PatchPlane& plane) {
+    const glm::vec3 n = plane.normal;
+    const glm::vec3 side =
+        std::abs(n.x) < 0.6f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    const glm::vec3 u = glm::normalize(glm::cross(side, n)), v = glm::cross(n, u);
+    flat_.clear();
+    glm::vec2 most(0.0f);
+    for (const std::uint32_t i : members_) {
+      const glm::vec3 d = surfels_.positions[i] - plane.center;
+      flat_.push_back({glm::dot(d, u), glm::dot(d, v)});
+      most = glm::max(most, glm::abs(flat_.back()));
+    }
+    const float farthest = std::max(most.x, most.y);
+    const float scale = farthest > 0.0f ? static_cast<float>(Delaunay::kReach) / farthest : 0.0f;
+    points_.clear();
+    for (const glm::vec2& p : flat_) {
+      // Halves need not be rounded to either side.
+      points_.emplace_back(static_cast<int>(scale * p.x + 8192.5f) - 8192,
+                           static_cast<int>(scale * p.y + 8192.5f) - 8192);
+    }
+  }
+
+  bool is_kept(const Delaunay::Triangle& triangle) const {
+    const auto [a, b, c] = triangle.corners;
+    return (own_[a] | own_[b] | own_[c]) != 0 && short_enough(members_[a], members_[b]) &&
+           short_enough(members_[b], members_[c]) && short_enough(members_[c], members_[a]);
+  }
+
+  static std::size_t lowest_corner(const Delaunay::Triangle& triangle) {
+    const auto [a, b, c] = triangle.corners;
+    return a < b ? (a < c ? 0 : 2) : (b < c ? 1 : 2);
+  }
+
+  bool short_enough(std::uint32_t a, std::uint32_t b) const {
+    const float most = rule_.longest * (surfels_.radii[a] + surfels_.radii[b]);
+    const glm::vec3 d = surfels_.positions[a] - surfels_.positions[b];
+    return glm::dot(d, d) <= most * most;
+  }
+
+  const StripSurfels& surfels_;
+  const StrippingTree& tree_;
+  const InflationRule& rule_;
+  std::vector<SurfelRange> ranges_;
+  std::vector<std::uint32_t> members_;  ///< of the inflated patch, by their index
+  std::vector<std::uint8_t> own_;       ///< whether they are the patch's own
+  std::vector<glm::vec2> flat_;
+  std::vector<glm::ivec2> points_;
+  Delaunay delaunay_;
+  std::vector<std::uint32_t> places_;
+  std::vector<std::pair<std::uint16_t, PatchTriangle>> kept_;
+};
+
+}  // namespace
+
+Patches::Patches(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule,
+                 const Executor& executor)
+    : patches_(tree.patches.size()), blocks_((tree.patches.size() + kBlock - 1) / kBlock) {
+  for_each(executor, static_cast<int>(blocks_.size()), [&](int number) {
+    const auto block = static_cast<std::size_t>(number);
+    std::vector<PatchTriangle>& out = blocks_[block];
+    Triangulation triangulation(surfels, tree, rule);
+    for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, patches_.size()); ++i) {
+      const auto begin = static_cast<std::uint32_t>(out.size());
+      triangulation.run(tree.nodes[tree.patches[i]], out);
+      patches_[i] = {begin, static_cast<std::uint32_t>(out.size())};
+    }
+  });
+}
+
+}  // namespace pointreel

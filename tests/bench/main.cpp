@@ -41,6 +41,9 @@ int run(int argc, char** argv) {
       add("svo", "building octrees, compared with a recursive build, and traversing them");
   CLI::App* codec = add("codec", "encoding and decoding: the octree codec compared with Draco");
   codec->add_option("files", options.files, "more clouds to measure, .ply or .drc");
+  CLI::App* strips =
+      add("strips", "making triangle strips of surfels, and drawing both with the processor");
+  strips->add_option("files", options.files, "more clouds to measure, .ply or .drc");
   int exit_code = 0;
   add_compare_command(app, exit_code);
   add_player_command(app, exit_code);
@@ -52,9 +55,20 @@ int run(int argc, char** argv) {
   add_truth_command(app, exit_code);
   pointreel::add_common_options(app);
   if (const auto status = pointreel::parse(app, argc, argv)) return *status;
-  if (!svo->parsed() && !codec->parsed()) return exit_code;
-  nlohmann::json report = svo->parsed() ? run_svo(options) : run_codec(options);
-  report["benchmark"] = svo->parsed() ? "svo" : "codec";
+  nlohmann::json report;
+  if (svo->parsed())
+    report = run_svo(options);
+  else if (codec->parsed())
+    report = run_codec(options);
+  else if (strips->parsed())
+    report = run_strips(options);
+  else
+    return exit_code;
+  if (report.contains("error")) {
+    pointreel::print_error("pointreel-bench", report["error"].get<std::string>());
+    return 1;
+  }
+  report["benchmark"] = svo->parsed() ? "svo" : codec->parsed() ? "codec" : "strips";
   report["machine"] = machine();
   if (json.empty()) return 0;
   const auto written = write_json(json, report);

@@ -18,6 +18,7 @@ struct SuiteOptions {
 /// Each suite prints its tables while it runs and returns its figures, including "bars".
 nlohmann::json run_svo(const SuiteOptions& options);
 nlohmann::json run_codec(const SuiteOptions& options);
+nlohmann::json run_strips(const SuiteOptions& options);
 
 /// The part of run_codec that codes colours and normals of a dense human without the tree. Adds
 /// rows, and also bars unless the run is quick, because the human of a quick run has fewer voxels.

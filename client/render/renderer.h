@@ -16,7 +16,8 @@
 
 namespace pointreel {
 
-/// Draws scenes into a picture of its own: as points, as surfels by splatting, or as voxels.
+/// Draws scenes into a picture of its own: as points, as surfels by splatting, as voxels, or as
+/// triangle strips.
 /// Colours come in and go out as sRGB; lighting and blending happen in linear light, with sums in
 /// 32-bit float. Depth is reversed, in 32-bit float.
 class Renderer {

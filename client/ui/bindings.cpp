@@ -32,7 +32,7 @@ constexpr std::array kBindings = {
     Binding{"l", Action::mark_loop, "A-B loop: set A, then B, then clear"},
     Binding{"L", Action::toggle_loop, "loop at the end, or stop there"},
     Binding{"o", Action::tell_time, "show the time and the frame number"},
-    Binding{"m", Action::next_mode, "next mode: surfels, voxels, points"},
+    Binding{"m", Action::next_mode, "next mode: surfels, voxels, points, strips"},
     Binding{"n", Action::next_instancing, "next way of instancing"},
     Binding{"b", Action::next_splatting, "next way of splatting"},
     Binding{"g", Action::toggle_floor, "show or hide a grid on the floor"},

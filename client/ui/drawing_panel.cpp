@@ -162,7 +162,7 @@ bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float s
     edit("floor", settings);
     ImGui::Spacing();
     if (ImGui::Button("Defaults")) restore_defaults(settings);
-    show_tip("Resets everything but the choice of surfels, voxels or points");
+    show_tip("Resets everything but the mode");
     ImGui::PopItemWidth();
   }
   ImGui::End();

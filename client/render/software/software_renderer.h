@@ -30,7 +30,7 @@ struct SoftwareStages {
   double clear = 0.0;
   double warp = 0.0;            ///< packing the cut, and projecting it into the tiles
   double visibility = 0.0;      ///< splatting depths
-  double shading = 0.0;         ///< weighted means of what is visible; all of voxels and points
+  double shading = 0.0;         ///< weighted means of what is visible; all of voxels, points and strips
   double reconstruction = 0.0;  ///< holes, eye-dome lighting, outlines
 };
 

@@ -1,6 +1,6 @@
 // <pointreel-player>: the interface of player/element.js. The names that <video> has, too, mean what they mean there.
 
-export type Mode = "surfel" | "voxel" | "point";
+export type Mode = "surfel" | "voxel" | "point" | "strip";
 
 /** The events of HTMLMediaElement, and these. */
 export interface PointreelPlayerEventMap extends HTMLElementEventMap {

@@ -30,7 +30,7 @@ export declare class PointreelObject extends Mesh<BufferGeometry, ShaderMaterial
   currentTime: number;
   /** 0.1 to 4, or negative to play backward. */
   playbackRate: number;
-  mode: "surfel" | "voxel" | "point";
+  mode: "surfel" | "voxel" | "point" | "strip";
   /** Shade by the reel's own light, which comes from over the camera's shoulder. The scene's lights do not count. */
   lighting: boolean;
   /** The number of the frame that is shown, counted from 0; -1 before the first. */

@@ -6,7 +6,7 @@ export class ModuleError extends Error {}
 type Exports = Record<string, (...args: number[]) => number>;
 
 /** Numbers of PrMode. */
-export const MODES = ["surfel", "voxel", "point"] as const;
+export const MODES = ["surfel", "voxel", "point", "strip"] as const;
 export type Mode = (typeof MODES)[number];
 /** Numbers of PrColor. */
 export const COLORS = ["colors", "normals", "plain"] as const;
@@ -55,6 +55,9 @@ export class Module {
   }
   ints(pointer: number, count: number): Int32Array {
     return new Int32Array(this.memory.buffer, pointer, count).slice();
+  }
+  uints(pointer: number, count: number): Uint32Array {
+    return new Uint32Array(this.memory.buffer, pointer, count).slice();
   }
   bytes(pointer: number, count: number): Uint8Array {
     return new Uint8Array(this.memory.buffer, pointer, count);
@@ -111,6 +114,13 @@ export interface Packed {
   visited: number;
   outOfView: number;
   hidden: number;
+  /** Of strips: the last instances, which are points. The others are vertices. */
+  points: number;
+  /** Of vertices: triangles that face the eye, others, and those that are turned away, so many of each. */
+  indices: Uint32Array;
+  facing: number;
+  mixed: number;
+  turnedAway: number;
 }
 export const ROW_INSTANCES = 2048;
 const INSTANCE_BYTES = 32;
@@ -140,12 +150,14 @@ export function frameFacts(module: Module, key: number): FrameFacts {
 
 /** `view`: a PrView. */
 export function pack(module: Module, key: number, view: Float64Array): Packed {
-  const p = module.doubles(module.made("pr_pack", key, module.put(view)[0]!), 18);
+  const p = module.doubles(module.made("pr_pack", key, module.put(view)[0]!), 23);
   const count = p[1]!, rows = Math.max(1, Math.ceil(count / ROW_INSTANCES));
   const instances = new Uint8Array(rows * ROW_INSTANCES * INSTANCE_BYTES);
   instances.set(module.bytes(p[0]!, count * INSTANCE_BYTES));
   return {
     instances: instances.buffer, count, origin: vec3(p, 2), bounds: p.slice(5, 14),
     normalsEstimated: p[14] !== 0, visited: p[15]!, outOfView: p[16]!, hidden: p[17]!,
+    points: p[18]!, indices: module.uints(p[19]!, p[20]! + p[21]! + p[22]!),
+    facing: p[20]!, mixed: p[21]!, turnedAway: p[22]!,
   };
 }

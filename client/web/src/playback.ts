@@ -298,7 +298,7 @@ export class ReelPlayback {
     const ordered = [...this.made.values()].sort((a, b) => far(a.frame) - far(b.frame));
     let bytes = 0;
     ordered.forEach((made, i) => {
-      bytes += made.facts.memory + made.packed.instances.byteLength;
+      bytes += made.facts.memory + made.packed.instances.byteLength + made.packed.indices.byteLength;
       if (i <= MAKE_AHEAD + 1 || made === this.shown || (bytes <= FRAME_BYTES && i < 40)) return;
       this.drop(made);
       this.made.delete(made.frame);

@@ -21,7 +21,7 @@ function packed(job: Prepare | Pack, prepareMs: number): void {
     times: { prepareMs, packMs: performance.now() - start },
     memory: module.call("pr_memory_in_use"),
   };
-  postMessage(done, [result.instances]);
+  postMessage(done, [result.instances, result.indices.buffer]);
 }
 
 async function open(compiled: WebAssembly.Module, tables: Uint8Array): Promise<void> {

@@ -38,7 +38,7 @@ const difference = (a, b) => tab.evaluate(async ([a, b]) => {
 }, [a.toString("base64"), b.toString("base64")]);
 
 for (const floor of [false, true]) {
-  for (const mode of ["surfel", "voxel", "point"]) {
+  for (const mode of ["surfel", "voxel", "point", "strip"]) {
     test(`${mode}s are drawn as on the desktop${floor ? ", with a floor" : ""}`, async () => {
       await tab.evaluate(([mode, floor]) => document.querySelector("pointreel-player").player.set({ mode, floor }), [mode, floor]);
       await settled(tab);

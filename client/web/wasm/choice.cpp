@@ -16,7 +16,8 @@ using namespace pointreel;
 static_assert(PR_WHOLE_FRAME == kWholeFrame);
 static_assert(PR_SURFEL == static_cast<int>(DrawMode::surfel) &&
               PR_VOXEL == static_cast<int>(DrawMode::voxel) &&
-              PR_POINT == static_cast<int>(DrawMode::point));
+              PR_POINT == static_cast<int>(DrawMode::point) &&
+              PR_STRIP == static_cast<int>(DrawMode::strip));
 static_assert(PR_LIMIT_NONE == static_cast<unsigned>(Limit::none) &&
               PR_LIMIT_ASKED == static_cast<unsigned>(Limit::asked) &&
               PR_LIMIT_VIEW == static_cast<unsigned>(Limit::view) &&

@@ -12,6 +12,7 @@
 #include "client/render/instances.h"
 #include "client/scene/cut.h"
 #include "client/scene/refinement.h"
+#include "client/scene/strip_cut.h"
 #include "client/web/wasm/camera.h"
 #include "client/web/wasm/errors.h"
 #include "client/web/wasm/module.h"
@@ -29,8 +30,10 @@ std::map<std::uint32_t, std::shared_ptr<const SceneFrame>> frames;
 
 // Kept between calls: their buffers, and the spheres of the last frame that was refined.
 VoxelCut cut;
+StripCut strip_cut;
 Refinement refinement;
 std::vector<Instance> instances;
+std::vector<std::uint32_t> strip_indices;
 
 glm::dvec3 vector_of(const double* from) { return {from[0], from[1], from[2]}; }
 
@@ -156,7 +159,20 @@ const PrPacked* pr_pack(std::uint32_t key, const PrView* view) {
   CutStats stats;
   if (is_tree)
     stats = cut.run(frame.svo, wide.camera, wide.size, static_cast<float>(view->pixel_size));
-  const std::size_t most = refined.size() + (is_tree ? cut.nodes().size() : frame.cloud.size());
+  if (style.mode == DrawMode::strip) {
+    cut_strips(frame.strips,
+               {.camera = wide.camera,
+                .origin = origin,
+                .size = wide.size,
+                .pixel_size = static_cast<float>(view->pixel_size),
+                .signs_unknown = frame.normals_estimated},
+               strip_cut);
+  } else {
+    strip_cut = {};
+  }
+  const std::size_t points = strip_cut.points.size();
+  const std::size_t most =
+      refined.size() + (is_tree ? cut.nodes().size() : frame.cloud.size()) + points;
   if (instances.size() < most) instances.resize(most);
   const std::span<Instance> out(instances.data(), most);
   const std::span<Instance> rest = out.subspan(refined.size());
@@ -167,8 +183,26 @@ const PrPacked* pr_pack(std::uint32_t key, const PrView* view) {
                            glm::vec3(0.0f), divided, rest, bounds)
               : pack_points(frame, style.color, glm::vec3(0.0f), divided, rest, bounds);
 
+  Instance* next = out.data() + refined.size() + count;
+  for (const std::uint32_t node : strip_cut.points)
+    *next++ = pack_representative(frame, frame.strips.nodes[node], style.color, glm::vec3(0.0f));
+  strip_indices.clear();
+  const auto append = [&frame](const std::vector<StripCut::Range>& ranges) {
+    const std::size_t before = strip_indices.size();
+    for (const auto& [first, size] : ranges) {
+      const auto from = frame.strips.indices.begin() + static_cast<std::ptrdiff_t>(first);
+      strip_indices.insert(strip_indices.end(), from, from + static_cast<std::ptrdiff_t>(size));
+    }
+    return static_cast<double>(strip_indices.size() - before);
+  };
+  answer.facing = append(strip_cut.facing);
+  answer.mixed = append(strip_cut.mixed);
+  answer.turned_away = view->fill_holes != 0.0 ? append(strip_cut.turned_away) : 0.0;
+  answer.indices = address(strip_indices.data());
+  answer.points = static_cast<double>(points);
+
   answer.instances = address(instances.data());
-  answer.count = static_cast<double>(refined.size() + count);
+  answer.count = static_cast<double>(refined.size() + count + points);
   copy(place + origin, answer.origin);
   copy(bounds.min, answer.bounds.min);
   copy(bounds.max, answer.bounds.max);

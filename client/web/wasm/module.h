@@ -215,7 +215,7 @@ PR_EXPORT(const double*, pr_floor_origin)();
 // ---- What to fetch --------------------------------------------------------------------------
 
 /// What is drawn of a frame (client/scene/draw_mode.h).
-enum PrMode : std::int32_t { PR_SURFEL = 0, PR_VOXEL = 1, PR_POINT = 2 };
+enum PrMode : std::int32_t { PR_SURFEL = 0, PR_VOXEL = 1, PR_POINT = 2, PR_STRIP = 3 };
 
 /// The level of a frame that nothing makes finer (kWholeFrame).
 inline constexpr std::int32_t PR_WHOLE_FRAME = 21;
@@ -419,8 +419,15 @@ struct PrPacked {
   PrBounds bounds;
   double normals_estimated;             ///< the signs of normals mean nothing
   double visited, out_of_view, hidden;  ///< of the tree's nodes
+  // Strips. The last `points` instances are representative surfels, which are drawn as points; the
+  // others are vertices.
+  double points;
+  double indices;  ///< pointer to 32-bit indices of vertices; ~0 ends a strip
+  /// How many indices: of triangles that face the eye, of others, and of those that are turned away
+  /// (client/scene/strip_cut.h), in this order.
+  double facing, mixed, turned_away;
 };
-static_assert(sizeof(PrPacked) == 18 * 8);
+static_assert(sizeof(PrPacked) == 23 * 8);
 
 /// The elements of a frame that the camera sees, 32 bytes each (client/render/instance.h): centre
 /// and radius as floats, the normal as four signed 16-bit numbers (times 32767), the colour as four

@@ -91,7 +91,7 @@ export const BINDINGS: readonly Binding[] = [
     ui.say(player.loop ? "loop" : "no loop");
   }] },
   { keys: ["o"], help: "show the time and the frame number", acts: [tellTime] },
-  { keys: ["m"], help: "next mode: surfels, voxels, points", acts: [(player, ui) => {
+  { keys: ["m"], help: "next mode: surfels, voxels, points, strips", acts: [(player, ui) => {
     player.set({ mode: MODES[(MODES.indexOf(player.settings.mode) + 1) % MODES.length]! });
     ui.say(`${player.settings.mode}s`);
   }] },

@@ -29,7 +29,7 @@ export class DrawingPanel {
 
   constructor(private readonly player: Player, close: () => void) {
     this.root = panel("Drawing", close,
-      this.choice("Mode", "mode", MODES, ["Surfels", "Voxels", "Points"]),
+      this.choice("Mode", "mode", MODES, ["Surfels", "Voxels", "Points", "Strips"]),
       this.choice("Colour", "color", COLORS, ["Colours", "Normals", "Plain"]),
       this.flag("Lighting", "lighting"), this.flag("Fill holes", "fillHoles"),
       this.flag("Smooth outlines", "smoothOutlines"), this.flag("Floor grid", "floor"),

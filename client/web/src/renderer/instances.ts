@@ -32,3 +32,33 @@ export class InstanceTexture {
     this.rows = this.count = 0;
   }
 }
+
+/** The indices of a frame's triangle strips. */
+export class IndexBuffer {
+  private array: WebGLVertexArrayObject | null = null;
+  private buffer: WebGLBuffer | null = null;
+
+  constructor(private readonly gl: WebGL2RenderingContext) {}
+
+  upload({ indices }: Packed): void {
+    const { gl } = this;
+    if (indices.length === 0) return;
+    this.array ??= gl.createVertexArray();
+    this.buffer ??= gl.createBuffer();
+    gl.bindVertexArray(this.array);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffer);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
+    gl.bindVertexArray(null);
+  }
+  /** WebGL2 always ends a strip at the highest index. */
+  draw(first: number, count: number): void {
+    if (count === 0) return;
+    this.gl.bindVertexArray(this.array);
+    this.gl.drawElements(this.gl.TRIANGLE_STRIP, count, this.gl.UNSIGNED_INT, 4 * first);
+  }
+  free(): void {
+    this.gl.deleteVertexArray(this.array);
+    this.gl.deleteBuffer(this.buffer);
+    this.array = this.buffer = null;
+  }
+}

@@ -4,7 +4,7 @@ import { Box, Mode, Packed, Vec3 } from "../module";
 import { DepthReader } from "./depth_reader";
 import { Floor, floorLines } from "./floor";
 import { bindTexture, DrawingError, LateProgram, Size } from "./gl";
-import { InstanceTexture } from "./instances";
+import { IndexBuffer, InstanceTexture } from "./instances";
 import { Filling, Reconstruction } from "./reconstruction";
 import { around, EMPTY, isNone, Place, Rect } from "./region";
 import { freePrograms, makePrograms, Programs } from "./shaders";
@@ -47,6 +47,7 @@ const linearFromSrgb = (c: number) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) /
 
 interface Drawable {
   instances: InstanceTexture;
+  indices: IndexBuffer;
   packed: Packed;
   view: ViewBlock;
   place: Place;
@@ -86,6 +87,7 @@ export class Renderer {
   private readonly views: ViewBlock[] = [];
   private readonly presentView: ViewBlock;
   private readonly instances: InstanceTexture[] = [];
+  private readonly indices: IndexBuffer[] = [];
   private readonly uploaded: (Packed | null)[] = [];
   private size: Size = { width: 0, height: 0 };
   private targets: Targets | null = null;
@@ -116,9 +118,11 @@ export class Renderer {
                                                              { floor: boolean }): void {
     const p = this.programs, needed = [p.present];
     if (mode === "point") needed.push(p.point);
+    else if (mode === "strip") needed.push(p.strip, p.point, ...(fillHoles ? [p.stripDepth, p.resolve] : []));
     else if (mode === "voxel") needed.push(p.voxel.sprites, p.voxel.solids);
     else needed.push(p.surfelDepth.sprites, p.surfelSum.sprites, p.surfelDepth.solids, p.surfelSum.solids, p.resolve);
-    if (mode === "surfel" && fillHoles) needed.push(p.back, p.pullSums, p.pull, p.push);
+    if (mode === "surfel" && fillHoles) needed.push(p.back);
+    if ((mode === "surfel" || mode === "strip") && fillHoles) needed.push(p.pullSums, p.pull, p.push);
     if (smoothOutlines) needed.push(p.outlines);
     if (floor) needed.push(p.floor);
     for (const program of needed) program.start();
@@ -157,6 +161,7 @@ export class Renderer {
       gl.bindVertexArray(this.noAttributes);
       if (options.mode === "surfel") this.drawSurfels(drawables, options);
       else if (options.mode === "voxel") this.drawVoxels(drawables);
+      else if (options.mode === "strip") this.drawStrips(drawables, options);
       else this.drawPoints(drawables, options.pointSize, options.largestPoint);
     }
     if (floor && !floor.isBelow) {
@@ -225,7 +230,7 @@ export class Renderer {
     this.targets?.free();
     this.targets = null;
     this.reconstruction.free();
-    for (const texture of this.instances) texture.free();
+    for (const owner of [...this.instances, ...this.indices]) owner.free();
     for (const view of [...this.views, this.presentView]) view.free();
     this.floor.free();
     this.depthReader.free();
@@ -250,17 +255,22 @@ export class Renderer {
     parts.forEach(({ packed }, i) => {
       this.instances[i] ??= new InstanceTexture(gl);
       this.views[i] ??= new ViewBlock(gl);
-      if (this.uploaded[i] !== packed) this.instances[i]!.upload(packed);
+      this.indices[i] ??= new IndexBuffer(gl);
+      if (this.uploaded[i] !== packed) {
+        this.instances[i]!.upload(packed);
+        this.indices[i]!.upload(packed);
+      }
       this.uploaded[i] = packed;
       if (packed.count === 0) return;
       const eye = viewpoint.seenFrom(packed.origin, this.aspect);
       const place = new Place(viewpoint.module, packed.bounds, eye.toClip, size.width, size.height);
       this.views[i]!.set(eye, packed.origin, size, options.lighting, packed.normalsEstimated);
-      drawables.push({ instances: this.instances[i]!, packed, view: this.views[i]!, place, eye,
+      drawables.push({ instances: this.instances[i]!, indices: this.indices[i]!, packed, view: this.views[i]!, place, eye,
                        hasSolids: this.mayHaveSolids(place, eye, options.mode) });
     });
     for (let i = parts.length; i < this.instances.length; ++i) {
       this.instances[i]!.free();
+      this.indices[i]!.free();
       this.uploaded[i] = null;
     }
     return drawables;
@@ -335,17 +345,67 @@ export class Renderer {
     }
     gl.colorMask(true, true, true, true);
     gl.depthMask(false);
-    this.scissor(around(this.summed, region));
-    this.summed = region;
-    gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
-    gl.disable(gl.SCISSOR_TEST);
+    this.clearSums(region);
     gl.enable(gl.BLEND);
     gl.blendEquation(gl.FUNC_ADD);
     gl.blendFunc(gl.ONE, gl.ONE);
     for (const part of parts) this.drawBoth(part, this.programs.surfelSum, SCALE, SCALE, 0, 6);
     gl.disable(gl.BLEND);
-    gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.CULL_FACE);
+    this.resolve(parts, options, region, signsUnknown);
+  }
+
+  /** As StripPasses: triangles, of which those that are turned away only hide what is behind a hole. */
+  private drawStrips(parts: readonly Drawable[], options: DrawOptions): void {
+    const { gl } = this, targets = this.targets!;
+    for (const part of parts) this.region = around(this.region, part.place.region(0, 1));
+    const region = this.region;
+    const signsUnknown = parts.some((part) => part.packed.normalsEstimated);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, options.fillHoles ? targets.splats : targets.picture);
+    if (options.fillHoles) this.clearSums(region);
+    if (!signsUnknown) gl.enable(gl.CULL_FACE);
+    if (options.fillHoles && !signsUnknown) {
+      gl.colorMask(false, false, false, false);
+      gl.cullFace(gl.FRONT);
+      this.programs.stripDepth.get();
+      for (const part of parts) {
+        const { facing, mixed, turnedAway } = part.packed;
+        this.bind(part);
+        part.indices.draw(facing, mixed + turnedAway);
+      }
+      gl.cullFace(gl.BACK);
+      gl.colorMask(true, true, true, true);
+    }
+    this.programs.strip.get();
+    for (const part of parts) {
+      this.bind(part);
+      part.indices.draw(0, part.packed.facing + part.packed.mixed);
+    }
+    gl.disable(gl.CULL_FACE);
+    gl.bindVertexArray(this.noAttributes);
+    const points = this.programs.point.get();
+    points.float("size", 1);
+    points.float("largest", 0);
+    for (const part of parts) {
+      const { count, points: last } = part.packed;
+      if (last === 0) continue;
+      this.bind(part);
+      gl.drawArrays(gl.POINTS, count - last, last);
+    }
+    if (options.fillHoles) this.resolve(parts, options, region, signsUnknown);
+  }
+
+  private clearSums(region: Rect): void {
+    this.scissor(around(this.summed, region));
+    this.summed = region;
+    this.gl.clearBufferfv(this.gl.COLOR, 0, [0, 0, 0, 0]);
+    this.gl.disable(this.gl.SCISSOR_TEST);
+  }
+
+  /** Makes the picture of the sums. */
+  private resolve(parts: readonly Drawable[], options: DrawOptions, region: Rect, signsUnknown: boolean): void {
+    const { gl } = this, targets = this.targets!;
+    gl.disable(gl.DEPTH_TEST);
     const filling = options.fillHoles && !isNone(region)
       ? this.fillHoles(parts, region, signsUnknown) : null;
     const resolve = this.programs.resolve.get();

@@ -16,6 +16,8 @@ import push from "../../../render/opengl/shaders/push.frag.glsl";
 import quadFootprint from "../../../render/opengl/shaders/quad_footprint.glsl";
 import resolve from "../../../render/opengl/shaders/resolve.frag.glsl";
 import seeThrough from "../../../render/opengl/shaders/see_through.frag.glsl";
+import stripFragment from "../../../render/opengl/shaders/strip.frag.glsl";
+import stripVertex from "../../../render/opengl/shaders/strip.vert.glsl";
 import whole from "../../../render/opengl/shaders/whole_picture.vert.glsl";
 import mark from "../../../render/opengl/instancing/pull/mark.glsl";
 import spriteFootprint from "../../../render/opengl/instancing/pull/sprite_footprint.glsl";
@@ -120,6 +122,8 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
       solids: inScene([instance, voxel, fetch, mark, voxelMark, voxelFaces, separateTriangles, solid], [flat]),
     },
     point: inScene([instance, fetch, point], [flat]),
+    strip: inScene([instance, fetch, stripVertex], [stripFragment]),
+    stripDepth: inScene([instance, fetch, stripVertex], [nothing]),
     back: inScene([instance, fetch, back], [nothing]),
     floor: program({
       vertex: [floorVertex], fragment: [floorFragment],

@@ -26,7 +26,7 @@ void merge_points(SceneFrame& scene, const Executor& executor) {
   const int depth = sorted->depth, unused = 3 * (sorted->sorted.levels - depth);
   scene.svo = build_svo(sorted->sorted, depth, executor);
   scene.attributes = mean_attributes(scene.svo, points, sorted->sorted, executor);
-  if (scene.normals_estimated)
+  if (scene.normals_estimated && points.has_normals())
     scene.attributes.normals = mean_normal_lines(scene.svo, points, sorted->sorted, executor);
   const glm::vec3 offset(points.origin - scene.svo.cube.origin);
   PointCloud merged;

@@ -152,7 +152,7 @@ TEST(SoftwareRenderer, draws_the_same_bytes_on_every_machine) {
     hashes.push_back(XXH3_64bits(image.pixels.data(), 3 * image.pixels.size()));
   }
   EXPECT_EQ(hashes, (std::vector<std::uint64_t>{5714456441871908337u, 7947853401194051860u,
-                                                5254578123286790837u}));
+                                                5254578123286790837u, 10632465399289565124u}));
 }
 
 TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) {
@@ -172,9 +172,10 @@ TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) 
         if (options.splatting != Splatting::normalized) same.instancing = Instancing::attribute;
         const Image expected = draw_with(*opengl, drawn, view.camera, same);
         const Image image = draw_with(software, drawn, view.camera, options);
-        // OpenGL drivers move points to a raster of fractions of pixels.
-        EXPECT_GT(psnr(expected, image).value_or(99.0),
-                  options.mode == DrawMode::point ? 38.0 : 45.0)
+        // // OpenGL drivers move points and corners to a raster of fractions of pixels.
+        EXPECT_GT(psnr(expected, image).value_or(99.0), options.mode == DrawMode::point   ? 38.0
+                                                        : options.mode == DrawMode::strip ? 40.0
+                                                                                          : 45.0)
             << view.name << ", options " << number
             << (drawn->normals_estimated ? ", signs unknown" : "");
         ++number;

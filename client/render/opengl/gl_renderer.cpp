@@ -97,7 +97,8 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   camera_ = camera;
   shown_ = shown;
   background_ = options.background;
-  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
+  const bool late = is_shaded_late(options) && stats.drawn > 0;
+  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting && !late,
                                      instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
@@ -119,7 +120,21 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   glClearNamedFramebufferfv(picture_.name(), GL_COLOR, 0, background.data());
   glClearNamedFramebufferfv(picture_.name(), GL_DEPTH, 0, &infinity);
   const bool above_floor = options.floor && is_above(camera.eye(), *options.floor);
-  if (above_floor) TRY(draw_floor(*options.floor, camera, options));
+  if (late) {
+    const LightProbe& probe = probes_.probe(options);
+    TRY(late_light_.begin(size, depth_, make_shading(options, probe, camera, instances_.bounds()),
+                          probe, buffer_));
+  }
+  const auto floor = [&]() -> Result<void> {
+    TRY(draw_floor(*options.floor, camera, options));
+    if (!late) return {};
+    set_view(view);
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+    TRY(late_light_.shade_floor());
+    glEnable(GL_DEPTH_TEST);
+    return {};
+  };
+  if (above_floor) TRY(floor());
   if (stats.drawn > 0) {
     set_view(view);
     TRY(draw_instances(view, region, options));
@@ -128,7 +143,7 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
       glEnable(GL_DEPTH_TEST);
     }
   }
-  if (options.floor && !above_floor) TRY(draw_floor(*options.floor, camera, options));
+  if (options.floor && !above_floor) TRY(floor());
   glDisable(GL_FRAMEBUFFER_SRGB);
   // Waiting here means that the picture appears without a queue of others before it, that its time
   // is exact on every driver, and that one buffer for instances is enough. On software OpenGL it
@@ -155,9 +170,24 @@ Result<void> GlRenderer::draw_floor(const FloorGrid& grid, const Camera& camera,
 
 Result<void> GlRenderer::draw_instances(const PictureView& view, const PixelRect& region,
                                         const DrawOptions& options) {
-  TRY(options.mode == DrawMode::point    ? draw_points(options)
-      : options.mode == DrawMode::surfel ? draw_surfels(view, region, options)
-                                         : draw_voxels(options));
+  const auto draw_elements = [&] {
+    return options.mode == DrawMode::point ? draw_points(options) : draw_voxels(options);
+  };
+  const bool late = is_shaded_late(options);
+  if (options.mode == DrawMode::surfel) {
+    TRY(draw_surfels(view, region, options));
+  } else if (late) {
+    const auto show_normals = [&] {
+      PictureView normals = view;
+      normals.light.w = kShowNormals;
+      set_view(normals);
+    };
+    TRY(splatter_.draw_lit(draw_elements, {late_light_, show_normals}, region));
+    set_view(view);
+  } else {
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+    TRY(draw_elements());
+  }
   if (options.edl <= 0.0f) return {};
   const bool means = options.mode == DrawMode::surfel && options.splatting == Splatting::normalized;
   return eye_dome_.draw(options.edl, means ? &splatter_.sums() : nullptr);
@@ -175,8 +205,15 @@ Result<void> GlRenderer::draw_surfels(const PictureView& view, const PixelRect& 
                          .pixels = radius_in_pixels(bounds, view.to_clip, size_),
                          .nearest = nearest_depth(bounds, view.to_clip, view.eye.w),
                          .signs_unknown = instances_.normals_estimated()};
-  auto drawn =
-      splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes, place);
+  const SplatLight late{late_light_, [&] {
+                          PictureView normals = view;
+                          normals.light.w = kShowNormals;
+                          set_view(normals);
+                          method.begin(std::max(scales.visibility, scales.shading));
+                        }};
+  auto drawn = splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes, place,
+                              is_shaded_late(options) ? &late : nullptr);
+  set_view(view);
   glDisable(GL_CULL_FACE);
   return drawn;
 }
@@ -185,7 +222,6 @@ Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
   InstancingMethod& method = method_for(options.instancing);
   cull_backs();
   method.begin(1.0f);
-  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
   auto drawn = method.draw(
       buffer_, options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces, {});
@@ -195,7 +231,6 @@ Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
 
 Result<void> GlRenderer::draw_points(const DrawOptions& options) {
   TRY(point_.use());
-  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   bind_instance_array(points_, buffer_);
   glEnable(GL_PROGRAM_POINT_SIZE);
   const auto reduction = static_cast<float>(options.reduction);

@@ -9,12 +9,16 @@
 #include <glm/glm.hpp>
 
 #include "client/render/instance.h"
+#include "client/render/light_probe.h"
 #include "client/render/region.h"
 #include "client/render/renderer.h"
 #include "client/render/scene_instances.h"
+#include "client/render/shading.h"
 #include "client/render/software/hole_filling.h"
 #include "client/render/software/picture.h"
 #include "client/render/software/picture_texture.h"
+#include "client/render/software/screen_shading.h"
+#include "client/render/software/shadow_map.h"
 #include "client/render/software/solids.h"
 #include "client/render/software/splats.h"
 #include "client/render/view.h"
@@ -29,6 +33,7 @@ struct SoftwareStages {
   double warp = 0.0;            ///< packing the cut, and projecting it into the tiles
   double visibility = 0.0;      ///< splatting depths
   double shading = 0.0;         ///< weighted means of what is visible; all of voxels and points
+  double light = 0.0;           ///< all but flat light: shadows and pixels
   double reconstruction = 0.0;  ///< holes, eye-dome lighting, outlines
 };
 
@@ -76,7 +81,9 @@ class SoftwareRenderer final : public Renderer {
 
   Result<void> resize(glm::ivec2 size);
   void clear(const glm::vec3& background);
-  void draw_surfels(const PictureView& view, const DrawOptions& options);
+  /// `late`: null if colours are lit before pixels are known.
+  void draw_surfels(const PictureView& view, const ShadingView* late, const DrawOptions& options);
+  void light(const PictureView& view, const ShadingView& late, const DrawOptions& options);
 
   const Executor executor_;
   SceneInstances instances_;
@@ -84,6 +91,9 @@ class SoftwareRenderer final : public Renderer {
   Splats depth_splats_, color_splats_;
   Solids solids_;
   HoleFilling holes_;
+  LightProbes probes_;
+  ShadowMap shadow_;
+  ScreenShading screen_shading_;
   Picture picture_;
   PictureTexture texture_;
   // The last picture:

@@ -79,11 +79,12 @@ std::vector<Option> make_table() {
        "What to draw: surfels, which are discs that face along the normals; voxels, which are the "
        "cubes of the octree, down to the size of a pixel; or points",
        "Mode"},
-      {"color",
-       choice([](auto& s) -> auto& { return s.draw.color; }, {"Colours", "Normals", "Plain"}),
+      {"color", choice([](auto& s) -> auto& { return s.draw.color; }),
        "How to colour what is drawn: with its own colours, or grey if it has none; by the "
-       "direction of its normals; or in plain grey, which shows shape by light alone",
-       "Colour"},
+       "direction of its normals; in plain grey, which shows shape by light alone; by curvature, "
+       "ridges in orange and valleys in blue; by accessibility, dark where other parts are near; "
+       "by depth, from yellow to violet; or with contours of equal height",
+       "Colour", "Its own colours; or false ones that show its shape"},
       {"lighting", flag([](auto& s) -> auto& { return s.draw.lighting; }),
        "Light the scene from over the viewer's shoulder (the default), or show the colours as they "
        "are",

@@ -42,7 +42,8 @@ inline PrepareOptions prepare_options(const Settings& settings, PrepareOptions o
   options.mode = settings.draw.mode;
   options.delta = settings.delta;
   options.show_normals =
-      settings.draw.color == ColorSource::normals || settings.draw.light != Light::flat;
+      (settings.draw.color != ColorSource::colors && settings.draw.color != ColorSource::plain) ||
+      settings.draw.light != Light::flat;
   options.pixel_size = settings.draw.pixel_size;
   return options;
 }

@@ -6,18 +6,33 @@
 namespace pointreel {
 namespace {
 
+/// Whether the colours of a source are found for each pixel.
+bool is_false_color(ColorSource source) {
+  return source == ColorSource::curvature || source == ColorSource::accessibility ||
+         source == ColorSource::depth || source == ColorSource::contours;
+}
+
+/// A distance between contours that divides this height by about 30: 1, 2 or 5 times a power of
+/// ten.
+double contour_step(double height) {
+  const double least = height / 40.0, power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= least) return factor * power;
+  return 10.0 * power;
+}
+
 /// The reach of occlusion as a share of the sphere around all instances.
 constexpr double kReach = 0.09;
 
 }  // namespace
 
 bool is_shaded_late(const DrawOptions& options) {
-  return options.light != Light::flat &&
+  return (options.light != Light::flat || is_false_color(options.color)) &&
          (options.mode != DrawMode::surfel || options.splatting == Splatting::normalized);
 }
 
 ShadingView make_shading(const DrawOptions& options, const LightProbe& probe, const Camera& camera,
-                         const InstanceBounds& bounds) {
+                         const InstanceBounds& bounds, const glm::dvec3& origin) {
   // The axes of somebody who stands upright. The studio turns with the viewer.
   Camera upright = camera;
   upright.pitch = 0.0;
@@ -50,7 +65,18 @@ ShadingView make_shading(const DrawOptions& options, const LightProbe& probe, co
   view.key = glm::vec4(probe.key, options.roughness);
   view.up = glm::vec4(glm::vec3(up), static_cast<float>(floor));
   view.reach =
-      glm::vec4(static_cast<float>(kReach * radius), static_cast<float>(radius), 1.0f, 0.0f);
+      glm::vec4(static_cast<float>(kReach * radius), static_cast<float>(radius),
+                is_false_color(options.color) ? static_cast<float>(options.color) : 0.0f,
+                options.light != Light::flat ? kLateLight : (options.lighting ? 1.0f : 0.0f));
+  const double step = contour_step(2.0 * radius);
+  const glm::dvec3 back = camera.axes()[2];
+  const double depth = glm::dot(camera.eye() - origin - middle, back),
+               deep = 0.5 * glm::dot(glm::abs(back), high - low), near = camera.near_plane();
+  // Every fifth contour is stronger, so the height may be reduced by five steps.
+  view.scale = glm::vec4(static_cast<float>(step),
+                         static_cast<float>(std::fmod(glm::dot(origin, up), 5.0 * step)),
+                         static_cast<float>(std::max(depth - deep, near)),
+                         static_cast<float>(std::max(depth + deep, 2.0 * near)));
   return view;
 }
 

@@ -29,13 +29,19 @@ struct ShadingView {
   glm::vec4 key_direction;           ///< xyz: in the scene; w: z of shadow that is not one
   glm::vec4 key;                     ///< rgb: LightProbe::key; w: roughness
   glm::vec4 up;                      ///< xyz: up in the scene; w: the height of the floor
-  glm::vec4 reach;  ///< x: how far what surrounds a point takes light from it; y: radius of a
-                    ///< sphere around all instances; z: 1 with light, 0 with flat light
+  /// x: how far what surrounds a point takes light from it; y: radius of a sphere around all
+  /// instances; z: the number of a ColorSource that is found for each pixel, or 0; w: 1 and 0 with
+  /// and without the light over the viewer's shoulder, kLateLight with any other light.
+  glm::vec4 reach;
+  /// x: distance between contours; y: height of the origin above one of them; z, w: the least and
+  /// the largest depth of instances.
+  glm::vec4 scale;
 };
+inline constexpr float kLateLight = 2.0f;
 
-/// `bounds` are those of the instances.
+/// `bounds` are those of the instances, which are relative to `origin`.
 ShadingView make_shading(const DrawOptions& options, const LightProbe& probe, const Camera& camera,
-                         const InstanceBounds& bounds);
+                         const InstanceBounds& bounds, const glm::dvec3& origin);
 
 // The numbers by which renderers shade.
 
@@ -51,6 +57,11 @@ inline constexpr float kOcclusion = 2.0f;
 
 /// The least cosine between the normal of a pixel and the direction to the eye.
 inline constexpr float kLeastFacing = 0.05f;
+
+/// How far away a point looks for how its normals turn, as a share of the sphere around all
+/// instances; the least and most distance in pixels; and the curvature of that sphere that looks
+/// half as strong as any can.
+inline constexpr float kBend = 0.012f, kLeastBend = 2.0f, kMostBend = 24.0f, kHalfBend = 25.0f;
 
 /// Directions in which a point looks for what surrounds it, and the most and least distance that it
 /// looks at, in pixels and as a share of the picture's height.

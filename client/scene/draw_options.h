@@ -62,9 +62,13 @@ struct SplatScales {
 
 /// Where the colours of the elements come from.
 enum class ColorSource {
-  colors,   ///< the frame; plain grey if it has no colours
-  normals,  ///< made from the normals, to show which way a surface faces
-  plain,    ///< the same light grey everywhere, to show shape by light alone
+  colors,         ///< the frame; plain grey if it has no colours
+  normals,        ///< made from the normals, to show which way a surface faces
+  plain,          ///< the same light grey everywhere, to show shape by light alone
+  curvature,      ///< mean curvature: ridges, valleys and what is flat between them
+  accessibility,  ///< how open a place is to what surrounds it
+  depth,          ///< the distance from the eye
+  contours,       ///< lines of equal height
 };
 
 template <>
@@ -72,6 +76,10 @@ inline constexpr auto kEnumNames<ColorSource> = std::to_array<EnumName<ColorSour
     {ColorSource::colors, "colors"},
     {ColorSource::normals, "normals"},
     {ColorSource::plain, "plain"},
+    {ColorSource::curvature, "curvature"},
+    {ColorSource::accessibility, "accessibility"},
+    {ColorSource::depth, "depth"},
+    {ColorSource::contours, "contours"},
 });
 
 /// What lights the scene.

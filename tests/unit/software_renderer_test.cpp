@@ -102,6 +102,21 @@ std::vector<DrawOptions> lit_options() {
   return all;
 }
 
+/// With colours that are found for each pixel.
+std::vector<DrawOptions> false_colors() {
+  std::vector<DrawOptions> all;
+  for (const ColorSource color : {ColorSource::curvature, ColorSource::accessibility,
+                                  ColorSource::depth, ColorSource::contours}) {
+    DrawOptions options = plain(DrawMode::surfel);
+    options.color = color;
+    options.lighting = true;
+    all.push_back(options);
+  }
+  all.front().light = Light::studio;
+  all.back().mode = DrawMode::voxel;
+  return all;
+}
+
 std::vector<DrawOptions> with(std::vector<DrawOptions> all, const std::vector<DrawOptions>& more) {
   all.insert(all.end(), more.begin(), more.end());
   return all;
@@ -122,7 +137,7 @@ TEST(SoftwareRenderer, draws_the_same_bytes_with_any_number_of_threads_and_witho
       portable(executor_of(2));
   for (const auto& drawn : {frame, estimated}) {
     for (const View& view : views()) {
-      for (const DrawOptions& options : with(all_options(), lit_options())) {
+      for (const DrawOptions& options : with(with(all_options(), lit_options()), false_colors())) {
         const Image expected = draw_with(one, drawn, view.camera, options);
         EXPECT_EQ(largest_difference(expected, draw_with(three, drawn, view.camera, options)), 0);
         EXPECT_EQ(largest_difference(expected, draw_with(none, drawn, view.camera, options)), 0);
@@ -163,7 +178,7 @@ TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) 
   for (const auto& drawn : {frame, estimated}) {
     for (const View& view : views()) {
       int number = 0;
-      for (const DrawOptions& options : with(all_options(), lit_options())) {
+      for (const DrawOptions& options : with(with(all_options(), lit_options()), false_colors())) {
         // The paper's ways to splat depend on the order, which the default of OpenGL changes.
         DrawOptions same = options;
         if (options.splatting != Splatting::normalized) same.instancing = Instancing::attribute;
@@ -194,7 +209,7 @@ TEST(SoftwareRenderer, survives_surfels_that_are_not_numbers_or_reach_everywhere
   frame->cloud = std::move(cloud);
   SoftwareRenderer renderer(executor_of(2));
   for (const View& view : views())
-    for (const DrawOptions& options : with(all_options(), lit_options()))
+    for (const DrawOptions& options : with(with(all_options(), lit_options()), false_colors()))
       if (options.mode != DrawMode::voxel) draw_with(renderer, frame, view.camera, options);
 }
 

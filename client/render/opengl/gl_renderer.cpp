@@ -122,12 +122,14 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   const bool above_floor = options.floor && is_above(camera.eye(), *options.floor);
   if (late) {
     const LightProbe& probe = probes_.probe(options);
-    TRY(late_light_.begin(size, depth_, make_shading(options, probe, camera, instances_.bounds()),
-                          probe, buffer_));
+    TRY(late_light_.begin(
+        size, depth_,
+        make_shading(options, probe, camera, instances_.bounds(), instances_.origin()), probe,
+        buffer_));
   }
   const auto floor = [&]() -> Result<void> {
     TRY(draw_floor(*options.floor, camera, options));
-    if (!late) return {};
+    if (!late || options.light == Light::flat) return {};
     set_view(view);
     glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
     TRY(late_light_.shade_floor());

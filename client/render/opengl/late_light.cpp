@@ -53,7 +53,7 @@ Result<void> LateLight::resize(glm::ivec2 size, const gl::Texture& depth) {
   }
   const glm::ivec2 squares = (size + 1) / 2;
   normals_ = gl::make_texture(GL_RGBA32F, size.x, size.y);
-  open_ = gl::make_texture(GL_RG32F, squares.x, squares.y);
+  open_ = gl::make_texture(GL_RGBA32F, squares.x, squares.y);
   lit_ = gl::make_texture(GL_RGBA32F, size.x, size.y);
   normals_and_depth_ = TRY(gl::make_framebuffer(normals_, depth));
   to_open_ = TRY(gl::make_framebuffer(open_));
@@ -74,6 +74,7 @@ Result<void> LateLight::begin(glm::ivec2 size, const gl::Texture& depth, const S
                       probe.glossy.data());
   const std::array<GLfloat, 4> nothing{};
   glClearNamedFramebufferfv(normals_and_depth_.name(), GL_COLOR, 0, nothing.data());
+  if (shading.reach.w != kLateLight) return {};
   return draw_shadow(instances);
 }
 

@@ -30,10 +30,12 @@ class ScreenShading {
   struct Cell {
     float depth;  ///< reversed; 0: nothing is drawn
     float open;   ///< the share of light from all around that nothing nearby takes
+    float bend;   ///< mean curvature; > 0 where the surface bulges; only if that is shown
   };
   void find_open(const ShadingView& shading, const PictureView& view, const Executor& executor,
                  const Picture& picture);
-  float open_at(int x, int y, float depth) const;
+  /// The means of cells around a pixel that show the same surface.
+  Cell cell_at(int x, int y, float depth) const;
 
   glm::ivec2 cells_size_{0};
   std::vector<Cell> cells_;

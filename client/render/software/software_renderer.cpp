@@ -151,8 +151,10 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   std::optional<ShadingView> shading;
   picture_.normals.resize(late ? picture_.colors.size() : 0);
   if (late && stats.drawn > 0) {
-    shading = make_shading(options, probes_.probe(options), camera, instances_.bounds());
-    shadow_.draw(memory_.instances(), shading->to_shadow, executor_);
+    shading = make_shading(options, probes_.probe(options), camera, instances_.bounds(),
+                           instances_.origin());
+    if (options.light != Light::flat)
+      shadow_.draw(memory_.instances(), shading->to_shadow, executor_);
     stages_.light = laps.lap();
   }
   const auto floor = [&] {

@@ -9,14 +9,16 @@ layout(binding = 5) uniform sampler2D glossy;
 
 layout(location = 0) out vec4 lit_sum;
 
-float open_at(ivec2 at, float own) {
+// x: open; y: curvature.
+vec2 cell_at(ivec2 at, float own) {
   ivec2 side = ivec2((at.x & 1) != 0 ? 1 : -1, (at.y & 1) != 0 ? 1 : -1);
-  float sum = 0.0, weights = 0.0;
+  vec2 sum = vec2(0.0);
+  float weights = 0.0;
   for (int i = 0; i < 4; ++i) {
     ivec2 there = clamp(at / 2 + ivec2(i & 1, i >> 1) * side, ivec2(0), textureSize(open, 0) - 1);
-    vec2 cell = texelFetch(open, there, 0).xy;
+    vec3 cell = texelFetch(open, there, 0).xyz;
     float weight = abs(cell.x - own) < 0.02 * own ? 1.0 : 1e-3;
-    sum += weight * cell.y;
+    sum += weight * cell.yz;
     weights += weight;
   }
   return sum / weights;
@@ -55,6 +57,41 @@ float highlight_of(float alpha2, float half_cosine, float facing, float lit, flo
   return 0.25 * alpha2 * fresnel / (base * base * masking);
 }
 
+vec3 ramp(vec3 colors[5], float share) {
+  float at = clamp(share, 0.0, 1.0) * 4.0;
+  int first = min(int(at), 3);
+  return mix(colors[first], colors[first + 1], at - float(first));
+}
+
+// The colour of a pixel that shows what a surface is like.
+vec3 false_color(float openness, float bend, float w, vec3 place, vec3 ray, vec3 normal) {
+  if (reach.z == kCurvature) {
+    float scaled = bend * reach.y / kHalfBend;
+    return ramp(vec3[](vec3(0.02, 0.10, 0.45), vec3(0.10, 0.32, 0.62), vec3(0.62, 0.62, 0.60),
+                       vec3(0.85, 0.40, 0.10), vec3(0.60, 0.10, 0.02)),
+                0.5 + 0.5 * scaled / (1.0 + abs(scaled)));
+  }
+  if (reach.z == kAccessibility)
+    return ramp(vec3[](vec3(0.01, 0.01, 0.03), vec3(0.12, 0.05, 0.04), vec3(0.30, 0.17, 0.10),
+                       vec3(0.56, 0.40, 0.27), vec3(0.80, 0.76, 0.68)),
+                openness * openness * openness);
+  if (reach.z == kDepth)
+    return ramp(vec3[](vec3(0.98, 0.80, 0.02), vec3(0.12, 0.58, 0.12), vec3(0.02, 0.27, 0.26),
+                       vec3(0.05, 0.08, 0.25), vec3(0.06, 0.00, 0.09)),
+                (w - scale.z) / (scale.w - scale.z));
+  // Lines of the same width, from the change of height per pixel on the plane of the surface.
+  float along = min(dot(normal, ray), -1e-3);
+  vec3 x = ray_x.xyz - dot(normal, ray_x.xyz) / along * ray,
+       y = ray_y.xyz - dot(normal, ray_y.xyz) / along * ray;
+  vec2 slope = w / scale.x * vec2(dot(scene_up.xyz, x), dot(scene_up.xyz, y));
+  float steep = max(length(slope), 1e-6);
+  float height = (dot(place, scene_up.xyz) + scale.y) / scale.x, nearest = floor(height + 0.5);
+  bool strong = abs(nearest - 5.0 * floor(nearest / 5.0 + 0.5)) < 0.5;
+  float line = clamp((strong ? 1.5 : 1.0) - abs(height - nearest) / steep, 0.0, 1.0) *
+               clamp(2.0 - 5.0 * steep, 0.0, 1.0);
+  return mix(vec3(0.62, 0.60, 0.56), vec3(0.10, 0.03, 0.01), (strong ? 1.0 : 0.7) * line);
+}
+
 // Light up to kLinear stays, and all light above it fits below 1.
 vec3 tone(vec3 light) {
   const float kLinear = 0.6;
@@ -71,7 +108,16 @@ void main() {
   float roughness = key.w, alpha2 = roughness * roughness * roughness * roughness;
   vec3 ray = pixel_ray(gl_FragCoord.xy), place = eye.w / own * ray, to_eye = -normalize(ray);
   vec3 normal = shading_normal(texelFetch(normals, at, 0), to_eye);
-  float around = open_at(at, own), facing = max(dot(normal, to_eye), 1e-3),
+  vec2 cell = cell_at(at, own);
+  vec3 surface = reach.z == 0.0
+                     ? sum.rgb / sum.a
+                     : false_color(cell.x, cell.y, eye.w / own, eye.xyz + place, ray, normal);
+  if (reach.w < 1.5) {
+    float shade = 0.4 + 0.6 * max(dot(normal, light.xyz), 0.0);
+    lit_sum = vec4(surface * mix(1.0, shade, reach.w), 1.0) * sum.a;
+    return;
+  }
+  float around = reach.z == kAccessibility ? 1.0 : cell.x, facing = max(dot(normal, to_eye), 1e-3),
         lit = dot(normal, key_direction.xyz);
   mat3 turned = mat3(to_environment);
   vec3 returned = around * diffuse_light(turned * normal);
@@ -85,5 +131,5 @@ void main() {
     highlight += reaches * highlight_of(alpha2, max(dot(normal, middle), 0.0), facing, lit,
                                         dot(to_eye, middle)) * key.rgb;
   }
-  lit_sum = vec4(tone(sum.rgb / sum.a * returned + highlight), 1.0) * sum.a;
+  lit_sum = vec4(tone(surface * returned + highlight), 1.0) * sum.a;
 }

@@ -1,5 +1,5 @@
-// The share of the light from all around that nothing nearby takes, and the depth, of squares of two
-// by two pixels.
+// The depth, the share of the light from all around that nothing nearby takes, and the mean curvature
+// of squares of two by two pixels.
 layout(binding = 0) uniform sampler2D sums;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D depth;
@@ -7,6 +7,29 @@ layout(binding = 2) uniform sampler2D depth;
 layout(location = 0) uniform vec2 taps[48];  // of four turns
 
 layout(location = 0) out vec4 cell;
+
+// > 0 where the surface bulges. `unit` is the size of a pixel there.
+float bend_at(ivec2 at, vec3 place, vec3 normal, float unit) {
+  const vec2 kAround[8] = vec2[](vec2(1.0, 0.0), vec2(0.7071, 0.7071), vec2(0.0, 1.0),
+                                 vec2(-0.7071, 0.7071), vec2(-1.0, 0.0), vec2(-0.7071, -0.7071),
+                                 vec2(0.0, -1.0), vec2(0.7071, -0.7071));
+  ivec2 size = textureSize(depth, 0);
+  float far = clamp(kBend * reach.y / unit, kLeastBend, kMostBend), farthest = 3.0 * far * unit;
+  float bend = 0.0, count = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    ivec2 there = at + ivec2(floor(far * kAround[i] + 0.5));
+    if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
+    float other = texelFetch(depth, there, 0).x;
+    if (other == 0.0 || texelFetch(sums, there, 0).a < 1e-6) continue;
+    vec3 ray = pixel_ray(vec2(there) + 0.5), away = eye.w / other * ray - place;
+    float distance2 = dot(away, away);
+    if (distance2 > farthest * farthest) continue;
+    vec3 turn = shading_normal(texelFetch(normals, there, 0), -normalize(ray)) - normal;
+    bend += dot(turn, away) / max(distance2, 1e-30);
+    count += 1.0;
+  }
+  return count > 0.0 ? bend / count : 0.0;
+}
 
 void main() {
   ivec2 square = ivec2(gl_FragCoord.xy), size = textureSize(depth, 0), at;
@@ -35,4 +58,5 @@ void main() {
     if (above > 0.0 && near_share > 0.0) taken += near_share * above * inversesqrt(distance2 + 1e-30);
   }
   cell = vec4(own, max(0.0, 1.0 - kOcclusion / float(kTaps) * taken), 0.0, 1.0);
+  if (reach.z == kCurvature) cell.z = bend_at(at, place, normal, pixel.x * w);
 }

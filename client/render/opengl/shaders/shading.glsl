@@ -6,12 +6,16 @@ layout(std140, binding = 1) uniform Shading {
   vec4 key_direction;   // xyz: in the scene; w: z of shadow that is not one
   vec4 key;             // rgb; w: roughness
   vec4 scene_up;        // xyz; w: the height of the floor
-  vec4 reach;           // x: of occlusion
+  vec4 reach;           // x: of occlusion; y: radius of all; z: what colours show; w: 2 with light
+  vec4 scale;           // x: between contours; y: height of the origin above one; z, w: depths
 };
 
 const float kLeastFacing = 0.05, kReflectance = 0.04, kOcclusion = 2.0, kLeak = 0.25,
             kFloorShadow = 0.65, kLeastReach = 3.0, kMostReach = 0.12;
+const float kBend = 0.012, kLeastBend = 2.0, kMostBend = 24.0, kHalfBend = 25.0;
 const int kTaps = 12;
+// What colours show (ColorSource).
+const float kCurvature = 3.0, kAccessibility = 4.0, kDepth = 5.0;
 
 // The normal with which a pixel is shaded, from a sum of 0.5 + 0.5 n and of weights. Where the
 // surfaces that it shows do not agree, or seem to face away, it is turned towards the eye.

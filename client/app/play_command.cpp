@@ -13,6 +13,7 @@
 #include "client/options/settings_file.h"
 #include "client/playback/clock.h"
 #include "client/record/open_recorder.h"
+#include "client/scene/radiance_picture.h"
 #include "client/ui/bindings.h"
 #include "common/base/try.h"
 #include "common/command_line/option_checks.h"
@@ -209,7 +210,13 @@ void PlayCommand::add_playback(CLI::App& command) {
       ->group(group);
 }
 
-void PlayCommand::add_settings(CLI::App& command) const {
+void PlayCommand::add_settings(CLI::App& command) {
+  command
+      .add_option("--environment", environment_,
+                  "A picture of the light all around, as an equirectangular Radiance file; sets "
+                  "--light environment unless --light is given, too")
+      ->type_name("FILE.hdr")
+      ->group("Drawing");
   for (const Option& option : option_table()) {
     if (option.help.empty()) continue;
     CLI::Option* added = add(command, option, option.name)
@@ -282,6 +289,8 @@ Result<void> PlayCommand::set_given(Settings& settings) const {
         TRY(set_from_text(option, given->as<std::string>(), settings));
     }
   }
+  if (!environment_.empty() && command_->get_option("--light")->count() == 0)
+    settings.draw.light = Light::environment;
   if (!up_.empty()) settings.up = TRY(parse_up_name(up_));
   return {};
 }
@@ -289,6 +298,11 @@ Result<void> PlayCommand::set_given(Settings& settings) const {
 Result<PlayOptions> PlayCommand::options() const {
   PlayOptions options = options_;
   TRY(set_given(options.settings));
+  if (!environment_.empty())
+    options.settings.draw.environment =
+        std::make_shared<const EnvironmentMap>(TRY(load_environment(environment_)));
+  else if (options.settings.draw.light == Light::environment)
+    return fail(ErrorCode::argument, "--light environment needs --environment FILE.hdr");
   if (std::string fault = fault_of_token(*command_->get_option("--token")); !fault.empty())
     return fail(ErrorCode::argument, std::move(fault));
   if (positions_.size() > sources_.size())
@@ -321,6 +335,7 @@ Result<void> PlayCommand::read_settings(PlayOptions& options) const {
   if (file.empty()) return {};
   Settings settings;
   TRY(pointreel::read_settings(file, settings));
+  settings.draw.environment = options.settings.draw.environment;
   TRY(set_given(settings));
   options.settings = settings;
   options.settings_file = file.string();

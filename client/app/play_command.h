@@ -28,7 +28,7 @@ class PlayCommand {
 
  private:
   void add_sources(CLI::App& command);
-  void add_settings(CLI::App& command) const;
+  void add_settings(CLI::App& command);
   void add_playback(CLI::App& command);
   void add_window(CLI::App& command);
   void add_output(CLI::App& command);
@@ -38,6 +38,7 @@ class PlayCommand {
   PlayOptions options_;
   // As they are written on the command line.
   std::vector<std::string> sources_, positions_;
+  std::string environment_;  ///< a file
   std::string up_, offscreen_, camera_, config_;
   bool no_config_ = false;
 };

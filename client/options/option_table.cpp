@@ -81,15 +81,28 @@ std::vector<Option> make_table() {
        "cubes of the octree, down to the size of a pixel; points; or strips, which are triangles "
        "between the points",
        "Mode"},
-      {"color",
-       choice([](auto& s) -> auto& { return s.draw.color; }, {"Colours", "Normals", "Plain"}),
+      {"color", choice([](auto& s) -> auto& { return s.draw.color; }),
        "How to colour what is drawn: with its own colours, or grey if it has none; by the "
-       "direction of its normals; or in plain grey, which shows shape by light alone",
-       "Colour"},
+       "direction of its normals; in plain grey, which shows shape by light alone; by curvature, "
+       "ridges in orange and valleys in blue; by accessibility, dark where other parts are near; "
+       "by depth, from yellow to violet; or with contours of equal height",
+       "Colour", "Its own colours; or false ones that show its shape"},
       {"lighting", flag([](auto& s) -> auto& { return s.draw.lighting; }),
        "Light the scene from over the viewer's shoulder (the default), or show the colours as they "
        "are",
        "Lighting", "A light over your shoulder"},
+      {"light", choice([](auto& s) -> auto& { return s.draw.light; }),
+       "What lights the scene: flat, which is --lighting; studio, lamps that turn with the view "
+       "and "
+       "cast soft shadows; or environment, the light of --environment. Colours that a camera "
+       "recorded already have light in them, so flat is the default",
+       "Light", "Flat; lamps with soft shadows and highlights; or a picture of light"},
+      {"roughness",
+       number([](auto& s) -> auto& { return s.draw.roughness; }, {kLeastRoughness, 1},
+              {{kLeastRoughness, 1}, "%.2f"}),
+       "How rough surfaces are in the light of a studio or an environment: rougher ones have wider "
+       "and weaker highlights",
+       "Roughness", "Wide and weak highlights, or small and bright ones"},
       {"edl", number([](auto& s) -> auto& { return s.draw.edl; }, {0, 100}, {{0, 4}, "%.2f"}),
        "Strength of eye-dome lighting, which darkens edges in depth; 1 shows the shape of a cloud "
        "that has no normals",

@@ -41,7 +41,9 @@ struct Settings {
 inline PrepareOptions prepare_options(const Settings& settings, PrepareOptions options) {
   options.mode = settings.draw.mode;
   options.delta = settings.delta;
-  options.show_normals = settings.draw.color == ColorSource::normals;
+  options.show_normals =
+      (settings.draw.color != ColorSource::colors && settings.draw.color != ColorSource::plain) ||
+      settings.draw.light != Light::flat;
   options.pixel_size = settings.draw.pixel_size;
   return options;
 }

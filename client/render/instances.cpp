@@ -50,7 +50,8 @@ constexpr glm::u16vec3 kPlain(0xd0d0);
 glm::u16vec3 color_of(ColorSource source, const std::vector<glm::u16vec3>& colors, std::size_t i,
                       const glm::i16vec4& normal) {
   if (source == ColorSource::normals) return fake_color(normal);
-  return source == ColorSource::plain || colors.empty() ? kPlain : colors[i];
+  // Other colours than these are found for each pixel (shading.h).
+  return source != ColorSource::colors || colors.empty() ? kPlain : colors[i];
 }
 
 /// Bit a is set if coordinate a of the eye is higher than that of the centre.

@@ -14,13 +14,17 @@ namespace pointreel {
 struct PictureView {
   glm::mat4 to_clip;  ///< from the scene to clip coordinates, with reversed depth; w is the depth
   glm::vec4 eye;      ///< xyz: position in the scene; w: distance of the near plane
-  glm::vec4 light;    ///< xyz: unit vector towards the light; w: 1 with lighting, 0 without
+  glm::vec4 light;    ///< xyz: unit vector towards the light; w: 1 with lighting, 0 without, and
+                      ///< kShowNormals to draw 0.5 + 0.5 n in place of colours
   glm::vec4 pixel;    ///< x: size of a pixel at depth 1; y: 1 if the signs of normals are unknown
   /// The ray from the eye through window coordinates (x, y), counted from the lower left corner, is
   /// ray_corner + x ray_x + y ray_y (xyz). It reaches depth 1.
   glm::vec4 ray_corner, ray_x, ray_y;
   glm::vec4 window;  ///< xy: size of the picture in pixels
 };
+
+/// For `light.w`: sums of this find the normals of pixels (opengl/late_light.h).
+inline constexpr float kShowNormals = 2.0f;
 
 PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size,
                       bool lighting, bool signs_unknown);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include <glm/glm.hpp>
 
 #include "client/scene/draw_mode.h"
+#include "client/scene/environment_map.h"
 #include "client/scene/floor_grid.h"
 #include "common/base/enum_names.h"
 
@@ -60,9 +62,13 @@ struct SplatScales {
 
 /// Where the colours of the elements come from.
 enum class ColorSource {
-  colors,   ///< the frame; plain grey if it has no colours
-  normals,  ///< made from the normals, to show which way a surface faces
-  plain,    ///< the same light grey everywhere, to show shape by light alone
+  colors,         ///< the frame; plain grey if it has no colours
+  normals,        ///< made from the normals, to show which way a surface faces
+  plain,          ///< the same light grey everywhere, to show shape by light alone
+  curvature,      ///< mean curvature: ridges, valleys and what is flat between them
+  accessibility,  ///< how open a place is to what surrounds it
+  depth,          ///< the distance from the eye
+  contours,       ///< lines of equal height
 };
 
 template <>
@@ -70,6 +76,24 @@ inline constexpr auto kEnumNames<ColorSource> = std::to_array<EnumName<ColorSour
     {ColorSource::colors, "colors"},
     {ColorSource::normals, "normals"},
     {ColorSource::plain, "plain"},
+    {ColorSource::curvature, "curvature"},
+    {ColorSource::accessibility, "accessibility"},
+    {ColorSource::depth, "depth"},
+    {ColorSource::contours, "contours"},
+});
+
+/// What lights the scene.
+enum class Light {
+  flat,         ///< DrawOptions::lighting: a diffuse light over the viewer's shoulder, or none
+  studio,       ///< lamps and walls that turn with the viewer
+  environment,  ///< DrawOptions::environment, which stands still
+};
+
+template <>
+inline constexpr auto kEnumNames<Light> = std::to_array<EnumName<Light>>({
+    {Light::flat, "flat"},
+    {Light::studio, "studio"},
+    {Light::environment, "environment"},
 });
 
 /// The triangles with which a voxel is drawn.
@@ -127,11 +151,20 @@ struct DrawOptions {
   bool smooth_outlines = false;  ///< blend outlines with the background (outlines.h)
   bool lighting = true;  ///< a diffuse light over the viewer's shoulder; false: the plain colours
   float edl = 0.0f;      ///< strength of eye-dome lighting (eye_dome_lighting.h); 0: none
+  /// All but flat light is computed for each pixel, once it is known what it shows
+  /// (screen_shading.h). Of surfels, only with Splatting::normalized.
+  Light light = Light::flat;
+  /// For Light::environment; null: the studio.
+  std::shared_ptr<const EnvironmentMap> environment = nullptr;
+  float roughness = 0.5f;  ///< of surfaces, which widens highlights: kLeastRoughness to 1
   glm::vec3 background{0.11f, 0.12f, 0.14f};      ///< sRGB, 0 to 1
   std::optional<FloorGrid> floor = std::nullopt;  ///< the grid to draw, if any
 
   bool operator==(const DrawOptions&) const = default;
 };
+
+/// The smoothest surface that is drawn: smoother ones would mirror more than a probe holds.
+inline constexpr double kLeastRoughness = 0.2;
 
 /// The largest edge of adaptive points, in pixels.
 inline constexpr float kLargestPoint = 64.0f;

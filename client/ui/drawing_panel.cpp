@@ -155,7 +155,11 @@ bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float s
     edit_elements(settings);
     heading("Colour and light");
     edit("color", settings);
-    edit("lighting", settings);
+    edit("light", settings);
+    if (settings.draw.light == Light::flat)
+      edit("lighting", settings);
+    else
+      edit("roughness", settings);
     edit("edl", settings);
     heading("Surroundings");
     edit("background", settings);

@@ -114,7 +114,6 @@ TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
 
 TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_range) {
   std::set<DrawMode> modes;
-  std::set<ColorSource> colors;
   std::set<bool> holes, lights, floors;
   std::set<float> visibility, shading, edl, detail, point_size, gray;
   std::set<double> delta;
@@ -130,7 +129,6 @@ TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_rang
       expect_in_range();
       const DrawOptions& draw = settings_.draw;
       modes.insert(draw.mode);
-      colors.insert(draw.color);
       holes.insert(draw.fill_holes);
       lights.insert(draw.lighting);
       floors.insert(settings_.floor);
@@ -146,7 +144,6 @@ TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_rang
   }
   EXPECT_TRUE(open_);
   EXPECT_EQ(modes.size(), 3u);
-  EXPECT_EQ(colors.size(), 3u);
   for (const auto& flag : {holes, lights, floors}) EXPECT_EQ(flag.size(), 2u);
   for (const auto& slider : {visibility, shading, edl, detail, point_size})
     EXPECT_GT(slider.size(), 5u);
@@ -154,8 +151,10 @@ TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_rang
   EXPECT_GE(gray.size(), 4u);
 }
 
-TEST_F(DrawingPanelTest, every_splatting_instancing_and_kind_of_drafts_can_be_chosen) {
+TEST_F(DrawingPanelTest, every_item_of_a_list_can_be_chosen) {
   std::set<Drafts> drafts;
+  std::set<ColorSource> colors;
+  std::set<Light> lights;
   std::set<Splatting> splattings;
   std::set<Instancing> instancings;
   const ImRect place = panel();
@@ -173,6 +172,8 @@ TEST_F(DrawingPanelTest, every_splatting_instancing_and_kind_of_drafts_can_be_ch
       expect_in_range();
       splattings.insert(settings_.draw.splatting);
       instancings.insert(settings_.draw.instancing);
+      colors.insert(settings_.draw.color);
+      lights.insert(settings_.draw.light);
       drafts.insert(settings_.drafts);
       if (!GImGui->OpenPopupStack.empty()) leave();
     }
@@ -180,6 +181,8 @@ TEST_F(DrawingPanelTest, every_splatting_instancing_and_kind_of_drafts_can_be_ch
   EXPECT_EQ(splattings.size(), static_cast<std::size_t>(kSplattings));
   EXPECT_EQ(instancings.size(), static_cast<std::size_t>(kInstancings));
   EXPECT_EQ(drafts.size(), static_cast<std::size_t>(kDrafts));
+  EXPECT_EQ(colors.size(), kEnumNames<ColorSource>.size());
+  EXPECT_EQ(lights.size(), kEnumNames<Light>.size());
 }
 
 TEST_F(DrawingPanelTest, defaults_restore_everything_but_the_mode) {

@@ -24,30 +24,14 @@ TEST(OptionTable, names_in_the_settings_file_do_not_change) {
   std::set<std::string_view> names;
   for (const Option& option : option_table())
     names.insert(option.old_name.empty() ? option.name : option.old_name);
-  EXPECT_EQ(names, (std::set<std::string_view>{"window",
-                                               "loop",
-                                               "mode",
-                                               "renderer",
-                                               "instancing",
-                                               "splatting",
-                                               "fill_holes",
-                                               "refine",
-                                               "smooth_outlines",
-                                               "delta",
-                                               "visibility_scale",
-                                               "edl",
-                                               "color",
-                                               "point_size",
-                                               "adaptive_points",
-                                               "shading_scale",
-                                               "lighting",
-                                               "pixel_size",
-                                               "drafts",
-                                               "background",
-                                               "floor",
-                                               "drawing_panel",
-                                               "statistics_panel",
-                                               "ui_scale"}));
+  EXPECT_EQ(names,
+            (std::set<std::string_view>{
+                "window",           "loop",       "mode",   "renderer",        "instancing",
+                "splatting",        "fill_holes", "refine", "smooth_outlines", "delta",
+                "visibility_scale", "edl",        "color",  "point_size",      "adaptive_points",
+                "shading_scale",    "lighting",   "light",  "roughness",       "pixel_size",
+                "drafts",           "background", "floor",  "drawing_panel",   "statistics_panel",
+                "ui_scale"}));
 }
 
 TEST(OptionTable, defaults_and_both_ends_of_ranges_are_accepted_and_what_lies_beyond_is_not) {

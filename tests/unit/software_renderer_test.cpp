@@ -112,6 +112,41 @@ struct Frames {
   }
 };
 
+/// With light that is computed for each pixel.
+std::vector<DrawOptions> lit_options() {
+  std::vector<DrawOptions> all;
+  for (const auto& [mode, name] : kEnumNames<DrawMode>) {
+    DrawOptions options = plain(mode);
+    options.light = Light::studio;
+    all.push_back(options);
+    options.roughness = 0.3f;
+    options.smooth_outlines = true;
+    options.floor = FloorGrid{{glm::dvec3(-1.0), glm::dvec3(1.0)}};
+    all.push_back(options);
+  }
+  return all;
+}
+
+/// With colours that are found for each pixel.
+std::vector<DrawOptions> false_colors() {
+  std::vector<DrawOptions> all;
+  for (const ColorSource color : {ColorSource::curvature, ColorSource::accessibility,
+                                  ColorSource::depth, ColorSource::contours}) {
+    DrawOptions options = plain(DrawMode::surfel);
+    options.color = color;
+    options.lighting = true;
+    all.push_back(options);
+  }
+  all.front().light = Light::studio;
+  all.back().mode = DrawMode::voxel;
+  return all;
+}
+
+std::vector<DrawOptions> with(std::vector<DrawOptions> all, const std::vector<DrawOptions>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
 Image draw_with(Renderer& renderer, const std::shared_ptr<const SceneFrame>& frame,
                 const Camera& camera, const DrawOptions& options) {
   const auto stats = renderer.draw(frame, camera, kSize, options);
@@ -125,7 +160,7 @@ TEST(SoftwareRenderer, draws_the_same_bytes_with_any_number_of_threads_and_witho
       portable(executor_of(2));
   for (const Frames& all : {frames, frames.with_unknown_signs()}) {
     for (const View& view : views()) {
-      for (const DrawOptions& options : all_options()) {
+      for (const DrawOptions& options : with(all_options(), lit_options())) {
         const auto& drawn = all.of(options.mode);
         const Image expected = draw_with(one, drawn, view.camera, options);
         EXPECT_EQ(largest_difference(expected, draw_with(three, drawn, view.camera, options)), 0);
@@ -165,7 +200,7 @@ TEST(SoftwareRenderer, draws_what_opengl_draws_in_every_mode_from_near_and_far) 
   for (const Frames& all : {frames, frames.with_unknown_signs()}) {
     for (const View& view : views()) {
       int number = 0;
-      for (const DrawOptions& options : all_options()) {
+      for (const DrawOptions& options : with(all_options(), lit_options())) {
         const auto& drawn = all.of(options.mode);
         // The paper's ways to splat depend on the order, which the default of OpenGL changes.
         DrawOptions same = options;
@@ -198,7 +233,7 @@ TEST(SoftwareRenderer, survives_surfels_that_are_not_numbers_or_reach_everywhere
   frame->cloud = std::move(cloud);
   SoftwareRenderer renderer(executor_of(2));
   for (const View& view : views())
-    for (const DrawOptions& options : all_options())
+    for (const DrawOptions& options : with(with(all_options(), lit_options()), false_colors()))
       if (options.mode != DrawMode::voxel) draw_with(renderer, frame, view.camera, options);
 }
 
@@ -213,8 +248,55 @@ TEST(SoftwareRenderer, survives_vertices_that_are_not_numbers_or_far_away) {
   }
   SoftwareRenderer renderer(executor_of(2));
   for (const View& view : views())
-    for (const DrawOptions& options : all_options())
+    for (const DrawOptions& options : with(all_options(), lit_options()))
       if (options.mode == DrawMode::strip) draw_with(renderer, frame, view.camera, options);
+}
+
+/// The mean of the bytes of all colours in a part of the picture.
+double brightness(const Image& image, glm::ivec2 from, glm::ivec2 to) {
+  double sum = 0.0;
+  for (int y = from.y; y < to.y; ++y)
+    for (int x = from.x; x < to.x; ++x) {
+      const glm::u8vec3 c = image.at(x, y);
+      sum += c.r + c.g + c.b;
+    }
+  return sum / (3.0 * (to.x - from.x) * (to.y - from.y));
+}
+
+TEST(SoftwareRenderer, lights_a_sphere_more_on_the_side_of_the_key_light) {
+  SoftwareRenderer renderer(executor_of(2));
+  DrawOptions options = plain(DrawMode::surfel);
+  options.color = ColorSource::plain;
+  options.light = Light::studio;
+  const Image image =
+      draw_with(renderer, frame_of(dented_sphere(30'000), 6), front_camera(), options);
+  const glm::ivec2 middle(image.width / 2, image.height / 2), part(image.height / 16);
+  const glm::ivec2 step = glm::ivec2(image.height / 8, 0);
+  const auto at = [&](glm::ivec2 where) { return brightness(image, where - part, where + part); };
+  EXPECT_GT(at(middle - step - glm::ivec2(0, step.x)),
+            at(middle + step + glm::ivec2(0, step.x)) + 10);
+}
+
+TEST(SoftwareRenderer, darkens_the_floor_where_the_scene_takes_its_light) {
+  SoftwareRenderer renderer(executor_of(2));
+  DrawOptions options = plain(DrawMode::surfel);
+  options.background = glm::vec3(0.8f);
+  options.floor = FloorGrid{{glm::dvec3(-1.0), glm::dvec3(1.0)}};
+  Camera camera = front_camera();
+  camera.pitch = 0.4;
+  camera.distance = 6.0;
+  const auto frame = frame_of(dented_sphere(30'000), 6);
+  const Image flat = draw_with(renderer, frame, camera, options);
+  options.light = Light::studio;
+  const Image lit = draw_with(renderer, frame, camera, options);
+  int darker_left = 0, darker_right = 0;
+  for (int y = 0; y < lit.height; ++y)
+    for (int x = 0; x < lit.width; ++x)
+      // Lines and the figure have other colours than the background.
+      if (flat.at(x, y).r == 204 && lit.at(x, y).r < 180)
+        ++(x < lit.width / 2 ? darker_left : darker_right);
+  EXPECT_GT(darker_right, 50);
+  EXPECT_LT(darker_left, darker_right / 2);
 }
 
 TEST(SoftwareRenderer, says_what_it_is) {

@@ -101,7 +101,8 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   camera_ = camera;
   shown_ = shown;
   background_ = options.background;
-  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
+  const bool late = is_shaded_late(options) && stats.drawn > 0;
+  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting && !late,
                                      instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
@@ -123,7 +124,23 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   glClearNamedFramebufferfv(picture_.name(), GL_COLOR, 0, background.data());
   glClearNamedFramebufferfv(picture_.name(), GL_DEPTH, 0, &infinity);
   const bool above_floor = options.floor && is_above(camera.eye(), *options.floor);
-  if (above_floor) TRY(draw_floor(*options.floor, camera, options));
+  if (late) {
+    const LightProbe& probe = probes_.probe(options);
+    TRY(late_light_.begin(
+        size, depth_,
+        make_shading(options, probe, camera, instances_.bounds(), instances_.origin()), probe,
+        buffer_));
+  }
+  const auto floor = [&]() -> Result<void> {
+    TRY(draw_floor(*options.floor, camera, options));
+    if (!late || options.light == Light::flat) return {};
+    set_view(view);
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+    TRY(late_light_.shade_floor());
+    glEnable(GL_DEPTH_TEST);
+    return {};
+  };
+  if (above_floor) TRY(floor());
   if (stats.drawn > 0) {
     set_view(view);
     TRY(draw_instances(view, region, options));
@@ -132,7 +149,7 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
       glEnable(GL_DEPTH_TEST);
     }
   }
-  if (options.floor && !above_floor) TRY(draw_floor(*options.floor, camera, options));
+  if (options.floor && !above_floor) TRY(floor());
   glDisable(GL_FRAMEBUFFER_SRGB);
   // Waiting here means that the picture appears without a queue of others before it, that its time
   // is exact on every driver, and that one buffer for instances is enough. On software OpenGL it
@@ -159,15 +176,32 @@ Result<void> GlRenderer::draw_floor(const FloorGrid& grid, const Camera& camera,
 
 Result<void> GlRenderer::draw_instances(const PictureView& view, const PixelRect& region,
                                         const DrawOptions& options) {
-  TRY(options.mode == DrawMode::point    ? draw_points(options)
-      : options.mode == DrawMode::surfel ? draw_surfels(view, region, options)
-      : options.mode == DrawMode::strip  ? draw_strips(view, region, options)
-
-                                        : draw_voxels(options));
+  const bool late = is_shaded_late(options);
+  const auto show_normals = [&] {
+    PictureView normals = view;
+    normals.light.w = kShowNormals;
+    set_view(normals);
+  };
+  const auto draw_elements = [&] {
+    return options.mode == DrawMode::point ? draw_points(options) : draw_voxels(options);
+  };
+  if (options.mode == DrawMode::surfel) {
+    TRY(draw_surfels(view, region, options));
+  } else if (options.mode == DrawMode::strip) {
+    const SplatLight light{late_light_, show_normals};
+    TRY(draw_strips(view, region, options, late ? &light : nullptr));
+    set_view(view);
+  } else if (late) {
+    TRY(splatter_.draw_lit(draw_elements, {late_light_, show_normals}, region));
+    set_view(view);
+  } else {
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
+    TRY(draw_elements());
+  }
   if (options.edl <= 0.0f) return {};
   const bool means =
       (options.mode == DrawMode::surfel && options.splatting == Splatting::normalized) ||
-      (options.mode == DrawMode::strip && options.fill_holes);
+      (options.mode == DrawMode::strip && (options.fill_holes || late));
   return eye_dome_.draw(options.edl, means ? &splatter_.sums() : nullptr);
 }
 
@@ -177,8 +211,15 @@ Result<void> GlRenderer::draw_surfels(const PictureView& view, const PixelRect& 
   const SplatScales scales = scales_of(options.splatting, options.scales);
   cull_backs();
   method.begin(std::max(scales.visibility, scales.shading));
+  const SplatLight late{late_light_, [&] {
+                          PictureView normals = view;
+                          normals.light.w = kShowNormals;
+                          set_view(normals);
+                          method.begin(std::max(scales.visibility, scales.shading));
+                        }};
   auto drawn = splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes,
-                              splat_place(view, region));
+                              splat_place(view, region), is_shaded_late(options) ? &late : nullptr);
+  set_view(view);
   glDisable(GL_CULL_FACE);
   return drawn;
 }
@@ -193,18 +234,17 @@ SplatPlace GlRenderer::splat_place(const PictureView& view, const PixelRect& reg
 }
 
 Result<void> GlRenderer::draw_strips(const PictureView& view, const PixelRect& region,
-                                     const DrawOptions& options) {
+                                     const DrawOptions& options, const SplatLight* late) {
   glFrontFace(GL_CCW);
   return splatter_.draw_strips(
       strip_passes_, buffer_, [this] { return draw_points(strip_passes_.points(), 1.0f, 0.0f); },
-      options.fill_holes, splat_place(view, region));
+      options.fill_holes, splat_place(view, region), late);
 }
 
 Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
   InstancingMethod& method = method_for(options.instancing);
   cull_backs();
   method.begin(1.0f);
-  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
   auto drawn = method.draw(
       buffer_, options.voxel_shape == VoxelShape::cube ? Pass::voxel_cube : Pass::voxel_faces, {});
@@ -213,7 +253,6 @@ Result<void> GlRenderer::draw_voxels(const DrawOptions& options) {
 }
 
 Result<void> GlRenderer::draw_points(const DrawOptions& options) {
-  glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
   const auto reduction = static_cast<float>(options.reduction);
   return draw_points(buffer_, std::max(1.0f, options.point_size / reduction),
                      options.adaptive_points ? kLargestPoint / reduction : 0.0f);

@@ -9,12 +9,14 @@
 
 #include <glm/glm.hpp>
 
+#include "client/render/light_probe.h"
 #include "client/render/opengl/eye_dome_lighting.h"
 #include "client/render/opengl/floor.h"
 #include "client/render/opengl/gl_context.h"
 #include "client/render/opengl/gl_objects.h"
 #include "client/render/opengl/instance_buffer.h"
 #include "client/render/opengl/instancing/instancing.h"
+#include "client/render/opengl/late_light.h"
 #include "client/render/opengl/outlines.h"
 #include "client/render/opengl/splatting.h"
 #include "client/render/opengl/strip_passes.h"
@@ -58,9 +60,10 @@ class GlRenderer final : public Renderer {
                               const DrawOptions& options);
   Result<void> draw_surfels(const PictureView& view, const PixelRect& region,
                             const DrawOptions& options);
+  /// These two draw into the bound framebuffer.
   Result<void> draw_voxels(const DrawOptions& options);
   Result<void> draw_strips(const PictureView& view, const PixelRect& region,
-                           const DrawOptions& options);
+                           const DrawOptions& options, const SplatLight* late);
   Result<void> draw_points(const DrawOptions& options);
   /// Into the bound framebuffer; sizes as in point.vert.glsl.
   Result<void> draw_points(const InstanceBuffer& points, float least, float largest);
@@ -70,6 +73,8 @@ class GlRenderer final : public Renderer {
   /// By the number of the method, made when first used.
   std::array<std::unique_ptr<InstancingMethod>, kEnumNames<Instancing>.size()> methods_;
   Splatter splatter_;
+  LightProbes probes_;
+  LateLight late_light_;
   EyeDomeLighting eye_dome_;
   OutlineSmoother outlines_;
   Floor floor_;

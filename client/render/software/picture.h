@@ -20,6 +20,8 @@ struct Picture {
   TileGrid grid;
   std::vector<glm::u8vec4> colors;  ///< sRGB; alpha is kDrawn where an element was drawn
   std::vector<float> depths;        ///< reversed: near plane / depth; 0 where nothing is
+  std::vector<glm::vec3> normals;   ///< means of unit vectors; only if pixels are shaded late
+                                    ///< (shading.h), and undefined where nothing is drawn
   std::vector<std::uint8_t> busy;   ///< for each tile, whether it has any depth but 0
 
   explicit Picture(glm::ivec2 size = {0, 0})

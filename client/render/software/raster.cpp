@@ -94,14 +94,14 @@ POINTREEL_INLINE void each_splat(const SplatBlock& block, int tile, const Pictur
     const EllipseSplat& splat = block.ellipses[*i];
     each_group(splat, pixels,
                [&](std::size_t at, const LaneMask& inside, const Lanes& d2, const Lanes& depth) {
-                 visit(splat.color, splat.push, at, inside, d2, depth);
+                 visit(splat, at, inside, d2, depth);
                });
   }
   for (const std::uint16_t* i = block.disc_bins.begin(tile); i != block.disc_bins.end(tile); ++i) {
     const DiscSplat& splat = block.discs[*i];
     each_group(splat, view, pixels,
                [&](std::size_t at, const LaneMask& inside, const Lanes& d2, const Lanes& depth) {
-                 visit(splat.color, splat.push, at, inside, d2, depth);
+                 visit(splat, at, inside, d2, depth);
                });
   }
 }
@@ -110,11 +110,11 @@ POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const Pictur
                                  SplatTile& to) {
   float* depths = to.depth.data();
   each_splat(block, tile, view, to.pixels,
-             [&](const glm::vec3&, float push, std::size_t at, const LaneMask& inside, const Lanes&,
+             [&](const auto& splat, std::size_t at, const LaneMask& inside, const Lanes&,
                  const Lanes& depth) {
                Lanes old;
                load(old, depths + at);
-               const Lanes pushed = depth * push;
+               const Lanes pushed = depth * splat.push;
                store(depths + at, (inside & (pushed > old)) ? pushed : old);
              });
   for (const std::uint16_t* i = block.back_bins.begin(tile); i != block.back_bins.end(tile); ++i) {
@@ -133,6 +133,12 @@ POINTREEL_INLINE void draw_depth(const SplatBlock& block, int tile, const Pictur
   }
 }
 
+POINTREEL_INLINE glm::vec3 normal_of(const EllipseSplat& splat) {
+  return unpack_normal(splat.normal);
+}
+POINTREEL_INLINE glm::vec3 normal_of(const DiscSplat& splat) { return splat.normal; }
+
+template <bool kNormals>
 POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const PictureView& view,
                                SplatTile& to) {
   const auto add = [](float* plane, const Lanes& value) {
@@ -141,8 +147,9 @@ POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const PictureV
     store(plane, sum + value);
   };
   each_splat(block, tile, view, to.pixels,
-             [&](const glm::vec3& color, float, std::size_t at, const LaneMask& inside,
-                 const Lanes& d2, const Lanes& depth) {
+             [&](const auto& splat, std::size_t at, const LaneMask& inside, const Lanes& d2,
+                 const Lanes& depth) {
+               const glm::vec3& color = splat.color;
                Lanes nearest;
                load(nearest, to.depth.data() + at);
                const LaneMask visible = inside & (depth > nearest);
@@ -152,6 +159,12 @@ POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const PictureV
                add(to.green.data() + at, weight * color.g);
                add(to.blue.data() + at, weight * color.b);
                add(to.weight.data() + at, weight);
+               if constexpr (kNormals) {
+                 const glm::vec3 normal = normal_of(splat);
+                 add(to.normal_x.data() + at, weight * normal.x);
+                 add(to.normal_y.data() + at, weight * normal.y);
+                 add(to.normal_z.data() + at, weight * normal.z);
+               }
              });
 }
 
@@ -163,8 +176,9 @@ POINTREEL_INLINE void draw_blend(const SplatBlock& block, int tile, const Pictur
     store(plane, old + opacity * (value - old));
   };
   each_splat(block, tile, view, to.pixels,
-             [&](const glm::vec3& color, float, std::size_t at, const LaneMask& inside,
-                 const Lanes& d2, const Lanes& depth) {
+             [&](const auto& splat, std::size_t at, const LaneMask& inside, const Lanes& d2,
+                 const Lanes& depth) {
+               const glm::vec3& color = splat.color;
                Lanes old;
                load(old, to.depth.data() + at);
                const LaneMask visible =
@@ -183,7 +197,11 @@ void depth_portable(const SplatBlock& block, int tile, const PictureView& view, 
   draw_depth(block, tile, view, to);
 }
 void sum_portable(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to) {
-  draw_sum(block, tile, view, to);
+  draw_sum<false>(block, tile, view, to);
+}
+void sum_normals_portable(const SplatBlock& block, int tile, const PictureView& view,
+                          SplatTile& to) {
+  draw_sum<true>(block, tile, view, to);
 }
 void blend_portable(const SplatBlock& block, int tile, const PictureView& view, BlendDepth how,
                     SplatTile& to) {
@@ -196,7 +214,11 @@ POINTREEL_AVX2 void depth_avx2(const SplatBlock& block, int tile, const PictureV
 }
 POINTREEL_AVX2 void sum_avx2(const SplatBlock& block, int tile, const PictureView& view,
                              SplatTile& to) {
-  draw_sum(block, tile, view, to);
+  draw_sum<false>(block, tile, view, to);
+}
+POINTREEL_AVX2 void sum_normals_avx2(const SplatBlock& block, int tile, const PictureView& view,
+                                     SplatTile& to) {
+  draw_sum<true>(block, tile, view, to);
 }
 POINTREEL_AVX2 void blend_avx2(const SplatBlock& block, int tile, const PictureView& view,
                                BlendDepth how, SplatTile& to) {
@@ -206,8 +228,9 @@ POINTREEL_AVX2 void blend_avx2(const SplatBlock& block, int tile, const PictureV
 }  // namespace
 
 const SplatKernels& splat_kernels() {
-  static constexpr SplatKernels kPortable{depth_portable, sum_portable, blend_portable};
-  static constexpr SplatKernels kAvx2{depth_avx2, sum_avx2, blend_avx2};
+  static constexpr SplatKernels kPortable{depth_portable, sum_portable, sum_normals_portable,
+                                          blend_portable};
+  static constexpr SplatKernels kAvx2{depth_avx2, sum_avx2, sum_normals_avx2, blend_avx2};
   return (cpu_features() & kCpuAvx2) != 0 ? kAvx2 : kPortable;
 }
 

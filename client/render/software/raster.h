@@ -13,6 +13,7 @@ struct SplatTile {
   PixelRect pixels;  ///< of the picture
   TilePlane depth;   ///< reversed
   TilePlane red, green, blue, weight;
+  TilePlane normal_x, normal_y, normal_z;  ///< only with sum_normals
 };
 
 /// How `blend` treats depths.
@@ -30,8 +31,10 @@ struct SplatKernels {
   /// The second pass of normalized splatting: sums of weighted colours and of weights, of what is
   /// not behind the depths.
   void (*sum)(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to);
-  /// The same, but colours are blended over each other, with the weights as opacities. `weight` is
-  /// how much of the background they cover.
+  /// The same, and sums of weighted normals.
+  void (*sum_normals)(const SplatBlock& block, int tile, const PictureView& view, SplatTile& to);
+  /// The same as `sum`, but colours are blended over each other, with the weights as opacities.
+  /// `weight` is how much of the background they cover.
   void (*blend)(const SplatBlock& block, int tile, const PictureView& view, BlendDepth how,
                 SplatTile& to);
 };

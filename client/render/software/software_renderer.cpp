@@ -141,7 +141,8 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   camera_ = camera;
   shown_ = shown;
   background_ = options.background;
-  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting,
+  const bool late = is_shaded_late(options);
+  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting && !late,
                                      instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
@@ -149,24 +150,35 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   stages_.warp = laps.lap() - stats.cut_ms;
   clear(options.background);
   stages_.clear = laps.lap();
+  std::optional<ShadingView> shading;
+  picture_.normals.resize(late ? picture_.colors.size() : 0);
+  if (late && stats.drawn > 0) {
+    shading = make_shading(options, probes_.probe(options), camera, instances_.bounds(),
+                           instances_.origin());
+    if (options.light != Light::flat)
+      shadow_.draw(memory_.instances(), shading->to_shadow, executor_);
+    stages_.light = laps.lap();
+  }
   const auto floor = [&] {
     draw_floor(*options.floor, camera,
                make_view(camera, floor_origin(*options.floor), size, options.lighting, false),
                options.background, picture_);
+    if (shading && options.light != Light::flat)
+      ScreenShading::shade_floor(*shading, shadow_, view, executor_, picture_);
   };
   const bool above_floor = options.floor && is_above(camera.eye(), *options.floor);
   if (above_floor) floor();
   if (stats.drawn > 0) {
     if (options.mode == DrawMode::surfel) {
-      draw_surfels(view, options);
+      draw_surfels(view, shading ? &*shading : nullptr, options);
       laps.lap();
     } else if (options.mode == DrawMode::strip) {
       triangles_.draw(memory_.instances(), strips_,
                       options.fill_holes ? Triangles::Backs::depth : Triangles::Backs::none, view,
                       executor_, picture_);
       stages_.shading = laps.lap();
-      close_surface(view, options);
-
+      close_surface(view, shading ? &*shading : nullptr, options);
+      laps.lap();
     } else {
       const auto reduction = static_cast<float>(options.reduction);
       const float least = std::max(1.0f, options.point_size / reduction);
@@ -174,6 +186,8 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
       solids_.draw(memory_.instances(), options.mode == DrawMode::voxel,
                    {least, std::max(least, most)}, view, executor_, picture_);
       stages_.shading = laps.lap();
+      if (shading) light(view, *shading, options);
+      laps.lap();
       if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
     }
     if (options.smooth_outlines) smooth_outlines(region, executor_, picture_);
@@ -184,7 +198,15 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   return stats;
 }
 
-void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& options) {
+void SoftwareRenderer::light(const PictureView& view, const ShadingView& late,
+                             const DrawOptions& options) {
+  Laps laps;
+  screen_shading_.light(late, probes_.probe(options), shadow_, view, executor_, picture_);
+  stages_.light += laps.lap();
+}
+
+void SoftwareRenderer::draw_surfels(const PictureView& view, const ShadingView* late,
+                                    const DrawOptions& options) {
   const Splatting splatting = options.splatting;
   const SplatScales scales = scales_of(splatting, options.scales);
   const bool two_passes = splatting != Splatting::regular && splatting != Splatting::no_depth;
@@ -198,13 +220,13 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
       instances, view, picture_.grid,
       {scales.shading,
        backs && scales.shading == scales.visibility ? hole_rules::one_back_in(instances.size()) : 0,
-       !means},
+       !means, late != nullptr},
       executor_);
   const Splats* depth_splats = &color_splats_;
   if (two_passes && scales.visibility != scales.shading) {
     depth_splats_.set(
         instances, view, picture_.grid,
-        {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0, !means},
+        {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0, !means, false},
         executor_);
     depth_splats = &depth_splats_;
   }
@@ -230,6 +252,8 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
     }
     first_pass += (std::chrono::steady_clock::now() - start).count();
     for (TilePlane* plane : {&tile.red, &tile.green, &tile.blue, &tile.weight}) plane->fill(0.0f);
+    if (late != nullptr)
+      for (TilePlane* plane : {&tile.normal_x, &tile.normal_y, &tile.normal_z}) plane->fill(0.0f);
     if (!means)
       each_pixel(tile, picture_, [&](std::size_t pixel, std::size_t at) {
         const glm::vec3 color = srgb.decode(picture_.colors[pixel]);
@@ -239,7 +263,9 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
       });
     for (const SplatBlock& block : color_splats_.blocks()) {
       if (!touches(block, number)) continue;
-      if (means)
+      if (late != nullptr)
+        kernels.sum_normals(block, number, view, tile);
+      else if (means)
         kernels.sum(block, number, view, tile);
       else
         kernels.blend(block, number, view, blend, tile);
@@ -250,6 +276,9 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
       const float weight = tile.weight[at];
       if (!(weight >= kNoWeight)) return;
       const glm::vec3 color(tile.red[at], tile.green[at], tile.blue[at]);
+      if (late != nullptr)
+        picture_.normals[pixel] =
+            glm::vec3(tile.normal_x[at], tile.normal_y[at], tile.normal_z[at]) / weight;
       picture_.colors[pixel] =
           means ? srgb.encode(color / weight, kDrawn)
                 : srgb.encode(color,
@@ -263,24 +292,31 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const DrawOptions& 
   stages_.visibility = share * splatting_ms;
   stages_.shading = (1.0 - share) * splatting_ms;
 
-  close_surface(view, options);
-  stages_.reconstruction = laps.lap();
+  close_surface(view, late, options);
 }
 
-void SoftwareRenderer::close_surface(const PictureView& view, const DrawOptions& options) {
+void SoftwareRenderer::close_surface(const PictureView& view, const ShadingView* late,
+                                     const DrawOptions& options) {
   const bool fills = options.fill_holes && (options.mode == DrawMode::strip ||
                                             options.splatting == Splatting::normalized);
-  if (fills) {
-    const InstanceBounds& bounds = instances_.bounds();
-    if (instances_.normals_estimated())
-      HoleFilling::clear_see_through(view, static_cast<float>(bounds.mean_radius()),
-                                     nearest_depth(bounds, view.to_clip, view.eye.w), executor_,
-                                     picture_);
-    holes_.find(picture_, radius_in_pixels(bounds, view.to_clip, picture_.grid.size), executor_);
+  const InstanceBounds& bounds = instances_.bounds();
+  Laps laps;
+  if (fills && instances_.normals_estimated()) {
+    HoleFilling::clear_see_through(view, static_cast<float>(bounds.mean_radius()),
+                                   nearest_depth(bounds, view.to_clip, view.eye.w), executor_,
+                                   picture_);
   }
+  if (late != nullptr) {
+    stages_.reconstruction += laps.lap();
+    light(view, *late, options);
+    laps.lap();
+  }
+  if (fills)
+    holes_.find(picture_, radius_in_pixels(bounds, view.to_clip, picture_.grid.size), executor_);
   // What is filled has no depth of its own, and is not darkened.
   if (options.edl > 0.0f) light_eye_dome(options.edl, executor_, picture_);
   if (fills) holes_.fill(executor_, picture_);
+  stages_.reconstruction += laps.lap();
 }
 
 void SoftwareRenderer::present(unsigned framebuffer) {

@@ -9,13 +9,17 @@
 #include <glm/glm.hpp>
 
 #include "client/render/instance.h"
+#include "client/render/light_probe.h"
 #include "client/render/region.h"
 #include "client/render/renderer.h"
 #include "client/render/scene_instances.h"
 #include "client/render/scene_strips.h"
+#include "client/render/shading.h"
 #include "client/render/software/hole_filling.h"
 #include "client/render/software/picture.h"
 #include "client/render/software/picture_texture.h"
+#include "client/render/software/screen_shading.h"
+#include "client/render/software/shadow_map.h"
 #include "client/render/software/solids.h"
 #include "client/render/software/splats.h"
 #include "client/render/software/triangles.h"
@@ -28,9 +32,11 @@ namespace pointreel {
 /// pass over the tiles share its time.
 struct SoftwareStages {
   double clear = 0.0;
-  double warp = 0.0;            ///< packing the cut, and projecting it into the tiles
-  double visibility = 0.0;      ///< splatting depths
-  double shading = 0.0;         ///< weighted means of what is visible; all of voxels, points and strips
+  double warp = 0.0;        ///< packing the cut, and projecting it into the tiles
+  double visibility = 0.0;  ///< splatting depths
+  /// Weighted means of what is visible; all of voxels, points and strips.
+  double shading = 0.0;
+  double light = 0.0;           ///< all but flat light: shadows and pixels
   double reconstruction = 0.0;  ///< holes, eye-dome lighting, outlines
 };
 
@@ -78,9 +84,11 @@ class SoftwareRenderer final : public Renderer {
 
   Result<void> resize(glm::ivec2 size);
   void clear(const glm::vec3& background);
-  void draw_surfels(const PictureView& view, const DrawOptions& options);
-  /// Fills holes of surfels and strips, and lights the picture by its depths.
-  void close_surface(const PictureView& view, const DrawOptions& options);
+  /// `late`: null if colours are lit before pixels are known.
+  void draw_surfels(const PictureView& view, const ShadingView* late, const DrawOptions& options);
+  void light(const PictureView& view, const ShadingView& late, const DrawOptions& options);
+  /// Lights pixels of surfels and strips late, if at all, fills holes, and darkens what lies deep.
+  void close_surface(const PictureView& view, const ShadingView* late, const DrawOptions& options);
 
   const Executor executor_;
   SceneInstances instances_;
@@ -90,6 +98,9 @@ class SoftwareRenderer final : public Renderer {
   Solids solids_;
   Triangles triangles_;
   HoleFilling holes_;
+  LightProbes probes_;
+  ShadowMap shadow_;
+  ScreenShading screen_shading_;
   Picture picture_;
   PictureTexture texture_;
   // The last picture:

@@ -34,10 +34,9 @@ glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const Pic
   return view.pixel.y > 0.5f && glm::dot(n, from_eye) > 0.0f ? -n : n;
 }
 
-/// The colour of an element that a pixel shows, linear and lit. `face`: the axis across the face of
-/// a voxel.
-glm::vec3 lit_color(const Instance& one, bool is_cube, std::uint32_t face,
-                    const PictureView& view) {
+/// The normal of an element that a pixel shows. `face`: the axis across the face of a voxel.
+glm::vec3 shown_normal(const Instance& one, bool is_cube, std::uint32_t face,
+                       const PictureView& view) {
   const glm::vec3 from_eye = one.center - glm::vec3(view.eye);
   glm::vec3 normal = known_normal(one, from_eye, view);
   if (normal == glm::vec3(0.0f)) {
@@ -49,7 +48,7 @@ glm::vec3 lit_color(const Instance& one, bool is_cube, std::uint32_t face,
       normal = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
     }
   }
-  return color_of_instance(one) * light_on(normal, view);
+  return normal;
 }
 
 std::int16_t bounded(float v, float most) {
@@ -269,6 +268,7 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes si
     picture.busy[static_cast<std::size_t>(tile)] = 1;
     std::uint32_t last = kNothing;
     glm::u8vec4 color{};
+    glm::vec3 normal(0.0f);
     for (int y = to.pixels.min.y; y < to.pixels.max.y; ++y) {
       for (int x = to.pixels.min.x; x < to.pixels.max.x; ++x) {
         const auto at =
@@ -282,9 +282,11 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes si
           const std::size_t block = number >> 14, in_block = number >> 2 & 4095u;
           const std::size_t instance = cubes ? blocks_[block].cubes[in_block].instance
                                              : blocks_[block].squares[in_block].instance;
-          color = srgb.encode(
-              lit_color(instances[block * kBlock + instance], cubes, number & 3u, view), kDrawn);
+          const Instance& shown = instances[block * kBlock + instance];
+          normal = shown_normal(shown, cubes, number & 3u, view);
+          color = srgb.encode(color_of_instance(shown) * light_on(normal, view), kDrawn);
         }
+        if (!picture.normals.empty()) picture.normals[pixel] = normal;
         picture.colors[pixel] = color;
       }
     }

@@ -26,7 +26,7 @@ struct PointSizes {
 class Solids {
  public:
   /// Draws into a picture whose colours are the background and whose depths are 0. `cubes`: draws
-  /// voxels, else squares.
+  /// voxels, else squares. Writes the picture's normals if it has room for them.
   void draw(std::span<const Instance> instances, bool cubes, PointSizes sizes,
             const PictureView& view, const Executor& executor, Picture& picture);
 

@@ -254,6 +254,7 @@ POINTREEL_INLINE void add_fronts(const Setup& setup, const Instance* instances,
             depth_reach[k],
             push[k],
             {red[k], green[k], blue[k]},
+            setup.splats.normals ? pack_normal(nx[k], ny[k], nz[k]) : 0,
             {static_cast<std::int16_t>(x0[k]), static_cast<std::int16_t>(y0[k]),
              static_cast<std::int16_t>(x1[k]), static_cast<std::int16_t>(y1[k])}};
     out -= added[k];

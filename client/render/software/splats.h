@@ -25,8 +25,22 @@ struct alignas(64) EllipseSplat {
   float depth_reach;       ///< its largest change
   float push;              ///< factor on the depth that moves the disc back by its radius
   glm::vec3 color;         ///< linear, lit
+  std::uint32_t normal;    ///< unpack_normal gives it
   TileRect rect;
 };
+static_assert(sizeof(EllipseSplat) == 64);
+
+/// A unit vector in 30 bits.
+inline std::uint32_t pack_normal(float x, float y, float z) {
+  const auto bits = [](float v) { return static_cast<std::uint32_t>(511.0f * v + 512.5f) & 1023u; };
+  return bits(x) | bits(y) << 10 | bits(z) << 20;
+}
+inline glm::vec3 unpack_normal(std::uint32_t packed) {
+  const auto part = [packed](int shift) {
+    return static_cast<float>(static_cast<int>(packed >> shift & 1023u) - 512);
+  };
+  return glm::vec3(part(0), part(10), part(20)) / 511.0f;
+}
 
 /// A disc that is drawn exactly, by intersecting rays: one that is large, or close to the eye.
 struct DiscSplat {
@@ -60,6 +74,7 @@ struct SplatSetup {
   float scale = 1.0f;        ///< factor for the radii
   std::uint32_t one_in = 0;  ///< one in this many surfels keeps its back; 0: none
   bool in_order = false;     ///< draw all as discs, which keep the order of the surfels
+  bool normals = false;      ///< ellipses get their normals, which are undefined otherwise
 };
 
 /// Surfels in a picture, in blocks.

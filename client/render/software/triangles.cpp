@@ -248,6 +248,12 @@ void Triangles::draw_tile(std::size_t number, int tile, Tile& to) const {
 
 namespace {
 
+/// Diffuse light from near the eye, and ambient light so that nothing is black (common.glsl).
+float light_on(const glm::vec3& normal, const PictureView& view) {
+  const float diffuse = std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
+  return view.light.w * (0.4f + 0.6f * diffuse) + (1.0f - view.light.w);
+}
+
 /// What a pixel shows of vertices.
 struct Fragment {
   glm::vec3 color{0.0f}, normal{0.0f}, from_eye{0.0f};
@@ -261,15 +267,12 @@ struct Fragment {
     from_eye += share * to_vertex;
   }
 
-  /// Diffuse light from near the eye, and ambient light so that nothing is black (common.glsl).
-  glm::vec3 lit(const PictureView& view) const {
+  glm::vec3 unit_normal(const PictureView& view) const {
     const float n2 = glm::dot(normal, normal);
     const float length = glm::length(from_eye);
-    const glm::vec3 n = n2 > 1e-3f      ? normal / std::sqrt(n2)
-                        : length > 0.0f ? -from_eye / length
-                                        : glm::vec3(view.light);
-    const float diffuse = std::max(glm::dot(n, glm::vec3(view.light)), 0.0f);
-    return color * (view.light.w * (0.4f + 0.6f * diffuse) + (1.0f - view.light.w));
+    return n2 > 1e-3f      ? normal / std::sqrt(n2)
+           : length > 0.0f ? -from_eye / length
+                           : glm::vec3(view.light);
   }
 };
 
@@ -335,7 +338,9 @@ void Triangles::draw(std::span<const Instance> vertices, const SceneStrips& stri
           fragment.add(vertices[triangle.c], scale * wc, view);
         }
 
-        picture.colors[to] = srgb.encode(fragment.lit(view), kDrawn);
+        const glm::vec3 normal = fragment.unit_normal(view);
+        if (!picture.normals.empty()) picture.normals[to] = normal;
+        picture.colors[to] = srgb.encode(fragment.color * light_on(normal, view), kDrawn);
       }
     }
   });

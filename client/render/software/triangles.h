@@ -27,7 +27,8 @@ class Triangles {
     depth,  ///< what they hide is not drawn, and neither are they: a hole is in front of them
   };
 
-  /// Draws into the colours and depths of a picture. `vertices` are those of the strips; `strips`
+  /// Draws into the colours and depths of a picture, and into its normals if it has room for them.
+  /// `vertices` are those of the strips; `strips`
   /// also has representative surfels, which are drawn as pixels. Triangles that reach the near
   /// plane are left out.
   void draw(std::span<const Instance> vertices, const SceneStrips& strips, Backs backs,

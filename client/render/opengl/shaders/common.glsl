@@ -2,7 +2,8 @@
 layout(std140, binding = 0) uniform View {
   mat4 to_clip;  // from the scene to clip coordinates, with reversed depth
   vec4 eye;      // xyz: position in the scene; w: distance of the near plane
-  vec4 light;    // xyz: unit vector towards the light; w: 1 with lighting, 0 without
+  vec4 light;    // xyz: unit vector towards the light; w: 1 with lighting, 0 without,
+                 // and 2 to draw 0.5 + 0.5 n in place of colours
   vec4 pixel;    // x: size of a pixel at depth 1; y: 1 if the signs of normals are unknown, else 0
   // The ray from the eye through window coordinates (x, y), scaled to depth 1, is
   // ray_corner + x ray_x + y ray_y (xyz).
@@ -30,6 +31,11 @@ float light_on(vec3 normal) {
   const float ambient = 0.4;
   float diffuse = max(dot(normal, light.xyz), 0.0);
   return mix(1.0, mix(ambient, 1.0, diffuse), light.w);
+}
+
+// What is drawn in place of a colour.
+vec3 lit_color(vec3 color, vec3 normal) {
+  return light.w > 1.5 ? 0.5 + 0.5 * normal : color * light_on(normal);
 }
 
 // The unit vector from a point of the scene to the eye. Never NaN.

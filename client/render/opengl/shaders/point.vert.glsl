@@ -11,5 +11,5 @@ void main() {
   gl_PointSize = clamp(own, size, max(size, largest));
   vec3 to_eye = towards_eye(point.center);
   bool known = dot(point.normal, point.normal) > 0.25;
-  linear_color = point.color * light_on(known ? oriented(point.normal, to_eye) : to_eye);
+  linear_color = lit_color(point.color, known ? oriented(point.normal, to_eye) : to_eye);
 }

@@ -11,5 +11,5 @@ void main() {
   vec3 normal = n2 > 1e-3   ? normal_there * inversesqrt(n2)
               : away2 > 0.0 ? -from_eye * inversesqrt(away2)
                             : light.xyz;
-  color = vec4(linear_color * light_on(normal), 1.0);
+  color = vec4(lit_color(linear_color, normal), 1.0);
 }

@@ -24,7 +24,7 @@ Sprite make_sprite(Instance surfel) {
   vec3 n = surfel_normal(surfel, towards_eye(surfel.center));
   vec3 from_eye = surfel.center - eye.xyz;
   vec4 clip = to_clip * vec4(surfel.center, 1.0);
-  vec3 color = surfel.color * light_on(n);
+  vec3 color = lit_color(surfel.color, n);
   // On a plane, 1 / depth is linear in the picture: (n . ray) / (n . center).
   float facing = dot(n, from_eye);
   vec2 slope = vec2(dot(n, ray_x.xyz), dot(n, ray_y.xyz)) * (clip.w / min(facing, -1e-30));

@@ -13,7 +13,12 @@ void main() {
   vec3 enter = middle - reach, leave = middle + reach;
   float depth = max(max(enter.x, enter.y), enter.z);
   if (!(depth <= min(min(leave.x, leave.y), leave.z))) discard;
-  float light = enter.x == depth ? face_light.x : enter.y == depth ? face_light.y : face_light.z;
-  color = vec4(light * linear_color, 1.0);
+  float on_face = enter.x == depth ? face_light.x : enter.y == depth ? face_light.y : face_light.z;
+  color = vec4(on_face * linear_color, 1.0);
+  if (face_light.x < 0.0) {
+    vec3 face = vec3(enter.x == depth, enter.x != depth && enter.y == depth,
+                     enter.x != depth && enter.y != depth);
+    color.rgb = 0.5 - 0.5 * face * mix(vec3(-1.0), vec3(1.0), greaterThanEqual(center, vec3(0.0)));
+  }
   gl_FragDepth = eye.w / depth;
 }

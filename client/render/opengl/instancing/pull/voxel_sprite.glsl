@@ -3,7 +3,7 @@
 struct Sprite {
   vec3 center;  // relative to the eye
   float half_edge;
-  vec3 light;   // on the visible face across each axis
+  vec3 light;   // on the visible face across each axis; < 0 to draw the normals of faces
   float size;   // in pixels
   vec3 color;   // linear
   float unused;
@@ -30,6 +30,9 @@ Sprite make_sprite(Instance voxel) {
   Element e = place(voxel);
   vec3 x = vec3(e.octant.x, 0.0, 0.0), y = vec3(0.0, e.octant.y, 0.0), z = vec3(0.0, 0.0, e.octant.z);
   bool known = e.normal != vec3(0.0);
+  if (light.w > 1.5)
+    return Sprite(voxel.center - eye.xyz, e.half_edge, vec3(known ? 1.0 : -1.0), sprite_size(voxel),
+                  0.5 + 0.5 * e.normal, 0.0);
   return Sprite(voxel.center - eye.xyz, e.half_edge,
                 vec3(light_on(known ? e.normal : x), light_on(known ? e.normal : y),
                      light_on(known ? e.normal : z)),

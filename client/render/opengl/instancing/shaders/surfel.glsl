@@ -26,6 +26,6 @@ Element place(Instance surfel) {
   vec3 u, v;
   surfel_frame(n, u, v);
   return Element(to_clip * vec4(surfel.center, 1.0), to_clip * vec4(surfel.radius * u, 0.0),
-                 to_clip * vec4(surfel.radius * v, 0.0), surfel.color * light_on(n),
+                 to_clip * vec4(surfel.radius * v, 0.0), lit_color(surfel.color, n),
                  surfel.radius / max(distance(eye.xyz, surfel.center), eye.w));
 }

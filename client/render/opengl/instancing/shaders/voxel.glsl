@@ -22,5 +22,5 @@ vec4 corner_position(Element e, vec3 corner) {
 
 // The colour of a face. If the normal of the voxel is unknown, that of the face is used for lighting.
 vec3 face_color(Element e, vec3 face) {
-  return e.color * light_on(e.normal == vec3(0.0) ? face : e.normal);
+  return lit_color(e.color, e.normal == vec3(0.0) ? face : e.normal);
 }

@@ -51,12 +51,23 @@ constexpr std::size_t kManyPoints = 1u << 17;
 /// How many leaves a tree has at least for each node on the level above them, where the leaves
 /// touch each other. It is four on a closed surface.
 constexpr double kClosed = 2.8;
+/// The finest level of a view has nodes smaller than a pixel, and light on them changes little if
+/// their normals are coarser by so many levels.
+constexpr int kCoarserNormals = 1;
+
 /// Cells that are larger by this factor look as large.
 constexpr double kSameSize = 1.1;
 
 Result<void> check(const std::function<bool()>& stopped) {
   if (stopped && stopped()) return fail(ErrorCode::cancelled, "the frame is not wanted any more");
   return {};
+}
+
+/// The finest level at which nodes have normals of their own.
+int normals_level(const PrepareOptions& options) {
+  if (options.mode != DrawMode::surfel || options.show_normals || options.level == kWholeFrame)
+    return kWholeFrame;
+  return std::max(options.level - kCoarserNormals, 0);
 }
 
 Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
@@ -68,6 +79,7 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
   limits.inner_nodes = true;
   limits.leaves = false;
   limits.depth = options.level;
+  limits.normals_depth = normals_level(options);
   auto frame = decode_fetched(fetched, limits);
   if (fetched.layers.empty()) return frame;
   // A cloud without a tree of its own gets one in the cube that all frames of its segment share, so
@@ -270,11 +282,13 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
   if (frame.svo) {
     scene.svo = std::move(*frame.svo);
     scene.attributes = std::move(frame.attributes);
-    if (scene.svo.depth < frame.depth) scene.level = scene.svo.depth;
+    const bool whole = scene.svo.depth == frame.depth;
+    if (!whole || (!scene.attributes.normals.empty() && normals_level(options) < frame.depth))
+      scene.level = scene.svo.depth;
     // The size of a single cell may be that of many points that look like one from afar. A few
     // points in it may as well coincide.
     constexpr std::uint32_t kMany = 100;
-    scene.boxes = frame_boxes(scene.svo, scene.points, scene.level == kWholeFrame);
+    scene.boxes = frame_boxes(scene.svo, scene.points, whole);
     if (scene.svo.leaf_count() <= 1 && scene.points < kMany) scene.boxes.main = {};
     derive_node_normals(scene, options);
     scene.normals_ms = watch.lap();

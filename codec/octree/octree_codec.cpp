@@ -141,7 +141,7 @@ Result<std::unique_ptr<TransformDecoder>> decode_transformed(
   auto decoder = std::make_unique<TransformDecoder>(structure, attribute_of(kind));
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
     const ByteView bytes = chunk_of(layers[layer], kind);
-    if (bytes.empty()) break;
+    if (bytes.empty() || (layer > 0 && last_levels[layer - 1] >= depth)) break;
     TRY(check_stopped(limits));
     const ParsedChunk chunk = TRY(read_chunk(bytes, kind, static_cast<std::uint8_t>(layer), tag));
     if (chunk.header.entropy != Entropy::none || chunk.header.raw_size != chunk.payload.size() ||
@@ -189,15 +189,37 @@ void set_colors(const TransformDecoder& decoder, const DecodeLimits& limits, Con
   if (limits.leaves) frame.colors.assign(all.begin() + frame.svo.internal_count(), all.end());
 }
 
-void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, OctreeFrame& frame) {
+/// Gives the nodes below those that have normals, down to `depth`, the normals of their parents.
+void inherit_normals(const Svo& svo, int depth, std::vector<glm::i16vec3>& normals) {
+  // Eight are written whatever the number of children: the next node's write over those too many.
+  constexpr std::size_t kRoom = 8;
+  for (int level = 0; level < depth; ++level) {
+    const std::size_t l = static_cast<std::size_t>(level);
+    std::size_t child = svo.level_begin[l + 1];
+    if (normals.size() > child) continue;
+    normals.resize(child + svo.node_count(level + 1) + kRoom);
+    for (std::uint32_t node = svo.level_begin[l]; node < svo.level_begin[l + 1]; ++node) {
+      const glm::i16vec3 normal = normals[node];
+      for (std::size_t i = 0; i < kRoom; ++i) normals[child + i] = normal;
+      child += static_cast<std::size_t>(std::popcount(svo.masks[node]));
+    }
+    normals.resize(child);
+  }
+}
+
+void set_normals(const TransformDecoder& decoder, const DecodeLimits& limits, int depth,
+                 OctreeFrame& frame) {
   if (limits.leaves || !limits.inner_nodes) {
     add_attributes(decoder.values(frame.svo.depth), normals_from_values, frame.normals);
   }
   if (limits.inner_nodes) {
     const std::span<const Short4> values = decoder.values();
     const std::size_t inner = std::min<std::size_t>(values.size(), frame.svo.internal_count());
-    add_attributes(values.first(inner), kEach<mean_normal_from_value>, frame.nodes.normals);
-    add_attributes(values.subspan(inner), kEach<short_normal_from_value>, frame.nodes.normals);
+    std::vector<glm::i16vec3>& normals = frame.nodes.normals;
+    normals.reserve(frame.svo.node_count());
+    add_attributes(values.first(inner), kEach<mean_normal_from_value>, normals);
+    add_attributes(values.subspan(inner), kEach<short_normal_from_value>, normals);
+    inherit_normals(frame.svo, std::min(depth, frame.svo.depth), normals);
   }
 }
 
@@ -227,10 +249,11 @@ Result<void> decode_normals(const FrameStructure& structure,
                             const ParsedFrameHeader& parsed, const DecodeLimits& limits,
                             OctreeFrame& frame) {
   if (!parsed.header.normals_transformed) return {};
+  const int last = limits.leaves ? depth : std::clamp(limits.normals_depth, 0, depth);
   const auto decoder =
-      TRY(at_place("normals", decode_transformed(structure, layers, depth, ChunkKind::normals,
-                                                 false, parsed.tag, limits)));
-  if (decoder != nullptr) set_normals(*decoder, limits, frame);
+      TRY(at_place("normals", decode_transformed(structure, layers, last, ChunkKind::normals, false,
+                                                 parsed.tag, limits)));
+  if (decoder != nullptr) set_normals(*decoder, limits, depth, frame);
   return {};
 }
 

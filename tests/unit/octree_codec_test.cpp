@@ -1,6 +1,7 @@
 #include "codec/octree/octree_codec.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -292,6 +293,35 @@ TEST(OctreeCodecAttributes, decoding_stops_before_the_chunk_at_which_it_is_asked
     ASSERT_EQ(decoded.has_value(), chunks == 9);
     if (!decoded) {
       EXPECT_EQ(decoded.error().code, ErrorCode::cancelled);
+    }
+  }
+}
+
+TEST(OctreeCodecAttributes, nodes_below_the_last_level_of_normals_have_those_of_their_ancestors) {
+  const EncodedFrame encoded =
+      encode(bumpy_sphere(20000), DepthRule::fixed(10), Entropy::context, {}, 60);
+  DecodeLimits limits;
+  limits.inner_nodes = true;
+  limits.leaves = false;
+  const auto whole = decode_octree(layer_views(encoded.layers), limits);
+  ASSERT_TRUE(whole) << whole.error().message;
+  const Svo& svo = *whole->svo;
+  for (const int depth : {-1, 0, 6, 9}) {
+    limits.normals_depth = depth;
+    const auto tree = decode_octree(layer_views(encoded.layers), limits);
+    ASSERT_TRUE(tree) << tree.error().message;
+    EXPECT_EQ(tree->attributes.colors, whole->attributes.colors);
+    const std::vector<glm::i16vec3>& normals = tree->attributes.normals;
+    ASSERT_EQ(normals.size(), svo.node_count());
+    const std::uint32_t own = svo.level_begin[static_cast<std::size_t>(std::max(depth, 0)) + 1];
+    EXPECT_TRUE(
+        std::equal(normals.begin(), normals.begin() + own, whole->attributes.normals.begin()));
+    for (std::uint32_t node = 0; node < svo.internal_count(); ++node) {
+      for (int child = 0; child < std::popcount(svo.masks[node]); ++child) {
+        const std::uint32_t number = svo.first_child[node] + static_cast<std::uint32_t>(child);
+        if (number < own) continue;
+        ASSERT_EQ(normals[number], normals[node]) << number;
+      }
     }
   }
 }

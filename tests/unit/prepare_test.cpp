@@ -270,6 +270,32 @@ TEST(PrepareFrame, reports_the_finest_level_that_it_has) {
   EXPECT_LE(scene->svo.depth, 7);
 }
 
+TEST(PrepareFrame, has_normals_of_the_finest_leaves_only_for_views_that_are_closer) {
+  const PointCloud cloud = sphere(20'000, true, true);
+  const Manifest manifest = manifest_of(cloud);
+  const FetchedFrame frame = fetched(cloud, {OctreeOptions{Entropy::context, DepthRule::fixed(8)}});
+  const auto differ_from_parents = [](const SceneFrame& scene) {
+    const std::vector<glm::i16vec3>& normals = scene.attributes.normals;
+    int count = 0;
+    for (std::uint32_t node = scene.svo.level_begin[7]; node < scene.svo.level_begin[8]; ++node)
+      count += normals[scene.svo.first_child[node]] != normals[node] ? 1 : 0;
+    return count;
+  };
+  PrepareOptions options;
+  options.level = 9;
+  const auto closer = prepare_frame(manifest, 0, frame, options);
+  EXPECT_EQ(closer->level, kWholeFrame);
+  EXPECT_GT(differ_from_parents(*closer), 0);
+  options.level = 8;
+  const auto away = prepare_frame(manifest, 0, frame, options);
+  EXPECT_EQ(away->level, 8) << "a closer view needs the frame to be prepared again";
+  EXPECT_EQ(differ_from_parents(*away), 0);
+  EXPECT_EQ(away->attributes.colors, closer->attributes.colors);
+  EXPECT_FALSE(away->boxes.rough);
+  options.show_normals = true;
+  EXPECT_GT(differ_from_parents(*prepare_frame(manifest, 0, frame, options)), 0);
+}
+
 TEST(PrepareFrame, computes_the_means_of_lossless_colours) {
   const PointCloud cloud = sphere(5'000, true, true);
   OctreeOptions options{Entropy::context, DepthRule::fixed(8), kLosslessColorQuality,

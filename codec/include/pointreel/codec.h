@@ -110,6 +110,10 @@ struct DecodeLimits {
   /// Octree, only without `leaves`: cuts the tree off at this level. Transformed attributes are not
   /// decoded any further, so damage in the rest of them goes unnoticed.
   int depth = kMaxDepth;
+  /// Octree, only without `leaves`: the same for transformed normals alone. Nodes below this level
+  /// have the normals of their ancestors. Normals take as long to decode as the tree, and those of
+  /// the finest level change little where its nodes are small.
+  int normals_depth = kMaxDepth;
 };
 
 struct DecodedFrame {

@@ -29,19 +29,29 @@ POINTREEL_INLINE Lanes from_half(const LaneMask& half) {
   return std::bit_cast<Lanes>(half << 13) * 0x1p112f;
 }
 
-/// Instances by their numbers, the first `count` of `picked`.
-POINTREEL_INLINE void gather(Group& g, const Instance* instances, const std::uint16_t* picked,
-                             std::size_t count) {
-  LaneMask nx, ny, nz, red, green, blue;
+/// The places, radii and normals of instances by their numbers, the first `count` of `picked`.
+POINTREEL_INLINE void gather(Lanes& x, Lanes& y, Lanes& z, Lanes& radius, LaneMask& nx,
+                             LaneMask& ny, LaneMask& nz, const Instance* instances,
+                             const std::uint16_t* picked, std::size_t count) {
   for (std::size_t k = 0; k < kLanes; ++k) {
     const Instance& one = instances[picked[std::min(k, count - 1)]];
-    g.x[k] = one.center.x;
-    g.y[k] = one.center.y;
-    g.z[k] = one.center.z;
-    g.radius[k] = one.radius;
+    x[k] = one.center.x;
+    y[k] = one.center.y;
+    z[k] = one.center.z;
+    radius[k] = one.radius;
     nx[k] = one.normal.x;
     ny[k] = one.normal.y;
     nz[k] = one.normal.z;
+  }
+}
+
+/// All of them.
+POINTREEL_INLINE void gather(Group& g, const Instance* instances, const std::uint16_t* picked,
+                             std::size_t count) {
+  LaneMask nx, ny, nz, red, green, blue;
+  gather(g.x, g.y, g.z, g.radius, nx, ny, nz, instances, picked, count);
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const Instance& one = instances[picked[std::min(k, count - 1)]];
     red[k] = one.color.x;
     green[k] = one.color.y;
     blue[k] = one.color.z;
@@ -64,7 +74,7 @@ POINTREEL_INLINE Lanes dot(const glm::vec3& v, const Lanes& x, const Lanes& y, c
 }
 
 /// A pseudo-random number that depends only on the position (shaders/back.vert.glsl).
-std::uint32_t hash(const glm::vec3& place) {
+POINTREEL_INLINE std::uint32_t hash(const glm::vec3& place) {
   std::uint32_t h = std::bit_cast<std::uint32_t>(place.x) * 0x9e3779b1u ^
                     std::bit_cast<std::uint32_t>(place.y) * 0x85ebca77u ^
                     std::bit_cast<std::uint32_t>(place.z) * 0xc2b2ae3du;
@@ -89,6 +99,11 @@ POINTREEL_INLINE LaneMask first_pixel(const Lanes& from, float size) {
   const Lanes at = min_of(max_of(from - 0.5f, Lanes{}), Lanes{} + size);
   const LaneMask whole = __builtin_convertvector(at, LaneMask);
   return whole - (__builtin_convertvector(whole, Lanes) < at);  // true is -1
+}
+
+/// The pixel behind the last whose centre is not above a coordinate, cut off at 0 and `size`.
+POINTREEL_INLINE LaneMask end_pixel(const Lanes& to, float size) {
+  return __builtin_convertvector(min_of(max_of(to + 0.5f, Lanes{}), Lanes{} + size), LaneMask);
 }
 
 bool is_empty(const TileRect& rect) { return rect.x0 >= rect.x1 || rect.y0 >= rect.y1; }
@@ -265,33 +280,48 @@ POINTREEL_INLINE void add_fronts(const Setup& setup, const Instance* instances,
   block.ellipse_count = static_cast<std::size_t>(out - block.ellipses.data());
 }
 
-/// Adds the back of a surfel if it is one of those that keep it.
-void add_back(const Setup& setup, const Instance& surfel, SplatBlock& block) {
-  const std::uint32_t one_in = setup.splats.one_in;
-  if (one_in == 0 || hash(surfel.center) % one_in != 0) return;
+/// Adds the backs of up to eight surfels, which keep them.
+POINTREEL_INLINE void add_backs(const Setup& setup, const Instance* instances,
+                                const std::uint16_t* picked, std::size_t count, SplatBlock& block) {
   const PictureView& view = setup.view;
-  const glm::vec3& center = surfel.center;
-  const float near = view.eye.w, w = glm::dot(setup.forward, center) + setup.shift.z;
-  const glm::vec2 clip(glm::dot(setup.right, center) + setup.shift.x,
-                       glm::dot(setup.up, center) + setup.shift.y);
-  // As OpenGL does, a square whose middle is not in the picture is left out.
-  if (!(w >= near) || std::max(std::abs(clip.x), std::abs(clip.y)) > w) return;
-  const glm::vec3 from_eye = center - glm::vec3(view.eye);
-  const float away = glm::length(from_eye);
+  const float near = view.eye.w, width = view.window.x, height = view.window.y;
+  Lanes x, y, z, radius;
+  LaneMask nx, ny, nz;
+  gather(x, y, z, radius, nx, ny, nz, instances, picked, count);
+
+  const Lanes w = dot(setup.forward, x, y, z) + setup.shift.z;
+  const Lanes clip_x = dot(setup.right, x, y, z) + setup.shift.x;
+  const Lanes clip_y = dot(setup.up, x, y, z) + setup.shift.y;
+  const Lanes fx = x - view.eye.x, fy = y - view.eye.y, fz = z - view.eye.z;
+  Lanes away = fx * fx + fy * fy + fz * fz;
+  sqrt_of(away);
   // A surfel that is seen at an angle gets a square as narrow as it looks, to keep outlines in
   // place.
-  const float sine = glm::dot(glm::vec3(surfel.normal) / 32767.0f, from_eye) / away;
-  if (!(sine > 0.0f)) return;
-  const float half =
-      0.5f * std::clamp(2.0f * hole_rules::kReach * std::sqrt(static_cast<float>(one_in)) *
-                            surfel.radius * sine / (view.pixel.x * w),
-                        1.0f, 1024.0f);
-  const glm::vec2 middle = 0.5f * glm::vec2(view.window) * (clip / w + 1.0f);
-  const TileRect rect = pixels_in(middle.x - half, middle.y - half, middle.x + half,
-                                  middle.y + half, glm::vec2(view.window));
-  if (is_empty(rect)) return;
-  const float tolerance = hole_rules::kBackTolerance * surfel.radius / std::max(away, near);
-  block.backs.push_back({near / w / (1.0f + tolerance), rect});
+  const Lanes sine = (__builtin_convertvector(nx, Lanes) / 32767.0f * fx +
+                      __builtin_convertvector(ny, Lanes) / 32767.0f * fy +
+                      __builtin_convertvector(nz, Lanes) / 32767.0f * fz) /
+                     away;
+  // As OpenGL does, a square whose middle is not in the picture is left out.
+  const LaneMask seen =
+      (w >= near) & (max_of(clip_x, -clip_x) <= w) & (max_of(clip_y, -clip_y) <= w) & (sine > 0.0f);
+  const float reach =
+      2.0f * hole_rules::kReach * std::sqrt(static_cast<float>(setup.splats.one_in));
+  const Lanes half =
+      0.5f *
+      min_of(max_of(reach * radius * sine / (view.pixel.x * w), Lanes{} + 1.0f), Lanes{} + 1024.0f);
+  const Lanes middle_x = (0.5f * width) * (clip_x / w + 1.0f);
+  const Lanes middle_y = (0.5f * height) * (clip_y / w + 1.0f);
+  const LaneMask x0 = first_pixel(middle_x - half, width), x1 = end_pixel(middle_x + half, width),
+                 y0 = first_pixel(middle_y - half, height), y1 = end_pixel(middle_y + half, height);
+  const Lanes tolerance = hole_rules::kBackTolerance * radius / max_of(away, Lanes{} + near);
+  const Lanes depth = near / w / (1.0f + tolerance);
+  const LaneMask added = seen & (x0 < x1) & (y0 < y1);
+  for (std::size_t k = 0; k < std::min(count, kLanes); ++k) {
+    if (added[k] == 0) continue;
+    block.backs.push_back({depth[k],
+                           {static_cast<std::int16_t>(x0[k]), static_cast<std::int16_t>(y0[k]),
+                            static_cast<std::int16_t>(x1[k]), static_cast<std::int16_t>(y1[k])}});
+  }
 }
 
 POINTREEL_INLINE void add_all(const Setup& setup, std::span<const Instance> instances,
@@ -310,9 +340,16 @@ POINTREEL_INLINE void add_all(const Setup& setup, std::span<const Instance> inst
     front_count += is_back ? 0 : 1;
     back_count += is_back ? 1 : 0;
   }
+  const std::uint32_t one_in = setup.splats.one_in;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; one_in != 0 && i < back_count; ++i) {
+    backs[kept] = backs[i];
+    kept += hash(instances[backs[i]].center) % one_in == 0 ? 1 : 0;
+  }
   for (std::size_t i = 0; i < front_count; i += kLanes)
     add_fronts(setup, instances.data(), &fronts[i], front_count - i, block);
-  for (std::size_t i = 0; i < back_count; ++i) add_back(setup, instances[backs[i]], block);
+  for (std::size_t i = 0; i < kept; i += kLanes)
+    add_backs(setup, instances.data(), &backs[i], kept - i, block);
 }
 
 void add_portable(const Setup& setup, std::span<const Instance> instances, SplatBlock& block) {

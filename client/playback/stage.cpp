@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "client/scene/view_box.h"
 #include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
@@ -51,30 +52,6 @@ Result<void> check_start(const std::vector<std::unique_ptr<Source>>& reels,
   return fail(ErrorCode::argument,
               fmt::format("{}: ends at {} s, before {} s, where --at says to begin",
                           sources[*longest].where, seconds(end_of(*longest)), seconds(start_us)));
-}
-
-/// A frame that is so much smaller than the bounds cannot be seen in a picture of those.
-constexpr double kSpeck = 30.0;
-/// A view of the bounds is no view of the frame if a few of its own points make them so much
-/// larger.
-constexpr double kStray = 2.0;
-/// How close to a side of the bounds a frame's box reaches that side, as a share of the bounds.
-/// That is more than a cell of a base layer.
-constexpr double kReaches = 0.05;
-
-double extent(const Box& box) { return glm::length(box.extent()); }
-
-/// The bounds without what only a few points of this frame add to them.
-Box without_strays(const Box& bounds, const FrameBoxes& frame) {
-  Box box = bounds;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double close = kReaches * bounds.extent()[axis];
-    if (frame.all.min[axis] <= bounds.min[axis] + close)
-      box.min[axis] = std::max(bounds.min[axis], frame.main.min[axis]);
-    if (frame.all.max[axis] >= bounds.max[axis] - close)
-      box.max[axis] = std::min(bounds.max[axis], frame.main.max[axis]);
-  }
-  return box;
 }
 
 }  // namespace
@@ -167,13 +144,7 @@ Box Stage::bounds() const {
   return all;
 }
 
-Box Stage::Part::view_bounds() const {
-  const Box bounds = playback().bounds();
-  if (first.main.empty() || bounds.empty()) return bounds;
-  const Box box = without_strays(bounds, first);
-  if (extent(bounds) > kStray * extent(box)) return box;
-  return extent(bounds) > kSpeck * extent(first.main) ? first.main : bounds;
-}
+Box Stage::Part::view_bounds() const { return view_box(playback().bounds(), first); }
 
 Box Stage::view_bounds() const {
   Box all;

@@ -3,7 +3,7 @@ import { WORKERS } from "./device";
 import { Fetcher } from "./fetching";
 import { LivePlayback } from "./live";
 import { load, loadWhole } from "./loading";
-import { Box, isEmpty, Module, Vec3 } from "./module";
+import { Box, FrameFacts, isEmpty, Module, Vec3, viewBox } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
 import { Assets, Pool } from "./pool";
 import { Reel } from "./reel";
@@ -15,9 +15,25 @@ export interface ContentOptions {
   places: readonly Vec3[];
 }
 
+const moved = (box: Box, way: readonly number[]): Box =>
+  ({ min: box.min.map((v, i) => v + way[i]!) as Vec3, max: box.max.map((v, i) => v + way[i]!) as Vec3 });
+
+/** Null if all boxes are missing or empty. */
+function enclosing(boxes: readonly (Box | null)[]): Box | null {
+  let all: Box | null = null;
+  for (const box of boxes) {
+    if (!box || isEmpty(box)) continue;
+    all = all ? { min: all.min.map((v, i) => Math.min(v, box.min[i]!)) as Vec3,
+                  max: all.max.map((v, i) => Math.max(v, box.max[i]!)) as Vec3 } : box;
+  }
+  return all;
+}
+
 export class Content {
   reel: ReelPlayback | null = null;
   live: LivePlayback[] = [];
+  /** Of each part, the frame by which a first view of it is chosen. */
+  private readonly first: FrameFacts[] = [];
   /** By the module that decodes. */
   private readonly pools = new Map<WebAssembly.Module, Pool>();
 
@@ -79,16 +95,31 @@ export class Content {
   }
 
   get up(): number | undefined { return this.reel?.reel.up ?? this.live[0]?.up; }
+  private get parts(): { bounds: Box | null; place: Vec3; shown: MadeFrame | null }[] {
+    const { reel } = this;
+    return reel ? [{ bounds: reel.reel.bounds, place: [0, 0, 0], shown: reel.shown }] : this.live;
+  }
+  /** Notes where the points are of what is shown; returns whether that changes viewBounds. */
+  noteShown(): boolean {
+    let changed = false;
+    this.parts.forEach(({ shown }, i) => {
+      const first = this.first[i];
+      if (!shown || (first && !(first.roughBoxes && shown.facts.level > first.level))) return;
+      this.first[i] = shown.facts;
+      changed = true;
+    });
+    return changed;
+  }
   /** Of all frames and streams so far; null if nothing is known yet. */
-  bounds(): Box | null {
-    const boxes = this.reel ? [this.reel.reel.bounds] : this.live.map((live) => live.bounds);
-    let all: Box | null = null;
-    for (const box of boxes) {
-      if (!box || isEmpty(box)) continue;
-      all = all ? { min: all.min.map((v, i) => Math.min(v, box.min[i]!)) as Vec3,
-                    max: all.max.map((v, i) => Math.max(v, box.max[i]!)) as Vec3 } : box;
-    }
-    return all;
+  bounds(): Box | null { return enclosing(this.parts.map((part) => part.bounds)); }
+  /** The same without stray points of the first frame: what a first view frames. */
+  viewBounds(): Box | null {
+    return enclosing(this.parts.map(({ bounds, place }, i) => {
+      const first = this.first[i];
+      if (!bounds || !first) return bounds;
+      const box = viewBox(this.module, moved(bounds, place.map((v) => -v)), first.boxes);
+      return moved(box, place);
+    }));
   }
   /** The frames to draw. */
   shown(): MadeFrame[] {

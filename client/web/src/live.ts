@@ -36,7 +36,7 @@ export class LivePlayback {
   private pool: Pool | null = null;
 
   /** `poolFor`: who decodes a stream is known when it says hello. */
-  constructor(readonly url: string, private readonly place: Vec3, private readonly token: string | null, private readonly module: Module,
+  constructor(readonly url: string, readonly place: Vec3, private readonly token: string | null, private readonly module: Module,
               private readonly poolFor: (isDraco: boolean) => Promise<Pool>, private readonly onReady: () => void) {
     this.handle = module.made("pr_live_new");
     this.connect();

@@ -136,16 +136,26 @@ export interface FrameFacts {
   isCloud: boolean;
   normalsEstimated: boolean;
   memory: number;
-  mainBox: Box;
+  /** Its boxes, for viewBox. */
+  boxes: Float64Array;
+  /** In more detail, they may be others. */
+  roughBoxes: boolean;
 }
 
 export function frameFacts(module: Module, key: number): FrameFacts {
-  const f = module.doubles(module.made("pr_frame", key), 16);
+  const f = module.doubles(module.made("pr_frame", key), 23);
   return {
     index: f[0]!, timeUs: f[1]!, points: f[2]!, layers: f[3]!, level: f[4]!, depth: f[5]!,
     elements: f[6]!, isCloud: f[7] !== 0, normalsEstimated: f[8] !== 0, memory: f[9]!,
-    mainBox: { min: vec3(f, 10), max: vec3(f, 13) },
+    boxes: f.slice(10, 22), roughBoxes: f[22] !== 0,
   };
+}
+
+/** The box that a first view frames. `bounds`: of all frames; `boxes`: of the first that is shown. */
+export function viewBox(module: Module, bounds: Box, boxes: Float64Array): Box {
+  const [all, first] = module.put(Float64Array.of(...bounds.min, ...bounds.max), boxes);
+  const box = module.doubles(module.call("pr_view_box", all!, first!), 6);
+  return { min: vec3(box, 0), max: vec3(box, 3) };
 }
 
 /** `view`: a PrView. */

@@ -241,7 +241,7 @@ export class Player {
     this.schedule();
   }
   lookHome(): void {
-    const box = this.bounds();
+    const box = this.content?.viewBounds() ?? null;
     if (!this.camera || !box) return;
     const up = this.content?.up ?? 2;
     this.camera.state[8] = up;
@@ -344,6 +344,8 @@ export class Player {
     }
     if (this.reel?.update(look)) this.dirty = true;
     for (const live of this.live) live.update(look);
+    // Where the points are is known only from a frame.
+    if (this.content?.noteShown() && !this.hasMoved) this.lookHome();
     const parts = this.content?.shown() ?? [];
     if (parts.some((part, i) => part !== this.painted[i]) || parts.length !== this.painted.length) this.dirty = true;
     const resting = this.rested;

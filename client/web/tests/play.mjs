@@ -1,6 +1,8 @@
 // node play.mjs BUILD FOLDER: the page in a browser. It opens, plays, goes to exact frames, is dragged
-// by mouse and by touch, loops, and fits on a narrow screen.
+// by mouse and by touch, loops, and fits on a narrow screen. Stray points do not spoil the first view.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { test } from "node:test";
 import { openBrowser, settled, until } from "./browser.mjs";
@@ -23,6 +25,34 @@ test("the page plays, with few requests, and stays within what it may do", async
   assert.ok((requests.length - before) / seconds <= 30);
   assert.equal(await ask(tab, "player.player.trouble"), null);
   await close();
+});
+
+/** A sphere around the origin, 2 across, and one point far away. */
+function sphereWithStray() {
+  const points = Array.from({ length: 20_000 }, (_, i) => {
+    const z = 1 - (2 * i + 1) / 20_000, r = Math.sqrt(1 - z * z), turn = 2.399963 * i;
+    return [r * Math.cos(turn), r * Math.sin(turn), z];
+  });
+  points.push([100, 0, 0]);
+  return ["ply", "format ascii 1.0", `element vertex ${points.length}`, "property float x", "property float y",
+          "property float z", "end_header", ...points.map((p) => p.join(" ")), ""].join("\n");
+}
+
+test("a stray point does not make the rest small in the first view", async () => {
+  const clouds = join(folder, "stray_clouds"), stray = join(folder, "stray");
+  mkdirSync(clouds);
+  writeFileSync(join(clouds, "frame.ply"), sphereWithStray());
+  execFileSync(join(build, "bin/pointreel-server"), ["pack", "-i", clouds, "-o", stray, "--clean", "off"]);
+  const other = await serve(page, [stray]);
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${other.port}/stray#t=0`);
+  await settled(tab);
+  const near = await ask(tab, "[player.player.camera.distance, ...player.player.camera.state.slice(0, 3)]");
+  assert.ok(near[0] < 10, `from ${near[0]} away`);
+  assert.ok(Math.hypot(...near.slice(1)) < 0.5, `around ${near.slice(1)}`);
+  await tab.keyboard.press("0");
+  assert.ok(await ask(tab, "player.player.camera.distance") < 10);
+  await close();
+  other.server.close();
 });
 
 test("a seek shows exactly that frame", async () => {

@@ -13,6 +13,7 @@
 #include "client/scene/cut.h"
 #include "client/scene/refinement.h"
 #include "client/scene/strip_cut.h"
+#include "client/scene/view_box.h"
 #include "client/web/wasm/camera.h"
 #include "client/web/wasm/errors.h"
 #include "client/web/wasm/module.h"
@@ -122,7 +123,19 @@ const PrFrame* pr_frame(std::uint32_t key) {
   answer.memory = static_cast<double>(memory_of(frame));
   copy(frame.boxes.main.min, answer.main_box_min);
   copy(frame.boxes.main.max, answer.main_box_max);
+  copy(frame.boxes.all.min, answer.box_min);
+  copy(frame.boxes.all.max, answer.box_max);
+  answer.boxes_rough = frame.boxes.rough;
   return &answer;
+}
+
+const double* pr_view_box(const double* bounds, const double* boxes) {
+  static double answer[6];
+  const auto box_at = [](const double* at) { return Box{vector_of(at), vector_of(at + 3)}; };
+  const Box box = view_box(box_at(bounds), {box_at(boxes + 6), box_at(boxes)});
+  copy(box.min, answer);
+  copy(box.max, answer + 3);
+  return answer;
 }
 
 void pr_drop(std::uint32_t key) { frames.erase(key); }

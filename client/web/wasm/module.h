@@ -379,10 +379,15 @@ struct PrFrame {
   double memory;           ///< bytes that it takes
   double main_box_min[3];  ///< without a few points far away; min > max: it tells no size
   double main_box_max[3];
+  double box_min[3], box_max[3];  ///< of all points; min > max if there are none
+  double boxes_rough;             ///< the frame in more detail may tell other boxes
 };
-static_assert(sizeof(PrFrame) == 16 * 8);
+static_assert(sizeof(PrFrame) == 23 * 8);
 /// 0 if there is none under this key.
 PR_EXPORT(const PrFrame*, pr_frame)(std::uint32_t key);
+/// client/scene/view_box.h: the box (6 numbers) that a first view frames. `boxes`: the 12 numbers
+/// of a PrFrame from main_box_min on.
+PR_EXPORT(const double*, pr_view_box)(const double* bounds, const double* boxes);
 PR_EXPORT(void, pr_drop)(std::uint32_t key);
 PR_EXPORT(void, pr_drop_all)();
 

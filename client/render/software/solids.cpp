@@ -6,26 +6,13 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "client/render/software/flat_light.h"
 #include "client/render/software/lanes.h"
 #include "common/base/for_each.h"
 #include "pointreel/cpu.h"
 
 namespace pointreel {
 namespace {
-
-float from_half(std::uint16_t half) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(half) << 13) * 0x1p112f;
-}
-
-glm::vec3 color_of_instance(const Instance& one) {
-  return {from_half(one.color.x), from_half(one.color.y), from_half(one.color.z)};
-}
-
-/// Diffuse light from near the eye, and ambient light so that nothing is black (common.glsl).
-float light_on(const glm::vec3& normal, const PictureView& view) {
-  const float diffuse = std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
-  return view.light.w * (0.4f + 0.6f * diffuse) + (1.0f - view.light.w);
-}
 
 /// The normal of an element, turned towards the eye if its sign is unknown; 0 if all of it is.
 glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const PictureView& view) {

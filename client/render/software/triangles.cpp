@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "client/render/software/flat_light.h"
 #include "client/render/software/lanes.h"
 #include "common/base/for_each.h"
 #include "pointreel/cpu.h"
@@ -21,10 +22,6 @@ constexpr std::size_t kIndices = 4096;
 /// Triangles reach this far beyond their edges, in pixels, so that rounding leaves no cracks
 /// between neighbours.
 constexpr float kReach = 1.0f / 256.0f;
-
-float from_half(std::uint16_t half) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(half) << 13) * 0x1p112f;
-}
 
 /// The first pixel whose centre is not below a coordinate, and the first that is above it, both cut
 /// off at the picture.
@@ -248,19 +245,12 @@ void Triangles::draw_tile(std::size_t number, int tile, Tile& to) const {
 
 namespace {
 
-/// Diffuse light from near the eye, and ambient light so that nothing is black (common.glsl).
-float light_on(const glm::vec3& normal, const PictureView& view) {
-  const float diffuse = std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
-  return view.light.w * (0.4f + 0.6f * diffuse) + (1.0f - view.light.w);
-}
-
 /// What a pixel shows of vertices.
 struct Fragment {
   glm::vec3 color{0.0f}, normal{0.0f}, from_eye{0.0f};
 
   void add(const Instance& vertex, float share, const PictureView& view) {
-    color += share * glm::vec3(from_half(vertex.color.x), from_half(vertex.color.y),
-                               from_half(vertex.color.z));
+    color += share * color_of_instance(vertex);
     const glm::vec3 n(vertex.normal), to_vertex = vertex.center - glm::vec3(view.eye);
     const bool turned = view.pixel.y > 0.5f && glm::dot(n, to_vertex) > 0.0f;
     normal += (turned ? -share : share) / 32767.0f * n;

@@ -12,10 +12,10 @@
 
 namespace pointreel {
 
-/// Whether a mode draws normals of a cloud, coloured or not: surfels and
-/// strips are oriented by them, and where there is no colour, light on them shows the shape. (Voxels and points that have colours
-/// are lit by their faces and from the eye: normals cost more to send than they show.) `shown`:
-/// normals are what is shown.
+/// Whether a mode draws normals of a cloud, coloured or not: surfels and strips are oriented by
+/// them, and where there is no colour, light on them shows the shape. (Voxels and points that have
+/// colours are lit by their faces and from the eye: normals cost more to send than they show.)
+/// `shown`: normals are what is shown.
 bool draws_normals(DrawMode mode, bool colored, bool shown = false);
 
 /// The finest level of any frame's tree that the camera can show in a picture of this size:

@@ -19,13 +19,14 @@ class LookingWindow : public WindowTest {
   e2e::Patch patch() { return MovingPlate::plate(player().picture()); }
 };
 
-TEST_F(LookingWindow, the_m_key_cycles_through_surfels_voxels_and_points) {
-  for (const auto& [times, mode] : {std::pair{1, "voxel"}, {2, "point"}, {3, "surfel"}}) {
+TEST_F(LookingWindow, the_m_key_cycles_through_all_modes) {
+  for (const auto& [times, mode] :
+       {std::pair{1, "voxel"}, {2, "point"}, {3, "strip"}, {4, "surfel"}}) {
     open({"--mode", "surfel"});  // the player remembers the last mode
     pause();
     const e2e::Picture before = player().picture();
     for (int i = 0; i < times; ++i) player().key("m");
-    if (times < 3) {
+    if (times < 4) {
       EXPECT_TRUE(wait_until([&] { return player().picture().pixels != before.pixels; }));
     }
     keep(mode);

@@ -128,6 +128,7 @@ void edit_elements(Settings& settings) {
       edit("adaptive_points", settings);
       break;
     case DrawMode::strip:
+      edit("fill_holes", settings);
       break;
   }
   edit("renderer", settings);

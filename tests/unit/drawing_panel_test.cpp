@@ -100,7 +100,8 @@ TEST_F(DrawingPanelTest, changes_nothing_until_it_is_used) {
   odd.draw.edl = 50.0f;
   odd.draw.pixel_size = 900.0f;
   odd.draw.background = {0.123f, 0.456f, 0.789f};
-  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+  for (const auto& known : kEnumNames<DrawMode>) {
+    const DrawMode mode = known.value;
     settings_ = odd;
     settings_.draw.mode = mode;
     const Settings before = settings_;
@@ -117,7 +118,8 @@ TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_rang
   std::set<bool> holes, lights, floors;
   std::set<float> visibility, shading, edl, detail, point_size, gray;
   std::set<double> delta;
-  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+  for (const auto& known : kEnumNames<DrawMode>) {
+    const DrawMode mode = known.value;
     settings_ = {};
     settings_.draw.mode = mode;
     for (int i = 0; i < 3; ++i) build();
@@ -143,7 +145,7 @@ TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_rang
     });
   }
   EXPECT_TRUE(open_);
-  EXPECT_EQ(modes.size(), 3u);
+  EXPECT_EQ(modes.size(), kEnumNames<DrawMode>.size());
   for (const auto& flag : {holes, lights, floors}) EXPECT_EQ(flag.size(), 2u);
   for (const auto& slider : {visibility, shading, edl, detail, point_size})
     EXPECT_GT(slider.size(), 5u);

@@ -29,10 +29,10 @@ void merge_points(SceneFrame& scene, const Executor& executor) {
   if (scene.normals_estimated && points.has_normals())
     scene.attributes.normals = mean_normal_lines(scene.svo, points, sorted->sorted, executor);
   const glm::vec3 offset(points.origin - scene.svo.cube.origin);
-  PointCloud merged;
-  merged.origin = scene.svo.cube.origin;
-  merged.positions.reserve(scene.svo.leaf_count());
-  merged.radii.reserve(scene.svo.leaf_count());
+  std::vector<glm::vec3> positions;
+  std::vector<float> radii;
+  positions.reserve(scene.svo.leaf_count());
+  radii.reserve(scene.svo.leaf_count());
   const std::vector<KeyIndex>& order = sorted->sorted.points;
   for (std::size_t begin = 0, end; begin < order.size(); begin = end) {
     const std::uint64_t key = order[begin].key >> unused;
@@ -42,15 +42,13 @@ void merge_points(SceneFrame& scene, const Executor& executor) {
       sum += glm::dvec3(points.positions[order[end].index]);
       radius = std::max(radius, points.radii[order[end].index]);
     }
-    merged.positions.push_back(offset + glm::vec3(sum / static_cast<double>(end - begin)));
-    merged.radii.push_back(radius);
+    positions.push_back(offset + glm::vec3(sum / static_cast<double>(end - begin)));
+    radii.push_back(radius);
   }
-  const auto first = static_cast<std::ptrdiff_t>(scene.svo.internal_count());
-  const NodeAttributes& means = scene.attributes;
-  if (!means.colors.empty()) merged.colors.assign(means.colors.begin() + first, means.colors.end());
-  for (std::size_t i = scene.svo.internal_count(); i < means.normals.size(); ++i)
-    merged.normals.push_back(glm::vec3(means.normals[i]) / 32767.0f);
-  scene.cloud = std::move(merged);
+  scene.cloud = {};  // so that the surfels are the leaves
+  scene.cloud = surfels_of(scene);
+  scene.cloud.positions = std::move(positions);
+  scene.cloud.radii = std::move(radii);
 }
 
 }  // namespace

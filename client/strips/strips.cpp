@@ -7,6 +7,7 @@
 #include <span>
 
 #include "client/strips/decimation.h"
+#include "client/strips/each_triangle.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
@@ -20,20 +21,6 @@ struct NodeSums {
 
 /// Patches that are made into strips by one call of the executor.
 constexpr std::size_t kBlock = 64;
-
-/// Calls visit(a, b, c) for each triangle of strips, turned the way it was.
-template <class Visit>
-void each_triangle(std::span<const std::uint32_t> indices, const Visit& visit) {
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    if (indices[i] == kEndOfStrip) {
-      begin = i + 1;
-    } else if (i >= begin + 2) {
-      const bool turned = (i - begin) % 2 != 0;
-      visit(indices[i - 2], indices[turned ? i : i - 1], indices[turned ? i - 1 : i]);
-    }
-  }
-}
 
 /// Fills in the sphere, the cone and the representative surfel of a patch.
 void describe_patch(const StripSurfels& surfels, const PatchNode& patch,

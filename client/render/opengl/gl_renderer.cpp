@@ -21,6 +21,12 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
       .count();
 }
 
+/// The same view, in which elements have their normals for colours.
+PictureView with_normals(PictureView view) {
+  view.light.w = kShowNormals;
+  return view;
+}
+
 void cull_backs() {
   glEnable(GL_CULL_FACE);
   glCullFace(GL_BACK);
@@ -177,11 +183,7 @@ Result<void> GlRenderer::draw_floor(const FloorGrid& grid, const Camera& camera,
 Result<void> GlRenderer::draw_instances(const PictureView& view, const PixelRect& region,
                                         const DrawOptions& options) {
   const bool late = is_shaded_late(options);
-  const auto show_normals = [&] {
-    PictureView normals = view;
-    normals.light.w = kShowNormals;
-    set_view(normals);
-  };
+  const auto show_normals = [&] { set_view(with_normals(view)); };
   const auto draw_elements = [&] {
     return options.mode == DrawMode::point ? draw_points(options) : draw_voxels(options);
   };
@@ -212,9 +214,7 @@ Result<void> GlRenderer::draw_surfels(const PictureView& view, const PixelRect& 
   cull_backs();
   method.begin(std::max(scales.visibility, scales.shading));
   const SplatLight late{late_light_, [&] {
-                          PictureView normals = view;
-                          normals.light.w = kShowNormals;
-                          set_view(normals);
+                          set_view(with_normals(view));
                           method.begin(std::max(scales.visibility, scales.shading));
                         }};
   auto drawn = splatter_.draw(method, buffer_, options.splatting, scales, options.fill_holes,

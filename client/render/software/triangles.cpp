@@ -6,6 +6,7 @@
 
 #include "client/render/software/flat_light.h"
 #include "client/render/software/lanes.h"
+#include "client/strips/each_triangle.h"
 #include "common/base/for_each.h"
 #include "pointreel/cpu.h"
 
@@ -157,19 +158,11 @@ void Triangles::set_up(Backs backs, const PictureView& view, Block& block) const
     out += stays;
   };
   for (const StripCut::Range& range : block.ranges) {
-    const std::uint32_t* at = block.part->strips->indices.data() + range.first;
-    const std::uint32_t* const end = at + range.count;
     const std::uint32_t first = block.part->first_vertex;
-    while (at + 2 < end) {
-      std::uint32_t a = *at++ + first, b = *at++ + first;
-      for (bool turned = false; *at != kEndOfStrip; turned = !turned) {
-        const std::uint32_t c = *at++ + first;
-        add(a, turned ? c : b, turned ? b : c);
-        a = b;
-        b = c;
-      }
-      ++at;
-    }
+    each_triangle(std::span(block.part->strips->indices).subspan(range.first, range.count),
+                  [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+                    add(a + first, b + first, c + first);
+                  });
   }
   block.count = static_cast<std::size_t>(out - block.triangles.data());
 }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "codec/max_error.h"
+#include "codec/sequence/cloud_memory.h"
 #include "codec/sequence/frames_grid.h"
 #include "codec/sequence/package_folder.h"
 #include "codec/sequence/segment_writer.h"
@@ -22,11 +23,6 @@ namespace pointreel {
 namespace {
 
 constexpr std::size_t kMostSegmentBytes = std::size_t{512} << 20;
-
-std::size_t memory_of(const PointCloud& cloud) {
-  return cloud.positions.size() * sizeof(glm::vec3) + cloud.normals.size() * sizeof(glm::vec3) +
-         cloud.colors.size() * sizeof(glm::u16vec3) + cloud.radii.size() * sizeof(float);
-}
 
 Result<void> check(const WriteOptions& options) {
   if (!is_frame_rate(options.fps))

@@ -5,17 +5,13 @@
 
 #include <tbb/parallel_for.h>
 
+#include "codec/sequence/cloud_memory.h"
 #include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
 constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
-
-std::size_t memory_of(const PointCloud& cloud) {
-  return cloud.positions.size() * sizeof(glm::vec3) + cloud.normals.size() * sizeof(glm::vec3) +
-         cloud.colors.size() * sizeof(glm::u16vec3) + cloud.radii.size() * sizeof(float);
-}
 
 }  // namespace
 

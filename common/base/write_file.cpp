@@ -15,7 +15,9 @@ Result<void> write_file(const std::filesystem::path& path, ByteView bytes) {
   };
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return failed();
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  // An empty view may have no address, and fwrite must not be given a null pointer.
+  const bool written =
+      bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   if (!written) {
     const auto error = failed();
     std::fclose(file);

@@ -1,6 +1,7 @@
 #include "common/base/write_file.h"
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 
@@ -26,6 +27,11 @@ Result<void> write_file(const std::filesystem::path& path, ByteView bytes) {
   // A full disk may not be reported before this.
   if (std::fclose(file) != 0) return failed();
   return {};
+}
+
+Result<void> write_file(const std::filesystem::path& path, std::string_view text) {
+  return write_file(path,
+                    ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
 }  // namespace pointreel

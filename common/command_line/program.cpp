@@ -16,14 +16,14 @@ namespace pointreel {
 
 void add_common_options(CLI::App& app) {
   const auto formatter = std::make_shared<HelpFormatter>();
-  const auto add = [&](CLI::App& to) {
+  const auto add = [&](const auto& self, CLI::App& to) -> void {
     to.formatter(formatter);
     to.set_help_flag("-h,--help", "Print this help and exit");
     to.set_version_flag("--version", app.get_name() + " " POINTREEL_VERSION,
                         "Print the version and exit");
+    for (CLI::App* command : to.get_subcommands({})) self(self, *command);
   };
-  add(app);
-  for (CLI::App* command : app.get_subcommands({})) add(*command);
+  add(add, app);
 }
 
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
@@ -35,7 +35,10 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::string command = app.get_name();
-    for (const CLI::App* given : app.get_subcommands()) command += " " + given->get_name();
+    for (const CLI::App* given = &app; !given->get_subcommands().empty();) {
+      given = given->get_subcommands().front();
+      command += " " + given->get_name();
+    }
     std::string what = error.what();
     // CLI11's words for an option in a configuration file that it does not know.
     constexpr std::string_view kUnknown = "INI was not able to parse ";

@@ -1,4 +1,3 @@
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -12,49 +11,23 @@
 #include "common/base/print.h"
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
-#include "common/base/try.h"
 #include "common/base/words.h"
 #include "server/commands.h"
-#include "server/encode/sequence_arguments.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/pack_arguments.h"
 #include "server/pack/packer.h"
+#include "server/parts/parts_commands.h"
 
 namespace pointreel {
 namespace {
 
 using nlohmann::ordered_json;
 
-struct PackArguments {
-  PackOptions options;
-  SequenceArguments sequence;
+struct PackCommand {
+  PackArguments pack;
   std::string json;
   CLI::Option* json_option = nullptr;
 };
-
-/// "20M", "800k", "1.5G" or a plain number of bits per second.
-Result<double> parse_bitrate(const std::string& text) {
-  double rate = 0.0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, rate);
-  double unit = 1.0;
-  if (parsed.ec == std::errc() && end - parsed.ptr == 1) {
-    unit = *parsed.ptr == 'k' ? 1e3 : *parsed.ptr == 'M' ? 1e6 : *parsed.ptr == 'G' ? 1e9 : 0.0;
-  } else if (parsed.ec != std::errc() || parsed.ptr != end) {
-    unit = 0.0;
-  }
-  rate *= unit;
-  if (!(rate >= 1.0 && rate <= 1e15)) {
-    return fail(ErrorCode::argument,
-                text + " is not a number of bits per second such as 20M, 800k or 1500000");
-  }
-  return rate;
-}
-
-Result<PackOptions> make_options(const PackArguments& arguments) {
-  PackOptions options = arguments.options;
-  static_cast<EncodingOptions&>(options) = TRY(arguments.sequence.options());
-  return options;
-}
 
 double bits_per_point(std::uint64_t bytes, const PackSummary& summary) {
   if (summary.points == 0) return 0.0;
@@ -171,7 +144,7 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   }
 }
 
-int report(const PackArguments& arguments, const PackOptions& options, const PackSummary& summary) {
+int report(const PackCommand& arguments, const PackOptions& options, const PackSummary& summary) {
   if (arguments.json_option->count() == 0) {
     print_summary(options, summary);
     return kExitOk;
@@ -191,8 +164,8 @@ int report(const PackArguments& arguments, const PackOptions& options, const Pac
   return kExitOk;
 }
 
-int run_pack(const PackArguments& arguments) {
-  const Result<PackOptions> options = make_options(arguments);
+int run_pack(const PackCommand& arguments) {
+  const Result<PackOptions> options = arguments.pack.options();
   if (!options) {
     print_error(options.error().message);
     return kExitUsage;
@@ -218,59 +191,19 @@ int run_pack(const PackArguments& arguments) {
 }  // namespace
 
 void add_pack_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<PackArguments>();
-  PackArguments& a = *arguments;
-  PackOptions& options = a.options;
+  const auto arguments = std::make_shared<PackCommand>();
   CLI::App* command = app.add_subcommand("pack", "Encode point clouds into a package");
-  command
-      ->add_option("-i,--input", options.inputs,
-                   "folders and .ply or .drc files; the files of a folder are taken in natural "
-                   "order, so that frame2 comes before frame10")
-      ->required()
-      ->type_name("PATH")
-      ->expected(1, -1);
-  command->add_option("-o,--output", options.output, "the folder of the package")
-      ->required()
-      ->type_name("FOLDER");
-  add_choice<bool>(*command, "--cube", options.cube_per_frame, {{"group", false}, {"frame", true}},
-                   "one cube for all frames of a segment, so that the voxels of resting surfaces "
-                   "do not move, or one for each frame");
-  command
-      ->add_option_function<std::string>(
-          "--bitrate",
-          [&options](const std::string& text) { options.bitrate = *parse_bitrate(text); },
-          "bits per second, such as 20M or 800k, that no segment exceeds on average; depth and "
-          "qualities are lowered to achieve this")
-      ->check([](const std::string& text) {
-        const Result<double> rate = parse_bitrate(text);
-        return rate ? std::string() : rate.error().message;
-      })
-      ->type_name("RATE");
-  command
-      ->add_option("--segment", options.segment_frames,
-                   "frames in a segment; they share a cube and a file")
-      ->check(CLI::Range(1, 100'000))
-      ->capture_default_str();
-  a.sequence.sequence.clean = CleanOptions{.without_normals = false};
-  a.sequence.add_to(*command, "folder", "the package then depends on the speed of this machine");
-  command->add_flag("--best-effort", options.best_effort,
-                    "warn instead of failing where frames lie too far apart for the cube that they "
-                    "share, or where even the coarsest encoding exceeds the bit rate");
-  command->add_flag("--force", options.force, "replace a package that is already there");
-  a.json_option =
-      command->add_option("--json", a.json, "print the summary as JSON, or write it to FILE")
+  arguments->pack.add_to(*command);
+  arguments->json_option =
+      command
+          ->add_option("--json", arguments->json, "print the summary as JSON, or write it to FILE")
           ->expected(0, 1)
           ->type_name("[FILE]");
-  a.sequence.only_with_context(command->add_flag(
-      "--train", options.train,
-      "learn the context tables from the frames, and keep them in the package if that makes it "
-      "smaller"));
-  a.sequence.only_with(
-      Codec::draco,
-      command->add_flag("--measure-parts", options.measure_parts,
-                        "also report how the bytes divide into geometry, colours and normals, "
-                        "which takes two more encodes per frame"));
-  command->callback([arguments, &exit_code] { exit_code = run_pack(*arguments); });
+  command->callback([arguments, command, &exit_code] {
+    if (command->get_subcommands().empty()) exit_code = run_pack(*arguments);
+  });
+  for (CLI::App* part : add_parts_commands(*command, exit_code))
+    part->preparse_callback([arguments](std::size_t) { arguments->pack.require_no_paths(); });
 }
 
 }  // namespace pointreel

@@ -76,6 +76,23 @@ class Writer {
 
 }  // namespace
 
+Manifest manifest_of(PackedSegment segment, const Manifest& head) {
+  Manifest manifest;
+  static_cast<ReelHead&>(manifest) = head;
+  manifest.tables = head.tables;
+  manifest.duration_us = head.duration_us;
+  manifest.colors = segment.colors;
+  manifest.normals = segment.normals;
+  manifest.bounds = segment.box;
+  manifest.depth_min = segment.summary.depth_min;
+  manifest.depth_max = segment.summary.depth_max;
+  manifest.max_error = segment.summary.max_error;
+  if (segment.cleaning.frames > 0) manifest.cleaning = segment.cleaning;
+  segment.entry.first_frame = 0;
+  manifest.segments.push_back(std::move(segment.entry));
+  return manifest;
+}
+
 Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_frame,
                                    const PackOptions& options, FrameLimits& limits,
                                    const SegmentOutput& output) {

@@ -35,6 +35,10 @@ struct PackedSegment {
   std::vector<std::string> warnings;
 };
 
+/// A package that consists of this segment alone: what append_manifest adds to a whole one. `head`
+/// says what the segment itself does not: codec, layers, tables.
+Manifest manifest_of(PackedSegment segment, const Manifest& head);
+
 struct SegmentOutput {
   std::filesystem::path folder;
   std::vector<std::string> layer_names;  ///< coarse to fine

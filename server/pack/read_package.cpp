@@ -54,12 +54,17 @@ Result<std::vector<Chunks<Bytes>>> read_frame(const fs::path& folder, const Mani
   return read;
 }
 
-Result<void> FrameDecoder::read_tables(const fs::path& folder, const PackageFile& tables) {
+Result<std::shared_ptr<const ContextTables>> read_tables(const fs::path& folder,
+                                                         const PackageFile& tables) {
   std::ifstream in(folder / tables.path, std::ios::binary);
-  Bytes bytes(tables.bytes);  // parse_manifest has bounded it
+  Bytes bytes(tables.bytes);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!in) return fail(ErrorCode::io, "cannot be read, or is cut off");
-  tables_ = TRY(read_table_file(bytes));
+  return read_table_file(bytes);
+}
+
+Result<void> FrameDecoder::read_tables(const fs::path& folder, const PackageFile& tables) {
+  tables_ = TRY(pointreel::read_tables(folder, tables));  // parse_manifest has bounded their size
   return {};
 }
 

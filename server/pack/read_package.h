@@ -27,6 +27,11 @@ namespace pointreel {
 Result<Chunks<Bytes>> read_layer(const std::filesystem::path& folder, const Manifest& manifest,
                                  std::uint32_t frame, std::size_t layer);
 
+/// Reads context tables of a package. `tables.bytes` is at most kMaxTablesBytes. The error does not
+/// name the file.
+Result<std::shared_ptr<const ContextTables>> read_tables(const std::filesystem::path& folder,
+                                                         const PackageFile& tables);
+
 /// Decodes the frames of one package.
 class FrameDecoder {
  public:

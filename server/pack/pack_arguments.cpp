@@ -1,0 +1,119 @@
+#include "server/pack/pack_arguments.h"
+
+#include <charconv>
+#include <utility>
+
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+/// "20M", "800k", "1.5G" or a plain number of bits per second.
+Result<double> parse_bitrate(const std::string& text) {
+  double rate = 0.0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, rate);
+  double unit = 1.0;
+  if (parsed.ec == std::errc() && end - parsed.ptr == 1) {
+    unit = *parsed.ptr == 'k' ? 1e3 : *parsed.ptr == 'M' ? 1e6 : *parsed.ptr == 'G' ? 1e9 : 0.0;
+  } else if (parsed.ec != std::errc() || parsed.ptr != end) {
+    unit = 0.0;
+  }
+  rate *= unit;
+  if (!(rate >= 1.0 && rate <= 1e15)) {
+    return fail(ErrorCode::argument,
+                text + " is not a number of bits per second such as 20M, 800k or 1500000");
+  }
+  return rate;
+}
+
+}  // namespace
+
+void PackArguments::add_to(CLI::App& command) {
+  command_ = &command;
+  input_ =
+      command
+          .add_option("-i,--input", options_.inputs,
+                      "folders and .ply or .drc files; the files of a folder are taken in natural "
+                      "order, so that frame2 comes before frame10")
+          ->required()
+          ->type_name("PATH")
+          ->expected(1, -1);
+  output_ = command.add_option("-o,--output", options_.output, "the folder of the package")
+                ->required()
+                ->type_name("FOLDER");
+  add_choice<bool>(command, "--cube", options_.cube_per_frame, {{"group", false}, {"frame", true}},
+                   "one cube for all frames of a segment, so that the voxels of resting surfaces "
+                   "do not move, or one for each frame");
+  command
+      .add_option_function<std::string>(
+          "--bitrate", [this](const std::string& text) { options_.bitrate = *parse_bitrate(text); },
+          "bits per second, such as 20M or 800k, that no segment exceeds on average; depth and "
+          "qualities are lowered to achieve this")
+      ->check([](const std::string& text) {
+        const Result<double> rate = parse_bitrate(text);
+        return rate ? std::string() : rate.error().message;
+      })
+      ->type_name("RATE");
+  command
+      .add_option("--segment", options_.segment_frames,
+                  "frames in a segment; they share a cube and a file")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  sequence_.sequence.clean = CleanOptions{.without_normals = false};
+  sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
+  command.add_flag("--best-effort", options_.best_effort,
+                   "warn instead of failing where frames lie too far apart for the cube that they "
+                   "share, or where even the coarsest encoding exceeds the bit rate");
+  force_ = command.add_flag("--force", options_.force, "replace a package that is already there");
+  sequence_.only_with_context(command.add_flag(
+      "--train", options_.train,
+      "learn the context tables from the frames, and keep them in the package if that makes it "
+      "smaller"));
+  sequence_.only_with(
+      Codec::draco,
+      command.add_flag("--measure-parts", options_.measure_parts,
+                       "also report how the bytes divide into geometry, colours and normals, "
+                       "which takes two more encodes per frame"));
+}
+
+Result<PackOptions> PackArguments::options() const {
+  PackOptions options = options_;
+  static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
+  return options;
+}
+
+std::vector<std::string> PackArguments::command_line() const {
+  std::vector<std::string> line;
+  for (const CLI::Option* option : command_->get_options()) {
+    if (option->count() == 0 || option == input_ || option == output_ || option == force_) continue;
+    line.push_back("--" + option->get_lnames().front());
+    if (option->get_items_expected_max() == 0) continue;  // a flag
+    // "--name=value", since a value may begin with a minus sign.
+    const std::vector<std::string>& values = option->results();
+    line.back() += "=" + values.front();
+    line.insert(line.end(), values.begin() + 1, values.end());
+  }
+  return line;
+}
+
+void PackArguments::require_no_paths() {
+  input_->required(false);
+  output_->required(false);
+}
+
+Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments) {
+  CLI::App app;
+  PackArguments parsed;
+  parsed.add_to(app);
+  parsed.require_no_paths();
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  try {
+    app.parse(std::move(reversed));
+  } catch (const CLI::Error& error) {
+    return fail(ErrorCode::argument, error.what());
+  }
+  return parsed.options();
+}
+
+}  // namespace pointreel

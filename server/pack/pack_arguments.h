@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "pointreel/error.h"
+#include "server/encode/sequence_arguments.h"
+#include "server/pack/pack_options.h"
+
+namespace pointreel {
+
+/// The options of `pack` on a command line.
+class PackArguments {
+ public:
+  /// Adds them to a command, which this object must outlive.
+  void add_to(CLI::App& command);
+
+  /// What was given; an error if some of it does not go together.
+  Result<PackOptions> options() const;
+
+  /// What was given, as a command line that stands for the same options, without the input, the
+  /// output and --force. To be called once the command was parsed.
+  std::vector<std::string> command_line() const;
+
+  /// Input and output are not required after this.
+  void require_no_paths();
+
+ private:
+  PackOptions options_;
+  SequenceArguments sequence_;
+  CLI::App* command_ = nullptr;
+  CLI::Option *input_ = nullptr, *output_ = nullptr, *force_ = nullptr;
+};
+
+/// The options that PackArguments::command_line stands for; without input and output.
+Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments);
+
+}  // namespace pointreel

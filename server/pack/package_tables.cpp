@@ -1,0 +1,33 @@
+#include "server/pack/package_tables.h"
+
+#include <utility>
+#include <vector>
+
+#include "codec/sequence/layer_writer.h"
+#include "codec/training/sequence_tables.h"
+#include "common/base/output_folder.h"
+#include "common/base/try.h"
+#include "server/pack/sample_trees.h"
+
+namespace pointreel {
+
+Result<PackageTables> learn_package_tables(std::span<const std::filesystem::path> files,
+                                           PackOptions& options,
+                                           const std::filesystem::path& folder,
+                                           const std::stop_token& stop) {
+  Result<std::vector<Svo>> sampled = sample_trees(files, options, stop);
+  if (stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+  const std::vector<Svo> samples = TRY(std::move(sampled));
+  const SequenceTables learnt = TRY(learn_tables(samples, files.size()));
+  PackageTables tables{{samples.size(), learnt.file.size(), learnt.saved_bytes}, {}};
+  if (learnt.file.empty()) return tables;
+  std::get<OctreeOptions>(options.encode.codec).tables = TRY(read_table_file(learnt.file));
+  LayerWriter writer(folder, "tables");
+  writer.append({learnt.file, {}, {}});
+  Result<LayerFile> file = writer.finish();
+  if (!file) return fail_at(options.output.string(), file.error());
+  tables.file = std::move(*file);
+  return tables;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "pointreel/error.h"
+
+namespace pointreel {
+
+struct JoinReport {
+  std::uint32_t frames = 0, segments = 0;
+  std::uint64_t bytes = 0;  ///< of all files of the package
+};
+
+/// Makes the package of the parts of a plan (plan.h), which is either complete or absent. Layer
+/// files are linked, not copied, where the file system can. The folder of the parts is removed
+/// afterwards. An error if segments are missing, which says where the first one begins; or if a
+/// layer file has not the size that its manifest says.
+Result<JoinReport> join_parts(const std::filesystem::path& output);
+
+}  // namespace pointreel

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "pointreel/error.h"
+#include "pointreel/package.h"
+#include "server/pack/pack_options.h"
+#include "server/pack/packer.h"
+
+/// Packing in parts, by any number of processes on any number of machines that share a file system.
+///
+///   make_plan   decides what all parts must agree on, and writes it to a folder beside the output
+///   pack_part   packs some of the segments into that folder (pack_part.h)
+///   join_parts  makes the package of them (join_parts.h)
+///
+/// The package has the same bytes as if one process had packed it.
+namespace pointreel {
+
+/// A source file, as it was when the plan was made.
+struct PlannedFile {
+  std::filesystem::path path;  ///< absolute
+  std::uint64_t bytes = 0;
+};
+
+/// What `plan.json` says.
+struct PackPlan {
+  /// The options of `pack` as a command line, without input and output. Each part parses them
+  /// again, so that an option that is added to `pack` holds for parts as well.
+  std::vector<std::string> arguments;
+  std::string name;                   ///< of the reel
+  std::uint32_t segment_frames = 30;  ///< of each segment but the last
+  bool force = false;                 ///< join may replace a package
+  std::vector<PlannedFile> files;     ///< one for each frame
+  std::optional<PackageFile> tables;  ///< in the folder of the plan
+
+  std::uint32_t segments() const {
+    return static_cast<std::uint32_t>((files.size() + segment_frames - 1) / segment_frames);
+  }
+  std::uint32_t first_frame(std::uint32_t segment) const { return segment * segment_frames; }
+  /// The files of a segment.
+  std::span<const PlannedFile> files_of(std::uint32_t segment) const;
+};
+
+/// The folder of a plan and its parts: OUTPUT.parts.
+std::filesystem::path parts_folder(const std::filesystem::path& output);
+
+/// The manifest of one segment in that folder. It is there if and only if the segment is whole.
+std::filesystem::path segment_manifest(const std::filesystem::path& folder,
+                                       std::uint32_t first_frame);
+
+struct MadePlan {
+  std::uint32_t frames = 0, segments = 0;
+  std::optional<LearntTables> learnt;  ///< with PackOptions::train
+};
+
+/// Lists the input files, learns context tables if that is asked for, and writes the plan.
+/// `arguments` are PackPlan::arguments and must have been parsed into `options`. A plan that is
+/// already there is replaced, with its parts, if options.force is set. Errors: `argument` for
+/// PackOptions::frame_time_ms, which would make bytes depend on the machine, and for an output that
+/// exists and may not be replaced.
+Result<MadePlan> make_plan(const PackOptions& options, std::vector<std::string> arguments,
+                           const std::stop_token& stop = {});
+
+/// Reads the plan for this output. The error begins with the path; its code is `not_found` if there
+/// is no plan.
+///
+/// Trust: the text may be damaged. Its memory is bounded by a constant times its size.
+Result<PackPlan> read_plan(const std::filesystem::path& output);
+
+}  // namespace pointreel

@@ -45,7 +45,7 @@ Result<std::string> sbatch(std::vector<std::string> arguments, const SlurmOption
   arguments.push_back(script.string());
   const ProgramOutcome outcome = TRY(run_program(arguments));
   std::string id = trimmed(outcome.out);
-  if (outcome.exit_code != 0) return fail(ErrorCode::io, visible(id));
+  if (outcome.exit_code != 0) return fail(ErrorCode::io, visible(id.substr(0, id.find('\n'))));
   // Warnings come first; with several clusters, the cluster's name comes after a semicolon.
   id.erase(0, id.rfind('\n') + 1);
   id.erase(std::min(id.find(';'), id.size()));
@@ -83,24 +83,27 @@ class FrameCount {
   std::uint32_t frames_ = 0;
 };
 
-/// The last line of a file, for people; empty if there is none.
-std::string last_line(const fs::path& path) {
-  std::ifstream in(path);
+/// The last error in what a job has written, for people; empty if there is none.
+std::string last_error(const fs::path& log) {
+  constexpr std::string_view kOurs = "pointreel-server: ", kSlurms = "slurmstepd: error: ";
+  std::ifstream in(log);
   std::string line, last;
   while (std::getline(in, line)) {
-    if (!line.empty()) last = line;
+    for (const std::string_view mark : {kOurs, kSlurms}) {
+      if (line.starts_with(mark)) last = line.substr(mark.size());
+    }
   }
   return visible(last);
 }
 
-/// What jobs wrote last, of the first one that has written anything.
-std::string what_jobs_say(const fs::path& folder, std::uint32_t parts) {
+/// The first job that has written an error, and its error.
+std::string error_of_jobs(const fs::path& folder, std::uint32_t parts) {
   for (std::uint32_t part = 1; part <= parts; ++part) {
-    const std::string line = last_line(folder / fmt::format("part-{}.log", part));
-    if (!line.empty()) return fmt::format("part {}: {}", part, line);
+    const std::string error = last_error(folder / fmt::format("part-{}.log", part));
+    if (!error.empty()) return fmt::format("part {}: {}", part, error);
   }
-  const std::string line = last_line(folder / "join.log");
-  return line.empty() ? "the jobs have written nothing; squeue and sacct may know more" : line;
+  const std::string error = last_error(folder / "join.log");
+  return error.empty() ? "no job has written an error; sacct may know why they ended" : error;
 }
 
 void pause(std::chrono::milliseconds time, const std::stop_token& stop) {
@@ -153,12 +156,14 @@ Result<void> wait_for_slurm(const PackPlan& plan, const SlurmOptions& options,
                             const std::stop_token& stop) {
   const fs::path folder = parts_folder(options.output);
   FrameCount count(plan, folder);
+  // The join removes the folder of the parts when the package is in place.
+  const auto joined = [&] {
+    std::error_code ignored;
+    return !fs::exists(folder, ignored) && fs::exists(options.output / kManifestName, ignored);
+  };
   constexpr int kLooksPerQuestion = 10;  // squeue asks a server that others need, too
   for (int look = 0;; ++look) {
-    std::error_code ignored;
-    // The join removes the folder of the parts when the package is in place.
-    if (!fs::exists(folder, ignored) && fs::exists(options.output / kManifestName, ignored))
-      return {};
+    if (joined()) return {};
     frames_done(count.now());
     if (stop.stop_requested()) {
       return fail(ErrorCode::cancelled,
@@ -166,11 +171,10 @@ Result<void> wait_for_slurm(const PackPlan& plan, const SlurmOptions& options,
                               jobs.parts, jobs.join));
     }
     if (look % kLooksPerQuestion == kLooksPerQuestion - 1 && !in_queue(jobs)) {
-      if (!fs::exists(folder, ignored) && fs::exists(options.output / kManifestName, ignored))
-        return {};
+      if (joined()) return {};
       return fail(fmt::format("{} of {} packed; {}", count.now(),
                               counted(plan.files.size(), "frame is", "frames are"),
-                              what_jobs_say(folder, options.parts)));
+                              error_of_jobs(folder, options.parts)));
     }
     pause(500ms, stop);
   }

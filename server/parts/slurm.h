@@ -31,7 +31,7 @@ Result<SlurmJobs> submit_to_slurm(const PackPlan& plan, const SlurmOptions& opti
 
 /// Waits until both jobs have ended, and calls `frames_done` with the number of frames that are
 /// packed. The package is what tells success: Slurm drops the join if a part fails. The error then
-/// holds the last line that a part wrote. If `stop` is requested, returns the error `cancelled`,
+/// holds the error of a part. If `stop` is requested, returns the error `cancelled`,
 /// and the jobs go on.
 Result<void> wait_for_slurm(const PackPlan& plan, const SlurmOptions& options,
                             const SlurmJobs& jobs,

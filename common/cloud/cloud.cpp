@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "common/base/characters.h"
 #include "common/cloud/keep_points.h"
 
 namespace pointreel {
@@ -35,7 +37,24 @@ std::size_t clear_unusable(std::vector<float>& radii) {
   return unusable;
 }
 
+/// Whether any value is known.
+bool clear_infinite(std::vector<float>& values) {
+  bool any = false;
+  for (float& value : values) {
+    if (std::isfinite(value)) {
+      any = true;
+    } else {
+      value = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return any;
+}
+
 }  // namespace
+
+bool is_scalar_name(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxScalarName && is_harmless(name);
+}
 
 Box bounds(const PointCloud& cloud) {
   if (cloud.empty()) return {};
@@ -70,6 +89,7 @@ SanitizeReport sanitize(PointCloud& cloud) {
     }
   }
   report.unknown_radii = clear_unusable(cloud.radii);
+  std::erase_if(cloud.scalars, [](ScalarField& field) { return !clear_infinite(field.values); });
   return report;
 }
 

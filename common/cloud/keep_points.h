@@ -20,6 +20,7 @@ std::size_t keep_points(PointCloud& cloud, const Keeps& keeps) {
       if (normals) cloud.normals[to] = cloud.normals[i];
       if (colors) cloud.colors[to] = cloud.colors[i];
       if (radii) cloud.radii[to] = cloud.radii[i];
+      for (ScalarField& field : cloud.scalars) field.values[to] = field.values[i];
     }
     ++to;
   }
@@ -27,6 +28,7 @@ std::size_t keep_points(PointCloud& cloud, const Keeps& keeps) {
   if (normals) cloud.normals.resize(to);
   if (colors) cloud.colors.resize(to);
   if (radii) cloud.radii.resize(to);
+  for (ScalarField& field : cloud.scalars) field.values.resize(to);
   return count - to;
 }
 

@@ -27,8 +27,16 @@ namespace {
 /// hold.
 constexpr std::size_t kBlockRows = 512;
 
-/// The values that a vertex may have. A vector takes three consecutive numbers.
-enum Role : std::size_t { kPosition = 0, kNormal = 3, kColor = 6, kRadius = 9, kRoles = 10 };
+/// The values that a vertex may have. A vector takes three consecutive numbers, and each scalar
+/// field one.
+enum Role : std::size_t {
+  kPosition = 0,
+  kNormal = 3,
+  kColor = 6,
+  kRadius = 9,
+  kScalar = 10,
+  kRoles = kScalar + kMaxScalars
+};
 
 using Block = std::array<std::array<double, kBlockRows>, kRoles>;
 
@@ -52,6 +60,21 @@ void assign_vector(const PlyElement& element, Role role, RoleProperties& propert
   }
 }
 
+bool is_taken(const RoleProperties& properties, std::size_t property) {
+  return std::find(properties.begin(), properties.end(), static_cast<int>(property)) !=
+         properties.end();
+}
+
+/// After all others.
+void assign_scalars(const PlyElement& element, RoleProperties& properties) {
+  std::size_t role = kScalar;
+  for (std::size_t i = 0; i < element.properties.size() && role < kRoles; ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (property.is_list || is_taken(properties, i) || !is_scalar_name(property.name)) continue;
+    properties[role++] = static_cast<int>(i);
+  }
+}
+
 Result<RoleProperties> assign_roles(const PlyElement& vertex) {
   RoleProperties properties;
   properties.fill(-1);
@@ -67,6 +90,7 @@ Result<RoleProperties> assign_roles(const PlyElement& vertex) {
                  {"r", "g", "b"},
                  {"diffuse_red", "diffuse_green", "diffuse_blue"}});
   properties[kRadius] = find_scalar(vertex, "radius");
+  assign_scalars(vertex, properties);
   return properties;
 }
 
@@ -122,6 +146,11 @@ class CloudBuilder {
     if (has_normals_) cloud_.normals.reserve(max_rows);
     if (has_colors_) colors_.reserve(max_rows);
     if (has_radii_) cloud_.radii.reserve(max_rows);
+    for (std::size_t role = kScalar; role < kRoles && properties[role] >= 0; ++role) {
+      const auto property = static_cast<std::size_t>(properties[role]);
+      cloud_.scalars.push_back({vertex.properties[property].name, {}});
+      cloud_.scalars.back().values.reserve(max_rows);
+    }
   }
 
   void append(const Block& block, std::size_t rows) {
@@ -137,6 +166,10 @@ class CloudBuilder {
     if (has_colors_) append_colors(block, rows);
     for (std::size_t i = 0; i < rows && has_radii_; ++i) {
       cloud_.radii.push_back(static_cast<float>(block[kRadius][i]));
+    }
+    for (std::size_t field = 0; field < cloud_.scalars.size(); ++field) {
+      for (std::size_t i = 0; i < rows; ++i)
+        cloud_.scalars[field].values.push_back(static_cast<float>(block[kScalar + field][i]));
     }
   }
 
@@ -398,9 +431,12 @@ class AsciiBody {
         if (role_of[i] == kRoles && !property.is_list) continue;
         double value = 0.0;
         if (!parse(word, value)) {
-          return fail(concat("line ", line_, ": property ", printable(property.name), " of ",
-                             name_row(element, row), " is '", printable(word),
-                             "', which is not a number"));
+          if (property.is_list || role_of[i] < kScalar) {
+            return fail(concat("line ", line_, ": property ", printable(property.name), " of ",
+                               name_row(element, row), " is '", printable(word),
+                               "', which is not a number"));
+          }
+          value = std::numeric_limits<double>::quiet_NaN();
         }
         if (property.is_list) {
           if (!(value >= 0.0)) {

@@ -22,6 +22,8 @@ namespace pointreel {
 ///              than 255; NaN is 0; char is read as the uchar of the same bits; other integers are
 ///              8-bit values, clamped
 ///   radii      radius
+///   scalars    the first kMaxScalars of all other scalar properties whose names can be those of
+///              scalar fields; in ascii, what is not a number is NaN
 /// The cloud does not have an attribute that is missing or incomplete. Everything else is skipped,
 /// and bytes after the last element are ignored.
 ///
@@ -44,7 +46,10 @@ Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread = n
 /// The cloud as a binary little-endian PLY file in world coordinates: positions as float where that
 /// loses nothing (the origin is 0, or every world coordinate is a float), otherwise as double;
 /// normals as float; colours as uchar where 8 bits suffice (`colors_fit_8_bits`), otherwise as
-/// ushort; radii as float "radius". read_ply restores the world coordinates and attributes exactly.
+/// ushort; radii as float "radius"; scalar fields as float, in the order in which the cloud has
+/// them. read_ply restores the world coordinates and attributes exactly. Names of scalar fields
+/// lose their blanks, which become "_", and begin with "scalar_" where another property has that
+/// name or read_ply would take the field for another attribute.
 Bytes ply_bytes(const PointCloud& cloud);
 
 /// The same with faces: triangles of vertices of the cloud, as an element "face" after the

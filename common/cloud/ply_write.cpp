@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstring>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -36,6 +38,23 @@ std::uint8_t* put_vector(std::uint8_t* at, const glm::vec<N, V>& v) {
   return at;
 }
 
+/// Names for the scalar fields that a PLY header can hold, and that read_ply gives to no other
+/// attribute.
+std::vector<std::string> names_of(const std::vector<ScalarField>& scalars) {
+  std::set<std::string> taken = {
+      "x",           "y",     "z",    "nx", "ny", "nz", "normal_x", "normal_y",    "normal_z",
+      "red",         "green", "blue", "r",  "g",  "b",  "radius",   "diffuse_red", "diffuse_green",
+      "diffuse_blue"};
+  std::vector<std::string> names;
+  for (const ScalarField& field : scalars) {
+    std::string name = field.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    while (!taken.insert(name).second) name.insert(0, "scalar_");
+    names.push_back(name);
+  }
+  return names;
+}
+
 /// Faces of null: the file has no such element, as clouds have none.
 Bytes bytes_of(const PointCloud& cloud, const std::span<const glm::uvec3>* faces) {
   const bool as_float = world_fits_float(cloud);
@@ -59,6 +78,8 @@ Bytes bytes_of(const PointCloud& cloud, const std::span<const glm::uvec3>* faces
     declare("float", {"radius"});
     row_size += 4;
   }
+  for (const std::string& name : names_of(cloud.scalars)) declare("float", {name.c_str()});
+  row_size += 4 * cloud.scalars.size();
   std::size_t face_bytes = 0;
   if (faces != nullptr) {
     header +=
@@ -78,6 +99,7 @@ Bytes bytes_of(const PointCloud& cloud, const std::span<const glm::uvec3>* faces
                     : put_vector<std::uint16_t>(at, color);
     }
     if (cloud.has_radii()) at = put(at, cloud.radii[i]);
+    for (const ScalarField& field : cloud.scalars) at = put(at, field.values[i]);
   }
   if (faces != nullptr) {
     for (const glm::uvec3& triangle : *faces)

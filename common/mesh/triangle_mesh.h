@@ -8,8 +8,8 @@
 
 namespace pointreel {
 
-/// A surface of triangles. The vertices are a cloud with normals, without radii, and with colours
-/// if what the mesh was made of has any.
+/// A surface of triangles. The vertices are a cloud with normals, without radii and scalar fields,
+/// and with colours if what the mesh was made of has any.
 struct TriangleMesh {
   PointCloud vertices;
   std::vector<glm::uvec3> triangles;  ///< counter-clockwise as seen from outside

@@ -37,7 +37,7 @@ struct CleanReport {
 /// Moves the points of a scanned cloud onto the surface that they are noisy samples of
 /// (point_surface.h), gives them its normals, and removes points that no surface supports, such as
 /// those between an edge and what lies behind it. Where there is much noise, colours become means
-/// of those around them; radii stay.
+/// of those around them; radii and scalar fields stay.
 ///
 /// The normals of the cloud tell its two sides apart; without normals they are estimated
 /// (normals.h). The noise is estimated from the distances between points and surface. The radius of

@@ -31,8 +31,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(!cloud->has_normals() || cloud->normals.size() == cloud->size());
   require(!cloud->has_colors() || cloud->colors.size() == cloud->size());
   require(!cloud->has_radii() || cloud->radii.size() == cloud->size());
+  require(cloud->scalars.size() <= kMaxScalars);
+  for (const ScalarField& field : cloud->scalars)
+    require(is_scalar_name(field.name) && field.values.size() == cloud->size());
   const Result<PointCloud> again = read_ply(ply_bytes(*cloud));
   require(again.has_value() && again->size() == cloud->size() && again->colors == cloud->colors);
   require(again->has_normals() == cloud->has_normals() && again->has_radii() == cloud->has_radii());
+  require(again->scalars.size() == cloud->scalars.size());
   return 0;
 }

@@ -199,6 +199,59 @@ TEST(Ply, accepts_alternative_names_of_colours_and_normals) {
   EXPECT_EQ(cloud.radii.at(0), 0.5f);
 }
 
+TEST(Ply, reads_scalar_properties_without_another_meaning_as_scalar_fields) {
+  const PointCloud cloud = read(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty uchar class\nproperty float x\n"
+      "property float y\nproperty list uchar int tags\nproperty float z\n"
+      "property double intensity\nproperty uchar red\nend_header\n"
+      "2 0 0 1 7 0 0.25 9\n6 1 1 0 1 unknown 8\n");
+  ASSERT_EQ(cloud.scalars.size(), 3u);
+  EXPECT_EQ(cloud.scalars[0].name, "class");
+  EXPECT_EQ(cloud.scalars[0].values, (std::vector<float>{2, 6}));
+  EXPECT_EQ(cloud.scalars[1].name, "intensity");
+  EXPECT_EQ(cloud.scalars[1].values[0], 0.25f);
+  EXPECT_TRUE(std::isnan(cloud.scalars[1].values[1]));
+  EXPECT_EQ(cloud.scalars[2].name, "red") << "without green and blue, it is no colour";
+}
+
+TEST(Ply, reads_no_more_scalar_fields_than_a_cloud_may_have_and_names_the_others) {
+  const std::string long_name(kMaxScalarName + 1, 'n');
+  std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float " + long_name + "\n";
+  std::string row = "0 ";
+  for (std::size_t i = 0; i < kMaxScalars + 1; ++i) {
+    header += "property int s" + std::to_string(i) + "\n";
+    row += std::to_string(i) + " ";
+  }
+  header += "property float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::string file = header + row + "1 2 3\n";
+  std::vector<std::string> unread;
+  const PointCloud cloud = read_ply(view(file), &unread).value();
+  ASSERT_EQ(cloud.scalars.size(), kMaxScalars);
+  EXPECT_EQ(cloud.scalars.back().name, "s7");
+  EXPECT_EQ(cloud.scalars.back().values, std::vector<float>{7});
+  ASSERT_EQ(unread.size(), 2u);
+  EXPECT_EQ(unread[1], "s8");
+}
+
+TEST(Ply, writes_scalar_fields_so_that_they_are_read_again) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}, {4, 5, 6}};
+  cloud.radii = {1, 2};
+  cloud.scalars = {{"intensity", {0.1f, std::numeric_limits<float>::max()}},
+                   {"radius", {3, 4}},
+                   {"scan angle", {-5, 6}},
+                   {"scan_angle", {7, 8}}};
+  const PointCloud again = read_ply(ply_bytes(cloud)).value();
+  EXPECT_EQ(again.radii, cloud.radii);
+  ASSERT_EQ(again.scalars.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(again.scalars[i].values, cloud.scalars[i].values);
+  EXPECT_EQ(again.scalars[0].name, "intensity");
+  EXPECT_EQ(again.scalars[1].name, "scalar_radius");
+  EXPECT_EQ(again.scalars[2].name, "scan_angle");
+  EXPECT_EQ(again.scalars[3].name, "scalar_scan_angle");
+}
+
 TEST(Ply, treats_an_incomplete_attribute_as_absent) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

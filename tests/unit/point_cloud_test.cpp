@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,7 @@ TEST(Sanitize, drops_points_without_a_finite_position_with_all_their_attributes)
   cloud.colors = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}};
   cloud.normals = {{1, 0, 0}, {0, 1, 0}, {0, 1, 0}, {0, 0, 1}};
   cloud.radii = {1, 1, 1, 2};
+  cloud.scalars = {{"class", {5, 6, 7, 8}}};
   const SanitizeReport report = sanitize(cloud);
   EXPECT_EQ(report.dropped_positions, 2u);
   ASSERT_EQ(cloud.size(), 2u);
@@ -25,6 +27,7 @@ TEST(Sanitize, drops_points_without_a_finite_position_with_all_their_attributes)
   EXPECT_EQ(cloud.colors[1], glm::u16vec3(4, 4, 4));
   EXPECT_EQ(cloud.normals[1], glm::vec3(0, 0, 1));
   EXPECT_EQ(cloud.radii[1], 2.0f);
+  EXPECT_EQ(cloud.scalars[0].values, (std::vector<float>{5, 8}));
   EXPECT_EQ(bounds(cloud).max, glm::dvec3(4, 5, 6));
 }
 
@@ -53,6 +56,27 @@ TEST(Sanitize, zeroes_unusable_and_huge_radii) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(cloud.radii[i], 0.0f);
   EXPECT_EQ(cloud.radii[4], 2.0f);
   EXPECT_EQ(cloud.radii[5], 0.5f);
+}
+
+TEST(Sanitize, takes_infinite_scalars_for_unknown_and_removes_fields_without_a_known_value) {
+  PointCloud cloud;
+  cloud.positions.resize(3);
+  cloud.scalars = {{"none", {kNan, kInfinity, -kInfinity}}, {"some", {1, kInfinity, kNan}}};
+  EXPECT_TRUE(sanitize(cloud).clean());
+  ASSERT_EQ(cloud.scalars.size(), 1u);
+  EXPECT_EQ(cloud.scalars[0].name, "some");
+  EXPECT_EQ(cloud.scalars[0].values[0], 1.0f);
+  EXPECT_TRUE(std::isnan(cloud.scalars[0].values[1]));
+}
+
+TEST(ScalarName, is_short_and_harmless_text) {
+  EXPECT_TRUE(is_scalar_name("scan angle"));
+  EXPECT_TRUE(is_scalar_name("Intensit\xc3\xa4t"));
+  EXPECT_TRUE(is_scalar_name(std::string(kMaxScalarName, 'a')));
+  EXPECT_FALSE(is_scalar_name(""));
+  EXPECT_FALSE(is_scalar_name(std::string(kMaxScalarName + 1, 'a')));
+  EXPECT_FALSE(is_scalar_name("a\nb"));
+  EXPECT_FALSE(is_scalar_name("\xff"));
 }
 
 TEST(Sanitize, removes_radii_if_none_is_usable) {

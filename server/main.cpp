@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.set_help_all_flag("--help-all", "Print the help of all subcommands and exit");
   int exit_code = pointreel::kExitOk;
   pointreel::add_pack_command(app, exit_code);
+  pointreel::add_audio_command(app, exit_code);
   pointreel::add_inspect_commands(app, exit_code);
   pointreel::add_serve_command(app, exit_code);
   pointreel::add_publish_command(app, exit_code);

@@ -2,27 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <initializer_list>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "client/record/matroska.h"
+#include "common/base/ffmpeg.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -39,7 +32,7 @@ std::string format_of(const std::string& path) {
 std::vector<std::string> arguments(const std::string& path, const std::string& part,
                                    const std::optional<FrameRate>& rate) {
   const std::string format = format_of(path);
-  std::vector<std::string> all = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error"};
+  std::vector<std::string> all;
   const auto add = [&](std::initializer_list<std::string> more) {
     all.insert(all.end(), more.begin(), more.end());
   };
@@ -71,20 +64,6 @@ std::vector<std::string> arguments(const std::string& path, const std::string& p
   return all;
 }
 
-/// ffmpeg's first message, without the component and the address at its beginning, such as
-/// "[libx264 @ 0x55d0] ".
-std::string first_line(int file) {
-  std::array<char, 1024> buffer;
-  const ssize_t size = pread(file, buffer.data(), buffer.size(), 0);
-  std::string text(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(0, size)));
-  text.resize(std::min(text.find_first_of("\r\n"), text.size()));
-  if (const std::size_t end = text.find("] "); text.starts_with('[') && end != std::string::npos)
-    text.erase(0, end + 2);
-  for (char& c : text)
-    if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
-  return text;
-}
-
 tl::unexpected<Error> missing(const std::string& program) {
   return fail(ErrorCode::not_found,
               program +
@@ -97,21 +76,7 @@ tl::unexpected<Error> missing(const std::string& program) {
 bool is_video(const std::string& path) { return !format_of(path).empty(); }
 
 Result<void> find_ffmpeg(const std::string& program) {
-  const auto executable = [](const std::filesystem::path& file) {
-    std::error_code none;
-    return std::filesystem::is_regular_file(file, none) && access(file.c_str(), X_OK) == 0;
-  };
-  if (program.find('/') != std::string::npos) {
-    if (executable(program)) return {};
-  } else {
-    const char* path = std::getenv("PATH");
-    std::string_view folders = path != nullptr ? path : "/bin:/usr/bin";
-    while (!folders.empty()) {
-      const std::size_t end = std::min(folders.find(':'), folders.size());
-      if (executable(std::filesystem::path(folders.substr(0, end)) / program)) return {};
-      folders.remove_prefix(std::min(end + 1, folders.size()));
-    }
-  }
+  if (is_installed(program)) return {};
   return missing(program);
 }
 
@@ -135,34 +100,10 @@ Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>&
     return fail(ErrorCode::io,
                 fmt::format("{}: cannot be recorded: {}", path_, std::strerror(errno)));
   input_ = ends[0];
-  messages_ = memfd_create("ffmpeg", MFD_CLOEXEC);
-
-  std::vector<std::string> words = arguments(path_, part(), rate);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  if (messages_ >= 0) posix_spawn_file_actions_adddup2(&files, messages_, STDERR_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&files, 3);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  pid_t process = -1;
-  const int failed =
-      posix_spawnp(&process, program.c_str(), &files, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
+  auto started = Ffmpeg::start(arguments(path_, part(), rate), ends[1], -1, program);
   close(ends[1]);
-  if (failed == ENOENT) return missing(program);
-  if (failed != 0)
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be run: {}", program, std::strerror(failed)));
-  process_ = process;
+  if (!started && started.error().code == ErrorCode::not_found) return missing(program);
+  ffmpeg_.emplace(TRY(std::move(started)));
   const std::string head =
       matroska_head(static_cast<std::uint32_t>(size.x), static_cast<std::uint32_t>(size.y));
   if (!send(head.data(), head.size())) return died();
@@ -170,10 +111,9 @@ Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>&
 }
 
 VideoWriter::~VideoWriter() {
-  if (process_ >= 0) kill(process_, SIGKILL);
-  const bool unfinished = process_ >= 0;
+  const bool unfinished = ffmpeg_ && input_ >= 0;
+  if (unfinished) ffmpeg_->kill();
   wait();
-  if (messages_ >= 0) close(messages_);
   if (unfinished) std::remove(part().c_str());
 }
 
@@ -191,8 +131,7 @@ Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
 }
 
 Result<void> VideoWriter::finish() {
-  wait();
-  if (status_ != 0) return died();
+  if (!wait()) return died();
   if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
   return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
 }
@@ -209,19 +148,15 @@ bool VideoWriter::send(const void* bytes, std::size_t size) const {
   return true;
 }
 
-void VideoWriter::wait() {
+bool VideoWriter::wait() {
   if (input_ >= 0) close(std::exchange(input_, -1));
-  if (process_ < 0) return;
-  while (waitpid(process_, &status_, 0) < 0 && errno == EINTR) {
-  }
-  process_ = -1;
+  return !ffmpeg_ || ffmpeg_->wait();
 }
 
 tl::unexpected<Error> VideoWriter::died() {
   wait();
   std::remove(part().c_str());
-  std::string why = messages_ >= 0 ? first_line(messages_) : "";
-  if (why.empty() && WIFSIGNALED(status_)) why = strsignal(WTERMSIG(status_));
+  const std::string why = ffmpeg_->reason();
   return fail(ErrorCode::io, fmt::format("{}: was not recorded: ffmpeg ended{}{}", path_,
                                          why.empty() ? "" : ": ", why));
 }

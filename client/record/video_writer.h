@@ -8,6 +8,7 @@
 
 #include "client/record/frame_rate.h"
 #include "client/record/recorder.h"
+#include "common/base/ffmpeg.h"
 
 namespace pointreel {
 
@@ -49,15 +50,14 @@ class VideoWriter : public Recorder {
                      const std::string& program);
   /// Returns false if ffmpeg has ended.
   bool send(const void* bytes, std::size_t size) const;
-  void wait();
+  /// Lets ffmpeg end, and says whether all went well.
+  bool wait();
   tl::unexpected<Error> died();
 
   const std::string path_;
   glm::ivec2 size_{0};
-  int input_ = -1;     ///< a socket to ffmpeg's standard input
-  int messages_ = -1;  ///< a nameless file for ffmpeg's standard error
-  int process_ = -1;   ///< -1 after ffmpeg has ended
-  int status_ = 0;     ///< of waitpid
+  int input_ = -1;  ///< a socket to ffmpeg's standard input
+  std::optional<Ffmpeg> ffmpeg_;
   std::optional<std::uint64_t> last_time_us_;
 };
 

@@ -14,6 +14,7 @@ std::uint32_t Manifest::frame_count() const {
 std::vector<const PackageFile*> Manifest::files() const {
   std::vector<const PackageFile*> files;
   if (tables) files.push_back(&*tables);
+  if (audio) files.push_back(&*audio);
   for (const Segment& segment : segments) {
     for (const LayerFile& file : segment.layers) files.push_back(&file);
   }

@@ -49,6 +49,14 @@ Result<PackageFile> parse_file(const JsonValue& object) {
   return file;
 }
 
+Result<AudioFile> parse_audio(const JsonValue& object) {
+  AudioFile audio{TRY(parse_file(object)), 0};
+  Fields fields(object);
+  audio.samples = fields.integer("samples", kMaxInteger);
+  TRY(fields.check());
+  return audio;
+}
+
 Result<LayerFile> parse_layer(const JsonValue& object) {
   LayerFile file{TRY(parse_file(object)), {}};
   Fields fields(object);
@@ -175,6 +183,9 @@ Result<Manifest> parse_root(const JsonValue& root) {
   }
   if (fields.has("tables")) {
     manifest.tables = TRY(at_place("tables", parse_file(*fields.value("tables"))));
+  }
+  if (fields.has("audio")) {
+    manifest.audio = TRY(at_place("audio", parse_audio(*fields.value("audio"))));
   }
   if (fields.has("partial")) manifest.partial = fields.boolean("partial");
   TRY(fields.check());

@@ -177,6 +177,15 @@ Result<void> check_manifest(const Manifest& manifest) {
     TRY(at_place("tables", check_file(*manifest.tables, kMaxTablesBytes)));
     paths.insert(manifest.tables->path);
   }
+  if (manifest.audio) {
+    TRY(at_place("audio", check_file(*manifest.audio, kMaxAudioBytes)));
+    if (manifest.audio->samples == 0 || manifest.audio->samples > kMaxInteger) {
+      return fail("audio: samples: is not from 1 to 2^53 - 1");
+    }
+    if (!paths.insert(manifest.audio->path).second) {
+      return fail(concat("audio: \"", manifest.audio->path, "\" is used twice"));
+    }
+  }
   if (manifest.live && manifest.live->start_us > kMaxInteger) {
     return fail("live: start_us: is above 2^53 - 1");
   }

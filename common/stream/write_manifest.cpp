@@ -74,6 +74,10 @@ ordered_json head_json(const Manifest& manifest) {
                         {"radius", cleaning->radius}};
   }
   if (manifest.tables) head["tables"] = to_json(*manifest.tables);
+  if (manifest.audio) {
+    head["audio"] = to_json(static_cast<const PackageFile&>(*manifest.audio));
+    head["audio"]["samples"] = manifest.audio->samples;
+  }
   if (manifest.partial) head["partial"] = true;
   if (manifest.live) {
     head["live"] = {{"session", fmt::format("{:016x}", manifest.live->session)},

@@ -35,7 +35,7 @@ struct Fault {
 
 struct VerifyReport {
   std::uint32_t frames = 0, files = 0;
-  std::uint64_t bytes = 0;    ///< of the layer files and tables
+  std::uint64_t bytes = 0;    ///< of all files but the manifest
   std::vector<Fault> faults;  ///< of files first, then of frames, each in order
 };
 
@@ -47,8 +47,9 @@ struct InspectListener {
   std::stop_token stop;
 };
 
-/// Checks the size and checksum of every file, decodes every frame in full, and compares it with
-/// what the manifest and the frame's own header say. An error if the folder is not a package.
+/// Checks the size and checksum of every file, decodes the sound and every frame in full, and
+/// compares it with what the manifest and the frame's own header say. An error if the folder is not
+/// a package.
 ///
 /// `max_memory`: as in DecodeLimits.
 Result<VerifyReport> verify(const std::filesystem::path& folder,
@@ -85,8 +86,9 @@ struct UnpackReport {
   std::uint32_t without_mesh = 0;  ///< frames with points through which no surface goes
 };
 
-/// Writes decoded frames as `frame_00000.ply`, ... at their original coordinates; the names of
-/// meshes end as their format says. Like a package, the folder is either complete or absent.
+/// Writes decoded frames as `frame_00000.ply`, ..., and the whole sound as `audio.opus`, at their
+/// original coordinates; the names of meshes end as their format says. Like a package, the folder
+/// is either complete or absent.
 Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener = {});
 
 }  // namespace pointreel

@@ -48,9 +48,14 @@ Totals totals_of(const Manifest& manifest) {
       totals.bytes += segment.layers[i].bytes;
     }
   }
+  if (manifest.audio) totals.bytes += manifest.audio->bytes;
   if (manifest.tables) totals.bytes += manifest.tables->bytes;
   if (manifest.segments.empty()) totals.fewest = 0;
   return totals;
+}
+
+double audio_seconds(const AudioFile& audio) {
+  return static_cast<double>(audio.samples) / kAudioRate;
 }
 
 ordered_json info_json(const Manifest& manifest, const Totals& totals) {
@@ -65,9 +70,11 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
   }
   ordered_json error;
   if (totals.max_error) error = *totals.max_error;
-  ordered_json entropy, tables;
+  ordered_json entropy, tables, audio;
   if (!manifest.entropy.empty()) entropy = manifest.entropy;
   if (manifest.tables) tables = {{"bytes", manifest.tables->bytes}};
+  if (manifest.audio)
+    audio = {{"duration_s", audio_seconds(*manifest.audio)}, {"bytes", manifest.audio->bytes}};
   return {{"name", manifest.name},
           {"version", kPackageVersion},
           {"codec", manifest.codec},
@@ -86,7 +93,8 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"cleaning", cleaning_json(manifest.cleaning.value_or(Cleaning{}))},
           {"bytes", totals.bytes},
           {"layers", layers},
-          {"tables", tables}};
+          {"tables", tables},
+          {"audio", audio}};
 }
 
 void print_info(const Manifest& manifest, const Totals& totals) {
@@ -115,6 +123,9 @@ void print_info(const Manifest& manifest, const Totals& totals) {
     print("    {:8} {}\n", manifest.layer_names[i], totals.layer_bytes[i]);
   }
   if (manifest.tables) print("    {:8} {}\n", "tables", manifest.tables->bytes);
+  if (!manifest.audio) return;
+  print("    {:8} {}, {} s\n", "audio", manifest.audio->bytes,
+        number_text(audio_seconds(*manifest.audio)));
 }
 
 /// Says why a manifest cannot be read. A folder without one is not a package, which is wrong usage;

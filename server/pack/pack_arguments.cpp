@@ -60,6 +60,11 @@ void PackArguments::add_to(CLI::App& command) {
                   "frames in a segment; they share a cube and a file")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
+  audio_ = command
+               .add_option("--audio", options_.audio,
+                           "sound, from any file that ffmpeg reads; what is longer than the frames "
+                           "is cut off")
+               ->type_name("FILE");
   sequence_.sequence.clean = CleanOptions{.without_normals = false};
   sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
   command.add_flag("--best-effort", options_.best_effort,
@@ -86,7 +91,9 @@ Result<PackOptions> PackArguments::options() const {
 std::vector<std::string> PackArguments::command_line() const {
   std::vector<std::string> line;
   for (const CLI::Option* option : command_->get_options()) {
-    if (option->count() == 0 || option == input_ || option == output_ || option == force_) continue;
+    const bool of_the_whole =
+        option == input_ || option == output_ || option == force_ || option == audio_;
+    if (option->count() == 0 || of_the_whole) continue;
     line.push_back("--" + option->get_lnames().front());
     if (option->get_items_expected_max() == 0) continue;  // a flag
     // "--name=value", since a value may begin with a minus sign.

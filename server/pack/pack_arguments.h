@@ -20,8 +20,9 @@ class PackArguments {
   /// What was given; an error if some of it does not go together.
   Result<PackOptions> options() const;
 
-  /// What was given, as a command line that stands for the same options, without the input, the
-  /// output and --force. To be called once the command was parsed.
+  /// What was given, as a command line that stands for the same options, without what is not
+  /// about single frames: input, output, --audio and --force. To be called once the command was
+  /// parsed.
   std::vector<std::string> command_line() const;
 
   /// Input and output are not required after this.
@@ -31,7 +32,7 @@ class PackArguments {
   PackOptions options_;
   SequenceArguments sequence_;
   CLI::App* command_ = nullptr;
-  CLI::Option *input_ = nullptr, *output_ = nullptr, *force_ = nullptr;
+  CLI::Option *input_ = nullptr, *output_ = nullptr, *force_ = nullptr, *audio_ = nullptr;
 };
 
 /// The options that PackArguments::command_line stands for; without input and output.

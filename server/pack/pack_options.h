@@ -26,7 +26,8 @@ struct PackOptions : EncodingOptions {
   /// Each frame gets its own bounding cube, instead of one that all frames of a segment share
   /// (common/FORMULAS.md, "Cube of a frame").
   bool cube_per_frame = false;
-  std::uint32_t segment_frames = 30;  ///< frames of a segment, at least 1
+  std::optional<std::filesystem::path> audio;  ///< a file whose sound the package gets
+  std::uint32_t segment_frames = 30;           ///< frames of a segment, at least 1
   /// Pack frames that collapse because of their cube (collapse.h), and segments that exceed the bit
   /// rate at their coarsest, with a warning. Otherwise both are errors.
   bool best_effort = false;

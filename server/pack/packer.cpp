@@ -16,6 +16,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
 #include "server/pack/append_manifest.h"
+#include "server/pack/audio.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/in_arena.h"
 #include "server/pack/pack_segment.h"
@@ -48,6 +49,10 @@ class Packer {
     // Refuses what a client would refuse before the work, not after it.
     TRY(parse_manifest(write_manifest(manifest_)));
     if (listener_.begin) listener_.begin(static_cast<std::uint32_t>(files_.size()));
+    if (options_.audio) {
+      manifest_.audio =
+          TRY(write_audio(*options_.audio, output_.folder, manifest_.duration_us, listener_.stop));
+    }
     if (options_.train) {
       const PackageTables tables =
           TRY(learn_package_tables(files_, options_, output_.folder, listener_.stop));

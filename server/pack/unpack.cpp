@@ -16,6 +16,7 @@
 #include "common/base/words.h"
 #include "common/cloud/ply.h"
 #include "common/stream/manifest.h"
+#include "server/pack/audio.h"
 #include "server/pack/inspect.h"
 #include "server/pack/read_package.h"
 #include "server/pack/unpack_mesh.h"
@@ -39,8 +40,8 @@ Result<void> may_replace_frames(const fs::path& folder) {
     const auto is_frame = [&name](MeshFormat format) {
       return is_numbered(name, "frame_", kDigits, extension(format));
     };
-    if (name != kAnimation && !is_frame(MeshFormat::ply) && !is_frame(MeshFormat::obj) &&
-        !is_frame(MeshFormat::glb)) {
+    if (name != kAnimation && name != kUnpackedAudio && !is_frame(MeshFormat::ply) &&
+        !is_frame(MeshFormat::obj) && !is_frame(MeshFormat::glb)) {
       return fail(ErrorCode::argument,
                   fmt::format("holds {}, and --force replaces only folders of unpacked frames; "
                               "remove it first",
@@ -72,6 +73,7 @@ class Unpacking {
     TRY(options_.mesh && options_.mesh->animation ? write_animation(folder.path(), listener)
                                                   : write_files(folder.path(), listener));
     if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    if (manifest_.audio) TRY(copy_audio(folder.path()));
     TRY(folder.publish());
     return report_;
   }
@@ -89,6 +91,15 @@ class Unpacking {
                               counted(manifest_.layer_names.size(), "layer")));
     }
     return {};
+  }
+
+  Result<void> copy_audio(const fs::path& folder) const {
+    const fs::path source = options_.input / manifest_.audio->path;
+    std::error_code error;
+    fs::copy_file(source, folder / kUnpackedAudio, error);
+    if (!error) return {};
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be copied: {}", source.string(), error.message()));
   }
 
   Result<PointCloud> decode(std::uint32_t frame) const {

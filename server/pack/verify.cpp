@@ -14,6 +14,7 @@
 #include "common/base/words.h"
 #include "common/stream/manifest.h"
 #include "common/stream/running_checksum.h"
+#include "server/pack/audio.h"
 #include "server/pack/inspect.h"
 #include "server/pack/read_package.h"
 
@@ -165,6 +166,12 @@ VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
     // Otherwise a fault of the file has been reported already.
     if (!read && of_files.empty()) {
       of_files.add(0, {manifest.tables->path, std::nullopt, read.error().message});
+    }
+  }
+  if (manifest.audio) {
+    const auto checked = check_audio(folder, *manifest.audio);
+    if (!checked && of_files.empty()) {
+      of_files.add(0, {manifest.audio->path, std::nullopt, checked.error().message});
     }
   }
   for_each_frame(report.frames, listener, [&](std::uint32_t i) {

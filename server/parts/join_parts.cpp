@@ -14,6 +14,7 @@
 #include "common/base/words.h"
 #include "pointreel/package.h"
 #include "server/pack/append_manifest.h"
+#include "server/pack/audio.h"
 #include "server/parts/plan.h"
 
 namespace pointreel {
@@ -93,6 +94,8 @@ Result<JoinReport> join_parts(const fs::path& output) {
       OutputFolder::create(output, plan.force ? may_replace_package : OutputFolder::MayReplace{}));
   for (const PackageFile* file : manifest.files())
     TRY(put(parts / file->path, folder.path() / file->path, *file));
+  if (plan.audio)
+    manifest.audio = TRY(write_audio(*plan.audio, folder.path(), manifest.duration_us));
   JoinReport report{manifest.frame_count(), plan.segments(), 0};
   report.bytes = TRY(finish_package(folder.path(), manifest, output));
   for (const PackageFile* file : manifest.files()) report.bytes += file->bytes;

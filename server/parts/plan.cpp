@@ -17,6 +17,7 @@
 #include "common/base/try.h"
 #include "common/base/write_file.h"
 #include "pointreel/version.h"
+#include "server/pack/audio.h"
 #include "server/pack/in_arena.h"
 #include "server/pack/package_tables.h"
 
@@ -54,6 +55,8 @@ PackPlan from_json(const ordered_json& json) {
   if (segment_frames < 1 || segment_frames > 100'000) throw std::invalid_argument("segment_frames");
   plan.segment_frames = static_cast<std::uint32_t>(segment_frames);
   plan.force = json.at("force").get<bool>();
+  if (const ordered_json& audio = json.at("audio"); !audio.is_null())
+    plan.audio = audio.get<std::string>();
   if (const ordered_json& tables = json.at("tables"); !tables.is_null()) {
     plan.tables =
         PackageFile{tables.at("path").get<std::string>(), tables.at("bytes").get<std::uint64_t>(),
@@ -132,8 +135,15 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
   const std::vector<fs::path> files = TRY(list_cloud_files(options.inputs));
-  PackPlan plan{std::move(arguments), options.name, options.segment_frames, options.force, {}, {}};
+  PackPlan plan{
+      std::move(arguments), options.name, options.segment_frames, options.force, {}, {}, {}};
   for (const fs::path& file : files) plan.files.push_back(TRY(planned(file)));
+  if (options.audio) {
+    TRY(check_audio_source(*options.audio));
+    std::error_code error;
+    plan.audio = fs::absolute(*options.audio, error);
+    if (error) return fail(ErrorCode::io, error.message());
+  }
   TRY(check_output(options));
   const fs::path folder = parts_folder(options.output);
   TRY(make_folder(folder, options.force));

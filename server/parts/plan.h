@@ -31,14 +31,15 @@ struct PlannedFile {
 
 /// What `plan.json` says.
 struct PackPlan {
-  /// The options of `pack` as a command line, without input and output. Each part parses them
+  /// The options of `pack` as PackArguments::command_line gives them. Each part parses them
   /// again, so that an option that is added to `pack` holds for parts as well.
   std::vector<std::string> arguments;
-  std::string name;                   ///< of the reel
-  std::uint32_t segment_frames = 30;  ///< of each segment but the last
-  bool force = false;                 ///< join may replace a package
-  std::vector<PlannedFile> files;     ///< one for each frame
-  std::optional<PackageFile> tables;  ///< in the folder of the plan
+  std::string name;                            ///< of the reel
+  std::uint32_t segment_frames = 30;           ///< of each segment but the last
+  bool force = false;                          ///< join may replace a package
+  std::vector<PlannedFile> files;              ///< one for each frame
+  std::optional<std::filesystem::path> audio;  ///< absolute; join gives the package its sound
+  std::optional<PackageFile> tables;           ///< in the folder of the plan
 
   std::uint32_t segments() const {
     return static_cast<std::uint32_t>((files.size() + segment_frames - 1) / segment_frames);

@@ -125,7 +125,8 @@ Result<std::string> read_manifest_text(const fs::path& file) {
   return text;
 }
 
-Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed) {
+Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed,
+                               std::string content_type) {
   const fs::path file = TRY(file_inside(folder, listed.path));
   struct stat status{};
   if (::stat(file.c_str(), &status) != 0 || ::access(file.c_str(), R_OK) != 0) {
@@ -139,7 +140,7 @@ Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed
   }
   Resource resource;
   resource.kind = Resource::Kind::kFile;
-  resource.content_type = "application/octet-stream";
+  resource.content_type = std::move(content_type);
   resource.cache_control = kImmutable;
   resource.etag = make_etag(listed.checksum);
   resource.file = file;
@@ -208,7 +209,10 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
     std::uint64_t bytes = text->size();
     add(manifest_path, text_resource(kJson, kRevalidate, *std::move(text)));
     for (const PackageFile* listed : manifest->files()) {
-      auto resource = file_resource(folder, *listed);
+      // Browsers play what is said to be sound, and nothing else.
+      const bool sound = manifest->audio && listed->path == manifest->audio->path;
+      auto resource =
+          file_resource(folder, *listed, sound ? "audio/ogg" : "application/octet-stream");
       if (!resource) return fail_at(given.string(), resource.error());
       bytes += listed->bytes;
       if (!add(fmt::format("/{}/{}", name, listed->path), *std::move(resource))) {

@@ -23,6 +23,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       (manifest->entropy != "context" || manifest->tables->bytes > kMaxTablesBytes)) {
     std::abort();
   }
+  if (manifest->audio &&
+      (manifest->audio->samples == 0 || manifest->audio->bytes > kMaxAudioBytes)) {
+    std::abort();
+  }
   std::uint64_t last_time = 0;
   for (std::uint32_t frame = 0; frame < manifest->frame_count(); ++frame) {
     const FrameLocation at = locate(*manifest, frame);

@@ -90,6 +90,32 @@ TEST(Manifest, names_tables_only_if_frames_can_use_them) {
               HasSubstr("belong to entropy"));
 }
 
+TEST(Manifest, names_a_file_of_sound) {
+  Manifest m = example();
+  m.audio = AudioFile{{"audio.01234567.opus", 1000, 0x0123456789abcdefu}, 96'000};
+  const Result<Manifest> back = parse_manifest(write_manifest(m));
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_TRUE(back->audio);
+  EXPECT_EQ(back->audio->path, m.audio->path);
+  EXPECT_EQ(back->audio->samples, 96'000u);
+  EXPECT_EQ(back->files().front()->path, m.audio->path);
+  EXPECT_EQ(write_manifest(*back), write_manifest(m));
+
+  m.audio->bytes = kMaxAudioBytes + 1;
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("audio: bytes"));
+  m.audio->bytes = 1000;
+  m.audio->samples = 0;
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("audio: samples"));
+  m.audio->samples = 1;
+  m.audio->path = "../audio";
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("audio: path"));
+  m.audio->path = m.segments[0].layers[0].path;
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("used twice"));
+  const json no_samples = {{"path", "a"}, {"bytes", 1}, {"xxh3", "0123456789abcdef"}};
+  EXPECT_THAT(error_with({{"audio", no_samples}}), HasSubstr("audio: samples"));
+  EXPECT_THAT(error_with({{"audio", "a"}}), HasSubstr("audio"));
+}
+
 TEST(Manifest, tells_how_frames_were_cleaned) {
   Manifest m = example();
   m.cleaning = Cleaning{3, 12, 0.5, 0.25, 1e-3};

@@ -23,6 +23,9 @@ inline constexpr std::uint64_t kMaxManifestBytes = 32u << 20;
 /// The largest file of context tables that readers accept, in bytes.
 inline constexpr std::uint64_t kMaxTablesBytes = 1u << 20;
 
+/// The largest file of sound that readers accept, in bytes.
+inline constexpr std::uint64_t kMaxAudioBytes = 1u << 30;
+
 /// A file of a package.
 struct PackageFile {
   std::string path;            ///< relative to the manifest; letters, digits, '.', '_', '-' only
@@ -35,6 +38,15 @@ struct LayerFile : PackageFile {
   /// The sizes of each frame's chunks, one entry for each frame of the segment. They add up to
   /// `bytes`.
   std::vector<Chunks<std::uint32_t>> frames;
+};
+
+/// Samples of a reel's sound in a second, of each of its two channels.
+inline constexpr std::uint32_t kAudioRate = 48'000;
+
+/// The sound of a reel: Opus in Ogg (RFC 7845), one stream from the beginning of the file to its
+/// end. Its first sample is heard at time 0. Readers decode it to two channels at kAudioRate.
+struct AudioFile : PackageFile {
+  std::uint64_t samples = 0;  ///< of each channel, at least 1
 };
 
 /// A group of consecutive frames that share one cube. The cube in a frame's header is
@@ -98,6 +110,7 @@ struct Manifest : ReelHead {
   std::optional<double> max_error;
   std::optional<Cleaning> cleaning;   ///< absent if no frame was cleaned
   std::optional<PackageFile> tables;  ///< the reel's own context tables, if its frames need any
+  std::optional<AudioFile> audio;     ///< absent if the reel is silent
   std::optional<LiveManifest> live;   ///< only while frames may still be added
   /// Some frames have fewer layers than their headers say, because a live link did not carry all of
   /// them. Such frames are coarser, not damaged.
@@ -105,7 +118,7 @@ struct Manifest : ReelHead {
   std::vector<Segment> segments;
 
   std::uint32_t frame_count() const;
-  /// All files that the manifest names: tables, then layer files, segment by segment.
+  /// All files that the manifest names: tables, sound, then layer files, segment by segment.
   std::vector<const PackageFile*> files() const;
 };
 

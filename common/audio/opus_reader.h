@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "pointreel/bytes.h"
+#include "pointreel/error.h"
+#include "pointreel/package.h"
+
+namespace pointreel {
+
+/// A sample of both channels, each in [-1, 1].
+struct StereoSample {
+  float left = 0.0f, right = 0.0f;
+};
+
+/// Decodes the sound of a reel (package.h, AudioFile) with libopusfile. Of files with one channel,
+/// both channels are the same; files with more than two are mixed down.
+///
+/// Trust: the bytes may be hostile. A file of more than one stream is refused. `open` and `seek`
+/// read at most kMostSearched bytes, and memory does not grow with the file. Samples are finite.
+class OpusReader {
+ public:
+  /// Fills `bytes` with those of the file from `offset` on; all of them lie in the file.
+  using ReadAt = std::function<Result<void>(std::uint64_t offset, std::span<std::uint8_t> bytes)>;
+
+  static constexpr std::uint64_t kMostSearched = 32u << 20;
+
+  /// Reads the header and the end of a file of `size` bytes. Errors: that of `read`; `invalid`.
+  static Result<OpusReader> open(ReadAt read, std::uint64_t size);
+  /// The same of bytes in memory, which must outlive it.
+  static Result<OpusReader> open(ByteView bytes);
+  OpusReader(OpusReader&&) noexcept;
+  OpusReader& operator=(OpusReader&&) noexcept;
+  ~OpusReader();
+
+  /// How many samples the file says that it has.
+  std::uint64_t samples() const;
+  /// The number of the sample that `read` begins with, after parts that cannot be decoded too.
+  std::uint64_t position() const;
+  /// `read` goes on with this sample, or with the end of the file. Errors as for `open`.
+  Result<void> seek(std::uint64_t sample);
+
+  struct Read {
+    std::size_t samples = 0;  ///< at the front of the buffer; 0 at the end of the file
+    bool hole = false;        ///< something before them was left out, because it was damaged
+  };
+  /// Decodes up to as many samples as the buffer has, usually fewer. Errors as for `open`.
+  Result<Read> read(std::span<StereoSample> buffer);
+
+ private:
+  class Impl;
+  explicit OpusReader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pointreel

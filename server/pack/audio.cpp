@@ -1,0 +1,170 @@
+#include "server/pack/audio.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include "common/audio/opus_reader.h"
+#include "common/base/ffmpeg.h"
+#include "common/base/output_folder.h"
+#include "common/base/try.h"
+#include "common/base/words.h"
+#include "common/base/write_file.h"
+#include "common/stream/manifest.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kMissing =
+    "ffmpeg is not installed, but sound needs it: install it (apt-get install ffmpeg)";
+
+std::vector<std::string> arguments(const fs::path& source, std::uint64_t duration_us) {
+  return {// A playlist must not make it fetch from elsewhere.
+          "-protocol_whitelist", "file", "-i", "file:" + source.string(), "-map", "0:a:0",
+          "-map_metadata", "-1",
+          // Sound that begins after the picture of a video stays there.
+          "-af", fmt::format("aresample={}:async=1:first_pts=0", kAudioRate), "-ac", "2", "-t",
+          fmt::format("{}us", duration_us), "-c:a", "libopus", "-b:a", "128k",
+          // The same bytes for the same sound.
+          "-fflags", "+bitexact", "-flags:a", "+bitexact", "-f", "ogg", "pipe:1"};
+}
+
+/// An open file, closed with its owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int file) : file_(file) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { close(); }
+  int get() const { return file_; }
+  void close() {
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
+  }
+
+ private:
+  int file_;
+};
+
+/// What comes from a pipe until its end, no longer than a package may have sound.
+Result<Bytes> read_all(int pipe, const std::stop_token& stop) {
+  Bytes bytes;
+  std::vector<std::uint8_t> part(1 << 16);
+  for (;;) {
+    pollfd ready{pipe, POLLIN, 0};
+    const int polled = poll(&ready, 1, 100);
+    if (stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    if (polled == 0 || (polled < 0 && errno == EINTR)) continue;
+    const ssize_t size = read(pipe, part.data(), part.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) return fail(ErrorCode::io, std::strerror(errno));
+    if (size == 0) return bytes;
+    bytes.insert(bytes.end(), part.begin(), part.begin() + size);
+    if (bytes.size() > kMaxAudioBytes)
+      return fail(ErrorCode::limit, fmt::format("takes more than {} bytes", kMaxAudioBytes));
+  }
+}
+
+Result<Bytes> encode(const fs::path& source, std::uint64_t duration_us,
+                     const std::stop_token& stop) {
+  std::array<int, 2> ends{-1, -1};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return fail(ErrorCode::io, std::strerror(errno));
+  const Descriptor output(ends[0]);
+  Descriptor input(ends[1]);
+  Ffmpeg ffmpeg = TRY(Ffmpeg::start(arguments(source, duration_us), -1, input.get()));
+  input.close();
+  Bytes bytes = TRY(read_all(output.get(), stop));
+  if (ffmpeg.wait()) return bytes;
+  std::string why = ffmpeg.reason();
+  if (why.find("matches no streams") != std::string::npos) why = "it has no sound";
+  return fail(fmt::format("cannot be read as sound{}{}", why.empty() ? "" : ": ", why));
+}
+
+}  // namespace
+
+Result<void> check_audio_source(const fs::path& source) {
+  if (!is_installed("ffmpeg")) return fail(ErrorCode::not_found, kMissing);
+  std::error_code error;
+  if (!fs::is_regular_file(source, error) || access(source.c_str(), R_OK) != 0)
+    return fail(ErrorCode::not_found, source.string() + ": is not a file that can be read");
+  return {};
+}
+
+Result<AudioFile> write_audio(const fs::path& source, const fs::path& folder,
+                              std::uint64_t duration_us, const std::stop_token& stop) {
+  TRY(check_audio_source(source));
+  const auto encoded = encode(source, duration_us, stop);
+  if (!encoded && encoded.error().code == ErrorCode::cancelled)
+    return tl::unexpected(encoded.error());
+  const Bytes bytes = TRY(at_place(source.string(), encoded));
+  AudioFile audio;
+  audio.samples = TRY(at_place(source.string(), OpusReader::open(bytes))).samples();
+  audio.bytes = bytes.size();
+  audio.checksum = checksum_of(bytes);
+  audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
+  TRY(write_file(folder / audio.path, bytes));
+  return audio;
+}
+
+Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
+                                               const std::optional<fs::path>& source,
+                                               const std::stop_token& stop) {
+  Manifest manifest = TRY(read_manifest(package));
+  if (manifest.live)
+    return fail(ErrorCode::argument,
+                package.string() + ": is a recording that has not ended; wait for its end");
+  const std::optional<AudioFile> before = manifest.audio;
+  manifest.audio.reset();
+  if (source) manifest.audio = TRY(write_audio(*source, package, manifest.duration_us, stop));
+  const std::string text = write_manifest(manifest);
+  TRY(at_place("the package would not be valid", parse_manifest(text)));
+  const fs::path fresh = package / fmt::format("{}.new", kManifestName);
+  TRY(write_file(fresh, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+  std::error_code error;
+  fs::rename(fresh, package / kManifestName, error);
+  if (error)
+    return fail(ErrorCode::io, fmt::format("{}: cannot be replaced: {}",
+                                           (package / kManifestName).string(), error.message()));
+  // What the journal held is in the manifest now. Nothing is lost if it, or the old file, stays.
+  fs::remove(package / kJournalName, error);
+  if (before && (!manifest.audio || before->path != manifest.audio->path))
+    fs::remove(package / before->path, error);
+  return manifest.audio;
+}
+
+Result<void> check_audio(const fs::path& folder, const AudioFile& audio) {
+  std::ifstream file(folder / audio.path, std::ios::binary);
+  OpusReader reader = TRY(OpusReader::open(
+      [&file](std::uint64_t offset, std::span<std::uint8_t> bytes) -> Result<void> {
+        file.clear();
+        file.seekg(static_cast<std::streamoff>(offset));
+        file.read(reinterpret_cast<char*>(bytes.data()),
+                  static_cast<std::streamsize>(bytes.size()));
+        if (!file) return fail(ErrorCode::io, "cannot be read");
+        return {};
+      },
+      audio.bytes));
+  std::vector<StereoSample> block(kAudioRate);
+  std::uint64_t samples = 0;
+  for (;;) {
+    const OpusReader::Read read = TRY(reader.read(block));
+    if (read.hole) return fail(fmt::format("is damaged after {}", counted(samples, "sample")));
+    if (read.samples == 0) break;
+    samples += read.samples;
+  }
+  if (samples == audio.samples) return {};
+  return fail(fmt::format("decodes to {}, the manifest says {}", counted(samples, "sample"),
+                          audio.samples));
+}
+
+}  // namespace pointreel

@@ -1,0 +1,75 @@
+//   audio_fuzz -max_len=65536 CORPUS_COPY tests/fuzz/corpus/audio
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+#include <vector>
+
+#include <ogg/ogg.h>
+
+#include "common/audio/opus_reader.h"
+
+namespace {
+
+using namespace pointreel;
+
+void check(const Error& error) {
+  if (error.message.empty() || error.message.find('\n') != std::string::npos) std::abort();
+}
+
+/// Ogg's pages have checksums, without which changed bytes would go no further.
+void set_checksums(std::vector<std::uint8_t>& bytes) {
+  constexpr std::size_t kHead = 27;
+  const auto text = [&] {
+    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  for (std::size_t at = 0; (at = text().find("OggS", at)) != std::string_view::npos; ++at) {
+    if (bytes.size() - at < kHead) return;
+    const std::size_t segments = bytes[at + kHead - 1];
+    const std::size_t head = kHead + segments;
+    if (bytes.size() - at < head) return;
+    std::size_t body = 0;
+    for (std::size_t i = 0; i < segments; ++i) body += bytes[at + kHead + i];
+    if (bytes.size() - at < head + body) continue;
+    ogg_page page = {bytes.data() + at, static_cast<long>(head), bytes.data() + at + head,
+                     static_cast<long>(body)};
+    ogg_page_checksum_set(&page);
+  }
+}
+
+/// Reads on, for a second of sound at most.
+void read(OpusReader& reader) {
+  std::vector<StereoSample> buffer(kAudioRate / 10);
+  for (int i = 0; i < 10; ++i) {
+    const auto got = reader.read(buffer);
+    if (!got) return check(got.error());
+    if (got->samples > buffer.size()) std::abort();
+    if (got->samples == 0) return;
+    for (std::size_t n = 0; n < got->samples; ++n)
+      if (!(std::abs(buffer[n].left) <= 1.0f && std::abs(buffer[n].right) <= 1.0f)) std::abort();
+  }
+}
+
+}  // namespace
+
+/// Any bytes give samples from -1 to 1, from any place on, or an error of one line.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::vector<std::uint8_t> bytes(data, data + size);
+  set_checksums(bytes);
+  auto reader = OpusReader::open(bytes);
+  if (!reader) {
+    check(reader.error());
+    return 0;
+  }
+  read(*reader);
+  for (const std::uint64_t sample : {reader->samples() / 2, std::uint64_t{0}, reader->samples()}) {
+    if (const auto sought = reader->seek(sample); !sought) {
+      check(sought.error());
+    } else {
+      read(*reader);
+    }
+  }
+  return 0;
+}

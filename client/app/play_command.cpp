@@ -200,6 +200,18 @@ void PlayCommand::add_playback(CLI::App& command) {
       ->type_name("NUMBER")
       ->group(group);
   command
+      .add_flag_callback(
+          "--no-audio", [this] { options_.audio = false; },
+          "Neither play nor record the sound of reels, and do not fetch it")
+      ->group("Sound");
+  command
+      .add_option("--audio-device", options_.audio_device,
+                  "The device of ALSA that plays sound, such as those that aplay -L lists; or "
+                  "null, which nobody hears")
+      ->capture_default_str()
+      ->type_name("NAME")
+      ->group("Sound");
+  command
       .add_option("--camera,--view", camera_,
                   "Where to look from: front, back, left, right, top, bottom, or YAW,PITCH in "
                   "degrees (default: the front, slightly from above). Or the name of a file with "

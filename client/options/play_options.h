@@ -34,6 +34,8 @@ struct PlayOptions {
   /// Layers of a package to fetch and decode, counted from the base; >= 1.
   std::uint32_t layers = kAllLayers;
   double speed = 1.0;
+  bool audio = true;                      ///< reels are heard, and recorded, with their sound
+  std::string audio_device = "default";   ///< as for open_audio_device
   double fps = 30.0;                      ///< frame rate of folders of files
   std::optional<glm::ivec2> offscreen;    ///< draw pictures of this size, without a window
   std::optional<double> at;               ///< seconds

@@ -20,6 +20,8 @@ inline constexpr int kMaxImageSide = 16384;
 struct Settings {
   glm::ivec2 size{1280, 720};  ///< of the window
   std::optional<bool> loop;    ///< by default a window loops, and playing offscreen does not
+  double volume = 100.0;       ///< of sound, in percent: half of it sounds half as loud
+  bool mute = false;           ///< whatever the volume
   RendererChoice renderer = RendererChoice::automatic;
   DrawOptions draw;
   double delta = PrepareOptions{}.delta;

@@ -192,6 +192,17 @@ void Clock::set_loop_range(const std::optional<LoopRange>& range, TimePoint now)
       frame + 1 < timeline_.frame_count() ? timeline_.times_us[frame + 1] : timeline_.duration_us;
 }
 
+Clock Clock::without_frames() const {
+  Clock copy({{0}, timeline_.duration_us}, loop_);
+  copy.playing_ = playing_;
+  copy.held_ = held_;
+  copy.speed_ = speed_;
+  copy.range_ = range_;
+  copy.base_ = {base_.us, 0};
+  copy.base_now_ = base_now_;
+  return copy;
+}
+
 std::optional<FrameRange> Clock::loop_frames() const {
   if (!range_) return std::nullopt;
   return FrameRange{timeline_.frame_at(range_->a_us), timeline_.frame_at(range_->b_us - 1)};

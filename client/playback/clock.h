@@ -95,6 +95,10 @@ class Clock {
 
   const Timeline& timeline() const { return timeline_; }
 
+  /// A copy that knows the same position at every time, but has one frame only: small, whatever the
+  /// reel.
+  Clock without_frames() const;
+
  private:
   /// A position, which may lie outside the reel if playback does not loop, and Reading::ordinal
   /// less the position's frame.

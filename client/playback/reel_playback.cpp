@@ -238,6 +238,7 @@ void ReelPlayback::jump(Clock::TimePoint now, int direction) {
 }
 
 void ReelPlayback::play(Clock::TimePoint now) {
+  now = paced(now);
   begins_ = true;
   if (!started_ || clock_.playing()) return;
   clock_.play(now);
@@ -245,22 +246,26 @@ void ReelPlayback::play(Clock::TimePoint now) {
 }
 
 void ReelPlayback::pause(Clock::TimePoint now) {
+  now = paced(now);
   begins_ = false;
   clock_.pause(now);
   release(now);
 }
 
 void ReelPlayback::seek(std::uint64_t time_us, Clock::TimePoint now) {
+  now = paced(now);
   clock_.seek(time_us, now);
   jump(now, clock_.direction());
 }
 
 void ReelPlayback::seek_by(std::int64_t delta_us, Clock::TimePoint now) {
+  now = paced(now);
   clock_.seek_by(delta_us, now);
   jump(now, clock_.direction());
 }
 
 void ReelPlayback::step(std::int64_t frames, Clock::TimePoint now) {
+  now = paced(now);
   begins_ = false;
   clock_.step(frames, now);
   release(now);
@@ -268,6 +273,7 @@ void ReelPlayback::step(std::int64_t frames, Clock::TimePoint now) {
 }
 
 void ReelPlayback::set_speed(double speed, Clock::TimePoint now) {
+  now = paced(now);
   const int before = clock_.direction();
   clock_.set_speed(speed, now);
   if (clock_.direction() == before) return;
@@ -276,12 +282,14 @@ void ReelPlayback::set_speed(double speed, Clock::TimePoint now) {
 }
 
 void ReelPlayback::set_loop(bool loop, Clock::TimePoint now) {
+  now = paced(now);
   clock_.set_loop(loop, now);
   buffer_.set_loop(loop);
   given_ordinal_.reset();
 }
 
 void ReelPlayback::set_loop_range(const std::optional<LoopRange>& range, Clock::TimePoint now) {
+  now = paced(now);
   clock_.set_loop_range(range, now);
   buffer_.set_loop_range(clock_.loop_frames());
   given_ordinal_.reset();
@@ -298,6 +306,7 @@ void ReelPlayback::scrub_begin(Clock::TimePoint now) {
 
 void ReelPlayback::scrub_to(std::uint64_t time_us, Clock::TimePoint now) {
   if (!scrubbing_) scrub_begin(now);
+  now = paced(now);
   clock_.seek(time_us, now);
   const std::uint32_t frame = clock_.read(now).frame;
   if (frame == playhead_) return;
@@ -307,6 +316,7 @@ void ReelPlayback::scrub_to(std::uint64_t time_us, Clock::TimePoint now) {
 
 void ReelPlayback::scrub_end(Clock::TimePoint now) {
   if (!scrubbing_) return;
+  now = paced(now);
   begins_ = played_before_scrub_;
   if (begins_ && started_) clock_.play(now);
   jump(now, clock_.direction());
@@ -339,7 +349,8 @@ void ReelPlayback::hold_if_starved(Clock::TimePoint now) {
   if (there) release(now);
 }
 
-ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
+ReelPlayback::Update ReelPlayback::update(Clock::TimePoint machine_now) {
+  const Clock::TimePoint now = paced(machine_now);
   if (!started_ && buffer_.wait(std::chrono::milliseconds(0)) != FrameBuffer::State::waiting) {
     started_ = true;
     if (begins_ && !scrubbing_) clock_.play(now);
@@ -371,7 +382,8 @@ ReelPlayback::Update ReelPlayback::update(Clock::TimePoint now) {
     }
     given_ = update.frame;
   }
-  update.due = due(now);
+  // The two times differ by some, but hardly run apart until then.
+  if (const auto next = due(now)) update.due = machine_now + (*next - now);
   return update;
 }
 

@@ -13,6 +13,7 @@
 #include "client/playback/buffer.h"
 #include "client/playback/clock.h"
 #include "client/playback/layer_plan.h"
+#include "client/playback/paced_time.h"
 #include "client/playback/pipeline.h"
 #include "client/playback/playback.h"
 #include "client/playback/thumbnails.h"
@@ -38,6 +39,8 @@ class ReelPlayback : public Playback {
     /// How many bytes of a remote reel's coded frames are kept, besides those played next.
     std::uint64_t store_bytes = std::uint64_t{96} << 20;
     std::uint64_t cache_bytes = 0;  ///< FrameBuffer::Options::cache_bytes
+    /// The time by which it plays; null: the machine's.
+    std::shared_ptr<const PacedTime> time = {};
   };
 
   /// Begins to fetch what the camera shows in a picture of `size` pixels. The source must have at
@@ -85,7 +88,17 @@ class ReelPlayback : public Playback {
   }
   double speed() const { return clock_.speed(); }
   bool loop() const { return clock_.loop(); }
-  std::uint64_t position_us(Clock::TimePoint now) const { return clock_.read(now).position_us; }
+  std::uint64_t position_us(Clock::TimePoint now) const {
+    return clock_.read(paced(now)).position_us;
+  }
+  /// Clock::without_frames of its clock, which reads the times of Options::time.
+  Clock position() const { return clock_.without_frames(); }
+
+  /// Source::fetch_audio. May be called from any thread.
+  Result<Bytes> fetch_audio(std::uint64_t offset, std::uint64_t size,
+                            const std::stop_token& stop) const {
+    return source_->fetch_audio(offset, size, stop);
+  }
 
   // While a timeline is dragged, coarse pictures of exactly the frame under the cursor are shown.
   // At the end of the drag the frame is refined, and playback goes on if it was playing.
@@ -132,6 +145,9 @@ class ReelPlayback : public Playback {
   Statistics statistics() const;
 
  private:
+  Clock::TimePoint paced(Clock::TimePoint now) const {
+    return options_.time ? options_.time->at(now) : now;
+  }
   Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched);
   PrepareOptions seen_options() const;
   void set_level();

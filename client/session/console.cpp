@@ -26,11 +26,12 @@ void ErrorLines::set_progress(Progress* progress) {
   progress_ = progress;
 }
 
-void ErrorLines::print(std::size_t source, const std::string& where, std::uint32_t frame,
-                       const Error& error) {
+void ErrorLines::print(std::size_t source, const std::string& where,
+                       std::optional<std::uint32_t> frame, const Error& error) {
   const std::lock_guard lock(mutex_);
   if (printed_.size() >= kMaxLines || !printed_.insert({source, frame}).second) return;
-  newest_ = fmt::format("{}frame {}: {}", where, frame, error.message);
+  const std::string what = frame ? fmt::format("frame {}", *frame) : "sound";
+  newest_ = fmt::format("{}{}: {}", where, what, error.message);
   print_line(progress_, *newest_);
   if (printed_.size() == kMaxLines)
     print_line(progress_, "further broken frames are counted but not listed");

@@ -16,13 +16,16 @@
 /// What the player prints on standard error while it plays.
 namespace pointreel {
 
-/// Prints one line for each broken frame, however often it is tried again. Any thread may call it.
+/// Prints one line for each broken frame, and for broken sound, however often it is tried again.
+/// Any thread may call it.
 class ErrorLines {
  public:
   /// From now on lines are printed above this bar; null: there is none.
   void set_progress(Progress* progress);
   /// `where` precedes the frame's number; it is empty if there is only one source.
-  void print(std::size_t source, const std::string& where, std::uint32_t frame, const Error& error);
+  /// Without a frame, the error is of the sound.
+  void print(std::size_t source, const std::string& where, std::optional<std::uint32_t> frame,
+             const Error& error);
   /// The last line that was printed since the previous call, if any.
   std::optional<std::string> take_newest();
 
@@ -30,7 +33,7 @@ class ErrorLines {
   std::mutex mutex_;
   Progress* progress_ = nullptr;
   std::optional<std::string> newest_;
-  std::set<std::pair<std::size_t, std::uint32_t>> printed_;
+  std::set<std::pair<std::size_t, std::optional<std::uint32_t>>> printed_;
 };
 
 /// Prints a line when a source gets into trouble, such as a lost connection, and another when it

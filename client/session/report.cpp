@@ -21,6 +21,16 @@ nlohmann::ordered_json json_of(const TimeSamples& samples) {
           {"max", rounded(summary.max)}};
 }
 
+nlohmann::ordered_json json_of(const AudioPlayer::Statistics& audio) {
+  nlohmann::ordered_json json = {{"plays", audio.plays}};
+  if (!audio.error.empty()) json["error"] = audio.error;
+  json["delay_ms"] = rounded(audio.delay_ms);
+  json["breaks"] = audio.breaks;
+  json["ahead_of_picture_ms"] = {{"mean", rounded(audio.mean_offset_ms)},
+                                 {"worst", rounded(audio.worst_offset_ms)}};
+  return json;
+}
+
 nlohmann::ordered_json json_of(const WindowReport& window) {
   nlohmann::ordered_json json = {{"window_ms", rounded(window.window_ms)},
                                  {"first_picture_ms", rounded(window.first_picture_ms)},
@@ -43,6 +53,7 @@ nlohmann::ordered_json json_of(const WindowReport& window) {
   json["floor"] = window.floor;
   json["shown"] = {
       {"help", window.help}, {"drawing", window.drawing}, {"statistics", window.statistics}};
+  if (window.audio) json["audio"] = json_of(*window.audio);
   if (!window.error.empty()) json["error"] = window.error;
   return json;
 }

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/audio/audio_player.h"
 #include "client/playback/reel_playback.h"
 #include "client/playback/statistics.h"
 #include "client/scene/camera.h"
@@ -55,7 +56,8 @@ struct WindowReport {
   std::uint32_t frame = 0;
   std::optional<LoopRange> loop_range;
   Camera camera;
-  std::string error;  ///< that the window showed at the end; empty: none
+  std::optional<AudioPlayer::Statistics> audio;  ///< none if nothing has sound
+  std::string error;                             ///< that the window showed at the end; empty: none
 };
 
 /// How playing went. There is one sample of each time for every frame shown. The numbers of layers,

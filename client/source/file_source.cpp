@@ -69,6 +69,11 @@ class FileSource : public PackageSource {
              std::shared_ptr<const ContextTables> tables)
       : PackageSource(std::move(manifest), std::move(tables)), folder_(std::move(folder)) {}
 
+  Result<Bytes> fetch_audio(std::uint64_t offset, std::uint64_t size,
+                            const std::stop_token& /*stop*/) override {
+    return read_range(folder_, *manifest().audio, offset, size);
+  }
+
  private:
   Result<std::vector<Bytes>> read(std::span<const FileRange> ranges,
                                   const FetchRequest& request) override {

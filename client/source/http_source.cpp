@@ -18,6 +18,14 @@ class HttpSource : public PackageSource {
         folder_(std::move(folder)),
         client_(std::move(client)) {}
 
+  Result<Bytes> fetch_audio(std::uint64_t offset, std::uint64_t size,
+                            const std::stop_token& stop) override {
+    const AudioFile& file = *manifest().audio;
+    const HttpClient::Range range{folder_.file(file.path), offset, size, file.bytes};
+    std::vector<Bytes> bytes = TRY(client_->get_ranges({&range, 1}, stop));
+    return std::move(bytes.front());
+  }
+
   void cancel() override { client_->cancel(); }
   std::optional<std::string> trouble() const override { return client_->trouble(); }
   LinkUse link_use() const override { return client_->link_use(); }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "client/source/fetched.h"
+#include "pointreel/bytes.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -46,6 +47,13 @@ class Source {
   /// or ErrorCode::cancelled if the fetch was stopped or cancelled. The bytes may be hostile, but
   /// there are as many as `sizes` says.
   virtual Result<FetchedFrame> fetch(const FetchRequest& request) = 0;
+
+  /// Fetches bytes [offset, offset + size) of the manifest's sound, which has them, in the same
+  /// way.
+  virtual Result<Bytes> fetch_audio(std::uint64_t /*offset*/, std::uint64_t /*size*/,
+                                    const std::stop_token& /*stop*/) {
+    return fail(ErrorCode::not_found, "has no sound");
+  }
 
   // These may be called from any thread, too.
 

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;
 constexpr double kFlySpeed = 0.6;  ///< radii of the scene per second
-constexpr double kFlyFast = 4.0;   ///< times as fast with shift
+constexpr double kVolumeStep = 5.0;
+constexpr double kFlyFast = 4.0;  ///< times as fast with shift
 
 }  // namespace
 
@@ -74,6 +75,18 @@ bool Controls::act_on_settings(Action action) {
     case Action::next_splatting:
       settings.draw.splatting = next(settings.draw.splatting);
       said_ = fmt::format("splatting: {}", name(settings.draw.splatting));
+      break;
+    case Action::quieter:
+    case Action::louder:
+      // Whoever asks for louder sound wants to hear it.
+      settings.mute = settings.mute && action == Action::quieter;
+      settings.volume = std::clamp(
+          settings.volume + (action == Action::louder ? kVolumeStep : -kVolumeStep), 0.0, 100.0);
+      said_ = fmt::format("volume {:.0f} %", settings.volume);
+      break;
+    case Action::toggle_mute:
+      settings.mute = !settings.mute;
+      said_ = settings.mute ? "sound off" : "sound on";
       break;
     case Action::toggle_floor:
       settings.floor = !settings.floor;

@@ -139,10 +139,12 @@ void edit_elements(Settings& settings) {
   edit("drafts", settings);
 }
 
-/// Sets everything that the panel can show to its default, except the mode.
+/// Sets everything about drawing that the panel can show to its default, except the mode. Sound
+/// that was turned down stays so.
 void restore_defaults(Settings& settings) {
   for (const Option& option : option_table())
-    if (option.label != nullptr && option.name != "mode") copy_value(option, {}, settings);
+    if (option.label != nullptr && option.name != "mode" && option.group == "Drawing")
+      copy_value(option, {}, settings);
 }
 
 }  // namespace
@@ -165,9 +167,12 @@ bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float s
     heading("Surroundings");
     edit("background", settings);
     edit("floor", settings);
+    heading("Sound");
+    edit("volume", settings);
+    edit("mute", settings);
     ImGui::Spacing();
     if (ImGui::Button("Defaults")) restore_defaults(settings);
-    show_tip("Resets everything but the mode");
+    show_tip("Resets everything but the mode and the sound");
     ImGui::PopItemWidth();
   }
   ImGui::End();

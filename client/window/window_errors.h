@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/playback/stage.h"
@@ -21,8 +22,9 @@ class WindowErrors {
   void failed(const std::string& message, Now now);
   /// Other sources are played instead.
   void forget_failure() { failure_.clear(); }
-  /// A frame cannot be shown; as ErrorLines::print. May be called by any thread.
-  void broken(std::size_t source, const std::string& where, std::uint32_t frame,
+  /// A frame cannot be shown, or sound cannot be played; as ErrorLines::print. May be called by any
+  /// thread.
+  void broken(std::size_t source, const std::string& where, std::optional<std::uint32_t> frame,
               const Error& error) {
     broken_frames_.print(source, where, frame, error);
   }

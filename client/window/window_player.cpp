@@ -175,6 +175,7 @@ class WindowPlayer {
       if (minimized_) continue;
       Stage::Update update;
       if (session_.stage()) update = session_.stage()->update(now);
+      session_.follow_time(controls_.settings());
       if (update.ended) break;
       update_due_ = update.due;
       TRY(draw_round(update, input, now));
@@ -308,6 +309,7 @@ class WindowPlayer {
     report_.interface = interface_.times();
     report_.scrub_to_picture = scrubbing_.times();
     report_.error = interface_.error();
+    report_.audio = session_.audio();
     presenter.set_window(report_, controls_.settings().draw.mode);
     return presenter.write_report();
   }

@@ -26,7 +26,13 @@ std::string short_names(const std::vector<Stage::Placed>& sources) {
 
 WindowSession::WindowSession(const PlayOptions& options, WindowErrors& errors,
                              Playback::OnReady on_ready)
-    : options_(options), errors_(errors), on_ready_(std::move(on_ready)) {}
+    : options_(options),
+      errors_(errors),
+      on_ready_(std::move(on_ready)),
+      audio_(options.audio ? std::optional(options.audio_device) : std::nullopt,
+             [this](std::size_t source, const Error& error) {
+               errors_.broken(source, playing_[source], std::nullopt, error);
+             }) {}
 
 WindowSession::~WindowSession() { play(nullptr); }
 
@@ -41,6 +47,7 @@ void WindowSession::open(std::vector<Stage::Placed> sources, const Settings& set
   Stage::Options stage = stage_options(options);
   stage.size = size;
   stage.on_ready = on_ready_;
+  stage.reel.time = audio_.time();
   opening_.emplace(
       opened_, std::move(stage),
       [options, size](const Box& bounds, char up) {
@@ -60,7 +67,14 @@ std::optional<Opening::Opened> WindowSession::take_opened() {
 }
 
 void WindowSession::play(std::unique_ptr<Stage> stage) {
+  audio_.begin(nullptr);
   retire(std::exchange(stage_, std::move(stage)));
+  playing_.clear();
+  for (std::size_t i = 0; stage_ && i < stage_->size(); ++i) {
+    playing_.emplace_back();
+    if (stage_->size() > 1) playing_.back().append(stage_->where(i)).append(": ");
+  }
+  audio_.begin(stage_.get());
 }
 
 bool WindowSession::has_frame() const {

@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/audio/stage_audio.h"
 #include "client/options/play_options.h"
 #include "client/playback/opening.h"
 #include "client/playback/stage.h"
@@ -38,6 +39,12 @@ class WindowSession {
 
   /// Plays this from now on, and ends what was played before; null: nothing.
   void play(std::unique_ptr<Stage> stage);
+  /// Lets the sound follow what the user or the stage did to time.
+  void follow_time(const Settings& settings) {
+    audio_.follow(settings.mute ? 0.0 : settings.volume / 100.0);
+  }
+  /// None if nothing that plays has sound.
+  std::optional<AudioPlayer::Statistics> audio() const { return audio_.statistics(); }
   /// Null before the first stage has been opened.
   Stage* stage() const { return stage_.get(); }
   /// Whether there is a frame to be shown.
@@ -58,6 +65,8 @@ class WindowSession {
   bool opened_any_ = false;
   TimePoint opening_since_{};
   std::unique_ptr<Stage> stage_;
+  std::vector<std::string> playing_;  ///< how errors name what plays
+  StageAudio audio_;
   std::optional<Opening> opening_;
 };
 

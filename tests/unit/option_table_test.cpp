@@ -31,7 +31,7 @@ TEST(OptionTable, names_in_the_settings_file_do_not_change) {
                 "visibility_scale", "edl",        "color",  "point_size",      "adaptive_points",
                 "shading_scale",    "lighting",   "light",  "roughness",       "pixel_size",
                 "drafts",           "background", "floor",  "drawing_panel",   "statistics_panel",
-                "ui_scale"}));
+                "ui_scale",         "volume",     "mute"}));
 }
 
 TEST(OptionTable, defaults_and_both_ends_of_ranges_are_accepted_and_what_lies_beyond_is_not) {

@@ -1,0 +1,89 @@
+// Sound, on a device that nobody hears.
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/ffmpeg.h"
+#include "common/stream/manifest.h"
+#include "server/pack/audio.h"
+#include "tests/read_file.h"
+#include "tests/tone.h"
+#include "tests/window/window_test.h"
+
+namespace pointreel::window {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SoundWindow : public WindowTest {
+ protected:
+  void SetUp() override {
+    if (!is_installed("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+    WindowTest::SetUp();
+    if (IsSkipped()) return;
+    fs::copy(plate().reel(), reel());
+    write_wav(folder_ / "a.wav", 48'000, 480'000,
+              [](std::uint32_t n) { return 0.5 * std::sin(0.05 * n); });
+    const auto added = replace_audio(reel(), folder_ / "a.wav");
+    ASSERT_TRUE(added) << added.error().message;
+  }
+  fs::path reel() const { return folder_ / "reel"; }
+  fs::path audio() const { return reel() / read_manifest(reel())->audio->path; }
+};
+
+TEST_F(SoundWindow, a_reel_is_heard_with_its_pictures) {
+  open_sources({reel(), "--audio-device", "null"});
+  EXPECT_TRUE(wait_for_next_frame());
+  player().key("Right");
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto audio = quit()["window"]["audio"];
+  EXPECT_TRUE(audio["plays"].get<bool>());
+  EXPECT_NEAR(audio["ahead_of_picture_ms"]["worst"].get<double>(), 0.0, 20.0);
+  EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(SoundWindow, keys_change_the_volume_which_is_kept) {
+  open_sources({reel(), "--audio-device", "null", "--volume", "80"});
+  EXPECT_TRUE(wait_for_next_frame());
+  player().key("slash");
+  player().key("slash");
+  player().key("asterisk");
+  player().key("M");
+  quit();
+  const auto kept = nlohmann::json::parse(read_file(folder_ / "config/pointreel/player.json"));
+  EXPECT_EQ(kept["volume"], 75.0);
+  EXPECT_EQ(kept["mute"], true);
+}
+
+TEST_F(SoundWindow, plays_on_where_there_is_no_device) {
+  open_sources({reel(), "--audio-device", "no_such_device"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto audio = quit()["window"]["audio"];
+  EXPECT_FALSE(audio["plays"].get<bool>());
+  EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(SoundWindow, without_audio_nothing_of_it_is_fetched) {
+  fs::remove(audio());
+  open_sources({reel(), "--no-audio"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_FALSE(quit()["window"].contains("audio"));
+  EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(SoundWindow, says_that_sound_is_missing_and_plays_on) {
+  fs::remove(audio());
+  open_sources({reel(), "--audio-device", "null"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_TRUE(wait_until([&] { return player().err().find("sound: ") != std::string::npos; }));
+  EXPECT_TRUE(wait_for_next_frame());
+  quit();
+}
+
+}  // namespace
+}  // namespace pointreel::window

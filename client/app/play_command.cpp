@@ -110,7 +110,9 @@ void PlayCommand::add_sources(CLI::App& command) {
   command
       .add_option("SOURCE", sources_,
                   "What to play: a package, as a folder or an http:// or https:// address; a "
-                  "folder of PLY and .drc files; or a live stream, as ws://.../live/NAME, wss:// "
+                  "folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
+                  "nuScenes) or one "
+                  "such file; or a live stream, as ws://.../live/NAME, wss:// "
                   "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
       ->required()
       ->type_name("");
@@ -167,10 +169,12 @@ void PlayCommand::add_sources(CLI::App& command) {
   command
       .add_option("--up", up_,
                   "The axis that points up: x, -x, y, -y, z or -z (default: what the package says; "
-                  "y for a folder of files)")
+                  "for files, z in LAS, KITTI and nuScenes files, and otherwise y)")
       ->check(check(parse_up_name))
       ->type_name("AXIS")
       ->group(group);
+  for (CLI::Option* option : add_placement_options(command, options_.placement))
+    option->group(group);
 }
 
 void PlayCommand::add_playback(CLI::App& command) {

@@ -36,6 +36,7 @@ struct PlayOptions {
   double speed = 1.0;
   bool audio = true;                      ///< reels are heard, and recorded, with their sound
   std::string audio_device = "default";   ///< as for open_audio_device
+  Placement placement;                    ///< of the points of files
   double fps = 30.0;                      ///< frame rate of folders of files
   std::optional<glm::ivec2> offscreen;    ///< draw pictures of this size, without a window
   std::optional<double> at;               ///< seconds

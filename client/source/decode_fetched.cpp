@@ -14,8 +14,13 @@ namespace pointreel {
 Result<DecodedFrame> decode_fetched(const FetchedFrame& fetched, DecodeLimits limits) {
   limits.tables = fetched.tables.get();
   if (fetched.layers.empty()) {
-    auto loaded = read_cloud(fetched.file.view(), limits);
+    const ByteView file = fetched.file.view();
+    const CloudFormat format = fetched.file_format == CloudFormat::unknown
+                                   ? format_of(file, fetched.file_name)
+                                   : fetched.file_format;
+    auto loaded = read_cloud(file, format, limits);
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
+    place(loaded->cloud, fetched.placement);
     DecodedFrame frame;
     frame.cloud = std::move(loaded->cloud);
     frame.cube = bounding_cube(bounds(frame.cloud));

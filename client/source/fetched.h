@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "client/source/shared_bytes.h"
+#include "codec/formats/cloud_format.h"
+#include "common/cloud/placement.h"
 #include "pointreel/bytes.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
@@ -37,13 +39,15 @@ struct FetchedLayer {
   Chunks<ByteView> view() const;
 };
 
-/// A frame as it came: either layers of a package, or a whole PLY or .drc file. Copying it copies
+/// A frame as it came: either layers of a package, or a whole file of points. Copying it copies
 /// none of their bytes.
 struct FetchedFrame {
   std::vector<FetchedLayer> layers;
-  std::shared_ptr<const ContextTables> tables;  ///< of the package that has `layers`, or null
-  SharedBytes file;                             ///< used if `layers` is empty
-  std::string file_name;                        ///< of `file`, for errors
+  std::shared_ptr<const ContextTables> tables;     ///< of the package that has `layers`, or null
+  SharedBytes file;                                ///< used if `layers` is empty
+  std::string file_name;                           ///< of `file`, for errors and for its format
+  CloudFormat file_format = CloudFormat::unknown;  ///< or else by its first bytes and its name
+  Placement placement = {};                        ///< of the points of `file`
 
   std::uint64_t size() const;  ///< bytes that came
 };

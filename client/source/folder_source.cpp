@@ -22,8 +22,9 @@ constexpr std::uint64_t kMaxFileBytes = std::uint64_t{4} << 30;
 
 class FolderSource : public Source {
  public:
-  FolderSource(std::vector<std::filesystem::path> files, Manifest manifest)
-      : files_(std::move(files)), manifest_(std::move(manifest)) {}
+  FolderSource(std::vector<std::filesystem::path> files, Manifest manifest,
+               const Placement& placement)
+      : files_(std::move(files)), manifest_(std::move(manifest)), placement_(placement) {}
 
   const Manifest& manifest() const override { return manifest_; }
 
@@ -44,12 +45,14 @@ class FolderSource : public Source {
     FetchedFrame fetched;
     fetched.file = std::move(bytes);
     fetched.file_name = path.string();
+    fetched.placement = placement_;
     return fetched;
   }
 
  private:
   const std::vector<std::filesystem::path> files_;
   const Manifest manifest_;
+  const Placement placement_;
 };
 
 std::string name_of(const std::filesystem::path& path) {
@@ -73,25 +76,29 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
   for (const std::filesystem::path& file : files) {
     if (options.stop.stop_requested())
       return fail(ErrorCode::cancelled, file.string() + ": reading was cancelled");
-    const auto loaded = read_cloud_file(file, {.max_memory = options.max_memory});
+    auto loaded = read_cloud_file(file, {.max_memory = options.max_memory});
     if (!loaded) {
       if (!first_error) first_error = loaded.error();
       continue;
     }
     found = true;
+    place(loaded->cloud, options.placement);
     manifest.bounds = bounds(loaded->cloud);
     manifest.colors = loaded->cloud.has_colors();
     manifest.normals = loaded->cloud.has_normals();
     if (!loaded->cloud.empty()) break;
   }
   if (!found) return tl::unexpected(*first_error);
+  // Who turns files means them to be upright then.
+  if (options.placement.rotation == glm::dmat3(1.0))
+    manifest.up = up_of_file(files.front()).value_or(manifest.up);
 
   Segment segment;
   segment.cube = bounding_cube(manifest.bounds);
   for (std::size_t i = 0; i < files.size(); ++i) segment.times_us.push_back(time_of(i));
   segment.points.assign(files.size(), 0);
   manifest.segments.push_back(std::move(segment));
-  return std::make_unique<FolderSource>(std::move(files), std::move(manifest));
+  return std::make_unique<FolderSource>(std::move(files), std::move(manifest), options.placement);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace pointreel {
 namespace {
 
-/// Whether it is a folder without a PLY or Draco file; false if it cannot be listed.
+/// Whether it is a folder without a file of points; false if it cannot be listed.
 bool has_no_frames(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::directory_iterator entries(path, error);
@@ -49,7 +49,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& where,
   if (fs::exists(path / kManifestName, ignored)) return open_file_source(path);
   if (has_no_frames(path))
     return fail(ErrorCode::not_found,
-                fmt::format("{}: is not a package (it has no {}), and has no .ply or .drc files",
+                fmt::format("{}: is not a package (it has no {}), and has no point cloud files",
                             where, kManifestName));
   return open_folder_source(path, options);
 }

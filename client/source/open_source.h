@@ -8,7 +8,7 @@
 namespace pointreel {
 
 /// Opens what `where` names: the http:// or https:// address of a package, a package's folder or
-/// its reel.json, or a folder of PLY and .drc files or one such file.
+/// its reel.json, or a folder of files of points or one such file.
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options = {});
 

@@ -70,6 +70,7 @@ class Source {
 
 struct SourceOptions {
   double fps = 30.0;                        ///< of folders of files, which do not tell it
+  Placement placement = {};                 ///< of the points of files
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
   // For HTTP and WebSocket.
   std::string token;    ///< bearer token, sent if not empty

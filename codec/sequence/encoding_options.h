@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/cloud/placement.h"
 #include "common/surface/clean.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
@@ -15,6 +16,8 @@ struct EncodingOptions {
   std::string name;   ///< for people
   double fps = 30.0;  ///< nominal frames per second, kMinFps to kMaxFps
   char up = 'y';      ///< the axis that points up, 'y' or 'z'
+  /// How the frames of files are placed, before anything else is done with them.
+  Placement placement;
   EncodeOptions encode;
   /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, or on the voxels
   /// of the source that they merge. It determines the depth of the octree.

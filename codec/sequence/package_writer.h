@@ -13,7 +13,7 @@
 namespace pointreel {
 
 /// What to write, and where to. An empty `name` stands for that of the folder without ".reel".
-/// `clean`, `frame_time_ms` and `threads` do not matter here.
+/// `placement`, `clean`, `frame_time_ms` and `threads` do not matter here.
 struct WriteOptions : EncodingOptions {
   std::filesystem::path output;
   std::uint32_t segment_frames = 30;  ///< frames that share a cube and a file, at least 1

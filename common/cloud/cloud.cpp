@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/base/characters.h"
+#include "common/cloud/finite.h"
 #include "common/cloud/keep_points.h"
 
 namespace pointreel {
@@ -74,8 +75,10 @@ bool colors_fit_8_bits(const PointCloud& cloud) {
 
 SanitizeReport sanitize(PointCloud& cloud) {
   SanitizeReport report;
-  report.dropped_positions =
-      keep_points(cloud, [&](std::size_t i) { return finite(cloud.positions[i]); });
+  if (!are_finite(cloud.positions)) {
+    report.dropped_positions =
+        keep_points(cloud, [&](std::size_t i) { return finite(cloud.positions[i]); });
+  }
 
   for (glm::vec3& n : cloud.normals) {
     // In double, so that the square of a tiny component does not vanish and that of a huge one does

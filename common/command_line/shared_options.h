@@ -1,9 +1,14 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/cloud/placement.h"
 #include "pointreel/codec.h"
+#include "pointreel/error.h"
 
 /// Options that several programs have.
 namespace pointreel {
@@ -22,5 +27,11 @@ CLI::Option* add_frame_memory_option(CLI::App& command, Integer& mib) {
       ->check(CLI::Range(1, 1 << 20))
       ->type_name("MIB");
 }
+
+/// Three numbers such as 90,0,0.
+Result<glm::dvec3> parse_degrees(const std::string& text);
+
+/// --scale and --rotate, for files that were captured in other units or axes.
+std::vector<CLI::Option*> add_placement_options(CLI::App& command, Placement& placement);
 
 }  // namespace pointreel

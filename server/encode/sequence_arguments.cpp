@@ -6,6 +6,7 @@
 
 #include "codec/octree/context_coder.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/shared_options.h"
 #include "common/stream/json_fields.h"
 #include "pointreel/octree.h"
 
@@ -38,8 +39,10 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
   command.add_option("--fps", sequence.fps, "frames per second")
       ->check(number_option("a number from 0.000001 to 1000000", is_frame_rate))
       ->capture_default_str();
-  add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
-                   "the axis that points up");
+  up_ = add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
+                         "the axis that points up, unless the format of the files tells it (z in "
+                         "LAS, KITTI and nuScenes files)");
+  add_placement_options(command, sequence.placement);
   command.add_option("--name", sequence.name,
                      fmt::format("a name for people (default: that of the {})", default_name));
   command
@@ -180,6 +183,10 @@ void SequenceArguments::add_draco_options(CLI::App& command) {
                                      {"sequential", DracoMethod::sequential}},
                                     "how points are ordered; auto is sequential at --cl 0, "
                                     "otherwise kd-tree"));
+}
+
+bool SequenceArguments::up_of_files() const {
+  return up_->count() == 0 && sequence.placement.rotation == glm::dmat3(1.0);
 }
 
 Result<EncodingOptions> SequenceArguments::options() const {

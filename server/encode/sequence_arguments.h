@@ -30,10 +30,15 @@ struct SequenceArguments {
   CLI::Option* only_with(Codec of, CLI::Option* option);
   CLI::Option* only_with_context(CLI::Option* option);
 
+  /// Whether the axis that points up is to be taken from files whose format tells it: it was not
+  /// given, and they are not turned.
+  bool up_of_files() const;
+
   /// What was given; an error if some of it does not go together.
   Result<EncodingOptions> options() const;
 
  private:
+  const CLI::Option* up_ = nullptr;
   void add_octree_options(CLI::App& command);
   void add_draco_options(CLI::App& command);
 

@@ -17,6 +17,7 @@ constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
 
 Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
   SourceFrame source{TRY(read_cloud_file(files_[frame])), {}};
+  place(source.cloud, options_.placement);
   source.cleaning = clean_frame(source.cloud, options_);
   return source;
 }

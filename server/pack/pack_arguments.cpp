@@ -31,14 +31,14 @@ Result<double> parse_bitrate(const std::string& text) {
 
 void PackArguments::add_to(CLI::App& command) {
   command_ = &command;
-  input_ =
-      command
-          .add_option("-i,--input", options_.inputs,
-                      "folders and .ply or .drc files; the files of a folder are taken in natural "
-                      "order, so that frame2 comes before frame10")
-          ->required()
-          ->type_name("PATH")
-          ->expected(1, -1);
+  input_ = command
+               .add_option("-i,--input", options_.inputs,
+                           "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, "
+                           "KITTI, nuScenes); the files of a folder are taken in natural order, so "
+                           "that frame2 comes before frame10")
+               ->required()
+               ->type_name("PATH")
+               ->expected(1, -1);
   output_ = command.add_option("-o,--output", options_.output, "the folder of the package")
                 ->required()
                 ->type_name("FOLDER");
@@ -85,6 +85,7 @@ void PackArguments::add_to(CLI::App& command) {
 Result<PackOptions> PackArguments::options() const {
   PackOptions options = options_;
   static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
+  options.up_of_files = sequence_.up_of_files();
   return options;
 }
 

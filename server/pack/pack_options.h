@@ -14,6 +14,8 @@ namespace pointreel {
 struct PackOptions : EncodingOptions {
   std::vector<std::filesystem::path> inputs;  ///< folders and files, as list_cloud_files takes them
   std::filesystem::path output;
+  /// Take the axis that points up from the first file where its format tells it, instead of `up`.
+  bool up_of_files = false;
   /// With Entropy::context: learn context tables from the frames, and use them if that makes the
   /// package smaller.
   bool train = false;

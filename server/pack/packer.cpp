@@ -37,6 +37,7 @@ class Packer {
          const fs::path& folder)
       : options_(options), listener_(listener), files_(std::move(files)) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
+    if (options_.up_of_files) options_.up = up_of_file(files_.front()).value_or(options_.up);
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(manifest_) = reel_head(options_);

@@ -20,7 +20,7 @@ class SegmentWarnings {
       told_of_radii_ = true;
     }
     if (const std::string names = unread_.fresh(segment.unread); !names.empty())
-      lines.push_back("PLY properties that are not packed: " + names);
+      lines.push_back("properties of points that are not packed: " + names);
     lines.insert(lines.end(), segment.warnings.begin(), segment.warnings.end());
     return lines;
   }

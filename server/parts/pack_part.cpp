@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "codec/cloud_file.h"
 #include "codec/sequence/segment_writer.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
@@ -69,6 +70,8 @@ class PartPacker {
         listener_(listener),
         folder_(parts_folder(options_.output)) {
     options_.name = plan.name;
+    if (options_.up_of_files)
+      options_.up = up_of_file(plan.files.front().path).value_or(options_.up);
     options_.segment_frames = plan.segment_frames;
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(head_) = reel_head(options_);

@@ -46,13 +46,14 @@ class FrameInput {
 std::unique_ptr<FrameInput> play_files(std::vector<std::filesystem::path> files, double fps,
                                        bool loop, LiveClock clock = LiveClock::system());
 
-/// The newest .ply or .drc file in the folder, if there is one, and then each file that is added by
+/// The newest file of points in the folder, if there is one, and then each file that is added by
 /// closing, renaming or linking it. Ends with an error if the folder itself is removed or renamed.
 Result<std::unique_ptr<FrameInput>> follow_folder(const std::filesystem::path& folder,
                                                   LiveClock clock = LiveClock::system());
 
-/// Reads a pipe. Each frame is its size in four bytes, little endian, and then a PLY or Draco file
-/// of that size. Its time of capture is when its last byte was read. The descriptor is not closed.
+/// Reads a pipe. Each frame is its size in four bytes, little endian, and then a file of that
+/// size, of a format that is recognised by its first bytes. Its time of capture is when its last
+/// byte was read. The descriptor is not closed.
 ///
 /// Trust: memory grows only with the bytes that have arrived, up to kMaxInputFrame.
 std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock = LiveClock::system());

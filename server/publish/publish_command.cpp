@@ -41,6 +41,11 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
   PublishOptions options;
   static_cast<EncodingOptions&>(options) = TRY(arguments.sequence.options());
   if (options.name.empty()) options.name = stream_name_of(arguments.to);
+  const bool plays_files = arguments.input != "-" && !arguments.follow;
+  if (plays_files && arguments.sequence.up_of_files()) {
+    if (const auto files = list_cloud_files({fs::path(arguments.input)}))
+      options.up = up_of_file(files->front()).value_or(options.up);
+  }
   options.outbox.url = address;
   options.outbox.token = arguments.token;
   options.outbox.ca_file = arguments.ca_file;
@@ -139,9 +144,10 @@ void add_publish_command(CLI::App& app, int& exit_code) {
       "exit code is 1 if the server has accepted no frame.");
   command
       ->add_option("-i,--input", a.input,
-                   "a folder of .ply or .drc files, which is played at --fps, or - for standard "
-                   "input: for each frame its size in four bytes, little endian, and then a PLY or "
-                   "Draco file")
+                   "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
+                   "nuScenes), which "
+                   "is played at --fps, or - for standard input: for each frame its size in four "
+                   "bytes, little endian, and then a PLY, Draco, PCD or LAS file")
       ->required()
       ->type_name("FOLDER|-");
   command->add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")

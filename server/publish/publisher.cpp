@@ -143,6 +143,7 @@ class Publisher {
     if (!frame.input.cloud) return tl::unexpected(frame.input.cloud.error());
     const Clock::time_point start = Clock::now();
     PointCloud& cloud = frame.input.cloud->cloud;
+    place(cloud, options_.placement);
     frame.cleaning = clean_frame(cloud, options_);
     frame.box = bounds(cloud);
     frame.clean_ms = ms_since(start);
@@ -153,7 +154,7 @@ class Publisher {
   Result<void> find_grid(FrameInProgress& frame) {
     const LoadedCloud& loaded = *frame.input.cloud;
     if (const std::string names = unread_.fresh(loaded.unread); !names.empty())
-      say("PLY properties that are not sent: " + names);
+      say("properties of points that are not sent: " + names);
     if (options_.clean && !frame.cleaning.cleaned && !loaded.cloud.positions.empty() &&
         !std::exchange(uncleaned_told_, true))
       say(fmt::format("{}: not cleaned: {}", frame.input.name, why_not_cleaned(*options_.clean)));

@@ -44,6 +44,9 @@ int run(int argc, char** argv) {
   CLI::App* strips =
       add("strips", "making triangle strips of surfels, and drawing both with the processor");
   strips->add_option("files", options.files, "more clouds to measure, .ply or .drc");
+  CLI::App* files =
+      add("files", "reading files of points, compared with reading their bytes into memory");
+  files->add_option("files", options.files, "more files to measure, of any format");
   int exit_code = 0;
   add_compare_command(app, exit_code);
   add_player_command(app, exit_code);
@@ -62,13 +65,15 @@ int run(int argc, char** argv) {
     report = run_codec(options);
   else if (strips->parsed())
     report = run_strips(options);
+  else if (files->parsed())
+    report = run_files(options);
   else
     return exit_code;
   if (report.contains("error")) {
     pointreel::print_error("pointreel-bench", report["error"].get<std::string>());
     return 1;
   }
-  report["benchmark"] = svo->parsed() ? "svo" : codec->parsed() ? "codec" : "strips";
+  report["benchmark"] = app.get_subcommands().front()->get_name();
   report["machine"] = machine();
   if (json.empty()) return 0;
   const auto written = write_json(json, report);

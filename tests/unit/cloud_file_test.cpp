@@ -90,7 +90,8 @@ TEST_F(CloudFile, errors_begin_with_the_path_and_take_one_line) {
   expect_error(folder_.path(), "folder");
   expect_error("/dev/zero", "is a device");  // it never ends
   expect_error(write("empty.ply", std::string()), "empty");
-  expect_error(write("text.ply", std::string("hello, world")), "neither a PLY nor a Draco file");
+  expect_error(write("text.ply", std::string("hello, world")), "is not a PLY file");
+  expect_error(write("text.data", std::string("hello, world")), "PLY, Draco");
   expect_error(write("cut.drc", std::string("DRACO\x02")), "truncated");
   expect_error(write("bad.ply", std::string("ply\nformat ascii 1.0\n")), "");
 }
@@ -106,6 +107,31 @@ TEST_F(CloudFile, a_folder_gives_its_frames_in_natural_order) {
   EXPECT_THAT(names(*files), ElementsAre("frame1.drc", "frame2.PLY", "frame10.ply"));
 }
 
+TEST_F(CloudFile, files_that_may_be_something_else_count_where_there_are_no_others) {
+  for (const char* name : {"2.txt", "1.csv", "calibration.bin"}) write(name, "1 2 3\n");
+  EXPECT_THAT(names(*list_cloud_files({folder_.path()})),
+              ElementsAre("1.csv", "2.txt", "calibration.bin"));
+  write("0.xyz", "1 2 3\n");
+  write("sweep.pcd.bin", "1 2 3\n");
+  EXPECT_THAT(names(*list_cloud_files({folder_.path()})), ElementsAre("0.xyz", "sweep.pcd.bin"));
+}
+
+TEST_F(CloudFile, the_format_tells_which_axis_points_up) {
+  EXPECT_EQ(up_of_file(write("a.las", std::string("LASF"))), 'z');
+  EXPECT_EQ(up_of_file(write("a.bin", std::string("1234"))), 'z');
+  EXPECT_EQ(up_of_file(write("a.ply", kPly)), std::nullopt);
+  EXPECT_EQ(up_of_file(folder_ / "missing.las"), std::nullopt);
+}
+
+TEST_F(CloudFile, points_that_were_not_measured_are_left_out_without_a_word) {
+  const auto loaded = read_cloud_file(
+      write("a.pcd", std::string("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\n"
+                                 "HEIGHT 1\nDATA ascii\nnan nan nan\n1 2 3\n")));
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->cloud.size(), 1u);
+  EXPECT_THAT(loaded->warnings, testing::IsEmpty());
+}
+
 TEST_F(CloudFile, explicitly_named_files_keep_their_order_and_may_have_any_name) {
   const fs::path b = write("b.ply", kPly), a = write("a.data", kPly);
   write("more/f2.ply", kPly);
@@ -119,10 +145,10 @@ TEST_F(CloudFile, a_missing_input_or_a_folder_without_frames_is_an_error) {
   const auto missing = list_cloud_files({folder_ / "nowhere"});
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message, HasSubstr("nowhere: no such file or folder"));
-  write("notes.txt", kPly);
+  write("notes.md", kPly);
   const auto none = list_cloud_files({folder_.path()});
   ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().message, HasSubstr("has no .ply or .drc files"));
+  EXPECT_THAT(none.error().message, HasSubstr("has no point cloud files"));
   EXPECT_FALSE(list_cloud_files({}));
 }
 

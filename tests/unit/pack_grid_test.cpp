@@ -251,9 +251,10 @@ TEST_F(PackGrid, names_each_property_that_it_drops_once) {
   write_text(1, quality + "property uchar alpha\n", "0.5 1 7 255");
   write_text(2, quality + "property int label\n", "0.5 1 7 3");
   options_.segment_frames = 2;
-  EXPECT_THAT(packed().warnings,
-              ElementsAre(HasSubstr("radii"), "PLY properties that are not packed: alpha, quality",
-                          "PLY properties that are not packed: label"));
+  EXPECT_THAT(
+      packed().warnings,
+      ElementsAre(HasSubstr("radii"), "properties of points that are not packed: alpha, quality",
+                  "properties of points that are not packed: label"));
 }
 
 }  // namespace

@@ -59,17 +59,17 @@ TEST(OpenSource, reports_every_problem_in_one_line) {
 
 TEST(OpenSource, reports_a_folder_that_is_neither_a_package_nor_holds_clouds) {
   const TemporaryFolder folder;
-  folder.write("readme.txt", "hello");
+  folder.write("readme.md", "hello");
   EXPECT_EQ(open_source(folder.path().string()).error().message,
             folder.path().string() +
-                ": is not a package (it has no reel.json), and has no .ply or .drc files");
+                ": is not a package (it has no reel.json), and has no point cloud files");
 }
 
 TEST(OpenSource, reports_a_file_that_is_not_a_cloud) {
   const TemporaryFolder folder;
   const std::string photo = folder.write("photo.jpg", "\xff\xd8").string();
   EXPECT_THAT(open_source(photo).error().message,
-              testing::AllOf(HasSubstr(photo), HasSubstr("neither a PLY nor a Draco file")));
+              testing::AllOf(HasSubstr(photo), HasSubstr("no point cloud file that can be read")));
   const std::string cut = folder.write("cut.ply", "ply\nformat ascii 1.0\n").string();
   EXPECT_THAT(open_source(cut).error().message, HasSubstr(cut + ": "));
 }

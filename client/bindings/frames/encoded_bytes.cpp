@@ -1,11 +1,10 @@
 #include "client/bindings/frames/encoded_bytes.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <string_view>
 #include <utility>
 
+#include "codec/formats/cloud_format.h"
 #include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -13,10 +12,6 @@
 
 namespace pointreel {
 namespace {
-
-bool begins_with(ByteView bytes, std::string_view text) {
-  return bytes.size() >= text.size() && std::equal(text.begin(), text.end(), bytes.begin());
-}
 
 Result<FetchedFrame> layers_of(ByteView bytes, std::uint32_t most) {
   FetchedFrame fetched;
@@ -61,7 +56,7 @@ Result<SharedFrame> decode_bytes(ByteView bytes, const ReadLimits& limits) {
   if (limits.layers == 0) return fail(ErrorCode::argument, "a frame has at least one layer");
   return or_out_of_memory([&]() -> Result<SharedFrame> {
     FetchedFrame fetched;
-    if (begins_with(bytes, "ply") || begins_with(bytes, "DRACO")) {
+    if (format_of(bytes, {}) != CloudFormat::unknown) {
       fetched.file = Bytes(bytes.begin(), bytes.end());
       fetched.file_name = "the file";
     } else {

@@ -11,7 +11,9 @@ Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
   return decode_octree(layers, limits);
 }
 
-Result<LoadedCloud> read_cloud(ByteView, const DecodeLimits&) {
+CloudFormat format_of(ByteView, std::string_view) { return CloudFormat::unknown; }
+
+Result<LoadedCloud> read_cloud(ByteView, CloudFormat, const DecodeLimits&) {
   return fail(ErrorCode::unsupported, "is a file, which needs the larger module");
 }
 

@@ -1,21 +1,14 @@
-#include <cstring>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "codec/cloud_file.h"
-#include "codec/draco/drc_reader.h"
 #include "common/base/concat.h"
-#include "common/base/try.h"
-#include "common/cloud/ply.h"
 #include "common/surface/normals.h"
 
 namespace pointreel {
 namespace {
-
-bool begins_with(ByteView bytes, std::string_view text) {
-  return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
-}
 
 /// "1 point", "2 points".
 std::string count(std::size_t n, std::string_view singular) {
@@ -40,18 +33,12 @@ std::vector<std::string> warnings_of(const SanitizeReport& report) {
 
 }  // namespace
 
-Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits) {
+LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format) {
   LoadedCloud loaded;
-  if (begins_with(bytes, "DRACO")) {
-    loaded.cloud = TRY(read_drc(bytes, limits));
-  } else if (begins_with(bytes, "ply")) {
-    loaded.cloud = TRY(read_ply(bytes, &loaded.unread));
-  } else if (bytes.empty()) {
-    return fail("the file is empty");
-  } else {
-    return fail("neither a PLY nor a Draco file: it begins with neither \"ply\" nor \"DRACO\"");
-  }
-  loaded.warnings = warnings_of(sanitize(loaded.cloud));
+  loaded.cloud = std::move(cloud);
+  SanitizeReport report = sanitize(loaded.cloud);
+  if (has_empty_points(format)) report.dropped_positions = 0;
+  loaded.warnings = warnings_of(report);
   estimate_unknown_radii(loaded.cloud);
   return loaded;
 }

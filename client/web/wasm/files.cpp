@@ -1,0 +1,35 @@
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "codec/cloud_file.h"
+#include "codec/draco/drc_reader.h"
+#include "common/base/try.h"
+#include "common/cloud/ply.h"
+
+// In place of codec/formats: pages are not given any other files.
+
+namespace pointreel {
+
+CloudFormat format_of(ByteView begin, std::string_view) {
+  const auto begins_with = [&](std::string_view text) {
+    return begin.size() >= text.size() && std::memcmp(begin.data(), text.data(), text.size()) == 0;
+  };
+  if (begins_with("ply")) return CloudFormat::ply;
+  return begins_with("DRACO") ? CloudFormat::drc : CloudFormat::unknown;
+}
+
+bool has_empty_points(CloudFormat) { return false; }
+
+Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits) {
+  switch (format) {
+    case CloudFormat::ply:
+      return usable_cloud(TRY(read_ply(bytes)), format);
+    case CloudFormat::drc:
+      return usable_cloud(TRY(read_drc(bytes, limits)), format);
+    default:
+      return fail(bytes.empty() ? "the file is empty" : "is neither a PLY nor a Draco file");
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,191 @@
+#include "codec/formats/format_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstring>
+
+#include "codec/draco/drc_reader.h"
+#include "codec/formats/gltf.h"
+#include "codec/formats/las.h"
+#include "codec/formats/obj.h"
+#include "codec/formats/pcd.h"
+#include "codec/formats/sweep.h"
+#include "codec/formats/text_points.h"
+#include "common/base/concat.h"
+#include "common/base/try.h"
+#include "common/cloud/ply.h"
+
+namespace pointreel {
+namespace {
+
+using Unread = std::vector<std::string>;
+using Read = Result<PointCloud> (*)(const ByteSource&, const DecodeLimits&, Unread&);
+
+Result<PointCloud> read_whole_ply(const ByteSource& source, const DecodeLimits&, Unread& unread) {
+  Bytes room;
+  return read_ply(TRY(source.all(room)), &unread);
+}
+
+Result<PointCloud> read_whole_drc(const ByteSource& source, const DecodeLimits& limits, Unread&) {
+  Bytes room;
+  return read_drc(TRY(source.all(room)), limits);
+}
+
+Result<PointCloud> read_whole_obj(const ByteSource& source, const DecodeLimits&, Unread&) {
+  return read_obj(source);
+}
+
+template <auto kRead>
+Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&, Unread& unread) {
+  return kRead(source, unread);
+}
+
+template <std::size_t kFloats>
+Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, Unread& unread) {
+  return read_sweep(source, kFloats, unread);
+}
+
+/// All formats. What else is to be known about one stands in its row.
+struct Row {
+  CloudFormat format;
+  const char* name;                        ///< for people
+  std::array<const char*, 6> endings;      ///< of file names, in small letters
+  std::array<std::string_view, 2> begins;  ///< what files begin with
+  Likely by_name;                          ///< for names with these endings
+  Read read;
+  char up = '\0';
+  bool empty_points = false;
+};
+
+constexpr Row kFormats[] = {
+    {CloudFormat::ply, "PLY", {".ply"}, {"ply"}, Likely::yes, read_whole_ply},
+    {CloudFormat::drc, "Draco", {".drc"}, {"DRACO"}, Likely::yes, read_whole_drc},
+    // Before .bin, with which the name ends, too.
+    {CloudFormat::nuscenes_sweep, "nuScenes", {".pcd.bin"}, {}, Likely::yes, read_sweep_of<5>, 'z'},
+    {CloudFormat::pcd,
+     "PCD",
+     {".pcd"},
+     {"# .PCD", "VERSION"},
+     Likely::yes,
+     read_unlimited<read_pcd>,
+     '\0',
+     true},
+    {CloudFormat::las,
+     "LAS",
+     {".las", ".laz"},
+     {"LASF"},
+     Likely::yes,
+     read_unlimited<read_las>,
+     'z'},
+    {CloudFormat::text,
+     "text",
+     {".xyz", ".pts", ".asc", ".txt", ".csv"},
+     {},
+     Likely::maybe,
+     read_unlimited<read_text_points>},
+    {CloudFormat::obj, "OBJ", {".obj"}, {}, Likely::yes, read_whole_obj},
+    {CloudFormat::gltf, "glTF", {".glb", ".gltf"}, {"glTF"}, Likely::yes, read_gltf, 'y'},
+    {CloudFormat::sweep, "KITTI", {".bin"}, {}, Likely::maybe, read_sweep_of<0>, 'z'},
+};
+
+/// Endings of formats with more than one that nothing else uses.
+constexpr std::array<std::string_view, 3> kSureText{".xyz", ".pts", ".asc"};
+
+const Row* find(CloudFormat format) {
+  const auto row = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                [=](const Row& r) { return r.format == format; });
+  return row == std::end(kFormats) ? nullptr : &*row;
+}
+
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  std::transform(small.begin(), small.end(), small.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return small;
+}
+
+/// The row whose ending the name has, and that ending.
+const Row* find_by_name(std::string_view name, std::string_view& ending) {
+  const std::string small = in_small_letters(name);
+  for (const Row& row : kFormats) {
+    for (const char* candidate : row.endings) {
+      if (candidate == nullptr || !small.ends_with(candidate)) continue;
+      ending = candidate;
+      return &row;
+    }
+  }
+  return nullptr;
+}
+
+bool begins_with(ByteView bytes, std::string_view text) {
+  return !text.empty() && bytes.size() >= text.size() &&
+         std::memcmp(bytes.data(), text.data(), text.size()) == 0;
+}
+
+/// Why a file whose format is known by its name alone is not of that format; empty if it may be.
+std::string fault_of_begin(const Row& row, const ByteView begin) {
+  if (row.begins[0].empty()) return {};
+  // Other PCD files begin with a comment or a field, and .gltf files are JSON.
+  if (row.format == CloudFormat::pcd || row.format == CloudFormat::gltf) return {};
+  if (begins_with(begin, row.begins[0])) return {};
+  return concat("is not a ", row.name, " file: it does not begin with \"", row.begins[0], "\"");
+}
+
+}  // namespace
+
+CloudFormat format_of(ByteView begin, std::string_view name) {
+  for (const Row& row : kFormats) {
+    for (const std::string_view expected : row.begins)
+      if (begins_with(begin, expected)) return row.format;
+  }
+  std::string_view ending;
+  const Row* row = find_by_name(name, ending);
+  return row == nullptr ? CloudFormat::unknown : row->format;
+}
+
+Likely is_cloud_name(std::string_view name) {
+  std::string_view ending;
+  const Row* row = find_by_name(name, ending);
+  if (row == nullptr) return Likely::no;
+  const bool sure = std::find(kSureText.begin(), kSureText.end(), ending) != kSureText.end();
+  return sure ? Likely::yes : row->by_name;
+}
+
+std::optional<char> up_of(CloudFormat format) {
+  const Row* row = find(format);
+  if (row == nullptr || row->up == '\0') return std::nullopt;
+  return row->up;
+}
+
+bool has_empty_points(CloudFormat format) {
+  const Row* row = find(format);
+  return row != nullptr && row->empty_points;
+}
+
+std::string known_formats() {
+  std::string names;
+  for (const Row& row : kFormats) {
+    if (!names.empty()) names += &row == std::end(kFormats) - 1 ? " and " : ", ";
+    names += row.name;
+  }
+  return names;
+}
+
+Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
+                               const DecodeLimits& limits, std::vector<std::string>& unread) {
+  if (source.size() == 0) return fail("the file is empty");
+  const Row* row = find(format);
+  if (row == nullptr) {
+    return fail(
+        concat("is no point cloud file that can be read, by its first bytes or by its "
+               "name: ",
+               known_formats(), " can"));
+  }
+  Bytes room;
+  if (std::string fault = fault_of_begin(*row, TRY(source.view(0, 16, room))); !fault.empty())
+    return fail(std::move(fault));
+  return row->read(source, limits, unread);
+}
+
+}  // namespace pointreel

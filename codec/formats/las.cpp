@@ -1,0 +1,139 @@
+#include "codec/formats/las.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "codec/formats/records.h"
+#include "common/base/concat.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+/// What the formats of points have. Those from 6 on are of LAS 1.4.
+struct Format {
+  std::uint16_t size = 0;   ///< in bytes, without extra bytes
+  std::uint16_t color = 0;  ///< where red is; 0: there is no colour
+  bool time = false, infrared = false, waveform = false;
+};
+constexpr std::array<Format, 11> kFormats{{{20},
+                                           {28, 0, true},
+                                           {26, 20},
+                                           {34, 28, true},
+                                           {57, 0, true, false, true},
+                                           {63, 28, true, false, true},
+                                           {30, 0, true},
+                                           {36, 30, true},
+                                           {38, 30, true, true},
+                                           {59, 0, true, false, true},
+                                           {67, 30, true, true, true}}};
+
+/// Bytes of headers, from the begin of the file.
+constexpr std::size_t kVersion = 24, kHeaderSize = 94, kPoints = 96, kFormat = 104,
+                      kRecordSize = 105, kCount = 107, kScale = 131, kOffset = 155,
+                      kOldHeader = 227, kLongCount = 247, kNewHeader = 375;
+/// Set in the format's number by programs that write LAZ.
+constexpr std::uint8_t kCompressed = 0xc0;
+
+template <class T>
+T at(ByteView bytes, std::size_t offset) {
+  return load_number<T>(bytes.data() + offset);
+}
+
+glm::dvec3 vector_at(ByteView bytes, std::size_t offset) {
+  return {at<double>(bytes, offset), at<double>(bytes, offset + 8), at<double>(bytes, offset + 16)};
+}
+
+bool finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+struct Header {
+  RecordTable table;
+  std::uint8_t format = 0;
+  glm::dvec3 scale{1.0}, offset{0.0};
+};
+
+Result<Header> parse_header(ByteView bytes) {
+  if (bytes.size() < kOldHeader) {
+    return fail(
+        concat("byte ", bytes.size(), ": the header ends before its ", kOldHeader, " bytes"));
+  }
+  const int major = bytes[kVersion], minor = bytes[kVersion + 1];
+  if (major != 1 || minor > 4) {
+    return fail(ErrorCode::unsupported,
+                concat("is of LAS version ", major, ".", minor, "; 1.0 to 1.4 can be read"));
+  }
+  Header header;
+  const std::uint8_t format = bytes[kFormat];
+  if ((format & kCompressed) != 0) {
+    return fail(ErrorCode::unsupported,
+                "is compressed (LAZ), which is not read: convert it with \"pdal translate IN.laz "
+                "OUT.las\" or \"las2las -i IN.laz -o OUT.las\"");
+  }
+  if (format >= kFormats.size()) {
+    return fail(ErrorCode::unsupported, concat("byte ", kFormat, ": has the point format ",
+                                               static_cast<int>(format), "; 0 to 10 can be read"));
+  }
+  header.format = format;
+  header.table.size = at<std::uint16_t>(bytes, kRecordSize);
+  if (header.table.size < kFormats[format].size) {
+    return fail(concat("byte ", kRecordSize, ": points of ", header.table.size,
+                       " bytes are too short for the point format ", static_cast<int>(format),
+                       ", which needs ", kFormats[format].size));
+  }
+  header.table.begin = at<std::uint32_t>(bytes, kPoints);
+  if (header.table.begin <
+      std::max<std::size_t>(at<std::uint16_t>(bytes, kHeaderSize), kOldHeader)) {
+    return fail(concat("byte ", kPoints, ": the points begin at byte ", header.table.begin,
+                       ", within the header"));
+  }
+  header.table.count = at<std::uint32_t>(bytes, kCount);
+  if (minor == 4 && at<std::uint16_t>(bytes, kHeaderSize) >= kNewHeader) {
+    if (bytes.size() < kNewHeader) {
+      return fail(
+          concat("byte ", bytes.size(), ": the header ends before its ", kNewHeader, " bytes"));
+    }
+    const auto count = at<std::uint64_t>(bytes, kLongCount);
+    if (count > 0) header.table.count = count;
+  }
+  header.scale = vector_at(bytes, kScale);
+  header.offset = vector_at(bytes, kOffset);
+  if (!finite(header.scale) || header.scale.x == 0.0 || header.scale.y == 0.0 ||
+      header.scale.z == 0.0) {
+    return fail(concat("byte ", kScale, ": the scale of coordinates is ", header.scale.x, ", ",
+                       header.scale.y, ", ", header.scale.z, ", which places no points"));
+  }
+  if (!finite(header.offset))
+    return fail(concat("byte ", kOffset, ": the offset of coordinates is not finite"));
+  return header;
+}
+
+}  // namespace
+
+Result<PointCloud> read_las(const ByteSource& source, std::vector<std::string>& unread) {
+  Bytes room;
+  const Header header = TRY(parse_header(TRY(source.view(0, kNewHeader, room))));
+  const Format& format = kFormats[header.format];
+  const auto vector = [&](std::size_t offset, NumberType type) {
+    RecordVector fields;
+    for (std::size_t i = 0; i < 3; ++i)
+      fields[i] = {offset + i * size_of(type), header.table.size, type};
+    return fields;
+  };
+  RecordLayout layout;
+  layout.position = vector(0, NumberType::int32);
+  layout.scale = header.scale;
+  layout.offset = header.offset;
+  if (format.color > 0) layout.color = vector(format.color, NumberType::uint16);
+  unread.insert(unread.end(), {"intensity", "classification", "return number", "flags",
+                               "scan angle", "user data", "point source"});
+  if (format.time) unread.push_back("GPS time");
+  if (format.infrared) unread.push_back("infrared");
+  if (format.waveform) unread.push_back("waveform");
+  if (header.table.size > format.size) unread.push_back("extra bytes");
+  return read_records(source, header.table, layout);
+}
+
+}  // namespace pointreel

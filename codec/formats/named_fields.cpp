@@ -1,0 +1,97 @@
+#include "codec/formats/named_fields.h"
+
+#include <algorithm>
+#include <cctype>
+#include <initializer_list>
+#include <string_view>
+
+#include "common/base/concat.h"
+#include "common/cloud/ply_header.h"
+
+namespace pointreel {
+namespace {
+
+bool same_name(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
+    return std::tolower(x) == std::tolower(y);
+  });
+}
+
+/// Fields that have not been given a meaning.
+class Unassigned {
+ public:
+  explicit Unassigned(const std::vector<NamedField>& fields) : fields_(fields) {
+    taken_.resize(fields.size());
+  }
+
+  /// The first of the spellings that is complete.
+  std::optional<RecordVector> take(
+      std::initializer_list<std::array<std::string_view, 3>> spellings) {
+    for (const auto& names : spellings) {
+      std::array<std::size_t, 3> at{};
+      for (std::size_t i = 0; i < 3; ++i) at[i] = find(names[i]);
+      if (std::max({at[0], at[1], at[2]}) == fields_.size()) continue;
+      RecordVector vector;
+      for (std::size_t i = 0; i < 3; ++i) {
+        vector[i] = fields_[at[i]].field;
+        taken_[at[i]] = true;
+      }
+      return vector;
+    }
+    return std::nullopt;
+  }
+
+  /// A number of four bytes.
+  std::optional<RecordField> take_packed(std::initializer_list<std::string_view> names) {
+    for (const std::string_view name : names) {
+      const std::size_t at = find(name);
+      if (at == fields_.size() || size_of(fields_[at].field.type) != 4) continue;
+      taken_[at] = true;
+      return fields_[at].field;
+    }
+    return std::nullopt;
+  }
+
+  std::vector<RecordScalar> rest() const {
+    std::vector<RecordScalar> scalars;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      if (!taken_[i] && fields_[i].name != "_")
+        scalars.push_back({printable(fields_[i].name), fields_[i].field});
+    }
+    return scalars;
+  }
+
+ private:
+  std::size_t find(std::string_view name) const {
+    for (std::size_t i = 0; i < fields_.size(); ++i)
+      if (!taken_[i] && same_name(fields_[i].name, name)) return i;
+    return fields_.size();
+  }
+
+  const std::vector<NamedField>& fields_;
+  std::vector<bool> taken_;
+};
+
+}  // namespace
+
+Result<RecordLayout> layout_of(const std::vector<NamedField>& fields) {
+  Unassigned unassigned(fields);
+  RecordLayout layout;
+  const auto position = unassigned.take({{"x", "y", "z"}});
+  if (!position) {
+    for (const std::string_view name : {"x", "y", "z"}) {
+      const bool there = std::any_of(fields.begin(), fields.end(), [&](const NamedField& field) {
+        return same_name(field.name, name);
+      });
+      if (!there) return fail(concat("the points have no field ", name));
+    }
+  }
+  layout.position = *position;
+  layout.normal = unassigned.take({{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}});
+  layout.color = unassigned.take({{"red", "green", "blue"}, {"r", "g", "b"}});
+  if (!layout.color) layout.packed_color = unassigned.take_packed({"rgb", "rgba"});
+  layout.scalars = unassigned.rest();
+  return layout;
+}
+
+}  // namespace pointreel

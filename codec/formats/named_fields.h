@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "codec/formats/records.h"
+#include "pointreel/error.h"
+
+namespace pointreel {
+
+/// A number of every point, by its name in the file.
+struct NamedField {
+  std::string name;
+  RecordField field;
+};
+
+/// Finds out by their names what the numbers of points stand for. Case does not matter; if an
+/// attribute has several spellings, the first complete one counts:
+///   positions  x y z
+///   normals    nx ny nz, or normal_x normal_y normal_z
+///   colours    red green blue, or r g b; else rgb or rgba, one number of four bytes
+/// All others become RecordLayout::scalars, with names that fit into a one-line message; those
+/// called "_" are padding. An error if there is no position.
+Result<RecordLayout> layout_of(const std::vector<NamedField>& fields);
+
+}  // namespace pointreel

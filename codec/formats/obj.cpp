@@ -1,0 +1,140 @@
+#include "codec/formats/obj.h"
+
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "codec/formats/records.h"
+#include "codec/formats/words.h"
+#include "common/base/concat.h"
+#include "common/base/try.h"
+#include "common/cloud/ply_header.h"
+
+namespace pointreel {
+namespace {
+
+struct Vertex {
+  glm::dvec3 position{0.0};
+  glm::vec3 color{0.0f};
+};
+
+class ObjReader {
+ public:
+  Result<PointCloud> read(std::string_view text) {
+    Lines lines(text);
+    for (std::string_view line; lines.next(line);) {
+      std::string_view rest = line;
+      const std::string_view keyword = take_word(rest);
+      Result<void> done;
+      if (keyword == "v") {
+        done = add_vertex(rest);
+      } else if (keyword == "vn") {
+        done = add_normal(rest);
+      } else if (keyword == "f") {
+        done = add_corners(rest);
+      }
+      if (!done) return fail_at(concat("line ", lines.number()), done.error());
+    }
+    return finish();
+  }
+
+ private:
+  Result<void> add_vertex(std::string_view rest) {
+    std::array<double, 7> numbers{};
+    std::size_t count = 0;
+    for (std::string_view word = take_word(rest); !word.empty() && word[0] != '#';
+         word = take_word(rest)) {
+      if (count == numbers.size()) return fail("a vertex has more than 7 numbers");
+      if (!parse_number(word, numbers[count++]))
+        return fail(concat("'", printable(word), "' in a vertex is not a number"));
+    }
+    if (count < 3) return fail(concat("a vertex has ", count, " numbers, but needs 3"));
+    Vertex vertex;
+    vertex.position = {numbers[0], numbers[1], numbers[2]};
+    // The fourth of 4 or 7 is a weight.
+    const std::size_t color = count == 7 ? 4 : 3;
+    colors_ &= count >= 6;
+    if (count >= 6)
+      vertex.color = glm::vec3(numbers[color], numbers[color + 1], numbers[color + 2]);
+    vertices_.push_back(vertex);
+    return {};
+  }
+
+  Result<void> add_normal(std::string_view rest) {
+    glm::dvec3 normal(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = take_word(rest);
+      if (!parse_number(word, normal[axis]))
+        return fail(concat("'", printable(word), "' in a normal is not a number"));
+    }
+    normals_.emplace_back(normal);
+    return {};
+  }
+
+  /// The number of the vertex or normal that an index stands for: from 1, or back from the newest.
+  static Result<std::size_t> resolve(std::string_view word, std::size_t count, const char* what) {
+    std::int64_t index = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+    const auto all = static_cast<std::int64_t>(count);
+    if (error != std::errc() || end != word.data() + word.size() || index == 0 || index > all ||
+        index < -all) {
+      return fail(concat("a face refers to the ", what, " '", printable(word), "', but there are ",
+                         count, " so far"));
+    }
+    return static_cast<std::size_t>(index > 0 ? index - 1 : all + index);
+  }
+
+  /// "vertex/texture/normal" for each corner of a face.
+  Result<void> add_corners(std::string_view rest) {
+    for (std::string_view word = take_word(rest); !word.empty() && word[0] != '#';
+         word = take_word(rest)) {
+      const std::size_t first = word.find('/'), last = word.rfind('/');
+      if (first == std::string_view::npos || last == first || last + 1 == word.size()) continue;
+      const std::size_t vertex = TRY(resolve(word.substr(0, first), vertices_.size(), "vertex"));
+      const std::size_t normal = TRY(resolve(word.substr(last + 1), normals_.size(), "normal"));
+      if (sums_.size() < vertices_.size()) sums_.resize(vertices_.size(), glm::vec3(0.0f));
+      sums_[vertex] += normals_[normal];
+    }
+    return {};
+  }
+
+  PointCloud finish() {
+    RecordLayout layout;
+    for (std::size_t i = 0; i < 3; ++i) {
+      layout.position[i] = {offsetof(Vertex, position) + i * sizeof(double), sizeof(Vertex),
+                            NumberType::float64};
+    }
+    if (colors_) {
+      layout.color.emplace();
+      for (std::size_t i = 0; i < 3; ++i) {
+        (*layout.color)[i] = {offsetof(Vertex, color) + i * sizeof(float), sizeof(Vertex),
+                              NumberType::float32};
+      }
+    }
+    RecordCollector collector(layout, vertices_.size());
+    collector.add(reinterpret_cast<const std::uint8_t*>(vertices_.data()), 0, vertices_.size());
+    PointCloud cloud = collector.finish();
+    if (!sums_.empty()) {
+      sums_.resize(vertices_.size(), glm::vec3(0.0f));
+      cloud.normals = std::move(sums_);
+    } else if (normals_.size() == vertices_.size()) {
+      cloud.normals = std::move(normals_);
+    }
+    return cloud;
+  }
+
+  std::vector<Vertex> vertices_;
+  std::vector<glm::vec3> normals_;
+  std::vector<glm::vec3> sums_;  ///< of the normals of each vertex, as far as faces have any
+  bool colors_ = true;           ///< all vertices have one
+};
+
+}  // namespace
+
+Result<PointCloud> read_obj(const ByteSource& source) {
+  Bytes room;
+  return ObjReader().read(text_of(TRY(source.all(room))));
+}
+
+}  // namespace pointreel

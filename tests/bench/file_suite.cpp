@@ -1,0 +1,151 @@
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "codec/cloud_file.h"
+#include "common/base/byte_io.h"
+#include "common/base/print.h"
+#include "common/base/try.h"
+#include "common/base/write_file.h"
+#include "common/cloud/ply.h"
+#include "tests/bench/clouds.h"
+#include "tests/bench/measure.h"
+#include "tests/bench/suites.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel::bench {
+namespace {
+
+struct Input {
+  std::string name;
+  std::filesystem::path path;
+  double least_share = 0.0;  ///< bar: of the speed of reading the bytes into memory; 0: none
+};
+
+void put(Bytes& out, const std::string& text) { out.insert(out.end(), text.begin(), text.end()); }
+
+std::uint32_t packed(const glm::u16vec3& color) {
+  return (color.x / 257u) << 16 | (color.y / 257u) << 8 | color.z / 257u;
+}
+
+/// As the Point Cloud Library writes PointXYZRGB, or PointXYZ without colours.
+Bytes pcd_of(const PointCloud& cloud, bool colors) {
+  Bytes bytes;
+  put(bytes, fmt::format("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z{}\n"
+                         "SIZE 4 4 4{}\nTYPE F F F{}\nCOUNT 1 1 1{}\nWIDTH {}\nHEIGHT 1\n"
+                         "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+                         colors ? " rgb" : "", colors ? " 4" : "", colors ? " F" : "",
+                         colors ? " 1" : "", cloud.size(), cloud.size()));
+  ByteWriter out(bytes);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) out.put(cloud.positions[i][axis]);
+    if (colors) out.put(packed(cloud.colors[i]));
+  }
+  return bytes;
+}
+
+/// LAS 1.4 of point format 7, in millimetres, far from zero.
+Bytes las_of(const PointCloud& cloud) {
+  constexpr std::size_t kHeader = 375, kRecord = 36, kColor = 30;
+  Bytes bytes(kHeader + kRecord * cloud.size());
+  const auto set = [&](std::size_t at, auto value) {
+    std::memcpy(bytes.data() + at, &value, sizeof(value));
+  };
+  std::memcpy(bytes.data(), "LASF", 4);
+  bytes[24] = 1;
+  bytes[25] = 4;
+  bytes[104] = 7;
+  set(94, static_cast<std::uint16_t>(kHeader));
+  set(96, static_cast<std::uint32_t>(kHeader));
+  set(105, static_cast<std::uint16_t>(kRecord));
+  set(247, static_cast<std::uint64_t>(cloud.size()));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    set(131 + 8 * axis, 0.001);
+    set(155 + 8 * axis, 500'000.0);
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t at = kHeader + kRecord * i;
+    for (int axis = 0; axis < 3; ++axis) {
+      set(at + 4 * static_cast<std::size_t>(axis),
+          static_cast<std::int32_t>(1000.0f * cloud.positions[i][axis]));
+      set(at + kColor + 2 * static_cast<std::size_t>(axis), cloud.colors[i][axis]);
+    }
+  }
+  return bytes;
+}
+
+/// Milliseconds; the bytes are kept until then, as those of a cloud are.
+double read_bytes_ms(const std::filesystem::path& path) {
+  const double begin = now_ms();
+  std::ifstream in(path, std::ios::binary);
+  Bytes bytes(std::filesystem::file_size(path));
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return now_ms() - begin;
+}
+
+nlohmann::json measure_file(const Input& input, int runs, std::vector<Bar>& bars) {
+  std::vector<double> plain, read;
+  std::size_t points = 0;
+  // In turns, so that both see the same machine.
+  for (int i = 0; i < runs; ++i) {
+    plain.push_back(read_bytes_ms(input.path));
+    const double begin = now_ms();
+    const auto loaded = read_cloud_file(input.path);
+    read.push_back(now_ms() - begin);
+    if (!loaded) return {{"error", loaded.error().message}};
+    points = loaded->cloud.size();
+  }
+  const double megabytes = 1e-6 * static_cast<double>(std::filesystem::file_size(input.path));
+  const double plain_ms = summarise(plain).median, read_ms = summarise(read).median;
+  const double share = plain_ms / read_ms;
+  print(
+      "  {:<28} {:>9} points {:>7.1f} MB   bytes {:>7.1f} ms   cloud {:>7.1f} ms   {:>6.0f} MB/s "
+      "  {:>5.0f} %\n",
+      input.name, points, megabytes, plain_ms, read_ms, 1e3 * megabytes / read_ms, 100.0 * share);
+  if (input.least_share > 0.0)
+    bars.push_back({input.name + ": of the speed of reading the bytes", 100.0 * share, "%",
+                    100.0 * input.least_share, true});
+  return {{"name", input.name},
+          {"points", points},
+          {"megabytes", megabytes},
+          {"bytes_ms", plain_ms},
+          {"cloud_ms", read_ms}};
+}
+
+}  // namespace
+
+nlohmann::json run_files(const SuiteOptions& options) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = scan_like_cloud(options.quick ? 300'000 : 3'000'000);
+  std::vector<Input> inputs;
+  const auto add = [&](const char* name, const char* file, const Bytes& bytes, double least) {
+    inputs.push_back({name, folder.path() / file, least});
+    return write_file(inputs.back().path, bytes);
+  };
+  for (const Result<void>& written :
+       {add("PCD, positions", "a.pcd", pcd_of(cloud, false), 0.8),
+        add("PCD, positions and colours", "b.pcd", pcd_of(cloud, true), 0.8),
+        add("LAS, point format 7", "c.las", las_of(cloud), 0.8),
+        add("PLY, binary", "d.ply", ply_bytes(cloud), 0.0)}) {
+    if (!written) return {{"error", written.error().message}};
+  }
+  for (const std::filesystem::path& file : options.files)
+    inputs.push_back({file.filename().string(), file, 0.0});
+  print("Reading files that are in the page cache, on one thread\n");
+  std::vector<Bar> bars;
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Input& input : inputs) {
+    rows.push_back(measure_file(input, options.quick ? 5 : 21, bars));
+    if (rows.back().contains("error")) return rows.back();
+  }
+  print(bars);
+  return {{"files", rows}, {"bars", to_json(bars)}};
+}
+
+}  // namespace pointreel::bench

@@ -1,0 +1,107 @@
+#include "codec/formats/text_points.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace pointreel {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Result<PointCloud> read(const std::string& text, std::vector<std::string>* unread = nullptr) {
+  std::vector<std::string> ignored;
+  const ByteView bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  return read_text_points(ByteSource(bytes), unread == nullptr ? ignored : *unread);
+}
+
+std::string error_of(const std::string& text) {
+  const Result<PointCloud> cloud = read(text);
+  return cloud ? "it was read" : cloud.error().message;
+}
+
+TEST(TextPoints, numbers_may_be_separated_by_commas_semicolons_and_blanks) {
+  for (const std::string text :
+       {"1 2.5 3\n4 5 6\n", "  1\t2.5   3 \r\n4\t5\t6", "1,2.5,3\n4,5,6\n",
+        "1, 2.5, 3,\n4, 5, 6,\n", "1;2.5;3\n4;5;6\n", "1;2,5;3\n4;5;6\n",
+        "\"1\",\"2.5\",\"3\"\n4,5,6\n", "1 2.5 3\r4 5 6\r",
+        "\xef\xbb\xbf"
+        "1 2.5 3\n4 5 6\n",
+        "# a comment\n\n1 2.5 3\n// another\n4 5 6\n%\n", "2\n1 2.5 3\n4 5 6\n"}) {
+    const Result<PointCloud> cloud = read(text);
+    ASSERT_TRUE(cloud) << text << cloud.error().message;
+    ASSERT_EQ(cloud->size(), 2u) << text;
+    EXPECT_EQ(cloud->world(0), glm::dvec3(1, 2.5, 3)) << text;
+    EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6)) << text;
+  }
+}
+
+TEST(TextPoints, a_header_names_the_columns_in_any_order) {
+  for (const std::string head : {"intensity,blue,x,green,y,red,z\n", "//Intensity B X G Y R Z\n",
+                                 "# intensity b x g y r z\n"}) {
+    std::vector<std::string> unread;
+    const Result<PointCloud> cloud = read(head + "9,30,1,20,2,10,3\n", &unread);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->world(0), glm::dvec3(1, 2, 3));
+    EXPECT_THAT(cloud->colors, ElementsAre(glm::u16vec3(10 * 257, 20 * 257, 30 * 257)));
+    EXPECT_THAT(unread, ElementsAre(testing::StrCaseEq("intensity")));
+  }
+}
+
+TEST(TextPoints, words_in_columns_that_are_not_read_do_no_harm) {
+  const Result<PointCloud> cloud = read("name,x,y,z\nfloor,1,2,3\n,4,5,6\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+}
+
+TEST(TextPoints, without_a_header_the_number_of_columns_decides) {
+  const auto colors = ElementsAre(glm::u16vec3(10 * 257, 20 * 257, 30 * 257));
+  const auto normals = ElementsAre(glm::vec3(0, 0, -1));
+  std::vector<std::string> unread;
+  EXPECT_FALSE(read("1 2 3 50\n", &unread)->has_colors());
+  EXPECT_THAT(unread, ElementsAre("intensity"));
+  EXPECT_THAT(read("1 2 3 10 20 30\n")->colors, colors);
+  EXPECT_THAT(read("1 2 3 0 0 -1\n")->normals, normals);
+  EXPECT_THAT(read("1 2 3 0.6 0.8 0\n")->normals, ElementsAre(glm::vec3(0.6f, 0.8f, 0)));
+  EXPECT_THAT(read("1 2 3 10 20 30 0.5\n")->colors, colors);
+  EXPECT_THAT(read("1 2 3 -1800 10 20 30\n")->colors, colors);  // as in .pts files
+  const Result<PointCloud> both = read("1 2 3 10 20 30 0 0 -1 77\n");
+  EXPECT_THAT(both->colors, colors);
+  EXPECT_THAT(both->normals, normals);
+  unread.clear();
+  EXPECT_FALSE(read("1 2 3 4 5\n", &unread)->has_colors());
+  EXPECT_THAT(unread, ElementsAre("column 4", "column 5"));
+}
+
+TEST(TextPoints, colors_may_be_shares_bytes_or_words) {
+  const auto color = [](const char* text) { return read(text)->colors.at(0); };
+  EXPECT_EQ(color("x y z r g b\n1 2 3 1 0.5 0\n"), glm::u16vec3(65535, 32768, 0));
+  EXPECT_EQ(color("x y z r g b\n1 2 3 255 0 0\n"), glm::u16vec3(65535, 0, 0));
+  EXPECT_EQ(color("x y z r g b\n1 2 3 65535 0 256\n"), glm::u16vec3(65535, 0, 256));
+}
+
+TEST(TextPoints, errors_say_in_which_line_and_column) {
+  EXPECT_THAT(error_of("hello, world\n"),
+              HasSubstr("line 1: 'hello, world' is neither a point nor"));
+  EXPECT_THAT(error_of("1 2 3\n4 five 6\n"), HasSubstr("line 2: 'five' in column 2"));
+  EXPECT_THAT(error_of("1 2 3 4\n1 2 3\n"), HasSubstr("line 2: has 3 columns"));
+  EXPECT_THAT(error_of("1 2\n"), HasSubstr("line 1: has 2 numbers"));
+  EXPECT_THAT(error_of("x,y,z\n1,,3\n"), HasSubstr("line 2: '' in column 2"));
+  EXPECT_THAT(error_of("x y z\n"), HasSubstr("no points"));
+  EXPECT_THAT(error_of(std::string(3000, ',') + "\n"), HasSubstr("line 1"));
+  EXPECT_THAT(error_of("1 2 3\n1 2 \x1b[31m\n"), HasSubstr("'?[31m'"));
+}
+
+TEST(TextPoints, more_columns_than_anybody_reads_take_no_memory) {
+  std::string line;
+  for (int i = 0; i < 5000; ++i) line += "1 ";
+  const Result<PointCloud> cloud = read(line + "\n" + line + "\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->size(), 2u);
+}
+
+}  // namespace
+}  // namespace pointreel

@@ -8,55 +8,29 @@
 #include <cstring>
 #include <limits>
 
+#include "client/scene/frustum.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
 namespace {
 
-struct Plane {
-  glm::vec3 normal;
-  float offset;
-  float distance(const glm::vec3& p) const { return glm::dot(normal, p) + offset; }
-};
-
-enum class Side { outside, crossing, inside };
+using Side = Frustum::Side;
 
 /// The frustum and the size criterion, with the edge of the octree's cube as the unit.
-class View {
+class View : public Frustum {
  public:
-  View(const Cube& cube, const Camera& camera, glm::ivec2 size, float pixel_size) {
-    const double unit = 1.0 / cube.edge;
-    const glm::dmat3 axes = camera.axes();
-    const glm::dvec3 eye = (camera.eye() - cube.origin) * unit;
-    const double ty = std::tan(0.5 * camera.fov_y);
-    const double tx = ty * size.x / size.y;
-    near_ = static_cast<float>(camera.near_plane() * unit);
-    forward_ = plane(-axes[2], eye, 0.0);
-    sides_ = {plane(glm::normalize(axes[0] - tx * axes[2]), eye, 0.0),
-              plane(glm::normalize(-axes[0] - tx * axes[2]), eye, 0.0),
-              plane(glm::normalize(axes[1] - ty * axes[2]), eye, 0.0),
-              plane(glm::normalize(-axes[1] - ty * axes[2]), eye, 0.0)};
-    slope_ = glm::vec2(static_cast<float>(tx), static_cast<float>(ty));
-    eye_ = glm::vec3(eye);
-    // Enough for a few roundings of numbers as large as the eye's distance.
-    slack_ = static_cast<float>(1e-6 * (1.0 + glm::length(eye)));
-    focal_ = static_cast<float>(0.5 * size.y / ty / std::max(pixel_size, 1e-6f));
-  }
-
-  Side classify(const glm::vec3& center, float radius) const {
-    const float r = radius + slack_;
-    float least = forward_.distance(center) - near_;
-    for (const Plane& side : sides_) least = std::min(least, side.distance(center));
-    return least < -r ? Side::outside : least > r ? Side::inside : Side::crossing;
-  }
+  View(const Cube& cube, const Camera& camera, glm::ivec2 size, float pixel_size)
+      : Frustum(camera, size, cube.origin, cube.edge),
+        focal_(static_cast<float>(0.5 * size.y / std::tan(0.5 * camera.fov_y) /
+                                  std::max(pixel_size, 1e-6f))) {}
 
   /// Whether the projected area is below the pixel's. The ellipse to which a sphere of radius s at
   /// depth z and distance d projects has the area pi f^2 s^2 sqrt(d^2 - s^2) / (z^2 - s^2)^(3/2);
   /// it is compared squared, which needs neither a root nor a division.
   bool small(const glm::vec3& center, float half) const {
-    const float z = forward_.distance(center);
-    if (!(z > kSqrt3 * half + near_ + slack_)) return false;
-    const glm::vec3 from_eye = center - eye_;
+    const float z = depth(center);
+    if (!(z > kSqrt3 * half + near() + slack())) return false;
+    const glm::vec3 from_eye = center - eye();
     const float s2 = kSilhouette * half * half;
     const float a = glm::dot(from_eye, from_eye) - s2, b = z * z - s2;
     const float disc = kPi * focal_ * focal_ * s2;
@@ -66,7 +40,7 @@ class View {
   /// False if `small` is false for every node of this size: with d >= z, a projected area is at
   /// least pi f^2 s^2 / z^2, and no depth is greater than that of the cube's farthest corner.
   bool any_small(float half) const {
-    const float z = std::max(forward_.distance(glm::vec3(0.5f)) + 0.5f * kSqrt3 + slack_, 0.0f);
+    const float z = std::max(depth(glm::vec3(0.5f)) + 0.5f * kSqrt3 + slack(), 0.0f);
     return kPi * focal_ * focal_ * kSilhouette * half * half < z * z;
   }
 
@@ -74,16 +48,14 @@ class View {
   /// has at least this depth: the area falls with depth, and the centre is no farther from the eye
   /// than the frustum's edge plus the node's radius.
   bool all_small(float half, float z) const {
-    const float radius = kSqrt3 * half + 2.0f * slack_;
-    if (!(z > radius + near_)) return false;
-    const glm::vec2 off = slope_ * z + radius * glm::sqrt(1.0f + slope_ * slope_);
+    const float radius = kSqrt3 * half + 2.0f * slack();
+    if (!(z > radius + near())) return false;
+    const glm::vec2 off = slope() * z + radius * glm::sqrt(1.0f + slope() * slope());
     const float s2 = kSilhouette * half * half;
     const float a = z * z + glm::dot(off, off) - s2, b = z * z - s2;
     const float disc = kPi * focal_ * focal_ * s2;
     return disc * disc * a < 0.999f * b * b * b;
   }
-
-  float depth(const glm::dvec3& in_edges) const { return forward_.distance(glm::vec3(in_edges)); }
 
   static constexpr float kSqrt3 = 1.7320508f;
 
@@ -91,15 +63,7 @@ class View {
   static constexpr float kPi = 3.1415927f;
   static constexpr float kSilhouette = 6.0f / kPi;
 
-  static Plane plane(const glm::dvec3& normal, const glm::dvec3& eye, double shift) {
-    return {glm::vec3(normal), static_cast<float>(shift - glm::dot(normal, eye))};
-  }
-
-  Plane forward_{};
-  std::array<Plane, 4> sides_{};
-  glm::vec3 eye_{};
-  glm::vec2 slope_{};  ///< the slopes of the frustum's sides
-  float near_ = 0.0f, slack_ = 0.0f, focal_ = 1.0f;
+  float focal_;
 };
 
 typedef std::int32_t Int4 __attribute__((vector_size(16)));
@@ -170,7 +134,7 @@ int finest_level(const Cube& cube, const Box& bounds, const Camera& camera, glm:
     const glm::dvec3 p(corner & 1 ? bounds.max.x : bounds.min.x,
                        corner & 2 ? bounds.max.y : bounds.min.y,
                        corner & 4 ? bounds.max.z : bounds.min.z);
-    nearest = std::min(nearest, view.depth((p - cube.origin) / cube.edge));
+    nearest = std::min(nearest, view.depth(glm::vec3((p - cube.origin) / cube.edge)));
   }
   int level = 0;
   for (float half = 0.5f; level < kMaxDepth; ++level, half *= 0.5f) {

@@ -306,11 +306,11 @@ void Refinement::divide(std::span<const Wanted> wanted) {
       for (int x = -steps; x <= steps; ++x) {
         const glm::vec2 offset = one.step * glm::vec2(x, y);
         if (glm::dot(offset, offset) > reach * reach) continue;
-        std::optional<RefinedSurfel> made = around.surfel_at(offset.x * across + offset.y * along);
-        if (!made) continue;
-        made->radius = kRadiusOfStep * one.step;
-        made->of_divided = one.radius;
-        out.push_back(*made);
+        std::optional<RefinedSurfel> part = around.surfel_at(offset.x * across + offset.y * along);
+        if (!part) continue;
+        part->radius = kRadiusOfStep * one.step;
+        part->of_divided = one.radius;
+        out.push_back(*part);
       }
     }
   };

@@ -1,8 +1,9 @@
 #include "client/scene/strip_cut.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "client/scene/frustum.h"
 
 namespace pointreel {
 namespace {
@@ -10,29 +11,6 @@ namespace {
 /// Ranges that follow one another are joined until they are this long, so that they can be shared
 /// out among threads.
 constexpr std::uint32_t kLongRange = 4096;
-
-/// The frustum, in the coordinates of the surfels.
-class Frustum {
- public:
-  explicit Frustum(const StripView& view) {
-    const glm::dmat3 axes = view.camera.axes();
-    const double ty = std::tan(0.5 * view.camera.fov_y), tx = ty * view.size.x / view.size.y;
-    normals_ = {glm::vec3(-axes[2]), glm::vec3(glm::normalize(axes[0] - tx * axes[2])),
-                glm::vec3(glm::normalize(-axes[0] - tx * axes[2])),
-                glm::vec3(glm::normalize(axes[1] - ty * axes[2])),
-                glm::vec3(glm::normalize(-axes[1] - ty * axes[2]))};
-  }
-
-  enum class Side { outside, crossing, inside };
-  Side classify(const glm::vec3& from_eye, float radius) const {
-    float least = glm::dot(normals_[0], from_eye);
-    for (const glm::vec3& normal : normals_) least = std::min(least, glm::dot(normal, from_eye));
-    return least < -radius ? Side::outside : least > radius ? Side::inside : Side::crossing;
-  }
-
- private:
-  std::array<glm::vec3, 5> normals_;
-};
 
 enum class Facing { eye, mixed, away };
 
@@ -57,9 +35,7 @@ void cut_strips(const SurfelStrips& strips, const StripView& view, StripCut& cut
   cut.points.clear();
   cut.visited = cut.triangles = cut.backs = cut.out_of_view = cut.below_pixel = 0;
   if (strips.empty()) return;
-  const Frustum frustum(view);
-  const glm::vec3 eye(view.camera.eye() - view.origin);
-  const float slack = 1e-6f * (1.0f + glm::length(eye));
+  const Frustum frustum(view.camera, view.size, view.origin, 1.0);
   // The size of a pixel at depth 1.
   const auto pixel =
       static_cast<float>(2.0 * std::tan(0.5 * view.camera.fov_y) / view.size.y * view.pixel_size);
@@ -84,10 +60,10 @@ void cut_strips(const SurfelStrips& strips, const StripView& view, StripCut& cut
     const StripNode& node = strips.nodes[index];
     ++cut.visited;
     if (node.indices == 0) continue;
-    const glm::vec3 from_eye = node.center - eye;
-    const float radius = node.radius + slack, distance = glm::length(from_eye);
+    const glm::vec3 from_eye = node.center - frustum.eye();
+    const float radius = node.radius + frustum.slack(), distance = glm::length(from_eye);
     if (!inside) {
-      const auto side = frustum.classify(from_eye, radius);
+      const auto side = frustum.classify(node.center, radius);
       if (side == Frustum::Side::outside) {
         cut.out_of_view += node.triangles;
         continue;

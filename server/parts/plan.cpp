@@ -33,10 +33,15 @@ constexpr const char* kFormat = "pointreel-plan";
 std::string checksum_text(std::uint64_t checksum) { return fmt::format("{:016x}", checksum); }
 
 std::string to_text(const PackPlan& plan) {
-  ordered_json json = {
-      {"format", kFormat}, {"program", POINTREEL_VERSION},          {"arguments", plan.arguments},
-      {"name", plan.name}, {"segment_frames", plan.segment_frames}, {"force", plan.force},
-      {"tables", nullptr}};
+  ordered_json json = {{"format", kFormat},
+                       {"program", POINTREEL_VERSION},
+                       {"arguments", plan.arguments},
+                       {"name", plan.name},
+                       {"segment_frames", plan.segment_frames},
+                       {"force", plan.force},
+                       {"audio", nullptr},
+                       {"tables", nullptr}};
+  if (plan.audio) json["audio"] = plan.audio->string();
   if (plan.tables) {
     json["tables"] = {{"path", plan.tables->path},
                       {"bytes", plan.tables->bytes},

@@ -63,7 +63,7 @@ json random_tree(std::mt19937& random, int depth) {
   const unsigned kind = random() % 4;
   if (depth == 0 || kind > 1) return kLeaves[random() % kLeaves.size()];
   json tree = kind == 0 ? json::object() : json::array();
-  for (unsigned i = random() % 5; i > 0; --i) {
+  for (auto i = random() % 5; i > 0; --i) {
     json item = random_tree(random, depth - 1);
     if (kind == 1) {
       tree.push_back(std::move(item));

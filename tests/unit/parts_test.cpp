@@ -1,5 +1,6 @@
 // Packing in parts: the same package, whatever happens to the parts.
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,6 +15,7 @@
 #include "server/parts/join_parts.h"
 #include "server/parts/pack_part.h"
 #include "server/parts/plan.h"
+#include "tests/tone.h"
 #include "tests/unit/packed_reel.h"
 
 namespace pointreel {
@@ -106,6 +108,17 @@ TEST_F(Parts, share_tables_that_were_learnt_once) {
   const auto expected = whole(one);
   make(one, {"--train"});
   for (std::uint32_t i = 1; i <= 3; ++i) ASSERT_TRUE(part(i, 3));
+  EXPECT_EQ(join_error(), "");
+  EXPECT_TRUE(contents(reel_) == expected);
+}
+
+TEST_F(Parts, get_their_sound_when_they_are_joined) {
+  PackOptions one = options();
+  one.audio = reel_.parent_path() / "tone.wav";
+  write_wav(*one.audio, 48000, 4800, [](std::uint32_t n) { return 0.3 * std::sin(0.06 * n); });
+  const auto expected = whole(one);
+  make(one);
+  ASSERT_TRUE(part(1, 1));
   EXPECT_EQ(join_error(), "");
   EXPECT_TRUE(contents(reel_) == expected);
 }

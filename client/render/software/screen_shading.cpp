@@ -191,8 +191,9 @@ void ScreenShading::find_open(const ShadingView& shading, const PictureView& vie
                           away = near / picture.depths[other] * other_ray - place;
           const float distance2 = glm::dot(away, away);
           if (distance2 > farthest * farthest) continue;
-          const glm::vec3 turn = shading_normal(picture.normals[other], -unit(other_ray)) - normal;
-          bend += glm::dot(turn, away) / std::max(distance2, 1e-30f);
+          const glm::vec3 change =
+              shading_normal(picture.normals[other], -unit(other_ray)) - normal;
+          bend += glm::dot(change, away) / std::max(distance2, 1e-30f);
           ++count;
         }
         if (count > 0) cell.bend = bend / static_cast<float>(count);

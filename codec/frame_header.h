@@ -33,9 +33,10 @@ struct FrameHeader {
   Cube cube;
 };
 
-enum class ChunkKind : std::uint8_t { geometry = 0, colors = 1, normals = 2 };
+/// `scalars` stands alone, in the layer after those of the geometry.
+enum class ChunkKind : std::uint8_t { geometry = 0, colors = 1, normals = 2, scalars = 3 };
 
-/// The chunk of that kind, or what stands for it.
+/// The chunk of that kind, which is not `scalars`, or what stands for it.
 template <class AnyChunks>
 auto& chunk_of(AnyChunks& chunks, ChunkKind kind) {
   return kind == ChunkKind::geometry ? chunks.geometry

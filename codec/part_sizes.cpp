@@ -15,6 +15,7 @@ Chunks<std::size_t> octree_part_sizes(const EncodedFrame& frame) {
     sizes.colors += layer.colors.size();
     sizes.normals += layer.normals.size();
   }
+  sizes.geometry -= frame.scalar_bytes();
   return sizes;
 }
 

@@ -8,7 +8,8 @@
 namespace pointreel {
 
 /// The sizes of the geometry, the colours and the normals of a frame, including headers, in bytes.
-/// They add up to frame.size(). The other arguments are those that the frame was encoded from.
+/// With the scalar fields they add up to frame.size(). The other arguments are those that the frame
+/// was encoded from.
 ///
 /// Draco interleaves attributes, so the sizes of its parts are measured by encoding positions
 /// alone, and then positions with colours; the rest is due to the normals. This takes up to two

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,11 +20,13 @@
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_noise.h"
 #include "codec/octree/normal_space.h"
+#include "codec/octree/scalar_coder.h"
 #include "codec/octree/value_arrays.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/octree/build.h"
 #include "pointreel/chunks.h"
 #include "pointreel/octree.h"
@@ -257,6 +260,14 @@ Result<void> decode_normals(const FrameStructure& structure,
   return {};
 }
 
+/// Decodes one scalar field.
+Result<void> decode_scalars(const FrameStructure& structure, const ScalarStreams& streams,
+                            const DecodeLimits& limits, ScalarField& field) {
+  TRY(check_stopped(limits));
+  field = TRY(at_place("scalar fields", decode_scalar(structure, streams)));
+  return {};
+}
+
 /// Cuts the tree and its attributes off at `depth`, for callers that do not need the leaves.
 void cut_off(OctreeFrame& frame, int depth) {
   frame.svo = truncate(frame.svo, depth);
@@ -285,8 +296,8 @@ void add_means(OctreeFrame& frame, const Executor& executor) {
 
 /// What transformed attributes need to know of a tree.
 FrameStructure structure_for(const Svo& svo, const std::vector<int>& last_levels,
-                             const FrameHeader& header,
-                             const std::vector<Chunks<ByteView>>& layers) {
+                             const FrameHeader& header, const std::vector<Chunks<ByteView>>& layers,
+                             const std::vector<ScalarStreams>& scalars) {
   LevelSet predicted = 0;
   int first_level = 0;
   for (std::size_t layer = 0; layer < last_levels.size(); ++layer) {
@@ -297,6 +308,8 @@ FrameStructure structure_for(const Svo& svo, const std::vector<int>& last_levels
     };
     add(layers[layer].colors, header.colors_transformed);
     add(layers[layer].normals, header.normals_transformed);
+    for (const ScalarStreams& field : scalars)
+      predicted |= TransformDecoder::predicted_levels(field.layers[layer], first_level);
     first_level = last_levels[layer];
   }
   return {svo, last_levels, predicted};
@@ -326,6 +339,30 @@ Result<void> take_attribute(const Svo& svo, ByteView base, bool transformed,
   // The values, and the planes of the level whose planes are largest.
   TRY(budget.take(nodes, sizeof(Short4) + 1));
   return budget.take(svo.internal_count(), 6 * sizeof(Short4));
+}
+
+/// The scalar fields that are to be decoded: none unless the whole tree was.
+Result<std::vector<ScalarStreams>> find_scalars(const std::vector<Chunks<ByteView>>& layers,
+                                                const ParsedFrameHeader& parsed, const Svo& svo,
+                                                const DecodeLimits& limits, MemoryBudget& budget) {
+  const std::size_t number = parsed.header.layers;
+  if (!limits.scalars || layers.size() <= number || layers[number].geometry.empty() ||
+      svo.depth != parsed.header.depth || (!limits.leaves && limits.depth < svo.depth)) {
+    return {};
+  }
+  const ParsedChunk chunk = TRY(read_chunk(layers[number].geometry, ChunkKind::scalars,
+                                           static_cast<std::uint8_t>(number), parsed.tag));
+  if (chunk.header.entropy != Entropy::none || chunk.header.raw_size != chunk.payload.size() ||
+      chunk.header.last_level != svo.depth) {
+    return fail("chunk header has a field out of range");
+  }
+  std::vector<ScalarStreams> fields = TRY(parse_scalars(chunk.payload, number));
+  if (!limits.scalar.empty())
+    std::erase_if(fields, [&](const ScalarStreams& field) { return field.name != limits.scalar; });
+  TRY(budget.take(svo.node_count(), fields.size() * (sizeof(Short4) + 1)));
+  TRY(budget.take(svo.internal_count(), fields.size() * 6 * sizeof(Short4)));
+  TRY(budget.take(svo.leaf_count(), fields.size() * sizeof(float)));
+  return fields;
 }
 
 /// Decodes the geometry of the layers that are given. Returns the last level of each.
@@ -376,6 +413,11 @@ Result<void> check(const PointCloud& cloud, const Cube& cube, const OctreeOption
   if (options.slabs < 0 || options.slabs > kMostSlabs) {
     return refused(concat(options.slabs, " slabs are not between 0 and ", kMostSlabs));
   }
+  for (const ScalarStep& step : options.scalar_steps) {
+    if (!(step.step > 0.0) || !std::isfinite(step.step))
+      return refused(concat("the step of a scalar field, ", step.step, ", is not above 0"));
+  }
+  if (options.scalars) TRY(check_scalars(cloud));
   if (!is_codable(cube)) {
     return refused(
         concat("a cube with the edge ", cube.edge, " cannot be coded: scale the points"));
@@ -459,7 +501,8 @@ Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const Oct
     }
     first_level = last_level;
   }
-  if (!frame.colors_transformed && !frame.normals_transformed) return encoded;
+  const bool scalars = options.scalars && cloud.has_scalars() && !cloud.empty();
+  if (!frame.colors_transformed && !frame.normals_transformed && !scalars) return encoded;
   const FrameStructure structure(svo, layer_ends(svo.depth, frame.layers));
   if (frame.colors_transformed) {
     std::optional<CoefficientSteps> steps;
@@ -479,6 +522,14 @@ Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const Oct
     }
     encode_transformed(structure, normals_of_leaves, ChunkKind::normals, steps, tag,
                        encoded.layers);
+  }
+  if (!scalars) return encoded;
+  const Bytes payload =
+      encode_scalars(structure, cloud, points.sorted, options.scalar_steps, executor);
+  if (!payload.empty()) {
+    const ChunkHeader header{ChunkKind::scalars, Entropy::none, frame.layers, frame.depth, 0};
+    pack_chunk(header, tag, payload, encoded.layers.emplace_back().geometry);
+    encoded.has_scalars = true;
   }
   return encoded;
 }
@@ -510,8 +561,11 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   TRY(take_attribute(frame.svo, layers.front().colors, header.colors_transformed, limits, budget));
   TRY(take_attribute(frame.svo, layers.front().normals, header.normals_transformed, limits,
                      budget));
+  const std::vector<ScalarStreams> scalars =
+      TRY(at_place("scalar fields", find_scalars(layers, parsed, frame.svo, limits, budget)));
   const bool transformed = (header.colors_transformed && !layers.front().colors.empty()) ||
-                           (header.normals_transformed && !layers.front().normals.empty());
+                           (header.normals_transformed && !layers.front().normals.empty()) ||
+                           !scalars.empty();
   if (transformed) TRY(budget.take(frame.svo.internal_count(), 48));  // what both know of the tree
 
   const int depth = limits.leaves ? kMaxDepth : std::max(limits.depth, 0);
@@ -533,12 +587,15 @@ Result<OctreeFrame> decode_tree(const std::vector<Chunks<ByteView>>& layers,
   frame.normals = normals_from_codes(normals.codes());
   // They need only the tree, not each other, and so can run in parallel.
   if (transformed) {
-    const FrameStructure structure = structure_for(frame.svo, last_levels, header, layers);
-    std::array<Result<void>, 2> results;
-    for_each(limits.executor, 2, [&](int i) {
-      results[static_cast<std::size_t>(i)] =
-          i == 0 ? decode_colors(structure, layers, depth, parsed, limits, frame)
-                 : decode_normals(structure, layers, depth, parsed, limits, frame);
+    const FrameStructure structure = structure_for(frame.svo, last_levels, header, layers, scalars);
+    frame.scalars.resize(scalars.size());
+    std::vector<Result<void>> results(2 + scalars.size());
+    for_each(limits.executor, static_cast<int>(results.size()), [&](int i) {
+      const auto number = static_cast<std::size_t>(i);
+      results[number] = i == 0   ? decode_colors(structure, layers, depth, parsed, limits, frame)
+                        : i == 1 ? decode_normals(structure, layers, depth, parsed, limits, frame)
+                                 : decode_scalars(structure, scalars[number - 2], limits,
+                                                  frame.scalars[number - 2]);
     });
     for (const Result<void>& done : results) TRY(done);
   }
@@ -558,6 +615,9 @@ Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers,
     frame.cloud = leaf_centers(tree.svo);
     frame.cloud.colors = std::move(tree.colors);
     frame.cloud.normals = std::move(tree.normals);
+    frame.cloud.scalars = std::move(tree.scalars);
+  } else {
+    frame.scalars = std::move(tree.scalars);
   }
   frame.attributes = std::move(tree.nodes);
   frame.svo = std::move(tree.svo);

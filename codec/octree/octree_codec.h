@@ -29,6 +29,7 @@ struct OctreeFrame {
   std::vector<glm::u16vec3> colors;
   std::vector<glm::vec3> normals;
   NodeAttributes nodes;  ///< as DecodedFrame::attributes
+  std::vector<ScalarField> scalars;
 };
 /// decode_octree without the cloud.
 Result<OctreeFrame> decode_octree_tree(const std::vector<Chunks<ByteView>>& layers,

@@ -33,9 +33,13 @@ struct EncodingOptions {
   int threads = 0;  ///< that encode; 0: one for each processor
 };
 
-/// What a reel or a live stream of such frames says about itself. Colours and normals are not known
-/// before there is a frame.
+/// What a reel or a live stream of such frames says about itself. Colours, normals and scalar
+/// fields are not known before there is a frame.
 ReelHead reel_head(const EncodingOptions& options);
+
+/// A line for people, for clouds that have scalar fields.
+inline constexpr const char* kNoScalarsInDraco =
+    "scalar fields, such as intensities, are left out: Draco frames have none; use --codec octree";
 
 /// Cleans a frame as the options say. A frame without normals gets none, since players derive them
 /// from the cleaned points as well.

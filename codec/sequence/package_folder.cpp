@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "codec/octree/octree_codec.h"
 #include "common/base/print.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {
@@ -25,6 +27,15 @@ void drop_unused_layers(const fs::path& folder, Manifest& manifest) {
     }
     manifest.layer_names.pop_back();
   }
+}
+
+/// In reels of shallow octrees, scalar fields are in a layer that was meant for finer levels.
+void name_scalar_layer(Manifest& manifest) {
+  const int depth = static_cast<int>(manifest.depth_max);
+  const auto geometry = static_cast<std::size_t>(layer_count(depth));
+  if (manifest.scalars.empty() || manifest.layer_names.size() != geometry + 1) return;
+  manifest.layer_names.pop_back();
+  add_scalar_layer(manifest.layer_names);
 }
 
 }  // namespace
@@ -64,6 +75,7 @@ Result<void> may_replace_package(const fs::path& folder) {
 Result<std::uint64_t> finish_package(const fs::path& folder, Manifest& manifest,
                                      const fs::path& shown) {
   drop_unused_layers(folder, manifest);
+  name_scalar_layer(manifest);
   const std::string text = write_manifest(manifest);
   if (const auto parsed = parse_manifest(text); !parsed) {
     return fail_at("the package would not be valid", parsed.error());

@@ -17,6 +17,7 @@
 #include "common/base/output_folder.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {
@@ -45,6 +46,7 @@ class PackageWriter::Impl {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(manifest_) = reel_head(options_);
+    if (options_.encode.id() == Codec::octree) add_scalar_layer(manifest_.layer_names);
   }
 
   /// Refuses what a client would refuse before the work, not after it.
@@ -148,6 +150,9 @@ class PackageWriter::Impl {
     manifest_.bounds.grow(extent.box);
     manifest_.colors |= options_.encode.colors && cloud.has_colors();
     manifest_.normals |= options_.encode.normals && cloud.has_normals();
+    if (const auto* octree = std::get_if<OctreeOptions>(&options_.encode.codec);
+        octree != nullptr && octree->scalars)
+      cover(manifest_.scalars, ranges_of(cloud));
     ++summed_up_;
   }
 

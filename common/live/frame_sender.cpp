@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/net/websocket.h"
 #include "common/stream/live_queue.h"
 
@@ -63,6 +64,8 @@ void FrameSender::greet(const Content& content) {
   hello.bounds.grow(content.box);
   hello.colors |= content.colors;
   hello.normals |= content.normals;
+  cover(hello.scalars, content.scalars);
+  if (!content.scalars.empty()) add_scalar_layer(hello.layer_names);
   if (greeted_ && hello == hello_) return;
   greeted_ = true;
   hello_ = std::move(hello);

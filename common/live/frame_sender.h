@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "common/live/outbox.h"
 #include "common/stream/live.h"
@@ -24,6 +25,7 @@ class FrameSender {
   struct Content {
     Box box;  ///< of its points
     bool colors = false, normals = false;
+    std::vector<ScalarRange> scalars = {};
   };
   /// Does not wait for the link. `capture_us`: Unix time; times rise by at least a microsecond,
   /// whatever is given.

@@ -8,6 +8,7 @@
 #include "common/base/concat.h"
 #include "common/base/try.h"
 #include "common/stream/reel_rules.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel {
 namespace {
@@ -135,6 +136,22 @@ std::optional<std::uint64_t> parse_hex(std::string_view text) {
   return value;
 }
 
+namespace {
+
+/// A scalar field of a reel.
+Result<ScalarRange> parse_scalar(const JsonValue& object) {
+  Fields fields(object);
+  ScalarRange range;
+  range.name = fields.text("name");
+  range.least = fields.number("min");
+  range.most = fields.number("max");
+  range.labels = fields.boolean("labels");
+  TRY(fields.check());
+  return range;
+}
+
+}  // namespace
+
 void read_reel_head(Fields& fields, ReelHead& head) {
   head.name = fields.text("name");
   head.codec = fields.text("codec");
@@ -148,6 +165,16 @@ void read_reel_head(Fields& fields, ReelHead& head) {
   head.up = up.size() == 1 ? up.front() : '\0';
   head.colors = fields.boolean("colors");
   head.normals = fields.boolean("normals");
+  if (fields.has("scalars")) {
+    const JsonValue scalars = fields.array("scalars");
+    if (scalars.size() > kMaxScalars)
+      return fields.refuse("scalars", concat("has more than ", kMaxScalars, " fields"));
+    for (JsonItems item(scalars); item.next();) {
+      Result<ScalarRange> range = parse_scalar(item.value());
+      if (!range) return fields.refuse("scalars", range.error().message);
+      head.scalars.push_back(std::move(*range));
+    }
+  }
   const JsonValue layers = fields.array("layers");
   if (layers.size() > kMaxLayers) {
     return fields.refuse("layers", concat("has more than ", kMaxLayers, " names"));
@@ -166,6 +193,17 @@ Result<Box> parse_box(const JsonValue& value) {
   TRY(fields.check());
   TRY(check_box(box));
   return box;
+}
+
+ordered_json scalars_json(const std::vector<ScalarRange>& scalars) {
+  ordered_json all = ordered_json::array();
+  for (const ScalarRange& range : scalars) {
+    all.push_back({{"name", range.name},
+                   {"min", range.least},
+                   {"max", range.most},
+                   {"labels", range.labels}});
+  }
+  return all;
 }
 
 ordered_json box_json(const Box& box) {

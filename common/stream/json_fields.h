@@ -88,6 +88,9 @@ std::optional<std::uint64_t> parse_hex(std::string_view text);
 /// error is left in `fields`. Their values are left to check_head (reel_rules.h).
 void read_reel_head(Fields& fields, ReelHead& head);
 
+/// The member "scalars" that read_reel_head reads.
+nlohmann::ordered_json scalars_json(const std::vector<ScalarRange>& scalars);
+
 /// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box, and checks it; box_json
 /// writes it.
 Result<Box> parse_box(const JsonValue& value);

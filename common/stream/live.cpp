@@ -76,8 +76,15 @@ std::string hello_text(const LiveHello& hello, std::string_view key, std::string
       fmt::format(R"({{"type":"hello","version":{},"name":{},"{}":"{}","codec":"{}")",
                   kPackageVersion, dump(hello.name), key, value, hello.codec);
   if (!hello.entropy.empty()) text += fmt::format(R"(,"entropy":"{}")", hello.entropy);
-  text += fmt::format(R"(,"fps":{},"up":"{}","colors":{},"normals":{},"layers":["{}"],"bounds":)",
-                      dump(hello.fps), hello.up, hello.colors, hello.normals,
+  text += fmt::format(R"(,"fps":{},"up":"{}","colors":{},"normals":{})", dump(hello.fps), hello.up,
+                      hello.colors, hello.normals);
+  for (std::size_t i = 0; i < hello.scalars.size(); ++i) {
+    const ScalarRange& range = hello.scalars[i];
+    text += fmt::format(R"({}{{"name":{},"min":{},"max":{},"labels":{}}})",
+                        i == 0 ? R"(,"scalars":[)" : ",", dump(range.name), dump(range.least),
+                        dump(range.most), range.labels);
+  }
+  text += fmt::format(R"({},"layers":["{}"],"bounds":)", hello.scalars.empty() ? "" : "]",
                       fmt::join(hello.layer_names, "\",\""));
   if (hello.bounds.empty()) return text + "null}";
   return text + fmt::format(R"({{"min":{},"max":{}}}}})", vector_text(hello.bounds.min),

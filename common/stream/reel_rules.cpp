@@ -9,6 +9,7 @@
 #include "common/base/concat.h"
 #include "common/base/try.h"
 #include "common/stream/json_fields.h"
+#include "pointreel/cloud.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -32,6 +33,23 @@ Result<void> check_layer_names(const std::vector<std::string>& names) {
     if (std::find(names.begin(), name, *name) != name) {
       return fail(concat("layers: \"", *name, "\" comes twice"));
     }
+  }
+  return {};
+}
+
+Result<void> check_scalar_ranges(const std::vector<ScalarRange>& scalars) {
+  if (scalars.size() > kMaxScalars)
+    return fail(concat("scalars: has more than ", kMaxScalars, " fields"));
+  for (auto field = scalars.begin(); field != scalars.end(); ++field) {
+    if (!is_scalar_name(field->name)) {
+      return fail(concat("scalars: a name is not 1 to ", kMaxScalarName,
+                         " bytes of text that may be shown"));
+    }
+    const auto same = [&](const ScalarRange& other) { return other.name == field->name; };
+    if (std::find_if(scalars.begin(), field, same) != field)
+      return fail(concat("scalars: \"", field->name, "\" comes twice"));
+    if (!std::isfinite(field->least) || !std::isfinite(field->most) || field->least > field->most)
+      return fail(concat("scalars: \"", field->name, "\" has no finite range"));
   }
   return {};
 }
@@ -120,6 +138,7 @@ Result<void> check_head(const ReelHead& head) {
   }
   if (!is_frame_rate(head.fps)) return fail("fps: is not a number from 0.000001 to 1000000");
   if (head.up != 'y' && head.up != 'z') return fail("up: is neither \"y\" nor \"z\"");
+  TRY(check_scalar_ranges(head.scalars));
   return check_layer_names(head.layer_names);
 }
 

@@ -62,6 +62,7 @@ ordered_json head_json(const Manifest& manifest) {
   head["up"] = std::string(1, manifest.up);
   head["colors"] = manifest.colors;
   head["normals"] = manifest.normals;
+  if (!manifest.scalars.empty()) head["scalars"] = scalars_json(manifest.scalars);
   head["depth_min"] = manifest.depth_min;
   head["depth_max"] = manifest.depth_max;
   head["bounds"] = box_json(manifest.bounds);

@@ -90,6 +90,7 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
   command.add_flag_callback(
       "--no-colors", [this] { sequence.encode.colors = false; }, "leave colours out");
   add_octree_options(command);
+  add_scalar_options(command);
   add_draco_options(command);
 }
 
@@ -164,6 +165,38 @@ void SequenceArguments::add_octree_options(CLI::App& command) {
                                 "(default: {}, or less for normals that are noisier than that)",
                                 octree.normal_quality))
                 ->check(CLI::Range(1, kBestNormalQuality)));
+}
+
+void SequenceArguments::add_scalar_options(CLI::App& command) {
+  only_with(Codec::octree, command.add_flag_callback(
+                               "--no-scalars", [this] { octree.scalars = false; },
+                               "leave scalar fields, such as intensities, out"));
+  const auto parsed = [](const std::string& text) -> std::optional<ScalarStep> {
+    const std::size_t at = text.rfind('=');
+    if (at == std::string::npos || !is_scalar_name(text.substr(0, at))) return std::nullopt;
+    std::string number = text.substr(at + 1);
+    if (!positive_number()(number).empty()) return std::nullopt;
+    ScalarStep step{text.substr(0, at)};
+    CLI::detail::lexical_cast(number, step.step);
+    return step;
+  };
+  only_with(Codec::octree,
+            command
+                .add_option_function<std::vector<std::string>>(
+                    "--scalar-step",
+                    [this, parsed](const std::vector<std::string>& all) {
+                      for (const std::string& text : all)
+                        octree.scalar_steps.push_back(*parsed(text));
+                    },
+                    "keep this scalar field to within half of this step (default: whole numbers "
+                    "that span up to 255 exactly, others in steps of 1/255 of their range)")
+                ->check(CLI::Validator(
+                    [parsed](std::string& text) {
+                      return parsed(text) ? std::string()
+                                          : text + " is not NAME=STEP with a step above 0";
+                    },
+                    ""))
+                ->type_name("NAME=STEP"));
 }
 
 void SequenceArguments::add_draco_options(CLI::App& command) {

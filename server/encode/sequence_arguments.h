@@ -40,6 +40,7 @@ struct SequenceArguments {
  private:
   const CLI::Option* up_ = nullptr;
   void add_octree_options(CLI::App& command);
+  void add_scalar_options(CLI::App& command);
   void add_draco_options(CLI::App& command);
 
   std::vector<std::pair<Codec, const CLI::Option*>> of_codec_;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/cloud/scalar_fields.h"
 #include "server/pack/cleaning.h"
 
 namespace pointreel {
@@ -43,6 +44,7 @@ Result<void> append_manifest(Manifest& whole, Manifest part) {
   whole.bounds.grow(part.bounds);
   whole.colors |= part.colors;
   whole.normals |= part.normals;
+  cover(whole.scalars, part.scalars);
   whole.partial |= part.partial;
   if (part.cleaning) {
     if (!whole.cleaning) whole.cleaning.emplace();

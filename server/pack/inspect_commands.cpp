@@ -15,6 +15,7 @@
 #include "common/base/words.h"
 #include "common/command_line/option_checks.h"
 #include "common/command_line/shared_options.h"
+#include "common/stream/json_fields.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
@@ -86,6 +87,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"up", std::string(1, manifest.up)},
           {"colors", manifest.colors},
           {"normals", manifest.normals},
+          {"scalars", scalars_json(manifest.scalars)},
           {"points", {{"total", totals.points}, {"min", totals.fewest}, {"max", totals.most}}},
           {"depth", {{"min", manifest.depth_min}, {"max", manifest.depth_max}}},
           {"bounds", bounds},
@@ -107,6 +109,10 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   print("  points  {} ({} per frame), colors {}, normals {}\n", totals.points,
         span_text(totals.fewest, totals.most), manifest.colors ? "yes" : "no",
         manifest.normals ? "yes" : "no");
+  for (const ScalarRange& range : manifest.scalars) {
+    print("  scalar  {}, {} to {}{}\n", range.name, number_text(range.least),
+          number_text(range.most), range.labels ? ", labels" : "");
+  }
   if (!manifest.bounds.empty()) {
     const glm::dvec3 &low = manifest.bounds.min, &high = manifest.bounds.max;
     print("  bounds  ({}, {}, {}) to ({}, {}, {})\n", number_text(low.x), number_text(low.y),

@@ -59,6 +59,7 @@ ordered_json to_json(const PackSummary& summary) {
     bits["colors"] = bits_per_point(summary.parts->colors, summary);
     bits["normals"] = bits_per_point(summary.parts->normals, summary);
   }
+  if (summary.scalar_bytes > 0) bits["scalars"] = bits_per_point(summary.scalar_bytes, summary);
   bits["total"] = bits_per_point(summary.segment_bytes, summary);
   ordered_json json = {{"frames", summary.frames},
                        {"points", summary.points},
@@ -116,6 +117,8 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
           bits_per_point(summary.parts->colors, summary),
           bits_per_point(summary.parts->normals, summary));
   }
+  if (summary.scalar_bytes > 0)
+    print(", scalar fields {:.2f}", bits_per_point(summary.scalar_bytes, summary));
   print("\n  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
         summary.encode_ms.min, summary.encode_ms.max);
   print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",

@@ -8,6 +8,7 @@
 #include "codec/max_error.h"
 #include "codec/part_sizes.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "server/pack/collapse.h"
 
 namespace pointreel {
@@ -50,6 +51,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   frame.colors = options.encode.colors && cloud.has_colors();
   frame.normals = options.encode.normals && cloud.has_normals();
   frame.had_radii = cloud.has_radii();
+  frame.had_scalars = cloud.has_scalars();
   frame.cleaning = loaded->cleaning;
   frame.unread = loaded->unread;
   frame.warnings = loaded->warnings;
@@ -58,6 +60,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   if (const auto encoded = encode(frame, cloud, *grid, options, limits); !encoded) {
     return fail_at(file, encoded.error());
   }
+  if (frame.encoded.has_scalars) frame.scalars = ranges_of(cloud);
   for (std::string& warning : frame.warnings) warning = fmt::format("{}: {}", file, warning);
   return frame;
 }

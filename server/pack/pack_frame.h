@@ -26,7 +26,8 @@ struct PackedFrame {
   Box box;
   double encode_ms = 0.0, max_error = 0.0;
   bool colors = false, normals = false;  ///< were encoded
-  bool had_radii = false;
+  std::vector<ScalarRange> scalars;      ///< that were encoded
+  bool had_radii = false, had_scalars = false;
   CleanReport cleaning;
   std::vector<std::string> unread;  ///< as LoadedCloud::unread
   std::vector<std::string> warnings;

@@ -10,6 +10,7 @@
 #include "codec/sequence/segment_writer.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "server/pack/cleaning.h"
 
 namespace pointreel {
@@ -39,7 +40,10 @@ class Writer {
     segment_.box.grow(frame.box);
     segment_.colors |= frame.colors;
     segment_.normals |= frame.normals;
+    cover(segment_.scalars, frame.scalars);
     segment_.had_radii |= frame.had_radii;
+    segment_.had_scalars |= frame.had_scalars;
+    segment_.scalar_bytes += encoded.scalar_bytes();
     segment_.unread.insert(frame.unread.begin(), frame.unread.end());
     segment_.points += encoded.source_points + frame.cleaning.removed;
     if (frame.cleaning.cleaned) {
@@ -83,6 +87,7 @@ Manifest manifest_of(PackedSegment segment, const Manifest& head) {
   manifest.duration_us = head.duration_us;
   manifest.colors = segment.colors;
   manifest.normals = segment.normals;
+  manifest.scalars = std::move(segment.scalars);
   manifest.bounds = segment.box;
   manifest.depth_min = segment.summary.depth_min;
   manifest.depth_max = segment.summary.depth_max;

@@ -26,9 +26,11 @@ struct PackedSegment {
   SegmentSummary summary;
   Box box;                               ///< of the source's points
   bool colors = false, normals = false;  ///< were encoded in any frame
-  bool had_radii = false;
+  std::vector<ScalarRange> scalars;      ///< that were encoded
+  bool had_radii = false, had_scalars = false;
   std::set<std::string> unread;  ///< names of properties that the files have, but clouds do not
   std::uint64_t points = 0, coded_points = 0;
+  std::uint64_t scalar_bytes = 0;
   Cleaning cleaning;
   std::optional<Chunks<std::uint64_t>> parts;  ///< as PackSummary::parts
   std::vector<double> encode_ms;               ///< of each frame

@@ -12,6 +12,7 @@
 #include "common/base/output_folder.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
@@ -41,6 +42,7 @@ class Packer {
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(manifest_) = reel_head(options_);
+    if (options_.encode.id() == Codec::octree) add_scalar_layer(manifest_.layer_names);
     manifest_.duration_us = presentation_time_us(files_.size(), options.fps);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop};
   }
@@ -83,6 +85,7 @@ class Packer {
     add_cleaning(summary_.cleaning, segment.cleaning);
     summary_.coded_points += segment.coded_points;
     summary_.segment_bytes += added.bytes;
+    summary_.scalar_bytes += segment.scalar_bytes;
     if (segment.parts) {
       if (!summary_.parts) summary_.parts.emplace();
       summary_.parts->geometry += segment.parts->geometry;

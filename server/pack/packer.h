@@ -49,8 +49,9 @@ struct PackSummary {
   std::uint64_t coded_points = 0;   ///< after decoding
   std::uint64_t bytes = 0;          ///< of all files of the package, including reel.json
   std::uint64_t segment_bytes = 0;  ///< of the layer files
-  /// How `segment_bytes` divides into geometry, colours and normals, headers included. Absent with
-  /// Draco, unless PackOptions::measure_parts is set.
+  std::uint64_t scalar_bytes = 0;   ///< of these, those of scalar fields
+  /// How the others divide into geometry, colours and normals, headers included. Absent with Draco,
+  /// unless PackOptions::measure_parts is set.
   std::optional<Chunks<std::uint64_t>> parts;
   std::optional<LearntTables> learnt;
   Spread encode_ms;  ///< of a frame, from the cloud in memory to the encoded bytes

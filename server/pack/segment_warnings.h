@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/sequence/encoding_options.h"
 #include "server/encode/unread_properties.h"
 #include "server/pack/pack_segment.h"
 
@@ -19,6 +20,10 @@ class SegmentWarnings {
       lines.emplace_back("radii are not packed: players derive them from the voxels");
       told_of_radii_ = true;
     }
+    if (segment.had_scalars && segment.summary.encode.id() == Codec::draco && !told_of_scalars_) {
+      lines.emplace_back(kNoScalarsInDraco);
+      told_of_scalars_ = true;
+    }
     if (const std::string names = unread_.fresh(segment.unread); !names.empty())
       lines.push_back("properties of points that are not packed: " + names);
     lines.insert(lines.end(), segment.warnings.begin(), segment.warnings.end());
@@ -26,7 +31,7 @@ class SegmentWarnings {
   }
 
  private:
-  bool told_of_radii_ = false;
+  bool told_of_radii_ = false, told_of_scalars_ = false;
   UnreadProperties unread_;
 };
 

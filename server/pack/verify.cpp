@@ -84,9 +84,10 @@ Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::s
   }
   // Fewer layers may decode to the same number of points, if the finer ones divide no cell.
   const bool coarser = manifest.partial && layers < header.layers;
-  if (layers != header.layers && !coarser) {
+  const std::size_t all = header.layers + (decoded.cloud.has_scalars() ? 1u : 0u);
+  if (layers != all && !coarser) {
     return fail(fmt::format("has {}, its header says {}: a layer is missing",
-                            counted(layers, "layer"), header.layers));
+                            counted(layers, "layer"), all));
   }
   if (!coarser && decoded.cloud.size() != header.coded_points) {
     return fail(fmt::format("decodes to {}, its header says {}",

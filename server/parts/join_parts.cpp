@@ -51,6 +51,7 @@ Result<Manifest> read_segments(const PackPlan& plan, const fs::path& folder) {
       whole.emplace();
       static_cast<ReelHead&>(*whole) = *segment;
       whole->colors = whole->normals = false;
+      whole->scalars.clear();
       whole->duration_us = segment->duration_us;
       whole->tables = segment->tables;
     }

@@ -12,6 +12,7 @@
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/base/write_file.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 #include "pointreel/codec.h"
 #include "server/pack/in_arena.h"
@@ -75,6 +76,7 @@ class PartPacker {
     options_.segment_frames = plan.segment_frames;
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(head_) = reel_head(options_);
+    if (options_.encode.id() == Codec::octree) add_scalar_layer(head_.layer_names);
     head_.duration_us = presentation_time_us(plan.files.size(), options_.fps);
     head_.tables = plan.tables;
   }

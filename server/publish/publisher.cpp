@@ -18,6 +18,7 @@
 #include "common/base/out_of_memory.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/live/frame_sender.h"
 #include "server/encode/unread_properties.h"
 #include "server/rate/frame_time_control.h"
@@ -155,6 +156,9 @@ class Publisher {
     const LoadedCloud& loaded = *frame.input.cloud;
     if (const std::string names = unread_.fresh(loaded.unread); !names.empty())
       say("properties of points that are not sent: " + names);
+    if (loaded.cloud.has_scalars() && options_.encode.id() == Codec::draco &&
+        !std::exchange(scalars_told_, true))
+      say(kNoScalarsInDraco);
     if (options_.clean && !frame.cleaning.cleaned && !loaded.cloud.positions.empty() &&
         !std::exchange(uncleaned_told_, true))
       say(fmt::format("{}: not cleaned: {}", frame.input.name, why_not_cleaned(*options_.clean)));
@@ -177,10 +181,12 @@ class Publisher {
   /// In the order of the frames.
   Result<void> send(const FrameInProgress& frame, EncodedFrame encoded) {
     const int depth = encoded.depth;
+    const bool scalars = encoded.has_scalars;
     const PointCloud& cloud = frame.input.cloud->cloud;
     sender_.send(std::move(encoded),
                  {frame.box, options_.encode.colors && cloud.has_colors(),
-                  options_.encode.normals && cloud.has_normals()},
+                  options_.encode.normals && cloud.has_normals(),
+                  scalars ? ranges_of(cloud) : std::vector<ScalarRange>()},
                  frame.input.capture_us);
     count(depth, frame.clean_ms + frame.encode_ms, frame.clean_ms);
     return {};
@@ -239,6 +245,7 @@ class Publisher {
   OrderedTurns grid_turns_;
   SteadyGrid grid_;  ///< used in turns only, as are the next two
   UnreadProperties unread_;
+  bool scalars_told_ = false;
   bool uncleaned_told_ = false;
 
   const double frame_time_ms_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 
@@ -76,6 +77,13 @@ EncodedFrame forged_frame(ByteView bytes) {
       write_chunk(chunk, 1, payload, *part);
     }
   }
+  if (fields[1] & 32) {
+    const ByteView payload = take(bytes, take_length(bytes));
+    write_chunk({ChunkKind::scalars, Entropy::none, header.layers,
+                 std::min<std::uint8_t>(header.depth, kMaxDepth),
+                 static_cast<std::uint32_t>(payload.size())},
+                1, payload, frame.layers.emplace_back().geometry);
+  }
   return frame;
 }
 
@@ -131,6 +139,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!tree || !frame) return 0;
   if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
   if (frame->cloud.has_colors() && frame->cloud.colors.size() != frame->cloud.size()) std::abort();
+  for (const ScalarField& field : frame->cloud.scalars) {
+    if (field.values.size() != frame->cloud.size()) std::abort();
+    for (const float value : field.values)
+      if (std::isinf(value)) std::abort();
+  }
 
   // Cells are restored exactly if floats tell them apart, which they always do in a cube at the
   // origin.
@@ -144,5 +157,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!again) std::abort();
   const auto twice = decode_octree_tree(layer_views(again->layers), kLimits);
   if (!twice || (!cloud.empty() && twice->svo.masks != tree->svo.masks)) std::abort();
+  if (twice->scalars.size() > frame->cloud.scalars.size()) std::abort();
   return 0;
 }

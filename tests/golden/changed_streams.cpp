@@ -122,6 +122,36 @@ class Collection {
   std::string missing_;
 };
 
+/// Of "scalars_one_layer", whose fields lie in layer 1 in place of a geometry.
+void add_scalars(Collection& all) {
+  constexpr std::size_t kFields = 1, kStep = kFields + 1 + 8, kName = kStep + 9;
+  // The entries of "height", "class" and "patchy" have 22 bytes beside the names.
+  constexpr std::size_t kStreams = kFields + 3 * 22 + 6 + 5 + 6;
+  const auto forged = [&](const char* name, std::size_t at, std::uint8_t value) {
+    all.forged(name, "scalars_one_layer",
+               [=](Forger& f) { f.part(1, geometry)[Forger::payload(1, geometry) + at] = value; });
+  };
+  all.damaged("scalars_damaged", "scalars_one_layer",
+              [](Forger& f) { f.part(1, geometry).back() ^= 1; });
+  forged("scalars_none", 0, 0);
+  forged("scalars_nine", 0, 9);
+  forged("scalars_flags", kFields, 4);
+  forged("scalars_step_negative", kStep + 7, 0xbf);
+  forged("scalars_name_empty", kName - 1, 0);
+  forged("scalars_name_with_line_break", kName, 10);
+  forged("scalars_lossy", kStreams + 1, 0);
+  all.forged("scalars_cut", "scalars_one_layer",
+             [](Forger& f) { f.resize_raw(1, geometry, f.payload_size(1, geometry) - 1); });
+  all.forged("scalars_bytes_behind", "scalars_one_layer",
+             [](Forger& f) { f.resize_raw(1, geometry, f.payload_size(1, geometry) + 1); });
+  all.forged("scalars_of_another_frame", "scalars_one_layer",
+             [](Forger& f) { f.set(1, geometry, kChunkTag, std::uint32_t{7}); });
+  all.forged("scalars_of_another_layer", "scalars_one_layer",
+             [](Forger& f) { f.set(1, geometry, kLayer, std::uint8_t{2}); });
+  all.forged("scalars_are_geometry", "scalars_one_layer",
+             [](Forger& f) { f.set(1, geometry, kKind, std::uint8_t{0}); });
+}
+
 void add_headers(Collection& all) {
   const auto truncated = [&](const char* name, std::size_t size) {
     all.damaged(name, "zstd_one_layer", [size](Forger& f) { f.header().resize(size); });
@@ -404,6 +434,7 @@ Result<std::vector<Stream>> changed_streams() {
   const std::vector<Stream> good = TRY(good_streams());
   Collection all(good);
   add_headers(all);
+  add_scalars(all);
   add_chunks(all);
   add_masks(all);
   add_contexts(all);

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pointreel/chunks.h"
@@ -88,6 +89,13 @@ TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_o
       EXPECT_EQ(leaf_cells(*decoded->svo), expected->cells) << name;
       EXPECT_EQ(decoded->svo->depth, expected->depth) << name;
       EXPECT_EQ(decoded->cloud.colors, expected->colors) << name;
+      ASSERT_EQ(decoded->cloud.scalars.size(), expected->scalars.size()) << name;
+      for (std::size_t f = 0; f < expected->scalars.size(); ++f) {
+        EXPECT_EQ(decoded->cloud.scalars[f].name, expected->scalars[f].name) << name;
+        EXPECT_THAT(decoded->cloud.scalars[f].values,
+                    testing::Pointwise(testing::NanSensitiveFloatEq(), expected->scalars[f].values))
+            << name;
+      }
       ASSERT_EQ(decoded->cloud.normals.size(), expected->normals.size()) << name;
       for (std::size_t i = 0; i < expected->normals.size(); ++i) {
         const glm::dvec3 error = glm::dvec3(decoded->cloud.normals[i]) - expected->normals[i];

@@ -1,3 +1,4 @@
+#include <limits>
 #include <utility>
 
 #include "datasets_synthetic/random.h"
@@ -84,6 +85,19 @@ PointCloud with_unknown_normals(PointCloud cloud) {
   return cloud;
 }
 
+/// A smooth field, labels, and one that is unknown for some points.
+PointCloud with_scalars(PointCloud cloud) {
+  cloud.scalars = {{"height", {}}, {"class", {}}, {"patchy", {}}};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 p = cloud.positions[i];
+    cloud.scalars[0].values.push_back(static_cast<float>(sine(9.0 * p.x)) + p.y);
+    cloud.scalars[1].values.push_back(p.x < 0.99f ? 2.0f : p.y < 1.0f ? 6.0f : 9.0f);
+    cloud.scalars[2].values.push_back(p.z < 1.0f ? std::numeric_limits<float>::quiet_NaN()
+                                                 : 1000.0f * p.x);
+  }
+  return cloud;
+}
+
 PointCloud positions(const PointCloud& cloud) {
   PointCloud bare;
   bare.origin = cloud.origin;
@@ -148,6 +162,11 @@ std::vector<Recipe> octree_recipes() {
   PointCloud same = small;
   same.positions.assign(same.size(), glm::vec3(0.7f));
   with("all_in_one_cell", same, 12, 50, 43);
+  add("scalars_one_layer", with_scalars(ball(150, 0.8f)), octree(Entropy::context, 6));
+  add("scalars_three_layers", with_scalars(ball(150)), octree(Entropy::context, 11));
+  PointCloud alone = with_scalars(positions(ball(400, 0.8f)));
+  alone.scalars.resize(1);
+  add("scalars_alone", std::move(alone), octree(Entropy::zstd, 9));
   OctreeOptions slabs = octree(Entropy::context, 8);
   slabs.slabs = 4;
   add("slabs", sheets(false), slabs);

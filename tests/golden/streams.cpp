@@ -1,6 +1,8 @@
 #include "tests/golden/streams.h"
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <span>
 
 #include <fmt/format.h>
@@ -20,6 +22,13 @@ std::string hash(const std::vector<T>& values) {
   return fmt::format("{:016x}", XXH3_64bits(values.data(), values.size() * sizeof(T)));
 }
 
+/// NaN has many forms.
+std::vector<float> known_as_number(std::vector<float> values) {
+  for (float& value : values)
+    if (std::isnan(value)) value = std::numeric_limits<float>::infinity();
+  return values;
+}
+
 nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {
   auto views = layer_views(encoded.layers);
   views.resize(layers);
@@ -29,6 +38,8 @@ nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {
   nlohmann::json out = {
       {"depth", depth}, {"points", frame->cloud.size()}, {"cells", hash(cells_of(*frame, depth))}};
   if (frame->cloud.has_colors()) out["colors"] = hash(frame->cloud.colors);
+  for (const ScalarField& field : frame->cloud.scalars)
+    out["scalars"][field.name] = hash(known_as_number(field.values));
   if (frame->cloud.has_normals()) out["normals"] = hash(frame->cloud.normals);
   return out;
 }

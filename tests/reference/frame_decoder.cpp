@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -12,6 +13,7 @@
 
 #include "common/base/try.h"
 #include "common/octree/morton.h"
+#include "pointreel/cloud.h"
 #include "tests/reference/color_decoder.h"
 
 namespace pointreel::reference {
@@ -298,6 +300,75 @@ Result<void> read_attributes(const Header& header, const Tree& tree,
   return {};
 }
 
+/// Takes bytes from the front, or fails.
+class Cursor {
+ public:
+  explicit Cursor(ByteView bytes) : rest_(bytes) {}
+
+  Result<ByteView> take(std::uint64_t size) {
+    if (size > rest_.size()) return fail("scalar fields are cut short");
+    const ByteView taken = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return taken;
+  }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  ByteView rest_;
+};
+
+Result<void> read_scalars(const Header& header, const Tree& tree,
+                          const std::vector<Chunks<ByteView>>& layers, Frame& frame) {
+  const auto layer = static_cast<std::size_t>(header.layers);
+  if (layers.size() <= layer || layers[layer].geometry.empty()) return {};
+  const Chunk chunk = TRY(read_chunk(layers[layer].geometry, 3, header.layers, header));
+  if (chunk.coding != none || chunk.raw_size != chunk.payload.size()) return fail("coding");
+  struct Entry {
+    unsigned flags;
+    double offset, step;
+    std::vector<std::uint64_t> sizes;
+  };
+  std::vector<Entry> entries;
+  Cursor cursor(chunk.payload);
+  const std::uint64_t count = number(TRY(cursor.take(1)), 0, 1);
+  if (count < 1 || count > 8) return fail("number of fields");
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const ByteView fixed = TRY(cursor.take(18));
+    Entry entry{fixed[0], real(fixed, 1), real(fixed, 9), {}};
+    const ByteView text = TRY(cursor.take(fixed[17]));
+    Scalar scalar{{text.begin(), text.end()}, {}};
+    for (std::size_t k = 0; k < layer; ++k)
+      entry.sizes.push_back(number(TRY(cursor.take(4)), 0, 4));
+    if (entry.flags > 3 || !std::isfinite(entry.offset) || !std::isfinite(entry.step) ||
+        !(entry.step > 0.0) || !is_scalar_name(scalar.name)) {
+      return fail("entry of a field");
+    }
+    for (const Scalar& other : frame.scalars)
+      if (other.name == scalar.name) return fail("two fields of one name");
+    entries.push_back(std::move(entry));
+    frame.scalars.push_back(std::move(scalar));
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    std::vector<Bytes> streams;
+    for (const std::uint64_t size : entries[i].sizes) {
+      const ByteView bytes = TRY(cursor.take(size));
+      streams.emplace_back(bytes.begin(), bytes.end());
+    }
+    const Values values = TRY(decode_values(tree.levels.back(), streams, tree.layer_ends, false));
+    if (!values.exact) return fail("inexact scalars");
+    for (const glm::ivec3& value : values.nodes) {
+      const double known = entries[i].offset + entries[i].step * (value.x + 16384);
+      constexpr double kMost = std::numeric_limits<float>::max();
+      const bool unknown = (entries[i].flags & 2) != 0 && value.y != 0;
+      frame.scalars[i].values.push_back(unknown
+                                            ? std::numeric_limits<float>::quiet_NaN()
+                                            : static_cast<float>(std::clamp(known, -kMost, kMost)));
+    }
+  }
+  if (!cursor.at_end()) return fail("bytes behind the scalar fields");
+  return {};
+}
+
 }  // namespace
 
 Result<Frame> decode_frame(const std::vector<Chunks<ByteView>>& layers, const Tables& tables) {
@@ -310,6 +381,7 @@ Result<Frame> decode_frame(const std::vector<Chunks<ByteView>>& layers, const Ta
   frame.corner = header.corner;
   frame.edge = header.edge;
   TRY(read_attributes(header, tree, layers, frame));
+  TRY(read_scalars(header, tree, layers, frame));
   return frame;
 }
 

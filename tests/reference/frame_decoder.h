@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -12,11 +13,17 @@
 
 namespace pointreel::reference {
 
+struct Scalar {
+  std::string name;
+  std::vector<float> values;  ///< of each leaf, NaN where unknown
+};
+
 struct Frame {
-  int depth = 0;                        ///< of the given layers
-  std::vector<glm::uvec3> cells;        ///< the leaves, in Morton order
-  std::vector<glm::u16vec3> colors;     ///< of each leaf, where 65535 is full intensity; or empty
-  std::vector<glm::dvec3> normals;      ///< of each leaf, 0 where unknown; or empty
+  int depth = 0;                     ///< of the given layers
+  std::vector<glm::uvec3> cells;     ///< the leaves, in Morton order
+  std::vector<glm::u16vec3> colors;  ///< of each leaf, where 65535 is full intensity; or empty
+  std::vector<glm::dvec3> normals;   ///< of each leaf, 0 where unknown; or empty
+  std::vector<Scalar> scalars;
   glm::dvec3 corner = glm::dvec3(0.0);  ///< of the cube
   double edge = 0.0;
 };

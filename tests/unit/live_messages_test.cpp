@@ -194,5 +194,14 @@ TEST(LiveMessages, a_stream_name_needs_no_escaping_in_a_url) {
   EXPECT_FALSE(is_stream_name(std::string(65, 'a')));
 }
 
+TEST(LiveMessages, a_hello_lists_scalar_fields) {
+  LiveHello hello = a_hello();
+  hello.scalars = {{"he said \"a\"", -1.25, 1e30, false}, {"class", 1, 6, true}};
+  EXPECT_EQ(parse_hello(write_hello(hello)), hello);
+  EXPECT_EQ(write_hello(a_hello()).find("scalars"), std::string::npos);
+  hello.scalars[1].name = hello.scalars[0].name;
+  EXPECT_THAT(parse_live_text(write_hello(hello)).error().message, HasSubstr("comes twice"));
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -413,5 +413,32 @@ TEST(Checksum, is_the_64_bit_xxh3) {
   EXPECT_EQ(checksum_of({}), 0x2d06800538d394c2u) << "the published value for empty input";
 }
 
+TEST(Manifest, lists_scalar_fields_with_their_ranges) {
+  Manifest m = example();
+  m.scalars = {{"intensity", -0.5, 4095, false}, {"class \"x\"", 2, 6, true}};
+  const Result<Manifest> back = parse_manifest(write_manifest(m));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->scalars, m.scalars);
+  EXPECT_EQ(write_manifest(*back), write_manifest(m));
+  m.scalars.clear();
+  EXPECT_EQ(write_manifest(m).find("scalars"), std::string::npos);
+  const auto error = [](const json& fields) { return error_with({{"scalars", fields}}); };
+  const json good = {{"name", "a"}, {"min", 0}, {"max", 1}, {"labels", false}};
+  EXPECT_EQ(error(json::array({good})), "accepted");
+  EXPECT_THAT(error(json::array({good, good})), HasSubstr("comes twice"));
+  EXPECT_THAT(error(json(std::vector<json>(9, good))), HasSubstr("more than 8"));
+  const auto with = [&](const char* key, const json& value) {
+    json field = good;
+    field[key] = value;
+    return error(json::array({field}));
+  };
+  EXPECT_THAT(with("name", ""), HasSubstr("scalars: a name"));
+  EXPECT_THAT(with("name", "a\u202e"), HasSubstr("scalars: a name"));
+  EXPECT_THAT(with("name", std::string(65, 'a')), HasSubstr("scalars: a name"));
+  EXPECT_THAT(with("min", 2), HasSubstr("no finite range"));
+  EXPECT_THAT(with("labels", 1), HasSubstr("scalars"));
+  EXPECT_THAT(error(5), HasSubstr("scalars"));
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -6,6 +6,7 @@
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
+#include "common/cloud/scalar_fields.h"
 #include "pointreel/draco.h"
 
 namespace pointreel {
@@ -43,7 +44,8 @@ Result<void> FramePublisher::send(const PointCloud& cloud,
     const Box box = bounds(cloud);
     const Grid grid = TRY(grid_.of(cloud, box));
     EncodedFrame frame = TRY(encode_frame(cloud, grid.cube, grid.encode));
-    sender_.send(std::move(frame), {box, cloud.has_colors(), cloud.has_normals()}, time);
+    const auto scalars = frame.has_scalars ? ranges_of(cloud) : std::vector<ScalarRange>();
+    sender_.send(std::move(frame), {box, cloud.has_colors(), cloud.has_normals(), scalars}, time);
     return {};
   });
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointreel/bytes.h"
@@ -41,6 +42,12 @@ inline constexpr int kLosslessColorQuality = 100;
 inline constexpr int kDefaultNormalQuality = 43;
 inline constexpr int kBestNormalQuality = 100;
 
+/// How finely a scalar field is coded.
+struct ScalarStep {
+  std::string name;   ///< of the field
+  double step = 1.0;  ///< above 0 and finite; decoded values are off by up to half of it
+};
+
 struct OctreeOptions {
   Entropy entropy = Entropy::context;
   DepthRule depth;
@@ -62,18 +69,28 @@ struct OctreeOptions {
   /// chooses it by the number of leaves. Each additional slab adds about one percent to the size of
   /// a dense frame.
   int slabs = 0;
+  /// Whether to encode scalar fields where the cloud has them.
+  bool scalars = true;
+  /// The steps of fields. Those that are not listed are kept exactly if all their values are whole
+  /// numbers that span no more than 255; otherwise their step is 1/255 of the range that holds all
+  /// values but the 1/1000 at either end. No step is less than 1/32767 of a field's whole range.
+  std::vector<ScalarStep> scalar_steps = {};
 };
 
 /// An encoded frame. Octree frames have up to three layers, from coarse to fine: any number of them
 /// from the first on decodes. Draco frames have a single layer.
 struct EncodedFrame {
   /// Each chunk has its own header and checksum. `geometry` is never empty; a layer also decodes
-  /// without its other chunks.
+  /// without its other chunks. An octree frame with scalar fields has one layer more than it takes
+  /// to reach its leaves. That layer holds the fields, in place of a geometry.
   std::vector<Chunks<Bytes>> layers;
   std::uint32_t source_points = 0;  ///< the number of points that the encoder was given
   std::uint32_t coded_points = 0;   ///< the number of points that all layers decode to
   int depth = 0;                    ///< octree: level of the leaves; Draco: bits of a position
+  bool has_scalars = false;         ///< the last layer holds scalar fields
 
+  /// The size of the scalar fields, in bytes.
+  std::size_t scalar_bytes() const { return has_scalars ? layers.back().geometry.size() : 0; }
   /// The size of all chunks, in bytes.
   std::size_t size() const {
     std::size_t bytes = 0;
@@ -114,6 +131,10 @@ struct DecodeLimits {
   /// have the normals of their ancestors. Normals take as long to decode as the tree, and those of
   /// the finest level change little where its nodes are small.
   int normals_depth = kMaxDepth;
+  /// Octree: whether to decode scalar fields. They need all layers, and no lower `depth`.
+  bool scalars = true;
+  /// Octree: if not empty, the name of the only scalar field to decode.
+  std::string scalar = {};
 };
 
 struct DecodedFrame {
@@ -123,6 +144,8 @@ struct DecodedFrame {
   /// transformed attributes these are the decoded values, which are close to the means of the
   /// leaves; for others they are the means.
   NodeAttributes attributes;
+  /// Without DecodeLimits::leaves, the scalar fields of the tree's leaves.
+  std::vector<ScalarField> scalars;
   Cube cube;
   int depth = 0;  ///< octree: level of the leaves of the whole frame, however much was decoded
   std::uint32_t source_points = 0;  ///< the number of points that the encoder was given
@@ -132,7 +155,12 @@ struct DecodedFrame {
 /// depend on the set of points only: not on their order, the executor, the compiler or the machine.
 /// `normals` and `colors` say whether to encode these where the cloud has them.
 ///
-/// Errors: `argument` if an option or the cube is out of range, `limit` from 2^31 points on.
+/// A leaf has the mean of its points' values of a scalar field, rounded to the field's step. Fields
+/// of up to 32 different whole numbers that span no more than 255, such as classes, are labels: a
+/// leaf has the label of most of its points.
+///
+/// Errors: `argument` if an option, the cube or a scalar field (cloud.h) is out of range, `limit`
+/// from 2^31 points on.
 Result<EncodedFrame> encode_octree(const PointCloud& cloud, const Cube& cube,
                                    const OctreeOptions& options = {}, bool normals = true,
                                    bool colors = true, const Executor& executor = {});

@@ -74,6 +74,15 @@ struct LiveManifest {
 inline constexpr double kMinFps = 1e-6, kMaxFps = 1e6;
 inline constexpr bool is_frame_rate(double fps) { return fps >= kMinFps && fps <= kMaxFps; }
 
+/// The values of a scalar field in all frames.
+struct ScalarRange {
+  std::string name;                ///< of the field
+  double least = 0.0, most = 0.0;  ///< finite
+  bool labels = false;             ///< a few whole numbers, such as classes
+
+  bool operator==(const ScalarRange&) const = default;
+};
+
 /// What reels and live streams have in common, and state before any frame.
 struct ReelHead {
   std::string name;     ///< for people
@@ -82,7 +91,8 @@ struct ReelHead {
   double fps = 30.0;    ///< the nominal frame rate; the times of the frames are authoritative
   char up = 'y';        ///< the axis that points up, 'y' or 'z'
   bool colors = false, normals = false;  ///< whether any frame has them
-  std::vector<std::string> layer_names;  ///< coarse to fine
+  std::vector<ScalarRange> scalars;      ///< fields that any frame has; at most kMaxScalars
+  std::vector<std::string> layer_names;  ///< coarse to fine; scalar fields have one of their own
 
   bool operator==(const ReelHead&) const = default;
 };

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/base/natural_order.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/stream/manifest.h"
@@ -171,6 +172,29 @@ tl::expected<SharedFile, OpenError> open_resource(const Resource& resource) {
   return file;
 }
 
+std::vector<fs::path> packages_in(const std::vector<fs::path>& folders) {
+  std::vector<fs::path> packages;
+  for (const fs::path& folder : folders) {
+    std::error_code error;
+    std::vector<fs::path> inside;
+    if (!fs::exists(folder / kManifestName, error)) {
+      for (fs::directory_iterator at(folder, error), end; !error && at != end;
+           at.increment(error)) {
+        std::error_code unknown;
+        const fs::path& path = at->path();
+        if (!path.filename().native().starts_with('.') && fs::exists(path / kManifestName, unknown))
+          inside.push_back(path);
+      }
+    }
+    if (inside.empty()) inside.push_back(folder);
+    std::ranges::sort(inside, [](const fs::path& a, const fs::path& b) {
+      return natural_less(a.native(), b.native());
+    });
+    packages.insert(packages.end(), inside.begin(), inside.end());
+  }
+  return packages;
+}
+
 Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
   Catalog catalog;
   auto& resources = catalog.resources_;
@@ -187,9 +211,10 @@ Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
       return fail(ErrorCode::not_found, fmt::format("{}: {}", given.string(), error.message()));
     }
     if (!fs::exists(folder / kManifestName, error)) {
-      return fail(ErrorCode::not_found,
-                  fmt::format("{}: holds no {}; make a package with pointreel-server pack",
-                              given.string(), kManifestName));
+      return fail(
+          ErrorCode::not_found,
+          fmt::format("{}: holds no {}, and no packages; make one with pointreel-server pack",
+                      given.string(), kManifestName));
     }
     const std::string manifest_path = fmt::format("/{}/{}", name, kManifestName);
     if (resources.contains(manifest_path)) {

@@ -25,6 +25,11 @@ enum class OpenError {
 /// table was made of, or was touched since, its content is compared with the checksum, once.
 tl::expected<SharedFile, OpenError> open_resource(const Resource& resource);
 
+/// The folders of packages that these folders stand for: a folder without a manifest stands for the
+/// packages in it, in natural order of their names, without those that are hidden. Any other folder
+/// stands for itself, so that Catalog::load says what is wrong with it.
+std::vector<std::filesystem::path> packages_in(const std::vector<std::filesystem::path>& folders);
+
 class Catalog {
  public:
   /// Reads the manifests and checks that every file that they name exists, has the right size and

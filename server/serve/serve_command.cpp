@@ -86,14 +86,14 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
 }
 
 /// What serve prints once it listens.
-std::string announcement(const ServeArguments& arguments, const HttpServerOptions& options,
-                         const ListenAddress& address) {
+std::string announcement(const std::vector<std::filesystem::path>& reels, bool live,
+                         const HttpServerOptions& options, const ListenAddress& address) {
   const std::string scheme = options.certificate.empty() ? "http" : "https";
   std::string text = fmt::format("listening on {}://{}\n", scheme, to_string(address));
   if (options.service.page.empty()) return text;
   std::string link = fmt::format("{}://{}/", scheme, to_string(reachable_address(address)));
-  if (arguments.reels.size() == 1 && !arguments.live) {
-    const std::filesystem::path reel = (arguments.reels.front() / "").parent_path();
+  if (reels.size() == 1 && !live) {
+    const std::filesystem::path reel = (reels.front() / "").parent_path();
     if (reel.has_filename()) link += encode_segment(reel.filename().string());
   }
   return text + fmt::format("open {} in a browser to play\n", link);
@@ -104,7 +104,8 @@ Result<void> serve(const ServeArguments& arguments) {
     return fail(ErrorCode::argument, "there is nothing to serve; name packages, or use --live");
   }
   const HttpServerOptions options = TRY(options_of(arguments));
-  Catalog catalog = TRY(Catalog::load(arguments.reels));
+  const std::vector<std::filesystem::path> reels = packages_in(arguments.reels);
+  Catalog catalog = TRY(Catalog::load(reels));
   allow_open_files(options.max_connections);
 
   // Signals are blocked before the server starts its threads, so that only this thread gets them.
@@ -133,7 +134,7 @@ Result<void> serve(const ServeArguments& arguments) {
   Relay relay(std::move(relay_options));
   const std::unique_ptr<HttpServer> server =
       TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
-  announce(announcement(arguments, options, server->address()));
+  announce(announcement(reels, arguments.live, options, server->address()));
   int signal = 0;
   ::sigwait(&ending, &signal);
   server->stop();
@@ -160,7 +161,10 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   app.allow_config_extras(CLI::config_extras_mode::error);
   command->allow_config_extras(CLI::config_extras_mode::error);
   command->fallthrough();
-  command->add_option("reels", arguments->reels, "the folders of the packages")->type_name("REEL");
+  command
+      ->add_option("reels", arguments->reels,
+                   "the folders of packages; a folder that holds packages stands for all of them")
+      ->type_name("REEL");
   command
       ->add_option("--listen", arguments->listen,
                    "where to listen; port 0 takes a free port, and 0.0.0.0 means all addresses of "

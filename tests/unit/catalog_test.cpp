@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 class CatalogTest : public testing::Test {
@@ -100,6 +101,15 @@ TEST_F(CatalogTest, names_a_package_after_its_folder_however_the_path_is_written
   const auto slash = Catalog::load({reel_ / ""});
   ASSERT_TRUE(slash) << slash.error().message;
   EXPECT_NE(slash->find("/walk/reel.json"), nullptr);
+}
+
+TEST_F(CatalogTest, takes_a_folder_of_packages_for_the_packages_in_it) {
+  const fs::path folder = temporary_.path() / "all";
+  for (const char* name : {"b10", "b9", ".b8"}) write_package(folder / name, "1", "2");
+  fs::create_directory(folder / "notes");
+  EXPECT_THAT(packages_in({folder, reel_}), ElementsAre(folder / "b9", folder / "b10", reel_));
+  EXPECT_THAT(packages_in({folder / "notes", folder / "missing"}),
+              ElementsAre(folder / "notes", folder / "missing"));
 }
 
 TEST_F(CatalogTest, refuses_a_folder_that_is_not_a_package) {

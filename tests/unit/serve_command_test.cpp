@@ -228,7 +228,9 @@ TEST_F(ServeCommandTest, ends_although_nobody_reads_what_it_prints) {
 }
 
 TEST_F(ServeCommandTest, reports_every_failure_in_one_line) {
-  EXPECT_THAT(failure_of({temporary_.path().string()}), HasSubstr("holds no reel.json"));
+  fs::create_directory(temporary_.path() / "empty");
+  EXPECT_THAT(failure_of({(temporary_.path() / "empty").string()}),
+              HasSubstr("empty: holds no reel.json, and no packages"));
   EXPECT_THAT(failure_of({reel_.string(), reel_.string()}), HasSubstr("another package is named"));
   EXPECT_THAT(failure_of({reel_.string(), "--listen", "nowhere"}), HasSubstr("--listen nowhere"));
   EXPECT_THAT(failure_of({reel_.string(), "--allow-origin", "example.org"}),

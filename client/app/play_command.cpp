@@ -70,6 +70,8 @@ std::string description(const Option& option) {
   if (std::holds_alternative<Option::Flag>(option.value)) return std::string(option.help);
   if (std::holds_alternative<Option::Color>(option.value))
     return fmt::format("{} (default {})", option.help, value);
+  // The rest of these comes from the check and the default.
+  if (std::holds_alternative<Option::Choice>(option.value)) return std::string(option.help);
   return fmt::format("{} ({}; default {})", option.help, accepted_values(option), value);
 }
 
@@ -83,12 +85,17 @@ CLI::Option* add(CLI::App& command, const Option& option, std::string_view name)
   const std::string full = command_line_name(name);
   if (std::holds_alternative<Option::Flag>(option.value))
     return command.add_flag(full + ",!--no-" + full.substr(2));
-  return command.add_option(full)
-      ->check(check([&option](const std::string& text) {
-        Settings ignored;
-        return set_from_text(option, text, ignored);
-      }))
-      ->type_name(type_name(option));
+  CLI::Validator accepts = check([&option](const std::string& text) {
+    Settings ignored;
+    return set_from_text(option, text, ignored);
+  });
+  CLI::Option* added = command.add_option(full)->type_name(type_name(option));
+  if (const auto* choice = std::get_if<Option::Choice>(&option.value)) {
+    // --help, manual pages and completions take the names from here.
+    accepts.description(fmt::format("{{{}}}", fmt::join(choice->names, ",")));
+    added->default_str(value_text(option, {}));
+  }
+  return added->check(std::move(accepts));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "common/base/print.h"
 #include "common/command_line/help_formatter.h"
+#include "common/command_line/write_manuals.h"
 #include "pointreel/version.h"
 
 namespace pointreel {
@@ -23,6 +24,16 @@ void add_common_options(CLI::App& app) {
                         "Print the version and exit");
     for (CLI::App* command : to.get_subcommands({})) self(self, *command);
   };
+  const auto write = [&app](const std::string& folder) {
+    const auto written = write_manuals(app, folder);
+    if (!written) print_error(app.get_name(), written.error().message);
+    throw CLI::RuntimeError(written ? 0 : 1);  // there is nothing more to do
+  };
+  app.add_option_function<std::string>(
+         "--write-manuals", write,
+         "Write manual pages, and completions for bash, zsh and fish, to where they are looked for "
+         "below FOLDER, such as ~/.local/share, and exit")
+      ->type_name("FOLDER");
   add(add, app);
 }
 
@@ -33,7 +44,7 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
     app.parse(argc, argv);
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
+    if (error.get_exit_code() == 0 || error.get_name() == "RuntimeError") return app.exit(error);
     std::string command = app.get_name();
     for (const CLI::App* given = &app; !given->get_subcommands().empty();) {
       given = given->get_subcommands().front();

@@ -8,7 +8,7 @@
 namespace pointreel {
 
 /// Gives a program, and the subcommands that it has by now, the help and --version that all
-/// programs have. The app's name is that of the program.
+/// programs have, and the program --write-manuals. The app's name is that of the program.
 void add_common_options(CLI::App& app);
 
 /// Prepares the process, parses the command line and runs the subcommand that it names. If the

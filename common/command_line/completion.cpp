@@ -1,0 +1,42 @@
+#include "common/command_line/completion.h"
+
+#include <algorithm>
+#include <cctype>
+#include <initializer_list>
+
+#include <fmt/format.h>
+
+#include "common/command_line/option_words.h"
+
+namespace pointreel {
+
+Value value_of(const CLI::Option& option) {
+  if (option.get_items_expected_max() == 0) return {};
+  if (std::vector<std::string> words = choices_of(option); !words.empty())
+    return {Value::Kind::words, std::move(words)};
+  const std::string argument = option.get_positional() && argument_of(option).empty()
+                                   ? option.get_name()
+                                   : argument_of(option);
+  if (argument.starts_with("FOLDER")) return {Value::Kind::folders, {}};
+  for (const char* file : {"FILE", "PATH", "REEL", "SOURCE"}) {
+    if (argument.starts_with(file)) return {Value::Kind::files, {}};
+  }
+  return {Value::Kind::other, {}};
+}
+
+std::string function_name(const Command& command) {
+  std::string name = fmt::format("_{}", fmt::join(command.path, "_"));
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+std::string short_description(const CLI::Option& option) {
+  std::string text = option.get_description();
+  text = text.substr(0, text.find_first_of(";:("));
+  text = text.substr(0, text.find(". "));
+  while (text.ends_with(' ') || text.ends_with('.')) text.pop_back();
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include "common/command_line/completion.h"
+#include "common/command_line/option_words.h"
+
+namespace pointreel {
+namespace {
+
+/// A text within a specification of _arguments and within single quotes.
+std::string escaped(const std::string& text) {
+  std::string all;
+  for (const char c : text) {
+    if (c == '\'') {
+      all += "'\\''";
+    } else {
+      if (c == '\\' || c == '[' || c == ']' || c == ':') all += '\\';
+      all += c;
+    }
+  }
+  return all;
+}
+
+/// What _arguments does for a value.
+std::string action(const Value& value) {
+  switch (value.kind) {
+    case Value::Kind::words:
+      return fmt::format("({})", fmt::join(value.words, " "));
+    case Value::Kind::files:
+      return "_files";
+    case Value::Kind::folders:
+      return "_files -/";
+    case Value::Kind::none:
+    case Value::Kind::other:
+      break;
+  }
+  return " ";
+}
+
+/// The specifications of an option, one for each of its names.
+std::string specifications(const CLI::Option& option) {
+  const std::vector<std::string> names = names_of(option);
+  const Value value = value_of(option);
+  // An option that may be repeated excludes nothing.
+  const std::string before =
+      option.get_items_expected_max() > 1 ? "*" : fmt::format("({})", fmt::join(names, " "));
+  std::string all;
+  for (const std::string& name : names) {
+    std::string after;
+    if (value.kind != Value::Kind::none) {
+      after = fmt::format("{}:{}:{}", value_is_optional(option) ? ":" : "",
+                          escaped(argument_of(option)), action(value));
+    }
+    const bool takes = value.kind != Value::Kind::none && name.starts_with("--");
+    all += fmt::format("    '{}{}{}[{}]{}' \\\n", before, name, takes ? "=" : "",
+                       escaped(short_description(option)), after);
+  }
+  return all;
+}
+
+std::string arguments_of(const Command& command) {
+  std::string all;
+  int place = 0;
+  for (const CLI::Option* argument : command.arguments) {
+    ++place;
+    const bool many = argument->get_items_expected_max() > 1;
+    all += fmt::format("    '{}:{}:{}' \\\n", many ? "*" : std::to_string(place),
+                       escaped(argument->get_name()), action(value_of(*argument)));
+  }
+  return all;
+}
+
+std::string function_of(const Command& command) {
+  const std::string name = function_name(command);
+  std::string text = name + "() {\n";
+  if (!command.subcommands.empty())
+    text += "  local curcontext=$curcontext state line\n  typeset -A opt_args\n";
+  text += "  _arguments -C \\\n";
+  for (const CLI::Option* option : command.options) text += specifications(*option);
+  text += arguments_of(command);
+  if (command.subcommands.empty()) {
+    text.erase(text.size() - 3);  // the last " \\\n"
+    return text + "\n}\n";
+  }
+  text += fmt::format("    '1:command:{0}_commands' \\\n    '*::argument:->argument'\n", name);
+  text += "  [[ $state != argument ]] || case $line[1] in\n";
+  std::string described;
+  for (const CLI::App* subcommand : command.subcommands) {
+    text += fmt::format("    {0}) {1}_{0} ;;\n", subcommand->get_name(), name);
+    described +=
+        fmt::format("\n    '{}:{}'", subcommand->get_name(), escaped(summary_of(*subcommand)));
+  }
+  return text + fmt::format(
+                    "  esac\n}}\n\n{}_commands() {{\n  local -a commands=({})\n"
+                    "  _describe command commands\n}}\n",
+                    name, described);
+}
+
+}  // namespace
+
+std::string zsh_completion(const std::vector<Command>& commands) {
+  const std::string program = commands.front().path.front();
+  const std::string function = function_name(commands.front());
+  std::string text = fmt::format(
+      "#compdef {0}\n# Completions of {0} for zsh, written by {0} --write-manuals.\n", program);
+  for (const Command& command : commands) text += "\n" + function_of(command);
+  // zsh calls the file as a function the first time; it may also be read as a script.
+  return text + fmt::format(
+                    "\nif [[ $funcstack[1] == {0} ]]; then\n  {0} \"$@\"\nelse\n"
+                    "  compdef {0} {1}\nfi\n",
+                    function, program);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "common/command_line/command_table.h"
+
+namespace pointreel {
+
+/// "pointreel-server-pack-plan": the name of the manual page of a command.
+std::string manual_name(const Command& command);
+
+/// The manual page of a command, for section 1, in the language of man(7). It says what --help
+/// says.
+std::string manual_page(const Command& command);
+
+}  // namespace pointreel

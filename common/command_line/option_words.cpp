@@ -1,0 +1,115 @@
+#include "common/command_line/option_words.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "common/base/words.h"
+
+namespace pointreel {
+namespace {
+
+/// The part between two marks; empty if the marks are not there.
+std::string between(const std::string& text, const std::string& begin, const std::string& end) {
+  const std::size_t from = text.find(begin);
+  if (from == std::string::npos) return {};
+  const std::size_t to = text.find(end, from + begin.size());
+  if (to == std::string::npos) return {};
+  return text.substr(from + begin.size(), to - from - begin.size());
+}
+
+/// Where the names of the checks begin that CLI11 appends to the name of a type. A name such as
+/// HOST:PORT may have a colon, too.
+std::size_t checks_of(const std::string& type) {
+  std::size_t first = type.size();
+  for (const char* check : {":INT in", ":UINT in", ":FLOAT in", ":{", ":FILE", ":SIZE"})
+    first = std::min(first, type.find(check));
+  return first;
+}
+
+/// The choices as --help lists them, or a range; empty if the checks of the option do not say.
+std::string accepted(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::string checks = type.substr(checks_of(type));
+  if (const std::string range = between(checks, "in [", "]"); !range.empty()) {
+    const std::size_t dash = range.find(" - ");
+    return fmt::format("{} to {}", number_text(std::atof(range.c_str()), 9),
+                       number_text(std::atof(range.c_str() + dash + 3), 9));
+  }
+  return fmt::format("{}", fmt::join(choices_of(option), ", "));
+}
+
+/// A description begins with a capital, unless its first word is a name: "ldc: ...".
+std::string capitalised(std::string text) {
+  const std::size_t word = std::min(text.find(' '), text.size());
+  if (word > 0 && text[word - 1] != ':')
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+std::string default_of(const CLI::Option& option) {
+  const std::string text = option.get_default_str();
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return text.empty() || *end != '\0' ? text : number_text(number, 9);
+}
+
+}  // namespace
+
+std::vector<std::string> names_of(const CLI::Option& option) {
+  if (option.get_positional()) return {option.get_single_name()};
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::vector<std::string> choices_of(const CLI::Option& option) {
+  // CLI11 writes a type as "INT:INT in [0 - 21]" or "TEXT:{auto,kd-tree}", and a choice that stands
+  // for another value as "{scan->0,uniform->1}".
+  const std::string type = option.get_type_name();
+  std::istringstream list(between(type.substr(checks_of(type)), "{", "}"));
+  std::vector<std::string> choices;
+  for (std::string choice; std::getline(list, choice, ',');)
+    choices.push_back(choice.substr(0, choice.find("->")));
+  return choices;
+}
+
+std::string argument_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::string name = type.substr(0, checks_of(type));
+  if (name == "INT" || name == "UINT") return "N";
+  if (name == "FLOAT") return "NUMBER";
+  return name == "TEXT" && !accepted(option).empty() ? "NAME" : name;
+}
+
+std::string description_of(const CLI::Option& option) {
+  std::string text = capitalised(option.get_description());
+  const auto says = [&text](const std::string& word) {
+    return text.find(word) != std::string::npos;
+  };
+  std::vector<std::string> notes;
+  if (option.get_required() && !option.get_positional()) notes.emplace_back("required");
+  if (option.get_type_size() > 0) {
+    if (const auto all = accepted(option); !all.empty()) notes.push_back(all);
+    const std::string preset = default_of(option);
+    if (!preset.empty() && !says("default")) notes.push_back("default " + preset);
+  }
+  const std::string variable = option.get_envname();
+  if (!variable.empty() && !says(variable))
+    notes.push_back("or " + variable + " in the environment");
+  for (const CLI::Option* needed : option.get_needs())
+    notes.push_back("needs " + needed->get_name());
+  if (!notes.empty()) {
+    // Notes join those that the description ends with.
+    const bool joined = text.ends_with(')');
+    if (joined) text.pop_back();
+    text += fmt::format("{}{})", joined ? "; " : text.empty() ? "(" : " (", fmt::join(notes, "; "));
+  }
+  return text;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,42 @@
+#include "common/command_line/write_manuals.h"
+
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "common/base/try.h"
+#include "common/base/write_file.h"
+#include "common/command_line/command_table.h"
+#include "common/command_line/completion.h"
+#include "common/command_line/manual.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<void> write(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  if (error) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be made: {}", file.parent_path().string(),
+                                           error.message()));
+  }
+  return write_file(file, text);
+}
+
+}  // namespace
+
+Result<void> write_manuals(const CLI::App& program, const fs::path& folder) {
+  const std::vector<Command> commands = commands_of(program);
+  for (const Command& command : commands)
+    TRY(write(folder / "man/man1" / (manual_name(command) + ".1"), manual_page(command)));
+  const std::string name = program.get_name();
+  TRY(write(folder / "bash-completion/completions" / name, bash_completion(commands)));
+  TRY(write(folder / "zsh/vendor-completions" / ("_" + name), zsh_completion(commands)));
+  TRY(write(folder / "fish/vendor_completions.d" / (name + ".fish"), fish_completion(commands)));
+  return {};
+}
+
+}  // namespace pointreel

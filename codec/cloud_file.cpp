@@ -44,6 +44,9 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
   return files;
 }
 
+/// The longest sequence whose times are believed, in microseconds: a month.
+constexpr std::uint64_t kLongest = 31ull * 24 * 3600 * 1'000'000;
+
 /// What suffices to recognise a format.
 constexpr std::size_t kBegin = 256;
 
@@ -81,6 +84,89 @@ Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& li
 
 bool is_cloud_file(const fs::path& path) {
   return is_cloud_name(path.filename().string()) != Likely::no;
+}
+
+std::string CloudFrame::name() const {
+  return recording == nullptr ? file.string()
+                              : fmt::format("{}: message {}", file.string(), message);
+}
+
+std::uint64_t CloudSequence::end_us() const {
+  return times_us.back() + static_cast<std::uint64_t>(1e6 / fps);
+}
+
+namespace {
+
+/// The times of frames that all have one, in order.
+void take_times(CloudSequence& sequence) {
+  std::vector<std::uint64_t> times;
+  for (const CloudFrame& frame : sequence.frames) {
+    if (!frame.time_us || *frame.time_us < sequence.frames.front().time_us) return;
+    times.push_back(*frame.time_us - *sequence.frames.front().time_us);
+    if (times.size() > 1 && times.back() < times[times.size() - 2]) return;
+    // A clock that jumped, or garbage.
+    if (times.back() > kLongest) return;
+  }
+  if (times.size() < 2) return;
+  std::vector<std::uint64_t> spacings;
+  for (std::size_t i = 1; i < times.size(); ++i) spacings.push_back(times[i] - times[i - 1]);
+  const auto middle = spacings.begin() + std::ssize(spacings) / 2;
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  if (*middle == 0) return;
+  sequence.times_us = std::move(times);
+  sequence.fps = 1e6 / static_cast<double>(*middle);
+}
+
+Result<void> add_recording(CloudSequence& sequence, const fs::path& file, const std::string& topic,
+                           std::uint64_t max_memory) {
+  const auto recording = TRY(McapRecording::open(TRY(ByteSource::open(file)), topic, max_memory));
+  for (std::uint32_t i = 0; i < recording->size(); ++i)
+    sequence.frames.push_back({file, recording, i, recording->time_ns(i) / 1000});
+  return {};
+}
+
+}  // namespace
+
+Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
+                                        const std::string& topic, std::uint64_t max_memory) {
+  CloudSequence sequence;
+  for (const fs::path& file : TRY(list_cloud_files(inputs))) {
+    if (format_of({}, file.filename().string()) == CloudFormat::mcap) {
+      TRY(at_place(file.string(), add_recording(sequence, file, topic, max_memory)));
+    } else {
+      sequence.frames.push_back({file});
+    }
+  }
+  take_times(sequence);
+  return sequence;
+}
+
+Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame, const DecodeLimits& limits) {
+  if (frame.recording == nullptr) return read_cloud_file(frame.file, limits);
+  const std::string name = frame.name();
+  const Bytes bytes = TRY(at_place(frame.file.string(), frame.recording->read(frame.message)));
+  return at_place(name, read_cloud(bytes, CloudFormat::point_cloud2, limits));
+}
+
+Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_bytes) {
+  const std::string name = frame.file.string();
+  CloudBytes fetched;
+  if (frame.recording != nullptr) {
+    fetched.bytes = TRY(at_place(name, frame.recording->read(frame.message)));
+    fetched.format = CloudFormat::point_cloud2;
+    return fetched;
+  }
+  const ByteSource source = TRY(at_place(name, ByteSource::open(frame.file)));
+  fetched.format = TRY(at_place(name, format_of_file(source, frame.file)));
+  if (source.size() > max_bytes) {
+    return fail(ErrorCode::limit,
+                fmt::format("{}: has {} bytes, more than {}", name, source.size(), max_bytes));
+  }
+  const ByteView bytes = TRY(at_place(name, source.all(fetched.bytes)));
+  if (bytes.data() != fetched.bytes.data()) fetched.bytes.assign(bytes.begin(), bytes.end());
+  if (fetched.bytes.size() != source.size() || bytes.size() != source.size())
+    return fail(ErrorCode::io, name + ": has become shorter while it was read");
+  return fetched;
 }
 
 std::optional<char> up_of_file(const fs::path& path) {

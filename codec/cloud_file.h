@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "codec/formats/cloud_format.h"
+#include "codec/formats/mcap.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
@@ -53,6 +55,46 @@ bool is_cloud_file(const std::filesystem::path& path);
 /// those that may be something else (.txt, .csv, .bin) do not count. Fails if there are none.
 Result<std::vector<std::filesystem::path>> list_cloud_files(
     const std::vector<std::filesystem::path>& inputs);
+
+/// One frame of a sequence: a file, or one of the clouds in a recording.
+struct CloudFrame {
+  std::filesystem::path file;
+  std::shared_ptr<const McapRecording> recording = nullptr;
+  std::uint32_t message = 0;                  ///< of the recording
+  std::optional<std::uint64_t> time_us = {};  ///< since 1970, where the recording tells
+
+  std::string name() const;  ///< the path, or "PATH: message 3"
+};
+
+/// Frames in order.
+struct CloudSequence {
+  std::vector<CloudFrame> frames;
+  /// When each frame is shown, in microseconds from the first, and the end of the last. Empty
+  /// unless all frames have times, in order.
+  std::vector<std::uint64_t> times_us;
+  double fps = 0.0;  ///< by the median spacing of `times_us`; 0 without
+
+  std::uint64_t end_us() const;
+};
+
+/// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap). `topic`: of
+/// recordings that have several. `max_memory`: of the parts of recordings that are kept. The error
+/// begins with the path.
+Result<CloudSequence> list_cloud_frames(const std::vector<std::filesystem::path>& inputs,
+                                        const std::string& topic = {},
+                                        std::uint64_t max_memory = ~std::uint64_t{0});
+
+/// The error begins with the frame's name.
+Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame,
+                                     const DecodeLimits& limits = kOwnFiles);
+
+/// A frame as it is stored, to be read later.
+struct CloudBytes {
+  Bytes bytes;
+  CloudFormat format = CloudFormat::unknown;
+};
+/// At most `max_bytes`. The error begins with the frame's name.
+Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_bytes);
 
 /// The axis that points up in a file by its format, 'y' or 'z'; nothing if that does not tell.
 std::optional<char> up_of_file(const std::filesystem::path& path);

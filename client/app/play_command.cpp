@@ -169,7 +169,7 @@ void PlayCommand::add_sources(CLI::App& command) {
   command
       .add_option(
           "--fps", options_.fps,
-          fmt::format("Frames per second of a folder of files (default {:g})", options_.fps))
+          "Frames per second of a folder of files (default 30, or the times of a recording)")
       ->check(within(kFps))
       ->type_name("NUMBER")
       ->group(group);
@@ -180,6 +180,7 @@ void PlayCommand::add_sources(CLI::App& command) {
       ->check(check(parse_up_name))
       ->type_name("AXIS")
       ->group(group);
+  add_topic_option(command, options_.topic)->group(group);
   for (CLI::Option* option : add_placement_options(command, options_.placement))
     option->group(group);
 }

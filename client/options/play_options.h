@@ -37,7 +37,8 @@ struct PlayOptions {
   bool audio = true;                      ///< reels are heard, and recorded, with their sound
   std::string audio_device = "default";   ///< as for open_audio_device
   Placement placement;                    ///< of the points of files
-  double fps = 30.0;                      ///< frame rate of folders of files
+  std::optional<double> fps;              ///< as in SourceOptions
+  std::string topic;                      ///< as in SourceOptions
   std::optional<glm::ivec2> offscreen;    ///< draw pictures of this size, without a window
   std::optional<double> at;               ///< seconds
   std::optional<double> duration;         ///< seconds; of a reel drawn offscreen, of its own time

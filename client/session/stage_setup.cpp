@@ -16,6 +16,7 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.size = options.picture_size();
   stage.source.fps = options.fps;
   stage.source.placement = options.placement;
+  stage.source.topic = options.topic;
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
   stage.source.follow_redirects = options.follow_redirects;

@@ -1,11 +1,7 @@
 #include "client/source/folder_source.h"
 
 #include <algorithm>
-#include <cctype>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -22,35 +18,24 @@ constexpr std::uint64_t kMaxFileBytes = std::uint64_t{4} << 30;
 
 class FolderSource : public Source {
  public:
-  FolderSource(std::vector<std::filesystem::path> files, Manifest manifest,
-               const Placement& placement)
+  FolderSource(std::vector<CloudFrame> files, Manifest manifest, const Placement& placement)
       : files_(std::move(files)), manifest_(std::move(manifest)), placement_(placement) {}
 
   const Manifest& manifest() const override { return manifest_; }
 
   Result<FetchedFrame> fetch(const FetchRequest& request) override {
-    const std::filesystem::path& path = files_[request.frame];
-    std::ifstream in(path, std::ios::binary | std::ios::ate);
-    if (!in)
-      return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io,
-                  fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
-    const std::streamoff size = in.tellg();
-    if (size < 0 || static_cast<std::uint64_t>(size) > kMaxFileBytes)
-      return fail(ErrorCode::limit, path.string() + ": is not a plain file of at most 4 GiB");
-    Bytes bytes(static_cast<std::size_t>(size));
-    in.seekg(0);
-    in.read(reinterpret_cast<char*>(bytes.data()), size);
-    if (in.gcount() != size)
-      return fail(ErrorCode::io, path.string() + ": cannot be read to its end");
+    const CloudFrame& frame = files_[request.frame];
+    CloudBytes bytes = TRY(fetch_cloud_frame(frame, kMaxFileBytes));
     FetchedFrame fetched;
-    fetched.file = std::move(bytes);
-    fetched.file_name = path.string();
+    fetched.file = std::move(bytes.bytes);
+    fetched.file_format = bytes.format;
+    fetched.file_name = frame.name();
     fetched.placement = placement_;
     return fetched;
   }
 
  private:
-  const std::vector<std::filesystem::path> files_;
+  const std::vector<CloudFrame> files_;
   const Manifest manifest_;
   const Placement placement_;
 };
@@ -60,23 +45,28 @@ std::string name_of(const std::filesystem::path& path) {
                                  : path.filename().string();
 }
 
-Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> files,
+Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::path>& paths,
                                            std::string name, const SourceOptions& options) {
+  CloudSequence sequence = TRY(list_cloud_frames(paths, options.topic, options.max_memory));
+  std::vector<CloudFrame>& files = sequence.frames;
+  const bool recorded = !sequence.times_us.empty() && !options.fps;
   Manifest manifest;
   manifest.name = std::move(name);
   manifest.codec = "files";
-  manifest.fps = options.fps;
+  manifest.fps = recorded ? std::clamp(sequence.fps, kMinFps, kMaxFps) : options.fps.value_or(30.0);
   const auto time_of = [&](std::size_t frame) {
-    return static_cast<std::uint64_t>(std::llround(1e6 * static_cast<double>(frame) / options.fps));
+    if (recorded) return frame < files.size() ? sequence.times_us[frame] : sequence.end_us();
+    return static_cast<std::uint64_t>(
+        std::llround(1e6 * static_cast<double>(frame) / manifest.fps));
   };
   manifest.duration_us = time_of(files.size());
 
   std::optional<Error> first_error;
   bool found = false;
-  for (const std::filesystem::path& file : files) {
+  for (const CloudFrame& file : files) {
     if (options.stop.stop_requested())
-      return fail(ErrorCode::cancelled, file.string() + ": reading was cancelled");
-    auto loaded = read_cloud_file(file, {.max_memory = options.max_memory});
+      return fail(ErrorCode::cancelled, file.name() + ": reading was cancelled");
+    auto loaded = read_cloud_frame(file, {.max_memory = options.max_memory});
     if (!loaded) {
       if (!first_error) first_error = loaded.error();
       continue;
@@ -91,7 +81,7 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
   if (!found) return tl::unexpected(*first_error);
   // Who turns files means them to be upright then.
   if (options.placement.rotation == glm::dmat3(1.0))
-    manifest.up = up_of_file(files.front()).value_or(manifest.up);
+    manifest.up = up_of_file(files.front().file).value_or(manifest.up);
 
   Segment segment;
   segment.cube = bounding_cube(manifest.bounds);
@@ -105,7 +95,7 @@ Result<std::unique_ptr<Source>> open_files(std::vector<std::filesystem::path> fi
 
 Result<std::unique_ptr<Source>> open_folder_source(const std::filesystem::path& path,
                                                    const SourceOptions& options) {
-  return open_files(TRY(list_cloud_files({path})), name_of(path), options);
+  return open_files({path}, name_of(path), options);
 }
 
 Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::path> files,
@@ -116,7 +106,7 @@ Result<std::unique_ptr<Source>> open_file_sequence(std::vector<std::filesystem::
   });
   std::string name = files.front().filename().string();
   if (files.size() > 1) name += fmt::format(" to {}", files.back().filename().string());
-  return open_files(std::move(files), std::move(name), options);
+  return open_files(files, std::move(name), options);
 }
 
 }  // namespace pointreel

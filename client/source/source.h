@@ -69,7 +69,9 @@ class Source {
 };
 
 struct SourceOptions {
-  double fps = 30.0;                        ///< of folders of files, which do not tell it
+  /// Of folders of files, which do not tell it; 30 if it is not given, and not for recordings.
+  std::optional<double> fps = {};
+  std::string topic = {};                   ///< of recordings that have several
   Placement placement = {};                 ///< of the points of files
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
   // For HTTP and WebSocket.

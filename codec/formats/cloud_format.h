@@ -21,6 +21,9 @@ enum class CloudFormat : std::uint8_t {
   gltf,
   sweep,           ///< KITTI's, or one whose name does not tell
   nuscenes_sweep,  ///< five floats a point
+  mcap,            ///< many clouds, each a point_cloud2
+  point_cloud2,    ///< a message of ROS 2
+  foreign,         ///< known, but not read: the error says how to convert it
 };
 
 /// Recognised by the first bytes (about a hundred suffice), or else by the end of the name, which

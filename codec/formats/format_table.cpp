@@ -8,8 +8,10 @@
 #include "codec/draco/drc_reader.h"
 #include "codec/formats/gltf.h"
 #include "codec/formats/las.h"
+#include "codec/formats/mcap.h"
 #include "codec/formats/obj.h"
 #include "codec/formats/pcd.h"
+#include "codec/formats/point_cloud2.h"
 #include "codec/formats/sweep.h"
 #include "codec/formats/text_points.h"
 #include "common/base/concat.h"
@@ -44,6 +46,24 @@ Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&,
 template <std::size_t kFloats>
 Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, Unread& unread) {
   return read_sweep(source, kFloats, unread);
+}
+
+Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, Unread&) {
+  return fail(ErrorCode::unsupported,
+              "is an MCAP recording of many clouds: pack it, or play it under a name that ends in "
+              ".mcap");
+}
+
+Result<PointCloud> refuse_bag(const ByteSource&, const DecodeLimits&, Unread&) {
+  return fail(ErrorCode::unsupported,
+              "is a bag of ROS 1 or in SQLite, which is not read: convert it to MCAP with "
+              "\"rosbags-convert --src IN --dst OUT --dst-storage mcap\" (of PyPI's rosbags)");
+}
+
+Result<PointCloud> refuse_e57(const ByteSource&, const DecodeLimits&, Unread&) {
+  return fail(
+      ErrorCode::unsupported,
+      "is an E57 file, which is not read: convert it with \"pdal translate IN.e57 OUT.las\"");
 }
 
 /// All formats. What else is to be known about one stands in its row.
@@ -87,6 +107,17 @@ constexpr Row kFormats[] = {
     {CloudFormat::obj, "OBJ", {".obj"}, {}, Likely::yes, read_whole_obj},
     {CloudFormat::gltf, "glTF", {".glb", ".gltf"}, {"glTF"}, Likely::yes, read_gltf, 'y'},
     {CloudFormat::sweep, "KITTI", {".bin"}, {}, Likely::maybe, read_sweep_of<0>, 'z'},
+    {CloudFormat::mcap, "MCAP", {".mcap"}, {"\x89MCAP0"}, Likely::yes, refuse_recording, 'z', true},
+    {CloudFormat::point_cloud2,
+     "PointCloud2",
+     {},
+     {},
+     Likely::no,
+     read_unlimited<read_point_cloud2>,
+     'z',
+     true},
+    {CloudFormat::foreign, "", {}, {"#ROSBAG", "SQLite format 3"}, Likely::no, refuse_bag},
+    {CloudFormat::foreign, "", {}, {"ASTM-E57"}, Likely::no, refuse_e57},
 };
 
 /// Endings of formats with more than one that nothing else uses.
@@ -166,8 +197,8 @@ bool has_empty_points(CloudFormat format) {
 std::string known_formats() {
   std::string names;
   for (const Row& row : kFormats) {
-    if (!names.empty()) names += &row == std::end(kFormats) - 1 ? " and " : ", ";
-    names += row.name;
+    if (row.by_name == Likely::no) continue;
+    names += concat(names.empty() ? "" : ", ", row.name);
   }
   return names;
 }

@@ -43,6 +43,9 @@ namespace pointreel {
 /// in a form that fits into a one-line message.
 Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread = nullptr);
 
+/// True if floats hold the world coordinates of all finite points exactly.
+bool world_fits_float(const PointCloud& cloud);
+
 /// The cloud as a binary little-endian PLY file in world coordinates: positions as float where that
 /// loses nothing (the origin is 0, or every world coordinate is a float), otherwise as double;
 /// normals as float; colours as uchar where 8 bits suffice (`colors_fit_8_bits`), otherwise as

@@ -12,20 +12,6 @@
 namespace pointreel {
 namespace {
 
-/// True if floats hold the world coordinates of all finite points exactly.
-bool world_fits_float(const PointCloud& cloud) {
-  if (cloud.origin == glm::dvec3(0.0)) return true;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::dvec3 p = cloud.world(i);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (p[axis] - p[axis] == 0.0 && static_cast<double>(static_cast<float>(p[axis])) != p[axis]) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
 template <class T>
 std::uint8_t* put(std::uint8_t* at, T value) {
   std::memcpy(at, &value, sizeof(T));
@@ -109,6 +95,19 @@ Bytes bytes_of(const PointCloud& cloud, const std::span<const glm::uvec3>* faces
 }
 
 }  // namespace
+
+bool world_fits_float(const PointCloud& cloud) {
+  if (cloud.origin == glm::dvec3(0.0)) return true;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec3 p = cloud.world(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] - p[axis] == 0.0 && static_cast<double>(static_cast<float>(p[axis])) != p[axis]) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
 
 Bytes ply_bytes(const PointCloud& cloud) { return bytes_of(cloud, nullptr); }
 

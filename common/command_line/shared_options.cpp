@@ -27,6 +27,13 @@ Result<glm::dvec3> parse_degrees(const std::string& text) {
   return degrees;
 }
 
+CLI::Option* add_topic_option(CLI::App& command, std::string& topic) {
+  return command
+      .add_option("--topic", topic,
+                  "which point clouds of an MCAP recording to take, if it has several topics")
+      ->type_name("NAME");
+}
+
 std::vector<CLI::Option*> add_placement_options(CLI::App& command, Placement& placement) {
   CLI::Option* scale =
       command

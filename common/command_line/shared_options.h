@@ -31,6 +31,9 @@ CLI::Option* add_frame_memory_option(CLI::App& command, Integer& mib) {
 /// Three numbers such as 90,0,0.
 Result<glm::dvec3> parse_degrees(const std::string& text);
 
+/// --topic, for recordings of several.
+CLI::Option* add_topic_option(CLI::App& command, std::string& topic);
+
 /// --scale and --rotate, for files that were captured in other units or axes.
 std::vector<CLI::Option*> add_placement_options(CLI::App& command, Placement& placement);
 

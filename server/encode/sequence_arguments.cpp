@@ -36,9 +36,12 @@ CLI::Option* SequenceArguments::only_with_context(CLI::Option* option) {
 
 void SequenceArguments::add_to(CLI::App& command, const char* default_name,
                                const char* about_frame_time) {
-  command.add_option("--fps", sequence.fps, "frames per second")
-      ->check(number_option("a number from 0.000001 to 1000000", is_frame_rate))
-      ->capture_default_str();
+  fps_ = command
+             .add_option("--fps", sequence.fps,
+                         "frames per second; without it, those of recordings are shown at the "
+                         "times at which they were recorded")
+             ->check(number_option("a number from 0.000001 to 1000000", is_frame_rate))
+             ->capture_default_str();
   up_ = add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
                          "the axis that points up, unless the format of the files tells it (z in "
                          "LAS, KITTI and nuScenes files)");

@@ -33,12 +33,14 @@ struct SequenceArguments {
   /// Whether the axis that points up is to be taken from files whose format tells it: it was not
   /// given, and they are not turned.
   bool up_of_files() const;
+  /// Whether the times of frames are to be taken from recordings: --fps was not given.
+  bool times_of_files() const { return fps_->count() == 0; }
 
   /// What was given; an error if some of it does not go together.
   Result<EncodingOptions> options() const;
 
  private:
-  const CLI::Option* up_ = nullptr;
+  const CLI::Option *up_ = nullptr, *fps_ = nullptr;
   void add_octree_options(CLI::App& command);
   void add_scalar_options(CLI::App& command);
   void add_draco_options(CLI::App& command);

@@ -16,17 +16,17 @@ constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
 }  // namespace
 
 Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
-  SourceFrame source{TRY(read_cloud_file(files_[frame])), {}};
+  SourceFrame source{TRY(read_cloud_frame(frames_[frame])), {}};
   place(source.cloud, options_.placement);
   source.cleaning = clean_frame(source.cloud, options_);
   return source;
 }
 
 Result<std::vector<FrameExtent>> SegmentInput::read_extents(const std::stop_token& stop) {
-  std::vector<FrameExtent> frames(files_.size());
-  std::vector<std::optional<Error>> errors(files_.size());
+  std::vector<FrameExtent> frames(frames_.size());
+  std::vector<std::optional<Error>> errors(frames_.size());
   std::atomic<std::size_t> kept_bytes = 0;
-  tbb::parallel_for(std::size_t{0}, files_.size(), [&](std::size_t i) {
+  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
     Result<SourceFrame> loaded = read(i);
     if (!loaded) {
@@ -57,7 +57,7 @@ Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   };
   const Result<Grid> grid = grid_for_frames(extents, options_, cloud_of);
   if (unread) return tl::unexpected(*unread);
-  if (!grid) return fail_at(files_.front().string(), grid.error());
+  if (!grid) return fail_at(frames_.front().name(), grid.error());
   shared_ = *grid;
   return {};
 }

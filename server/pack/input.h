@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "codec/cloud_file.h"
@@ -26,12 +26,12 @@ struct SourceFrame : LoadedCloud {
 /// as they fit a budget, so that memory does not grow with the length of the segment.
 class SegmentInput {
  public:
-  /// `files` and `options` must outlive this object.
-  SegmentInput(std::span<const std::filesystem::path> files, const PackOptions& options)
-      : files_(files), options_(options), kept_(files.size()) {}
+  /// `frames` and `options` must outlive this object.
+  SegmentInput(std::span<const CloudFrame> frames, const PackOptions& options)
+      : frames_(frames), options_(options), kept_(frames.size()) {}
 
-  std::size_t size() const { return files_.size(); }
-  const std::filesystem::path& file(std::size_t frame) const { return files_[frame]; }
+  std::size_t size() const { return frames_.size(); }
+  std::string name(std::size_t frame) const { return frames_[frame].name(); }
 
   /// Finds the grid that the frames share. Reads all of them for this, as many at a time as the
   /// calling arena has threads. Does nothing if PackOptions::cube_per_frame is set.
@@ -53,7 +53,7 @@ class SegmentInput {
   Result<std::vector<FrameExtent>> read_extents(const std::stop_token& stop);
   Result<SourceFrame> read(std::size_t frame) const;
 
-  std::span<const std::filesystem::path> files_;
+  std::span<const CloudFrame> frames_;
   const PackOptions& options_;
   std::optional<Grid> shared_;
   std::vector<Cloud> kept_;

@@ -13,6 +13,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
+#include "server/write/cloud_files.h"
 
 /// What `info`, `verify` and `unpack` do with a package on disk.
 namespace pointreel {
@@ -76,6 +77,7 @@ struct UnpackOptions {
   std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
   std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist
   bool force = false;                       ///< replace a folder of such files
+  PointsFormat format = PointsFormat::ply;  ///< of files of points
   std::optional<UnpackMesh> mesh = {};      ///< write meshes instead of points
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };
@@ -87,8 +89,8 @@ struct UnpackReport {
 };
 
 /// Writes decoded frames as `frame_00000.ply`, ..., and the whole sound as `audio.opus`, at their
-/// original coordinates; the names of meshes end as their format says. Like a package, the folder
-/// is either complete or absent.
+/// original coordinates; names end as the format says. Like a package, the folder is either
+/// complete or absent.
 Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener = {});
 
 }  // namespace pointreel

@@ -259,6 +259,21 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   return kExitOk;
 }
 
+std::optional<MeshFormat> mesh_format_of(const std::string& word) {
+  if (word == "ply") return MeshFormat::ply;
+  if (word == "obj") return MeshFormat::obj;
+  if (word == "glb") return MeshFormat::glb;
+  return std::nullopt;
+}
+
+std::optional<PointsFormat> points_format_of(const std::string& word) {
+  for (const PointsFormat format :
+       {PointsFormat::ply, PointsFormat::pcd, PointsFormat::las, PointsFormat::npz}) {
+    if (extension(format) == "." + word) return format;
+  }
+  return std::nullopt;
+}
+
 void add_unpack_command(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string input, output, frames;
@@ -268,7 +283,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     bool mesh = false, animation = false;
     std::optional<double> cell;
     std::optional<std::size_t> triangles;
-    MeshFormat format = MeshFormat::ply;
+    std::string format = "ply";
   };
   const auto a = std::make_shared<Arguments>();
   CLI::App* unpack =
@@ -292,11 +307,13 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
   add_frame_memory_option(*unpack, a->frame_memory);
   CLI::Option* mesh = unpack->add_flag(
       "--mesh", a->mesh, "make a mesh of the surface that the points of each frame stand for");
-  add_choice<MeshFormat>(
-      *unpack, "--format", a->format,
-      {{"ply", MeshFormat::ply}, {"obj", MeshFormat::obj}, {"glb", MeshFormat::glb}},
-      "the files of meshes: PLY, Wavefront OBJ, or binary glTF 2.0")
-      ->needs(mesh);
+  unpack
+      ->add_option(
+          "--format", a->format,
+          "the files of points: ply, pcd, las, or npz for numpy; the files of meshes: ply, "
+          "obj (Wavefront), or glb (binary glTF 2.0)")
+      ->check(CLI::IsMember({"ply", "pcd", "las", "npz", "obj", "glb"}))
+      ->capture_default_str();
   unpack
       ->add_flag("--animation", a->animation,
                  "write one file, animation.glb, which plays all frames; needs --format glb")
@@ -326,13 +343,22 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     options.force = a->force;
     options.max_memory = a->frame_memory << 20;
     if (layers->count() > 0) options.layers = a->layers;
-    if (a->animation && a->format != MeshFormat::glb) {
+    const auto mesh_format = mesh_format_of(a->format);
+    const auto points_format = points_format_of(a->format);
+    if (a->mesh ? !mesh_format : !points_format) {
+      print_error(a->mesh ? fmt::format("--format {}: holds points; leave out --mesh", a->format)
+                          : fmt::format("--format {}: holds meshes; add --mesh", a->format));
+      exit_code = kExitUsage;
+      return;
+    }
+    if (points_format) options.format = *points_format;
+    if (a->animation && mesh_format != MeshFormat::glb) {
       print_error("--animation: only .glb files can hold one; add --format glb");
       exit_code = kExitUsage;
       return;
     }
     if (a->mesh) {
-      options.mesh = UnpackMesh{.format = a->format,
+      options.mesh = UnpackMesh{.format = *mesh_format,
                                 .options = {.cell = a->cell, .triangles = a->triangles},
                                 .animation = a->animation};
     }

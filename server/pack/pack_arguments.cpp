@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/try.h"
+#include "common/command_line/shared_options.h"
 
 namespace pointreel {
 namespace {
@@ -32,16 +33,18 @@ Result<double> parse_bitrate(const std::string& text) {
 void PackArguments::add_to(CLI::App& command) {
   command_ = &command;
   input_ = command
-               .add_option("-i,--input", options_.inputs,
-                           "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, "
-                           "KITTI, nuScenes); the files of a folder are taken in natural order, so "
-                           "that frame2 comes before frame10")
+               .add_option(
+                   "-i,--input", options_.inputs,
+                   "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, "
+                   "KITTI, nuScenes, MCAP); the files of a folder are taken in natural order, so "
+                   "that frame2 comes before frame10")
                ->required()
                ->type_name("PATH")
                ->expected(1, -1);
   output_ = command.add_option("-o,--output", options_.output, "the folder of the package")
                 ->required()
                 ->type_name("FOLDER");
+  add_topic_option(command, options_.topic);
   add_choice<bool>(command, "--cube", options_.cube_per_frame, {{"group", false}, {"frame", true}},
                    "one cube for all frames of a segment, so that the voxels of resting surfaces "
                    "do not move, or one for each frame");
@@ -86,6 +89,7 @@ Result<PackOptions> PackArguments::options() const {
   PackOptions options = options_;
   static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
   options.up_of_files = sequence_.up_of_files();
+  options.times_of_files = sequence_.times_of_files();
   return options;
 }
 

@@ -81,6 +81,8 @@ ordered_json to_json(const PackSummary& summary) {
                       {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
   }
   json["cleaning"] = cleaning_json(summary.cleaning);
+  json["recorded_fps"] = nullptr;
+  if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
   json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
   json["segments"] = ordered_json::array();
@@ -128,6 +130,10 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
     print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {
     print("  cleaning        {}\n", cleaning_text(summary.cleaning));
+  }
+  if (summary.recorded_fps) {
+    print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",
+          number_text(*summary.recorded_fps, 4));
   }
   if (options.frame_time_ms) {
     print("  late            {} took longer than {} ms\n", counted(summary.late_frames, "frame"),

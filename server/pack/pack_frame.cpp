@@ -45,7 +45,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
                                FrameLimits& limits) {
   const SegmentInput::Cloud loaded = TRY(input.take(index));
   const PointCloud& cloud = loaded->cloud;
-  const std::string file = input.file(index).string();
+  const std::string file = input.name(index);
   PackedFrame frame;
   frame.box = bounds(cloud);
   frame.colors = options.encode.colors && cloud.has_colors();

@@ -14,8 +14,11 @@ namespace pointreel {
 struct PackOptions : EncodingOptions {
   std::vector<std::filesystem::path> inputs;  ///< folders and files, as list_cloud_files takes them
   std::filesystem::path output;
+  std::string topic;  ///< of recordings that have several
   /// Take the axis that points up from the first file where its format tells it, instead of `up`.
   bool up_of_files = false;
+  /// Take the times of frames from recordings, instead of `fps`.
+  bool times_of_files = false;
   /// With Entropy::context: learn context tables from the frames, and use them if that makes the
   /// package smaller.
   bool train = false;

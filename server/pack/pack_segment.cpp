@@ -21,6 +21,7 @@ class Writer {
  public:
   Writer(std::uint32_t first_frame, const PackOptions& options, const SegmentOutput& output)
       : fps_(options.fps),
+        time_us_(output.time_us),
         first_frame_(first_frame),
         files_(output.folder, first_frame, output.layer_names) {
     segment_.summary.first_frame = first_frame;
@@ -29,7 +30,7 @@ class Writer {
   Result<void> add(const PackedFrame& frame) {
     const EncodedFrame& encoded = frame.encoded;
     SegmentSummary& summary = segment_.summary;
-    TRY(files_.append(encoded, presentation_time_us(first_frame_ + summary.frames, fps_)));
+    TRY(files_.append(encoded, time_us(first_frame_ + summary.frames)));
 
     const auto depth = static_cast<std::uint32_t>(encoded.depth);
     summary.depth_min = summary.frames == 0 ? depth : std::min(summary.depth_min, depth);
@@ -72,7 +73,12 @@ class Writer {
   }
 
  private:
+  std::uint64_t time_us(std::size_t frame) const {
+    return time_us_ ? time_us_(frame) : presentation_time_us(frame, fps_);
+  }
+
   const double fps_;
+  const std::function<std::uint64_t(std::size_t)> time_us_;
   const std::uint32_t first_frame_;
   SegmentWriter files_;
   PackedSegment segment_;

@@ -46,6 +46,8 @@ struct SegmentOutput {
   std::vector<std::string> layer_names;  ///< coarse to fine
   std::function<void()> frame_done;      ///< one call at a time; may be empty
   std::stop_token stop;
+  /// When a frame of the reel is shown, from its start; empty: by PackOptions::fps.
+  std::function<std::uint64_t(std::size_t frame)> time_us = {};
 };
 
 /// Encodes the frames of a segment, as many at a time as the calling arena has threads, and writes

@@ -11,8 +11,7 @@
 
 namespace pointreel {
 
-Result<PackageTables> learn_package_tables(std::span<const std::filesystem::path> files,
-                                           PackOptions& options,
+Result<PackageTables> learn_package_tables(std::span<const CloudFrame> files, PackOptions& options,
                                            const std::filesystem::path& folder,
                                            const std::stop_token& stop) {
   Result<std::vector<Svo>> sampled = sample_trees(files, options, stop);

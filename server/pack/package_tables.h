@@ -5,6 +5,7 @@
 #include <span>
 #include <stop_token>
 
+#include "codec/cloud_file.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 #include "server/pack/pack_options.h"
@@ -21,8 +22,7 @@ struct PackageTables {
 /// Learns context tables from some of the frames, writes them to `folder` if that makes the package
 /// smaller, and then sets them in the options. Runs in the calling arena. The codec must be the
 /// octree codec with Entropy::context. Errors name the file at fault, or the output.
-Result<PackageTables> learn_package_tables(std::span<const std::filesystem::path> files,
-                                           PackOptions& options,
+Result<PackageTables> learn_package_tables(std::span<const CloudFrame> files, PackOptions& options,
                                            const std::filesystem::path& folder,
                                            const std::stop_token& stop);
 

@@ -34,17 +34,27 @@ using Clock = std::chrono::steady_clock;
 /// Packs one segment after another into a folder.
 class Packer {
  public:
-  Packer(const PackOptions& options, const PackListener& listener, std::vector<fs::path> files,
+  Packer(const PackOptions& options, const PackListener& listener, CloudSequence sequence,
          const fs::path& folder)
-      : options_(options), listener_(listener), files_(std::move(files)) {
+      : options_(options),
+        listener_(listener),
+        sequence_(std::move(sequence)),
+        files_(sequence_.frames) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
-    if (options_.up_of_files) options_.up = up_of_file(files_.front()).value_or(options_.up);
+    if (options_.up_of_files) options_.up = up_of_file(files_.front().file).value_or(options_.up);
+    const bool recorded = options_.times_of_files && !sequence_.times_us.empty();
+    if (recorded) {
+      options_.fps = std::clamp(sequence_.fps, kMinFps, kMaxFps);
+      summary_.recorded_fps = options_.fps;
+    }
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(manifest_) = reel_head(options_);
     if (options_.encode.id() == Codec::octree) add_scalar_layer(manifest_.layer_names);
-    manifest_.duration_us = presentation_time_us(files_.size(), options.fps);
-    output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop};
+    manifest_.duration_us =
+        recorded ? sequence_.end_us() : presentation_time_us(files_.size(), options_.fps);
+    output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
+    if (recorded) output_.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
   }
 
   /// Runs in the calling arena.
@@ -66,7 +76,7 @@ class Packer {
     for (std::size_t first = 0; first < files_.size(); first += options_.segment_frames) {
       const std::size_t count =
           std::min<std::size_t>(options_.segment_frames, files_.size() - first);
-      TRY(add(TRY(packer.pack({files_.data() + first, count}, static_cast<std::uint32_t>(first)))));
+      TRY(add(TRY(packer.pack(files_.subspan(first, count), static_cast<std::uint32_t>(first)))));
     }
     summary_.late_frames = packer.late_frames();
     return finish();
@@ -111,7 +121,8 @@ class Packer {
 
   PackOptions options_;  ///< with a name, and with the tables that were learnt
   const PackListener& listener_;
-  const std::vector<fs::path> files_;
+  const CloudSequence sequence_;
+  const std::span<const CloudFrame> files_;
   SegmentOutput output_;
   Manifest manifest_;
   PackSummary summary_;
@@ -124,10 +135,10 @@ class Packer {
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
   const Clock::time_point start = Clock::now();
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
-    std::vector<fs::path> files = TRY(list_cloud_files(options.inputs));
+    CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic));
     OutputFolder folder = TRY(OutputFolder::create(
         options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
-    Packer packer(options, listener, std::move(files), folder.path());
+    Packer packer(options, listener, std::move(sequence), folder.path());
     PackSummary summary = TRY(packer.run());
     TRY(folder.publish());
     summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();

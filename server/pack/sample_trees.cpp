@@ -14,7 +14,6 @@
 #include "server/pack/input.h"
 
 namespace pointreel {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxSegments = 4, kMaxFrames = 24;
@@ -34,14 +33,15 @@ Result<Svo> build(const SourceFrame& frame, const SegmentInput& input) {
 Result<Svo> tree_of(SegmentInput& input, std::size_t frame) {
   const SegmentInput::Cloud loaded = TRY(input.take(frame));
   Result<Svo> tree = build(*loaded, input);
-  if (!tree) return fail_at(input.file(frame).string(), tree.error());
+  if (!tree) return fail_at(input.name(frame), tree.error());
   return tree;
 }
 
 /// Trees spread over a segment: at most `frames`, at least `fewest`, and otherwise as many as have
 /// `nodes` nodes together.
-Result<std::vector<Svo>> sample_segment(std::span<const fs::path> files, const PackOptions& options,
-                                        std::size_t frames, std::size_t fewest, std::size_t nodes,
+Result<std::vector<Svo>> sample_segment(std::span<const CloudFrame> files,
+                                        const PackOptions& options, std::size_t frames,
+                                        std::size_t fewest, std::size_t nodes,
                                         const std::stop_token& stop) {
   SegmentInput input(files, options);
   TRY(input.find_shared_grid(stop));
@@ -61,7 +61,7 @@ Result<std::vector<Svo>> sample_segment(std::span<const fs::path> files, const P
 
 }  // namespace
 
-Result<std::vector<Svo>> sample_trees(std::span<const fs::path> files, const PackOptions& options,
+Result<std::vector<Svo>> sample_trees(std::span<const CloudFrame> files, const PackOptions& options,
                                       const std::stop_token& stop) {
   const std::size_t length = options.segment_frames;
   const std::size_t segments = (files.size() + length - 1) / length;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <stop_token>
 #include <vector>
 
+#include "codec/cloud_file.h"
 #include "pointreel/error.h"
 #include "pointreel/octree.h"
 #include "server/pack/pack_options.h"
@@ -15,7 +15,7 @@ namespace pointreel {
 /// learn context tables from. These are all frames if there are few small ones; otherwise as many
 /// as the time and memory for learning allow, from at most four segments, and at least two if there
 /// are two. Runs in the calling arena. The codec must be the octree codec.
-Result<std::vector<Svo>> sample_trees(std::span<const std::filesystem::path> files,
-                                      const PackOptions& options, const std::stop_token& stop);
+Result<std::vector<Svo>> sample_trees(std::span<const CloudFrame> files, const PackOptions& options,
+                                      const std::stop_token& stop);
 
 }  // namespace pointreel

@@ -14,7 +14,7 @@
 
 namespace pointreel {
 
-Result<PackedSegment> SegmentPacker::pack(std::span<const std::filesystem::path> files,
+Result<PackedSegment> SegmentPacker::pack(std::span<const CloudFrame> files,
                                           std::uint32_t first_frame) {
   SegmentInput input(files, options_);
   const Result<void> found = input.find_shared_grid(output_.stop);

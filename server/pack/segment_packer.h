@@ -6,6 +6,7 @@
 #include <span>
 #include <stop_token>
 
+#include "codec/cloud_file.h"
 #include "pointreel/error.h"
 #include "server/pack/pack_frame.h"
 #include "server/pack/pack_options.h"
@@ -23,8 +24,7 @@ class SegmentPacker {
 
   /// Encodes the files as one segment, within the bit rate if there is one, and writes its layer
   /// files. Runs in the calling arena. The error begins with the file at fault, if there is one.
-  Result<PackedSegment> pack(std::span<const std::filesystem::path> files,
-                             std::uint32_t first_frame);
+  Result<PackedSegment> pack(std::span<const CloudFrame> files, std::uint32_t first_frame);
 
   std::uint64_t late_frames() const { return limits_.late_frames(); }
 

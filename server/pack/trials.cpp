@@ -19,8 +19,8 @@ Result<Trials> Trials::create(const SegmentInput& input) {
     const std::size_t frame = spread_index(i, n, input.size());
     const SegmentInput::Cloud cloud = TRY(input.look(frame));
     const Result<Grid> grid = input.grid_of(*cloud);
-    if (!grid) return fail_at(input.file(frame).string(), grid.error());
-    trials.samples_.push_back({&input.file(frame), cloud, *grid});
+    if (!grid) return fail_at(input.name(frame), grid.error());
+    trials.samples_.push_back({input.name(frame), cloud, *grid});
   }
   return trials;
 }
@@ -45,7 +45,7 @@ Result<void> Trials::run(RateControl& control, const std::stop_token& stop) cons
     double bytes = 0.0;
     int depth = 0;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      if (!encoded[i]) return fail_at(samples_[i].file->string(), encoded[i].error());
+      if (!encoded[i]) return fail_at(samples_[i].name, encoded[i].error());
       bytes += static_cast<double>(encoded[i]->size());
       depth = std::max(depth, encoded[i]->depth);
     }

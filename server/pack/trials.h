@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "codec/sequence/grid.h"
@@ -29,7 +29,7 @@ class Trials {
 
  private:
   struct Sample {
-    const std::filesystem::path* file;  ///< in the input
+    std::string name;  ///< of the frame
     SegmentInput::Cloud cloud;
     Grid grid;
   };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
@@ -14,7 +15,7 @@
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/cloud/ply.h"
+#include "common/base/write_file.h"
 #include "common/stream/manifest.h"
 #include "server/pack/audio.h"
 #include "server/pack/inspect.h"
@@ -37,11 +38,12 @@ Result<void> may_replace_frames(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const auto is_frame = [&name](MeshFormat format) {
-      return is_numbered(name, "frame_", kDigits, extension(format));
+    const auto is_frame = [&name](const char* ending) {
+      return is_numbered(name, "frame_", kDigits, ending);
     };
-    if (name != kAnimation && name != kUnpackedAudio && !is_frame(MeshFormat::ply) &&
-        !is_frame(MeshFormat::obj) && !is_frame(MeshFormat::glb)) {
+    constexpr std::array kEndings{".ply", ".pcd", ".las", ".npz", ".obj", ".glb"};
+    if (name != kAnimation && name != kUnpackedAudio &&
+        std::none_of(kEndings.begin(), kEndings.end(), is_frame)) {
       return fail(ErrorCode::argument,
                   fmt::format("holds {}, and --force replaces only folders of unpacked frames; "
                               "remove it first",
@@ -133,13 +135,18 @@ class Unpacking {
   }
 
   Result<void> write(std::uint32_t frame, const fs::path& path) {
-    if (!options_.mesh) return write_ply(path, TRY(decode(frame)));
+    if (!options_.mesh) {
+      const Result<Bytes> bytes = cloud_bytes(TRY(decode(frame)), options_.format);
+      if (!bytes) return fail_at(place(frame), bytes.error());
+      return write_file(path, *bytes);
+    }
     return write_mesh(path, TRY(mesh(frame)), options_.mesh->format, manifest_.name, manifest_.up);
   }
 
   Result<void> write_files(const fs::path& folder, const InspectListener& listener) {
     const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last_).size());
-    const char* ending = extension(options_.mesh ? options_.mesh->format : MeshFormat::ply);
+    const char* ending =
+        options_.mesh ? extension(options_.mesh->format) : extension(options_.format);
     std::optional<std::pair<std::uint32_t, Error>> first_error;
     for_each_frame(report_.frames, listener, [&](std::uint32_t i) {
       const std::uint32_t frame = options_.first_frame + i;

@@ -129,8 +129,8 @@ class PartPacker {
   }
 
   /// The files must be those that the plan was made for.
-  Result<std::vector<fs::path>> unchanged_files(std::uint32_t segment) const {
-    std::vector<fs::path> files;
+  Result<std::vector<CloudFrame>> unchanged_files(std::uint32_t segment) const {
+    std::vector<CloudFrame> files;
     for (const PlannedFile& file : plan_.files_of(segment)) {
       std::error_code error;
       const auto bytes = fs::file_size(file.path, error);
@@ -143,18 +143,18 @@ class PartPacker {
                                 "again",
                                 file.path.string(), bytes, file.bytes));
       }
-      files.push_back(file.path);
+      files.push_back({file.path});
     }
     return files;
   }
 
   Result<void> pack(std::uint32_t segment) {
     const std::uint32_t first_frame = plan_.first_frame(segment);
-    const std::vector<fs::path> files = TRY(unchanged_files(segment));
+    const std::vector<CloudFrame> files = TRY(unchanged_files(segment));
     const WorkFolder work =
         TRY(WorkFolder::create(folder_ / fmt::format(".{:05}-{}", first_frame, own_name())));
-    SegmentPacker packer(options_,
-                         {work.path(), head_.layer_names, listener_.frame_done, listener_.stop});
+    SegmentPacker packer(
+        options_, {work.path(), head_.layer_names, listener_.frame_done, listener_.stop, {}});
     PackedSegment packed = TRY(packer.pack(files, first_frame));
     for (const std::string& line : warnings_.fresh(packed)) {
       if (listener_.warn) listener_.warn(line);

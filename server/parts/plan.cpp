@@ -139,10 +139,19 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   }
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
-  const std::vector<fs::path> files = TRY(list_cloud_files(options.inputs));
+  const std::vector<CloudFrame> files =
+      TRY(list_cloud_frames(options.inputs, options.topic)).frames;
   PackPlan plan{
       std::move(arguments), options.name, options.segment_frames, options.force, {}, {}, {}};
-  for (const fs::path& file : files) plan.files.push_back(TRY(planned(file)));
+  for (const CloudFrame& frame : files) {
+    if (frame.recording != nullptr) {
+      return fail(ErrorCode::argument,
+                  frame.file.string() +
+                      ": is a recording of many frames, which is not packed in "
+                      "parts; pack it as a whole");
+    }
+    plan.files.push_back(TRY(planned(frame.file)));
+  }
   if (options.audio) {
     TRY(check_audio_source(*options.audio));
     std::error_code error;

@@ -41,10 +41,10 @@ class FrameInput {
   virtual std::uint64_t skipped() const = 0;
 };
 
-/// Plays the files one after another at `fps` from the first call of `next` on, and reads them
-/// ahead of time. With `loop` it begins again at the end.
-std::unique_ptr<FrameInput> play_files(std::vector<std::filesystem::path> files, double fps,
-                                       bool loop, LiveClock clock = LiveClock::system());
+/// Plays the frames one after another from the first call of `next` on, at their own times, or at
+/// `fps` if they have none, and reads them ahead of time. With `loop` it begins again at the end.
+std::unique_ptr<FrameInput> play_files(CloudSequence sequence, double fps, bool loop,
+                                       LiveClock clock = LiveClock::system());
 
 /// The newest file of points in the folder, if there is one, and then each file that is added by
 /// closing, renaming or linking it. Ends with an error if the folder itself is removed or renamed.

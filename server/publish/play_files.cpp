@@ -3,6 +3,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -11,15 +12,18 @@
 #include "server/publish/frame_input.h"
 
 namespace pointreel {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kReadAhead = 3;  // frames
 
 class FilePlayer : public FrameInput {
  public:
-  FilePlayer(std::vector<fs::path> files, double fps, bool loop, LiveClock clock)
-      : files_(std::move(files)), fps_(fps), loop_(loop), clock_(std::move(clock)) {}
+  FilePlayer(CloudSequence sequence, double fps, bool loop, LiveClock clock)
+      : sequence_(std::move(sequence)),
+        files_(sequence_.frames),
+        fps_(sequence_.times_us.empty() ? fps : sequence_.fps),
+        loop_(loop),
+        clock_(std::move(clock)) {}
   ~FilePlayer() override { ahead_.close(); }
 
   Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
@@ -42,6 +46,10 @@ class FilePlayer : public FrameInput {
  private:
   std::uint64_t period_us() const { return static_cast<std::uint64_t>(1e6 / fps_); }
   std::uint64_t due(std::uint64_t frame) const {
+    if (!sequence_.times_us.empty()) {
+      const std::uint64_t round = frame / files_.size();
+      return begun_us_ + round * sequence_.end_us() + sequence_.times_us[frame % files_.size()];
+    }
     return begun_us_ +
            static_cast<std::uint64_t>(std::llround(static_cast<double>(frame) * 1e6 / fps_));
   }
@@ -57,15 +65,16 @@ class FilePlayer : public FrameInput {
         }
       }
       if (!loop_ && i >= files_.size()) break;
-      const fs::path& file = files_[i % files_.size()];
-      Result<LoadedCloud> cloud = read_cloud_file(file);
+      const CloudFrame& frame = files_[i % files_.size()];
+      Result<LoadedCloud> cloud = read_cloud_frame(frame);
       if (i == 0) begun_us_ = clock_.now_us();
-      if (!ahead_.push({file.string(), due(i), std::move(cloud)})) return;
+      if (!ahead_.push({frame.name(), due(i), std::move(cloud)})) return;
     }
     ahead_.close();
   }
 
-  const std::vector<fs::path> files_;
+  const CloudSequence sequence_;
+  const std::span<const CloudFrame> files_;
   const double fps_;
   const bool loop_;
   const LiveClock clock_;
@@ -92,9 +101,9 @@ LiveClock LiveClock::system() {
   return clock;
 }
 
-std::unique_ptr<FrameInput> play_files(std::vector<fs::path> files, double fps, bool loop,
+std::unique_ptr<FrameInput> play_files(CloudSequence sequence, double fps, bool loop,
                                        LiveClock clock) {
-  return std::make_unique<FilePlayer>(std::move(files), fps, loop, std::move(clock));
+  return std::make_unique<FilePlayer>(std::move(sequence), fps, loop, std::move(clock));
 }
 
 }  // namespace pointreel

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/shared_options.h"
 #include "common/live/frame_sender.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
@@ -24,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PublishArguments {
-  std::string input, to, token, ca_file;
+  std::string input, to, token, ca_file, topic;
   bool loop = false, follow = false, json = false;
   const CLI::Option* token_option = nullptr;
   SequenceArguments sequence;
@@ -41,22 +43,23 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
   PublishOptions options;
   static_cast<EncodingOptions&>(options) = TRY(arguments.sequence.options());
   if (options.name.empty()) options.name = stream_name_of(arguments.to);
-  const bool plays_files = arguments.input != "-" && !arguments.follow;
-  if (plays_files && arguments.sequence.up_of_files()) {
-    if (const auto files = list_cloud_files({fs::path(arguments.input)}))
-      options.up = up_of_file(files->front()).value_or(options.up);
-  }
   options.outbox.url = address;
   options.outbox.token = arguments.token;
   options.outbox.ca_file = arguments.ca_file;
   return options;
 }
 
-Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments) {
+/// Opens the input, and takes from its files what the options leave to them.
+Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments,
+                                               PublishOptions& options) {
   if (arguments.input == "-") return read_pipe(STDIN_FILENO);
   if (arguments.follow) return follow_folder(arguments.input);
-  return play_files(TRY(list_cloud_files({fs::path(arguments.input)})),
-                    arguments.sequence.sequence.fps, arguments.loop);
+  CloudSequence sequence = TRY(list_cloud_frames({fs::path(arguments.input)}, arguments.topic));
+  if (!arguments.sequence.times_of_files()) sequence.times_us.clear();
+  if (!sequence.times_us.empty()) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
+  if (arguments.sequence.up_of_files())
+    options.up = up_of_file(sequence.frames.front().file).value_or(options.up);
+  return play_files(std::move(sequence), options.fps, arguments.loop);
 }
 
 void print_json(const PublishSummary& summary) {
@@ -97,13 +100,13 @@ void print_summary(const PublishSummary& summary) {
 }
 
 int run_publish(const PublishArguments& arguments) {
-  const Result<PublishOptions> options = make_options(arguments);
+  Result<PublishOptions> options = make_options(arguments);
   if (!options) {
     print_error(options.error().message);
     return kExitUsage;
   }
   const StopSignal stop;
-  const auto input = open_input(arguments);
+  const auto input = open_input(arguments, *options);
   if (!input) {
     print_error(input.error().message);
     return kExitFailed;
@@ -150,6 +153,7 @@ void add_publish_command(CLI::App& app, int& exit_code) {
                    "bytes, little endian, and then a PLY, Draco, PCD or LAS file")
       ->required()
       ->type_name("FOLDER|-");
+  add_topic_option(*command, a.topic);
   command->add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")
       ->required()
       ->type_name("URL");

@@ -47,9 +47,9 @@ struct FakeTime {
 class FrameInputTest : public PackTest {
  protected:
   /// Writes frames of 101, 102, ... points.
-  std::vector<fs::path> write(std::size_t frames) {
+  CloudSequence write(std::size_t frames) {
     ::write_frames(frames_, frames, 101);
-    return list_cloud_files({frames_}).value();
+    return list_cloud_frames({frames_}).value();
   }
 };
 
@@ -98,7 +98,7 @@ TEST_F(FrameInputTest, a_file_that_cannot_be_read_fails_only_its_own_frame) {
   FakeTime time;
   write(2);
   std::ofstream(frames_ / "frame_0.ply") << "no cloud";
-  const auto input = play_files(list_cloud_files({frames_}).value(), 10.0, false, time.clock());
+  const auto input = play_files(list_cloud_frames({frames_}).value(), 10.0, false, time.clock());
   const auto bad = input->next({}).value();
   ASSERT_TRUE(bad);
   EXPECT_FALSE(bad->cloud);

@@ -53,7 +53,7 @@ class PublishLinkTest : public PackTest {
     options.fps = fps;
     options.threads = 1;
     options.outbox.url = stream() + "?publish";
-    const auto input = play_files(list_cloud_files({frames_}).value(), fps, false);
+    const auto input = play_files(list_cloud_frames({frames_}).value(), fps, false);
     return publish(*input, options, {});
   }
 

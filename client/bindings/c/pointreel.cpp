@@ -105,7 +105,8 @@ Result<SourceOptions> source_options_of(const pointreel_open_options* given) {
   const pointreel_open_options options = TRY(options_of(given, "pointreel_open_options"));
   SourceOptions source;
   if (options.fps != 0.0) source.fps = options.fps;
-  if (!is_frame_rate(source.fps)) return fail(ErrorCode::argument, "fps is out of range");
+  if (source.fps && !is_frame_rate(*source.fps))
+    return fail(ErrorCode::argument, "fps is out of range");
   source.token = text_or_nothing(options.token);
   source.ca_file = text_or_nothing(options.ca_file);
   source.follow_redirects = options.follow_redirects != 0;

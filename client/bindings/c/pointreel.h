@@ -139,7 +139,7 @@ POINTREEL_API void pointreel_frame_close(pointreel_frame* frame);
 
 typedef struct pointreel_open_options {
   size_t struct_size;
-  double fps;          /* of folders of files, which do not tell it; 0: 30 */
+  double fps;          /* of folders of files, which do not tell it; 0: 30, or as recorded */
   const char* token;   /* bearer token for servers, or NULL */
   const char* ca_file; /* certificates to trust for https and wss, as PEM; NULL: the system's */
   int32_t follow_redirects;       /* also to other hosts; never from https to http */

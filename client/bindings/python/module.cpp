@@ -42,10 +42,8 @@ using Vector = std::array<double, 3>;
 
 glm::dvec3 to_glm(const Vector& v) { return {v[0], v[1], v[2]}; }
 
-SourceOptions source_options(double fps, std::string token, std::string ca_file,
-                             bool follow_redirects) {
+SourceOptions source_options(std::string token, std::string ca_file, bool follow_redirects) {
   SourceOptions options;
-  options.fps = fps;
   options.token = std::move(token);
   options.ca_file = std::move(ca_file);
   options.follow_redirects = follow_redirects;
@@ -85,12 +83,13 @@ std::optional<std::uint64_t> microseconds(std::optional<double> seconds) {
 
 class PyReel {
  public:
-  PyReel(const std::string& where, double fps, std::string token, std::string ca_file,
-         bool follow_redirects)
+  PyReel(const std::string& where, std::optional<double> fps, std::string topic, std::string token,
+         std::string ca_file, bool follow_redirects)
       : remote_(!scheme_of(where).empty()) {
-    if (!is_frame_rate(fps)) raise({"fps is out of range", ErrorCode::argument});
-    const SourceOptions options =
-        source_options(fps, std::move(token), std::move(ca_file), follow_redirects);
+    if (fps && !is_frame_rate(*fps)) raise({"fps is out of range", ErrorCode::argument});
+    SourceOptions options = source_options(std::move(token), std::move(ca_file), follow_redirects);
+    options.fps = fps;
+    options.topic = std::move(topic);
     source_ = interruptible([&](const std::stop_token& stop) {
       SourceOptions stoppable = options;
       stoppable.stop = stop;
@@ -148,7 +147,7 @@ class PyLive {
   PyLive(const std::string& url, std::string token, std::string ca_file, bool follow_redirects)
       : source_(without_gil([&] {
           return open_live_source(
-              url, source_options(30.0, std::move(token), std::move(ca_file), follow_redirects));
+              url, source_options(std::move(token), std::move(ca_file), follow_redirects));
         })) {}
 
   /// None if nothing has come by then.
@@ -345,7 +344,8 @@ PYBIND11_MODULE(_native, module) {
       .def("__next__", next_of);
 
   py::class_<PyReel>(module, "Reel")
-      .def(py::init<const std::string&, double, std::string, std::string, bool>())
+      .def(py::init<const std::string&, std::optional<double>, std::string, std::string,
+                    std::string, bool>())
       .def("__len__", &PyReel::size)
       .def("metadata", &PyReel::metadata)
       .def("trouble", &PyReel::trouble)

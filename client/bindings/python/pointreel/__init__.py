@@ -190,17 +190,19 @@ class Reel(Frames):
 
 
 def open(where: Union[str, os.PathLike[str]], *, layers: Optional[int] = None, ahead: int = 3,
-         fps: float = 30.0, token: str = "", ca_file: str = "", follow_redirects: bool = False,
-         max_memory: Optional[int] = None) -> Reel:
+         fps: Optional[float] = None, topic: str = "", token: str = "", ca_file: str = "",
+         follow_redirects: bool = False, max_memory: Optional[int] = None) -> Reel:
     """Opens a package (its folder, its reel.json, or an http:// or https:// address of either), a
-    folder of PLY and Draco files, or one such file.
+    folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes), one such
+    file, or an MCAP recording of ROS 2.
 
     layers: fetch and decode the first layers of each frame only. ahead: how many frames iteration
-    decodes ahead. fps: of folders of files, which do not tell it. token: bearer token for the
-    server. ca_file: certificates to trust for https, in PEM form. max_memory: bytes that decoding a
-    frame may take, 1 GiB by default.
+    decodes ahead. fps: of folders of files, which do not tell it; 30, or the times of a recording.
+    topic: of a recording that has several. token: bearer token for the server. ca_file:
+    certificates to trust for https, in PEM form. max_memory: bytes that decoding a frame may take,
+    1 GiB by default.
     """
-    native = _native.Reel(os.fspath(where), fps, token, ca_file, follow_redirects)
+    native = _native.Reel(os.fspath(where), fps, topic, token, ca_file, follow_redirects)
     return Reel(native, layers, max_memory, ahead)
 
 
@@ -268,8 +270,8 @@ def encode(positions: Any, colors: Any = None, normals: Any = None, *,
 
 
 def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int] = None) -> Frame:
-    """Decodes what `encode` made, or a whole PLY or Draco file. `data`: bytes, or anything with a
-    buffer. `layers` and `max_memory` as for `open`."""
+    """Decodes what `encode` made, or a whole file of points that is recognised by its first bytes.
+    `data`: bytes, or anything with a buffer. `layers` and `max_memory` as for `open`."""
     return _native.decode(data, layers, max_memory)
 
 

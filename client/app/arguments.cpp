@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
 
+#include "client/options/option_table.h"
 #include "client/options/option_text.h"
 #include "client/scene/named_views.h"
 #include "common/base/try.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel {
 
@@ -30,6 +32,24 @@ Result<CameraArgument> parse_camera(const std::string& text) {
                           "YAW,PITCH in degrees with a pitch from -90 to 90, or a file with a "
                           "camera path",
                           text));
+}
+
+Result<glm::dvec2> parse_interval(const std::string& text) {
+  std::array<double, 2> ends{};
+  if (!parse_numbers(text, ',', ends) || !std::isfinite(ends[0]) || !std::isfinite(ends[1]) ||
+      !(ends[0] < ends[1]))
+    return fail(ErrorCode::argument,
+                fmt::format("\"{}\" is not two numbers such as 0,255, the lower one first", text));
+  return glm::dvec2(ends[0], ends[1]);
+}
+
+Result<void> set_color(const std::string& text, Settings& settings) {
+  settings.scalar.field.clear();
+  const Result<void> known = set_from_text(find_option("color"), text, settings);
+  if (known || !is_scalar_name(text)) return known;
+  settings.draw.color = ColorSource::colors;
+  settings.scalar.field = text;
+  return {};
 }
 
 Result<glm::dvec3> parse_position(const std::string& text) {

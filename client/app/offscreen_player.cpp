@@ -46,6 +46,7 @@ class OffscreenPlayer {
     if (!options_.record.empty()) TRY(check_recording(options_.record));
     stage_ = TRY(open_stage());
     if (!stage_) return {};
+    TRY(check_scalar_field(options_.settings, *stage_));
     OffscreenRenderer offscreen = TRY(make_offscreen_renderer(options_.settings.renderer));
     presenter_ = std::make_unique<Presenter>(options_, std::move(offscreen.renderer));
     presenter_->begin(*stage_);

@@ -80,6 +80,11 @@ const char* type_name(const Option& option) {
   return std::holds_alternative<Option::Choice>(option.value) ? "NAME" : "#RRGGBB";
 }
 
+/// set_from_text, but --color may also name a scalar field.
+Result<void> set_text(const Option& option, const std::string& text, Settings& settings) {
+  return option.name == "color" ? set_color(text, settings) : set_from_text(option, text, settings);
+}
+
 /// Adds an option of the table, or its earlier name.
 CLI::Option* add(CLI::App& command, const Option& option, std::string_view name) {
   const std::string full = command_line_name(name);
@@ -87,7 +92,7 @@ CLI::Option* add(CLI::App& command, const Option& option, std::string_view name)
     return command.add_flag(full + ",!--no-" + full.substr(2));
   CLI::Validator accepts = check([&option](const std::string& text) {
     Settings ignored;
-    return set_from_text(option, text, ignored);
+    return set_text(option, text, ignored);
   });
   CLI::Option* added = command.add_option(full)->type_name(type_name(option));
   if (const auto* choice = std::get_if<Option::Choice>(&option.value)) {
@@ -241,6 +246,13 @@ void PlayCommand::add_settings(CLI::App& command) {
                   "--light environment unless --light is given, too")
       ->type_name("FILE.hdr")
       ->group("Drawing");
+  command
+      .add_option("--color-range", color_range_,
+                  "With --color and a scalar field: the values that the ends of the colour ramp "
+                  "stand for (default: the least and the largest of the source)")
+      ->check(check(parse_interval))
+      ->type_name("A,B")
+      ->group("Drawing");
   for (const Option& option : option_table()) {
     if (option.help.empty()) continue;
     CLI::Option* added = add(command, option, option.name)
@@ -310,11 +322,16 @@ Result<void> PlayCommand::set_given(Settings& settings) const {
     for (const std::string_view name : {option.name, option.old_name}) {
       const CLI::Option* given = command_->get_option_no_throw(command_line_name(name));
       if (given != nullptr && given->count() > 0)
-        TRY(set_from_text(option, given->as<std::string>(), settings));
+        TRY(set_text(option, given->as<std::string>(), settings));
     }
   }
   if (!environment_.empty() && command_->get_option("--light")->count() == 0)
     settings.draw.light = Light::environment;
+  if (!color_range_.empty()) {
+    if (settings.scalar.field.empty())
+      return fail(ErrorCode::argument, "--color-range needs --color with a scalar field");
+    settings.scalar.range = TRY(parse_interval(color_range_));
+  }
   if (!up_.empty()) settings.up = TRY(parse_up_name(up_));
   return {};
 }

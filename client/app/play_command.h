@@ -39,6 +39,7 @@ class PlayCommand {
   // As they are written on the command line.
   std::vector<std::string> sources_, positions_;
   std::string environment_;  ///< a file
+  std::string color_range_;
   std::string up_, offscreen_, camera_, config_;
   bool no_config_ = false;
 };

@@ -95,7 +95,8 @@ std::vector<Option> make_table() {
        "How to colour what is drawn: with its own colours, or grey if it has none; by the "
        "direction of its normals; in plain grey, which shows shape by light alone; by curvature, "
        "ridges in orange and valleys in blue; by accessibility, dark where other parts are near; "
-       "by depth, from yellow to violet; or with contours of equal height",
+       "by depth, from yellow to violet; with contours of equal height; or by a scalar field, such "
+       "as intensity, whose name is given instead",
        "Colour", "Its own colours; or false ones that show its shape"},
       {"lighting", flag([](auto& s) -> auto& { return s.draw.lighting; }),
        "Light the scene from over the viewer's shoulder (the default), or show the colours as they "

@@ -32,6 +32,8 @@ struct Settings {
   bool drawing_panel = false, statistics_panel = false;  ///< whether they are open
   /// Size of the window's interface, where 1 is for 96 pixels per inch; 0: as the screen asks.
   double ui_scale = 0.0;
+  /// With ColorSource::colors: a scalar field in place of colours. Not kept for the next time.
+  ScalarChoice scalar;
   /// In place of what the package says. Not kept for the next time: it is about what plays.
   std::optional<Up> up;
 
@@ -43,6 +45,7 @@ struct Settings {
 inline PrepareOptions prepare_options(const Settings& settings, PrepareOptions options) {
   options.mode = settings.draw.mode;
   options.delta = settings.delta;
+  options.scalar = settings.draw.color == ColorSource::colors ? settings.scalar : ScalarChoice{};
   options.show_normals =
       (settings.draw.color != ColorSource::colors && settings.draw.color != ColorSource::plain) ||
       settings.draw.light != Light::flat;

@@ -61,6 +61,11 @@ Box LivePlayback::bounds() const {
   return bounds_of(*ready_.frame);
 }
 
+std::vector<ScalarRange> LivePlayback::scalars() const {
+  const std::lock_guard lock(mutex_);
+  return stream_.scalars;
+}
+
 void LivePlayback::look(const Camera& camera, glm::ivec2 size) {
   const std::lock_guard lock(mutex_);
   if (camera_ == camera && size_ == size) return;
@@ -142,11 +147,13 @@ Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) {
     const std::lock_guard lock(mutex_);
     info.cube = bounding_cube(stream_.bounds);
     options = prepare_;
+    info.scalars = stream_.scalars;
     options.level = std::min(options.level, level_);
     octree = stream_.codec == "octree";
   }
   // The depth may change with every frame, so that it cannot narrow the choice.
-  const std::uint32_t seen = octree ? layers_down_to(options.level, kMaxDepth) : kAllLayers;
+  const bool all = !octree || !options.scalar.field.empty();
+  const std::uint32_t seen = all ? kAllLayers : layers_down_to(options.level, kMaxDepth);
   const std::size_t most = std::min(seen, std::max(1u, options.layers));
   std::vector<FetchedLayer>& layers = frame.frame.layers;
   if (layers.size() > most) layers.resize(most);

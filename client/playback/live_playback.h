@@ -43,6 +43,7 @@ class LivePlayback : public Playback {
   char up() const override;
   double frame_seconds() const override;
   Box bounds() const override;
+  std::vector<ScalarRange> scalars() const override;
   void look(const Camera& camera, glm::ivec2 size) override;
   /// Counts for frames that come from now on.
   void set_prepare_options(const PrepareOptions& options) override;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -13,6 +14,7 @@
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
 #include "pointreel/geometry.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
@@ -41,6 +43,8 @@ class Playback {
   virtual double frame_seconds() const = 0;
   /// The bounds of all frames, as far as they are known; empty while nothing is known.
   virtual Box bounds() const = 0;
+  /// The scalar fields of all frames, as far as they are known.
+  virtual std::vector<ScalarRange> scalars() const = 0;
 
   /// Sets the camera and the size of the picture: no more detail than they show is fetched. Cheap
   /// if nothing changes.

@@ -16,12 +16,14 @@ std::vector<int> levels_of(const Manifest& manifest) {
   std::vector<int> levels;
   for (int layer = 0; layer + 1 < layer_count(depth); ++layer)
     levels.push_back(last_level_of_layer(layer, depth));
+  if (!manifest.scalars.empty()) levels.push_back(kWholeFrame - 1);
   levels.push_back(kWholeFrame);
   return levels;
 }
 
 LayerDecision wanted_layers(const Manifest& manifest, const PrepareOptions& options) {
-  LayerDecision decision{layer_choice(manifest, options.mode, options.level, options.show_normals)};
+  LayerDecision decision{layer_choice(manifest, options.mode, options.level, options.show_normals,
+                                      !options.scalar.field.empty())};
   const auto all =
       static_cast<std::uint32_t>(std::max<std::size_t>(1, manifest.layer_names.size()));
   std::uint32_t& end = decision.layers.end;
@@ -41,7 +43,7 @@ std::vector<double> rung_bytes(const Manifest& manifest, std::uint32_t index,
   if (segment.layers.empty()) return bytes;
   const auto mean = [&](const LayerRange& layers) {
     std::uint64_t sum = 0;
-    for (std::size_t layer = 0; layer < layers.end; ++layer)
+    for (std::size_t layer = 0; layer < std::min(layers.end, most.end); ++layer)
       for (const Chunks<std::uint32_t>& sizes : segment.layers[layer].frames)
         sum += sizes.geometry + std::uint64_t{layers.colors || layers.normals ? sizes.colors : 0} +
                (layers.normals ? sizes.normals : 0);

@@ -10,7 +10,7 @@
 namespace pointreel {
 
 /// FrameBuffer::Options::levels for a reel. As many entries as its frames have layers; one for
-/// files.
+/// files. The layer of scalar fields counts as finer than the finest level.
 std::vector<int> levels_of(const Manifest& manifest);
 
 /// What is fetched of frames that are prepared in this way, without regard to link and machine.

@@ -185,6 +185,7 @@ PrepareOptions ReelPlayback::seen_options() const {
   PrepareOptions options = prepare_options();
   options.level = std::min<int>(options.level, view_level_);
   if (options.mode == DrawMode::voxel) options.level = std::min(options.level, voxel_depth_.get());
+  if (!options.scalar.field.empty()) options.level = kWholeFrame;
   return options;
 }
 
@@ -210,11 +211,11 @@ void ReelPlayback::set_prepare_options(const PrepareOptions& options) {
                          manifest().codec != "octree");
   const bool normals_come_or_go = options.show_normals != before.show_normals &&
                                   !draws_normals(options.mode, manifest().colors);
-  const bool again =
-      options.mode != before.mode || (another_delta && by_delta) || normals_come_or_go;
+  const bool again = options.mode != before.mode || (another_delta && by_delta) ||
+                     normals_come_or_go || options.scalar != before.scalar;
   if (again || another_delta) plan_.forget_made();
   set_level();
-  if (options.layers != before.layers) buffer_.choice_changed();
+  if (options.layers != before.layers || options.scalar != before.scalar) buffer_.choice_changed();
   if (!again) return;
   buffer_.make_again(options.mode);
   given_ordinal_.reset();
@@ -222,7 +223,8 @@ void ReelPlayback::set_prepare_options(const PrepareOptions& options) {
 
 LayerRange ReelPlayback::choice(int level) const {
   const PrepareOptions options = prepare_options();
-  return layer_choice(manifest(), options.mode, level, options.show_normals);
+  return layer_choice(manifest(), options.mode, level, options.show_normals,
+                      !options.scalar.field.empty());
 }
 
 // Time.

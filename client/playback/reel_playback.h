@@ -55,6 +55,7 @@ class ReelPlayback : public Playback {
   char up() const override { return manifest().up; }
   double frame_seconds() const override;
   Box bounds() const override { return manifest().bounds; }
+  std::vector<ScalarRange> scalars() const override { return manifest().scalars; }
   void look(const Camera& camera, glm::ivec2 size) override;
   void set_prepare_options(const PrepareOptions& options) override;
   PrepareOptions prepare_options() const;

@@ -144,6 +144,15 @@ Box Stage::bounds() const {
   return all;
 }
 
+std::vector<std::string> Stage::scalar_names() const {
+  std::vector<std::string> names;
+  for (const Part& part : parts_)
+    for (const ScalarRange& field : part.playback().scalars())
+      if (std::find(names.begin(), names.end(), field.name) == names.end())
+        names.push_back(field.name);
+  return names;
+}
+
 Box Stage::Part::view_bounds() const { return view_box(playback().bounds(), first); }
 
 Box Stage::view_bounds() const {

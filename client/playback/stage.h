@@ -68,6 +68,8 @@ class Stage {
   /// in so much more detail that it tells better where its points are. A camera that nobody moved
   /// should then look at view_bounds() again, but not whenever bounds grow.
   std::size_t view_version() const;
+  /// The names of all sources' scalar fields, as far as they are known, without repetition.
+  std::vector<std::string> scalar_names() const;
   char up() const { return parts_.front().playback().up(); }
   bool playing() const;
   /// The shortest time between two frames of any source.

@@ -29,11 +29,12 @@ std::uint32_t layers_down_to(int level, int depth) {
   return static_cast<std::uint32_t>(layers);
 }
 
-LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level, bool show_normals) {
+LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level, bool show_normals,
+                        bool scalars) {
   LayerRange choice;
   choice.colors = manifest.colors;
   choice.normals = draws_normals(mode, manifest.colors, show_normals);
-  if (manifest.codec == "octree")
+  if (manifest.codec == "octree" && !scalars)
     choice.end = layers_down_to(level, std::min(static_cast<int>(manifest.depth_max), kMaxDepth));
   return choice;
 }

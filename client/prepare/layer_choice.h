@@ -26,9 +26,9 @@ int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, f
 std::uint32_t layers_down_to(int level, int depth);
 
 /// The layers of a reel's frames that hold all levels down to `level`, and the attributes that are
-/// drawn.
+/// drawn. `scalars`: all layers, since the last one holds the scalar fields of the leaves.
 LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level,
-                        bool show_normals = false);
+                        bool show_normals = false, bool scalars = false);
 
 /// How deep the delta rule has made the trees of voxels so far. Only whole trees can tell; later
 /// frames are not fetched any deeper. A frame that ought to be deeper than what was fetched of it

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,10 +16,12 @@
 #include "client/prepare/point_spacing.h"
 #include "client/prepare/strip_frame.h"
 #include "client/prepare/tree_radii.h"
+#include "client/scene/scalar_colors.h"
 #include "client/source/decode_fetched.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/cloud/lattice.h"
+#include "common/cloud/scalar_fields.h"
 #include "common/octree/build.h"
 #include "common/octree/normal_lines.h"
 #include "common/surface/leaf_heights.h"
@@ -55,6 +58,8 @@ constexpr double kClosed = 2.8;
 /// their normals are coarser by so many levels.
 constexpr int kCoarserNormals = 1;
 
+constexpr glm::u16vec3 kUnknown = glm::u16vec3(kUnknownColor) * std::uint16_t{257};
+
 /// Cells that are larger by this factor look as large.
 constexpr double kSameSize = 1.1;
 
@@ -78,7 +83,9 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
   limits.stopped = stopped;
   limits.inner_nodes = true;
   limits.leaves = false;
-  limits.depth = options.level;
+  limits.scalars = !options.scalar.field.empty();
+  limits.scalar = options.scalar.field;
+  limits.depth = limits.scalars ? kWholeFrame : options.level;
   limits.normals_depth = normals_level(options);
   auto frame = decode_fetched(fetched, limits);
   if (fetched.layers.empty()) return frame;
@@ -86,6 +93,54 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
   // that voxels do not jump from frame to frame (common/FORMULAS.md, "Cube of a frame").
   if (frame && !frame->svo) frame->cube = cube;
   return frame;
+}
+
+/// How a field of the frame is shown.
+ShownScalar shown_scalar(const ScalarField& field, const ScalarChoice& choice,
+                         const std::vector<ScalarRange>& of_source) {
+  const ScalarSummary summary = summary_of(field.values);
+  ShownScalar shown{{field.name, summary.least, summary.most, summary.labels()}, {}};
+  for (const ScalarRange& range : of_source)
+    if (range.name == field.name) shown.range = range;
+  if (choice.range) {
+    shown.range.least = choice.range->x;
+    shown.range.most = choice.range->y;
+    shown.range.labels = false;
+  }
+  if (!shown.range.labels) return shown;
+  std::set<int> labels;
+  for (const float value : field.values)
+    if (summary.distinct > 0 && !std::isnan(value)) labels.insert(static_cast<int>(value));
+  shown.labels.assign(labels.begin(), labels.end());
+  return shown;
+}
+
+const ScalarField* find_field(const std::vector<ScalarField>& fields, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(fields, [&](const ScalarField& field) { return field.name == name; });
+  return found == fields.end() ? nullptr : &*found;
+}
+
+/// Colours a tree by the values of its leaves.
+void color_by_scalar(SceneFrame& scene, const std::vector<ScalarField>& fields,
+                     const FrameInfo& info, const ScalarChoice& choice) {
+  if (const ScalarField* field = find_field(fields, choice.field)) {
+    scene.scalar = shown_scalar(*field, choice, info.scalars);
+    scene.attributes.colors = scalar_node_colors(*scene.scalar, scene.svo, field->values);
+  } else {
+    scene.attributes.colors.assign(scene.svo.node_count(), kUnknown);
+  }
+}
+
+/// The same for a cloud.
+void color_by_scalar(SceneFrame& scene, const FrameInfo& info, const ScalarChoice& choice) {
+  PointCloud& cloud = scene.cloud;
+  if (const ScalarField* field = find_field(cloud.scalars, choice.field)) {
+    scene.scalar = shown_scalar(*field, choice, info.scalars);
+    cloud.colors = scalar_colors(*scene.scalar, field->values);
+  } else {
+    cloud.colors.assign(cloud.size(), kUnknown);
+  }
 }
 
 /// Adds the normals that the mode needs, and removes those that it does not need, so that a reel
@@ -262,7 +317,7 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
 
 FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
   const Segment& segment = manifest.segments[locate(manifest, index).segment];
-  return {index, frame_time_us(manifest, index), segment.cube};
+  return {index, frame_time_us(manifest, index), segment.cube, manifest.scalars};
 }
 
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
@@ -279,9 +334,12 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
   scene.points = frame.source_points;
   scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
   scene.decode_ms = watch.lap();
+  const bool by_scalar = !options.scalar.field.empty();
+  const bool lacks_scalar = by_scalar && frame.svo && frame.scalars.empty();
   if (frame.svo) {
     scene.svo = std::move(*frame.svo);
     scene.attributes = std::move(frame.attributes);
+    if (by_scalar) color_by_scalar(scene, frame.scalars, info, options.scalar);
     const bool whole = scene.svo.depth == frame.depth;
     if (!whole || (!scene.attributes.normals.empty() && normals_level(options) < frame.depth))
       scene.level = scene.svo.depth;
@@ -302,6 +360,8 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     }
   } else {
     scene.cloud = std::move(frame.cloud);
+    if (by_scalar) color_by_scalar(scene, info, options.scalar);
+    scene.cloud.scalars = {};
     scene.boxes = frame_boxes(scene.cloud);
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
@@ -314,6 +374,7 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
       scene.filled = fill_gaps(scene.svo, scene.attributes, widest);
     if (worth_hiding(scene.svo)) scene.neighbors = leaf_neighbors(scene.svo);
   }
+  if (lacks_scalar) scene.level = 0;  // with more layers, it is not grey
   if (options.mode == DrawMode::strip) make_strips(scene, tbb_executor());
   scene.svo_ms = watch.lap();
   return scene;

@@ -2,6 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
 
 #include "client/scene/frame.h"
 #include "client/source/fetched.h"
@@ -11,6 +16,14 @@
 
 namespace pointreel {
 
+/// Which scalar field is shown in place of colours.
+struct ScalarChoice {
+  std::string field;                ///< its name; empty: none
+  std::optional<glm::dvec2> range;  ///< values at the ends of the ramp; else those of the source
+
+  bool operator==(const ScalarChoice&) const = default;
+};
+
 /// How frames are made ready to draw.
 struct PrepareOptions {
   DrawMode mode = DrawMode::surfel;
@@ -19,6 +32,7 @@ struct PrepareOptions {
   /// points are not on a grid; below 0.75, at which points that are on one would lose a level.
   double delta = 0.72;
   int level = kWholeFrame;    ///< no finer level of detail is prepared
+  ScalarChoice scalar = {};   ///< needs all layers, and `level` does not matter
   bool show_normals = false;  ///< they are prepared in every mode, because they are what is shown
   float pixel_size = 1.0f;    ///< DrawOptions::pixel_size, which decides what level a camera sees
   std::uint32_t layers = kAllLayers;  ///< no more are fetched or decoded, however near the camera
@@ -32,6 +46,7 @@ struct FrameInfo {
   std::uint32_t index = 0;    ///< in the reel, or its number in the stream
   std::uint64_t time_us = 0;  ///< from the reel's start, or when it was captured, as Unix time
   Cube cube = {};             ///< of a tree that is built of a cloud without one of its own
+  std::vector<ScalarRange> scalars = {};  ///< ReelHead::scalars
 };
 /// index < manifest.frame_count().
 FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
@@ -55,6 +70,9 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// in surfel mode, from the tree (tree_radii.h, node_radii.h).
 ///
 /// Strips are made of surfels (strip_frame.h).
+///
+/// A scalar field that is chosen becomes the colours (scalar_colors.h). Where it is not known, also
+/// because it has not come yet, they are grey.
 ///
 /// Fills decode_ms (bytes to cloud or tree), normals_ms (their estimation) and svo_ms (tree,
 /// attributes and radii), and level, points and layers as far as they are known. The bytes may be

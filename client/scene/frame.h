@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -12,6 +13,7 @@
 #include "client/strips/strips.h"
 #include "pointreel/cloud.h"
 #include "pointreel/octree.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
@@ -23,6 +25,12 @@ struct FrameBoxes {
   Box all;            ///< of all points, or of the cells that hold them
   Box main;           ///< without a few points far away; empty if they coincide: it tells no size
   bool rough = true;  ///< a frame in more detail may tell something else
+};
+
+/// The scalar field that the colours of a frame stand for.
+struct ShownScalar {
+  ScalarRange range;        ///< from the first to the last colour
+  std::vector<int> labels;  ///< that the frame has, if they are labels
 };
 
 /// A decoded frame, ready to draw. Immutable once the pipeline has made it.
@@ -41,7 +49,8 @@ struct SceneFrame {
   // normals in surfel mode, where there are no colours, and where they are shown (estimated from
   // neighbours if the source has none; zero where unknown); radii in surfel mode.
   NodeAttributes attributes;
-  std::vector<float> radii;  ///< of the nodes
+  std::optional<ShownScalar> scalar;  ///< in place of the source's colours
+  std::vector<float> radii;           ///< of the nodes
   /// From the centres of the leaves along their normals to the surface (leaf_heights), in surfel
   /// mode, and if there are not too many leaves; else empty.
   std::vector<float> heights;

@@ -1,5 +1,6 @@
 #include "client/session/painter.h"
 
+#include "client/render/legend_picture.h"
 #include "client/render/supersampling.h"
 #include "common/base/try.h"
 
@@ -15,6 +16,12 @@ Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::i
 }
 
 Result<Image> Painter::picture() {
+  Image image = TRY(plain_picture());
+  if (const auto legend = legend_of(scene_)) draw_legend(*legend, image);
+  return image;
+}
+
+Result<Image> Painter::plain_picture() {
   if (reduced()) {
     options_.reduction = 1;
     TRY(renderer_->draw(scene_, camera_, size_, options_));

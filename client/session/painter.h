@@ -34,12 +34,14 @@ class Painter {
   /// Whether the last picture was drawn with fewer pixels than it is shown
   /// (DrawOptions::reduction).
   bool reduced() const { return options_.reduction > 1; }
-  /// The last picture as it is written, never reduced.
+  /// The last picture as it is written, never reduced, with a legend if a scalar field is shown.
   Result<Image> picture();
   /// Writes it as a PNG file.
   Result<void> write(const std::string& path);
 
  private:
+  Result<Image> plain_picture();
+
   std::unique_ptr<Renderer> renderer_;
   int supersample_;
   // Of the last picture.

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/base/words.h"
 
@@ -71,6 +72,18 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
 
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
   return camera_at(options, start_us(options), bounds, options.settings.up.value_or(up), size);
+}
+
+Result<void> check_scalar_field(const Settings& settings, const Stage& stage) {
+  const std::string& field = settings.scalar.field;
+  const std::vector<std::string> names = stage.scalar_names();
+  if (field.empty() || std::ranges::find(names, field) != names.end()) return {};
+  for (std::size_t i = 0; i < stage.size(); ++i)
+    if (stage.live(i) != nullptr) return {};
+  return fail(ErrorCode::argument,
+              fmt::format("--color {}: there is no such scalar field; {}", field,
+                          names.empty() ? "there are none"
+                                        : fmt::format("there are {}", fmt::join(names, ", "))));
 }
 
 std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera) {

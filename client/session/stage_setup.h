@@ -37,6 +37,10 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
 /// precedence over it.
 Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
 
+/// Fails if no source has the scalar field that the settings name, and names those that there are.
+/// Live streams may have it later.
+Result<void> check_scalar_field(const Settings& settings, const Stage& stage);
+
 /// The floor below everything that the first view shows; none while the bounds are unknown.
 std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera);
 

@@ -10,6 +10,7 @@
 #include "codec/cloud_file.h"
 #include "common/base/natural_order.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 
 namespace pointreel {
 namespace {
@@ -76,6 +77,7 @@ Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::pa
     manifest.bounds = bounds(loaded->cloud);
     manifest.colors = loaded->cloud.has_colors();
     manifest.normals = loaded->cloud.has_normals();
+    manifest.scalars = ranges_of(loaded->cloud);
     if (!loaded->cloud.empty()) break;
   }
   if (!found) return tl::unexpected(*first_error);

@@ -104,6 +104,32 @@ void edit(const char* name, Settings& settings) {
   show_tip(option.tip);
 }
 
+/// The option "color", to whose names those of scalar fields are added.
+void edit_color(Settings& settings, std::span<const std::string> fields) {
+  const Option& option = find_option("color");
+  const auto& choice = std::get<Option::Choice>(option.value);
+  std::string& field = settings.scalar.field;
+  const bool shows_field = settings.draw.color == ColorSource::colors && !field.empty();
+  const char* const shown = shows_field ? field.c_str() : choice.names[choice.get(settings)];
+  if (ImGui::BeginCombo(option.label, shown)) {
+    for (std::size_t i = 0; i < choice.names.size(); ++i) {
+      if (!ImGui::Selectable(choice.names[i], !shows_field && i == choice.get(settings))) continue;
+      choice.set(settings, i);
+      settings.scalar = {};
+    }
+    for (const std::string& name : fields) {
+      ImGui::PushID(name.c_str());
+      if (ImGui::Selectable(name.c_str(), shows_field && name == field)) {
+        settings.draw.color = ColorSource::colors;
+        if (name != field) settings.scalar = {name, std::nullopt};
+      }
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  show_tip(option.tip);
+}
+
 void edit_surfels(Settings& settings) {
   edit("splatting", settings);
   ImGui::BeginDisabled(settings.draw.splatting != Splatting::normalized);
@@ -145,11 +171,13 @@ void restore_defaults(Settings& settings) {
   for (const Option& option : option_table())
     if (option.label != nullptr && option.name != "mode" && option.group == "Drawing")
       copy_value(option, {}, settings);
+  settings.scalar = {};
 }
 
 }  // namespace
 
-bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float scale) {
+bool drawing_panel(Settings& settings, std::span<const std::string> fields, const PanelPlace& at,
+                   bool place, float scale) {
   set_next_panel(at, place);
   const Settings before = settings;
   if (begin_panel(kDrawingPanel, settings.drawing_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
@@ -157,7 +185,7 @@ bool drawing_panel(Settings& settings, const PanelPlace& at, bool place, float s
     edit("mode", settings);
     edit_elements(settings);
     heading("Colour and light");
-    edit("color", settings);
+    edit_color(settings, fields);
     edit("light", settings);
     if (settings.draw.light == Light::flat)
       edit("lighting", settings);

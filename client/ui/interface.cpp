@@ -107,6 +107,10 @@ TimelineUse Interface::build_once(const View& view, Controls& controls) {
         draw_timeline(*view.timeline, view.thumbnail, controls.scrubbing(), view.size, scale, bar);
     empty_ = false;
   }
+  if (view.legend) {
+    draw_legend(*view.legend, {0.0f, std::min(bar_top_, view.size.y)}, scale);
+    empty_ = false;
+  }
   busy_ = use.hovered_us || controls.scrubbing();
   build_panels(view, error, controls);
   if (controls.show_help) {
@@ -141,7 +145,7 @@ void Interface::build_panels(const View& view, float error, Controls& controls) 
     settings.statistics_panel =
         draw_statistics(view.statistics, view.recent, layout.statistics, place, scale);
   }
-  if (drawing) drawing_panel(settings, layout.drawing, place, scale);
+  if (drawing) drawing_panel(settings, view.fields, layout.drawing, place, scale);
   empty_ = empty_ && !drawing && !statistics;
   if (settings != controls.settings()) controls.set_settings(settings);
 }

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/scene/legend.h"
 #include "client/ui/controls.h"
 #include "client/ui/gui.h"
 #include "client/ui/play_statistics.h"
@@ -31,6 +32,8 @@ class Interface {
     std::vector<StatisticsLine> statistics;  ///< only while their panel is open
     RecentFrames recent;                     ///< only while their panel is open
     std::optional<Thumbnail> thumbnail;      ///< of TimelineUse::hovered_us of the last build
+    std::optional<Legend> legend;            ///< of what is shown
+    std::vector<std::string> fields;         ///< scalar fields that can be shown
     std::optional<Gui::Held> held;           ///< as in Gui::begin
   };
 

@@ -5,6 +5,7 @@
 
 #include <imgui.h>
 
+#include "client/scene/scalar_colors.h"
 #include "client/ui/bindings.h"
 #include "client/ui/panel.h"
 
@@ -80,6 +81,49 @@ void draw_waiting(const std::string& text, glm::vec2 size, float scale, double s
   list.PathStroke(ImGui::GetColorU32(ImGuiCol_Text), 0, 2.0f * scale);
   ImGui::SetCursorScreenPos(ImVec2(at.x + indent, at.y));
   ImGui::TextUnformatted(text.c_str());
+  ImGui::End();
+}
+
+void draw_legend(const Legend& legend, glm::vec2 corner, float scale) {
+  const float line = ImGui::GetTextLineHeight(), gap = 4.0f * scale, bar = 0.7f * line;
+  const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  const float ends = width_of(legend.least) + width_of(legend.most) + 20.0f * scale;
+  const bool ramp = legend.labels.empty();
+  const float width =
+      std::max({width_of(legend.title), ramp ? ends : 0.0f, ramp ? 160.0f * scale : 0.0f});
+  const float body = ramp ? bar + gap + line : static_cast<float>(legend.labels.size()) * line;
+  const ImVec2 pad = ImGui::GetStyle().WindowPadding;
+  const ImVec2 size(width, line + gap + body);
+  ImGui::SetNextWindowBgAlpha(0.6f);
+  begin_text("legend",
+             ImVec2(corner.x + 14.0f * scale, corner.y - 14.0f * scale - size.y - 2.0f * pad.y),
+             size);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
+  const auto color_of = [](const glm::u8vec3& c) { return IM_COL32(c.r, c.g, c.b, 255); };
+  list.AddText(at, ink, legend.title.c_str());
+  float y = at.y + line + gap;
+  if (ramp) {
+    constexpr int kParts = 20;
+    for (int i = 0; i < kParts; ++i) {
+      const float left = at.x + width * static_cast<float>(i) / kParts;
+      const float right = at.x + width * static_cast<float>(i + 1) / kParts;
+      const ImU32 from = color_of(ramp_color(i / double{kParts}));
+      const ImU32 to = color_of(ramp_color((i + 1) / double{kParts}));
+      list.AddRectFilledMultiColor(ImVec2(left, y), ImVec2(right, y + bar), from, to, to, from);
+    }
+    y += bar + gap;
+    list.AddText(ImVec2(at.x, y), ink, legend.least.c_str());
+    list.AddText(ImVec2(at.x + width - width_of(legend.most), y), ink, legend.most.c_str());
+  }
+  for (const auto& [color, label] : legend.labels) {
+    list.AddRectFilled(ImVec2(at.x, y + 0.15f * line), ImVec2(at.x + bar, y + 0.15f * line + bar),
+                       color_of(color));
+    list.AddText(ImVec2(at.x + bar + gap, y), ink, label.c_str());
+    y += line;
+  }
+  ImGui::Dummy(size);
   ImGui::End();
 }
 

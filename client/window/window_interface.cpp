@@ -80,6 +80,12 @@ void WindowInterface::build(TimePoint now, const std::optional<Gui::Held>& held)
   view_.waiting_seconds = session_.waiting_seconds(now);
   view_.timeline.reset();
   if (session_.stage()) view_.timeline = timeline_view(controls_, now);
+  view_.legend.reset();
+  view_.fields.clear();
+  if (const Stage* stage = session_.stage()) {
+    view_.legend = legend_of(stage->scene());
+    view_.fields = stage->scalar_names();
+  }
   view_.thumbnail = thumbnail();
   update_statistics(now);
   if (auto said = controls_.take_said()) interface_.say(*said, now);

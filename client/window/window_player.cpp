@@ -137,6 +137,8 @@ class WindowPlayer {
     controls_.begin(nullptr, {});
     session_.play(std::move(stage));
     picture_->begin(*session_.stage());
+    if (const auto found = check_scalar_field(controls_.settings(), *session_.stage()); !found)
+      interface_.parts().say(found.error().message, steady_clock::now());
     controls_.begin(session_.stage(), [this] { return picture_->home(*session_.stage(), size_); });
   }
 

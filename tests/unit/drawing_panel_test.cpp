@@ -34,8 +34,9 @@ class DrawingPanelTest : public testing::Test {
     ImGui::NewFrame();
     settings_.drawing_panel = open_;
     const Settings before = settings_;
-    const bool changed = drawing_panel(settings_, {{12.0f, 48.0f}, kSize - glm::vec2(20.0f, 56.0f)},
-                                       std::exchange(place_, false), 1.0f);
+    const bool changed =
+        drawing_panel(settings_, fields_, {{12.0f, 48.0f}, kSize - glm::vec2(20.0f, 56.0f)},
+                      std::exchange(place_, false), 1.0f);
     EXPECT_EQ(changed, before != settings_);
     open_ = std::exchange(settings_.drawing_panel, false);
     ImGui::Render();
@@ -89,6 +90,7 @@ class DrawingPanelTest : public testing::Test {
   }
 
   Settings settings_;
+  const std::vector<std::string> fields_ = {"intensity", "class"};
   bool open_ = true;
   bool place_ = true;
 };
@@ -156,6 +158,7 @@ TEST_F(DrawingPanelTest, the_mouse_reaches_every_control_and_values_stay_in_rang
 TEST_F(DrawingPanelTest, every_item_of_a_list_can_be_chosen) {
   std::set<Drafts> drafts;
   std::set<ColorSource> colors;
+  std::set<std::string> fields;
   std::set<Light> lights;
   std::set<Splatting> splattings;
   std::set<Instancing> instancings;
@@ -167,7 +170,7 @@ TEST_F(DrawingPanelTest, every_item_of_a_list_can_be_chosen) {
     if (GImGui->OpenPopupStack.empty()) continue;
     leave();
     // Press each item of the popup.
-    for (float down = -10.0f; down < 160.0f; down += 8.0f) {
+    for (float down = -10.0f; down < 190.0f; down += 8.0f) {
       settings_ = {};
       press(x, y);
       press(x + 8.0f, y + down);
@@ -175,6 +178,7 @@ TEST_F(DrawingPanelTest, every_item_of_a_list_can_be_chosen) {
       splattings.insert(settings_.draw.splatting);
       instancings.insert(settings_.draw.instancing);
       colors.insert(settings_.draw.color);
+      fields.insert(settings_.scalar.field);
       lights.insert(settings_.draw.light);
       drafts.insert(settings_.drafts);
       if (!GImGui->OpenPopupStack.empty()) leave();
@@ -184,6 +188,7 @@ TEST_F(DrawingPanelTest, every_item_of_a_list_can_be_chosen) {
   EXPECT_EQ(instancings.size(), static_cast<std::size_t>(kInstancings));
   EXPECT_EQ(drafts.size(), static_cast<std::size_t>(kDrafts));
   EXPECT_EQ(colors.size(), kEnumNames<ColorSource>.size());
+  EXPECT_EQ(fields, (std::set<std::string>{"", "intensity", "class"}));
   EXPECT_EQ(lights.size(), kEnumNames<Light>.size());
 }
 

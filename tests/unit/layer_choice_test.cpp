@@ -100,5 +100,9 @@ TEST(VoxelDepth, is_that_of_the_deepest_frame_so_far_or_more_if_frames_lack_leve
   EXPECT_EQ(depth.get(), 10);
 }
 
+TEST(LayerChoice, takes_all_layers_where_a_scalar_field_is_shown) {
+  EXPECT_EQ(layer_choice(reel(10), DrawMode::surfel, 3, false, true).end, kAllLayers);
+}
+
 }  // namespace
 }  // namespace pointreel

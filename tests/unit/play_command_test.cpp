@@ -228,5 +228,18 @@ TEST(Wrap, breaks_between_words_only) {
   EXPECT_EQ(wrap("", 7), "");
 }
 
+TEST_F(PlayCommandTest, colours_may_be_those_of_a_scalar_field) {
+  const auto options = parse({"--color", "scan angle", "--color-range", "-5,2.5"});
+  ASSERT_TRUE(options) << options.error().message;
+  EXPECT_EQ(options->settings.draw.color, ColorSource::colors);
+  EXPECT_EQ(options->settings.scalar, (ScalarChoice{"scan angle", glm::dvec2(-5, 2.5)}));
+  EXPECT_TRUE(parse({"--color", "normals"})->settings.scalar.field.empty());
+  EXPECT_THAT(error({"--color", std::string(65, 'a')}), HasSubstr("is not one of"));
+  EXPECT_THAT(error({"--color-range", "0,1"}), HasSubstr("needs --color"));
+  EXPECT_THAT(error({"--color", "normals", "--color-range", "0,1"}), HasSubstr("needs --color"));
+  for (const char* range : {"1,0", "1,1", "nan,1", "1", "1,2,3", "0,inf"})
+    EXPECT_THAT(error({"--color", "a", "--color-range", range}), HasSubstr("two numbers")) << range;
+}
+
 }  // namespace
 }  // namespace pointreel

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/scene/scalar_colors.h"
+#include "common/cloud/ply.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 
@@ -188,7 +190,8 @@ TEST(PrepareFrame, has_normals_in_every_mode_that_shows_them) {
         const auto without = prepare_frame(manifest, 0, frame, {mode, 0.05});
         ASSERT_TRUE(without);
         EXPECT_TRUE(without->attributes.normals.empty() && !without->cloud.has_normals());
-        const auto scene = prepare_frame(manifest, 0, frame, {mode, 0.05, kWholeFrame, true});
+        const auto scene =
+            prepare_frame(manifest, 0, frame, {.mode = mode, .delta = 0.05, .show_normals = true});
         ASSERT_TRUE(scene);
         if (scene->cloud.empty())
           EXPECT_EQ(scene->attributes.normals.size(), scene->svo.node_count());
@@ -522,6 +525,99 @@ TEST(PrepareFrame, draws_a_single_point_at_its_place_and_size_within_a_large_cub
   EXPECT_LT(surfel.radii.back(), 0.15f);
   const SceneFrame voxel = prepare_frame(manifest, 0, frame, {DrawMode::voxel}).value();
   EXPECT_EQ(voxel.svo.depth, 3);
+}
+
+/// The sphere with its height as a field, and the side on which a point lies as a label.
+PointCloud with_scalars(std::size_t points) {
+  PointCloud cloud = sphere(points, true, true);
+  cloud.scalars = {{"height", {}}, {"side", {}}};
+  for (const glm::vec3& p : cloud.positions) {
+    cloud.scalars[0].values.push_back(p.y);
+    cloud.scalars[1].values.push_back(p.x > 0 ? 4.0f : 1.0f);
+  }
+  return cloud;
+}
+
+Manifest with_ranges(const PointCloud& cloud) {
+  Manifest manifest = manifest_of(cloud);
+  manifest.scalars = {{"height", -2.0, 2.0, false}, {"side", 1, 4, true}};
+  return manifest;
+}
+
+constexpr glm::u16vec3 kGrey = glm::u16vec3(kUnknownColor) * std::uint16_t{257};
+
+TEST(PrepareFrame, colours_a_tree_by_a_scalar_field_in_the_range_of_the_reel) {
+  const PointCloud cloud = with_scalars(20'000);
+  PrepareOptions options;
+  options.scalar.field = "height";
+  const auto scene = prepare_frame(with_ranges(cloud), 0, fetched(cloud, octree(0.05)), options);
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_TRUE(scene->scalar);
+  EXPECT_EQ(scene->scalar->range, (ScalarRange{"height", -2.0, 2.0, false}));
+  ASSERT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
+  const PointCloud leaves = leaf_centers(scene->svo);
+  const double cell = scene->svo.cell_size(scene->svo.depth), steps = 2.0 / 255;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const glm::vec3 color(scene->attributes.colors[scene->svo.internal_count() + i]);
+    const double share = (leaves.world(i).y + 2.0) / 4.0, near = (cell + steps) / 4.0;
+    const glm::vec3 expected = 257.0f * glm::vec3(ramp_color(share));
+    const float slack = 257.0f * (2.0f + glm::length(glm::vec3(ramp_color(share + near)) -
+                                                     glm::vec3(ramp_color(share - near))));
+    ASSERT_LT(glm::length(color - expected), slack) << share;
+  }
+  EXPECT_EQ(scene->level, kWholeFrame);
+}
+
+TEST(PrepareFrame, colours_labels_as_labels_in_every_mode) {
+  const PointCloud cloud = with_scalars(5'000);
+  const auto right = glm::u16vec3(label_color(4)) * std::uint16_t{257};
+  const auto left = glm::u16vec3(label_color(1)) * std::uint16_t{257};
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+    PrepareOptions options;
+    options.mode = mode;
+    options.scalar.field = "side";
+    const auto scene = prepare_frame(with_ranges(cloud), 0, fetched(cloud, octree(0.05)), options);
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_THAT(scene->scalar->labels, testing::ElementsAre(1, 4));
+    for (const glm::u16vec3& color : scene->attributes.colors)
+      ASSERT_TRUE(color == left || color == right);
+  }
+}
+
+TEST(PrepareFrame, is_grey_and_wants_more_until_the_layer_of_scalar_fields_is_there) {
+  const PointCloud cloud = with_scalars(20'000);
+  FetchedFrame frame = fetched(cloud, octree(0.05));
+  PrepareOptions options;
+  options.scalar.field = "height";
+  frame.layers.pop_back();
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+    options.mode = mode;
+    const auto scene = prepare_frame(with_ranges(cloud), 0, frame, options);
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_FALSE(scene->scalar);
+    EXPECT_EQ(scene->level, 0);
+    EXPECT_THAT(scene->attributes.colors, testing::Each(kGrey));
+    ASSERT_EQ(scene->attributes.colors.size(), scene->svo.node_count());
+  }
+}
+
+TEST(PrepareFrame, colours_clouds_of_files_by_their_scalar_fields) {
+  const PointCloud cloud = with_scalars(500);
+  FetchedFrame frame;
+  frame.file = ply_bytes(cloud);
+  PrepareOptions options;
+  options.scalar = {"height", glm::dvec2(-1.0, 0.0)};
+  const auto scene = prepare_frame(manifest_of(cloud), 0, frame, options);
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->scalar->range, (ScalarRange{"height", -1.0, 0.0, false}));
+  ASSERT_EQ(scene->cloud.colors.size(), cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    EXPECT_EQ(scene->cloud.colors[i],
+              glm::u16vec3(ramp_color(cloud.positions[i].y + 1.0)) * std::uint16_t{257});
+  EXPECT_FALSE(scene->cloud.has_scalars());
+  options.scalar.field = "depth";
+  const auto without = prepare_frame(manifest_of(cloud), 0, frame, options);
+  EXPECT_THAT(without->cloud.colors, testing::Each(kGrey));
 }
 
 }  // namespace

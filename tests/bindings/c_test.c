@@ -110,6 +110,61 @@ static void check_frame(const pointreel_frame* frame, int number) {
   EXPECT(memcmp(pointreel_frame_normals(frame), direction, sizeof direction) == 0);
 }
 
+static void scalar_fields_come_back_by_name(void) {
+  TEST("scalar fields come back by name");
+  static float positions[kPoints][3], heat[kPoints], kind[kPoints];
+  for (int i = 0; i < kPoints; ++i) {
+    positions[i][0] = (float)(i % 10);
+    positions[i][1] = (float)(i / 10);
+    heat[i] = (float)i / 2.0f;
+    kind[i] = i % 3 == 0 ? NAN : 4.0f;
+  }
+  const pointreel_scalar scalars[] = {{"heat", heat}, {"class", kind}};
+  pointreel_points points = {0};
+  points.struct_size = sizeof points;
+  points.count = kPoints;
+  points.positions = &positions[0][0];
+  points.scalars = scalars;
+  points.scalar_count = 2;
+  pointreel_bytes* bytes = NULL;
+  pointreel_frame* frame = NULL;
+  EXPECT(pointreel_encode(&points, NULL, &bytes) == POINTREEL_OK);
+  EXPECT(pointreel_decode(pointreel_bytes_data(bytes), pointreel_bytes_size(bytes), NULL, &frame) ==
+         POINTREEL_OK);
+  EXPECT(strcmp(pointreel_frame_scalar_name(frame, 0), "heat") == 0);
+  EXPECT(strcmp(pointreel_frame_scalar_name(frame, 1), "class") == 0);
+  EXPECT(pointreel_frame_scalar_name(frame, 2) == NULL);
+  float room[kPoints];
+  size_t count = 0;
+  EXPECT(pointreel_frame_get_scalar(frame, "heat", NULL, 0, &count) == POINTREEL_OK);
+  EXPECT(count == kPoints);
+  EXPECT(pointreel_frame_get_scalar(frame, "heat", room, kPoints - 1, NULL) == POINTREEL_LIMIT);
+  EXPECT(pointreel_frame_get_scalar(frame, "heat", room, kPoints, NULL) == POINTREEL_OK);
+  EXPECT(memcmp(pointreel_frame_scalar(frame, "heat"), room, sizeof room) == 0);
+  const float* local = pointreel_frame_positions(frame);
+  const float* labels = pointreel_frame_scalar(frame, "class");
+  pointreel_frame_info info = {0};
+  info.struct_size = sizeof info;
+  EXPECT(pointreel_frame_get_info(frame, &info) == POINTREEL_OK);
+  for (size_t i = 0; i < kPoints; ++i) {
+    const long source = lround(local[3 * i] + info.origin[0]) +
+                        10 * lround(local[3 * i + 1] + info.origin[1]);
+    EXPECT(source >= 0 && source < kPoints);
+    EXPECT(fabsf(room[i] - heat[source]) <= 0.5f * heat[kPoints - 1] / 255.0f * 1.01f);
+    EXPECT(source % 3 == 0 ? isnan(labels[i]) : labels[i] == 4.0f);
+  }
+  EXPECT(pointreel_frame_get_scalar(frame, "cold", room, kPoints, NULL) == POINTREEL_NOT_FOUND);
+  EXPECT(pointreel_frame_scalar(frame, NULL) == NULL);
+  pointreel_frame_close(frame);
+  pointreel_bytes_close(bytes);
+  points.scalar_count = 9;
+  EXPECT(pointreel_encode(&points, NULL, &bytes) == POINTREEL_ARGUMENT);
+  const pointreel_scalar unnamed[] = {{NULL, heat}};
+  points.scalars = unnamed;
+  points.scalar_count = 1;
+  EXPECT(pointreel_encode(&points, NULL, &bytes) == POINTREEL_ARGUMENT);
+}
+
 static pointreel_reel* open_reel(const char* where) {
   pointreel_reel* reel = NULL;
   EXPECT(pointreel_reel_open(where, NULL, &reel) == POINTREEL_OK && reel != NULL);
@@ -509,6 +564,7 @@ int main(int argc, char** argv) {
     live_frames_are_read(argv[3]);
     return 0;
   }
+  scalar_fields_come_back_by_name();
   a_package_is_written_frame_by_frame();
   a_package_that_is_not_finished_is_absent();
   frames_are_read_by_index_and_layers(reel_path);

@@ -88,6 +88,43 @@ class Codec(unittest.TestCase):
                                 normals[1::2].astype(np.float64), color_quality=100)
         self.assertEqual(data, same)
 
+    def test_scalar_fields_come_back_by_name(self):
+        positions, colors, _ = ball()
+        heat = positions[:, 1].astype(np.float64)
+        kind = np.where(heat > 0, 2, 7)
+        patchy = np.where(heat > 0, heat, np.nan)
+        frame = pointreel.decode(pointreel.encode(
+            positions, depth=14, scalars={"heat": heat, "class": kind, "patchy": patchy}))
+        self.assertEqual(list(frame.scalars), ["heat", "class", "patchy"])
+        height = frame.positions[:, 1] + frame.origin[1]
+        for values in frame.scalars.values():
+            self.assertEqual((values.dtype, values.shape), (np.float32, (len(frame),)))
+            self.assertFalse(values.flags.writeable)
+        self.assertLess(np.abs(frame.scalars["heat"] - height).max(), np.ptp(heat) / 255)
+        sure = np.abs(height) > 0.01
+        np.testing.assert_array_equal(frame.scalars["class"][sure],
+                                      np.where(height > 0, 2, 7)[sure])
+        np.testing.assert_array_equal(np.isnan(frame.scalars["patchy"])[sure],
+                                      (height < 0)[sure])
+        self.assertEqual(pointreel.decode(pointreel.encode(positions, colors)).scalars, {})
+        with self.assertRaises(pointreel.Error):
+            pointreel.encode(positions, scalars={"short": [1.0, 2.0]})
+        with self.assertRaises(pointreel.Error):
+            pointreel.encode(positions, scalars={"": heat})
+        with self.assertRaises(ValueError):
+            pointreel.encode(positions, scalars={"words": ["a"] * len(heat)})
+
+    def test_scalar_fields_are_packed(self):
+        positions, colors, _ = ball()
+        path = os.path.join(self.folder, "scalars.reel")
+        points = pointreel.Points(positions, colors, scalars={"height": positions[:, 1]})
+        pointreel.pack([points, pointreel.decode(pointreel.encode(
+            positions, scalars={"height": positions[:, 1]}))], path)
+        reel = pointreel.open(path)
+        self.assertEqual([field["name"] for field in reel.metadata["scalars"]], ["height"])
+        for frame in reel:
+            self.assertEqual(frame.scalars["height"].shape, (len(frame),))
+
     def test_draco_and_files_are_decoded(self):
         frame = pointreel.decode(pointreel.encode(lattice(), codec="draco"))
         self.assertEqual(len(frame), 1000)

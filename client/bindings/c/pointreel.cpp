@@ -125,6 +125,13 @@ Result<PointCloud> cloud_of(const pointreel_points* given) {
   arrays.colors_8 = points.colors_8;
   arrays.colors_16 = points.colors_16;
   arrays.normals = points.normals;
+  if (points.scalars == nullptr && points.scalar_count > 0)
+    return fail(ErrorCode::argument, "the scalar fields are NULL");
+  if (points.scalar_count > kMaxScalars)
+    return fail(ErrorCode::argument, concat("there are more than ", kMaxScalars, " scalar fields"));
+  for (std::size_t i = 0; i < points.scalar_count; ++i)
+    arrays.scalars.push_back({TRY(text_of(points.scalars[i].name, "the name of a scalar field")),
+                              points.scalars[i].values});
   return cloud_of(arrays);
 }
 
@@ -143,10 +150,9 @@ Result<EncodingOptions> encoding_of(const pointreel_encode_options* given) {
 }
 
 /// Copies one attribute, by `copy`, to the caller's room for it.
-template <class Number, class Copy>
-pointreel_status give_values(const pointreel_frame* handle, bool has(const PointCloud&),
-                             Number* values, std::size_t capacity, std::size_t* count,
-                             const Copy& copy) {
+template <class Number, class Has, class Copy>
+pointreel_status give_values(const pointreel_frame* handle, const Has& has, Number* values,
+                             std::size_t capacity, std::size_t* count, const Copy& copy) {
   return guarded([&]() -> Result<void> {
     if (count != nullptr) *count = 0;
     const auto frame = TRY(frames().get(handle, "the frame"));
@@ -180,6 +186,13 @@ void copy_each(const PointCloud& cloud, Number* to, const Value& value) {
     const auto v = value(i);
     for (int axis = 0; axis < 3; ++axis) *to++ = v[axis];
   }
+}
+
+/// Null if there is no such frame or field.
+const ScalarField* find_scalar(const PointCloud& cloud, std::string_view name) {
+  for (const ScalarField& field : cloud.scalars)
+    if (field.name == name) return &field;
+  return nullptr;
 }
 
 bool always(const PointCloud&) { return true; }
@@ -269,6 +282,24 @@ pointreel_status pointreel_frame_get_normals(const pointreel_frame* frame, float
                      [](const PointCloud& cloud, float* to) { copy_all(cloud.normals, to); });
 }
 
+const char* pointreel_frame_scalar_name(const pointreel_frame* handle, size_t number) {
+  const auto frame = frames().find(handle);
+  return frame && number < frame->cloud.scalars.size() ? frame->cloud.scalars[number].name.c_str()
+                                                       : nullptr;
+}
+
+pointreel_status pointreel_frame_get_scalar(const pointreel_frame* frame, const char* name,
+                                            float* values, size_t capacity, size_t* count) {
+  const std::string wanted = text_or_nothing(name);
+  return give_values(
+      frame, [&](const PointCloud& cloud) { return find_scalar(cloud, wanted) != nullptr; }, values,
+      capacity, count,
+      [&](const PointCloud& cloud, float* to) {
+        const std::vector<float>& from = find_scalar(cloud, wanted)->values;
+        std::copy(from.begin(), from.end(), to);
+      });
+}
+
 const float* pointreel_frame_positions(const pointreel_frame* handle) {
   const auto frame = frames().find(handle);
   return frame && !frame->cloud.empty() ? &frame->cloud.positions[0].x : nullptr;
@@ -282,6 +313,13 @@ const uint16_t* pointreel_frame_colors(const pointreel_frame* handle) {
 const float* pointreel_frame_normals(const pointreel_frame* handle) {
   const auto frame = frames().find(handle);
   return frame && frame->cloud.has_normals() ? &frame->cloud.normals[0].x : nullptr;
+}
+
+const float* pointreel_frame_scalar(const pointreel_frame* handle, const char* name) {
+  const auto frame = frames().find(handle);
+  const ScalarField* const field =
+      frame && name != nullptr ? find_scalar(frame->cloud, name) : nullptr;
+  return field != nullptr && !field->values.empty() ? field->values.data() : nullptr;
 }
 
 void pointreel_frame_close(pointreel_frame* frame) { frames().close(frame); }

@@ -127,11 +127,21 @@ POINTREEL_API pointreel_status pointreel_frame_get_normals(const pointreel_frame
                                                            float* values, size_t capacity,
                                                            size_t* count);
 
+/* Scalar fields: a number for each point, such as its intensity or class, NaN where it is unknown.
+ * The names of those that the frame has, from 0 on; NULL behind the last one, and if there is no
+ * such frame. A name lasts as long as the frame is not closed. */
+POINTREEL_API const char* pointreel_frame_scalar_name(const pointreel_frame* frame, size_t number);
+/* One number for each point, of the field of that name. */
+POINTREEL_API pointreel_status pointreel_frame_get_scalar(const pointreel_frame* frame,
+                                                          const char* name, float* values,
+                                                          size_t capacity, size_t* count);
+
 /* The frame's own arrays, without a copy, as long as the frame is not closed. NULL if it does not
  * have the attribute or there is no such frame. */
 POINTREEL_API const float* pointreel_frame_positions(const pointreel_frame* frame);
 POINTREEL_API const uint16_t* pointreel_frame_colors(const pointreel_frame* frame); /* 16 bits */
 POINTREEL_API const float* pointreel_frame_normals(const pointreel_frame* frame);
+POINTREEL_API const float* pointreel_frame_scalar(const pointreel_frame* frame, const char* name);
 
 POINTREEL_API void pointreel_frame_close(pointreel_frame* frame);
 
@@ -204,6 +214,12 @@ POINTREEL_API void pointreel_live_close(pointreel_live* live);
 
 /* --- Encoding --------------------------------------------------------------------------------- */
 
+/* A scalar field. Frames have at most 8, with different names of at most 64 bytes. */
+typedef struct pointreel_scalar {
+  const char* name;
+  const float* values; /* one for each point; NaN where it is unknown */
+} pointreel_scalar;
+
 /* The caller's points, which are copied. Points without a finite position are left out. */
 typedef struct pointreel_points {
   size_t struct_size;
@@ -213,7 +229,9 @@ typedef struct pointreel_points {
   double origin[3];              /* of `positions` */
   const uint8_t* colors_8;       /* sRGB; of colours, one of the two or neither */
   const uint16_t* colors_16;
-  const float* normals; /* of any length, or zero where unknown; or NULL */
+  const float* normals;            /* of any length, or zero where unknown; or NULL */
+  const pointreel_scalar* scalars; /* Draco frames leave them out */
+  size_t scalar_count;
 } pointreel_points;
 
 typedef enum pointreel_codec { POINTREEL_OCTREE = 0, POINTREEL_DRACO = 1 } pointreel_codec;

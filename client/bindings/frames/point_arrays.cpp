@@ -9,6 +9,7 @@
 #include "common/base/out_of_memory.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/cloud/scalar_fields.h"
 #include "pointreel/codec.h"
 
 namespace pointreel {
@@ -70,6 +71,12 @@ Result<PointCloud> cloud_of(const PointArrays& arrays) {
         cloud.colors.emplace_back(257 * at[0], 257 * at[1], 257 * at[2]);
       }
     }
+    for (const PointArrays::Scalar& scalar : arrays.scalars) {
+      if (scalar.values == nullptr && arrays.count > 0)
+        return fail(ErrorCode::argument, "a scalar field has no values");
+      cloud.scalars.push_back({scalar.name, {scalar.values, scalar.values + arrays.count}});
+    }
+    TRY(check_scalars(cloud));
     sanitize(cloud);
     return cloud;
   });

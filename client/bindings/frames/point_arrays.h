@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
@@ -23,10 +25,17 @@ struct PointArrays {
   const std::uint8_t* colors_8 = nullptr;
   const std::uint16_t* colors_16 = nullptr;
   const float* normals = nullptr;
+  /// A scalar field, one number for each point.
+  struct Scalar {
+    std::string name;
+    const float* values = nullptr;
+  };
+  std::vector<Scalar> scalars;
 };
 
-/// Copies them. `argument` where arrays are missing or given twice, `limit` for too many points.
-/// The values may be anything: points without a finite position are left out (`sanitize`).
+/// Copies them. `argument` where arrays are missing or given twice, or a scalar field's name is
+/// none (cloud.h); `limit` for too many points. The values may be anything: points without a finite
+/// position are left out (`sanitize`).
 Result<PointCloud> cloud_of(const PointArrays& arrays);
 
 /// The colour as 8 bits, rounded.

@@ -59,6 +59,17 @@ py::object normals_of(const py::object& frame) {
   return view_of<float>(cloud.normals, frame);
 }
 
+py::dict scalars_of(const py::object& frame) {
+  py::dict scalars;
+  for (const ScalarField& field : points_of(frame).scalars) {
+    py::array_t<float> array(static_cast<py::ssize_t>(field.values.size()), field.values.data(),
+                             frame);
+    array.attr("setflags")(py::arg("write") = false);
+    scalars[py::str(field.name)] = array;
+  }
+  return scalars;
+}
+
 py::object colors8_of(const PyFrame& frame) {
   const std::vector<glm::u16vec3>& colors = frame.frame->cloud.colors;
   if (colors.empty()) return py::none();
@@ -99,7 +110,8 @@ py::object box_of(const Box& box) {
 }
 
 PointCloud cloud_of(const py::array& positions, const std::optional<py::array>& colors,
-                    const std::optional<py::array>& normals, const glm::dvec3& origin) {
+                    const std::optional<py::array>& normals, const glm::dvec3& origin,
+                    const py::dict& scalars) {
   PointArrays arrays;
   arrays.count = positions.ndim() > 0 ? static_cast<std::size_t>(positions.shape(0)) : 0;
   arrays.origin = origin;
@@ -116,6 +128,14 @@ PointCloud cloud_of(const py::array& positions, const std::optional<py::array>& 
   if (normals) {
     arrays.normals = numbers_of<float>(*normals, arrays.count, "normals");
     if (arrays.normals == nullptr) raise({"normals are not float32", ErrorCode::argument});
+  }
+  for (const auto& [name, values] : scalars) {
+    const auto array = py::cast<py::array>(values);
+    if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != arrays.count ||
+        !py::isinstance<py::array_t<float>>(array) || (array.flags() & py::array::c_style) == 0)
+      raise({"a scalar field is no array of a float32 for each point", ErrorCode::argument});
+    arrays.scalars.push_back(
+        {py::cast<std::string>(name), static_cast<const float*>(array.data())});
   }
   return without_gil([&] { return cloud_of(arrays); });
 }

@@ -24,6 +24,9 @@ pybind11::object positions_of(const pybind11::object& frame);  ///< float32, n x
 pybind11::object colors_of(const pybind11::object& frame);     ///< uint16, n x 3
 pybind11::object normals_of(const pybind11::object& frame);    ///< float32, n x 3
 
+/// A dict of name to float32, n: the frame's own numbers as above.
+pybind11::dict scalars_of(const pybind11::object& frame);
+
 /// uint8, n x 3, a copy; None if the frame has no colours.
 pybind11::object colors8_of(const PyFrame& frame);
 /// float64, n x 3: origin + position, a copy.
@@ -34,9 +37,11 @@ pybind11::array vector_of(const glm::dvec3& vector);
 pybind11::object box_of(const Box& box);
 
 /// The points of arrays that lie in memory without gaps: positions of float32 or float64, colours
-/// of uint8 or uint16, normals of float32, each n x 3. pointreel/__init__.py makes them so. Raises
+/// of uint8 or uint16, normals of float32, each n x 3; and scalar fields by name, of float32, n.
+/// pointreel/__init__.py makes them so. Raises
 /// pointreel.Error where they are not.
 PointCloud cloud_of(const pybind11::array& positions, const std::optional<pybind11::array>& colors,
-                    const std::optional<pybind11::array>& normals, const glm::dvec3& origin);
+                    const std::optional<pybind11::array>& normals, const glm::dvec3& origin,
+                    const pybind11::dict& scalars);
 
 }  // namespace pointreel

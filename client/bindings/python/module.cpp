@@ -191,8 +191,8 @@ class PyWriter {
         }()) {}
 
   void add(const Positions& positions, const Attribute& colors, const Attribute& normals,
-           const Vector& origin, std::optional<double> time) {
-    add(cloud_of(positions, colors, normals, to_glm(origin)), microseconds(time));
+           const Vector& origin, const py::dict& scalars, std::optional<double> time) {
+    add(cloud_of(positions, colors, normals, to_glm(origin), scalars), microseconds(time));
   }
 
   void add_frame(const PyFrame& frame, std::optional<double> time) {
@@ -228,8 +228,8 @@ class PyPublisher {
   }
 
   void send(const Positions& positions, const Attribute& colors, const Attribute& normals,
-            const Vector& origin, std::optional<double> time) {
-    send(cloud_of(positions, colors, normals, to_glm(origin)), time);
+            const Vector& origin, const py::dict& scalars, std::optional<double> time) {
+    send(cloud_of(positions, colors, normals, to_glm(origin), scalars), time);
   }
   void send_frame(const PyFrame& frame, std::optional<double> time) {
     send(frame.frame->cloud, time);
@@ -252,8 +252,8 @@ class PyPublisher {
 };
 
 py::bytes encode(const Positions& positions, const Attribute& colors, const Attribute& normals,
-                 const Vector& origin, const EncodingOptions& options) {
-  const PointCloud cloud = cloud_of(positions, colors, normals, to_glm(origin));
+                 const Vector& origin, const py::dict& scalars, const EncodingOptions& options) {
+  const PointCloud cloud = cloud_of(positions, colors, normals, to_glm(origin), scalars);
   const Bytes bytes = without_gil([&]() -> Result<Bytes> {
     const EncodedFrame frame = TRY(encode_points(cloud, options));
     return frame_bytes(frame);
@@ -301,7 +301,7 @@ std::string describe(const PyFrame& frame) {
   const PointCloud& cloud = frame.frame->cloud;
   return "<pointreel.Frame " + std::to_string(frame.frame->info.index) + " of " +
          std::to_string(cloud.size()) + " points" + (cloud.has_colors() ? ", colors" : "") +
-         (cloud.has_normals() ? ", normals" : "") + ">";
+         (cloud.has_normals() ? ", normals" : "") + (cloud.has_scalars() ? ", scalars" : "") + ">";
 }
 
 }  // namespace
@@ -324,6 +324,9 @@ PYBIND11_MODULE(_native, module) {
       .def_property_readonly("normals", normals_of,
                              "float32, n x 3, of unit length or zero where unknown, or None: the "
                              "frame's memory itself.")
+      .def_property_readonly("scalars", scalars_of,
+                             "A dict of the scalar fields, such as intensities: name to float32, "
+                             "n, NaN where unknown, each the frame's memory itself.")
       .def_property_readonly("world", world_of, "float64, n x 3: origin + positions, a copy.")
       .def_property_readonly(
           "origin", [](const PyFrame& frame) { return vector_of(frame.frame->cloud.origin); },
@@ -364,16 +367,18 @@ PYBIND11_MODULE(_native, module) {
   py::class_<PyWriter>(module, "Writer")
       .def(py::init<const std::string&, const std::string&, double, const std::string&, bool,
                     std::uint32_t, const EncodingOptions&>())
-      .def("add", py::overload_cast<const Positions&, const Attribute&, const Attribute&,
-                                    const Vector&, std::optional<double>>(&PyWriter::add))
+      .def("add",
+           py::overload_cast<const Positions&, const Attribute&, const Attribute&, const Vector&,
+                             const py::dict&, std::optional<double>>(&PyWriter::add))
       .def("add_frame", &PyWriter::add_frame)
       .def("finish", &PyWriter::finish);
 
   py::class_<PyPublisher>(module, "Publisher")
       .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&,
                     double, const std::string&, const EncodingOptions&>())
-      .def("send", py::overload_cast<const Positions&, const Attribute&, const Attribute&,
-                                     const Vector&, std::optional<double>>(&PyPublisher::send))
+      .def("send",
+           py::overload_cast<const Positions&, const Attribute&, const Attribute&, const Vector&,
+                             const py::dict&, std::optional<double>>(&PyPublisher::send))
       .def("send_frame", &PyPublisher::send_frame)
       .def("flush", &PyPublisher::flush)
       .def("trouble", &PyPublisher::trouble)

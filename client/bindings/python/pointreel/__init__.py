@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import json
 import os
-from typing import (Any, Dict, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union,
-                    overload)
+from typing import (Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple,
+                    Union, overload)
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,9 @@ class Points(NamedTuple):
     """What positions of float32 are relative to."""
     time: Optional[float] = None
     """Seconds from the reel's start; None: one frame's time after the frame before."""
+    scalars: Optional[Mapping[str, Any]] = None
+    """Up to 8 scalar fields, such as intensities or classes: name to n numbers, NaN where unknown.
+    Draco frames leave them out."""
 
 
 def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
@@ -68,14 +71,26 @@ def _colors(values: Any) -> Optional[NDArray[Any]]:
     raise ValueError(f"colors are uint8, uint16 or floats from 0 to 1, not {array.dtype}")
 
 
+def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float32]]:
+    fields = {}
+    for name, numbers in (values or {}).items():
+        array = np.asarray(numbers)
+        if array.ndim != 1 or array.dtype.kind not in "fiub":
+            raise ValueError(f"the scalar field {name} is no list of numbers, one for each point")
+        fields[str(name)] = np.ascontiguousarray(array, np.float32)
+    return fields
+
+
 def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
-                                     Optional[NDArray[Any]], Tuple[float, ...]]:
+                                     Optional[NDArray[Any]], Tuple[float, ...],
+                                     Dict[str, NDArray[np.float32]]]:
     positions = _rows(points.positions, "positions")
     if positions.dtype != np.float64:
         positions = _rows(positions, "positions", np.float32)
     colors = _colors(points.colors)
     normals = None if points.normals is None else _rows(points.normals, "normals", np.float32)
-    return positions, colors, normals, tuple(map(float, points.origin))
+    return (positions, colors, normals, tuple(map(float, points.origin)),
+            _scalars(points.scalars))
 
 
 def _points_of(item: Any) -> Points:
@@ -257,14 +272,14 @@ def encode(positions: Any, colors: Any = None, normals: Any = None, *,
            origin: Tuple[float, float, float] = (0.0, 0.0, 0.0), codec: str = "octree",
            depth: Optional[int] = None, voxel: Optional[float] = None,
            color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
-           fast: bool = False) -> bytes:
+           fast: bool = False, scalars: Optional[Mapping[str, Any]] = None) -> bytes:
     """Encodes a single frame; `decode` reads it. The arrays are those of `Points`.
 
     codec: octree or draco. depth: levels of the octree, or bits of Draco's positions. voxel: the
     edge of a voxel instead. color_quality, normal_quality: of octrees, 1 to 100, at which colours
     are lossless. fast: an octree that decodes in half the time and is 25 % larger.
     """
-    arrays = _arrays(Points(positions, colors, normals, origin))
+    arrays = _arrays(Points(positions, colors, normals, origin, scalars=scalars))
     return _native.encode(*arrays,
                           _encoding(codec, depth, voxel, color_quality, normal_quality, fast))
 

@@ -47,6 +47,8 @@ int run(int argc, char** argv) {
   CLI::App* files =
       add("files", "reading files of points, compared with reading their bytes into memory");
   files->add_option("files", options.files, "more files to measure, of any format");
+  CLI::App* scalars = add("scalars", "coding scalar fields, compared with zstd of their floats");
+  scalars->add_option("files", options.files, "more clouds to measure, .ply or .drc");
   int exit_code = 0;
   add_compare_command(app, exit_code);
   add_player_command(app, exit_code);
@@ -67,6 +69,8 @@ int run(int argc, char** argv) {
     report = run_strips(options);
   else if (files->parsed())
     report = run_files(options);
+  else if (scalars->parsed())
+    report = run_scalars(options);
   else
     return exit_code;
   if (report.contains("error")) {

@@ -20,6 +20,7 @@ nlohmann::json run_svo(const SuiteOptions& options);
 nlohmann::json run_codec(const SuiteOptions& options);
 nlohmann::json run_strips(const SuiteOptions& options);
 nlohmann::json run_files(const SuiteOptions& options);
+nlohmann::json run_scalars(const SuiteOptions& options);
 
 /// The part of run_codec that codes colours and normals of a dense human without the tree. Adds
 /// rows, and also bars unless the run is quick, because the human of a quick run has fewer voxels.

@@ -44,8 +44,8 @@ Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&,
 }
 
 template <std::size_t kFloats>
-Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, Unread& unread) {
-  return read_sweep(source, kFloats, unread);
+Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, Unread&) {
+  return read_sweep(source, kFloats);
 }
 
 Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, Unread&) {

@@ -127,10 +127,17 @@ Result<PointCloud> read_las(const ByteSource& source, std::vector<std::string>& 
   layout.scale = header.scale;
   layout.offset = header.offset;
   if (format.color > 0) layout.color = vector(format.color, NumberType::uint16);
-  unread.insert(unread.end(), {"intensity", "classification", "return number", "flags",
-                               "scan angle", "user data", "point source"});
+  const auto scalar = [&](const char* name, std::size_t offset, NumberType type,
+                          std::uint8_t mask = 255) {
+    layout.scalars.push_back({name, {offset, header.table.size, type}, mask});
+  };
+  const bool old = header.format < 6;  // with fewer classes and returns
+  scalar("intensity", 12, NumberType::uint16);
+  scalar("return number", 14, NumberType::uint8, old ? 0x07 : 0x0f);
+  scalar("classification", old ? 15 : 16, NumberType::uint8, old ? 0x1f : 0xff);
+  if (format.infrared) scalar("infrared", 36, NumberType::uint16);
+  unread.insert(unread.end(), {"flags", "scan angle", "user data", "point source"});
   if (format.time) unread.push_back("GPS time");
-  if (format.infrared) unread.push_back("infrared");
   if (format.waveform) unread.push_back("waveform");
   if (header.table.size > format.size) unread.push_back("extra bytes");
   return read_records(source, header.table, layout);

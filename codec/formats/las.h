@@ -9,11 +9,11 @@
 
 namespace pointreel {
 
-/// Reads LAS files, versions 1.0 to 1.4, point formats 0 to 10: positions, and colours where the
-/// format has them, of 16 bits or of 8 (records.h says how they are told apart). All points are
-/// read, whatever they are classified as. `unread` receives what is skipped: intensity,
-/// classification, and so on, and "extra bytes". Variable length records are not looked at. In LAS
-/// files z points up.
+/// Reads LAS files, versions 1.0 to 1.4, point formats 0 to 10: positions, colours where the format
+/// has them, of 16 bits or of 8 (records.h says how they are told apart), and the scalar fields
+/// "intensity", "return number", "classification" and "infrared". All points are read, whatever
+/// they are classified as. `unread` receives what is skipped: scan angles, GPS time, "extra bytes",
+/// and so on. Variable length records are not looked at. In LAS files z points up.
 ///
 /// Errors: `unsupported` for LAZ; the message says how to convert it.
 /// Source: "LAS Specification 1.4 - R15", ASPRS, 2019.

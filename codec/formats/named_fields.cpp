@@ -52,11 +52,19 @@ class Unassigned {
     return std::nullopt;
   }
 
-  std::vector<RecordScalar> rest() const {
+  /// Makes scalar fields of what is left, as far as there may be some.
+  std::vector<RecordScalar> scalars(std::vector<std::string>& unread) const {
     std::vector<RecordScalar> scalars;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
-      if (!taken_[i] && fields_[i].name != "_")
-        scalars.push_back({printable(fields_[i].name), fields_[i].field});
+      const std::string& name = fields_[i].name;
+      if (taken_[i] || name == "_") continue;
+      const bool again = std::any_of(scalars.begin(), scalars.end(),
+                                     [&](const RecordScalar& other) { return other.name == name; });
+      if (scalars.size() < kMaxScalars && !again && is_scalar_name(name)) {
+        scalars.push_back({name, fields_[i].field});
+      } else {
+        unread.push_back(printable(name));
+      }
     }
     return scalars;
   }
@@ -74,7 +82,8 @@ class Unassigned {
 
 }  // namespace
 
-Result<RecordLayout> layout_of(const std::vector<NamedField>& fields) {
+Result<RecordLayout> layout_of(const std::vector<NamedField>& fields,
+                               std::vector<std::string>& unread) {
   Unassigned unassigned(fields);
   RecordLayout layout;
   const auto position = unassigned.take({{"x", "y", "z"}});
@@ -90,7 +99,7 @@ Result<RecordLayout> layout_of(const std::vector<NamedField>& fields) {
   layout.normal = unassigned.take({{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}});
   layout.color = unassigned.take({{"red", "green", "blue"}, {"r", "g", "b"}});
   if (!layout.color) layout.packed_color = unassigned.take_packed({"rgb", "rgba"});
-  layout.scalars = unassigned.rest();
+  layout.scalars = unassigned.scalars(unread);
   return layout;
 }
 

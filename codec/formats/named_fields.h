@@ -19,8 +19,10 @@ struct NamedField {
 ///   positions  x y z
 ///   normals    nx ny nz, or normal_x normal_y normal_z
 ///   colours    red green blue, or r g b; else rgb or rgba, one number of four bytes
-/// All others become RecordLayout::scalars, with names that fit into a one-line message; those
-/// called "_" are padding. An error if there is no position.
-Result<RecordLayout> layout_of(const std::vector<NamedField>& fields);
+/// The first kMaxScalars of the others whose names can be those of scalar fields become
+/// RecordLayout::scalars. `unread` receives the names of the rest, in a form that fits into a
+/// one-line message; those called "_" are padding. An error if there is no position.
+Result<RecordLayout> layout_of(const std::vector<NamedField>& fields,
+                               std::vector<std::string>& unread);
 
 }  // namespace pointreel

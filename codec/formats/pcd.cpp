@@ -273,7 +273,8 @@ Result<PointCloud> read_ascii(const ByteSource& source, const Header& header, co
     size += size_of(named.field.type);
   }
   for (NamedField& named : fields) named.field.stride = size;
-  const RecordLayout layout = TRY(layout_of(fields));
+  std::vector<std::string> ignored;
+  const RecordLayout layout = TRY(layout_of(fields, ignored));
   const auto packed_color = layout.packed_color ? layout.packed_color->offset : size;
 
   Bytes room;
@@ -322,8 +323,7 @@ Result<PointCloud> read_pcd(const ByteSource& source, std::vector<std::string>& 
   const Header header = TRY(parse_header(text_of(TRY(source.view(0, kMaxHeader, room)))));
   const std::uint64_t count = TRY(count_of(header));
   const Table table = TRY(table_of(header, count));
-  const RecordLayout layout = TRY(layout_of(table.single));
-  for (const RecordScalar& scalar : layout.scalars) unread.push_back(scalar.name);
+  const RecordLayout layout = TRY(layout_of(table.single, unread));
   unread.insert(unread.end(), table.others.begin(), table.others.end());
   if (header.moved) unread.push_back("VIEWPOINT");
   switch (header.data) {

@@ -142,9 +142,8 @@ Result<PointCloud> read_point_cloud2(const ByteSource& source, std::vector<std::
   if (message.width == 0 || message.height == 0) return PointCloud{};
   TRY(check(message));
   for (NamedField& named : message.fields) named.field.stride = message.point_step;
-  RecordLayout layout = TRY(layout_of(message.fields));
+  RecordLayout layout = TRY(layout_of(message.fields, unread));
   layout.swapped = message.swapped;
-  for (const RecordScalar& scalar : layout.scalars) unread.push_back(scalar.name);
   unread.insert(unread.end(), message.others.begin(), message.others.end());
   RecordCollector collector(layout, std::size_t{message.width} * message.height);
   for (std::uint32_t row = 0; row < message.height; ++row) {

@@ -98,6 +98,10 @@ RecordCollector::RecordCollector(const RecordLayout& layout, std::size_t rows)
                      : Positions::scaled) {
   reserve_large(cloud_.positions, rows);
   if (layout_.normal) reserve_large(cloud_.normals, rows);
+  for (const RecordScalar& scalar : layout_.scalars) {
+    cloud_.scalars.push_back({scalar.name, {}});
+    reserve_large(cloud_.scalars.back().values, rows);
+  }
   const bool float_colors = layout_.color && is_float((*layout_.color)[0].type);
   if (float_colors) reserve_large(float_colors_, rows);
   if ((layout_.color && !float_colors) || layout_.packed_color) reserve_large(cloud_.colors, rows);
@@ -110,6 +114,7 @@ void RecordCollector::add(const std::uint8_t* base, std::size_t first, std::size
     add_positions(base, first + at, n);
     if (layout_.normal) add_normals(base, first + at, n);
     if (layout_.color || layout_.packed_color) add_colors(base, first + at, n);
+    add_scalars(base, first + at, n);
   }
 }
 
@@ -270,6 +275,20 @@ void RecordCollector::add_colors(const std::uint8_t* base, std::size_t first, st
   }
   cloud_.colors.insert(cloud_.colors.end(), block.begin(),
                        block.begin() + static_cast<std::ptrdiff_t>(rows));
+}
+
+void RecordCollector::add_scalars(const std::uint8_t* base, std::size_t first, std::size_t rows) {
+  std::array<float, kBlockRows> column;
+  for (std::size_t i = 0; i < layout_.scalars.size(); ++i) {
+    const RecordScalar& scalar = layout_.scalars[i];
+    load_column(scalar.field, layout_.swapped, base, first, rows, column.data());
+    if (scalar.mask != 255) {
+      for (std::size_t row = 0; row < rows; ++row)
+        column[row] = static_cast<float>(static_cast<std::uint8_t>(column[row]) & scalar.mask);
+    }
+    std::vector<float>& values = cloud_.scalars[i].values;
+    values.insert(values.end(), column.begin(), column.begin() + static_cast<std::ptrdiff_t>(rows));
+  }
 }
 
 /// Floats are exact as they are, so the origin is moved only where that gains something.

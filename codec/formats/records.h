@@ -27,10 +27,11 @@ struct RecordField {
 };
 using RecordVector = std::array<RecordField, 3>;
 
-/// A number of a point that is neither position, normal nor colour.
+/// A number of a point that is neither position, normal nor colour, as a scalar field of the cloud.
 struct RecordScalar {
   std::string name;
   RecordField field;
+  std::uint8_t mask = 255;  ///< the bits of an uint8 that count
 };
 
 struct RecordLayout {
@@ -40,8 +41,8 @@ struct RecordLayout {
   std::optional<RecordVector> normal, color;
   /// Red, green and blue in one number of four bytes, from bits 16, 8 and 0. Used without `color`.
   std::optional<RecordField> packed_color;
-  std::vector<RecordScalar> scalars;
-  bool swapped = false;  ///< the numbers are big endian
+  std::vector<RecordScalar> scalars;  ///< no more than kMaxScalars
+  bool swapped = false;               ///< the numbers are big endian
 };
 
 /// Makes a cloud of records, a block at a time.
@@ -70,6 +71,7 @@ class RecordCollector {
   void add_positions(const std::uint8_t* base, std::size_t first, std::size_t rows);
   void add_normals(const std::uint8_t* base, std::size_t first, std::size_t rows);
   void add_colors(const std::uint8_t* base, std::size_t first, std::size_t rows);
+  void add_scalars(const std::uint8_t* base, std::size_t first, std::size_t rows);
   void grow_bounds(std::span<const glm::vec3> positions);
   void move_far_origin();
   void finish_colors();

@@ -44,8 +44,7 @@ bool look_measured(ByteView begin, std::size_t floats) {
 
 }  // namespace
 
-Result<PointCloud> read_sweep(const ByteSource& source, std::size_t floats,
-                              std::vector<std::string>& unread) {
+Result<PointCloud> read_sweep(const ByteSource& source, std::size_t floats) {
   Bytes room;
   const ByteView begin = TRY(source.view(0, kLooked * 5 * sizeof(float), room));
   const bool four = source.size() % 16 == 0, five = source.size() % 20 == 0;
@@ -62,8 +61,9 @@ Result<PointCloud> read_sweep(const ByteSource& source, std::size_t floats,
   RecordLayout layout;
   for (std::size_t i = 0; i < 3; ++i)
     layout.position[i] = {i * sizeof(float), size, NumberType::float32};
-  unread.push_back("intensity");
-  if (floats == 5) unread.push_back("ring");
+  layout.scalars.push_back({"intensity", {3 * sizeof(float), size, NumberType::float32}});
+  if (floats == 5)
+    layout.scalars.push_back({"ring", {4 * sizeof(float), size, NumberType::float32}});
   return read_records(source, {0, source.size() / size, size}, layout);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -213,14 +214,26 @@ Result<PointCloud> read_text_points(const ByteSource& source, std::vector<std::s
   // Columns that nobody reads are not kept.
   std::vector<NamedField> named;
   for (const std::string& name : head.names) named.push_back({name, {}});
-  std::vector<bool> keep(head.columns, true);
+  std::vector<bool> keep(head.columns, true), must_be_number(head.columns, false);
   if (!named.empty()) {
     // Each field gets the number of its column as its offset, to see which are read.
     for (std::size_t i = 0; i < named.size(); ++i) named[i].field = {i, 0, NumberType::float64};
-    const RecordLayout layout = TRY(layout_of(named));
-    for (const RecordScalar& scalar : layout.scalars)
-      if (scalar.field.offset < keep.size()) keep[scalar.field.offset] = false;
+    const RecordLayout layout = TRY(layout_of(named, unread));
+    // What is not read: the columns that are in no part of the layout.
+    std::fill(keep.begin(), keep.end(), false);
+    const auto use = [&](const RecordField& field, bool number) {
+      if (field.offset >= keep.size()) return;
+      keep[field.offset] = true;
+      must_be_number[field.offset] = number;
+    };
+    for (const RecordField& field : layout.position) use(field, true);
+    for (const auto* vector : {&layout.normal, &layout.color}) {
+      if (!*vector) continue;
+      for (const RecordField& field : **vector) use(field, true);
+    }
+    for (const RecordScalar& scalar : layout.scalars) use(scalar.field, false);
   } else {
+    std::fill(must_be_number.begin(), must_be_number.begin() + 3, true);
     std::fill(keep.begin() + std::min<std::ptrdiff_t>(kMaxUnnamed, std::ssize(keep)), keep.end(),
               false);
   }
@@ -239,6 +252,12 @@ Result<PointCloud> read_text_points(const ByteSource& source, std::vector<std::s
       if (column != kept[next]) continue;
       double value = 0.0;
       if (!parse_cell(word, head.separator, value)) {
+        value = std::numeric_limits<double>::quiet_NaN();
+        if (!must_be_number[column]) {
+          values.push_back(value);
+          ++next;
+          continue;
+        }
         return fail(concat("line ", lines.number(), ": '", printable(word), "' in column ",
                            column + 1, " is not a number"));
       }
@@ -262,10 +281,13 @@ Result<PointCloud> read_text_points(const ByteSource& source, std::vector<std::s
     fields.push_back({named[kept[i]].name,
                       {i * sizeof(double), kept.size() * sizeof(double), NumberType::float64}});
   }
-  const RecordLayout layout = TRY(layout_of(fields));
-  for (const RecordScalar& scalar : layout.scalars) unread.push_back(scalar.name);
-  for (std::size_t i = 0; i < head.columns && i < named.size(); ++i)
-    if (!keep[i]) unread.push_back(printable(named[i].name));
+  std::vector<std::string> told;  // those of a header were told above
+  const RecordLayout layout = TRY(layout_of(fields, told));
+  if (head.names.empty()) {
+    unread.insert(unread.end(), told.begin(), told.end());
+    for (std::size_t i = kept.size(); i < head.columns; ++i)
+      unread.push_back(concat("column ", i + 1));
+  }
   RecordCollector collector(layout, rows);
   collector.add(reinterpret_cast<const std::uint8_t*>(values.data()), 0, rows);
   return collector.finish();

@@ -21,8 +21,10 @@ namespace pointreel {
 ///   7   x y z r g b intensity, or x y z intensity r g b where only the last three are bytes
 ///   9   x y z r g b nx ny nz
 ///   10  x y z r g b nx ny nz intensity
-/// With 5, 8 or more than 10 columns the first three count. A line with a single number before the
-/// first point is the count that .pts files begin with. Colours: as records.h says.
+/// With 5, 8 or more than 10 columns the first three count; others are scalar fields
+/// "column 4" and so on, up to the tenth. In scalar fields, what is not a number is NaN. A line
+/// with a single number before the first point is the count that .pts files begin with. Colours: as
+/// records.h says.
 ///
 /// The error names the line and the column. `unread` receives the names of what is skipped.
 ///

@@ -25,16 +25,44 @@ void put_text(Bytes& out, std::string_view text) {
 
 std::uint32_t to_8_bits(std::uint16_t color) { return (color + 128u) / 257u; }
 
+const ScalarField* find_scalar(const PointCloud& cloud, std::string_view name) {
+  const auto found = std::find_if(cloud.scalars.begin(), cloud.scalars.end(),
+                                  [&](const ScalarField& field) { return field.name == name; });
+  return found == cloud.scalars.end() ? nullptr : &*found;
+}
+
+/// A value as a whole number within bounds; the least where there is none.
+int rounded(const ScalarField* field, std::size_t i, int least, int most) {
+  if (field == nullptr || !(field->values[i] > static_cast<float>(least))) return least;
+  return static_cast<int>(std::min(std::round(field->values[i]), static_cast<float>(most)));
+}
+
+/// Names of scalar fields as words of letters, digits, '_' and '-', each another.
+std::vector<std::string> word_names(const PointCloud& cloud) {
+  std::vector<std::string> names;
+  for (const ScalarField& field : cloud.scalars) {
+    std::string name = field.name;
+    for (char& c : name) {
+      const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                        (c >= '0' && c <= '9') || c == '_' || c == '-';
+      if (!good) c = '_';
+    }
+    while (std::find(names.begin(), names.end(), name) != names.end()) name += '_';
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
 /// An array of numpy.
 struct Array {
   std::string name;
   Bytes bytes;
 };
 
-/// `descr`: the type, as "<f8".
-Bytes array_head(const char* descr, std::size_t rows) {
+/// `descr`: the type, as "<f8". `shape`: as numpy writes it.
+Bytes array_head(const char* descr, const std::string& shape) {
   std::string text =
-      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, 3), }}", descr, rows);
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", descr, shape);
   // The numbers begin at a multiple of 64.
   constexpr std::size_t kBefore = 10;
   while ((kBefore + text.size() + 1) % 64 != 0) text += ' ';
@@ -49,10 +77,13 @@ Bytes array_head(const char* descr, std::size_t rows) {
   return bytes;
 }
 
+/// An array of vectors, or of numbers.
 template <class T, class Vector>
-Array array_of(const char* name, const char* descr, const std::vector<Vector>& vectors) {
-  static_assert(sizeof(Vector) == 3 * sizeof(T));
-  Array array{name, array_head(descr, vectors.size())};
+Array array_of(const std::string& name, const char* descr, const std::vector<Vector>& vectors) {
+  constexpr bool kOne = sizeof(Vector) == sizeof(T);
+  static_assert(kOne || sizeof(Vector) == 3 * sizeof(T));
+  Array array{name + ".npy",
+              array_head(descr, fmt::format("({}{})", vectors.size(), kOne ? "," : ", 3"))};
   const std::size_t at = array.bytes.size();
   array.bytes.resize(at + vectors.size() * sizeof(Vector));
   if (!vectors.empty())
@@ -141,6 +172,7 @@ Bytes pcd_bytes(const PointCloud& cloud) {
   };
   if (cloud.has_normals()) declare({"normal_x", "normal_y", "normal_z"}, "F");
   if (cloud.has_colors()) declare({"rgb"}, "U");
+  for (const std::string& name : word_names(cloud)) declare({name.c_str()}, "F");
   Bytes bytes;
   put_text(bytes, fmt::format("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {}\n"
                               "SIZE {}\nTYPE {}\nCOUNT {}\nWIDTH {}\nHEIGHT 1\n"
@@ -157,9 +189,11 @@ Bytes pcd_bytes(const PointCloud& cloud) {
       }
     }
     for (int axis = 0; axis < 3 && cloud.has_normals(); ++axis) out.put(cloud.normals[i][axis]);
-    if (!cloud.has_colors()) continue;
-    const glm::u16vec3& c = cloud.colors[i];
-    out.put(to_8_bits(c.x) << 16 | to_8_bits(c.y) << 8 | to_8_bits(c.z));
+    if (cloud.has_colors()) {
+      const glm::u16vec3& c = cloud.colors[i];
+      out.put(to_8_bits(c.x) << 16 | to_8_bits(c.y) << 8 | to_8_bits(c.z));
+    }
+    for (const ScalarField& scalar : cloud.scalars) out.put(scalar.values[i]);
   }
   return bytes;
 }
@@ -197,13 +231,19 @@ Bytes las_bytes(const PointCloud& cloud) {
     set(179 + 2 * at, box.max[axis]);
     set(187 + 2 * at, box.min[axis]);
   }
+  const ScalarField* const intensity = find_scalar(cloud, "intensity");
+  const ScalarField* const returns = find_scalar(cloud, "return number");
+  const ScalarField* const classes = find_scalar(cloud, "classification");
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::size_t at = kHeader + size * i;
     const glm::dvec3 p = (cloud.world(i) - offset) / scale;
     for (int axis = 0; axis < 3; ++axis)
       set(at + static_cast<std::size_t>(4 * axis),
           static_cast<std::int32_t>(std::llround(p[axis])));
-    set(at + 14, std::uint8_t{0b001'001});  // the only return of one
+    set(at + 12, static_cast<std::uint16_t>(rounded(intensity, i, 0, 65535)));
+    const int number = rounded(returns, i, 1, 7);
+    set(at + 14, static_cast<std::uint8_t>(number | number << 3));  // the last return
+    set(at + 15, static_cast<std::uint8_t>(rounded(classes, i, 0, 31)));
     for (int c = 0; c < 3 && cloud.has_colors(); ++c)
       set(at + 20 + static_cast<std::size_t>(2 * c), cloud.colors[i][c]);
   }
@@ -211,15 +251,21 @@ Bytes las_bytes(const PointCloud& cloud) {
 }
 
 Result<Bytes> npz_bytes(const PointCloud& cloud) {
-  constexpr std::uint64_t kRow = sizeof(glm::dvec3) + sizeof(glm::u16vec3) + sizeof(glm::vec3);
+  constexpr std::uint64_t kRow =
+      sizeof(glm::dvec3) + sizeof(glm::u16vec3) + sizeof(glm::vec3) + kMaxScalars * sizeof(float);
   if (cloud.size() * kRow > std::numeric_limits<std::uint32_t>::max() - (1u << 16))
     return fail(ErrorCode::limit, "the frame has too many points for a .npz file of 4 GiB");
   std::vector<glm::dvec3> world(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) world[i] = cloud.world(i);
-  std::vector<Array> arrays{array_of<double>("positions.npy", "<f8", world)};
-  if (cloud.has_colors())
-    arrays.push_back(array_of<std::uint16_t>("colors.npy", "<u2", cloud.colors));
-  if (cloud.has_normals()) arrays.push_back(array_of<float>("normals.npy", "<f4", cloud.normals));
+  std::vector<Array> arrays{array_of<double>("positions", "<f8", world)};
+  if (cloud.has_colors()) arrays.push_back(array_of<std::uint16_t>("colors", "<u2", cloud.colors));
+  if (cloud.has_normals()) arrays.push_back(array_of<float>("normals", "<f4", cloud.normals));
+  const std::vector<std::string> names = word_names(cloud);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool taken = names[i] == "positions" || names[i] == "colors" || names[i] == "normals";
+    arrays.push_back(
+        array_of<float>((taken ? "scalar_" : "") + names[i], "<f4", cloud.scalars[i].values));
+  }
   return zip_of(arrays);
 }
 

@@ -16,17 +16,21 @@ enum class PointsFormat : std::uint8_t { ply, pcd, las, npz };
 const char* extension(PointsFormat format);
 
 /// A binary PCD file, version 0.7: positions as floats where that loses nothing, otherwise as
-/// doubles; normals as normal_x, normal_y, normal_z; colours rounded to 8 bits, as rgb.
+/// doubles; normals as normal_x, normal_y, normal_z; colours rounded to 8 bits, as rgb; scalar
+/// fields as floats, with "_" for blanks in their names.
 Bytes pcd_bytes(const PointCloud& cloud);
 
-/// A LAS 1.2 file of point format 2, or 0 without colours, without normals. Coordinates are rounded
+/// A LAS 1.2 file of point format 2, or 0 without colours, without normals. Of scalar fields,
+/// "intensity", "return number" and "classification" are kept, rounded. Coordinates are rounded
 /// to a power of ten that is at most 2^-26 of the longest extent. z points up in LAS, but the axes
 /// stay as they are.
 Bytes las_bytes(const PointCloud& cloud);
 
 /// numpy's uncompressed archive of arrays of N rows and 3 columns: "positions" (float64), and where
-/// the cloud has them "colors" (uint16, sRGB) and "normals" (float32). `limit` from 4 GiB on.
-/// Sources: "numpy.lib.format", version 1.0; "APPNOTE.TXT - .ZIP File Format Specification" 6.3.
+/// the cloud has them "colors" (uint16, sRGB) and "normals" (float32), and of
+/// N values for each scalar field (float32), with "_" for what file names should not have. `limit`
+/// from 4 GiB on. Sources: "numpy.lib.format", version 1.0; "APPNOTE.TXT - .ZIP File Format
+/// Specification" 6.3.
 Result<Bytes> npz_bytes(const PointCloud& cloud);
 
 /// The bytes of a file of that format.

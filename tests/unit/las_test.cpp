@@ -51,6 +51,9 @@ Bytes las(std::uint8_t minor, std::uint8_t format, std::size_t extra = 0,
     set(bytes, at, std::int32_t{-1234567});
     set(bytes, at + 4, std::int32_t{7654321});
     set(bytes, at + 8, static_cast<std::int32_t>(1000 * i));
+    set(bytes, at + 12, static_cast<std::uint16_t>(500 + i));
+    bytes[at + 14] = format < 6 ? 0xfd : 0xf5;  // return 5, and other bits
+    bytes[at + (format < 6 ? 15 : 16)] = 0xe6;
     if (kColors[format] > 0)
       set(bytes, at + kColors[format] + 2, static_cast<std::uint16_t>(brightness / (i + 1)));
   }
@@ -86,7 +89,12 @@ TEST(Las, all_versions_and_point_formats_are_read) {
                       ElementsAre(glm::u16vec3(0, 65535, 0), glm::u16vec3(0, 32767, 0),
                                   glm::u16vec3(0, 21845, 0)));
         }
-        EXPECT_THAT(unread, Contains("intensity"));
+        EXPECT_THAT(unread, Contains("scan angle"));
+        const bool old = format < 6;
+        EXPECT_EQ(cloud->scalars.at(0), (ScalarField{"intensity", {500, 501, 502}}));
+        EXPECT_EQ(cloud->scalars.at(1), (ScalarField{"return number", {5, 5, 5}}));
+        const float label = old ? 6.0f : 0xe6;
+        EXPECT_EQ(cloud->scalars.at(2), (ScalarField{"classification", {label, label, label}}));
         EXPECT_EQ(std::count(unread.begin(), unread.end(), "extra bytes"), extra > 0 ? 1 : 0);
       }
     }

@@ -37,7 +37,8 @@ TEST(PointCloud2, both_byte_orders_give_the_same_points) {
     EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
     EXPECT_THAT(cloud->colors, ElementsAre(glm::u16vec3(257 * 0x10, 257 * 0x20, 257 * 0x30),
                                            glm::u16vec3(257 * 0x10, 257 * 0x20, 257 * 0x30)));
-    EXPECT_THAT(unread, ElementsAre("intensity", "histogram"));
+    EXPECT_THAT(cloud->scalars, ElementsAre(ScalarField{"intensity", {77, 77}}));
+    EXPECT_THAT(unread, ElementsAre("histogram"));
   }
 }
 

@@ -1,5 +1,6 @@
 #include "codec/formats/text_points.h"
 
+#include <cmath>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -47,7 +48,10 @@ TEST(TextPoints, a_header_names_the_columns_in_any_order) {
     ASSERT_TRUE(cloud) << cloud.error().message;
     EXPECT_EQ(cloud->world(0), glm::dvec3(1, 2, 3));
     EXPECT_THAT(cloud->colors, ElementsAre(glm::u16vec3(10 * 257, 20 * 257, 30 * 257)));
-    EXPECT_THAT(unread, ElementsAre(testing::StrCaseEq("intensity")));
+    ASSERT_EQ(cloud->scalars.size(), 1u);
+    EXPECT_THAT(cloud->scalars[0].name, testing::StrCaseEq("intensity"));
+    EXPECT_THAT(cloud->scalars[0].values, ElementsAre(9.0f));
+    EXPECT_THAT(unread, IsEmpty());
   }
 }
 
@@ -55,14 +59,13 @@ TEST(TextPoints, words_in_columns_that_are_not_read_do_no_harm) {
   const Result<PointCloud> cloud = read("name,x,y,z\nfloor,1,2,3\n,4,5,6\n");
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+  EXPECT_TRUE(std::isnan(cloud->scalars.at(0).values.at(1)));
 }
 
 TEST(TextPoints, without_a_header_the_number_of_columns_decides) {
   const auto colors = ElementsAre(glm::u16vec3(10 * 257, 20 * 257, 30 * 257));
   const auto normals = ElementsAre(glm::vec3(0, 0, -1));
-  std::vector<std::string> unread;
-  EXPECT_FALSE(read("1 2 3 50\n", &unread)->has_colors());
-  EXPECT_THAT(unread, ElementsAre("intensity"));
+  EXPECT_THAT(read("1 2 3 50\n")->scalars, ElementsAre(ScalarField{"intensity", {50}}));
   EXPECT_THAT(read("1 2 3 10 20 30\n")->colors, colors);
   EXPECT_THAT(read("1 2 3 0 0 -1\n")->normals, normals);
   EXPECT_THAT(read("1 2 3 0.6 0.8 0\n")->normals, ElementsAre(glm::vec3(0.6f, 0.8f, 0)));
@@ -71,9 +74,9 @@ TEST(TextPoints, without_a_header_the_number_of_columns_decides) {
   const Result<PointCloud> both = read("1 2 3 10 20 30 0 0 -1 77\n");
   EXPECT_THAT(both->colors, colors);
   EXPECT_THAT(both->normals, normals);
-  unread.clear();
-  EXPECT_FALSE(read("1 2 3 4 5\n", &unread)->has_colors());
-  EXPECT_THAT(unread, ElementsAre("column 4", "column 5"));
+  EXPECT_THAT(both->scalars, ElementsAre(ScalarField{"intensity", {77}}));
+  EXPECT_THAT(read("1 2 3 4 5\n")->scalars,
+              ElementsAre(ScalarField{"column 4", {4}}, ScalarField{"column 5", {5}}));
 }
 
 TEST(TextPoints, colors_may_be_shares_bytes_or_words) {
@@ -98,7 +101,10 @@ TEST(TextPoints, errors_say_in_which_line_and_column) {
 TEST(TextPoints, more_columns_than_anybody_reads_take_no_memory) {
   std::string line;
   for (int i = 0; i < 5000; ++i) line += "1 ";
-  const Result<PointCloud> cloud = read(line + "\n" + line + "\n");
+  std::vector<std::string> unread;
+  const Result<PointCloud> cloud = read(line + "\n" + line + "\n", &unread);
+  EXPECT_EQ(cloud->scalars.size(), 7u);
+  EXPECT_THAT(unread, testing::Contains("column 11"));
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->size(), 2u);
 }

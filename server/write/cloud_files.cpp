@@ -67,14 +67,18 @@ Bytes array_head(const char* descr, const std::string& shape) {
   constexpr std::size_t kBefore = 10;
   while ((kBefore + text.size() + 1) % 64 != 0) text += ' ';
   text += '\n';
-  Bytes bytes;
-  put_text(bytes, "\x93NUMPY");
-  ByteWriter out(bytes);
-  out.put(std::uint8_t{1});
-  out.put(std::uint8_t{0});
-  out.put(static_cast<std::uint16_t>(text.size()));
-  put_text(bytes, text);
-  return bytes;
+  const std::string before{'\x93',
+                           'N',
+                           'U',
+                           'M',
+                           'P',
+                           'Y',
+                           1,
+                           0,
+                           static_cast<char>(text.size() & 255),
+                           static_cast<char>(text.size() >> 8)};
+  text.insert(0, before);
+  return Bytes(text.begin(), text.end());
 }
 
 /// An array of vectors, or of numbers.

@@ -7,19 +7,25 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "client/app/bell.h"
+#include "client/audio/audio_passes.h"
 #include "client/playback/opening.h"
 #include "client/playback/stage.h"
 #include "client/record/frame_plan.h"
 #include "client/record/open_recorder.h"
+#include "client/record/video_writer.h"
 #include "client/render/make_renderer.h"
 #include "client/session/console.h"
 #include "client/session/presenter.h"
 #include "client/session/stage_setup.h"
+#include "common/audio/audio_time.h"
 #include "common/base/progress.h"
 #include "common/base/try.h"
 #include "common/net/url.h"
@@ -58,6 +64,7 @@ class OffscreenPlayer {
       presenter_->count(*stage_, lost_);
     else
       presenter_->count(*stage_);
+    recorder_.reset();  // before the stage, whose sound it may still read
     // Whoever interrupts it does not wait until large frames are decoded.
     if (stop_.stop_requested())
       retire(std::move(stage_));
@@ -138,7 +145,7 @@ class OffscreenPlayer {
                          options_.settings.loop.value_or(false));
     std::uint64_t count = plan.count().value_or(std::numeric_limits<std::uint64_t>::max());
     if (is_single_frame(options_)) count = std::min<std::uint64_t>(count, 1);
-    TRY(open_recording(plan.rate()));
+    TRY(open_recording(plan.rate(), TRY(sound_of(reel, plan, count))));
     if (plan.count() && count > 1) {
       progress_.emplace(recorder_ ? "record" : "draw", static_cast<std::size_t>(count));
       errors_.set_progress(&*progress_);
@@ -146,14 +153,17 @@ class OffscreenPlayer {
     const auto drawn = draw_frames(plan, count, reel);
     errors_.set_progress(nullptr);
     progress_.reset();
-    if (!drawn) return drawn;
+    if (!drawn) return tl::unexpected(drawn.error());
     if (!presenter_->shown() && !stop_.stop_requested())
       return fail(options_.sources[0].where + ": no frame could be shown");
-    return finish();
+    return finish(plan.picture(*drawn).time_us);
   }
 
-  Result<void> draw_frames(const FramePlan& plan, std::uint64_t count, ReelPlayback& reel) {
-    for (std::uint64_t i = 0; i < count && !stop_.stop_requested(); ++i) {
+  /// How many pictures were drawn.
+  Result<std::uint64_t> draw_frames(const FramePlan& plan, std::uint64_t count,
+                                    ReelPlayback& reel) {
+    std::uint64_t i = 0;
+    for (; i < count && !stop_.stop_requested(); ++i) {
       const FramePlan::Picture picture = plan.picture(i);
       if (options_.camera_path) look(camera_at(picture.reel_time_us));
       FrameBuffer::State state = await(reel, picture.frame);
@@ -173,7 +183,32 @@ class OffscreenPlayer {
       TRY(record(picture.time_us));
       if (progress_) progress_->tick();
     }
-    return {};
+    return i;
+  }
+
+  /// The sound of a recording of the first `count` pictures.
+  Result<std::optional<RecordedSound>> sound_of(const ReelPlayback& reel, const FramePlan& plan,
+                                                std::uint64_t count) {
+    const std::optional<AudioFile>& audio = reel.manifest().audio;
+    if (!audio || !options_.audio || !is_video(options_.record)) return std::nullopt;
+    const auto fetch = [&reel](std::uint64_t offset, std::uint64_t size,
+                               const std::stop_token& stop) {
+      return reel.fetch_audio(offset, size, stop);
+    };
+    auto opened = AudioPasses::open(*audio, fetch, reel.manifest().duration_us, stop_);
+    if (!opened)
+      return fail(opened.error().code,
+                  fmt::format("{}: sound: {}; --no-audio records without it",
+                              options_.sources[0].where, opened.error().message));
+    RecordedSound sound;
+    // Called once a picture has been recorded.
+    sound.read = [this, begin_us = plan.picture(0).reel_time_us,
+                  passes = std::make_shared<AudioPasses>(*std::move(opened))](
+                     std::uint64_t first, std::span<StereoSample> samples) {
+      return passes->read(first_sample_from(begin_us + *first_recorded_us_) + first, samples);
+    };
+    if (plan.count()) sound.end_us = plan.picture(count).time_us;
+    return sound;
   }
 
   /// Waits until the frame is ready or has failed. It is still waiting if playing was stopped, or
@@ -191,7 +226,7 @@ class OffscreenPlayer {
   }
 
   Result<void> play_in_real_time() {
-    TRY(open_recording(std::nullopt));
+    TRY(open_recording(std::nullopt, std::nullopt));
     auto last_look = steady_clock::now();
     while (!stop_.stop_requested()) {
       const auto now = steady_clock::now();
@@ -214,7 +249,7 @@ class OffscreenPlayer {
       }
       bell_.wait(next_round(now, update), stop_);
     }
-    return finish();
+    return finish(microseconds(presenter_->seconds()));
   }
 
   /// The time at which there is something to do even if the bell does not ring.
@@ -224,8 +259,10 @@ class OffscreenPlayer {
     return std::min(next, end_of_duration(options_));
   }
 
-  Result<void> open_recording(const std::optional<FrameRate>& rate) {
-    if (!options_.record.empty()) recorder_ = TRY(open_recorder(options_.record, size_, rate));
+  Result<void> open_recording(const std::optional<FrameRate>& rate,
+                              std::optional<RecordedSound> sound) {
+    if (!options_.record.empty())
+      recorder_ = TRY(open_recorder(options_.record, size_, rate, std::move(sound)));
     return {};
   }
 
@@ -236,9 +273,10 @@ class OffscreenPlayer {
     return recorder_->add(TRY(presenter_->painter().picture()), time_us - *first_recorded_us_);
   }
 
-  Result<void> finish() {
+  /// The last picture is shown until `end_us`, on the clock of record().
+  Result<void> finish(std::uint64_t end_us) {
     if (!presenter_->shown()) return {};
-    if (recorder_) TRY(recorder_->finish());
+    if (recorder_) TRY(recorder_->finish(end_us - first_recorded_us_.value_or(end_us)));
     if (!options_.screenshot.empty()) TRY(presenter_->painter().write(options_.screenshot));
     return {};
   }

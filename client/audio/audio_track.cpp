@@ -132,12 +132,12 @@ Result<void> AudioTrack::decode(const std::stop_token& stop) {
       };
       if (!changed_.wait(lock, stop, [&] { return (next = missing()).has_value(); })) return {};
     }
-    Result<Block> decoded = decode_block(reader, *next);
+    Block block(kBlock);
+    const auto decoded = read_exactly(reader, static_cast<std::uint64_t>(*next * kBlock), block);
     if (!decoded) {
       // Where the file is damaged there is silence, and then it goes on.
-      if (decoded.error().code != ErrorCode::invalid) return tl::unexpected(decoded.error());
+      if (decoded.error().code != ErrorCode::invalid) return decoded;
       if (!std::exchange(damaged, true)) on_error_(decoded.error());
-      decoded = Block(kBlock);
       reader = TRY(OpusReader::open(read, file_.bytes));
     }
     const std::lock_guard lock(mutex_);
@@ -146,31 +146,8 @@ Result<void> AudioTrack::decode(const std::stop_token& stop) {
       return blocks_.size() >= kMostBlocks &&
              std::find(wanted_.begin(), wanted_.end(), entry.first) == wanted_.end();
     });
-    blocks_[*next] = *std::move(decoded);
+    blocks_[*next] = std::move(block);
   }
-}
-
-/// What the file does not have stays silent.
-Result<AudioTrack::Block> AudioTrack::decode_block(OpusReader& reader, std::int64_t block) const {
-  const auto begin = static_cast<std::uint64_t>(block * kBlock);
-  if (reader.position() != begin) TRY(reader.seek(begin));
-  Block samples(kBlock);
-  Block part(kBlock);
-  // A hostile file may never get there.
-  for (std::size_t got = 0; reader.position() < begin + kBlock && got < 4 * kBlock;) {
-    const std::uint64_t left = begin + kBlock - std::max(begin, reader.position());
-    const OpusReader::Read read = TRY(reader.read(std::span(part).first(left)));
-    if (read.samples == 0) break;
-    got += read.samples;
-    // After something damaged, what is left begins later.
-    const std::uint64_t first =
-        reader.position() - std::min<std::uint64_t>(reader.position(), read.samples);
-    for (std::size_t i = 0; i < read.samples; ++i) {
-      const std::uint64_t at = first + i;
-      if (at >= begin && at < begin + kBlock) samples[at - begin] = part[i];
-    }
-  }
-  return samples;
 }
 
 }  // namespace pointreel

@@ -45,7 +45,6 @@ class AudioTrack : public AudioSamples {
 
   void run(const std::stop_token& stop);
   Result<void> decode(const std::stop_token& stop);
-  Result<Block> decode_block(OpusReader& reader, std::int64_t block) const;
 
   const AudioFile file_;
   const Fetch fetch_;

@@ -2,6 +2,7 @@
 
 #include <cctype>
 #include <filesystem>
+#include <utility>
 
 #include "client/record/picture_sequence.h"
 #include "client/record/video_writer.h"
@@ -41,8 +42,9 @@ Result<void> check_recording(const std::string& path) {
 }
 
 Result<std::unique_ptr<Recorder>> open_recorder(const std::string& path, glm::ivec2 size,
-                                                const std::optional<FrameRate>& rate) {
-  if (is_video(path)) return TRY(VideoWriter::create(path, size, rate));
+                                                const std::optional<FrameRate>& rate,
+                                                std::optional<RecordedSound> sound) {
+  if (is_video(path)) return TRY(VideoWriter::create(path, size, rate, std::move(sound)));
   return std::make_unique<PictureSequence>(TRY(numbered(path)));
 }
 

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/record/audio_feed.h"
 #include "client/record/frame_rate.h"
 #include "client/record/recorder.h"
 
@@ -20,7 +21,9 @@ Result<void> check_recording_name(const std::string& path);
 Result<void> check_recording(const std::string& path);
 
 /// Begins a recording of pictures of this size. Without a rate, each picture has a time of its own.
+/// Videos get this sound, if there is one.
 Result<std::unique_ptr<Recorder>> open_recorder(const std::string& path, glm::ivec2 size,
-                                                const std::optional<FrameRate>& rate);
+                                                const std::optional<FrameRate>& rate,
+                                                std::optional<RecordedSound> sound = {});
 
 }  // namespace pointreel

@@ -14,7 +14,7 @@ class PictureSequence : public Recorder {
   explicit PictureSequence(NumberedPath path) : path_(std::move(path)) {}
 
   Result<void> add(const Image& picture, std::uint64_t time_us) override;
-  Result<void> finish() override { return {}; }
+  Result<void> finish(std::uint64_t /*end_us*/) override { return {}; }
 
  private:
   const NumberedPath path_;

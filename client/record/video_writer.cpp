@@ -17,6 +17,7 @@
 #include "client/record/matroska.h"
 #include "common/base/ffmpeg.h"
 #include "common/base/try.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 namespace {
@@ -30,7 +31,7 @@ std::string format_of(const std::string& path) {
 }
 
 std::vector<std::string> arguments(const std::string& path, const std::string& part,
-                                   const std::optional<FrameRate>& rate) {
+                                   const std::optional<FrameRate>& rate, bool sound) {
   const std::string format = format_of(path);
   std::vector<std::string> all;
   const auto add = [&](std::initializer_list<std::string> more) {
@@ -38,7 +39,13 @@ std::vector<std::string> arguments(const std::string& path, const std::string& p
   };
   add({"-f", "matroska"});
   if (rate) add({"-r", fmt::format("{}/{}", rate->frames, rate->seconds)});
-  add({"-i", "pipe:0", "-an", "-fps_mode", "passthrough"});
+  add({"-i", "pipe:0"});
+  if (sound) {
+    add({"-f", "f32le", "-ar", fmt::format("{}", kAudioRate), "-ac", "2", "-i", "pipe:3"});
+    add({"-map", "0:v", "-map", "1:a", "-c:a", format == "mp4" ? "aac" : "libopus", "-b:a"});
+    add({format == "mp4" ? "192k" : "128k"});
+  }
+  add({"-fps_mode", "passthrough"});
   add({"-vf",
        "crop=trunc(iw/2)*2:trunc(ih/2)*2,"
        "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,"
@@ -82,26 +89,34 @@ Result<void> find_ffmpeg(const std::string& program) {
 
 Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::string& path, glm::ivec2 size,
                                                          const std::optional<FrameRate>& rate,
+                                                         std::optional<RecordedSound> sound,
                                                          const std::string& program) {
   if (size.x < 2 || size.y < 2)
     return fail(ErrorCode::argument, fmt::format("{}: a video needs at least 2x2 pixels, not {}x{}",
                                                  path, size.x, size.y));
   std::unique_ptr<VideoWriter> writer(new VideoWriter(path));
-  TRY(writer->start(size, rate, program));
+  TRY(writer->start(size, rate, std::move(sound), program));
   return writer;
 }
 
 Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>& rate,
-                                const std::string& program) {
+                                std::optional<RecordedSound> sound, const std::string& program) {
   size_ = size;
-  // A socket and not a pipe, because sending to it can be told not to raise SIGPIPE.
-  std::array<int, 2> ends{-1, -1};
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be recorded: {}", path_, std::strerror(errno)));
+  // Sockets and not pipes, because sending to them can be told not to raise SIGPIPE.
+  const auto connected = [](std::array<int, 2>& ends) {
+    return socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0;
+  };
+  std::array<int, 2> ends{-1, -1}, sound_ends{-1, -1};
+  const bool made = connected(ends) && (!sound || connected(sound_ends));
+  const int error = errno;
   input_ = ends[0];
-  auto started = Ffmpeg::start(arguments(path_, part(), rate), ends[1], -1, program);
-  close(ends[1]);
+  if (sound_ends[0] >= 0) sound_.emplace(sound_ends[0], *std::move(sound));
+  auto started = made ? Ffmpeg::start(arguments(path_, part(), rate, sound_.has_value()),
+                                      {.input = ends[1], .second_input = sound_ends[1]}, program)
+                      : fail(ErrorCode::io, fmt::format("{}: cannot be recorded: {}", path_,
+                                                        std::strerror(error)));
+  for (const int end : {ends[1], sound_ends[1]})
+    if (end >= 0) close(end);
   if (!started && started.error().code == ErrorCode::not_found) return missing(program);
   ffmpeg_.emplace(TRY(std::move(started)));
   const std::string head =
@@ -124,13 +139,22 @@ Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
                             picture.width, picture.height, size_.x, size_.y));
   if (last_time_us_) time_us = std::max(time_us, *last_time_us_ + 1);
   last_time_us_ = time_us;
+  if (sound_) sound_->allow(time_us);
   const std::size_t bytes = picture.pixels.size() * sizeof(picture.pixels[0]);
   const std::string head = matroska_picture_head(time_us, bytes);
   if (!send(head.data(), head.size()) || !send(picture.pixels.data(), bytes)) return died();
   return {};
 }
 
-Result<void> VideoWriter::finish() {
+Result<void> VideoWriter::finish(std::uint64_t end_us) {
+  // ffmpeg may read the last pictures before the sound.
+  if (input_ >= 0) close(std::exchange(input_, -1));
+  if (const auto sounded = sound_ ? sound_->finish(end_us) : Result<void>(); !sounded) {
+    ffmpeg_->kill();
+    wait();
+    std::remove(part().c_str());
+    return fail_at(path_ + ": was not recorded: sound", sounded.error());
+  }
   if (!wait()) return died();
   if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
   return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/record/audio_feed.h"
 #include "client/record/frame_rate.h"
 #include "client/record/recorder.h"
 #include "common/base/ffmpeg.h"
@@ -24,6 +25,9 @@ Result<void> find_ffmpeg(const std::string& program = "ffmpeg");
 /// Without a rate, pictures begin at their times, with the resolution of the container:
 /// microseconds in .mp4, else milliseconds.
 ///
+/// Sound begins with the first picture and ends with the last one, to the sample; it is AAC in
+/// .mp4, which ends in up to 21 ms of silence more, and Opus elsewhere.
+///
 /// Until the video is finished, its file has the additional extension .part. ffmpeg runs in a
 /// process group of its own, so that a Ctrl+C for the player does not cut off the recording.
 class VideoWriter : public Recorder {
@@ -33,6 +37,7 @@ class VideoWriter : public Recorder {
   /// ErrorCode::io if it ends.
   static Result<std::unique_ptr<VideoWriter>> create(const std::string& path, glm::ivec2 size,
                                                      const std::optional<FrameRate>& rate,
+                                                     std::optional<RecordedSound> sound = {},
                                                      const std::string& program = "ffmpeg");
   /// Removes a video that is not finished.
   ~VideoWriter() override;
@@ -40,14 +45,14 @@ class VideoWriter : public Recorder {
   VideoWriter& operator=(const VideoWriter&) = delete;
 
   Result<void> add(const Image& picture, std::uint64_t time_us) override;
-  Result<void> finish() override;
+  Result<void> finish(std::uint64_t end_us) override;
 
  private:
   explicit VideoWriter(std::string path) : path_(std::move(path)) {}
 
   std::string part() const { return path_ + ".part"; }
   Result<void> start(glm::ivec2 size, const std::optional<FrameRate>& rate,
-                     const std::string& program);
+                     std::optional<RecordedSound> sound, const std::string& program);
   /// Returns false if ffmpeg has ended.
   bool send(const void* bytes, std::size_t size) const;
   /// Lets ffmpeg end, and says whether all went well.
@@ -58,6 +63,7 @@ class VideoWriter : public Recorder {
   glm::ivec2 size_{0};
   int input_ = -1;  ///< a socket to ffmpeg's standard input
   std::optional<Ffmpeg> ffmpeg_;
+  std::optional<AudioFeed> sound_;
   std::optional<std::uint64_t> last_time_us_;
 };
 

@@ -53,7 +53,10 @@ nlohmann::ordered_json json_of(const WindowReport& window) {
   json["floor"] = window.floor;
   json["shown"] = {
       {"help", window.help}, {"drawing", window.drawing}, {"statistics", window.statistics}};
-  if (window.audio) json["audio"] = json_of(*window.audio);
+  if (window.audio) {
+    json["audio"] = json_of(*window.audio);
+    json["audio"]["first_sound_ms"] = rounded(window.first_sound_ms);
+  }
   if (!window.error.empty()) json["error"] = window.error;
   return json;
 }

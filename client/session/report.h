@@ -57,7 +57,8 @@ struct WindowReport {
   std::optional<LoopRange> loop_range;
   Camera camera;
   std::optional<AudioPlayer::Statistics> audio;  ///< none if nothing has sound
-  std::string error;                             ///< that the window showed at the end; empty: none
+  double first_sound_ms = 0.0;  ///< from the start of the process until it was heard; 0: never
+  std::string error;            ///< that the window showed at the end; empty: none
 };
 
 /// How playing went. There is one sample of each time for every frame shown. The numbers of layers,

@@ -312,6 +312,9 @@ class WindowPlayer {
     report_.scrub_to_picture = scrubbing_.times();
     report_.error = interface_.error();
     report_.audio = session_.audio();
+    if (report_.audio && report_.audio->first_heard)
+      report_.first_sound_ms =
+          1000.0 * seconds_between(options_.started, *report_.audio->first_heard);
     presenter.set_window(report_, controls_.settings().draw.mode);
     return presenter.write_report();
   }

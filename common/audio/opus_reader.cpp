@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <opus/opusfile.h>
 
@@ -156,6 +157,26 @@ std::uint64_t OpusReader::position() const { return impl_->position(); }
 Result<void> OpusReader::seek(std::uint64_t sample) { return impl_->seek_to(sample); }
 Result<OpusReader::Read> OpusReader::read(std::span<StereoSample> buffer) {
   return impl_->read(buffer);
+}
+
+Result<void> read_exactly(OpusReader& reader, std::uint64_t first, std::span<StereoSample> to) {
+  std::fill(to.begin(), to.end(), StereoSample{});
+  const std::uint64_t end = first + to.size();
+  if (reader.position() != first) TRY(reader.seek(first));
+  std::vector<StereoSample> part(to.size());
+  // A hostile file may never get there.
+  for (std::size_t got = 0; reader.position() < end && got < 4 * part.size();) {
+    const std::uint64_t left = end - std::max(first, reader.position());
+    const OpusReader::Read read = TRY(reader.read(std::span(part).first(left)));
+    if (read.samples == 0) break;
+    got += read.samples;
+    // After something damaged, what is left begins later.
+    const std::uint64_t begin =
+        reader.position() - std::min<std::uint64_t>(reader.position(), read.samples);
+    for (std::size_t i = 0; i < read.samples; ++i)
+      if (begin + i >= first && begin + i < end) to[begin + i - first] = part[i];
+  }
+  return {};
 }
 
 }  // namespace pointreel

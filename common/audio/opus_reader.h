@@ -57,4 +57,8 @@ class OpusReader {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Decodes the samples from `first` on, all of them. What the file does not have, or is damaged,
+/// is silence. Errors as for OpusReader::open.
+Result<void> read_exactly(OpusReader& reader, std::uint64_t first, std::span<StereoSample> to);
+
 }  // namespace pointreel

@@ -61,7 +61,7 @@ bool is_installed(const std::string& program) {
   return false;
 }
 
-Result<Ffmpeg> Ffmpeg::start(const std::vector<std::string>& arguments, int input, int output,
+Result<Ffmpeg> Ffmpeg::start(const std::vector<std::string>& arguments, const Files& given,
                              const std::string& program) {
   std::vector<std::string> words = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error"};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -72,10 +72,12 @@ Result<Ffmpeg> Ffmpeg::start(const std::vector<std::string>& arguments, int inpu
   Ffmpeg ffmpeg(-1, memfd_create("ffmpeg", MFD_CLOEXEC));
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  connect(files, input, STDIN_FILENO, O_RDONLY);
-  connect(files, output, STDOUT_FILENO, O_WRONLY);
+  connect(files, given.input, STDIN_FILENO, O_RDONLY);
+  connect(files, given.output, STDOUT_FILENO, O_WRONLY);
   connect(files, ffmpeg.messages_, STDERR_FILENO, O_WRONLY);
-  posix_spawn_file_actions_addclosefrom_np(&files, 3);
+  // The last of them, since any of the files before may be number 3 here.
+  connect(files, given.second_input, STDERR_FILENO + 1, O_RDONLY);
+  posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 2);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

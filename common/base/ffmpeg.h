@@ -15,10 +15,14 @@ bool is_installed(const std::string& program);
 /// not cut off what it writes.
 class Ffmpeg {
  public:
-  /// Starts it with these arguments. It reads `input` and writes `output`, open files that stay the
-  /// caller's and have nothing to do with one another; -1: nothing. Errors: `not_found` if the
-  /// program is not installed; `io`.
-  static Result<Ffmpeg> start(const std::vector<std::string>& arguments, int input, int output,
+  /// What it reads and writes: open files, which stay the caller's; -1: nothing.
+  struct Files {
+    int input = -1;         ///< its pipe:0
+    int output = -1;        ///< its pipe:1
+    int second_input = -1;  ///< its pipe:3
+  };
+  /// Starts it with these arguments. Errors: `not_found` if the program is not installed; `io`.
+  static Result<Ffmpeg> start(const std::vector<std::string>& arguments, const Files& files,
                               const std::string& program = "ffmpeg");
 
   Ffmpeg(Ffmpeg&& other) noexcept;

@@ -81,7 +81,7 @@ Result<Bytes> encode(const fs::path& source, std::uint64_t duration_us,
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return fail(ErrorCode::io, std::strerror(errno));
   const Descriptor output(ends[0]);
   Descriptor input(ends[1]);
-  Ffmpeg ffmpeg = TRY(Ffmpeg::start(arguments(source, duration_us), -1, input.get()));
+  Ffmpeg ffmpeg = TRY(Ffmpeg::start(arguments(source, duration_us), {.output = input.get()}));
   input.close();
   Bytes bytes = TRY(read_all(output.get(), stop));
   if (ffmpeg.wait()) return bytes;

@@ -1,9 +1,11 @@
 // Recordings, made as a user makes them.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "tests/e2e/process.h"
 #include "tests/read_file.h"
 #include "tests/temporary_folder.h"
+#include "tests/tone.h"
 
 namespace pointreel::e2e {
 namespace {
@@ -107,6 +110,41 @@ TEST_F(Record, a_looped_recording_lasts_for_the_given_duration) {
   ASSERT_EQ(pictures.size(), 10u);
   for (std::size_t i = kFrames; i < pictures.size(); ++i)
     EXPECT_NEAR(red_x(pictures[i]), red_x(pictures[i - kFrames]), 1.5) << i;
+}
+
+TEST_F(Record, a_video_has_the_sound_of_its_part_of_the_reel) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  write_wav(folder_ / "a.wav", 48'000, 48'000,
+            [](std::uint32_t n) { return n < 24'000 ? 0.0 : 0.5 * std::sin(0.1 * n); });
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", path("in"), "-o", path("reel"), "--fps", "6",
+                                     "--audio", path("a.wav")})
+                .exit_code,
+            0);
+  const Outcome played = run("pointreel", {"play", path("reel"), "--mode", "point", "--offscreen",
+                                           "160x120", "--at", "0.34", "--record", path("out.mkv")});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  // It begins with the frame at a third of a second, and the tone begins half a second into it.
+  const std::string command = "ffmpeg -v error -i '" + path("out.mkv") +
+                              "' -f f32le -af 'pan=mono|c0=c0' -ar 48000 '" + path("out.f32") + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const std::string raw = read_file(folder_ / "out.f32");
+  std::vector<float> samples(raw.size() / sizeof(float));
+  std::memcpy(samples.data(), raw.data(), samples.size() * sizeof(float));
+  EXPECT_NEAR(static_cast<double>(samples.size()), 32'000.0, 1.0);
+  const auto begin = std::find_if(samples.begin(), samples.end(),
+                                  [](float sample) { return std::abs(sample) > 0.1f; });
+  EXPECT_NEAR(static_cast<double>(begin - samples.begin()), 8'000.0, 100.0);
+
+  ASSERT_EQ(run("pointreel", {"play", path("reel"), "--mode", "point", "--offscreen", "160x120",
+                              "--no-audio", "--record", path("silent.mkv")})
+                .exit_code,
+            0);
+  const std::string probe =
+      "ffprobe -v error -select_streams a -show_entries stream=index -of "
+      "csv=p=0 '" +
+      path("silent.mkv") + "' > '" + path("probe") + "'";
+  ASSERT_EQ(std::system(probe.c_str()), 0);
+  EXPECT_EQ(read_file(folder_ / "probe"), "");
 }
 
 TEST_F(Record, the_camera_follows_its_path_frame_by_frame) {

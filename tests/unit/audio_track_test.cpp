@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/audio/audio_passes.h"
 #include "common/base/ffmpeg.h"
 #include "server/pack/audio.h"
 #include "tests/temporary_folder.h"
@@ -94,6 +95,40 @@ TEST_F(AudioTrackTest, fetches_little_more_than_it_plays) {
   const auto sound = track();
   error_of(*sound, 30 * kAudioRate);
   EXPECT_LT(fetched_, bytes_.size() / 4);
+}
+
+TEST_F(AudioTrackTest, is_recorded_pass_after_pass_to_the_sample) {
+  // A pass takes 48,000.48 samples.
+  constexpr std::uint64_t kPassUs = 1'000'010;
+  auto passes = AudioPasses::open(
+      file_,
+      [this](std::uint64_t offset, std::uint64_t size, const std::stop_token&) {
+        return fetch(offset, size);
+      },
+      kPassUs);
+  ASSERT_TRUE(passes) << passes.error().message;
+  std::vector<StereoSample> samples(5 * kAudioRate);
+  ASSERT_TRUE(passes->read(0, std::span(samples).first(1'000)));
+  ASSERT_TRUE(passes->read(1'000, std::span(samples).subspan(1'000)));
+  double error = 0.0, power = 0.0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const std::size_t pass = static_cast<std::size_t>(static_cast<double>(n) / 48'000.48);
+    const auto begin = static_cast<std::size_t>(std::ceil(static_cast<double>(pass) * 48'000.48));
+    const double right = wave(static_cast<std::int64_t>(n - begin));
+    error += std::pow(samples[n].left - right, 2.0);
+    power += right * right;
+  }
+  EXPECT_LT(error, 0.02 * power);
+
+  // After the sound of a reel that lasts longer there is silence.
+  passes = AudioPasses::open(
+      file_,
+      [this](std::uint64_t offset, std::uint64_t size, const std::stop_token&) {
+        return fetch(offset, size);
+      },
+      70'000'000);
+  ASSERT_TRUE(passes->read(kLength + 5, std::span(samples).first(100)));
+  EXPECT_EQ(samples[50].left, 0.0f);
 }
 
 TEST_F(AudioTrackTest, says_why_it_cannot_be_decoded) {

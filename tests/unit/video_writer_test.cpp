@@ -1,9 +1,13 @@
 #include "client/record/video_writer.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -89,7 +93,7 @@ class VideoWriterTest : public testing::Test {
       EXPECT_TRUE(added) << added.error().message;
     }
     EXPECT_FALSE(fs::exists(file));
-    const auto finished = (*writer)->finish();
+    const auto finished = (*writer)->finish(1'000'000);
     EXPECT_TRUE(finished) << finished.error().message;
     EXPECT_FALSE(fs::exists(file.string() + ".part"));
     return file;
@@ -161,7 +165,7 @@ TEST_F(VideoWriterTest, preserves_colours) {
     image.pixels.assign(image.pixels.size(), colors[i]);
     ASSERT_TRUE((*writer)->add(image, 100'000 * i));
   }
-  ASSERT_TRUE((*writer)->finish());
+  ASSERT_TRUE((*writer)->finish(1'000'000));
   const Video video(file);
   ASSERT_EQ(video.colors.size(), colors.size());
   for (std::size_t i = 0; i < colors.size(); ++i)
@@ -187,6 +191,73 @@ TEST_F(VideoWriterTest, writes_pictures_with_equal_times_one_after_the_other) {
   expect_each_once(video, 4);
 }
 
+/// A sound that is like itself at no other time.
+float sound_at(std::uint64_t n) {
+  const double seconds = static_cast<double>(n) / kAudioRate;
+  return static_cast<float>(
+      0.3 * std::sin(2.0 * std::numbers::pi * (300.0 + 400.0 * seconds) * seconds) +
+      0.2 * std::sin(2.0 * std::numbers::pi * 1234.5 * seconds));
+}
+
+/// How far the samples are from the sound, if they begin with its sample number `first`, as a share
+/// of its power.
+double error_of(const std::vector<float>& samples, std::int64_t first) {
+  double error = 0.0, power = 0.0;
+  for (std::size_t i = 4'800; i + 4'800 < samples.size(); ++i) {
+    const double right = sound_at(static_cast<std::uint64_t>(static_cast<std::int64_t>(i) + first));
+    error += std::pow(samples[i] - right, 2.0);
+    power += right * right;
+  }
+  return error / power;
+}
+
+TEST_F(VideoWriterTest, has_sound_from_its_first_picture_to_the_end_of_its_last) {
+  for (const char* name : {"s.mkv", "s.webm", "s.mp4"}) {
+    const fs::path file = folder_ / name;
+    RecordedSound sound;
+    sound.read = [](std::uint64_t first, std::span<StereoSample> samples) -> Result<void> {
+      for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = {sound_at(first + i), sound_at(first + i)};
+      return {};
+    };
+    sound.end_us = 2'000'000;
+    auto writer = VideoWriter::create(file.string(), {320, 240}, FrameRate{25, 1}, sound);
+    ASSERT_TRUE(writer) << writer.error().message;
+    for (int i = 0; i < 50; ++i)
+      ASSERT_TRUE((*writer)->add(numbered({320, 240}, i), static_cast<std::uint64_t>(40'000 * i)));
+    const auto finished = (*writer)->finish(2'000'000);
+    ASSERT_TRUE(finished) << finished.error().message;
+    EXPECT_EQ(Video(file).times.size(), 50u);
+    const std::string raw = output_of("ffmpeg -v quiet -i '" + file.string() +
+                                      "' -f f32le -ar 48000 -af 'pan=mono|c0=c0' -");
+    std::vector<float> samples(raw.size() / sizeof(float));
+    std::memcpy(samples.data(), raw.data(), samples.size() * sizeof(float));
+    EXPECT_GE(samples.size(), 2u * kAudioRate) << name;
+    // AAC has frames of 1024 samples.
+    EXPECT_LE(samples.size(), 2u * kAudioRate + (std::string(name) == "s.mp4" ? 1'023u : 0u))
+        << name;
+    EXPECT_LT(error_of(samples, 0), 0.02) << name;
+    for (const int off : {-1, 1})
+      EXPECT_LT(error_of(samples, 0), error_of(samples, off)) << name << ": to the sample";
+  }
+}
+
+TEST_F(VideoWriterTest, says_why_there_is_no_sound) {
+  const fs::path file = folder_ / "t.mkv";
+  RecordedSound sound;
+  sound.read = [](std::uint64_t, std::span<StereoSample>) -> Result<void> {
+    return fail("is damaged");
+  };
+  auto writer = VideoWriter::create(file.string(), {64, 48}, FrameRate{25, 1}, sound);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE((*writer)->add(numbered({64, 48}, 0), 0));
+  const auto finished = (*writer)->finish(40'000);
+  ASSERT_FALSE(finished);
+  EXPECT_EQ(finished.error().message, file.string() + ": was not recorded: sound: is damaged");
+  writer->reset();
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
 TEST_F(VideoWriterTest, leaves_no_file_if_it_is_not_finished) {
   const fs::path file = folder_ / "h.mp4";
   {
@@ -202,7 +273,7 @@ TEST_F(VideoWriterTest, reports_why_a_place_cannot_be_written) {
   auto writer = VideoWriter::create(file, {64, 48}, FrameRate{30, 1});
   Result<void> ended = writer ? Result<void>() : tl::unexpected(writer.error());
   for (int i = 0; i < 1000 && ended; ++i) ended = (*writer)->add(numbered({64, 48}, i), 0);
-  if (ended) ended = (*writer)->finish();
+  if (ended) ended = (*writer)->finish(1'000'000);
   ASSERT_FALSE(ended);
   EXPECT_THAT(ended.error().message, StartsWith(file + ": was not recorded: ffmpeg ended: "));
   EXPECT_THAT(ended.error().message, HasSubstr("No such file or directory"));
@@ -219,7 +290,8 @@ TEST(VideoWriter, quotes_the_output_of_an_encoder_that_exits_early) {
   const TemporaryFolder folder;
   const std::string program =
       script(folder, "head -c 100000 > /dev/null; echo '[x @ 0x5] no space left' >&2; exit 1");
-  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, program);
+  auto writer =
+      VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, {}, program);
   ASSERT_TRUE(writer);
   Result<void> added;
   for (int i = 0; i < 1000 && added; ++i) added = (*writer)->add(numbered({64, 48}, i), 0);
@@ -230,7 +302,7 @@ TEST(VideoWriter, quotes_the_output_of_an_encoder_that_exits_early) {
 
 TEST(VideoWriter, reports_that_the_encoder_was_killed) {
   const TemporaryFolder folder;
-  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt,
+  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, {},
                                     script(folder, "kill -KILL $$"));
   Result<void> ended = writer ? Result<void>() : tl::unexpected(writer.error());
   for (int i = 0; i < 1000 && ended; ++i) ended = (*writer)->add(numbered({64, 48}, i), 0);
@@ -241,10 +313,11 @@ TEST(VideoWriter, reports_that_the_encoder_was_killed) {
 TEST(VideoWriter, reports_an_encoder_that_fails_at_the_end) {
   const TemporaryFolder folder;
   const std::string program = script(folder, "cat > /dev/null; echo 'no' >&2; exit 3");
-  auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, program);
+  auto writer =
+      VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, {}, program);
   ASSERT_TRUE(writer);
   EXPECT_TRUE((*writer)->add(numbered({64, 48}, 0), 0));
-  const auto finished = (*writer)->finish();
+  const auto finished = (*writer)->finish(1'000'000);
   ASSERT_FALSE(finished);
   EXPECT_THAT(finished.error().message, HasSubstr("ffmpeg ended: no"));
 }
@@ -257,7 +330,7 @@ TEST(VideoWriter, explains_in_one_line_how_to_install_a_missing_encoder) {
     EXPECT_THAT(found.error().message, HasSubstr("is not installed"));
     EXPECT_THAT(found.error().message, HasSubstr("out-%04d.png"));
     const auto writer =
-        VideoWriter::create((folder / "a.mp4").string(), {8, 8}, std::nullopt, program);
+        VideoWriter::create((folder / "a.mp4").string(), {8, 8}, std::nullopt, {}, program);
     ASSERT_FALSE(writer);
     EXPECT_EQ(writer.error().message, found.error().message);
   }
@@ -273,7 +346,7 @@ TEST(OpenRecorder, numbers_pictures_from_zero) {
   ASSERT_TRUE(recorder);
   ASSERT_TRUE((*recorder)->add(numbered({4, 4}, 0), 0));
   ASSERT_TRUE((*recorder)->add(numbered({4, 4}, 1), 5));
-  ASSERT_TRUE((*recorder)->finish());
+  ASSERT_TRUE((*recorder)->finish(1'000'000));
   EXPECT_TRUE(fs::exists(folder / "out-00.png"));
   EXPECT_TRUE(fs::exists(folder / "out-01.png"));
   EXPECT_THAT(read_file(folder / "out-01.png"), HasSubstr("PNG"));

@@ -50,7 +50,7 @@ Result<void> write_truth(const Options& options) {
     TRY(recorder->add(image, time_us));
     progress.tick();
   }
-  return recorder->finish();
+  return recorder->finish(static_cast<std::uint64_t>(std::llround(1e6 * frames / kPosesPerSecond)));
 }
 
 }  // namespace

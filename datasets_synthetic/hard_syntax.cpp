@@ -282,7 +282,7 @@ void add_faults(CaseList& list) {
   list.add(kRow, "no_format.ply", "A header without a format", "ply\n" + rest,
            expect_error({"line 6", "format"}));
   list.add(kRow, "not_a_ply.ply", "A file of another kind by the name of .ply",
-           "# .PCD v0.7\nVERSION 0.7\n", expect_error({"PLY"}));
+           "solid cube\n facet normal 0 0 1\n", expect_error({"PLY"}));
   const std::string header =
       ply_begin(PlyFormat::ascii) + ply_declaration(three()) + "end_header\n";
   list.add("wrong data", "word_for_number.ply", "A word where a number should stand",

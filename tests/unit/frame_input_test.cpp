@@ -134,7 +134,7 @@ TEST_F(FrameInputTest, a_folder_is_followed_from_its_newest_file_on) {
 }
 
 TEST_F(FrameInputTest, files_with_capital_extensions_and_links_are_followed_too) {
-  const fs::path folder = frames_ / "followed", file = write(1).front();
+  const fs::path folder = frames_ / "followed", file = write(1).frames.front().file;
   fs::create_directory(folder);
   const auto input = follow_folder(folder).value();
   const auto next = [&] {

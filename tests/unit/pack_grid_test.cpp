@@ -242,8 +242,15 @@ TEST_F(PackGrid, names_each_property_that_it_drops_once) {
   const auto write_text = [&](int frame, const std::string& extra, const std::string& values) {
     std::string text = "ply\nformat ascii 1.0\nelement vertex 2\n";
     for (const char* name : {"x", "y", "z"}) text += fmt::format("property float {}\n", name);
-    text += "property float radius\n" + extra + "end_header\n";
-    for (int i = 0; i < 2; ++i) text += fmt::format("{} 0 1.5 1 {}\n", i, values);
+    text += "property float radius\n";
+    // As many fields as a cloud can have. What follows them is dropped.
+    std::string fields;
+    for (std::size_t i = 0; i < kMaxScalars; ++i) {
+      text += fmt::format("property float field{}\n", i);
+      fields += "0 ";
+    }
+    text += extra + "end_header\n";
+    for (int i = 0; i < 2; ++i) text += fmt::format("{} 0 1.5 1 {}{}\n", i, fields, values);
     write_file(in() / fmt::format("{}.ply", frame), text);
   };
   const std::string quality = "property float quality\nproperty list uchar int friends\n";

@@ -568,11 +568,11 @@ TEST(PrepareFrame, colours_a_tree_by_a_scalar_field_in_the_range_of_the_reel) {
   EXPECT_EQ(scene->level, kWholeFrame);
 }
 
-TEST(PrepareFrame, colours_labels_as_labels_in_every_mode) {
+TEST(PrepareFrame, never_mixes_the_colours_of_labels) {
   const PointCloud cloud = with_scalars(5'000);
   const auto right = glm::u16vec3(label_color(4)) * std::uint16_t{257};
   const auto left = glm::u16vec3(label_color(1)) * std::uint16_t{257};
-  for (const DrawMode mode : {DrawMode::surfel, DrawMode::voxel, DrawMode::point}) {
+  for (const DrawMode mode : {DrawMode::surfel, DrawMode::point}) {
     PrepareOptions options;
     options.mode = mode;
     options.scalar.field = "side";

@@ -63,7 +63,7 @@ class Unassigned {
       if (scalars.size() < kMaxScalars && !again && is_scalar_name(name)) {
         scalars.push_back({name, fields_[i].field});
       } else {
-        unread.push_back(printable(name));
+        unread.push_back(name.empty() ? "(unnamed)" : printable(name));
       }
     }
     return scalars;

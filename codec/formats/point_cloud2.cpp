@@ -105,7 +105,7 @@ Result<Message> parse(ByteView bytes) {
     if (count == 1) {
       message.fields.push_back({std::string(name), {offset, 0, *type}});
     } else if (count > 1) {
-      message.others.push_back(printable(name));
+      message.others.push_back(name.empty() ? "(unnamed)" : printable(name));
     }
   }
   message.swapped = cdr.get<std::uint8_t>() != 0;

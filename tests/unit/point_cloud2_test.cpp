@@ -53,6 +53,14 @@ TEST(PointCloud2, rows_may_be_padded) {
   EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
 }
 
+TEST(PointCloud2, fields_without_a_name_are_told_as_such) {
+  CloudMessage message = two_points();
+  message.fields[2].name = "";
+  std::vector<std::string> unread;
+  ASSERT_TRUE(read(message.cdr(), &unread));
+  EXPECT_THAT(unread, ElementsAre("(unnamed)", "histogram"));
+}
+
 TEST(PointCloud2, a_cloud_without_points_is_no_error) {
   CloudMessage message = two_points();
   message.points.clear();

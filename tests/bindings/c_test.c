@@ -19,7 +19,7 @@ _Static_assert(sizeof(pointreel_read_options) == 32, "pointreel_read_options");
 _Static_assert(sizeof(pointreel_frame_info) == 64, "pointreel_frame_info");
 _Static_assert(sizeof(pointreel_open_options) == 48, "pointreel_open_options");
 _Static_assert(sizeof(pointreel_reel_info) == 96, "pointreel_reel_info");
-_Static_assert(sizeof(pointreel_points) == 80, "pointreel_points");
+_Static_assert(sizeof(pointreel_points) == 96, "pointreel_points");
 _Static_assert(sizeof(pointreel_encode_options) == 40, "pointreel_encode_options");
 _Static_assert(sizeof(pointreel_write_options) == 48, "pointreel_write_options");
 
@@ -147,8 +147,8 @@ static void scalar_fields_come_back_by_name(void) {
   info.struct_size = sizeof info;
   EXPECT(pointreel_frame_get_info(frame, &info) == POINTREEL_OK);
   for (size_t i = 0; i < kPoints; ++i) {
-    const long source = lround(local[3 * i] + info.origin[0]) +
-                        10 * lround(local[3 * i + 1] + info.origin[1]);
+    const long source =
+        lround(local[3 * i] + info.origin[0]) + 10 * lround(local[3 * i + 1] + info.origin[1]);
     EXPECT(source >= 0 && source < kPoints);
     EXPECT(fabsf(room[i] - heat[source]) <= 0.5f * heat[kPoints - 1] / 255.0f * 1.01f);
     EXPECT(source % 3 == 0 ? isnan(labels[i]) : labels[i] == 4.0f);

@@ -116,7 +116,9 @@ class Codec(unittest.TestCase):
 
     def test_scalar_fields_are_packed(self):
         positions, colors, _ = ball()
-        path = os.path.join(self.folder, "scalars.reel")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "scalars.reel")
         points = pointreel.Points(positions, colors, scalars={"height": positions[:, 1]})
         pointreel.pack([points, pointreel.decode(pointreel.encode(
             positions, scalars={"height": positions[:, 1]}))], path)

@@ -114,8 +114,6 @@ inline CloudMessage two_points() {
 /// Writes MCAP.
 class McapWriter {
  public:
-  McapWriter() { put_raw("\x89MCAP0\r\n", 8); }
-
   template <class T>
   static void put(Bytes& out, T value) {
     const auto* raw = reinterpret_cast<const std::uint8_t*>(&value);
@@ -204,7 +202,7 @@ class McapWriter {
   void put_raw(const char* text, std::size_t size) {
     bytes_.insert(bytes_.end(), text, text + size);
   }
-  Bytes bytes_;
+  Bytes bytes_{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 };
 
 inline Bytes operator+(Bytes a, const Bytes& b) {

@@ -108,7 +108,7 @@ Result<nlohmann::json> measure_all(const SuiteOptions& options) {
     TRY(add(name, TRY(sequence_frame(*find_motion(name), {}, 0))));
   for (const std::filesystem::path& file : options.files)
     TRY(add(file.filename().string(), TRY(read_cloud_file(file)).cloud));
-  pointreel::print("{}", table.text());
+  pointreel::print_lines(table.text());
   return nlohmann::json{{"scalars", std::move(rows)}, {"bars", nlohmann::json::array()}};
 }
 

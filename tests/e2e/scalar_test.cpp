@@ -30,7 +30,7 @@ PointCloud square() {
     for (int x = 0; x < kSide; ++x) {
       cloud.positions.emplace_back(static_cast<float>(x), static_cast<float>(y), 0.0f);
       cloud.normals.emplace_back(0.0f, 0.0f, 1.0f);
-      cloud.scalars[0].values.push_back(x < kSide / 2 ? -10.0f : 30.0f);
+      cloud.scalars[0].values.push_back(x < kSide / 2 ? -10.5f : 30.25f);
       cloud.scalars[1].values.push_back(x < kSide / 2 ? 2.0f : 6.0f);
     }
   }
@@ -81,8 +81,9 @@ bool near(const glm::ivec3& a, const glm::ivec3& b) {
 constexpr glm::ivec3 kViolet{0x37, 0x00, 0x5b}, kYellow{0xf7, 0xed, 0x6c}, kGrey{128, 128, 128};
 
 TEST_F(Scalars, are_listed_with_their_ranges) {
-  EXPECT_THAT(run("pointreel-server", {"info", reel()}).out,
-              testing::AllOf(HasSubstr("heat, -10 to 30"), HasSubstr("class, 2 to 6, labels")));
+  EXPECT_THAT(
+      run("pointreel-server", {"info", reel()}).out,
+      testing::AllOf(HasSubstr("heat, -10.5 to 30.25"), HasSubstr("class, 2 to 6, labels")));
   EXPECT_THAT(run("pointreel-server", {"verify", reel()}).out, HasSubstr("good"));
 }
 
@@ -111,7 +112,7 @@ TEST_F(Scalars, of_files_and_in_another_range_are_shown_too) {
   const Halves files = drawn((folder_ / "in").string(), {"--color", "heat"});
   EXPECT_TRUE(near(files.left, kViolet));
   EXPECT_TRUE(near(files.right, kYellow));
-  const Halves wide = drawn(reel(), {"--color", "heat", "--color-range", "-10,1e6"});
+  const Halves wide = drawn(reel(), {"--color", "heat", "--color-range", "-10.5,1e6"});
   EXPECT_TRUE(near(wide.right, kViolet));
   const Halves labels = drawn(reel(), {"--color", "class"});
   EXPECT_FALSE(near(labels.left, labels.right));

@@ -7,6 +7,7 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
+#include "codec/formats/cloud_format.h"
 #include "common/base/natural_order.h"
 #include "server/publish/descriptor.h"
 #include "server/publish/frame_input.h"
@@ -14,10 +15,6 @@
 namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
-
-bool is_cloud_name(const std::string& name) {
-  return !name.starts_with('.') && is_cloud_file(name);
-}
 
 bool is_link(const fs::path& path) {
   std::error_code ignored;
@@ -32,7 +29,8 @@ class FolderFollower : public FrameInput {
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
       const std::string name = entry.path().filename().string();
-      if (is_cloud_name(name) && (newest_.empty() || natural_less(newest_, name))) newest_ = name;
+      if (!is_of_points(name)) continue;
+      if (!is_of_points(newest_) || natural_less(newest_, name)) newest_ = name;
     }
   }
   ~FolderFollower() override { ::close(watch_); }
@@ -54,6 +52,14 @@ class FolderFollower : public FrameInput {
   std::uint64_t skipped() const override { return skipped_; }
 
  private:
+  /// Whether a file of this name is a frame. Names such as notes.txt may be anything, and count
+  /// only as long as the folder has had no file that is clearly of points (list_cloud_files).
+  bool is_of_points(const std::string& name) {
+    const Likely likely = name.starts_with('.') ? Likely::no : is_cloud_name(name);
+    if (likely == Likely::yes) sure_names_ = true;
+    return likely == Likely::yes || (likely == Likely::maybe && !sure_names_);
+  }
+
   /// Reads the events that the system holds ready, without waiting.
   void read_events() {
     alignas(inotify_event) std::array<char, 16 * 1024> events;
@@ -65,7 +71,7 @@ class FolderFollower : public FrameInput {
         at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
         const std::string name = event->len > 0 ? event->name : "";
         if (event->mask & (IN_DELETE_SELF | IN_MOVE_SELF)) gone_ = true;
-        if (!is_cloud_name(name)) continue;
+        if (!is_of_points(name)) continue;
         // A file that is created will be written; a link is complete.
         if (event->mask & IN_CREATE && !is_link(folder_ / name)) continue;
         if (!newest_.empty() && newest_ != name) ++skipped_;
@@ -79,7 +85,8 @@ class FolderFollower : public FrameInput {
   const LiveClock clock_;
   std::string newest_;  ///< not taken yet; empty if there is none
   std::uint64_t skipped_ = 0;
-  bool gone_ = false;  ///< the folder is no longer at its place
+  bool sure_names_ = false;  ///< there was a file that is clearly of points
+  bool gone_ = false;        ///< the folder is no longer at its place
 };
 
 }  // namespace

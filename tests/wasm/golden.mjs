@@ -33,7 +33,8 @@ for (const [name, kept] of Object.entries(expected)) {
       assert.deepStrictEqual(outcome(chunks, layers), kept);
     } else {
       assert.strictEqual(layers, kept.layers.length);
-      kept.layers.forEach((layer, i) => assert.deepStrictEqual(outcome(chunks, i + 1), layer));
+      // The page shows no scalar fields, and its module does not decode them.
+      kept.layers.forEach(({ scalars, ...layer }, i) => assert.deepStrictEqual(outcome(chunks, i + 1), layer));
       // A limit of memory that no frame with points keeps.
       if (kept.layers.at(-1).points > 0 && layers > 0) {
         const tight = module.withFrame(chunks, layers, (...frame) => module.x.pr_test_outcome(...frame, 1));

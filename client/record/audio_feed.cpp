@@ -13,8 +13,8 @@
 namespace pointreel {
 namespace {
 
-/// ffmpeg asks for some sound before it takes another picture.
-constexpr std::uint64_t kAheadUs = 250'000;
+/// ffmpeg may ask for so much sound before it takes another picture, and no more.
+constexpr std::uint64_t kAheadUs = 5'000'000;
 constexpr std::size_t kBlock = kAudioRate / 10;
 
 }  // namespace
@@ -32,8 +32,7 @@ AudioFeed::~AudioFeed() {
 
 void AudioFeed::allow(std::uint64_t time_us) {
   const std::lock_guard lock(mutex_);
-  time_us = std::min(time_us + kAheadUs, sound_.end_us.value_or(time_us + kAheadUs));
-  allowed_ = std::max(allowed_, first_sample_from(time_us));
+  allowed_ = std::max(allowed_, first_sample_from(sound_.end_us.value_or(time_us + kAheadUs)));
   changed_.notify_one();
 }
 

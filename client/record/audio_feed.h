@@ -34,10 +34,12 @@ class AudioFeed {
   AudioFeed(const AudioFeed&) = delete;
   AudioFeed& operator=(const AudioFeed&) = delete;
 
-  /// Sound may be written until a little after `time_us`, since the first picture. Does not wait.
+  /// Sound may be written until its known end, or else until some time after `time_us`, since the
+  /// first picture. Does not wait.
   void allow(std::uint64_t time_us);
-  /// Waits until the sound has been written that lasts until exactly `end_us`, or a little later if
-  /// the end was not known before. The error is that of the sound; a reader that has gone is none.
+  /// Waits until the sound has been written that lasts until exactly `end_us`, or up to a second
+  /// longer if that is not the end that was known. The error is that of the sound; a reader that
+  /// has gone is none.
   Result<void> finish(std::uint64_t end_us);
 
  private:

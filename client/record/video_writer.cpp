@@ -41,6 +41,7 @@ std::vector<std::string> arguments(const std::string& path, const std::string& p
   if (rate) add({"-r", fmt::format("{}/{}", rate->frames, rate->seconds)});
   add({"-i", "pipe:0"});
   if (sound) {
+    add({"-probesize", "32", "-analyzeduration", "0"});  // there is nothing to find out
     add({"-f", "f32le", "-ar", fmt::format("{}", kAudioRate), "-ac", "2", "-i", "pipe:3"});
     add({"-map", "0:v", "-map", "1:a", "-c:a", format == "mp4" ? "aac" : "libopus", "-b:a"});
     add({format == "mp4" ? "192k" : "128k"});

@@ -19,7 +19,7 @@ constexpr std::string_view kFolder = "/page/", kLive = "/live";
 constexpr std::string_view kPolicy =
     "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; "
     "worker-src 'self'; style-src 'self'; img-src 'self' blob: data:; font-src 'self'; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'\r\n"
+    "connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'\r\n"
     "Referrer-Policy: no-referrer\r\n";
 
 std::string_view type_of(std::string_view name) {

@@ -20,6 +20,10 @@ export declare class PointreelPlayer extends HTMLElement {
   autoplay: boolean;
   loop: boolean;
   controls: boolean;
+  /** From 0 to 1. Reels may have sound, live streams have none. */
+  volume: number;
+  /** At first, whether there is an attribute `muted`. */
+  muted: boolean;
   mode: Mode;
   /** Where live streams stand: "-0.6,0,0 0.6,0,0", in the units of the sources. */
   places: string;

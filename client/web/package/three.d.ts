@@ -2,7 +2,8 @@
 import type { BufferGeometry, Mesh, Object3DEventMap, ShaderMaterial, WebGLRenderer } from "three";
 
 export type PointreelObjectEvent = "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" |
-  "timeupdate" | "waiting" | "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" | "ratechange";
+  "timeupdate" | "waiting" | "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" |
+  "ratechange" | "volumechange";
 
 export type PointreelObjectEventMap = Object3DEventMap & { [name in PointreelObjectEvent]: {} };
 
@@ -30,6 +31,9 @@ export declare class PointreelObject extends Mesh<BufferGeometry, ShaderMaterial
   currentTime: number;
   /** 0.1 to 4, or negative to play backward. */
   playbackRate: number;
+  /** From 0 to 1. Sound comes from everywhere, not from the object. */
+  volume: number;
+  muted: boolean;
   mode: "surfel" | "voxel" | "point" | "strip";
   /** Shade by the reel's own light, which comes from over the camera's shoulder. The scene's lights do not count. */
   lighting: boolean;

@@ -7,6 +7,7 @@ import { Box, FrameFacts, isEmpty, Module, Vec3, viewBox } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
 import { Assets, Pool } from "./pool";
 import { Reel } from "./reel";
+import { Sound } from "./sound";
 
 export interface ContentOptions {
   loop: boolean;
@@ -32,6 +33,7 @@ function enclosing(boxes: readonly (Box | null)[]): Box | null {
 export class Content {
   reel: ReelPlayback | null = null;
   live: LivePlayback[] = [];
+  sound: Sound | null = null;
   /** Of each part, the frame by which a first view of it is chosen. */
   private readonly first: FrameFacts[] = [];
   /** By the module that decodes. */
@@ -76,6 +78,7 @@ export class Content {
       }
       this.reel = new ReelPlayback(reel, pool, fetcher, tables, options.loop, changed);
       this.reel.clock.seek(options.startUs);
+      if (reel.audioBytes > 0) this.sound = new Sound(fetcher.address(reel.text("audioPath"), reel.audioBytes, this.signal));
     } finally {
       if (!this.reel) reel.free();
     }
@@ -89,6 +92,7 @@ export class Content {
   }
 
   free(): void {
+    this.sound?.free();
     this.reel?.free();
     for (const live of this.live) live.free();
     for (const pool of this.pools.values()) pool.free();

@@ -71,6 +71,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   }
 
   connectedCallback(): void {
+    if (!this.hasLoaded && this.hasAttribute("muted")) this.muted = true;
     this.observer = new ResizeObserver(() => this.fit());
     this.observer.observe(this);
     this.fit();
@@ -218,6 +219,13 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   set loop(value: boolean) { this.toggleAttribute("loop", value); }
   get controls(): boolean { return this.hasAttribute("controls"); }
   set controls(value: boolean) { this.toggleAttribute("controls", value); }
+  get volume(): number { return this.player.volume; }
+  set volume(volume: number) {
+    if (!(finite(volume, "volume") >= 0 && volume <= 1)) throw new DOMException("volume is from 0 to 1", "IndexSizeError");
+    this.player.setVolume(volume, this.muted);
+  }
+  get muted(): boolean { return this.player.muted; }
+  set muted(muted: boolean) { this.player.setVolume(this.volume, muted); }
   get mode(): Mode { return MODES.find((mode) => mode === this.getAttribute("mode")) ?? "surfel"; }
   set mode(value: Mode) { this.setAttribute("mode", value); }
 

@@ -61,6 +61,11 @@ export class Fetcher {
       return body;
     });
   }
+  /** An address that the browser itself can fetch, without the token. */
+  async address(path: string, bytes: number, signal: AbortSignal): Promise<string> {
+    if (!this.token) return this.url(path).href;
+    return URL.createObjectURL(new Blob([await this.file(path, bytes, signal)], { type: "audio/ogg" }));
+  }
   /** The bytes from `from` to before `to` of a file of `size` bytes. */
   range(path: string, from: number, to: number, size: number, signal: AbortSignal): Promise<Uint8Array> {
     let senseless = 0;

@@ -6,6 +6,7 @@ import type { LivePlayback } from "./live";
 import { Box, ColorSource, Mode, Vec3 } from "./module";
 import type { MadeFrame, ReelPlayback } from "./playback";
 import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
+import type { Sound } from "./sound";
 import { Look } from "./view";
 import { WholeView } from "./whole_view";
 
@@ -33,7 +34,7 @@ const LARGEST_POINT = 64;  // pixels, with adaptive points
 
 export type PlayerEvent =
   "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" | "timeupdate" | "waiting" |
-  "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" | "ratechange";
+  "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" | "ratechange" | "volumechange";
 
 /** Shows pictures in place of the canvas, and calls drawFrame for each. */
 export interface Display {
@@ -79,6 +80,8 @@ export class Player {
   private lastTick = 0;
   private slow = 0;
   private wantsLoop = false;
+  private loudness = 1;
+  private isMuted = false;
   private homeAspect = 0;
   /** To be applied once there is a camera. */
   firstView: ((camera: Camera) => void) | null = null;
@@ -117,6 +120,7 @@ export class Player {
       const opened = await content;
       opening.signal.throwIfAborted();
       this.content = opened;
+      opened.sound?.setVolume(this.loudness, this.isMuted);
       this.camera = new Camera(opened.module, opened.up);
       if (this.reel) {
         this.lookHome();
@@ -219,6 +223,20 @@ export class Player {
       reel.scrubbing = us !== null;
       if (us !== null) reel.seek(us);
     }, us !== null ? "seeking" : undefined);
+  }
+
+  // Sound.
+
+  /** Null if nothing that is open has sound. */
+  get sound(): Sound | null { return this.content?.sound ?? null; }
+  get volume(): number { return this.loudness; }
+  get muted(): boolean { return this.isMuted; }
+  /** `volume`: from 0 to 1, as of <video>. */
+  setVolume(volume: number, muted: boolean): void {
+    this.loudness = Math.max(0, Math.min(1, volume));
+    this.isMuted = muted;
+    this.sound?.setVolume(this.loudness, muted);
+    this.onEvent("volumechange");
   }
 
   // What is seen.
@@ -343,6 +361,7 @@ export class Player {
       this.applyFirstView();
     }
     if (this.reel?.update(look)) this.dirty = true;
+    if (this.reel) this.sound?.follow(this.reel.clock);
     for (const live of this.live) live.update(look);
     // Where the points are is known only from a frame.
     if (this.content?.noteShown() && !this.hasMoved) this.lookHome();

@@ -21,7 +21,7 @@ export interface Segment {
   cube: [number, number, number, number];
 }
 
-const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6 };
+const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6, audioPath: 7 };
 const layersIn = (words: Int32Array): Layers =>
   ({ first: words[0]!, end: words[1]!, colors: words[2]!, normals: words[3]! });
 
@@ -34,12 +34,14 @@ export class Reel {
   readonly up: number;
   readonly bounds: Box;
   readonly tablesBytes: number;
+  /** 0: it has no sound. */
+  readonly audioBytes: number;
   readonly timesUs: Float64Array;
   private readonly files = new Map<number, string>();
 
   /** `handle`: a PrReel. */
   constructor(readonly module: Module, readonly handle: number) {
-    const i = module.doubles(module.call("pr_reel_info", handle), 24);
+    const i = module.doubles(module.call("pr_reel_info", handle), 25);
     this.frames = i[0]!;
     this.durationUs = i[1]!;
     this.fps = i[2]!;
@@ -48,6 +50,7 @@ export class Reel {
     this.up = i[8]!;
     this.bounds = { min: [i[12]!, i[13]!, i[14]!] as Vec3, max: [i[15]!, i[16]!, i[17]!] as Vec3 };
     this.tablesBytes = i[19]!;
+    this.audioBytes = i[24]!;
     this.timesUs = module.doubles(module.call("pr_reel_times", handle), this.frames);
   }
   static read(module: Module, manifest: Uint8Array): Reel {

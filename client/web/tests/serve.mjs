@@ -7,10 +7,10 @@ import { createServer } from "node:http";
 import { basename, extname, join, normalize } from "node:path";
 
 const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css",
-                ".wasm": "application/wasm", ".json": "application/json" };
+                ".wasm": "application/wasm", ".json": "application/json", ".opus": "audio/ogg" };
 // The policy of server/serve/page.cpp, so that the tests show that the page needs no more.
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; " +
-  "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'";
+  "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'";
 
 /** `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. */
 export function serve(page, reels, requests = [], damage = null) {
@@ -40,7 +40,7 @@ export function serve(page, reels, requests = [], damage = null) {
       response.writeHead(404, { "Content-Type": "text/plain" }).end("not found\n");
       return;
     }
-    const size = statSync(file).size, range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? "");
+    const size = statSync(file).size, range = /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? "");
     const headers = { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Cache-Control": "no-cache",
                       "Accept-Ranges": "bytes", ...(isShown ? { "Content-Security-Policy": POLICY, Vary: "Accept" } : {}) };
     if (!range) {
@@ -48,7 +48,7 @@ export function serve(page, reels, requests = [], damage = null) {
       createReadStream(file).pipe(response);
       return;
     }
-    const from = Number(range[1]), to = Math.min(Number(range[2]), size - 1);
+    const from = Number(range[1]), to = Math.min(Number(range[2] || size), size - 1);
     response.writeHead(206, { ...headers, "Content-Length": to - from + 1, "Content-Range": `bytes ${from}-${to}/${size}` });
     if (damage && file.endsWith(".prs")) response.end(damage(path, readFileSync(file).subarray(from, to + 1)));
     else createReadStream(file, { start: from, end: to }).pipe(response);

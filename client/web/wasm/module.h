@@ -100,8 +100,9 @@ struct PrReelInfo {
   double live_first_frame;  ///< how many frames of the session came before the first of the reel
   double live_start_us;     ///< Unix time of the reel's time 0
   double live_ended;        ///< no publisher is connected at the moment
+  double audio_bytes;       ///< size of the file of sound; 0: it has none
 };
-static_assert(sizeof(PrReelInfo) == 24 * 8);
+static_assert(sizeof(PrReelInfo) == 25 * 8);
 
 /// The bytes of a reel.json.
 PR_EXPORT(PrReel*, pr_reel_new)(const char* text, std::uint32_t size);
@@ -117,6 +118,7 @@ enum PrText : std::int32_t {
   PR_TEXT_TABLES_PATH = 4,      ///< beside reel.json; empty if it has none
   PR_TEXT_TABLES_CHECKSUM = 5,  ///< 16 hexadecimal digits
   PR_TEXT_SESSION = 6,          ///< of a live reel, 16 hexadecimal digits; else empty
+  PR_TEXT_AUDIO_PATH = 7,       ///< Opus in Ogg, beside reel.json; empty if it has none
 };
 PR_EXPORT(const char*, pr_reel_text)(const PrReel* reel, PrText which, std::uint32_t index);
 

@@ -48,6 +48,7 @@ PrReel pointreel::reel_of(Manifest manifest) {
   copy(manifest.bounds.max, info.bounds_max);
   info.max_error = manifest.max_error.value_or(-1.0);
   info.tables_bytes = manifest.tables ? static_cast<double>(manifest.tables->bytes) : 0.0;
+  info.audio_bytes = manifest.audio ? static_cast<double>(manifest.audio->bytes) : 0.0;
   if (manifest.live) {
     info.live = 1;
     info.live_first_frame = manifest.live->first_frame;
@@ -95,6 +96,9 @@ const char* pr_reel_text(const PrReel* reel, PrText which, std::uint32_t index) 
       break;
     case PR_TEXT_SESSION:
       if (manifest.live) text = hex(manifest.live->session);
+      break;
+    case PR_TEXT_AUDIO_PATH:
+      if (manifest.audio) text = manifest.audio->path;
       break;
   }
   return text.c_str();

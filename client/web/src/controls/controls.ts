@@ -4,7 +4,7 @@ import { Player } from "../player";
 import { element } from "./dom";
 import { headsetButtons } from "./headset_buttons";
 import { Icon, icon } from "./icons";
-import { Interface, press, togglePlay } from "./keys";
+import { Interface, press, toggleMute, togglePlay } from "./keys";
 import { DrawingPanel, helpPanel, StatisticsPanel } from "./panels";
 import { timeText } from "./time_text";
 import { Timeline } from "./timeline";
@@ -34,7 +34,8 @@ export class Controls implements Interface {
       this.button("back", "back", "One frame back", () => player.step(-1)),
       this.button("play", "play", "Play", () => togglePlay(player, this)),
       this.button("forward", "forward", "One frame forward", () => player.step(1)),
-      this.button("loop", "loop", "Loop", () => this.toggleLoop()));
+      this.button("loop", "loop", "Loop", () => this.toggleLoop()),
+      this.button("sound", "sound", "Sound off", () => toggleMute(player, this)));
     const right = element("div", { class: "buttons" },
       ...headsetButtons(player, (text) => this.say(text)),
       this.button("camera", "camera", "Save a picture", () => this.savePicture()),
@@ -135,6 +136,9 @@ export class Controls implements Interface {
     set("play", player.playing ? "pause" : "play", player.playing ? "Pause" : "Play");
     for (const key of ["back", "forward", "loop"]) this.buttons.get(key)!.hidden = !reel;
     this.buttons.get("loop")!.setAttribute("aria-pressed", String(player.loop));
+    const { sound } = player, problem = sound?.problem;
+    this.buttons.get("sound")!.hidden = !sound;
+    set("sound", player.muted || problem ? "muted" : "sound", problem ?? (player.muted ? "Sound on" : "Sound off"));
     if (reel) {
       const at = reel.clock.read(), speed = reel.clock.state().speed;
       const extra = (Math.abs(speed - 1) > 1e-3 ? `   ${speed.toFixed(2)}x` : "") + (reel.isWaiting && player.pictures ? "   buffering" : "");

@@ -10,6 +10,8 @@ const PATHS = {
   statistics: '<path d="M4 13h4v7H4zM10 8h4v12h-4zM16 4h4v16h-4z"/>',
   fullscreen: '<path d="M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5" fill="none" stroke="currentColor" stroke-width="2"/>',
   camera: '<path d="M4 7.500h4l1.500-2.500h5L16 7.500h4v11H4z" fill="none" stroke="currentColor" stroke-width="1.800"/><circle cx="12" cy="12.800" r="3.200" fill="none" stroke="currentColor" stroke-width="1.800"/>',
+  sound: '<path d="M3.500 9h4l5-4.500v15L7.500 15h-4z"/><path d="M15.500 8.500a5 5 0 0 1 0 7M18 6a8.500 8.500 0 0 1 0 12" fill="none" stroke="currentColor" stroke-width="1.800"/>',
+  muted: '<path d="M3.500 9h4l5-4.500v15L7.500 15h-4z"/><path d="M15.500 9.500l5 5M20.500 9.500l-5 5" stroke="currentColor" stroke-width="1.800"/>',
   link: '<path d="M10 14a4 4 0 0 0 5.700 0l3-3A4 4 0 0 0 13 5.300l-1.200 1.200M14 10a4 4 0 0 0-5.700 0l-3 3a4 4 0 0 0 5.700 5.700l1.200-1.200" fill="none" stroke="currentColor" stroke-width="2"/>',
 } as const;
 export type Icon = keyof typeof PATHS;

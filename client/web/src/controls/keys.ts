@@ -66,6 +66,17 @@ const markLoop: Act = (player, ui) => {
 export const markedA = (player: Player): number | undefined => loopMark.get(player);
 
 export const togglePlay: Act = (player) => (player.playing ? player.pause() : player.play());
+const louder = (by: number): Act => (player, ui) => {
+  if (!player.sound) return;
+  // Whoever asks for louder sound wants to hear it.
+  player.setVolume(player.volume + by, player.muted && by < 0);
+  ui.say(`volume ${Math.round(100 * player.volume)} %`);
+};
+export const toggleMute: Act = (player, ui) => {
+  if (!player.sound) return;
+  player.setVolume(player.volume, !player.muted);
+  ui.say(player.sound.problem ?? (player.muted ? "sound off" : "sound on"));
+};
 const tenth = (sign: number): Act => (player, ui) =>
   by(sign * (player.reel?.reel.durationUs ?? 0) / 10 / SECOND)(player, ui);
 
@@ -91,6 +102,8 @@ export const BINDINGS: readonly Binding[] = [
     ui.say(player.loop ? "loop" : "no loop");
   }] },
   { keys: ["o"], help: "show the time and the frame number", acts: [tellTime] },
+  { keys: ["/", "*"], help: "quieter or louder", acts: [louder(-0.05), louder(0.05)] },
+  { keys: ["M"], help: "sound off, or on again", acts: [toggleMute] },
   { keys: ["m"], help: "next mode: surfels, voxels, points, strips", acts: [(player, ui) => {
     player.set({ mode: MODES[(MODES.indexOf(player.settings.mode) + 1) % MODES.length]! });
     ui.say(`${player.settings.mode}s`);

@@ -33,7 +33,7 @@ export class DrawingPanel {
       this.choice("Colour", "color", COLORS, ["Colours", "Normals", "Plain"]),
       this.flag("Lighting", "lighting"), this.flag("Fill holes", "fillHoles"),
       this.flag("Smooth outlines", "smoothOutlines"), this.flag("Floor grid", "floor"),
-      this.flag("Adaptive points", "adaptivePoints"), this.pointSize(), this.background());
+      this.flag("Adaptive points", "adaptivePoints"), this.pointSize(), this.background(), this.volume());
     this.update();
   }
   update(): void { for (const update of this.updates) update(); }
@@ -59,6 +59,16 @@ export class DrawingPanel {
     slider.oninput = () => this.player.set({ pointSize: Number(slider.value) });
     this.updates.push(() => (slider.value = String(this.player.settings.pointSize)));
     return element("label", {}, slider, "Point size");
+  }
+  private volume(): Node {
+    const slider = element("input", { type: "range", min: "0", max: "1", step: "0.01" });
+    slider.oninput = () => this.player.setVolume(Number(slider.value), false);
+    const label = element("label", {}, slider, "Volume");
+    this.updates.push(() => {
+      slider.value = String(this.player.muted ? 0 : this.player.volume);
+      label.hidden = !this.player.sound;
+    });
+    return label;
   }
   private background(): Node {
     const input = element("input", { type: "color" });

@@ -135,6 +135,10 @@ export class PointreelObject extends THREE.Mesh<THREE.BufferGeometry, THREE.Shad
   set currentTime(seconds: number) { this.player.seek(Math.max(0, seconds) * 1e6); }
   get playbackRate(): number { return this.player.speed; }
   set playbackRate(rate: number) { this.player.setSpeed(rate); }
+  get volume(): number { return this.player.volume; }
+  set volume(volume: number) { this.player.setVolume(volume, this.muted); }
+  get muted(): boolean { return this.player.muted; }
+  set muted(muted: boolean) { this.player.setVolume(this.volume, muted); }
   get mode(): Mode { return this.player.settings.mode; }
   set mode(mode: Mode) { this.player.set({ mode }); }
   get lighting(): boolean { return this.player.settings.lighting; }

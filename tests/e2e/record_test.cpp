@@ -120,8 +120,9 @@ TEST_F(Record, a_video_has_the_sound_of_its_part_of_the_reel) {
                                      "--audio", path("a.wav")})
                 .exit_code,
             0);
-  const Outcome played = run("pointreel", {"play", path("reel"), "--mode", "point", "--offscreen",
-                                           "160x120", "--at", "0.34", "--record", path("out.mkv")});
+  const Outcome played =
+      run("pointreel", {"play", path("reel"), "--mode", "point", "--offscreen", "160x120", "--at",
+                        "0.34", "--duration", "1", "--record", path("out.mkv")});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   // It begins with the frame at a third of a second, and the tone begins half a second into it.
   const std::string command = "ffmpeg -v error -i '" + path("out.mkv") +

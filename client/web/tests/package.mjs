@@ -109,8 +109,9 @@ test("programs in TypeScript know its interface", () => {
     const player: PointreelPlayer = document.querySelector("pointreel-player")!;
     player.addEventListener("firstpicture", () => console.log(player.frame, player.buffered.length));
     player.play().then(() => { player.currentTime += 1; });
+    player.volume = 0.5;
     // @ts-expect-error
-    player.volume = 1;`);
+    player.preservesPitch = true;`);
   execFileSync("tsc", ["--noEmit", "--strict", "--target", "es2021", "--moduleResolution", "node16", "--module", "node16", "use.mts"],
                { cwd: folder, stdio: ["ignore", "inherit", "inherit"] });
 });

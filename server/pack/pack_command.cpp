@@ -9,12 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/print.h"
-#include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
 #include "server/commands.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/pack_arguments.h"
+#include "server/pack/pack_progress.h"
 #include "server/pack/packer.h"
 #include "server/parts/parts_commands.h"
 
@@ -180,16 +180,9 @@ int run_pack(const PackCommand& arguments) {
     return kExitUsage;
   }
   const StopSignal stop;
-  std::unique_ptr<Progress> progress;
-  PackListener listener;
-  listener.begin = [&](std::uint32_t total) {
-    progress = std::make_unique<Progress>("pack", total);
-  };
-  listener.frame_done = [&] { progress->tick(); };
-  listener.warn = [&](const std::string& line) { progress->print("warning: " + line); };
-  listener.stop = stop.token();
-  const Result<PackSummary> summary = pack(*options, listener);
-  progress.reset();
+  PackProgress progress;
+  const Result<PackSummary> summary = pack(*options, progress.listener(stop.token()));
+  progress.done();
   if (!summary) {
     print_error(summary.error().message);
     return kExitFailed;

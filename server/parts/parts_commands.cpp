@@ -13,6 +13,7 @@
 #include "common/base/words.h"
 #include "server/commands.h"
 #include "server/pack/pack_arguments.h"
+#include "server/pack/pack_progress.h"
 #include "server/parts/join_parts.h"
 #include "server/parts/pack_part.h"
 #include "server/parts/plan.h"
@@ -73,16 +74,9 @@ Result<PartReport> run_part(const PartArguments& arguments, const PackListener& 
 
 int run_part(const PartArguments& arguments) {
   const StopSignal stop;
-  std::unique_ptr<Progress> progress;
-  PackListener listener;
-  listener.begin = [&](std::uint32_t total) {
-    progress = std::make_unique<Progress>("pack", total);
-  };
-  listener.frame_done = [&] { progress->tick(); };
-  listener.warn = [&](const std::string& line) { progress->print("warning: " + line); };
-  listener.stop = stop.token();
-  const Result<PartReport> report = run_part(arguments, listener);
-  progress.reset();
+  PackProgress progress;
+  const Result<PartReport> report = run_part(arguments, progress.listener(stop.token()));
+  progress.done();
   if (!report) return failed(report.error());
   for (const Error& failure : report->failures) print_error(failure.message);
   print("part {}/{}: {} packed{}\n", arguments.part.index, arguments.part.count,

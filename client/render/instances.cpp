@@ -44,6 +44,12 @@ glm::u16vec4 pack_color(const glm::u16vec3& c) {
 /// behind them; more than this widens outlines.
 constexpr float kCover = 1.25f;
 
+/// The half edge of points in radii of surfels, which leave gaps between uneven neighbours. Surfels
+/// are enlarged by as much (SplatScales).
+constexpr float kPointScale = 1.4f;
+
+float scale_of(DrawMode mode) { return mode == DrawMode::point ? kPointScale : 1.0f; }
+
 /// The colour of every element with ColorSource::plain, and of those without one, sRGB.
 constexpr glm::u16vec3 kPlain(0xd0d0);
 
@@ -104,20 +110,21 @@ glm::u16vec3 fake_color(const glm::i16vec4& normal) {
   return glm::u16vec3(glm::ivec3(normal) + 32767);
 }
 
-std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
+std::size_t pack_points(const SceneFrame& frame, const ElementStyle& style, const glm::vec3& offset,
                         const std::vector<bool>& divided, std::span<Instance> out,
                         InstanceBounds& bounds, const Executor& executor) {
   const PointCloud& cloud = frame.cloud;
+  const float scale = scale_of(style.mode);
   const float leaf_radius =
       static_cast<float>(0.5 * std::sqrt(3.0) * frame.svo.cell_size(frame.svo.depth));
   const auto make = [&](std::size_t i) -> Instance {
     const glm::i16vec4 normal =
         cloud.has_normals() ? pack_normal(cloud.normals[i]) : glm::i16vec4(0);
-    const float radius = frame.spacing > 0.0f ? kCover * frame.spacing
-                         : cloud.has_radii()  ? cloud.radii[i]
-                                              : leaf_radius;
+    const float radius = scale * (frame.spacing > 0.0f ? kCover * frame.spacing
+                                  : cloud.has_radii()  ? cloud.radii[i]
+                                                       : leaf_radius);
     return {cloud.positions[i] + offset, radius, normal,
-            pack_color(color_of(color, cloud.colors, i, normal))};
+            pack_color(color_of(style.color, cloud.colors, i, normal))};
   };
   return pack(
       cloud.size(), divided.empty(), [&](std::size_t i) { return !divided[i]; }, make, out, bounds,
@@ -156,6 +163,7 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const std::vector<bool>& divided, std::span<Instance> out,
                        InstanceBounds& bounds, const Executor& executor) {
   const NodeAttributes& attributes = frame.attributes;
+  const float scale = scale_of(style.mode);
   const bool halves = style.mode == DrawMode::voxel || frame.radii.empty();
   const bool unfilled = !style.fill_holes && !frame.filled.empty();
   // Voxels that fill gaps would hide others although they are not drawn.
@@ -178,7 +186,7 @@ std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
     if (on_surface && node.node >= first_leaf)
       center += frame.heights[node.node - first_leaf] / 32767.0f * glm::vec3(normal);
     const float radius =
-        halves ? std::max(node.half, kCover * frame.spacing) : frame.radii[node.node];
+        scale * (halves ? std::max(node.half, kCover * frame.spacing) : frame.radii[node.node]);
     return {center, radius, normal,
             pack_color(color_of(style.color, attributes.colors, node.node, normal))};
   };

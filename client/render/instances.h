@@ -33,20 +33,21 @@ struct ElementStyle {
 };
 
 /// Packs the points of a frame's cloud into `out`, an instance for each. Centres are relative to
-/// the cloud's origin and moved by `offset`. Radii are those of the cloud; if it has none (because
-/// the frame was prepared for another mode), half the diagonal of the octree's leaves. Leaves out
-/// points that were `divided`, if that is not empty. Returns the number of instances packed. Grows
-/// `bounds`. The result does not depend on the executor.
-std::size_t pack_points(const SceneFrame& frame, ColorSource color, const glm::vec3& offset,
+/// the cloud's origin and moved by `offset`. Radii are those of the cloud, enlarged with
+/// DrawMode::point so that squares close surfaces; if it has none (because the frame was prepared
+/// for another mode), half the diagonal of the octree's leaves. Leaves out points that were
+/// `divided`, if that is not empty. Returns the number of instances packed. Grows `bounds`. The
+/// result does not depend on the executor.
+std::size_t pack_points(const SceneFrame& frame, const ElementStyle& style, const glm::vec3& offset,
                         const std::vector<bool>& divided, std::span<Instance> out,
                         InstanceBounds& bounds, const Executor& executor = {});
 
 /// Packs the nodes of a cut through a frame's tree, with their mean attributes, into `out`, which
 /// has room for all of them. Centres are relative to the cube's origin and moved by `offset`. The
-/// radii of voxels are half their edges; other radii are the frame's. If the frame knows the
-/// neighbours of its leaves, voxels that these hide from `eye` (also relative to the cube's origin)
-/// are left out, and so are leaves that were `divided`, if that is not empty. Returns the number of
-/// instances packed. Grows `bounds`.
+/// radii of voxels are half their edges; other radii are the frame's, enlarged as above. If the
+/// frame knows the neighbours of its leaves, voxels that these hide from `eye` (also relative to
+/// the cube's origin) are left out, and so are leaves that were `divided`, if that is not empty.
+/// Returns the number of instances packed. Grows `bounds`.
 std::size_t pack_nodes(const SceneFrame& frame, std::span<const CutNode> cut,
                        const ElementStyle& style, const glm::vec3& eye, const glm::vec3& offset,
                        const std::vector<bool>& divided, std::span<Instance> out,

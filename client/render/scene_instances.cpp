@@ -99,8 +99,7 @@ std::size_t SceneInstances::pack(const PlacedFrame& placed, const Part& part,
   pack_refined(frame, refined, style_.color, offset, out.first(refined.size()), bounds_);
   const std::span<Instance> rest = out.subspan(refined.size());
   if (!part.is_tree)
-    return refined.size() +
-           pack_points(frame, style_.color, offset, divided, rest, bounds_, executor_);
+    return refined.size() + pack_points(frame, style_, offset, divided, rest, bounds_, executor_);
   const glm::vec3 eye(view_->camera.eye() - origin);
   const std::size_t count =
       pack_nodes(frame, part.cut.nodes(), style_, eye, offset, divided, rest, bounds_, executor_);

@@ -194,7 +194,7 @@ const PrPacked* pr_pack(std::uint32_t key, const PrView* view) {
   const std::size_t count =
       is_tree ? pack_nodes(frame, cut.nodes(), style, glm::vec3(wide.camera.eye() - origin),
                            glm::vec3(0.0f), divided, rest, bounds)
-              : pack_points(frame, style.color, glm::vec3(0.0f), divided, rest, bounds);
+              : pack_points(frame, style, glm::vec3(0.0f), divided, rest, bounds);
 
   Instance* next = out.data() + refined.size() + count;
   for (const std::uint32_t node : strip_cut.points)

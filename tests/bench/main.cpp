@@ -11,6 +11,7 @@
 #include "tests/bench/render/render_command.h"
 #include "tests/bench/render/truth_command.h"
 #include "tests/bench/report/report.h"
+#include "tests/bench/scale/scale_command.h"
 #include "tests/bench/stream/stream_command.h"
 #include "tests/bench/suites.h"
 #include "tests/bench/surface/surface_command.h"
@@ -54,6 +55,7 @@ int run(int argc, char** argv) {
   add_player_command(app, exit_code);
   add_render_command(app, exit_code);
   add_report_command(app, exit_code);
+  add_scale_command(app, exit_code);
   add_stream_command(app, exit_code);
   add_surface_command(app, exit_code);
   add_train_command(app, exit_code);

@@ -17,6 +17,7 @@ void SceneStrips::update(const Scene& scene, const Camera& camera, glm::ivec2 si
   for (std::size_t i = 0; i < scene.size(); ++i) {
     Part& part = parts_[i];
     part.strips = nullptr;
+    part.frame = scene[i].frame;
     part.first_vertex = vertices;
     const SceneFrame* frame = scene[i].frame.get();
     if (frame == nullptr) continue;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,9 @@ class SceneStrips {
   /// The strips of a frame.
   struct Part {
     const SurfelStrips* strips = nullptr;
+    /// Which has the strips. Unlike a pointer, it differs from that of a later frame that has the
+    /// same address.
+    std::weak_ptr<const SceneFrame> frame;
     std::uint32_t first_vertex = 0;  ///< of the scene's; added to the indices
     StripCut cut;
   };

@@ -1,5 +1,9 @@
 #include <cmath>
+#include <cstddef>
+#include <memory>
+#include <new>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -128,6 +132,24 @@ TEST_P(StripPictureTest, draws_several_frames_where_they_are) {
   EXPECT_EQ(lost, 0u);
   EXPECT_NEAR(static_cast<double>(shown_two), 2.0 * static_cast<double>(shown_one),
               0.05 * static_cast<double>(shown_one));
+}
+
+TEST_P(StripPictureTest, tells_a_frame_from_an_earlier_one_at_the_same_address) {
+  alignas(SceneFrame) static std::byte place[sizeof(SceneFrame)];
+  const auto placed = [](const std::shared_ptr<SceneFrame>& frame) {
+    return std::shared_ptr<SceneFrame>(new (place) SceneFrame(std::move(*frame)),
+                                       [](SceneFrame* old) { old->~SceneFrame(); });
+  };
+  PointCloud half = square();
+  half.positions.resize(51 * 20);
+  half.colors.resize(51 * 20);
+  half.normals.resize(51 * 20);
+  half.radii.resize(51 * 20);
+  picture(placed(strip_frame_of(half)), front_camera(), strip_options());
+  draw(Scene{}, front_camera(), kSize, plain(DrawMode::surfel));  // frees it
+  const Image image = picture(placed(strip_frame_of(square())), front_camera(), strip_options());
+  const Image right = picture(strip_frame_of(square()), front_camera(), strip_options());
+  EXPECT_EQ(largest_difference(image, right), 0);
 }
 
 TEST_P(StripPictureTest, shows_the_next_frame_and_not_the_last) {

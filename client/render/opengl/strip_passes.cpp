@@ -17,6 +17,10 @@ gl::LateProgram strip_program(std::string_view fragment_file) {
                           {GL_FRAGMENT_SHADER, {fragment_file}}});
 }
 
+bool is_same(const std::weak_ptr<const SceneFrame>& a, const std::weak_ptr<const SceneFrame>& b) {
+  return !a.owner_before(b) && !b.owner_before(a);
+}
+
 }  // namespace
 
 StripPasses::StripPasses()
@@ -47,15 +51,15 @@ void StripPasses::Batch::clear() {
 
 Result<void> StripPasses::set(const SceneStrips& strips, bool signs_unknown) {
   signs_unknown_ = signs_unknown;
-  std::vector<const SurfelStrips*> parts;
+  std::vector<std::weak_ptr<const SceneFrame>> parts;
   std::vector<std::size_t> first_indices;
   std::size_t total = 0;
   for (const SceneStrips::Part& part : strips.parts()) {
-    parts.push_back(part.strips);
+    parts.push_back(part.frame);
     first_indices.push_back(total);
     if (part.strips != nullptr) total += part.strips->indices.size();
   }
-  if (parts != uploaded_) {
+  if (!std::equal(parts.begin(), parts.end(), uploaded_.begin(), uploaded_.end(), is_same)) {
     uploaded_.clear();
     indices_ = gl::Buffer::create();
     glNamedBufferStorage(indices_.name(),
@@ -65,11 +69,11 @@ Result<void> StripPasses::set(const SceneStrips& strips, bool signs_unknown) {
       return fail(ErrorCode::limit, "there is no memory to draw " + std::to_string(total) +
                                         " indices of triangle strips");
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (parts[i] == nullptr) continue;
-      glNamedBufferSubData(indices_.name(),
-                           static_cast<GLintptr>(first_indices[i] * sizeof(GLuint)),
-                           static_cast<GLsizeiptr>(parts[i]->indices.size() * sizeof(GLuint)),
-                           parts[i]->indices.data());
+      const SurfelStrips* part = strips.parts()[i].strips;
+      if (part == nullptr) continue;
+      glNamedBufferSubData(
+          indices_.name(), static_cast<GLintptr>(first_indices[i] * sizeof(GLuint)),
+          static_cast<GLsizeiptr>(part->indices.size() * sizeof(GLuint)), part->indices.data());
     }
     uploaded_ = std::move(parts);
     glVertexArrayElementBuffer(vertices_.name(), indices_.name());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,7 +46,7 @@ class StripPasses {
   gl::LateProgram color_, depth_;
   gl::VertexArray vertices_;
   gl::Buffer indices_;
-  std::vector<const SurfelStrips*> uploaded_;
+  std::vector<std::weak_ptr<const SceneFrame>> uploaded_;  ///< whose indices are in indices_
   Batch facing_, mixed_, turned_away_;
   bool signs_unknown_ = false;
   InstanceBuffer points_;

@@ -78,6 +78,7 @@ struct UnpackOptions {
   std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist
   bool force = false;                       ///< replace a folder of such files
   PointsFormat format = PointsFormat::ply;  ///< of files of points
+  bool recording = false;                   ///< write one recording instead, `recording.mcap`
   std::optional<UnpackMesh> mesh = {};      ///< write meshes instead of points
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };
@@ -89,8 +90,9 @@ struct UnpackReport {
 };
 
 /// Writes decoded frames as `frame_00000.ply`, ..., and the whole sound as `audio.opus`, at their
-/// original coordinates; names end as the format says. Like a package, the folder is either
-/// complete or absent.
+/// original coordinates; names end as the format says. Or all frames are in one file, an animation
+/// of meshes or a recording, in which frames have their times in the reel. Like a package, the
+/// folder is either complete or absent.
 Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener = {});
 
 }  // namespace pointreel

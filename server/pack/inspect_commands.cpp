@@ -310,9 +310,9 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
   unpack
       ->add_option(
           "--format", a->format,
-          "the files of points: ply, pcd, las, or npz for numpy; the files of meshes: ply, "
-          "obj (Wavefront), or glb (binary glTF 2.0)")
-      ->check(CLI::IsMember({"ply", "pcd", "las", "npz", "obj", "glb"}))
+          "the files of points: ply, pcd, las, npz for numpy, or mcap, one recording of ROS 2 with "
+          "all frames; the files of meshes: ply, obj (Wavefront), or glb (binary glTF 2.0)")
+      ->check(CLI::IsMember({"ply", "pcd", "las", "npz", "mcap", "obj", "glb"}))
       ->capture_default_str();
   unpack
       ->add_flag("--animation", a->animation,
@@ -345,7 +345,8 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     if (layers->count() > 0) options.layers = a->layers;
     const auto mesh_format = mesh_format_of(a->format);
     const auto points_format = points_format_of(a->format);
-    if (a->mesh ? !mesh_format : !points_format) {
+    options.recording = a->format == "mcap";
+    if (a->mesh ? !mesh_format : !points_format && !options.recording) {
       print_error(a->mesh ? fmt::format("--format {}: holds points; leave out --mesh", a->format)
                           : fmt::format("--format {}: holds meshes; add --mesh", a->format));
       exit_code = kExitUsage;

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include "common/base/natural_order.h"
 #include "common/base/output_folder.h"
@@ -22,6 +24,7 @@
 #include "server/pack/read_package.h"
 #include "server/pack/unpack_mesh.h"
 #include "server/write/glb.h"
+#include "server/write/recording.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -33,6 +36,9 @@ constexpr std::size_t kDigits = 5;
 /// The file that animations are written to.
 constexpr const char* kAnimation = "animation.glb";
 
+/// The file that all frames are recorded in.
+constexpr const char* kRecording = "recording.mcap";
+
 /// With --force, folders of unpacked frames are replaced, but nothing else.
 Result<void> may_replace_frames(const fs::path& folder) {
   std::error_code error;
@@ -42,7 +48,7 @@ Result<void> may_replace_frames(const fs::path& folder) {
       return is_numbered(name, "frame_", kDigits, ending);
     };
     constexpr std::array kEndings{".ply", ".pcd", ".las", ".npz", ".obj", ".glb"};
-    if (name != kAnimation && name != kUnpackedAudio &&
+    if (name != kAnimation && name != kRecording && name != kUnpackedAudio &&
         std::none_of(kEndings.begin(), kEndings.end(), is_frame)) {
       return fail(ErrorCode::argument,
                   fmt::format("holds {}, and --force replaces only folders of unpacked frames; "
@@ -72,8 +78,7 @@ class Unpacking {
     last_ = std::min<std::uint32_t>(options_.last_frame, frames - 1);
     report_.frames = frames == 0 ? 0 : last_ - options_.first_frame + 1;
     if (listener.begin) listener.begin(report_.frames);
-    TRY(options_.mesh && options_.mesh->animation ? write_animation(folder.path(), listener)
-                                                  : write_files(folder.path(), listener));
+    TRY(write_all(folder.path(), listener));
     if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
     if (manifest_.audio) TRY(copy_audio(folder.path()));
     TRY(folder.publish());
@@ -143,6 +148,12 @@ class Unpacking {
     return write_mesh(path, TRY(mesh(frame)), options_.mesh->format, manifest_.name, manifest_.up);
   }
 
+  Result<void> write_all(const fs::path& folder, const InspectListener& listener) {
+    if (options_.recording) return write_recording(folder, listener);
+    if (options_.mesh && options_.mesh->animation) return write_animation(folder, listener);
+    return write_files(folder, listener);
+  }
+
   Result<void> write_files(const fs::path& folder, const InspectListener& listener) {
     const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last_).size());
     const char* ending =
@@ -171,6 +182,36 @@ class Unpacking {
     }
     const bool to_the_end = report_.frames == 0 || last_ + 1 == manifest_.frame_count();
     return glb.finish(to_the_end ? manifest_.duration_us : frame_time_us(manifest_, last_ + 1));
+  }
+
+  /// Frames are decoded and compressed in parallel, and written in order. No more are under way
+  /// than there are threads.
+  Result<void> write_recording(const fs::path& folder, const InspectListener& listener) {
+    RecordingWriter recording(folder / kRecording);
+    std::uint32_t next = 0;
+    Result<void> written;
+    const auto begin = [&](tbb::flow_control& control) {
+      if (next == report_.frames || !written || listener.stop.stop_requested()) control.stop();
+      return options_.first_frame + next++;
+    };
+    const auto make = [&](std::uint32_t frame) -> Result<RecordedFrame> {
+      const PointCloud cloud = TRY(decode(frame));
+      return at_place(place(frame), record_frame(cloud, frame_time_us(manifest_, frame)));
+    };
+    const auto write = [&](const Result<RecordedFrame>& frame) {
+      if (!written) return;
+      written = frame ? recording.add(*frame) : tl::unexpected(frame.error());
+      if (listener.frame_done) listener.frame_done();
+    };
+    tbb::parallel_pipeline(
+        static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
+        tbb::make_filter<void, std::uint32_t>(tbb::filter_mode::serial_in_order, begin) &
+            tbb::make_filter<std::uint32_t, Result<RecordedFrame>>(tbb::filter_mode::parallel,
+                                                                   make) &
+            tbb::make_filter<Result<RecordedFrame>, void>(tbb::filter_mode::serial_in_order,
+                                                          write));
+    TRY(std::move(written));
+    return recording.finish();
   }
 
   const UnpackOptions& options_;

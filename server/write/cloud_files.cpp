@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "common/base/byte_io.h"
 #include "common/cloud/ply.h"
 #include "pointreel/version.h"
+#include "server/write/point_records.h"
 
 namespace pointreel {
 namespace {
@@ -22,8 +22,6 @@ namespace {
 void put_text(Bytes& out, std::string_view text) {
   out.insert(out.end(), text.begin(), text.end());
 }
-
-std::uint32_t to_8_bits(std::uint16_t color) { return (color + 128u) / 257u; }
 
 const ScalarField* find_scalar(const PointCloud& cloud, std::string_view name) {
   const auto found = std::find_if(cloud.scalars.begin(), cloud.scalars.end(),
@@ -35,22 +33,6 @@ const ScalarField* find_scalar(const PointCloud& cloud, std::string_view name) {
 int rounded(const ScalarField* field, std::size_t i, int least, int most) {
   if (field == nullptr || !(field->values[i] > static_cast<float>(least))) return least;
   return static_cast<int>(std::min(std::round(field->values[i]), static_cast<float>(most)));
-}
-
-/// Names of scalar fields as words of letters, digits, '_' and '-', each another.
-std::vector<std::string> word_names(const PointCloud& cloud) {
-  std::vector<std::string> names;
-  for (const ScalarField& field : cloud.scalars) {
-    std::string name = field.name;
-    for (char& c : name) {
-      const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                        (c >= '0' && c <= '9') || c == '_' || c == '-';
-      if (!good) c = '_';
-    }
-    while (std::find(names.begin(), names.end(), name) != names.end()) name += '_';
-    names.push_back(std::move(name));
-  }
-  return names;
 }
 
 /// An array of numpy.
@@ -163,42 +145,19 @@ const char* extension(PointsFormat format) {
 }
 
 Bytes pcd_bytes(const PointCloud& cloud) {
-  const bool as_float = world_fits_float(cloud);
-  std::string names = "x y z", sizes = as_float ? "4 4 4" : "8 8 8", types = "F F F",
-              counts = "1 1 1";
-  const auto declare = [&](std::initializer_list<const char*> fields, const char* type) {
-    for (const char* field : fields) {
-      names += fmt::format(" {}", field);
-      sizes += " 4";
-      types += fmt::format(" {}", type);
-      counts += " 1";
-    }
-  };
-  if (cloud.has_normals()) declare({"normal_x", "normal_y", "normal_z"}, "F");
-  if (cloud.has_colors()) declare({"rgb"}, "U");
-  for (const std::string& name : word_names(cloud)) declare({name.c_str()}, "F");
+  std::string names, sizes, types, counts;
+  for (const RecordColumn& column : record_columns(cloud)) {
+    names += " " + column.name;
+    sizes += fmt::format(" {}", column.bytes());
+    types += column.type == RecordColumn::Type::rgb ? " U" : " F";
+    counts += " 1";
+  }
   Bytes bytes;
-  put_text(bytes, fmt::format("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {}\n"
-                              "SIZE {}\nTYPE {}\nCOUNT {}\nWIDTH {}\nHEIGHT 1\n"
+  put_text(bytes, fmt::format("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\n"
+                              "SIZE{}\nTYPE{}\nCOUNT{}\nWIDTH {}\nHEIGHT 1\n"
                               "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
                               names, sizes, types, counts, cloud.size(), cloud.size()));
-  ByteWriter out(bytes);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::dvec3 p = cloud.world(i);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (as_float) {
-        out.put(static_cast<float>(p[axis]));
-      } else {
-        out.put(p[axis]);
-      }
-    }
-    for (int axis = 0; axis < 3 && cloud.has_normals(); ++axis) out.put(cloud.normals[i][axis]);
-    if (cloud.has_colors()) {
-      const glm::u16vec3& c = cloud.colors[i];
-      out.put(to_8_bits(c.x) << 16 | to_8_bits(c.y) << 8 | to_8_bits(c.z));
-    }
-    for (const ScalarField& scalar : cloud.scalars) out.put(scalar.values[i]);
-  }
+  put_records(cloud, bytes);
   return bytes;
 }
 
@@ -264,11 +223,11 @@ Result<Bytes> npz_bytes(const PointCloud& cloud) {
   std::vector<Array> arrays{array_of<double>("positions", "<f8", world)};
   if (cloud.has_colors()) arrays.push_back(array_of<std::uint16_t>("colors", "<u2", cloud.colors));
   if (cloud.has_normals()) arrays.push_back(array_of<float>("normals", "<f4", cloud.normals));
-  const std::vector<std::string> names = word_names(cloud);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool taken = names[i] == "positions" || names[i] == "colors" || names[i] == "normals";
-    arrays.push_back(
-        array_of<float>((taken ? "scalar_" : "") + names[i], "<f4", cloud.scalars[i].values));
+  std::vector<std::string> names{"positions", "colors", "normals"};
+  for (const ScalarField& field : cloud.scalars) {
+    const bool taken = std::find(names.begin(), names.begin() + 3, field.name) != names.begin() + 3;
+    names.push_back(word_name((taken ? "scalar_" : "") + field.name, names));
+    arrays.push_back(array_of<float>(names.back(), "<f4", field.values));
   }
   return zip_of(arrays);
 }

@@ -15,9 +15,7 @@ enum class PointsFormat : std::uint8_t { ply, pcd, las, npz };
 /// ".ply", ".pcd", ".las" or ".npz".
 const char* extension(PointsFormat format);
 
-/// A binary PCD file, version 0.7: positions as floats where that loses nothing, otherwise as
-/// doubles; normals as normal_x, normal_y, normal_z; colours rounded to 8 bits, as rgb; scalar
-/// fields as floats, with "_" for blanks in their names.
+/// A binary PCD file, version 0.7, with the columns of point_records.h.
 Bytes pcd_bytes(const PointCloud& cloud);
 
 /// A LAS 1.2 file of point format 2, or 0 without colours, without normals. Of scalar fields,

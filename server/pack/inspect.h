@@ -87,6 +87,7 @@ struct UnpackReport {
   std::uint32_t frames = 0;
   std::uint64_t triangles = 0;     ///< of all meshes
   std::uint32_t without_mesh = 0;  ///< frames with points through which no surface goes
+  std::vector<LostValues> lost;    ///< in files LAS, of all frames, each field once, by its name
 };
 
 /// Writes decoded frames as `frame_00000.ply`, ..., and the whole sound as `audio.opus`, at their

@@ -226,6 +226,19 @@ std::optional<std::pair<std::uint32_t, std::uint32_t>> parse_frames(const std::s
   return std::pair(*first, *last);
 }
 
+/// What LAS files did not keep, in one line.
+std::string describe_lost(const std::vector<LostValues>& lost) {
+  std::string parts;
+  for (const LostValues& one : lost) {
+    if (!parts.empty()) parts += ", ";
+    parts += fmt::format(
+        "{} of {} {}", counted(one.values, "value"), one.field,
+        one.bounds ? fmt::format("clipped to {} to {}", one.bounds->first, one.bounds->second)
+                   : "dropped");
+  }
+  return fmt::format("LAS cannot hold all scalar fields: {}; ply, pcd and npz can", parts);
+}
+
 int run_unpack(UnpackOptions options, const std::string& frames) {
   if (!frames.empty()) {
     const auto range = parse_frames(frames);
@@ -250,6 +263,7 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
   }
   print("{}: {}{}\n", options.output.string(), counted(report->frames, "frame"),
         options.mesh ? ", " + counted(report->triangles, "triangle") : "");
+  if (!report->lost.empty()) print_error(describe_lost(report->lost));
   if (report->without_mesh > 0) {
     const bool one = report->without_mesh == 1;
     print_error(fmt::format("{} of {} {} points but no surface, so {} empty", report->without_mesh,

@@ -139,9 +139,26 @@ class Unpacking {
     return mesh;
   }
 
+  /// Called from any thread.
+  void count_lost(const std::vector<LostValues>& lost) {
+    const std::lock_guard lock(mutex_);
+    for (const LostValues& one : lost) {
+      const auto at =
+          std::lower_bound(report_.lost.begin(), report_.lost.end(), one.field,
+                           [](const LostValues& a, const std::string& b) { return a.field < b; });
+      if (at != report_.lost.end() && at->field == one.field) {
+        at->values += one.values;
+      } else {
+        report_.lost.insert(at, one);
+      }
+    }
+  }
+
   Result<void> write(std::uint32_t frame, const fs::path& path) {
     if (!options_.mesh) {
-      const Result<Bytes> bytes = cloud_bytes(TRY(decode(frame)), options_.format);
+      const PointCloud cloud = TRY(decode(frame));
+      if (options_.format == PointsFormat::las) count_lost(lost_in_las(cloud));
+      const Result<Bytes> bytes = cloud_bytes(cloud, options_.format);
       if (!bytes) return fail_at(place(frame), bytes.error());
       return write_file(path, *bytes);
     }

@@ -29,10 +29,18 @@ const ScalarField* find_scalar(const PointCloud& cloud, std::string_view name) {
   return found == cloud.scalars.end() ? nullptr : &*found;
 }
 
+/// A scalar field that LAS has, with the bounds of its values.
+struct LasField {
+  std::string_view name;
+  int least = 0, most = 0;
+};
+constexpr LasField kIntensity{"intensity", 0, 65535}, kReturnNumber{"return number", 1, 7},
+    kClassification{"classification", 0, 31};
+
 /// A value as a whole number within bounds; the least where there is none.
-int rounded(const ScalarField* field, std::size_t i, int least, int most) {
-  if (field == nullptr || !(field->values[i] > static_cast<float>(least))) return least;
-  return static_cast<int>(std::min(std::round(field->values[i]), static_cast<float>(most)));
+int rounded(const ScalarField* field, std::size_t i, const LasField& las) {
+  if (field == nullptr || !(field->values[i] > static_cast<float>(las.least))) return las.least;
+  return static_cast<int>(std::min(std::round(field->values[i]), static_cast<float>(las.most)));
 }
 
 /// An array of numpy.
@@ -194,23 +202,42 @@ Bytes las_bytes(const PointCloud& cloud) {
     set(179 + 2 * at, box.max[axis]);
     set(187 + 2 * at, box.min[axis]);
   }
-  const ScalarField* const intensity = find_scalar(cloud, "intensity");
-  const ScalarField* const returns = find_scalar(cloud, "return number");
-  const ScalarField* const classes = find_scalar(cloud, "classification");
+  const ScalarField* const intensity = find_scalar(cloud, kIntensity.name);
+  const ScalarField* const returns = find_scalar(cloud, kReturnNumber.name);
+  const ScalarField* const classes = find_scalar(cloud, kClassification.name);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::size_t at = kHeader + size * i;
     const glm::dvec3 p = (cloud.world(i) - offset) / scale;
     for (int axis = 0; axis < 3; ++axis)
       set(at + static_cast<std::size_t>(4 * axis),
           static_cast<std::int32_t>(std::llround(p[axis])));
-    set(at + 12, static_cast<std::uint16_t>(rounded(intensity, i, 0, 65535)));
-    const int number = rounded(returns, i, 1, 7);
+    set(at + 12, static_cast<std::uint16_t>(rounded(intensity, i, kIntensity)));
+    const int number = rounded(returns, i, kReturnNumber);
     set(at + 14, static_cast<std::uint8_t>(number | number << 3));  // the last return
-    set(at + 15, static_cast<std::uint8_t>(rounded(classes, i, 0, 31)));
+    set(at + 15, static_cast<std::uint8_t>(rounded(classes, i, kClassification)));
     for (int c = 0; c < 3 && cloud.has_colors(); ++c)
       set(at + 20 + static_cast<std::size_t>(2 * c), cloud.colors[i][c]);
   }
   return bytes;
+}
+
+std::vector<LostValues> lost_in_las(const PointCloud& cloud) {
+  std::vector<LostValues> all;
+  for (const ScalarField& field : cloud.scalars) {
+    LostValues lost{field.name, field.values.size(), std::nullopt};
+    for (const LasField& las : {kIntensity, kReturnNumber, kClassification}) {
+      if (las.name != field.name) continue;
+      lost.bounds = {las.least, las.most};
+      lost.values = static_cast<std::uint64_t>(
+          std::count_if(field.values.begin(), field.values.end(), [&](float value) {
+            const float whole = std::round(value);
+            return !(whole >= static_cast<float>(las.least) &&
+                     whole <= static_cast<float>(las.most));
+          }));
+    }
+    if (lost.values > 0) all.push_back(std::move(lost));
+  }
+  return all;
 }
 
 Result<Bytes> npz_bytes(const PointCloud& cloud) {

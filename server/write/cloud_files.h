@@ -1,6 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
@@ -23,6 +27,17 @@ Bytes pcd_bytes(const PointCloud& cloud);
 /// to a power of ten that is at most 2^-26 of the longest extent. z points up in LAS, but the axes
 /// stay as they are.
 Bytes las_bytes(const PointCloud& cloud);
+
+/// What a LAS file does not keep of a scalar field.
+struct LostValues {
+  std::string field;
+  std::uint64_t values = 0;
+  /// Values outside of these bounds, or unknown, become the nearest bound, or the first. Without
+  /// bounds, the whole field is left out.
+  std::optional<std::pair<int, int>> bounds;
+};
+/// What las_bytes() clips or leaves out, apart from rounding.
+std::vector<LostValues> lost_in_las(const PointCloud& cloud);
 
 /// numpy's uncompressed archive of arrays of N rows and 3 columns: "positions" (float64), and where
 /// the cloud has them "colors" (uint16, sRGB) and "normals" (float32), and of

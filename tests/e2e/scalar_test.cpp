@@ -1,5 +1,6 @@
 // Scalar fields from files to pictures, as a user sees them.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -130,6 +131,15 @@ TEST_F(Scalars, that_are_not_there_are_an_error_that_names_the_others) {
       run("pointreel", {"play", reel(), "--offscreen", "64x64", "--at", "0", "--color", "head"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("there are heat, class"));
+}
+
+TEST_F(Scalars, that_las_files_do_not_keep_are_named_in_one_line) {
+  const Outcome unpacked = run("pointreel-server", {"unpack", "-i", reel(), "-o",
+                                                    (folder_ / "las").string(), "--format", "las"});
+  EXPECT_EQ(unpacked.exit_code, 0);
+  EXPECT_THAT(unpacked.err, HasSubstr("values of class dropped"));
+  EXPECT_THAT(unpacked.err, HasSubstr("values of heat dropped"));
+  EXPECT_EQ(std::count(unpacked.err.begin(), unpacked.err.end(), '\n'), 1);
 }
 
 }  // namespace

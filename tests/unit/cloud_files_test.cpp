@@ -1,6 +1,9 @@
 #include "server/write/cloud_files.h"
 
+#include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,6 +54,29 @@ TEST(CloudFiles, clouds_without_points_and_with_one_are_files_too) {
   for (const PointsFormat format : {PointsFormat::ply, PointsFormat::pcd, PointsFormat::las})
     EXPECT_EQ(again(cloud, format).cloud.world(0), glm::dvec3(1, 2, 3));
   EXPECT_TRUE(npz_bytes(cloud));
+}
+
+TEST(CloudFiles, what_las_clips_or_drops_is_counted_by_field) {
+  PointCloud cloud;
+  const float unknown = std::numeric_limits<float>::quiet_NaN();
+  cloud.positions.resize(4);
+  cloud.scalars = {{"intensity", {0, 65535.4f, 65536, -1}},
+                   {"classification", {31, 2, 32, unknown}},
+                   {"return number", {1, 7, 1, 2}},
+                   {"heat", {1, 2, 3, 4}}};
+  const auto lost = lost_in_las(cloud);
+  ASSERT_EQ(lost.size(), 3u);
+  EXPECT_EQ(lost[0].field, "intensity");
+  EXPECT_EQ(lost[0].values, 2u);
+  EXPECT_EQ(lost[0].bounds, std::pair(0, 65535));
+  EXPECT_EQ(lost[1].field, "classification");
+  EXPECT_EQ(lost[1].values, 2u);
+  EXPECT_EQ(lost[2].field, "heat");
+  EXPECT_EQ(lost[2].values, 4u);
+  EXPECT_FALSE(lost[2].bounds);
+  // And this is what happens to them.
+  const PointCloud read = again(cloud, PointsFormat::las).cloud;
+  EXPECT_EQ(read.scalars.at(0).values, (std::vector<float>{0, 65535, 65535, 0}));
 }
 
 TEST(CloudFiles, npz_is_a_zip_of_arrays_aligned_to_64_bytes) {

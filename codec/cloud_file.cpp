@@ -1,6 +1,7 @@
 #include "codec/cloud_file.h"
 
 #include <algorithm>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -8,6 +9,7 @@
 
 #include "codec/formats/byte_source.h"
 #include "codec/formats/format_table.h"
+#include "codec/formats/gltf_buffers.h"
 #include "common/base/natural_order.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -66,6 +68,16 @@ Result<CloudFormat> format_of_file(const ByteSource& source, const fs::path& pat
   return format_of(TRY(source.view(0, kBegin, room)), path.filename().string());
 }
 
+/// The file with its buffers in it, where it is a .gltf file with buffers in other files.
+Result<std::optional<Bytes>> embedded(const ByteSource& source, CloudFormat format,
+                                      const fs::path& path, std::uint64_t max_bytes) {
+  if (format != CloudFormat::gltf) return std::optional<Bytes>();
+  return or_out_of_memory([&]() -> Result<std::optional<Bytes>> {
+    Bytes room;
+    return embed_gltf_buffers(TRY(source.all(room)), path.parent_path(), max_bytes);
+  });
+}
+
 }  // namespace
 
 Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits) {
@@ -79,6 +91,9 @@ Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits) {
 Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
   const ByteSource source = TRY(at_place(path.string(), ByteSource::open(path)));
   const CloudFormat format = TRY(at_place(path.string(), format_of_file(source, path)));
+  const auto whole =
+      TRY(at_place(path.string(), embedded(source, format, path, limits.max_memory)));
+  if (whole) return at_place(path.string(), read_cloud(*whole, format, limits));
   return at_place(path.string(), read_source(source, format, limits));
 }
 
@@ -161,6 +176,10 @@ Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_
   if (source.size() > max_bytes) {
     return fail(ErrorCode::limit,
                 fmt::format("{}: has {} bytes, more than {}", name, source.size(), max_bytes));
+  }
+  if (auto whole = TRY(at_place(name, embedded(source, fetched.format, frame.file, max_bytes)))) {
+    fetched.bytes = std::move(*whole);
+    return fetched;
   }
   const ByteView bytes = TRY(at_place(name, source.all(fetched.bytes)));
   if (bytes.data() != fetched.bytes.data()) fetched.bytes.assign(bytes.begin(), bytes.end());

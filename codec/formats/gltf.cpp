@@ -228,7 +228,7 @@ class GltfReader {
       if (!uri.starts_with("data:") || comma == std::string::npos) {
         return fail(ErrorCode::unsupported,
                     concat("buffers/", i,
-                           " is in another file, which is not read: export it as "
+                           " is in another file, which has not come with it: export it as "
                            ".glb, or with its data embedded"));
       }
       auto bytes = decode_base64(std::string_view(uri).substr(comma + 8));

@@ -10,12 +10,13 @@
 
 namespace pointreel {
 
-/// Reads the vertices of a glTF 2.0 file: binary (.glb), or JSON (.gltf) with its buffers inside. A
-/// mesh is there once for each node of the scene that shows it, where that node puts it; files
-/// without scenes show all of their meshes. Positions, normals and colours (COLOR_0) are read, of
-/// any component type that glTF allows, normalised or not, interleaved or sparse. If a primitive
-/// has no colours, or no normals, its vertices are black, or have no normal, where others have one.
-/// Vertices that no index names count, too. In glTF y points up.
+/// Reads the vertices of a glTF 2.0 file: binary (.glb), or JSON (.gltf) with its buffers inside
+/// (gltf_buffers.h puts them there). A mesh is there once for each node of the scene that shows it,
+/// where that node puts it; files without scenes show all of their meshes. Positions, normals and
+/// colours (COLOR_0) are read, of any component type that glTF allows, normalised or not,
+/// interleaved or sparse. If a primitive has no colours, or no normals, its vertices are black, or
+/// have no normal, where others have one. Vertices that no index names count, too. In glTF y points
+/// up.
 ///
 /// `unread` receives what makes a difference and is skipped: "textures", "skins", "animations",
 /// "morph targets". Errors name the part of the JSON: `unsupported` for buffers in other files and

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +19,7 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/ros_messages.h"
 
 namespace pointreel::bench {
 namespace {
@@ -26,6 +28,7 @@ struct Input {
   std::string name;
   std::filesystem::path path;
   double least_share = 0.0;  ///< bar: of the speed of reading the bytes into memory; 0: none
+  double least_rate = 0.0;   ///< bar: MB/s of the file; 0: none
 };
 
 void put(Bytes& out, const std::string& text) { out.insert(out.end(), text.begin(), text.end()); }
@@ -80,6 +83,67 @@ Bytes las_of(const PointCloud& cloud) {
   return bytes;
 }
 
+/// Messages of 30,000 points as PointXYZRGB, about 10 in each chunk, as rosbag2 records a lidar.
+Bytes mcap_of(const PointCloud& cloud, const std::string& compression) {
+  constexpr std::size_t kPoints = 30'000, kInChunk = 10;
+  constexpr std::uint32_t kStep = 16;
+  McapWriter out;
+  out.add(McapWriter::schema(1, "sensor_msgs/msg/PointCloud2"));
+  out.add(McapWriter::channel(1, 1, "/points"));
+  Bytes records;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> index;
+  std::uint64_t time_ns = 0;
+  for (std::size_t first = 0; first < cloud.size(); first += kPoints) {
+    const std::size_t count = std::min(kPoints, cloud.size() - first);
+    Bytes data;
+    ByteWriter points(data);
+    for (std::size_t i = first; i < first + count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) points.put(cloud.positions[i][axis]);
+      points.put(packed(cloud.colors[i]));
+    }
+    CdrWriter cdr(false);
+    cdr.put(std::int32_t{0});
+    cdr.put(std::uint32_t{0});
+    cdr.put_text("lidar");
+    cdr.put(std::uint32_t{1});
+    cdr.put(static_cast<std::uint32_t>(count));
+    cdr.put(std::uint32_t{4});
+    std::uint32_t offset = 0;
+    for (const char* name : {"x", "y", "z", "rgb"}) {
+      cdr.put_text(name);
+      cdr.put(offset);
+      cdr.put(std::uint8_t{7});
+      cdr.put(std::uint32_t{1});
+      offset += 4;
+    }
+    cdr.put(std::uint8_t{0});
+    cdr.put(kStep);
+    cdr.put(static_cast<std::uint32_t>(kStep * count));
+    cdr.put_bytes(data);
+    cdr.put(std::uint8_t{1});
+    index.emplace_back(time_ns, records.size());
+    const Bytes message = McapWriter::message(1, time_ns, cdr.bytes());
+    records.insert(records.end(), message.begin(), message.end());
+    time_ns += 100'000'000;
+    if (index.size() < kInChunk && first + count < cloud.size()) continue;
+    out.add_chunk(records, compression);
+    out.add_index(1, index);
+    records.clear();
+    index.clear();
+  }
+  out.end();
+  return out.bytes();
+}
+
+/// Reads all frames of a file, and counts their points.
+Result<std::size_t> read_points_of(const std::filesystem::path& path) {
+  const CloudSequence sequence = TRY(list_cloud_frames({path}));
+  std::size_t points = 0;
+  for (const CloudFrame& frame : sequence.frames)
+    points += TRY(read_cloud_frame(frame)).cloud.size();
+  return points;
+}
+
 /// Milliseconds; the bytes are kept until then, as those of a cloud are.
 double read_bytes_ms(const std::filesystem::path& path) {
   const double begin = now_ms();
@@ -96,10 +160,10 @@ nlohmann::json measure_file(const Input& input, int runs, std::vector<Bar>& bars
   for (int i = 0; i < runs; ++i) {
     plain.push_back(read_bytes_ms(input.path));
     const double begin = now_ms();
-    const auto loaded = read_cloud_file(input.path);
+    const auto loaded = read_points_of(input.path);
     read.push_back(now_ms() - begin);
     if (!loaded) return {{"error", loaded.error().message}};
-    points = loaded->cloud.size();
+    points = *loaded;
   }
   const double megabytes = 1e-6 * static_cast<double>(std::filesystem::file_size(input.path));
   const double plain_ms = summarise(plain).median, read_ms = summarise(read).median;
@@ -111,6 +175,9 @@ nlohmann::json measure_file(const Input& input, int runs, std::vector<Bar>& bars
   if (input.least_share > 0.0)
     bars.push_back({input.name + ": of the speed of reading the bytes", 100.0 * share, "%",
                     100.0 * input.least_share, true});
+  if (input.least_rate > 0.0)
+    bars.push_back(
+        {input.name + ": speed", 1e3 * megabytes / read_ms, "MB/s", input.least_rate, true});
   return {{"name", input.name},
           {"points", points},
           {"megabytes", megabytes},
@@ -124,19 +191,23 @@ nlohmann::json run_files(const SuiteOptions& options) {
   const TemporaryFolder folder;
   const PointCloud cloud = scan_like_cloud(options.quick ? 300'000 : 3'000'000);
   std::vector<Input> inputs;
-  const auto add = [&](const char* name, const char* file, const Bytes& bytes, double least) {
-    inputs.push_back({name, folder.path() / file, least});
+  const auto add = [&](const char* name, const char* file, const Bytes& bytes, double least_share,
+                       double least_rate = 0.0) {
+    inputs.push_back({name, folder.path() / file, least_share, least_rate});
     return write_file(inputs.back().path, bytes);
   };
   for (const Result<void>& written :
        {add("PCD, positions", "a.pcd", pcd_of(cloud, false), 0.8),
         add("PCD, positions and colours", "b.pcd", pcd_of(cloud, true), 0.8),
         add("LAS, point format 7", "c.las", las_of(cloud), 0.8),
-        add("PLY, binary", "d.ply", ply_bytes(cloud), 0.0)}) {
+        add("PLY, binary", "d.ply", ply_bytes(cloud), 0.0),
+        add("MCAP, zstd", "e.mcap", mcap_of(cloud, "zstd"), 0.0, 300.0),
+        add("MCAP, lz4", "f.mcap", mcap_of(cloud, "lz4"), 0.0, 300.0),
+        add("MCAP, not compressed", "g.mcap", mcap_of(cloud, ""), 0.0, 300.0)}) {
     if (!written) return {{"error", written.error().message}};
   }
   for (const std::filesystem::path& file : options.files)
-    inputs.push_back({file.filename().string(), file, 0.0});
+    inputs.push_back({file.filename().string(), file});
   print("Reading files that are in the page cache, on one thread\n");
   std::vector<Bar> bars;
   nlohmann::json rows = nlohmann::json::array();

@@ -142,9 +142,11 @@ void LivePlayback::prepare() {
 Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) {
   FrameInfo info{frame.number, frame.capture_us, {}};
   PrepareOptions options;
+  std::shared_ptr<const StripRecord> record;
   bool octree = false;
   {
     const std::lock_guard lock(mutex_);
+    record = strip_record_;
     info.cube = bounding_cube(stream_.bounds);
     options = prepare_;
     info.scalars = stream_.scalars;
@@ -157,7 +159,10 @@ Result<SceneFrame> LivePlayback::prepare(LiveFrame& frame) {
   const std::size_t most = std::min(seen, std::max(1u, options.layers));
   std::vector<FetchedLayer>& layers = frame.frame.layers;
   if (layers.size() > most) layers.resize(most);
-  return prepare_frame(frame.frame, info, options);
+  auto scene = prepare_frame(frame.frame, info, options, {}, &record);
+  const std::lock_guard lock(mutex_);
+  strip_record_ = std::move(record);
+  return scene;
 }
 
 void LivePlayback::deliver(std::uint64_t order, std::shared_ptr<const SceneFrame> frame) {

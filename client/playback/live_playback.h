@@ -89,9 +89,10 @@ class LivePlayback : public Playback {
   bool ending_ = false;
   LiveHello stream_;  ///< what the publisher says; the defaults until then
   PrepareOptions prepare_;
-  std::optional<Received> received_;  ///< the newest that no thread works on yet
-  Ready ready_;                       ///< the newest; null at first
-  Ready given_;                       ///< what the last update gave
+  std::shared_ptr<const StripRecord> strip_record_;  ///< of some frame in strip mode, or null
+  std::optional<Received> received_;                 ///< the newest that no thread works on yet
+  Ready ready_;                                      ///< the newest; null at first
+  Ready given_;                                      ///< what the last update gave
   std::uint64_t overtaken_ = 0;
   std::optional<Camera> camera_;
   glm::ivec2 size_{0};

@@ -102,8 +102,18 @@ Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const Fetc
   PrepareOptions options = prepare_options();
   options.mode = request.mode;
   options.level = request.level;
-  auto scene = TRY(prepare_frame(fetched, frame_info(manifest(), request.frame), options,
-                                 [&request] { return request.stop.stop_requested(); }));
+  std::shared_ptr<const StripRecord> record;
+  {
+    const std::lock_guard lock(prepare_mutex_);
+    record = strip_record_;
+  }
+  auto scene = TRY(prepare_frame(
+      fetched, frame_info(manifest(), request.frame), options,
+      [&request] { return request.stop.stop_requested(); }, &record));
+  if (manifest().frame_count() > 1) {
+    const std::lock_guard lock(prepare_mutex_);
+    strip_record_ = std::move(record);
+  }
   plan_.made(request.layers, scene.decode_ms + scene.normals_ms + scene.svo_ms);
   // A frame that lacks layers tells the depth only if it was given too few for it.
   const bool tells_depth = request.mode == DrawMode::voxel &&

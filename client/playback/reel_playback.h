@@ -168,9 +168,10 @@ class ReelPlayback : public Playback {
   bool begins_ = true;    ///< it plays from then on
   LayerPlan plan_;
   FrameBuffer buffer_;
-  mutable std::mutex
-      prepare_mutex_;  ///< guards prepare_, and what voxel_depth_ learns by its delta
+  /// Guards prepare_, strip_record_, and what voxel_depth_ learns by its delta.
+  mutable std::mutex prepare_mutex_;
   PrepareOptions prepare_;
+  std::shared_ptr<const StripRecord> strip_record_;  ///< of some frame in strip mode, or null
   std::uint32_t playhead_ = 0;
   // The camera and the size that view_level_ was found for.
   std::optional<Camera> camera_;

@@ -322,7 +322,8 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
 
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
                                  const PrepareOptions& options,
-                                 const std::function<bool()>& stopped) {
+                                 const std::function<bool()>& stopped,
+                                 std::shared_ptr<const StripRecord>* record) {
   Stopwatch watch;
   TRY(check(stopped));
   auto frame = TRY(decode(fetched, info.cube, options, stopped));
@@ -375,7 +376,10 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
     if (worth_hiding(scene.svo)) scene.neighbors = leaf_neighbors(scene.svo);
   }
   if (lacks_scalar) scene.level = 0;  // with more layers, it is not grey
-  if (options.mode == DrawMode::strip) make_strips(scene, tbb_executor());
+  if (options.mode == DrawMode::strip)
+    make_strips(scene, tbb_executor(), record);
+  else if (record != nullptr)
+    record->reset();
   scene.svo_ms = watch.lap();
   return scene;
 }

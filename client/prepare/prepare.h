@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -69,7 +70,8 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// Normals that are needed but absent are estimated from neighbours. Radii that are absent are made
 /// in surfel mode, from the tree (tree_radii.h, node_radii.h).
 ///
-/// Strips are made of surfels (strip_frame.h).
+/// Strips are made of surfels (strip_frame.h). If there is a place for their record, it is used,
+/// and replaced by that of this frame, or in other modes by null.
 ///
 /// A scalar field that is chosen becomes the colours (scalar_colors.h). Where it is not known, also
 /// because it has not come yet, they are grey.
@@ -81,6 +83,7 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);
 /// ErrorCode::cancelled.
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
                                  const PrepareOptions& options,
-                                 const std::function<bool()>& stopped = {});
+                                 const std::function<bool()>& stopped = {},
+                                 std::shared_ptr<const StripRecord>* record = nullptr);
 
 }  // namespace pointreel

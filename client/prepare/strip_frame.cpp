@@ -1,6 +1,7 @@
 #include "client/prepare/strip_frame.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -17,11 +18,22 @@ namespace {
 /// tree much deeper.
 constexpr double kMayMeet = 0.02;
 
+/// A cube around a box that is mostly the same for the next frame, so that what does not move keeps
+/// its patches: its edge is a power of two, and its origin a multiple of an eighth of that.
+Cube steady_cube(const Box& box) {
+  const double edge = bounding_cube(box).edge;
+  Cube cube;
+  cube.edge = std::exp2(std::ceil(std::log2(edge * (8.0 / 7.0))));
+  const double step = cube.edge / 8.0;
+  cube.origin = glm::floor(box.min / step) * step;
+  return cube;
+}
+
 /// Replaces a cloud by one with a point for each leaf of a tree, and makes that tree.
 void merge_points(SceneFrame& scene, const Executor& executor) {
   const PointCloud& points = scene.cloud;
   const auto sorted =
-      sort_to_depth(points, bounding_cube(bounds(points)), DepthRule::by_delta(kMayMeet), executor);
+      sort_to_depth(points, steady_cube(bounds(points)), DepthRule::by_delta(kMayMeet), executor);
   if (!sorted) return;  // only for a rule that makes no sense
   const int depth = sorted->depth, unused = 3 * (sorted->sorted.levels - depth);
   scene.svo = build_svo(sorted->sorted, depth, executor);
@@ -53,19 +65,26 @@ void merge_points(SceneFrame& scene, const Executor& executor) {
 
 }  // namespace
 
-void make_strips(SceneFrame& scene, const Executor& executor) {
+void make_strips(SceneFrame& scene, const Executor& executor,
+                 std::shared_ptr<const StripRecord>* record) {
   if (scene.cloud.empty())
     scene.cloud = surfels_of(scene);
   else
     merge_points(scene, executor);
   PointCloud& surfels = scene.cloud;
   if (surfels.normals.empty()) surfels.normals.resize(surfels.size(), glm::vec3(0.0f));
-  scene.strips = make_strips({.svo = scene.svo,
-                              .positions = surfels.positions,
-                              .normals = surfels.normals,
-                              .radii = surfels.radii,
-                              .lines = scene.normals_estimated},
-                             scene.attributes, {}, executor);
+  const StripSurfels from{.svo = scene.svo,
+                          .positions = surfels.positions,
+                          .normals = surfels.normals,
+                          .radii = surfels.radii,
+                          .lines = scene.normals_estimated};
+  if (record == nullptr) {
+    scene.strips = make_strips(from, scene.attributes, {}, executor);
+  } else {
+    RecordedStrips made = update_strips(from, scene.attributes, *record, {}, executor);
+    scene.strips = std::move(made.strips);
+    *record = std::move(made.record);
+  }
   scene.svo = {};
   scene.attributes = {};
   scene.radii = {};

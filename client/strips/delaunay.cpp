@@ -184,13 +184,8 @@ std::span<const Delaunay::Triangle> Delaunay::run(std::span<const glm::ivec2> po
     insert(sorted_[i], sorted_[i - 1]);
     legalize();
   }
-  const auto beyond = [this](const Corner& corner) {
-    return corner.twin == kNone ? kNone : corners_[ahead(ahead(corner.twin))].point;
-  };
-  for (std::size_t i = 0; i < size_; i += 4) {
-    const Corner &a = corners_[i], &b = corners_[i + 1], &c = corners_[i + 2];
-    triangles_.push_back({{a.point, b.point, c.point}, {beyond(a), beyond(b), beyond(c)}});
-  }
+  for (std::size_t i = 0; i < size_; i += 4)
+    triangles_.push_back({corners_[i].point, corners_[i + 1].point, corners_[i + 2].point});
   return triangles_;
 }
 

@@ -25,15 +25,9 @@ class Delaunay {
   static constexpr int kReach = 8191;
   /// Edges are kept in 16 bits, and there are up to eight for each point.
   static constexpr std::size_t kMostPoints = 4096;
-  static constexpr std::uint16_t kNone = 0xffff;
 
-  struct Triangle {
-    /// The indices of the corners, counterclockwise.
-    std::array<std::uint16_t, 3> corners;
-    /// The far corners of the triangles beyond the edges, of which edge i runs from corner i to
-    /// corner i + 1; kNone at the rim.
-    std::array<std::uint16_t, 3> beyond;
-  };
+  /// The indices of the corners, counterclockwise.
+  using Triangle = std::array<std::uint16_t, 3>;
 
   /// Triangulates no more than kMostPoints points. Of points that coincide, all but the first are
   /// left out. There are no triangles if all points lie on a line. The result is valid until the
@@ -44,6 +38,7 @@ class Delaunay {
   /// An edge of a triangle: four times the triangle's index plus that of the edge, from 0 to 2. The
   /// edge runs from the corner of the same index to the next one.
   using Edge = std::uint16_t;
+  static constexpr Edge kNone = 0xffff;
   struct Corner {
     std::uint16_t point;
     Edge twin;  ///< of the edge that starts here; kNone at the rim

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/strips/delaunay.h"
+#include "client/strips/kept_patches.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
@@ -50,17 +51,15 @@ class Triangulation {
     for (const Delaunay::Triangle& triangle : delaunay_.run(points_)) {
       if (!is_kept(triangle)) continue;
       const std::size_t lowest = lowest_corner(triangle);
-      ++places_[triangle.corners[lowest] + 1u];
+      ++places_[triangle[lowest] + 1u];
       PatchTriangle to;
       to.inner = true;
       for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t from = (lowest + i) % 3;
-        to.corners[i] = members_[triangle.corners[from]];
-        const std::uint16_t beyond = triangle.beyond[from];
-        to.beyond[i] = beyond == Delaunay::kNone ? kNoSurfel : members_[beyond];
-        to.inner = to.inner && own_[triangle.corners[from]] != 0;
+        to.corners[i] = members_[triangle[from]];
+        to.inner = to.inner && own_[triangle[from]] != 0;
       }
-      kept_.push_back({triangle.corners[lowest], to});
+      kept_.push_back({triangle[lowest], to});
     }
     std::partial_sum(places_.begin(), places_.end(), places_.begin());
     const std::size_t first = out.size();
@@ -79,17 +78,12 @@ class Triangulation {
   /// Collects the surfels of a patch and those near it, by their index.
   void gather(const PatchNode& patch, const PatchPlane& plane) {
     const Svo& svo = surfels_.svo;
-    float reach = 0.0f;
-    for (std::uint32_t i = patch.begin; i < patch.end; ++i) reach += surfels_.radii[i];
-    reach *= rule_.distance / static_cast<float>(patch.end - patch.begin);
-    const float reach2 = reach * reach;
-    // The neighbours of a node that is large enough hold all that is near.
-    const PatchNode* node = &patch;
-    while (svo.cell_size(node->level) < reach && node->level > 0) node = &tree_.nodes[node->parent];
+    const float reach = inflation_reach(surfels_, patch, rule_), reach2 = reach * reach;
+    const PatchNode& node = node_of_reach(svo, tree_, patch, reach);
     ranges_.clear();
-    for (const std::uint32_t around : node->around) {
+    for (const std::uint32_t around : node.around) {
       if (around == kNoNode) continue;
-      const auto [begin, end] = tree_.surfels_below(svo, around, node->level);
+      const auto [begin, end] = tree_.surfels_below(svo, around, node.level);
       ranges_.push_back({begin, end});
     }
     std::sort(ranges_.begin(), ranges_.end(),
@@ -139,13 +133,13 @@ class Triangulation {
   }
 
   bool is_kept(const Delaunay::Triangle& triangle) const {
-    const auto [a, b, c] = triangle.corners;
+    const auto [a, b, c] = triangle;
     return (own_[a] | own_[b] | own_[c]) != 0 && short_enough(members_[a], members_[b]) &&
            short_enough(members_[b], members_[c]) && short_enough(members_[c], members_[a]);
   }
 
   static std::size_t lowest_corner(const Delaunay::Triangle& triangle) {
-    const auto [a, b, c] = triangle.corners;
+    const auto [a, b, c] = triangle;
     return a < b ? (a < c ? 0 : 2) : (b < c ? 1 : 2);
   }
 
@@ -170,8 +164,22 @@ class Triangulation {
 
 }  // namespace
 
+float inflation_reach(const StripSurfels& surfels, const PatchNode& patch,
+                      const InflationRule& rule) {
+  float radii = 0.0f;
+  for (std::uint32_t i = patch.begin; i < patch.end; ++i) radii += surfels.radii[i];
+  return radii * (rule.distance / static_cast<float>(patch.end - patch.begin));
+}
+
+const PatchNode& node_of_reach(const Svo& svo, const StrippingTree& tree, const PatchNode& patch,
+                               float reach) {
+  const PatchNode* node = &patch;
+  while (svo.cell_size(node->level) < reach && node->level > 0) node = &tree.nodes[node->parent];
+  return *node;
+}
+
 Patches::Patches(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule,
-                 const Executor& executor)
+                 const Executor& executor, const KeptPatches* kept)
     : patches_(tree.patches.size()), blocks_((tree.patches.size() + kBlock - 1) / kBlock) {
   for_each(executor, static_cast<int>(blocks_.size()), [&](int number) {
     const auto block = static_cast<std::size_t>(number);
@@ -179,7 +187,8 @@ Patches::Patches(const StripSurfels& surfels, const StrippingTree& tree, const I
     Triangulation triangulation(surfels, tree, rule);
     for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, patches_.size()); ++i) {
       const auto begin = static_cast<std::uint32_t>(out.size());
-      triangulation.run(tree.nodes[tree.patches[i]], out);
+      if (kept == nullptr || !kept->append_triangles(i, out))
+        triangulation.run(tree.nodes[tree.patches[i]], out);
       patches_[i] = {begin, static_cast<std::uint32_t>(out.size())};
     }
   });

@@ -11,15 +11,10 @@
 
 namespace pointreel {
 
-inline constexpr std::uint32_t kNoSurfel = ~std::uint32_t{0};
-
 /// A triangle of a patch, whose corners are surfels.
 struct PatchTriangle {
   /// The lowest first, counterclockwise as seen along the patch's normal.
   std::array<std::uint32_t, 3> corners;
-  /// The far corners of the triangles beyond the edges, kept or not; edge i runs from corner i to
-  /// corner i + 1. kNoSurfel at the rim.
-  std::array<std::uint32_t, 3> beyond;
   bool inner;  ///< all its corners are the patch's own, so that no other patch has it
 
   friend bool operator==(const PatchTriangle&, const PatchTriangle&) = default;
@@ -36,15 +31,28 @@ struct InflationRule {
   /// Surfels of other patches are left out if the cosine between their normals and that of the
   /// patch is less: they lie on another side.
   float least_cosine = 0.1f;
+
+  bool operator==(const InflationRule&) const = default;
 };
+
+class KeptPatches;
+
+/// The lowest node above a patch, or the patch, that is large enough for all surfels that may be
+/// triangulated with the patch to lie in the nodes around it. `reach`: how far they may be.
+const PatchNode& node_of_reach(const Svo& svo, const StrippingTree& tree, const PatchNode& patch,
+                               float reach);
+/// How far surfels of other patches may be from the box around a patch (InflationRule::distance).
+float inflation_reach(const StripSurfels& surfels, const PatchNode& patch,
+                      const InflationRule& rule);
 
 /// Triangles of all patches, before the redundant ones are taken out.
 class Patches {
  public:
+  Patches() = default;
   /// Triangulates each patch with surfels around it, and keeps the triangles that have a corner in
-  /// the patch.
+  /// the patch. Patches that are kept are not triangulated again.
   Patches(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule,
-          const Executor& executor);
+          const Executor& executor, const KeptPatches* kept = nullptr);
 
   std::size_t size() const { return patches_.size(); }
   /// The triangles of a patch, in the order of their corners.

@@ -27,6 +27,8 @@ struct PatchRule {
   /// Heights that are no larger than this share of the surfels' radii are noise, or the steps of
   /// voxels.
   float noise = 1.0f;
+
+  bool operator==(const PatchRule&) const = default;
 };
 
 /// Surfels that belong together: those below one node of the octree.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -32,6 +33,8 @@ struct StripNode {
   glm::vec3 position{0.0f};
   glm::i16vec3 normal{0};  ///< of length 32767, or zero where unknown
   glm::u16vec3 color{0};   ///< sRGB, as PointCloud::colors; 0 if there are none
+
+  bool operator==(const StripNode&) const = default;
 };
 
 /// Surfels as a surface of small triangle strips. T. Boubekeur, P. Reuter, C. Schlick, "Surfel
@@ -41,16 +44,36 @@ struct SurfelStrips {
   std::vector<std::uint32_t> indices;  ///< of surfels; strips end with kEndOfStrip
 
   bool empty() const { return indices.empty(); }
+  bool operator==(const SurfelStrips&) const = default;
 };
 
 struct StripRules {
   PatchRule patch;
   InflationRule inflation;
+
+  bool operator==(const StripRules&) const = default;
 };
 
 /// Makes strips of surfels, whose tree has these attributes. The result does not depend on the
 /// executor. O(n) for surfels on a surface. Throws nothing but std::bad_alloc.
 SurfelStrips make_strips(const StripSurfels& surfels, const NodeAttributes& attributes,
                          const StripRules& rules = {}, const Executor& executor = {});
+
+/// What strips were made of, kept to make those of a similar frame faster.
+struct StripRecord;
+
+struct RecordedStrips {
+  SurfelStrips strips;
+  std::shared_ptr<const StripRecord> record;
+  std::uint32_t made = 0;  ///< the patches whose strips were made, not taken from a record
+};
+
+/// The same strips as those of make_strips, and a record of them. Only patches are made again
+/// around which surfels differ from those of the record, which may be any frame's, or null. Trees
+/// of other cubes or depths have nothing in common. A record takes about as much memory as three
+/// frames.
+RecordedStrips update_strips(const StripSurfels& surfels, const NodeAttributes& attributes,
+                             const std::shared_ptr<const StripRecord>& before,
+                             const StripRules& rules = {}, const Executor& executor = {});
 
 }  // namespace pointreel

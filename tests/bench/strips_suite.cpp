@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -56,6 +59,45 @@ std::pair<double, double> on_one_and_two_threads(int runs, const Work& work) {
   return {summarise(one).min, summarise(two).min};
 }
 
+/// Positions of which the tenth that is nearest to one of them moved a little.
+std::vector<glm::vec3> with_a_tenth_moved(std::span<const glm::vec3> positions,
+                                          std::span<const float> radii) {
+  std::vector<std::pair<float, std::size_t>> nearest;
+  const glm::vec3 center = positions[positions.size() / 2];
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    nearest.emplace_back(glm::length(positions[i] - center), i);
+  const auto tenth = nearest.begin() + static_cast<std::ptrdiff_t>(positions.size() / 10);
+  std::nth_element(nearest.begin(), tenth, nearest.end());
+  std::vector<glm::vec3> moved(positions.begin(), positions.end());
+  for (auto at = nearest.begin(); at != tenth; ++at) moved[at->second] += 0.1f * radii[at->second];
+  return moved;
+}
+
+/// The least times of making strips on two threads, in turns, ms.
+struct UpdateTimes {
+  double all = 0.0, nothing_changed = 0.0, tenth_changed = 0.0;
+};
+UpdateTimes update_times(const StripSurfels& surfels, const NodeAttributes& attributes, int runs) {
+  const std::vector<glm::vec3> moved = with_a_tenth_moved(surfels.positions, surfels.radii);
+  StripSurfels changed = surfels;
+  changed.positions = moved;
+  tbb::task_arena arena(2);
+  std::vector<double> all, nothing, tenth;
+  arena.execute([&] {
+    const Executor executor = tbb_executor();
+    const auto record = update_strips(surfels, attributes, nullptr, {}, executor).record;
+    const auto time = [&](const StripSurfels& now, const std::shared_ptr<const StripRecord>& from) {
+      return time_runs(1, [&] { update_strips(now, attributes, from, {}, executor); }).front();
+    };
+    for (int i = 0; i < runs; ++i) {
+      all.push_back(time(changed, nullptr));
+      nothing.push_back(time(surfels, record));
+      tenth.push_back(time(changed, record));
+    }
+  });
+  return {summarise(all).min, summarise(nothing).min, summarise(tenth).min};
+}
+
 /// The least time in which a frame is drawn at 1280x720, ms.
 Result<double> drawing_ms(const std::shared_ptr<const SceneFrame>& frame, DrawMode mode, int runs) {
   SoftwareRenderer renderer(tbb_executor());
@@ -100,6 +142,7 @@ Result<nlohmann::json> measure_input(const Input& input, int runs, std::vector<B
                           .lines = surfels->normals_estimated};
   const auto [one, two] = on_one_and_two_threads(
       runs, [&](const Executor& executor) { make_strips(from, attributes, {}, executor); });
+  const UpdateTimes update = update_times(from, attributes, runs);
   const SurfelStrips& strips = stripped->strips;
   const auto count = static_cast<std::size_t>(
       std::count(strips.indices.begin(), strips.indices.end(), kEndOfStrip));
@@ -107,10 +150,15 @@ Result<nlohmann::json> measure_input(const Input& input, int runs, std::vector<B
   const double draw_strips = TRY(drawing_ms(stripped, DrawMode::strip, runs + 2)),
                draw_surfels = TRY(drawing_ms(surfels, DrawMode::surfel, runs + 2));
   const double indices = static_cast<double>(strips.indices.size()) / std::max(triangles, 1u);
-  print("{:<34} {:>9} {:>8} {:>9} {:>8.2f} {:>9.1f} {:>9.1f} {:>8.1f} {:>8.1f}\n", input.name,
-        cloud.size(), count, triangles, indices, one, two, draw_strips, draw_surfels);
-  if (input.limit > 0.0)
+  print("{:<34} {:>9} {:>8} {:>9} {:>8.2f} {:>9.1f} {:>9.1f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.1f}\n",
+        input.name, cloud.size(), count, triangles, indices, one, two, update.nothing_changed,
+        update.tenth_changed, draw_strips, draw_surfels);
+  if (input.limit > 0.0) {
     bars.push_back({"strips of " + input.name + ", two threads", two, "ms", input.limit});
+    if (cloud.size() <= 100'000)
+      bars.push_back({"the same, nothing changed", update.nothing_changed, "ms", 5.0});
+    bars.push_back({"the same, a tenth changed", update.tenth_changed / update.all, "of all", 0.3});
+  }
   return nlohmann::json{{"input", input.name},
                         {"surfels", cloud.size()},
                         {"strips", count},
@@ -118,6 +166,9 @@ Result<nlohmann::json> measure_input(const Input& input, int runs, std::vector<B
                         {"indices_per_triangle", indices},
                         {"threads_1_ms", one},
                         {"threads_2_ms", two},
+                        {"record_ms", update.all},
+                        {"nothing_changed_ms", update.nothing_changed},
+                        {"tenth_changed_ms", update.tenth_changed},
                         {"draw_strips_ms", draw_strips},
                         {"draw_surfels_ms", draw_surfels}};
 }
@@ -125,10 +176,11 @@ Result<nlohmann::json> measure_input(const Input& input, int runs, std::vector<B
 }  // namespace
 
 nlohmann::json run_strips(const SuiteOptions& options) {
-  print("{:<34} {:>9} {:>8} {:>9} {:>8} {:>19} {:>17}\n", "", "", "", "", "indices",
-        "making them, ms", "drawing, ms");
-  print("{:<34} {:>9} {:>8} {:>9} {:>8} {:>9} {:>9} {:>8} {:>8}\n", "input", "surfels", "strips",
-        "triangles", "each", "1 thread", "2 threads", "strips", "surfels");
+  print("{:<34} {:>9} {:>8} {:>9} {:>8} {:>19} {:>17} {:>17}\n", "", "", "", "", "indices",
+        "making them, ms", "changed, ms", "drawing, ms");
+  print("{:<34} {:>9} {:>8} {:>9} {:>8} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "input", "surfels",
+        "strips", "triangles", "each", "1 thread", "2 threads", "nothing", "a tenth", "strips",
+        "surfels");
   auto rows = nlohmann::json::array();
   std::vector<Bar> bars;
   const auto measure_all = [&]() -> Result<void> {

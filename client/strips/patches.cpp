@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -18,9 +19,10 @@ struct SurfelRange {
 
 /// A box around surfels.
 struct Bounds {
-  glm::vec3 min, max;
+  glm::vec3 min{0.0f}, max{0.0f};
 
-  Bounds(std::span<const glm::vec3> positions) : min(positions[0]), max(positions[0]) {
+  Bounds() = default;
+  explicit Bounds(std::span<const glm::vec3> positions) : min(positions[0]), max(positions[0]) {
     for (const glm::vec3& p : positions) {
       min = glm::min(min, p);
       max = glm::max(max, p);
@@ -31,18 +33,26 @@ struct Bounds {
     const glm::vec3 d = glm::max(glm::max(min - p, p - max), 0.0f);
     return glm::dot(d, d);
   }
+  /// The same of another box, which is no more than that of any point in it, also rounded.
+  float distance2(const Bounds& other) const {
+    const glm::vec3 d = glm::max(glm::max(min - other.max, other.min - max), 0.0f);
+    return glm::dot(d, d);
+  }
 };
 
 /// Triangulates patches, one after another. Keeps its buffers.
 class Triangulation {
  public:
-  Triangulation(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule)
-      : surfels_(surfels), tree_(tree), rule_(rule) {}
+  /// `boxes`: around the surfels of each patch.
+  Triangulation(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule,
+                std::span<const Bounds> boxes)
+      : surfels_(surfels), tree_(tree), rule_(rule), boxes_(boxes) {}
 
   /// Appends the triangles of a patch.
-  void run(const PatchNode& patch, std::vector<PatchTriangle>& out) {
+  void run(std::size_t number, std::vector<PatchTriangle>& out) {
+    const PatchNode& patch = tree_.nodes[tree_.patches[number]];
     const PatchPlane plane = patch_plane(surfels_, patch.begin, patch.end);
-    gather(patch, plane);
+    gather(number, plane);
     project(plane);
     // Triangles are put into the order of their lowest corners by counting, and then, the few that
     // share it, by comparing.
@@ -76,8 +86,9 @@ class Triangulation {
 
  private:
   /// Collects the surfels of a patch and those near it, by their index.
-  void gather(const PatchNode& patch, const PatchPlane& plane) {
+  void gather(std::size_t number, const PatchPlane& plane) {
     const Svo& svo = surfels_.svo;
+    const PatchNode& patch = tree_.nodes[tree_.patches[number]];
     const float reach = inflation_reach(surfels_, patch, rule_), reach2 = reach * reach;
     const PatchNode& node = node_of_reach(svo, tree_, patch, reach);
     ranges_.clear();
@@ -88,24 +99,37 @@ class Triangulation {
     }
     std::sort(ranges_.begin(), ranges_.end(),
               [](const SurfelRange& a, const SurfelRange& b) { return a.begin < b.begin; });
-    const Bounds box(surfels_.positions.subspan(patch.begin, patch.end - patch.begin));
+    const Bounds& box = boxes_[number];
     members_.clear();
     own_.clear();
     for (const SurfelRange& range : ranges_) {
-      for (std::uint32_t i = range.begin; i < range.end; ++i) {
-        const bool own = i >= patch.begin && i < patch.end;
-        if (!own) {
-          if (!(box.distance2(surfels_.positions[i]) <= reach2)) continue;
-          const float cosine = glm::dot(surfels_.normals[i], plane.normal);
-          if ((surfels_.lines ? std::abs(cosine) : cosine) < rule_.least_cosine &&
-              surfels_.normals[i] != glm::vec3(0.0f))
-            continue;
-        }
-        if (members_.size() == Delaunay::kMostPoints) return;
-        members_.push_back(i);
-        own_.push_back(own ? 1 : 0);
+      // The parts of the range that belong to one patch each. Most are too far away as a whole.
+      for (std::uint32_t begin = range.begin, end; begin < range.end; begin = end) {
+        const std::uint32_t owner = tree_.patch_of[begin];
+        end = std::min(range.end, tree_.nodes[tree_.patches[owner]].end);
+        if (box.distance2(boxes_[owner]) > reach2) continue;
+        if (!gather({begin, end}, owner == number, box, reach2, plane)) return;
       }
     }
+  }
+
+  /// The same for surfels that belong to one patch. Returns false if there are as many as there may
+  /// be.
+  bool gather(const SurfelRange& range, bool own, const Bounds& box, float reach2,
+              const PatchPlane& plane) {
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      if (!own) {
+        if (!(box.distance2(surfels_.positions[i]) <= reach2)) continue;
+        const float cosine = glm::dot(surfels_.normals[i], plane.normal);
+        if ((surfels_.lines ? std::abs(cosine) : cosine) < rule_.least_cosine &&
+            surfels_.normals[i] != glm::vec3(0.0f))
+          continue;
+      }
+      if (members_.size() == Delaunay::kMostPoints) return false;
+      members_.push_back(i);
+      own_.push_back(own ? 1 : 0);
+    }
+    return true;
   }
 
   /// Projects the members into the plane, and rounds their coordinates to as many steps as there
@@ -152,6 +176,7 @@ class Triangulation {
   const StripSurfels& surfels_;
   const StrippingTree& tree_;
   const InflationRule& rule_;
+  const std::span<const Bounds> boxes_;
   std::vector<SurfelRange> ranges_;
   std::vector<std::uint32_t> members_;  ///< of the inflated patch, by their index
   std::vector<std::uint8_t> own_;       ///< whether they are the patch's own
@@ -181,14 +206,25 @@ const PatchNode& node_of_reach(const Svo& svo, const StrippingTree& tree, const 
 Patches::Patches(const StripSurfels& surfels, const StrippingTree& tree, const InflationRule& rule,
                  const Executor& executor, const KeptPatches* kept)
     : patches_(tree.patches.size()), blocks_((tree.patches.size() + kBlock - 1) / kBlock) {
-  for_each(executor, static_cast<int>(blocks_.size()), [&](int number) {
-    const auto block = static_cast<std::size_t>(number);
-    std::vector<PatchTriangle>& out = blocks_[block];
-    Triangulation triangulation(surfels, tree, rule);
-    for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, patches_.size()); ++i) {
+  const auto in_blocks = [&](const std::function<void(std::size_t, std::size_t)>& work) {
+    for_each(executor, static_cast<int>(blocks_.size()), [&](int number) {
+      const std::size_t begin = static_cast<std::size_t>(number) * kBlock;
+      work(begin, std::min(begin + kBlock, patches_.size()));
+    });
+  };
+  std::vector<Bounds> boxes(patches_.size());
+  in_blocks([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const PatchNode& patch = tree.nodes[tree.patches[i]];
+      boxes[i] = Bounds(surfels.positions.subspan(patch.begin, patch.end - patch.begin));
+    }
+  });
+  in_blocks([&](std::size_t first, std::size_t last) {
+    std::vector<PatchTriangle>& out = blocks_[first / kBlock];
+    Triangulation triangulation(surfels, tree, rule, boxes);
+    for (std::size_t i = first; i < last; ++i) {
       const auto begin = static_cast<std::uint32_t>(out.size());
-      if (kept == nullptr || !kept->append_triangles(i, out))
-        triangulation.run(tree.nodes[tree.patches[i]], out);
+      if (kept == nullptr || !kept->append_triangles(i, out)) triangulation.run(i, out);
       patches_[i] = {begin, static_cast<std::uint32_t>(out.size())};
     }
   });

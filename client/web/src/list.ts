@@ -5,7 +5,7 @@ import "./element";
 import type { PointreelPlayer } from "./element";
 import { refusal } from "./fetching";
 
-interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string }
+interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string; changed_us?: number }
 interface Stream { name: string; url: string; publishing: boolean; viewers: number }
 
 /** A path of the server's list, which may begin with "/" although the server is below a folder of another one. */
@@ -14,6 +14,28 @@ function within(base: URL, path: string): URL {
   // The token goes there.
   if (url.origin !== base.origin) throw new Error(`it names an address elsewhere, ${url.origin}`);
   return url;
+}
+
+/** The day, such as 2026-01-31, by this machine's clock. */
+function dayText(us: number): string {
+  const date = new Date(us / 1000), two = (n: number) => String(n).padStart(2, "0");
+  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
+}
+
+/** A field that leaves the cards that have all words of it, in their names, dates or other facts. */
+function search(cards: HTMLElement, none: HTMLElement): HTMLElement {
+  const field = element("input", { type: "search", placeholder: "Name or date", "aria-label": "Search by name or date" });
+  field.addEventListener("input", () => {
+    const words = field.value.toLowerCase().split(/\s+/);
+    let shown = 0;
+    for (const card of cards.children as HTMLCollectionOf<HTMLElement>) {
+      const text = card.textContent!.toLowerCase();
+      card.hidden = !words.every((word) => text.includes(word));
+      if (!card.hidden) ++shown;
+    }
+    none.hidden = shown > 0;
+  });
+  return field;
 }
 
 export async function showList(root: HTMLElement, base: URL, token: string | null): Promise<void> {
@@ -37,13 +59,16 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
     stream.protocol = base.protocol.replace("http", "ws");
     if (publishing) posters.add(picture, stream.href);
   }
-  for (const { name, url, manifest, duration_us, frames, bytes } of packages) {
+  for (const { name, url, manifest, duration_us, frames, bytes, changed_us } of packages) {
     const picture = add(within(base, url.replace(/\/(reel\.json)?$/, "")), name,
-                        `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}`, false);
+                        `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}` +
+                          (changed_us === undefined ? "" : `, ${dayText(changed_us)}`), false);
     posters.add(picture, within(base, manifest).href);
   }
+  const none = element("p", { hidden: "" }, "None of the reels and live streams has these words.");
   root.replaceChildren(element("main", { class: "list" }, element("h1", {}, "Pointreel"),
-    cards.childElementCount > 0 ? cards : element("p", {}, "This server has no reels and no live streams.")));
+    ...(cards.childElementCount > 0 ? [search(cards, none), none, cards]
+                                    : [element("p", {}, "This server has no reels and no live streams.")])));
 }
 
 /**

@@ -23,6 +23,18 @@ test("reels on the screen get their pictures one by one, and the others when one
   assert.ok(!asked());
   await tab.evaluate(() => document.querySelector(".cards li:last-child").scrollIntoView());
   await until(tab, () => document.querySelector(".cards li:last-child img")?.naturalWidth > 0, "the last picture", 60_000);
+  const shown = () => tab.evaluate(`[...document.querySelectorAll(".cards li")].filter((card) => !card.hidden).length`);
+  const search = (text) => tab.evaluate(`(() => {
+    const field = document.querySelector("input[type=search]");
+    field.value = ${JSON.stringify(text)};
+    field.dispatchEvent(new Event("input"));
+  })()`);
+  await search("REEL4 2026-01");
+  assert.equal(await shown(), 11, "reel4 and reel40 to reel49");
+  await search("nothing of the kind");
+  assert.equal(await shown(), 0);
+  await search("");
+  assert.equal(await shown(), REELS);
   if (process.env.KEEP) await tab.screenshot({ path: join(process.env.KEEP, "list.png") });
   await close();
 });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -17,7 +18,8 @@ void add_pack_command(CLI::App& app, int& exit_code);
 void add_audio_command(CLI::App& app, int& exit_code);
 void add_inspect_commands(CLI::App& app, int& exit_code);  ///< info, verify and unpack
 void add_publish_command(CLI::App& app, int& exit_code);
-void add_serve_command(CLI::App& app, int& exit_code);
+/// `command_line`: the arguments of the program, which are read again on SIGHUP.
+void add_serve_command(CLI::App& app, int& exit_code, std::vector<std::string> command_line);
 
 /// Prints `pointreel-server: message` to standard error, as one line.
 inline void print_error(const std::string& message) { print_error("pointreel-server", message); }

@@ -40,12 +40,49 @@ Result<LiveHello> hello_of(Fields& fields) {
   return hello;
 }
 
+/// The numbers of servers that a hello may name.
+std::vector<std::uint64_t> servers_of(Fields& fields) {
+  std::vector<std::uint64_t> servers;
+  if (!fields.has("servers")) return servers;
+  const JsonValue array = fields.array("servers");
+  if (fields.error()) return servers;
+  for (JsonItems items(array); items.next();) {
+    const auto text = items.value().string();
+    const auto number = text ? parse_hex(*text) : std::nullopt;
+    if (!number || servers.size() == kMaxLiveServers) {
+      fields.refuse("servers", concat("is not a list of at most ", kMaxLiveServers,
+                                      " texts of 16 lowercase hexadecimal digits"));
+      return {};
+    }
+    servers.push_back(*number);
+  }
+  return servers;
+}
+
+Result<LiveStreams> streams_of(const JsonValue& root) {
+  Fields fields(root);
+  LiveStreams streams;
+  const JsonValue array = fields.array("names");
+  TRY(fields.check());
+  for (JsonItems items(array); items.next();) {
+    auto name = items.value().string();
+    if (!name || !is_stream_name(*name)) return fail("one of its names is not that of a stream");
+    if (streams.names.size() == kMaxLiveStreams) {
+      return fail(ErrorCode::limit, concat("has more than ", kMaxLiveStreams, " names"));
+    }
+    streams.names.push_back(*std::move(name));
+  }
+  return streams;
+}
+
 Result<LiveHello> viewer_hello_of(const JsonValue& root) {
   Fields fields(root);
   const std::optional<std::uint64_t> session = parse_hex(fields.text("session"));
   if (!session) fields.refuse("session", "is not 16 lowercase hexadecimal digits");
+  std::vector<std::uint64_t> servers = servers_of(fields);
   LiveHello hello = TRY(hello_of(fields));
   hello.session = *session;
+  hello.servers = std::move(servers);
   return hello;
 }
 
@@ -84,8 +121,12 @@ std::string hello_text(const LiveHello& hello, std::string_view key, std::string
                         i == 0 ? R"(,"scalars":[)" : ",", dump(range.name), dump(range.least),
                         dump(range.most), range.labels);
   }
-  text += fmt::format(R"({},"layers":["{}"],"bounds":)", hello.scalars.empty() ? "" : "]",
-                      fmt::join(hello.layer_names, "\",\""));
+  if (!hello.scalars.empty()) text += ']';
+  for (std::size_t i = 0; i < hello.servers.size(); ++i) {
+    text += fmt::format(R"({}"{:016x}"{})", i == 0 ? R"(,"servers":[)" : ",", hello.servers[i],
+                        i + 1 == hello.servers.size() ? "]" : "");
+  }
+  text += fmt::format(R"(,"layers":["{}"],"bounds":)", fmt::join(hello.layer_names, "\",\""));
   if (hello.bounds.empty()) return text + "null}";
   return text + fmt::format(R"({{"min":{},"max":{}}}}})", vector_text(hello.bounds.min),
                             vector_text(hello.bounds.max));
@@ -123,6 +164,13 @@ std::string write_drops(const LiveDrops& drops) {
 
 std::string write_end() { return R"({"type":"end"})"; }
 
+std::string write_streams(const LiveStreams& streams) {
+  // Names consist of letters, digits, '.', '_' and '-', so nothing needs to be escaped.
+  return streams.names.empty() ? R"({"type":"streams","names":[]})"
+                               : fmt::format(R"({{"type":"streams","names":["{}"]}})",
+                                             fmt::join(streams.names, "\",\""));
+}
+
 Result<LiveText> parse_live_text(std::string_view text) {
   const TypedText typed = TRY(parse_typed(text));
   if (typed.type == "hello") return LiveText(TRY(at_place("hello", viewer_hello_of(typed.root))));
@@ -134,6 +182,7 @@ Result<LiveText> parse_live_text(std::string_view text) {
     return LiveText(drops);
   }
   if (typed.type == "end") return LiveText(LiveEnd{});
+  if (typed.type == "streams") return LiveText(TRY(at_place("streams", streams_of(typed.root))));
   return LiveText(LiveUnknown{});
 }
 

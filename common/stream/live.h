@@ -28,6 +28,8 @@ inline constexpr std::size_t kMaxLiveText = 8u << 10;
 inline constexpr std::size_t kMaxLiveLayer = 64u << 20;
 /// The size of the header of a binary message.
 inline constexpr std::size_t kLiveHeaderSize = 40;
+/// The most servers that a stream passes through, and the most streams of one server.
+inline constexpr std::size_t kMaxLiveServers = 8, kMaxLiveStreams = 64;
 
 /// Describes the stream to viewers. It is the first message, and is sent again when something in it
 /// changes; it then applies from the next frame on.
@@ -37,6 +39,9 @@ struct LiveHello : ReelHead {
   /// it does not reveal.
   std::uint64_t session = 0;
   Box bounds;  ///< the bounds of all points so far; may be empty
+  /// The servers through which the stream has come, that of the publisher first. Each chooses its
+  /// number at random when it starts. Publishers send none.
+  std::vector<std::uint64_t> servers;
 
   bool operator==(const LiveHello&) const = default;
 };
@@ -77,17 +82,26 @@ struct LiveEnd {
   bool operator==(const LiveEnd&) const = default;
 };
 
+/// From a server to one that relays its streams: the names of those that are being published.
+struct LiveStreams {
+  std::vector<std::string> names;
+
+  bool operator==(const LiveStreams&) const = default;
+};
+
 /// A text message of a type that this version does not know and ignores.
 struct LiveUnknown {
   bool operator==(const LiveUnknown&) const = default;
 };
-using LiveText = std::variant<LiveHello, LiveDrops, LiveEnd, LiveUnknown>;
+using LiveText = std::variant<LiveHello, LiveDrops, LiveEnd, LiveStreams, LiveUnknown>;
 
 std::string write_hello(const LiveHello& hello);
 /// The same from a publisher: with the secret in place of the session.
 std::string write_publisher_hello(const LiveHello& hello, const LiveSecret& secret);
 std::string write_drops(const LiveDrops& drops);
 std::string write_end();
+/// At most kMaxLiveStreams of them fit into a text.
+std::string write_streams(const LiveStreams& streams);
 /// Errors: `unsupported` for a hello of another version, `limit` for more than kMaxLiveText bytes,
 /// otherwise `invalid`.
 Result<LiveText> parse_live_text(std::string_view text);

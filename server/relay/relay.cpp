@@ -1,10 +1,15 @@
 #include "server/relay/relay.h"
 
+#include <algorithm>
+#include <list>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
+#include <random>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -20,6 +25,26 @@ struct RelayState {
     std::size_t users = 0;    ///< publications and viewers
     std::uint64_t ended = 0;  ///< the value of `events` when the last of them left
   };
+  struct Watcher {
+    std::function<void()> wake;
+    bool asleep = false;
+    bool due = true;  ///< the names may have changed since it was told them
+  };
+
+  /// A stream has got its publisher, or lost it.
+  void changed() {
+    const std::lock_guard lock(mutex);
+    for (Watcher& watcher : watchers) {
+      watcher.due = true;
+      if (!watcher.asleep) continue;
+      try {
+        watcher.wake();
+        watcher.asleep = false;
+      } catch (const std::bad_alloc&) {
+        // It sleeps on until the next change.
+      }
+    }
+  }
 
   void release(const std::string& name) {
     const std::lock_guard lock(mutex);
@@ -46,6 +71,7 @@ struct RelayState {
   std::mutex mutex;  // guards what follows; streams have locks of their own
   std::map<std::string, Entry, std::less<>> streams;
   std::uint64_t events = 0;
+  std::list<Watcher> watchers;
 };
 
 namespace {
@@ -103,12 +129,11 @@ Result<std::unique_ptr<Use>> use_for_publisher(const std::shared_ptr<RelayState>
 /// Has its stream once the hello has come.
 class StreamPublication : public Publication {
  public:
-  StreamPublication(std::shared_ptr<RelayState> state, std::string name)
-      : state_(std::move(state)), name_(std::move(name)) {}
-  ~StreamPublication() override {
-    if (!greeted()) return;
-    use_->stream().leave(this, ended_ ? Stream::Time::min() : now() + state_->options.grace);
-  }
+  enum class From { kPublisher, kServer };
+
+  StreamPublication(std::shared_ptr<RelayState> state, std::string name, From from)
+      : state_(std::move(state)), name_(std::move(name)), from_(from) {}
+  ~StreamPublication() override { leave(); }
 
   Result<void> message(LiveMessage message) override {
     if (message.kind == LiveMessage::Kind::binary) {
@@ -117,25 +142,102 @@ class StreamPublication : public Publication {
     }
     const std::string_view text(reinterpret_cast<const char*>(message.bytes->data()),
                                 message.bytes->size());
-    const auto hello = TRY(parse_publisher_text(text));
-    if (!hello) return {};
-    if (greeted()) return use_->stream().hello(this, *hello, now());
-    std::unique_ptr<Use> use = TRY(use_for_publisher(state_, name_));
-    TRY(use->stream().hello(this, *hello, now()));
-    use_ = std::move(use);
-    return {};
+    if (from_ == From::kServer) return take(TRY(parse_live_text(text)));
+    auto publisher = TRY(parse_publisher_text(text));
+    if (!publisher) return {};
+    publisher->hello.servers = {state_->options.server};
+    return greet(std::move(publisher->hello), proof_of(publisher->secret));
   }
 
   bool greeted() const override { return use_ != nullptr; }
   void end() override { ended_ = true; }
 
  private:
+  /// What another server says to its viewers.
+  Result<void> take(LiveText text) {
+    if (auto* hello = std::get_if<LiveHello>(&text)) {
+      auto& servers = hello->servers;
+      if (std::ranges::find(servers, state_->options.server) != servers.end())
+        return fail(fmt::format("{} comes from this server: the servers relay in a circle", name_));
+      if (servers.size() >= kMaxLiveServers)
+        return fail(fmt::format("{} has passed through {} servers already", name_, servers.size()));
+      servers.push_back(state_->options.server);
+      // Its publisher was started again.
+      if (hello->session != session_) leave();
+      session_ = hello->session;
+      return greet(std::move(*hello), proof_of_session(session_));
+    }
+    if (const auto* drops = std::get_if<LiveDrops>(&text)) {
+      // They count from the beginning of the connection, and a hostile server may count backward.
+      if (greeted() && drops->frames >= drops_.frames && drops->layers >= drops_.layers)
+        use_->stream().lost({drops->frames - drops_.frames, drops->layers - drops_.layers});
+      drops_ = *drops;
+    } else if (std::holds_alternative<LiveEnd>(text)) {
+      leave();
+    }
+    return {};
+  }
+
+  Result<void> greet(LiveHello hello, const SessionProof& proof) {
+    // Of two servers that have the same stream, the second waits until the first has gone.
+    const bool may_replace = from_ == From::kPublisher;
+    if (greeted()) return use_->stream().hello(this, std::move(hello), proof, may_replace, now());
+    std::unique_ptr<Use> use = TRY(use_for_publisher(state_, name_));
+    TRY(use->stream().hello(this, std::move(hello), proof, may_replace, now()));
+    use_ = std::move(use);
+    state_->changed();
+    return {};
+  }
+
+  void leave() {
+    if (!greeted()) return;
+    const bool is_free = ended_ || from_ == From::kServer;
+    use_->stream().leave(this, is_free ? Stream::Time::min() : now() + state_->options.grace);
+    use_.reset();
+    state_->changed();
+  }
+
   Stream::Time now() const { return state_->options.now(); }
 
   const std::shared_ptr<RelayState> state_;
   const std::string name_;
+  const From from_;
   bool ended_ = false;
-  std::unique_ptr<Use> use_;  ///< null before the hello
+  std::uint64_t session_ = 0;  ///< from a server
+  LiveDrops drops_;            ///< from a server: those that were counted
+  std::unique_ptr<Use> use_;   ///< null before the hello
+};
+
+/// Tells the names of the streams.
+class ListViewer : public Viewer {
+ public:
+  ListViewer(std::shared_ptr<RelayState> state, std::function<void()> wake)
+      : state_(std::move(state)) {
+    const std::lock_guard lock(state_->mutex);
+    watcher_ = state_->watchers.insert(state_->watchers.end(), {std::move(wake)});
+  }
+  ~ListViewer() override {
+    const std::lock_guard lock(state_->mutex);
+    state_->watchers.erase(watcher_);
+  }
+
+  std::optional<LiveMessage> next() override {
+    const std::lock_guard lock(state_->mutex);
+    watcher_->asleep = !watcher_->due;
+    if (!watcher_->due) return std::nullopt;
+    LiveStreams streams;
+    for (const auto& [name, entry] : state_->streams) {
+      if (streams.names.size() < kMaxLiveStreams && entry.stream->is_publishing())
+        streams.names.push_back(name);
+    }
+    LiveMessage message = text_message(write_streams(streams));
+    watcher_->due = false;
+    return message;
+  }
+
+ private:
+  std::shared_ptr<RelayState> state_;
+  std::list<RelayState::Watcher>::iterator watcher_;
 };
 
 class StreamViewer : public Viewer {
@@ -153,16 +255,39 @@ class StreamViewer : public Viewer {
 
 }  // namespace
 
-Relay::Relay(RelayOptions options) : state_(new RelayState{std::move(options), {}, {}, 0}) {}
+std::uint64_t random_server() {
+  std::random_device random;
+  return std::uint64_t{random()} << 32 | random();
+}
+
+Relay::Relay(RelayOptions options) : state_(new RelayState{std::move(options), {}, {}, 0, {}}) {}
 
 Relay::~Relay() = default;
 
-Result<std::unique_ptr<Publication>> Relay::publish(const std::string& name) {
+namespace {
+
+Result<std::unique_ptr<Publication>> publication(const std::shared_ptr<RelayState>& state,
+                                                 const std::string& name,
+                                                 StreamPublication::From from) {
   if (!is_stream_name(name)) {
     return fail(ErrorCode::argument,
                 "a stream's name consists of 1 to 64 letters, digits, '.', '_' and '-'");
   }
-  return std::make_unique<StreamPublication>(state_, name);
+  return std::make_unique<StreamPublication>(state, name, from);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Publication>> Relay::publish(const std::string& name) {
+  return publication(state_, name, StreamPublication::From::kPublisher);
+}
+
+Result<std::unique_ptr<Publication>> Relay::receive(const std::string& name) {
+  return publication(state_, name, StreamPublication::From::kServer);
+}
+
+std::unique_ptr<Viewer> Relay::watch(std::function<void()> wake) {
+  return std::make_unique<ListViewer>(state_, std::move(wake));
 }
 
 Result<std::unique_ptr<Viewer>> Relay::join(const std::string& name, std::function<void()> wake) {

@@ -12,14 +12,16 @@
 #include "common/stream/live_queue.h"
 #include "pointreel/error.h"
 
-/// Passes live streams on from their publishers to their viewers, without sockets. Any thread may
+/// Passes live streams on from their publishers, or from other servers, to their viewers, without
+/// sockets. Any thread may
 /// call anything, but each Publication and each Viewer only one thread at a time.
 ///
-/// Trust: publishers' messages are untrusted. Their headers, texts (live.h), order and frame
-/// headers are checked, so that a package can be made of whatever is accepted (reel_rules.h); the
-/// contents of chunks are passed on unchecked. Memory is bounded: it holds the newest frame of each
-/// stream, and for each viewer what LiveQueueOptions allows. The secrets of publishers are not
-/// kept, and nothing that viewers, sinks or statistics get reveals them (session.h).
+/// Trust: the messages of publishers and of other servers are untrusted. Their headers, texts
+/// (live.h), order and frame headers are checked, so that a package can be made of whatever is
+/// accepted (reel_rules.h); the contents of chunks are passed on unchecked. Memory is bounded: it
+/// holds the newest frame of each stream, and for each viewer what LiveQueueOptions allows. The
+/// secrets of publishers are not kept, and nothing that viewers, sinks or statistics get reveals
+/// them (session.h).
 namespace pointreel {
 
 /// Gets everything of a stream, for instance to record it. The calls come in order, one at a time,
@@ -34,9 +36,14 @@ class LiveSink {
   virtual void end() = 0;
 };
 
+/// A number that hardly any other server has.
+std::uint64_t random_server();
+
 struct RelayOptions {
   using Clock = std::chrono::steady_clock;
-  std::size_t max_streams = 64;  ///< a further one replaces the stream that ended first
+  /// A further one replaces the stream that ended first.
+  std::size_t max_streams = kMaxLiveStreams;
+  std::uint64_t server = random_server();  ///< stands for this server in LiveHello::servers
   /// For this time after a connection is lost, the stream's name belongs to its publisher.
   std::chrono::milliseconds grace{10'000};
   std::function<Clock::time_point()> now = [] { return Clock::now(); };
@@ -50,8 +57,13 @@ struct StreamStatistics {
   bool publishing = false;
   std::size_t viewers = 0;
   std::uint64_t frames = 0, layers = 0, bytes = 0;  ///< published
-  std::uint64_t sent_bytes = 0;         ///< taken by viewers, including those that have left
-  LiveDrops drops;                      ///< of all viewers, including those that have left
+  std::uint64_t sent_bytes = 0;  ///< taken by viewers, including those that have left
+  LiveDrops drops;               ///< of all viewers, including those that have left
+  std::size_t hops = 0;          ///< servers between the publisher and this one
+  LiveDrops lost;                ///< what those before this one could not send in time
+  /// From the capture of the newest frame until its base was here, by the clocks of the publisher
+  /// and of this machine.
+  std::int64_t lag_us = 0;
   std::uint64_t newest_capture_us = 0;  ///< Unix time of the newest frame; 0 if there is none
 };
 
@@ -95,6 +107,16 @@ class Relay {
   /// connection was lost. With the same secret it is the same publisher, which has reconnected and
   /// replaces its old connection.
   Result<std::unique_ptr<Publication>> publish(const std::string& name);
+
+  /// The same for a stream that comes from another server, whose messages to viewers it takes. When
+  /// the connection is lost, the name is free at once. A stream that has come through this server
+  /// before, or through kMaxLiveServers, is an error. An `end` from there ends the publication
+  /// until the next hello.
+  Result<std::unique_ptr<Publication>> receive(const std::string& name);
+
+  /// Gets the names of the streams that are being published, LiveStreams, and all of them again
+  /// whenever they change. `wake` is as in join().
+  std::unique_ptr<Viewer> watch(std::function<void()> wake);
 
   /// A viewer gets the hello and as much of the newest frame as has come, and then everything that
   /// follows. Streams remain when their publisher has gone, until there are too many. An error if

@@ -16,4 +16,11 @@ std::uint64_t session_of(const SessionProof& proof) {
   return session;
 }
 
+SessionProof proof_of_session(std::uint64_t session) {
+  SessionProof proof{};
+  for (std::size_t i = 0; i < sizeof(session); ++i)
+    proof[i] = static_cast<std::uint8_t>(session >> (56 - 8 * i));
+  return proof;
+}
+
 }  // namespace pointreel

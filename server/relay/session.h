@@ -16,4 +16,8 @@ SessionProof proof_of(const LiveSecret& secret);
 /// was started again.
 std::uint64_t session_of(const SessionProof& proof);
 
+/// What stands for the proof of a session that another server passes on: the session, and zeros, so
+/// that `session_of` gives the session. No secret has this proof.
+SessionProof proof_of_session(std::uint64_t session);
+
 }  // namespace pointreel

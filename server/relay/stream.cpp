@@ -8,6 +8,7 @@
 
 #include "codec/frame_header.h"
 #include "common/base/try.h"
+#include "common/base/unix_time.h"
 #include "common/base/words.h"
 #include "common/stream/reel_rules.h"
 #include "server/relay/segmenter.h"
@@ -31,6 +32,17 @@ bool takes_back(const LiveHello& before, const LiveHello& now) {
 bool Stream::is_owned(Time now) const {
   const std::lock_guard lock(mutex_);
   return owner_ != nullptr || now < reserved_until_;
+}
+
+bool Stream::is_publishing() const {
+  const std::lock_guard lock(mutex_);
+  return owner_ != nullptr;
+}
+
+void Stream::lost(const LiveDrops& drops) {
+  const std::lock_guard lock(mutex_);
+  lost_.frames += drops.frames;
+  lost_.layers += drops.layers;
 }
 
 void Stream::leave(const void* publisher, Time reserved_until) {
@@ -87,15 +99,19 @@ StreamStatistics Stream::statistics() const {
     statistics.drops.frames += seat->queue.drops().frames;
     statistics.drops.layers += seat->queue.drops().layers;
   }
+  statistics.hops = parsed_hello_.servers.empty() ? 0 : parsed_hello_.servers.size() - 1;
+  statistics.lost = lost_;
+  statistics.lag_us = lag_us_;
   statistics.newest_capture_us = newest_.empty() ? 0 : last_.capture_us;
   return statistics;
 }
 
-Result<void> Stream::hello(const void* publisher, const PublisherHello& from, Time now) {
-  const SessionProof proof = proof_of(from.secret);
+Result<void> Stream::hello(const void* publisher, LiveHello hello, const SessionProof& proof,
+                           bool may_replace, Time now) {
   const std::lock_guard lock(mutex_);
   const bool same_session = proof_ == proof;
-  if (!same_session && owner_ != nullptr) {
+  const bool other_owner = owner_ != nullptr && owner_ != publisher;
+  if ((!same_session && owner_ != nullptr) || (other_owner && !may_replace)) {
     return fail(
         owner_ == publisher
             ? "the secret may not change within a connection"
@@ -106,7 +122,6 @@ Result<void> Stream::hello(const void* publisher, const PublisherHello& from, Ti
     return fail(fmt::format("{} is kept for {} s for its publisher, which lost its connection",
                             name_, left.count()));
   }
-  LiveHello hello = from.hello;
   hello.session = session_of(proof);
   if (same_session && takes_back(parsed_hello_, hello)) {
     return fail("hello: takes back colours, normals or bounds that it has stated before");
@@ -183,6 +198,10 @@ Result<void> Stream::layer(const void* publisher, LiveMessage message) {
   // First what may lack memory. If it does, this layer has not come, and the publisher, whose
   // connection ends then, may send it again.
   newest_.push_back(message);
+  if (parsed.layer == 0) {
+    lag_us_ =
+        static_cast<std::int64_t>(unix_time_us()) - static_cast<std::int64_t>(parsed.capture_us);
+  }
   last_ = parsed;
   last_.bytes = {};
   ++layers_;

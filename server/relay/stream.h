@@ -34,14 +34,19 @@ class Stream {
          std::vector<std::shared_ptr<LiveSink>> sinks)
       : name_(std::move(name)), options_(options), sinks_(std::move(sinks)) {}
 
-  /// Takes the hello of a publisher, which owns the stream if it is accepted.
-  Result<void> hello(const void* publisher, const PublisherHello& hello, Time now);
+  /// Takes the hello of a publisher, which owns the stream if it is accepted. The session is that
+  /// of the proof. `may_replace`: another connection with the same proof is older, and is replaced.
+  Result<void> hello(const void* publisher, LiveHello hello, const SessionProof& proof,
+                     bool may_replace, Time now);
   /// Takes a layer from a publisher.
   Result<void> layer(const void* publisher, LiveMessage message);
+  /// So much more was lost on the way from the publisher to this server.
+  void lost(const LiveDrops& drops);
   /// The publisher's connection has ended. Its name is reserved for it until then.
   void leave(const void* publisher, Time reserved_until);
   /// Whether the stream belongs to a publisher, be it connected or not.
   bool is_owned(Time now) const;
+  bool is_publishing() const;
 
   std::shared_ptr<Seat> join(std::function<void()> wake);
   void leave(const std::shared_ptr<Seat>& seat);
@@ -71,6 +76,8 @@ class Stream {
   std::vector<std::shared_ptr<Seat>> seats_;
   std::uint64_t frames_ = 0, layers_ = 0, bytes_ = 0, sent_bytes_ = 0;
   LiveDrops drops_of_gone_;  ///< of viewers that have left
+  LiveDrops lost_;
+  std::int64_t lag_us_ = 0;  ///< from the capture of the newest frame until its base was here
 };
 
 }  // namespace pointreel

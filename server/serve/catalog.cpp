@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
+#include <map>
+#include <mutex>
+#include <set>
+#include <unordered_map>
 #include <utility>
 
 #include <fcntl.h>
@@ -72,17 +77,16 @@ std::string text_of(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// The name under which the package in a folder is served.
-Result<std::string> package_name(const fs::path& folder) {
+bool is_odd(char c) { return c == '\\' || c == 0x7f || static_cast<unsigned char>(c) < 0x20; }
+
+/// The name of a folder, if it can be part of a URL.
+Result<std::string> segment_name(const fs::path& folder) {
   std::error_code error;
   const fs::path absolute = fs::absolute(folder, error);
   if (error) return fail(ErrorCode::io, fmt::format("{}: {}", folder.string(), error.message()));
   fs::path normal = absolute.lexically_normal();
   if (!normal.has_filename()) normal = normal.parent_path();  // "reel/"
   std::string name = normal.filename().string();
-  const auto is_odd = [](char c) {
-    return c == '\\' || c == 0x7f || static_cast<unsigned char>(c) < 0x20;
-  };
   if (name.empty() || name == "." || name == ".." || std::ranges::any_of(name, is_odd)) {
     return fail(
         ErrorCode::argument,
@@ -172,103 +176,283 @@ tl::expected<SharedFile, OpenError> open_resource(const Resource& resource) {
   return file;
 }
 
-std::vector<fs::path> packages_in(const std::vector<fs::path>& folders) {
-  std::vector<fs::path> packages;
+namespace {
+
+/// A package as it was read.
+struct Package {
+  FileIdentity manifest;  ///< the file, and that of the journal beside it
+  FileIdentity journal;
+  std::vector<std::pair<std::string, std::shared_ptr<const Resource>>> entries;
+  nlohmann::ordered_json listing;
+};
+using Packages = std::map<std::string, std::shared_ptr<const Package>>;  // by name
+
+/// What is served at one moment.
+struct Table {
+  ResourceTable resources;
+  std::string list = "[]";  ///< JSON
+};
+
+FileIdentity identity_at(const fs::path& file) {
+  struct stat status{};
+  return ::stat(file.c_str(), &status) == 0 ? identity_of(status) : FileIdentity();
+}
+
+/// Looks for packages below a folder. False if there are too many folders.
+bool look_into(const fs::path& folder, const std::string& prefix, int depth, std::size_t& budget,
+               std::vector<PackageFolder>& found, bool& has_files) {
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (budget == 0) return false;
+    --budget;
+    std::error_code unknown;
+    const fs::path& path = at->path();
+    const std::string name = path.filename().string();
+    if (name.starts_with('.')) continue;
+    if (!at->is_directory(unknown)) {
+      has_files = has_files || depth == 0;
+      continue;
+    }
+    if (std::ranges::any_of(name, is_odd)) continue;
+    // Below these names the server and the page have something else.
+    const bool is_reserved = name == "live" || name == "page";
+    if (fs::exists(path / kManifestName, unknown)) {
+      found.push_back({path, prefix + name, true});
+    } else if (depth + 1 < kMaxFolderDepth && !at->is_symlink(unknown) && !is_reserved &&
+               !look_into(path, prefix + name + "/", depth + 1, budget, found, has_files)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Reads a package. Files that it had `before` are not looked at again.
+Result<std::shared_ptr<const Package>> read_package(const PackageFolder& from,
+                                                    const Package* before) {
+  const std::string given = from.folder.string(), &name = from.name;
+  std::error_code error;
+  const fs::path folder = fs::canonical(from.folder, error);
+  if (error) return fail(ErrorCode::not_found, fmt::format("{}: {}", given, error.message()));
+  auto package = std::make_shared<Package>();
+  package->manifest = identity_at(folder / kManifestName);
+  package->journal = identity_at(folder / kJournalName);
+  if (package->manifest == FileIdentity()) {
+    return fail(ErrorCode::not_found,
+                fmt::format("{}: holds no {}, and no packages; make one with pointreel-server pack",
+                            given, kManifestName));
+  }
+  const auto manifest_file = file_inside(folder, kManifestName);
+  if (!manifest_file) return fail_at(given, manifest_file.error());
+  const std::string manifest_place = (from.folder / kManifestName).string();
+  auto text = read_manifest_text(*manifest_file);
+  if (!text) return fail_at(manifest_place, text.error());
+  text = with_journal(folder, *std::move(text));
+  if (!text) return tl::unexpected(text.error());
+  const auto manifest = parse_manifest(*text);
+  if (!manifest) return fail_at(manifest_place, manifest.error());
+
+  std::unordered_map<std::string_view, std::shared_ptr<const Resource>> known;
+  if (before != nullptr) {
+    for (const auto& [path, resource] : before->entries) known.emplace(path, resource);
+  }
+  std::set<std::string_view> named;
+  std::uint64_t bytes = text->size();
+  const auto add = [&](std::string path, Resource resource) {
+    package->entries.emplace_back(std::move(path),
+                                  std::make_shared<const Resource>(std::move(resource)));
+  };
+  add(fmt::format("/{}/{}", name, kManifestName),
+      text_resource(kJson, kRevalidate, *std::move(text)));
+  for (const PackageFile* listed : manifest->files()) {
+    if (!named.insert(listed->path).second || listed->path == kManifestName) {
+      return fail(fmt::format("{}: the manifest names the file '{}' twice", given, listed->path));
+    }
+    bytes += listed->bytes;
+    std::string path = fmt::format("/{}/{}", name, listed->path);
+    const auto old = known.find(path);
+    if (old != known.end() && old->second->size == listed->bytes &&
+        old->second->checksum == listed->checksum) {
+      package->entries.emplace_back(std::move(path), old->second);
+      continue;
+    }
+    // Browsers play what is said to be sound, and nothing else.
+    const bool sound = manifest->audio && listed->path == manifest->audio->path;
+    auto resource =
+        file_resource(folder, *listed, sound ? "audio/ogg" : "application/octet-stream");
+    if (!resource) return fail_at(given, resource.error());
+    add(std::move(path), *std::move(resource));
+  }
+
+  const std::string url = encode_path(name);
+  const Resource redirect = redirect_resource(fmt::format("{}/{}", url, kManifestName));
+  add("/" + name, redirect);
+  add("/" + name + "/", redirect);
+  package->listing = {{"name", name},
+                      {"url", url},
+                      {"manifest", redirect.text},
+                      {"frames", manifest->frame_count()},
+                      {"fps", manifest->fps},
+                      {"duration_us", manifest->duration_us},
+                      {"bytes", bytes},
+                      {"codec", manifest->codec},
+                      {"changed_us", package->manifest.modified_ns / 1000}};
+  return package;
+}
+
+std::shared_ptr<const Table> table_of(const std::vector<PackageFolder>& order,
+                                      const Packages& packages) {
+  auto table = std::make_shared<Table>();
+  nlohmann::ordered_json listing = nlohmann::ordered_json::array();
+  std::set<std::string_view> listed;
+  for (const PackageFolder& folder : order) {
+    const auto package = packages.find(folder.name);
+    if (package == packages.end() || !listed.insert(folder.name).second) continue;
+    listing.push_back(package->second->listing);
+    for (const auto& [path, resource] : package->second->entries)
+      table->resources.emplace(path, resource);
+  }
+  if (!listing.empty()) table->list = text_of(listing);
+  // May be the redirect of a package of that name.
+  table->resources.insert_or_assign(
+      "/healthz", std::make_shared<const Resource>(
+                      text_resource("text/plain; charset=utf-8", "no-store", "ok\n")));
+  return table;
+}
+
+constexpr std::chrono::milliseconds kListPause{100};
+
+}  // namespace
+
+struct Catalog::State {
+  // Used by refresh only.
+  Packages packages;
+  std::map<std::string, std::string> faults;  ///< by folder
+  std::vector<std::string> order;
+
+  std::shared_ptr<const LiveResources> live;
+  mutable std::mutex mutex;  // guards what follows
+  std::shared_ptr<const Table> table = table_of({}, {});
+  std::shared_ptr<const Resource> list;
+  std::chrono::steady_clock::time_point list_until;
+};
+
+Result<std::vector<PackageFolder>> packages_in(const std::vector<fs::path>& folders) {
+  std::vector<PackageFolder> packages;
+  std::size_t budget = kMaxFolders;
   for (const fs::path& folder : folders) {
     std::error_code error;
-    std::vector<fs::path> inside;
+    std::vector<PackageFolder> inside;
+    bool has_files = false;
     if (!fs::exists(folder / kManifestName, error)) {
-      for (fs::directory_iterator at(folder, error), end; !error && at != end;
-           at.increment(error)) {
-        std::error_code unknown;
-        const fs::path& path = at->path();
-        if (!path.filename().native().starts_with('.') && fs::exists(path / kManifestName, unknown))
-          inside.push_back(path);
+      if (!look_into(folder, "", 0, budget, inside, has_files)) {
+        return fail(ErrorCode::limit,
+                    fmt::format("{}: holds more than {} files and folders outside of packages; "
+                                "name a folder with fewer",
+                                folder.string(), kMaxFolders));
       }
+      std::ranges::sort(inside, [](const PackageFolder& a, const PackageFolder& b) {
+        return natural_less(a.folder.native(), b.folder.native());
+      });
+      if (inside.empty() && !has_files && fs::is_directory(folder, error)) continue;
     }
-    if (inside.empty()) inside.push_back(folder);
-    std::ranges::sort(inside, [](const fs::path& a, const fs::path& b) {
-      return natural_less(a.native(), b.native());
-    });
+    if (inside.empty()) inside.push_back({folder, TRY(segment_name(folder))});
     packages.insert(packages.end(), inside.begin(), inside.end());
   }
   return packages;
 }
 
+Catalog::Catalog() : state_(std::make_shared<State>()) {}
+
+void Catalog::add(std::shared_ptr<const LiveResources> live) { state_->live = std::move(live); }
+
 Result<Catalog> Catalog::load(const std::vector<fs::path>& folders) {
   Catalog catalog;
-  auto& resources = catalog.resources_;
-  const auto add = [&](const std::string& path, Resource resource) {
-    return resources.emplace(path, std::make_shared<const Resource>(std::move(resource))).second;
-  };
-  nlohmann::ordered_json listing = nlohmann::ordered_json::array();
-
-  for (const fs::path& given : folders) {
-    const std::string name = TRY(package_name(given));
-    std::error_code error;
-    const fs::path folder = fs::canonical(given, error);
-    if (error) {
-      return fail(ErrorCode::not_found, fmt::format("{}: {}", given.string(), error.message()));
-    }
-    if (!fs::exists(folder / kManifestName, error)) {
-      return fail(
-          ErrorCode::not_found,
-          fmt::format("{}: holds no {}, and no packages; make one with pointreel-server pack",
-                      given.string(), kManifestName));
-    }
-    const std::string manifest_path = fmt::format("/{}/{}", name, kManifestName);
-    if (resources.contains(manifest_path)) {
+  const std::vector<PackageFolder> found = TRY(packages_in(folders));
+  for (const PackageFolder& folder : found) {
+    if (catalog.state_->packages.contains(folder.name)) {
       return fail(ErrorCode::argument,
                   fmt::format("{}: another package is named '{}' too; rename one of the folders",
-                              given.string(), name));
+                              folder.folder.string(), folder.name));
     }
-    const auto manifest_file = file_inside(folder, kManifestName);
-    if (!manifest_file) return fail_at(given.string(), manifest_file.error());
-    auto text = read_manifest_text(*manifest_file);
-    if (!text) return fail_at((given / kManifestName).string(), text.error());
-    text = with_journal(folder, *std::move(text));
-    if (!text) return tl::unexpected(text.error());
-    const auto manifest = parse_manifest(*text);
-    if (!manifest) return fail_at((given / kManifestName).string(), manifest.error());
-
-    std::uint64_t bytes = text->size();
-    add(manifest_path, text_resource(kJson, kRevalidate, *std::move(text)));
-    for (const PackageFile* listed : manifest->files()) {
-      // Browsers play what is said to be sound, and nothing else.
-      const bool sound = manifest->audio && listed->path == manifest->audio->path;
-      auto resource =
-          file_resource(folder, *listed, sound ? "audio/ogg" : "application/octet-stream");
-      if (!resource) return fail_at(given.string(), resource.error());
-      bytes += listed->bytes;
-      if (!add(fmt::format("/{}/{}", name, listed->path), *std::move(resource))) {
-        return fail(fmt::format("{}: the manifest names the file '{}' twice", given.string(),
-                                listed->path));
-      }
-    }
-
-    const std::string url = "/" + encode_segment(name);
-    const Resource redirect = redirect_resource(fmt::format("{}/{}", url, kManifestName));
-    add("/" + name, redirect);
-    add("/" + name + "/", redirect);
-    listing.push_back({{"name", name},
-                       {"url", url},
-                       {"manifest", redirect.text},
-                       {"frames", manifest->frame_count()},
-                       {"fps", manifest->fps},
-                       {"duration_us", manifest->duration_us},
-                       {"bytes", bytes},
-                       {"codec", manifest->codec}});
+    auto package = read_package(folder, nullptr);
+    if (!package && folder.found) continue;
+    catalog.state_->packages.emplace(folder.name, TRY(std::move(package)));
+    catalog.state_->order.push_back(folder.name);
   }
-
-  catalog.packages_ = text_of(listing);
-  resources.erase("/healthz");  // may be the redirect of a package of that name
-  add("/healthz", text_resource("text/plain; charset=utf-8", "no-store", "ok\n"));
+  catalog.state_->table = table_of(found, catalog.state_->packages);
   return catalog;
 }
 
-std::shared_ptr<const Resource> Catalog::list(const std::vector<StreamStatistics>& streams) const {
+Catalog::News Catalog::refresh(const std::vector<fs::path>& folders) {
+  State& state = *state_;
+  News news;
+  std::map<std::string, std::string> faults;
+  const auto fault = [&](const std::string& place, const std::string& line) {
+    const auto told = state.faults.find(place);
+    if (told == state.faults.end() || told->second != line) news.faults.push_back(line);
+    faults[place] = line;
+  };
+  const auto found = packages_in(folders);
+  if (!found) {
+    fault("", found.error().message);
+    state.faults = std::move(faults);
+    return news;
+  }
+  Packages packages;
+  std::vector<std::string> order;
+  bool changed = false;
+  for (const PackageFolder& folder : *found) {
+    const std::string place = folder.folder.string();
+    if (packages.contains(folder.name)) {
+      fault(place, fmt::format("{}: another package is named '{}' too; rename one of the folders",
+                               place, folder.name));
+      continue;
+    }
+    const auto old = state.packages.find(folder.name);
+    const bool is_new = old == state.packages.end();
+    if (!is_new && old->second->manifest == identity_at(folder.folder / kManifestName) &&
+        old->second->journal == identity_at(folder.folder / kJournalName)) {
+      packages.emplace(folder.name, old->second);
+    } else {
+      auto read = read_package(folder, is_new ? nullptr : old->second.get());
+      if (!read) {
+        fault(place, read.error().message);
+        continue;
+      }
+      packages.emplace(folder.name, *std::move(read));
+      changed = true;
+      if (is_new) news.changes.push_back(place + ": is served now");
+    }
+    order.push_back(folder.name);
+  }
+  for (const auto& [name, package] : state.packages) {
+    if (!packages.contains(name)) news.changes.push_back(name + ": is no longer served");
+  }
+  changed = changed || order != state.order;
+  state.packages = std::move(packages);
+  state.order = std::move(order);
+  state.faults = std::move(faults);
+  if (!changed) return news;
+  auto table = table_of(*found, state.packages);
+  const std::lock_guard lock(state.mutex);
+  state.table.swap(table);
+  state.list.reset();
+  return news;
+}
+
+std::shared_ptr<const Resource> Catalog::list(
+    const std::function<std::vector<StreamStatistics>()>& streams) const {
+  State& state = *state_;
+  const auto now = std::chrono::steady_clock::now();
+  std::shared_ptr<const Table> table;
+  {
+    const std::lock_guard lock(state.mutex);
+    if (state.list != nullptr && now < state.list_until) return state.list;
+    state.list_until = now + kListPause;  // the others get the old one meanwhile
+    table = state.table;
+  }
   nlohmann::ordered_json live = nlohmann::ordered_json::array();
-  for (const StreamStatistics& stream : streams) {
+  for (const StreamStatistics& stream : streams ? streams() : std::vector<StreamStatistics>()) {
     const std::string url = "/live/" + stream.name;
     live.push_back({{"name", stream.name},
                     {"url", url},
@@ -276,15 +460,23 @@ std::shared_ptr<const Resource> Catalog::list(const std::vector<StreamStatistics
                     {"publishing", stream.publishing},
                     {"viewers", stream.viewers}});
   }
-  return std::make_shared<const Resource>(text_resource(
+  auto list = std::make_shared<const Resource>(text_resource(
       kJson, kRevalidate,
-      fmt::format("{{\"packages\": {},\n\"streams\": {}}}\n", packages_, text_of(live))));
+      fmt::format("{{\"packages\": {},\n\"streams\": {}}}\n", table->list, text_of(live))));
+  const std::lock_guard lock(state.mutex);
+  if (state.table == table) state.list = list;
+  return list;
 }
 
 std::shared_ptr<const Resource> Catalog::find(std::string_view path) const {
-  const auto found = resources_.find(path);
-  if (found != resources_.end()) return found->second;
-  return live_ == nullptr ? nullptr : live_->find(path);
+  std::shared_ptr<const Table> table;
+  {
+    const std::lock_guard lock(state_->mutex);
+    table = state_->table;
+  }
+  const auto found = table->resources.find(path);
+  if (found != table->resources.end()) return found->second;
+  return state_->live == nullptr ? nullptr : state_->live->find(path);
 }
 
 }  // namespace pointreel

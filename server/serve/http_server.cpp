@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <thread>
@@ -72,7 +74,8 @@ struct HttpServer::State {
 
   HttpServerOptions options;
   Service service;
-  std::optional<TlsContext> tls;
+  std::mutex tls_mutex;
+  std::shared_ptr<const TlsContext> tls;  ///< guarded by it; null: plain HTTP
   ListenAddress address;
   ConnectionTable table;
   std::atomic<std::size_t> refusals{0};
@@ -104,7 +107,12 @@ Task<void> HttpServer::State::accept() {
 
 std::unique_ptr<Transport> HttpServer::State::transport_on(Socket socket) {
   std::unique_ptr<TlsSession> session;
-  if (tls && !(session = tls->session(socket.native_handle()))) return nullptr;
+  std::shared_ptr<const TlsContext> present;
+  {
+    const std::lock_guard lock(tls_mutex);
+    present = tls;
+  }
+  if (present && !(session = present->session(socket.native_handle()))) return nullptr;
   return std::make_unique<Transport>(std::move(socket), std::move(session), options.header_timeout,
                                      options.stall_timeout);
 }
@@ -175,7 +183,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
                                                       Relay* relay) try {
   auto state = std::make_unique<State>(std::move(catalog), options, relay);
   if (!options.certificate.empty()) {
-    state->tls = TRY(TlsContext::load(options.certificate, options.key));
+    state->tls =
+        std::make_shared<const TlsContext>(TRY(TlsContext::load(options.certificate, options.key)));
   }
   const asio::ip::tcp::endpoint endpoint(asio::ip::make_address(options.listen.host),
                                          options.listen.port);
@@ -213,6 +222,21 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
                                          to_string(options.listen), error.code().message()));
 } catch (const std::exception& error) {
   return fail(ErrorCode::io, fmt::format("cannot start the server: {}", error.what()));
+}
+
+Result<void> HttpServer::read_certificate(const std::filesystem::path& certificate,
+                                          const std::filesystem::path& key) {
+  if (certificate.empty() != state_->options.certificate.empty())
+    return fail(ErrorCode::argument, "--certificate: TLS begins or ends with a restart only");
+  if (certificate.empty()) return {};
+  auto tls = std::make_shared<const TlsContext>(TRY(TlsContext::load(certificate, key)));
+  const std::lock_guard lock(state_->tls_mutex);
+  state_->tls.swap(tls);
+  return {};
+}
+
+void HttpServer::set_tokens(std::string_view view_token, std::string_view publish_token) {
+  state_->service.set_tokens(view_token, publish_token);
 }
 
 void HttpServer::stop() {

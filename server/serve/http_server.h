@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include "pointreel/error.h"
 #include "server/serve/catalog.h"
@@ -47,6 +48,12 @@ class HttpServer {
   std::uint16_t port() const { return address().port; }
   /// The number of open connections, not counting those that are being refused.
   std::size_t connection_count() const;
+  /// Reads the certificate and its key again, for all connections from now on. On an error those
+  /// before stay in use. A server without TLS stays without, and one with TLS keeps it.
+  Result<void> read_certificate(const std::filesystem::path& certificate,
+                                const std::filesystem::path& key);
+  /// Replaces the tokens, for all requests from now on. Connections to live streams stay.
+  void set_tokens(std::string_view view_token, std::string_view publish_token);
   /// Closes the listening socket and every connection, and waits for the threads. Idempotent.
   void stop();
 

@@ -90,6 +90,17 @@ void write_streams(Page& page, const std::vector<StreamStatistics>& streams) {
   each("pointreel_live_dropped_layers_total", "counter",
        "Layers that a viewer did not get because it was too slow.",
        [](S s) { return s.drops.layers; });
+  each("pointreel_live_hops", "gauge", "Servers between the publisher and this one.",
+       [](S s) { return s.hops; });
+  each("pointreel_live_lag_seconds", "gauge",
+       "From the capture of the newest frame until its base was here, by both machines' clocks.",
+       [](S s) { return static_cast<double>(s.lag_us) * 1e-6; });
+  each("pointreel_live_lost_frames_total", "counter",
+       "Frames that servers before this one could not send to it in time.",
+       [](S s) { return s.lost.frames; });
+  each("pointreel_live_lost_layers_total", "counter",
+       "Layers that servers before this one could not send to it in time.",
+       [](S s) { return s.lost.layers; });
   each("pointreel_live_newest_capture_seconds", "gauge",
        "Unix time at which the newest frame was captured.",
        [](S s) { return static_cast<double>(s.newest_capture_us) * 1e-6; });

@@ -12,7 +12,7 @@ namespace pointreel {
 namespace {
 
 constexpr std::string_view kStart = "index.html";
-constexpr std::string_view kFolder = "/page/", kLive = "/live";
+constexpr std::string_view kFolder = "/page/";
 
 /// What the page may do. It is not needed for anything else, so that a fault in it, or a hostile
 /// name in a manifest, cannot reach anything but this server.
@@ -82,9 +82,9 @@ std::shared_ptr<const Resource> Page::start(std::string_view accept_encoding) co
 
 std::shared_ptr<const Resource> Page::find(std::string_view path,
                                            std::string_view accept_encoding) const {
-  if (path.starts_with(kLive)) path.remove_prefix(kLive.size());
-  if (!path.starts_with(kFolder)) return nullptr;
-  const auto found = files_.find(path.substr(kFolder.size()));
+  const auto at = path.rfind(kFolder);
+  if (at == std::string_view::npos) return nullptr;
+  const auto found = files_.find(path.substr(at + kFolder.size()));
   return found == files_.end() ? nullptr : best(*found->second, accept_encoding);
 }
 

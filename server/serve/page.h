@@ -36,8 +36,9 @@ class Page {
   /// The page itself. `accept_encoding`: the untrusted value of that header field.
   std::shared_ptr<const Resource> start(std::string_view accept_encoding) const;
 
-  /// A file that the page loads: /page/NAME. It is also found below /live, since the page itself is
-  /// served at /live/NAME, too, and names its files relative to that. Null if there is none.
+  /// A file that the page loads: /page/NAME. It is also found below folders, since the page itself
+  /// is served at /live/NAME and at FOLDER/REEL, too, and names its files relative to that. Null if
+  /// there is none.
   std::shared_ptr<const Resource> find(std::string_view path,
                                        std::string_view accept_encoding) const;
 

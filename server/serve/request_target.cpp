@@ -103,4 +103,15 @@ std::string encode_segment(std::string_view segment) {
   return encoded;
 }
 
+std::string encode_path(std::string_view segments) {
+  std::string url;
+  while (true) {
+    const auto slash = segments.find('/');
+    url += '/';
+    url += encode_segment(segments.substr(0, slash));
+    if (slash == std::string_view::npos) return url;
+    segments.remove_prefix(slash + 1);
+  }
+}
+
 }  // namespace pointreel

@@ -22,4 +22,7 @@ Result<std::string> decode_escapes(std::string_view text);
 /// A path segment as part of a URL: all characters except unreserved ones are escaped.
 std::string encode_segment(std::string_view segment);
 
+/// The path of a URL, which begins with a slash, for segments that are separated by slashes.
+std::string encode_path(std::string_view segments);
+
 }  // namespace pointreel

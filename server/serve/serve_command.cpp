@@ -16,8 +16,10 @@
 #include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/program.h"
 #include "server/commands.h"
 #include "server/relay/relay.h"
+#include "server/relay/upstream.h"
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
 #include "server/serve/live_sinks.h"
@@ -35,7 +37,9 @@ struct ServeArguments {
   std::filesystem::path record;
   std::vector<std::string> origins;
   double grace = 10.0;  ///< seconds
-  const CLI::Option *view_token = nullptr, *publish_token = nullptr;
+  std::vector<std::string> relay_from;
+  std::string relay_token, relay_ca;
+  const CLI::Option *view_token = nullptr, *publish_token = nullptr, *relay_token_option = nullptr;
 };
 
 /// Each connection may need its socket and one file, but the usual soft limit is 1024 descriptors.
@@ -62,15 +66,17 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
   HttpServerOptions options = arguments.options;
   options.listen = TRY(parse_listen_address(arguments.listen));
   options.service.log = TRY(parse_log_level(arguments.log));
-  for (const CLI::Option* token : {arguments.view_token, arguments.publish_token}) {
+  for (const CLI::Option* token :
+       {arguments.view_token, arguments.publish_token, arguments.relay_token_option}) {
     if (std::string fault = fault_of_token(*token); !fault.empty()) {
       return fail(ErrorCode::argument, std::move(fault));
     }
   }
   if (!arguments.no_page) options.service.page = Page(built_in_page());
   options.service.origins = TRY(Origins::parse(arguments.origins));
-  if (arguments.live && options.service.publish_token.empty() && !is_loopback(options.listen) &&
-      !options.service.allow_local_publish) {
+  // A server that relays others needs no publishers of its own.
+  if (arguments.live && arguments.relay_from.empty() && options.service.publish_token.empty() &&
+      !is_loopback(options.listen) && !options.service.allow_local_publish) {
     return fail(ErrorCode::argument,
                 fmt::format("--live on {} needs --publish-token, or else nobody may publish; with "
                             "--allow-local-publish programs on this machine may, and everybody for "
@@ -85,38 +91,149 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
   return options;
 }
 
+/// Begins to pass on the streams of other servers.
+Result<std::vector<std::unique_ptr<Upstream>>> follow(const ServeArguments& arguments,
+                                                      const HttpServerOptions& server, Relay& relay,
+                                                      Log& log) {
+  std::vector<UpstreamOptions> all;
+  for (const std::string& text : arguments.relay_from) {
+    UpstreamOptions options = TRY(at_place("--relay-from", parse_upstream(text)));
+    options.token = arguments.relay_token;
+    options.ca_file = arguments.relay_ca;
+    options.max_message = server.max_message;
+    options.text_rate = server.publish_text_rate;
+    options.say = [&log](const std::string& line) {
+      log.write(Log::Level::kWarning, "relay", {{"what", line}});
+    };
+    all.push_back(std::move(options));
+  }
+  std::vector<std::unique_ptr<Upstream>> upstreams;
+  for (UpstreamOptions& options : all)
+    upstreams.push_back(TRY(Upstream::start(relay, std::move(options))));
+  return upstreams;
+}
+
 /// What serve prints once it listens.
-std::string announcement(const std::vector<std::filesystem::path>& reels, bool live,
+std::string announcement(const std::vector<PackageFolder>& reels, bool live,
                          const HttpServerOptions& options, const ListenAddress& address) {
   const std::string scheme = options.certificate.empty() ? "http" : "https";
   std::string text = fmt::format("listening on {}://{}\n", scheme, to_string(address));
   if (options.service.page.empty()) return text;
   std::string link = fmt::format("{}://{}/", scheme, to_string(reachable_address(address)));
   if (reels.size() == 1 && !live) {
-    const std::filesystem::path reel = (reels.front() / "").parent_path();
-    if (reel.has_filename()) link += encode_segment(reel.filename().string());
+    link += encode_path(reels.front().name).substr(1);
   }
   return text + fmt::format("open {} in a browser to play\n", link);
 }
 
-Result<void> serve(const ServeArguments& arguments) {
+/// Reads again what may change while the server runs.
+class Rereading {
+ public:
+  Rereading(ServeArguments arguments, std::vector<std::string> command_line, Catalog catalog,
+            HttpServer& server, Log& log)
+      : arguments_(std::move(arguments)),
+        command_line_(std::move(command_line)),
+        catalog_(std::move(catalog)),
+        server_(server),
+        log_(log) {
+    certificate_changed();
+  }
+
+  /// The packages, and the certificate if it has changed.
+  void look() {
+    const Catalog::News news = catalog_.refresh(arguments_.reels);
+    for (const std::string& line : news.changes)
+      log_.write(Log::Level::kInfo, "packages", {{"what", line}});
+    for (const std::string& line : news.faults)
+      log_.write(Log::Level::kWarning, "packages", {{"what", line}});
+    if (certificate_changed()) read_certificate();
+  }
+
+  /// The command line and its configuration file: packages, tokens and the certificate.
+  void read_again() {
+    auto arguments = parse_again(command_line_);
+    if (!arguments) {
+      log_.write(Log::Level::kError, "reread", {{"fault", arguments.error().message}});
+      return;
+    }
+    arguments_ = *std::move(arguments);
+    const ServiceOptions& service = arguments_.options.service;
+    server_.set_tokens(service.view_token, service.publish_token);
+    certificate_changed();
+    read_certificate();
+    log_.write(Log::Level::kInfo, "reread");
+  }
+
+ private:
+  /// Only what may be given.
+  static Result<ServeArguments> parse_again(const std::vector<std::string>& command_line);
+
+  bool certificate_changed() {
+    const auto time = [](const std::filesystem::path& file) {
+      std::error_code error;
+      const auto written = std::filesystem::last_write_time(file, error);
+      return error ? std::filesystem::file_time_type() : written;
+    };
+    const std::pair times(time(arguments_.options.certificate), time(arguments_.options.key));
+    return std::exchange(certificate_times_, times) != times;
+  }
+
+  void read_certificate() {
+    const auto& options = arguments_.options;
+    if (const auto read = server_.read_certificate(options.certificate, options.key); !read) {
+      log_.write(Log::Level::kError, "certificate",
+                 {{"fault", read.error().message + "; the one before stays in use"}});
+    } else if (!options.certificate.empty()) {
+      log_.write(Log::Level::kInfo, "certificate", {{"what", "read again"}});
+    }
+  }
+
+  ServeArguments arguments_;
+  const std::vector<std::string> command_line_;
+  Catalog catalog_;
+  HttpServer& server_;
+  Log& log_;
+  std::pair<std::filesystem::file_time_type, std::filesystem::file_time_type> certificate_times_;
+};
+
+/// Waits for a signal to end, and looks meanwhile for what has changed: once a second, and less
+/// often if that takes more than a twentieth of the time.
+void run_until_signal(Rereading& reading, const sigset_t& signals) {
+  using namespace std::chrono_literals;
+  std::chrono::nanoseconds pause = 1s;
+  for (;;) {
+    const timespec wait{pause.count() / 1'000'000'000, pause.count() % 1'000'000'000};
+    siginfo_t info{};
+    const int signal = ::sigtimedwait(&signals, &info, &wait);
+    // Also when its terminal has gone, which the system says itself.
+    if (signal == SIGINT || signal == SIGTERM || (signal == SIGHUP && info.si_code == SI_KERNEL))
+      return;
+    const auto begin = std::chrono::steady_clock::now();
+    if (signal == SIGHUP) reading.read_again();
+    reading.look();
+    pause = std::clamp<std::chrono::nanoseconds>(20 * (std::chrono::steady_clock::now() - begin),
+                                                 1s, 60s);
+  }
+}
+
+Result<void> serve(const ServeArguments& arguments, const std::vector<std::string>& command_line) {
   if (arguments.reels.empty() && !arguments.live) {
     return fail(ErrorCode::argument, "there is nothing to serve; name packages, or use --live");
   }
   const HttpServerOptions options = TRY(options_of(arguments));
-  const std::vector<std::filesystem::path> reels = packages_in(arguments.reels);
-  Catalog catalog = TRY(Catalog::load(reels));
+  const std::vector<PackageFolder> reels = TRY(packages_in(arguments.reels));
+  Catalog catalog = TRY(Catalog::load(arguments.reels));
   allow_open_files(options.max_connections);
 
   // Signals are blocked before the server starts its threads, so that only this thread gets them.
   // Shells start programs in the background with SIGINT ignored.
-  sigset_t ending;
-  sigemptyset(&ending);
-  for (const int signal : {SIGINT, SIGTERM}) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::signal(signal, SIG_DFL);
-    sigaddset(&ending, signal);
+    sigaddset(&signals, signal);
   }
-  ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a recording that may not grow is an error like a full disk
 
@@ -133,18 +250,22 @@ Result<void> serve(const ServeArguments& arguments) {
   }
   Relay relay(std::move(relay_options));
   const std::unique_ptr<HttpServer> server =
-      TRY(HttpServer::start(std::move(catalog), options, arguments.live ? &relay : nullptr));
+      TRY(HttpServer::start(catalog, options, arguments.live ? &relay : nullptr));
+  const auto upstreams = TRY(follow(arguments, options, relay, log));
   announce(announcement(reels, arguments.live, options, server->address()));
-  int signal = 0;
-  ::sigwait(&ending, &signal);
+  Rereading reading(arguments, command_line, std::move(catalog), *server, log);
+  reading.look();  // tells the faults of packages
+  run_until_signal(reading, signals);
   server->stop();
   return {};
 }
 
 }  // namespace
 
-void add_serve_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<ServeArguments>();
+namespace {
+
+/// Adds the command and its options, which write to `arguments`.
+CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arguments) {
   HttpServerOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "serve",
@@ -152,7 +273,9 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       "The package in folder NAME is served at /NAME. GET / lists all packages, /healthz answers "
       "ok, and /metrics is for Prometheus. Live streams are at /live/NAME, over WebSocket or "
       "HTTP.\n"
-      "--config FILE reads options from a file: a line [serve], then lines NAME = VALUE.");
+      "--config FILE reads options from a file: a line [serve], then lines NAME = VALUE. On SIGHUP "
+      "the command line and this file are read again: packages, tokens and the certificate. "
+      "Packages in a folder are found while it is served.");
   app.set_config(
          "--config", "",
          "Read a command's options from FILE (TOML): a line [COMMAND], then lines NAME = VALUE")
@@ -195,6 +318,24 @@ void add_serve_command(CLI::App& app, int& exit_code) {
                    "record live streams as packages NAME, NAME-2, ... in this folder")
       ->type_name("FOLDER")
       ->needs(live);
+  command
+      ->add_option("--relay-from", arguments->relay_from,
+                   "also relay the live streams of another server, ws(s)://HOST/live, or one of "
+                   "them, ws(s)://HOST/live/NAME; NAME=URL gives them other names, in which * "
+                   "stands for the name there; may be repeated")
+      ->type_name("[NAME=]URL")
+      ->allow_extra_args(false)
+      ->needs(live);
+  arguments->relay_token_option =
+      command
+          ->add_option("--relay-token", arguments->relay_token,
+                       "the view token of the servers named by --relay-from")
+          ->type_name("TOKEN")
+          ->envname("POINTREEL_RELAY_TOKEN");
+  command
+      ->add_option("--relay-ca-file", arguments->relay_ca,
+                   "for wss: trust the certificates in this PEM file instead of the system's")
+      ->type_name("FILE");
   arguments->view_token =
       command
           ->add_option("--view-token", options.service.view_token,
@@ -305,8 +446,28 @@ void add_serve_command(CLI::App& app, int& exit_code) {
               "close a connection on which no request comes for this time");
   add_seconds("--stall-timeout", options.stall_timeout,
               "close a connection if the peer accepts no byte of a response for this time");
-  command->callback([arguments, &exit_code] {
-    const auto served = serve(*arguments);
+  return command;
+}
+
+Result<ServeArguments> Rereading::parse_again(const std::vector<std::string>& command_line) try {
+  CLI::App app;
+  add_common_options(app);
+  const auto arguments = std::make_shared<ServeArguments>();
+  define_serve(app, arguments);
+  app.parse(std::vector<std::string>(command_line.rbegin(), command_line.rend()));
+  TRY(options_of(*arguments));  // while their options exist
+  return *arguments;
+} catch (const CLI::Error& error) {
+  return fail(ErrorCode::argument, error.what());
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, int& exit_code, std::vector<std::string> command_line) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command = define_serve(app, arguments);
+  command->callback([arguments, &exit_code, command_line = std::move(command_line)] {
+    const auto served = serve(*arguments, command_line);
     if (served) return;
     print_error(served.error().message);
     const ErrorCode code = served.error().code;

@@ -12,7 +12,8 @@
 namespace pointreel {
 namespace {
 
-constexpr std::string_view kLivePath = "/live/";
+constexpr std::string_view kLivePath = "/live/", kLiveList = "/live";
+constexpr std::string_view kManifestEnd = "/reel.json";
 
 /// Whether the query of a request target has this parameter, with or without a value.
 bool query_has(std::string_view target, std::string_view name) {
@@ -64,7 +65,7 @@ std::string live_credentials(const Request& request) {
 Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options, const Limits& limits)
     : catalog_(std::move(catalog)),
       relay_(relay),
-      access_(options.view_token, options.publish_token),
+      access_(std::make_shared<const Access>(options.view_token, options.publish_token)),
       loopback_(options.loopback),
       local_publish_(options.loopback || options.allow_local_publish),
       origins_(options.origins),
@@ -73,6 +74,17 @@ Service::Service(Catalog catalog, Relay* relay, const ServiceOptions& options, c
       hellos_(limits.max_hellos, limits.max_hellos_per_address),
       unfinished_(limits.max_unfinished, limits.max_unfinished_per_address),
       log_(options.log) {}
+
+void Service::set_tokens(std::string_view view_token, std::string_view publish_token) {
+  auto access = std::make_shared<const Access>(view_token, publish_token);
+  const std::lock_guard lock(access_mutex_);
+  access_.swap(access);
+}
+
+std::shared_ptr<const Access> Service::access() const {
+  const std::lock_guard lock(access_mutex_);
+  return access_;
+}
 
 std::variant<Response, LiveCall> Service::answer(const Request& request, const Peer& peer,
                                                  std::function<void()> wake) {
@@ -99,19 +111,21 @@ std::variant<Response, LiveCall> Service::decide(const Request& request, const P
                           "this server is on loopback and does not answer for this host; start it "
                           "with --allow-origin http://HOST to let it");
   }
+  if (request.websocket && relay_ != nullptr && *path == kLiveList)
+    return live_call(request, peer, {}, std::move(wake));
   if (request.websocket && relay_ != nullptr && path->starts_with(kLivePath) &&
       is_stream_name(std::string_view(*path).substr(kLivePath.size()))) {
     return live_call(request, peer, path->substr(kLivePath.size()), std::move(wake));
   }
   // The page is no secret, and a browser can send no token with a link. The page asks for one.
   if (auto page = page_at(*path, request)) return respond(std::move(page), request);
-  if (access_.check(Access::Right::kView, request.authorization, false) !=
+  if (access()->check(Access::Right::kView, request.authorization, false) !=
       Access::Verdict::kGranted) {
     return token_wanted();
   }
   if (*path == "/metrics") return metrics_page();
   Response response = respond(*path == "/" ? list() : catalog_.find(*path), request);
-  if (!access_.viewing_is_public()) make_private(response);
+  if (!access()->viewing_is_public()) make_private(response);
   if (!page_.empty() && has_page(*path)) response.fields += "Vary: Accept\r\n";
   return response;
 }
@@ -122,8 +136,8 @@ bool Service::has_page(std::string_view path) const {
     return relay_ != nullptr && is_stream_name(path.substr(kLivePath.size()));
   }
   // With a token, whoever has none must not learn which reels there are.
-  if (!access_.viewing_is_public()) {
-    return path != "/metrics" && path.find('/', 1) >= path.size() - 1;
+  if (!access()->viewing_is_public()) {
+    return path != "/metrics" && !path.ends_with(kManifestEnd);
   }
   const std::shared_ptr<const Resource> resource = catalog_.find(path);
   return resource != nullptr && resource->kind == Resource::Kind::kRedirect;
@@ -137,7 +151,7 @@ std::shared_ptr<const Resource> Service::page_at(const std::string& path,
   // The page names its files relative to the address without the last slash.
   if (path.size() > 1 && path.ends_with('/')) {
     return std::make_shared<const Resource>(
-        redirect_resource(fmt::format("/{}", encode_segment(path.substr(1, path.size() - 2)))));
+        redirect_resource(encode_path(path.substr(1, path.size() - 2))));
   }
   return page_.start(request.accept_encoding);
 }
@@ -156,8 +170,8 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
   // local only if it must be, or if somebody has said so.
   const bool nearby =
       local_publish_ && peer.loopback && !request.forwarded && request.origin.empty();
-  switch (access_.check(publishes ? Access::Right::kPublish : Access::Right::kView,
-                        live_credentials(request), nearby)) {
+  switch (access()->check(publishes ? Access::Right::kPublish : Access::Right::kView,
+                          live_credentials(request), nearby)) {
     case Access::Verdict::kGranted:
       break;
     case Access::Verdict::kNoToken:
@@ -180,6 +194,8 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
                             "Retry-After: 1\r\n");
     }
     call.publication = *std::move(publication);
+  } else if (stream.empty()) {
+    call.viewer = relay_->watch(std::move(wake));
   } else {
     auto viewer = relay_->join(stream, std::move(wake));
     if (!viewer) return error_response(404, viewer.error().message);
@@ -195,7 +211,9 @@ Response Service::refuse(Response refusal) {
 }
 
 std::shared_ptr<const Resource> Service::list() const {
-  return catalog_.list(relay_ != nullptr ? relay_->statistics() : std::vector<StreamStatistics>());
+  return catalog_.list([this] {
+    return relay_ != nullptr ? relay_->statistics() : std::vector<StreamStatistics>();
+  });
 }
 
 Response Service::metrics_page() const {

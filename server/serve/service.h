@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -42,7 +43,7 @@ inline constexpr std::string_view kLiveProtocol = "pointreel";
 
 /// A request that is upgraded to a WebSocket: either a publication or a viewer.
 struct LiveCall {
-  std::string stream;
+  std::string stream;  ///< empty: the list of all streams, for a viewer
   std::unique_ptr<Publication> publication;
   std::unique_ptr<Viewer> viewer;
   PeerQuota::Share hello;  ///< until the publisher has said hello
@@ -59,6 +60,9 @@ class Service {
                                           std::function<void()> wake = {});
   /// Answers something that is not a valid request.
   Response refuse(Response refusal);
+
+  /// Replaces the tokens, for all requests from now on. From any thread.
+  void set_tokens(std::string_view view_token, std::string_view publish_token);
 
   Metrics& metrics() { return metrics_; }
   Log& log() { return log_; }
@@ -82,7 +86,9 @@ class Service {
 
   Catalog catalog_;
   Relay* relay_;
-  Access access_;
+  std::shared_ptr<const Access> access() const;
+  mutable std::mutex access_mutex_;
+  std::shared_ptr<const Access> access_;
   const bool loopback_, local_publish_;
   const Origins origins_;
   const Page page_;

@@ -20,6 +20,7 @@
 #include <sys/socket.h>
 
 #include "pointreel/bytes.h"
+#include "server/relay/rate_limit.h"
 #include "server/serve/message_pace.h"
 #include "server/serve/transport_stream.h"
 
@@ -95,27 +96,6 @@ Task<void> read_from_viewer(std::shared_ptr<Session> session) {
                                              asio::redirect_error(kUseAwaitable, error));
   }
 }
-
-/// Holds a publisher to a rate. The bytes of one second may come at once.
-class RateLimit {
- public:
-  explicit RateLimit(double bytes_per_second) : rate_(bytes_per_second) {}
-
-  void add(std::size_t bytes) {
-    if (rate_ <= 0) return;
-    paid_ = std::max(paid_, Clock::now() - std::chrono::seconds(1)) +
-            std::chrono::duration_cast<Clock::duration>(
-                std::chrono::duration<double>(static_cast<double>(bytes) / rate_));
-  }
-  /// The time by which all bytes received so far would have come at the allowed rate.
-  Clock::time_point paid() const { return paid_; }
-  bool is_exceeded() const { return paid_ > Clock::now() + std::chrono::seconds(5); }
-  double rate() const { return rate_; }
-
- private:
-  double rate_;
-  Clock::time_point paid_{};
-};
 
 /// Why a publisher is disconnected.
 struct Fault {

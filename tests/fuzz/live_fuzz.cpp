@@ -49,6 +49,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!(std::get<LiveDrops>(parse_live_text(write_drops(*drops)).value()) == *drops)) {
       std::abort();
     }
+  } else if (const auto* streams = std::get_if<LiveStreams>(&*text)) {
+    if (!(std::get<LiveStreams>(parse_live_text(write_streams(*streams)).value()) == *streams)) {
+      std::abort();
+    }
   }
   return 0;
 }

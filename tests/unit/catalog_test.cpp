@@ -31,6 +31,12 @@ class CatalogTest : public testing::Test {
     return catalog.error().message;
   }
 
+  static std::vector<std::string> names_in(const std::vector<fs::path>& folders) {
+    std::vector<std::string> names;
+    for (const PackageFolder& package : packages_in(folders).value()) names.push_back(package.name);
+    return names;
+  }
+
   TemporaryFolder temporary_;
   fs::path reel_ = temporary_.path() / "walk";
 };
@@ -78,7 +84,8 @@ TEST_F(CatalogTest, lists_live_streams_beside_the_packages) {
   stream.name = "stage";
   stream.publishing = true;
   stream.viewers = 3;
-  const auto both = nlohmann::json::parse(Catalog::load({reel_})->list({stream})->text);
+  const auto both = nlohmann::json::parse(
+      Catalog::load({reel_})->list([&] { return std::vector{stream}; })->text);
   EXPECT_EQ(both.at("packages").size(), 1u);
   ASSERT_EQ(both.at("streams").size(), 1u);
   EXPECT_EQ(both["streams"][0], (nlohmann::json{{"name", "stage"},
@@ -107,14 +114,116 @@ TEST_F(CatalogTest, takes_a_folder_of_packages_for_the_packages_in_it) {
   const fs::path folder = temporary_.path() / "all";
   for (const char* name : {"b10", "b9", ".b8"}) write_package(folder / name, "1", "2");
   fs::create_directory(folder / "notes");
-  EXPECT_THAT(packages_in({folder, reel_}), ElementsAre(folder / "b9", folder / "b10", reel_));
-  EXPECT_THAT(packages_in({folder / "notes", folder / "missing"}),
-              ElementsAre(folder / "notes", folder / "missing"));
+  EXPECT_THAT(names_in({folder, reel_}), ElementsAre("b9", "b10", "walk"));
+  EXPECT_THAT(names_in({folder / "notes"}), ElementsAre()) << "there may be packages later";
+  write_file(folder / "notes" / "1.ply", "ply");
+  EXPECT_THAT(names_in({folder / "notes", folder / "missing"}), ElementsAre("notes", "missing"))
+      << "these are mistakes";
+}
+
+TEST_F(CatalogTest, names_packages_in_folders_by_their_path) {
+  const fs::path all = temporary_.path() / "all";
+  for (const char* name : {"a/x y/z", "a/b", "a/b/inside", ".hidden/c", "live/d", "page/e"})
+    write_package(all / name, "1", "2");
+  fs::create_directory_symlink(all, all / "a" / "around");
+  EXPECT_THAT(names_in({all}), ElementsAre("a/b", "a/x y/z"));
+  fs::path deep = all;
+  for (int i = 0; i < kMaxFolderDepth; ++i) deep /= "d";
+  write_package(deep / "e", "1", "2");
+  EXPECT_THAT(names_in({all}), ElementsAre("a/b", "a/x y/z"));
+  write_package(deep, "1", "2");
+  EXPECT_THAT(names_in({all}), ElementsAre("a/b", "a/x y/z", "d/d/d/d/d/d/d/d"));
+  const auto catalog = Catalog::load({all});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  ASSERT_NE(catalog->find("/a/x y/z"), nullptr);
+  EXPECT_EQ(catalog->find("/a/x y/z")->text, "/a/x%20y/z/reel.json");
+  EXPECT_NE(catalog->find("/a/x y/z/0.base.prs"), nullptr);
+  for (const char* path : {"/a", "/a/x y", "/a/around/a/b/reel.json", "/live/d/reel.json"})
+    EXPECT_EQ(catalog->find(path), nullptr) << path;
+}
+
+TEST_F(CatalogTest, packages_appear_change_and_vanish_while_they_are_served) {
+  const fs::path all = temporary_.path() / "all";
+  write_package(all / "one", "1", "2");
+  auto catalog = Catalog::load({all, reel_}).value();
+  const Catalog served = catalog;
+  const auto list = [&] {
+    std::vector<std::string> names;
+    const std::string text = served.list({})->text;
+    for (const auto& package : nlohmann::json::parse(text).at("packages"))
+      names.push_back(package.at("name"));
+    return names;
+  };
+  EXPECT_THAT(catalog.refresh({all, reel_}).changes, ElementsAre());
+  EXPECT_THAT(list(), ElementsAre("one", "walk"));
+  const auto kept = served.find("/one/0.base.prs");
+
+  write_package(all / "sub" / "two", "22", "3");
+  EXPECT_THAT(catalog.refresh({all, reel_}).changes, ElementsAre(HasSubstr("two: is served now")));
+  EXPECT_THAT(list(), ElementsAre("one", "sub/two", "walk"));
+  EXPECT_NE(served.find("/sub/two/0.base.prs"), nullptr);
+  EXPECT_EQ(served.find("/one/0.base.prs"), kept) << "what has not changed is not read again";
+
+  fs::remove_all(all / "one");
+  write_package(reel_, "other", "the rest");
+  EXPECT_THAT(catalog.refresh({all, reel_}).changes, ElementsAre("one: is no longer served"));
+  EXPECT_THAT(list(), ElementsAre("sub/two", "walk"));
+  EXPECT_EQ(served.find("/one/0.base.prs"), nullptr);
+  EXPECT_EQ(served.find("/walk/0.base.prs")->size, 5u);
+
+  // While a package is being copied it is not complete.
+  fs::remove(all / "sub" / "two" / "0.full.prs");
+  write_file(all / "sub" / "two" / "reel.json", write_manifest(small_manifest("22", "33")));
+  const auto news = catalog.refresh({all, reel_});
+  EXPECT_THAT(news.faults, ElementsAre(HasSubstr("0.full.prs: No such file")));
+  EXPECT_THAT(list(), ElementsAre("walk"));
+  EXPECT_THAT(catalog.refresh({all, reel_}).faults, ElementsAre()) << "it is said once";
+  write_file(all / "sub" / "two" / "0.full.prs", "33");
+  EXPECT_THAT(catalog.refresh({all, reel_}).changes, ElementsAre(HasSubstr("is served now")));
+  EXPECT_THAT(list(), ElementsAre("sub/two", "walk"));
+
+  fs::remove_all(all);
+  fs::remove_all(reel_);
+  EXPECT_EQ(catalog.refresh({all, reel_}).changes.size(), 2u);
+  EXPECT_THAT(list(), ElementsAre());
+  EXPECT_NE(served.find("/healthz"), nullptr);
+}
+
+TEST_F(CatalogTest, a_fault_of_one_package_in_a_folder_keeps_the_others) {
+  const fs::path all = temporary_.path() / "all";
+  for (const char* name : {"good", "bad"}) write_package(all / name, "1", "2");
+  write_file(all / "bad" / "reel.json", "{");
+  auto catalog = Catalog::load({all});
+  ASSERT_TRUE(catalog) << catalog.error().message;
+  EXPECT_NE(catalog->find("/good/reel.json"), nullptr);
+  EXPECT_EQ(catalog->find("/bad/reel.json"), nullptr);
+  EXPECT_THAT(catalog->refresh({all}).faults, ElementsAre(HasSubstr("bad/reel.json")));
+  // Two of the same name, one of which came later.
+  write_package(temporary_.path() / "more" / "good", "3", "4");
+  const auto news = catalog->refresh({all, temporary_.path() / "more"});
+  EXPECT_THAT(news.faults, ElementsAre(HasSubstr("another package is named 'good'")));
+  EXPECT_EQ(catalog->find("/good/0.base.prs")->size, 1u);
+}
+
+TEST_F(CatalogTest, the_list_is_not_made_for_each_of_many_requests) {
+  const auto catalog = Catalog::load({reel_}).value();
+  int made = 0;
+  const auto list = [&] {
+    return catalog.list([&] {
+      ++made;
+      return std::vector<StreamStatistics>();
+    });
+  };
+  const auto first = list();
+  for (int i = 0; i < 10'000; ++i) EXPECT_EQ(list()->etag, first->etag);
+  EXPECT_LT(made, 10'000);
 }
 
 TEST_F(CatalogTest, refuses_a_folder_that_is_not_a_package) {
   EXPECT_THAT(error_of({temporary_.path() / "missing"}), HasSubstr("missing: No such file"));
-  EXPECT_THAT(error_of({temporary_.path()}), HasSubstr("holds no reel.json"));
+  fs::create_directory(temporary_.path() / "frames");
+  write_file(temporary_.path() / "frames" / "1.ply", "ply");
+  EXPECT_THAT(error_of({temporary_.path() / "frames"}), HasSubstr("holds no reel.json"));
   write_file(reel_ / "reel.json", "{");
   EXPECT_THAT(error_of({reel_}), HasSubstr("walk/reel.json"));
 }

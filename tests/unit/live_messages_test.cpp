@@ -11,6 +11,7 @@
 #include "common/stream/reel_rules.h"
 #include "pointreel/chunks.h"
 #include "tests/live_layer.h"
+#include "tests/unit/live_frames.h"
 
 namespace pointreel {
 namespace {
@@ -201,6 +202,41 @@ TEST(LiveMessages, a_hello_lists_scalar_fields) {
   EXPECT_EQ(write_hello(a_hello()).find("scalars"), std::string::npos);
   hello.scalars[1].name = hello.scalars[0].name;
   EXPECT_THAT(parse_live_text(write_hello(hello)).error().message, HasSubstr("comes twice"));
+}
+
+TEST(LiveMessages, a_hello_names_the_servers_that_it_came_through) {
+  LiveHello hello = plain_hello();
+  hello.servers = {1, 0xfedc'ba98'7654'3210};
+  const auto parsed = parse_live_text(write_hello(hello));
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ(std::get<LiveHello>(*parsed), hello);
+  for (const char* bad : {R"("servers":5,)", R"("servers":["1"],)", R"("servers":[1],)",
+                          R"("servers":["0000000000000001","000000000000000G"],)"}) {
+    std::string text = write_hello(plain_hello());
+    text.insert(1, bad);
+    const auto refused = parse_live_text(text);
+    ASSERT_FALSE(refused) << text;
+    EXPECT_THAT(refused.error().message, HasSubstr("servers")) << text;
+  }
+  hello.servers.assign(kMaxLiveServers, 1);
+  EXPECT_TRUE(parse_live_text(write_hello(hello)));
+  hello.servers.push_back(1);
+  EXPECT_FALSE(parse_live_text(write_hello(hello)));
+}
+
+TEST(LiveMessages, the_list_of_streams_is_parsed_as_it_was_written) {
+  LiveStreams streams;
+  EXPECT_EQ(std::get<LiveStreams>(parse_live_text(write_streams(streams)).value()), streams);
+  for (std::size_t i = 0; i < kMaxLiveStreams; ++i)
+    streams.names.push_back(std::string(62, 'x') + std::to_string(10 + i));
+  EXPECT_EQ(std::get<LiveStreams>(parse_live_text(write_streams(streams)).value()), streams);
+  streams.names.emplace_back("one-too-many");
+  EXPECT_FALSE(parse_live_text(write_streams(streams)));
+  for (const char* bad :
+       {R"({"type":"streams"})", R"({"type":"streams","names":{}})",
+        R"({"type":"streams","names":["a/b"]})", R"({"type":"streams","names":[7]})"}) {
+    EXPECT_FALSE(parse_live_text(bad)) << bad;
+  }
 }
 
 }  // namespace

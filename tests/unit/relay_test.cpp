@@ -19,6 +19,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 LiveMessage hello_message(std::uint8_t publisher = 1) { return publisher_message(publisher); }
 
@@ -395,6 +396,157 @@ TEST(Relay, publishers_viewers_and_statistics_may_use_any_thread) {
   done = true;
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(relay.statistics()[0].viewers, 0u);
+}
+
+LiveMessage server_hello(std::uint64_t session, std::vector<std::uint64_t> servers) {
+  LiveHello hello = plain_hello(session);
+  hello.servers = std::move(servers);
+  return text_message(write_hello(hello));
+}
+
+std::string text_of(const LiveMessage& message) {
+  return {message.bytes->begin(), message.bytes->end()};
+}
+
+TEST(Relay, a_stream_from_another_server_keeps_its_session_and_names_the_servers_on_its_way) {
+  std::vector<LiveHello> hellos;
+  RelayOptions options = with_sink(std::make_shared<Hellos>(hellos));
+  options.server = 0xb;
+  Relay relay(options);
+  const auto from = relay.receive("stage").value();
+  ASSERT_TRUE(from->message(server_hello(77, {0xa})));
+  publish_frame(*from, 3);
+  const auto viewer = relay.join("stage", [] {}).value();
+  EXPECT_THAT(take_all(*viewer), ElementsAre("hello", "3.0", "3.1", "3.2"));
+  ASSERT_EQ(hellos.size(), 1u);
+  EXPECT_EQ(hellos[0].session, 77u);
+  EXPECT_THAT(hellos[0].servers, ElementsAre(0xau, 0xbu));
+  EXPECT_EQ(relay.statistics().at(0).hops, 1u);
+  // The publisher goes, and another one comes, over the same connection.
+  ASSERT_TRUE(from->message(text_message(write_end())));
+  EXPECT_FALSE(relay.statistics().at(0).publishing);
+  EXPECT_THAT(refusal(*from, layer_message(4, 0)), HasSubstr("hello"));
+  ASSERT_TRUE(from->message(server_hello(78, {0xa})));
+  publish_frame(*from, 0);
+  ASSERT_TRUE(from->message(server_hello(79, {0xa})));
+  publish_frame(*from, 0);
+  EXPECT_EQ(hellos.back().session, 79u);
+}
+
+TEST(Relay, a_stream_that_comes_around_in_a_circle_or_from_too_far_is_refused) {
+  RelayOptions options;
+  options.server = 0xb;
+  Relay relay(options);
+  const auto from = relay.receive("stage").value();
+  EXPECT_THAT(refusal(*from, server_hello(1, {0xb})), HasSubstr("circle"));
+  EXPECT_THAT(refusal(*from, server_hello(1, {0xa, 0xb, 0xc})), HasSubstr("circle"));
+  EXPECT_THAT(refusal(*from, server_hello(1, std::vector<std::uint64_t>(kMaxLiveServers, 0xa))),
+              HasSubstr("8 servers"));
+  EXPECT_THAT(relay.statistics(), IsEmpty());
+  EXPECT_TRUE(from->message(server_hello(1, std::vector<std::uint64_t>(kMaxLiveServers - 1, 0xa))));
+}
+
+TEST(Relay, another_server_that_breaks_the_rules_is_refused_like_a_publisher) {
+  Relay relay;
+  const auto from = relay.receive("stage").value();
+  EXPECT_THAT(refusal(*from, layer_message(0, 0)), HasSubstr("hello"));
+  EXPECT_THAT(refusal(*from, text_message("{")), Not(IsEmpty()));
+  EXPECT_THAT(refusal(*from, hello_message()), HasSubstr("session"));
+  ASSERT_TRUE(from->message(server_hello(1, {0xa})));
+  publish_frame(*from, 3);
+  EXPECT_THAT(refusal(*from, layer_message(3, 0)), HasSubstr("frame 3 after 3"));
+  EXPECT_THAT(refusal(*from, layer_message(5, 1)), HasSubstr("does not follow"));
+  EXPECT_THAT(refusal(*from, layer_message(5, 0, 4)), HasSubstr("4 layers"));
+}
+
+TEST(Relay, a_publisher_and_another_server_cannot_take_each_others_stream) {
+  Relay relay;
+  const auto publisher = relay.publish("stage").value();
+  ASSERT_TRUE(publisher->message(hello_message()));
+  const auto viewer = relay.join("stage", [] {}).value();
+  const auto hello = viewer->next();
+  ASSERT_TRUE(hello);
+  const auto seen = std::get<LiveHello>(parse_live_text(text_of(*hello)).value());
+  const auto from = relay.receive("stage").value();
+  EXPECT_THAT(refusal(*from, server_hello(seen.session, {0xa})), HasSubstr("somebody else"))
+      << "the session is no secret";
+  const auto other = relay.receive("other").value();
+  ASSERT_TRUE(other->message(server_hello(1, {0xa})));
+  const auto second = relay.publish("other").value();
+  EXPECT_THAT(refusal(*second, hello_message(2)), HasSubstr("somebody else"));
+}
+
+TEST(Relay, the_name_of_a_stream_from_another_server_is_free_when_the_connection_is_lost) {
+  Relay relay;
+  auto from = relay.receive("stage").value();
+  ASSERT_TRUE(from->message(server_hello(1, {0xa})));
+  publish_frame(*from, 3);
+  from.reset();
+  // It comes back, and sends its newest frame once more.
+  from = relay.receive("stage").value();
+  ASSERT_TRUE(from->message(server_hello(1, {0xa})));
+  publish_frame(*from, 3);
+  publish_frame(*from, 4);
+  EXPECT_EQ(relay.statistics().at(0).frames, 2u);
+  from.reset();
+  const auto publisher = relay.publish("stage").value();
+  EXPECT_TRUE(publisher->message(hello_message()));
+}
+
+TEST(Relay, of_two_servers_with_the_same_stream_the_second_waits_until_the_first_has_gone) {
+  Relay relay;
+  auto first = relay.receive("stage").value();
+  const auto second = relay.receive("stage").value();
+  ASSERT_TRUE(first->message(server_hello(1, {0xa})));
+  publish_frame(*first, 3);
+  EXPECT_THAT(refusal(*second, server_hello(1, {0xc})), HasSubstr("somebody else"));
+  publish_frame(*first, 4);
+  first.reset();
+  ASSERT_TRUE(second->message(server_hello(1, {0xc})));
+  publish_frame(*second, 4);
+  publish_frame(*second, 5);
+  EXPECT_EQ(relay.statistics().at(0).frames, 3u);
+}
+
+TEST(Relay, what_servers_before_could_not_send_is_counted_over_all_connections) {
+  Relay relay;
+  auto from = relay.receive("stage").value();
+  ASSERT_TRUE(from->message(server_hello(1, {0xa})));
+  for (const LiveDrops drops : {LiveDrops{2, 5}, LiveDrops{3, 9}})
+    ASSERT_TRUE(from->message(text_message(write_drops(drops))));
+  from = nullptr;
+  from = relay.receive("stage").value();
+  ASSERT_TRUE(from->message(server_hello(1, {0xa})));
+  ASSERT_TRUE(from->message(text_message(write_drops({1, 1}))));
+  EXPECT_EQ(relay.statistics().at(0).lost, (LiveDrops{4, 10}));
+  ASSERT_TRUE(from->message(text_message(write_drops({0, 0})))) << "counts backward";
+  EXPECT_EQ(relay.statistics().at(0).lost, (LiveDrops{4, 10}));
+}
+
+TEST(Relay, whoever_watches_is_told_the_names_of_streams_when_they_change) {
+  Relay relay;
+  int woken = 0;
+  const auto list = relay.watch([&] { ++woken; });
+  const auto names = [&]() -> std::vector<std::string> {
+    const auto message = list->next();
+    if (!message) return {"nothing new"};
+    EXPECT_FALSE(list->next());
+    return std::get<LiveStreams>(parse_live_text(text_of(*message)).value()).names;
+  };
+  EXPECT_THAT(names(), IsEmpty());
+  EXPECT_THAT(names(), ElementsAre("nothing new"));
+  auto a = relay.publish("a").value();
+  EXPECT_EQ(woken, 0);
+  ASSERT_TRUE(a->message(hello_message(1)));
+  EXPECT_EQ(woken, 1);
+  EXPECT_THAT(names(), ElementsAre("a"));
+  const auto b = relay.receive("b").value();
+  ASSERT_TRUE(b->message(server_hello(2, {0xa})));
+  EXPECT_THAT(names(), ElementsAre("a", "b"));
+  a.reset();
+  EXPECT_THAT(names(), ElementsAre("b"));
+  ASSERT_TRUE(b->message(text_message(write_end())));
+  EXPECT_THAT(names(), IsEmpty());
 }
 
 }  // namespace

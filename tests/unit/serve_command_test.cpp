@@ -227,10 +227,50 @@ TEST_F(ServeCommandTest, ends_although_nobody_reads_what_it_prints) {
   EXPECT_EQ(server.exit_code(), 0);
 }
 
+TEST_F(ServeCommandTest, packages_tokens_and_the_certificate_change_while_it_serves) {
+  const fs::path all = temporary_.path() / "all", config = temporary_.path() / "server.toml";
+  fs::create_directory(all);
+  write_file(config, "[serve]\nreels = [\"" + all.string() + "\"]\n");
+  ServerProcess server({"--config", config.string(), "--listen", "127.0.0.1:0"});
+  const std::uint16_t port = server.port();
+  ASSERT_NE(port, 0);
+  const auto status = [&](const std::string& target, const std::string& fields = "") {
+    return RawHttpClient(port).get(target, fields).status;
+  };
+  EXPECT_EQ(status("/sub/new/reel.json"), 404);
+  write_package(all / "sub" / "new", "1", "2");
+  EXPECT_TRUE(wait_until([&] { return status("/sub/new/reel.json") == 200; }));
+  fs::remove_all(all / "sub");
+  EXPECT_TRUE(wait_until([&] { return status("/sub/new/reel.json") == 404; }));
+
+  const std::string folders = "[serve]\nreels = [\"" + reel_.string() + "\"]\n";
+  write_file(config, folders + "view-token = \"one\"\n");
+  server.signal(SIGHUP);
+  EXPECT_TRUE(wait_until([&] { return status("/") == 401; }));
+  const std::string manifest = "/" + reel_.filename().string() + "/reel.json";
+  EXPECT_TRUE(wait_until([&] { return status(manifest, "Authorization: Bearer one\r\n") == 200; }));
+  // A file with a mistake changes nothing.
+  write_file(config, folders + "view-tokn = \"two\"\n");
+  server.signal(SIGHUP);
+  write_file(config, folders + "view-token = \"\"\n");
+  server.signal(SIGHUP);
+  EXPECT_FALSE(wait_until([&] { return status("/") != 401; }, pointreel::kMoment));
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.exit_code(), 0);
+}
+
 TEST_F(ServeCommandTest, reports_every_failure_in_one_line) {
-  fs::create_directory(temporary_.path() / "empty");
-  EXPECT_THAT(failure_of({(temporary_.path() / "empty").string()}),
-              HasSubstr("empty: holds no reel.json, and no packages"));
+  fs::create_directory(temporary_.path() / "frames");
+  write_file(temporary_.path() / "frames" / "1.ply", "ply");
+  EXPECT_THAT(failure_of({(temporary_.path() / "frames").string()}),
+              HasSubstr("frames: holds no reel.json, and no packages"));
+  EXPECT_THAT(failure_of({"--relay-from", "ws://localhost/live"}), HasSubstr("--live"));
+  for (const char* bad : {"http://localhost/live", "ws://localhost/", "ws://localhost/live/a/b",
+                          "name=ws://localhost/live", "a/b=ws://localhost/live/c"}) {
+    EXPECT_THAT(failure_of({"--live", "--listen", "127.0.0.1:0", "--relay-from", bad}),
+                HasSubstr("--relay-from"))
+        << bad;
+  }
   EXPECT_THAT(failure_of({reel_.string(), reel_.string()}), HasSubstr("another package is named"));
   EXPECT_THAT(failure_of({reel_.string(), "--listen", "nowhere"}), HasSubstr("--listen nowhere"));
   EXPECT_THAT(failure_of({reel_.string(), "--allow-origin", "example.org"}),

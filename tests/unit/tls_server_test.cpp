@@ -124,6 +124,25 @@ TEST_F(TlsServerTest, refuses_connections_beyond_its_limit) {
   EXPECT_EQ(client()->get("/healthz").status, 503);
 }
 
+TEST_F(TlsServerTest, a_renewed_certificate_is_for_new_connections_and_a_bad_one_changes_nothing) {
+  start();
+  const auto before = client();
+  ASSERT_TRUE(before->met());
+  fs::create_directory(temporary_.path() / "new");
+  const TestCertificate renewed(temporary_.path() / "new");
+  const auto meets = [&](const TestCertificate& trusted) {
+    return TlsHttpClient(server_->port(), trusted.certificate, 0).met();
+  };
+  EXPECT_FALSE(server_->read_certificate(renewed.certificate, certificate_.key));
+  EXPECT_FALSE(server_->read_certificate({}, {})) << "a server with TLS keeps it";
+  EXPECT_TRUE(meets(certificate_));
+  const auto read = server_->read_certificate(renewed.certificate, renewed.key);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(meets(renewed));
+  EXPECT_FALSE(meets(certificate_));
+  EXPECT_EQ(before->get("/healthz").body, "ok\n") << "connections stay";
+}
+
 TEST_F(TlsServerTest, reports_certificate_problems_in_one_line) {
   const auto failure = [&] {
     const auto server = HttpServer::start({}, options_);

@@ -2,13 +2,16 @@
 
 #include "tests/nginx/nginx.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -193,6 +196,85 @@ TEST_F(NginxTest, nginx_caches_packages_and_forwards_live_streams) {
   EXPECT_EQ(first.body.size(), files[0]["bytes"].get<std::size_t>());
   EXPECT_EQ(again.field("x-cache"), "HIT");
   EXPECT_EQ(again.body, first.body);
+}
+
+/// Asks for a file from many connections at the same time.
+std::vector<Answer> ask_at_once(std::uint16_t port, const std::string& target, int count) {
+  std::vector<std::future<Answer>> asked;
+  for (int i = 0; i < count; ++i) {
+    asked.push_back(
+        std::async(std::launch::async, [=] { return RawHttpClient(port).get(target); }));
+  }
+  std::vector<Answer> answers;
+  for (auto& answer : asked) answers.push_back(answer.get());
+  return answers;
+}
+
+TEST_F(NginxTest, a_chain_of_nginx_and_varnish_asks_the_server_once_for_many_viewers) {
+  const std::string varnish = "/usr/sbin/varnishd";
+  if (!fs::exists(varnish)) GTEST_SKIP() << "Varnish is not installed: apt-get install varnish";
+  Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+  const std::uint16_t port = port_of(server_address(server));
+  ASSERT_NE(port, 0);
+  const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t own) {
+    return nginx_configuration("live.conf",
+                               {{"listen 80;", fmt::format("listen 127.0.0.1:{};", own)},
+                                {"127.0.0.1:8090", fmt::format("127.0.0.1:{}", port)},
+                                {"/var/cache/nginx-pointreel", (folder_ / "cache").string()}});
+  });
+  ASSERT_TRUE(nginx) << nginx.error().message;
+  std::ofstream(folder_ / "live.vcl")
+      << nginx_configuration("live.vcl", {{"8090", std::to_string((*nginx)->port())}});
+  std::uint16_t front = 0;
+  {
+    // Varnish cannot choose a free port and report it.
+    Background other("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+    front = port_of(server_address(other));
+  }
+  Background cache(varnish, {"-F", "-a", fmt::format("127.0.0.1:{}", front), "-f",
+                             (folder_ / "live.vcl").string(), "-n", (folder_ / "varnish").string(),
+                             "-s", "malloc,64m", "-j", "none", "-T", "none"});
+  ASSERT_TRUE(wait_until([&] {
+    if (!cache.running()) return true;
+    const int status = RawHttpClient(front).get("/healthz").status;
+    return status == 200;
+  }));
+  ASSERT_TRUE(cache.running());
+  Background publisher("pointreel-server", {"publish", "-i", (folder_ / "in").string(), "--to",
+                                            fmt::format("ws://127.0.0.1:{}/live/stage", port),
+                                            "--fps", "10", "--loop"});
+  const std::string manifest = "/live/stage/reel.json";
+  nlohmann::json growing;
+  ASSERT_TRUE(wait_until([&] {
+    const Answer answer = RawHttpClient(front).get(manifest);
+    growing = nlohmann::json::parse(answer.body, nullptr, false);
+    return answer.status == 200 && !growing.is_discarded() && growing["segments"].size() >= 2;
+  }));
+  const auto asked = [&] {
+    return metric(RawHttpClient(port).get("/metrics").body,
+                  "pointreel_http_responses_total{status=\"206\"}");
+  };
+  const auto& newest = growing["segments"].back()["files"][0];
+  const std::string file = "/live/stage/" + newest["path"].get<std::string>();
+  const double before = asked();
+  for (const Answer& answer : ask_at_once(front, file, 32)) {
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.body.size(), newest["bytes"].get<std::size_t>());
+  }
+  EXPECT_LE(asked(), std::max(before, 0.0) + 1.0) << "one request for all viewers";
+  for (const Answer& answer : ask_at_once(front, manifest, 32)) EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(RawHttpClient(front).get("/metrics").status, 403);
+
+  // A player behind both, over HTTP and over WebSocket.
+  const auto many = [](const nlohmann::json& report) { return report["frames_shown"] > 5; };
+  for (const char* address :
+       {"http://127.0.0.1:{}/live/stage/reel.json", "ws://127.0.0.1:{}/live/stage"}) {
+    const auto report = play_until(
+        {fmt::format(fmt::runtime(address), front), "--mode", "point", "--offscreen", "64x48"},
+        many);
+    ASSERT_FALSE(report.is_discarded()) << address;
+    EXPECT_TRUE(many(report)) << address << report["frames_shown"];
+  }
 }
 
 }  // namespace

@@ -198,16 +198,17 @@ class Rereading {
 
 /// Waits for a signal to end, and looks meanwhile for what has changed: once a second, and less
 /// often if that takes more than a twentieth of the time.
-void run_until_signal(Rereading& reading, const sigset_t& signals) {
+/// `outlives_terminal`: it was started by nohup or the like.
+void run_until_signal(Rereading& reading, const sigset_t& signals, bool outlives_terminal) {
   using namespace std::chrono_literals;
   std::chrono::nanoseconds pause = 1s;
   for (;;) {
     const timespec wait{pause.count() / 1'000'000'000, pause.count() % 1'000'000'000};
     siginfo_t info{};
     const int signal = ::sigtimedwait(&signals, &info, &wait);
-    // Also when its terminal has gone, which the system says itself.
-    if (signal == SIGINT || signal == SIGTERM || (signal == SIGHUP && info.si_code == SI_KERNEL))
-      return;
+    // The system itself says that the terminal has gone.
+    const bool terminal_gone = signal == SIGHUP && info.si_code == SI_KERNEL;
+    if (signal == SIGINT || signal == SIGTERM || (terminal_gone && !outlives_terminal)) return;
     const auto begin = std::chrono::steady_clock::now();
     if (signal == SIGHUP) reading.read_again();
     reading.look();
@@ -229,6 +230,7 @@ Result<void> serve(const ServeArguments& arguments, const std::vector<std::strin
   // Shells start programs in the background with SIGINT ignored.
   sigset_t signals;
   sigemptyset(&signals);
+  const bool outlives_terminal = std::signal(SIGHUP, SIG_DFL) == SIG_IGN;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::signal(signal, SIG_DFL);
     sigaddset(&signals, signal);
@@ -255,7 +257,7 @@ Result<void> serve(const ServeArguments& arguments, const std::vector<std::strin
   announce(announcement(reels, arguments.live, options, server->address()));
   Rereading reading(arguments, command_line, std::move(catalog), *server, log);
   reading.look();  // tells the faults of packages
-  run_until_signal(reading, signals);
+  run_until_signal(reading, signals, outlives_terminal);
   server->stop();
   return {};
 }

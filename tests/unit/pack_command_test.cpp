@@ -321,7 +321,7 @@ TEST(ServerHelp, breaks_the_lines_of_descriptions_only_where_the_next_word_does_
   add_pack_command(app, code);
   add_inspect_commands(app, code);
   add_publish_command(app, code);
-  add_serve_command(app, code);
+  add_serve_command(app, code, {});
   add_common_options(app);
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     std::istringstream lines(command->help());

@@ -17,6 +17,7 @@ inline constexpr int kExitOk = 0, kExitFailed = 1, kExitUsage = 2;
 void add_pack_command(CLI::App& app, int& exit_code);
 void add_audio_command(CLI::App& app, int& exit_code);
 void add_inspect_commands(CLI::App& app, int& exit_code);  ///< info, verify and unpack
+void add_upload_command(CLI::App& app, int& exit_code);
 void add_publish_command(CLI::App& app, int& exit_code);
 /// `command_line`: the arguments of the program, which are read again on SIGHUP.
 void add_serve_command(CLI::App& app, int& exit_code, std::vector<std::string> command_line);

@@ -120,12 +120,13 @@ PlayCommand::PlayCommand(CLI::App& app) {
 
 void PlayCommand::add_sources(CLI::App& command) {
   command
-      .add_option("SOURCE", sources_,
-                  "What to play: a package, as a folder or an http:// or https:// address; a "
-                  "folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
-                  "nuScenes) or one "
-                  "such file; or a live stream, as ws://.../live/NAME, wss:// "
-                  "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
+      .add_option(
+          "SOURCE", sources_,
+          "What to play: a package, as a folder or an http://, https:// or s3:// address; a "
+          "folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
+          "nuScenes) or one "
+          "such file; or a live stream, as ws://.../live/NAME, wss:// "
+          "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
       ->required()
       ->type_name("");
   const std::string group = "Sources";
@@ -149,6 +150,13 @@ void PlayCommand::add_sources(CLI::App& command) {
                   "Certificates to trust for https:// and wss:// (default: those of the system)")
       ->check(CLI::ExistingFile)
       ->type_name("FILE.pem")
+      ->group(group);
+  command
+      .add_option("--endpoint", options_.endpoint,
+                  "The object store that s3:// means, such as http://127.0.0.1:9000 (default: "
+                  "AWS_ENDPOINT_URL, or Amazon's). Its keys are read from the environment or from "
+                  "~/.aws, as Amazon's programs do")
+      ->type_name("URL")
       ->group(group);
   command
       .add_flag("--follow-redirects", options_.follow_redirects,

@@ -24,7 +24,7 @@ struct View {
 /// range and go together.
 struct PlayOptions {
   std::vector<Stage::Placed> sources;               ///< at least one
-  std::string token, ca_file;                       ///< as in SourceOptions
+  std::string token, ca_file, endpoint;             ///< as in SourceOptions
   bool follow_redirects = false;                    ///< as in SourceOptions
   std::uint64_t frame_memory = kFrameMemory >> 20;  ///< MiB that decoding a frame may take
   std::uint64_t cache = 512;                        ///< MiB of decoded frames that are kept

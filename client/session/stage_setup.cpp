@@ -20,6 +20,7 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.source.topic = options.topic;
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
+  stage.source.endpoint = options.endpoint;
   stage.source.follow_redirects = options.follow_redirects;
   stage.source.max_memory = stage.prepare.max_memory = options.frame_memory << 20;
   stage.prepare.layers = options.layers;

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/source/http_client.h"
-#include "client/source/http_folder.h"
 #include "client/source/live_assembler.h"
 #include "client/source/live_pacing.h"
 #include "common/base/try.h"
+#include "common/http/http_client.h"
+#include "common/http/http_folder.h"
 #include "common/stream/live.h"
 #include "pointreel/package.h"
 
@@ -129,9 +129,9 @@ class HttpLiveSource : public LiveSource {
         auto manifest =
             parse_manifest({reinterpret_cast<const char*>((*text)->data()), (*text)->size()});
         if (!manifest)
-          set_trouble(folder_.manifest() + ": " + manifest.error().message);
+          set_trouble(folder_.base + ": " + manifest.error().message);
         else if (!manifest->live)
-          set_trouble(folder_.manifest() + ": is a package, not a live stream");
+          set_trouble(folder_.base + ": is a package, not a live stream");
         else
           pause = take(*manifest);
       }

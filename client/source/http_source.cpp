@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "client/source/http_client.h"
-#include "client/source/http_folder.h"
 #include "client/source/package_source.h"
 #include "common/base/try.h"
+#include "common/http/http_client.h"
+#include "common/http/http_folder.h"
 
 namespace pointreel {
 namespace {
@@ -48,10 +48,10 @@ class HttpSource : public PackageSource {
 
 Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
                                                  const SourceOptions& options) {
-  HttpFolder folder = TRY(parse_http_folder(url));
+  HttpFolder folder = TRY(resolve_folder(url, options.endpoint));
   const std::string manifest_url = folder.manifest();
 
-  auto client = std::make_unique<HttpClient>(options);
+  auto client = std::make_unique<HttpClient>(options, folder.access);
   const auto text = client->get(manifest_url, kMaxManifestBytes);
   if (!text) {
     const bool found = text.error().code != ErrorCode::not_found;
@@ -59,14 +59,14 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
   }
   auto manifest = parse_manifest({reinterpret_cast<const char*>(text->data()), text->size()});
   if (!manifest)
-    return tl::unexpected(
-        no_package({manifest_url + ": " + manifest.error().message, manifest.error().code}));
+    return tl::unexpected(no_package(
+        {without_secrets(manifest_url) + ": " + manifest.error().message, manifest.error().code}));
   std::shared_ptr<const ContextTables> tables;
   if (manifest->tables) {
     const std::string tables_url = folder.file(manifest->tables->path);
     const Bytes bytes = TRY(client->get(tables_url, manifest->tables->bytes));
     auto read = read_tables(*manifest->tables, bytes);
-    if (!read) return fail_at(tables_url, read.error());
+    if (!read) return fail_at(without_secrets(tables_url), read.error());
     tables = std::move(*read);
   }
   return std::make_unique<HttpSource>(std::move(folder), std::move(client), *std::move(manifest),

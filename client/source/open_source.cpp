@@ -10,6 +10,7 @@
 #include "client/source/http_source.h"
 #include "codec/cloud_file.h"
 #include "common/base/try.h"
+#include "common/http/http_folder.h"
 #include "common/net/url.h"
 
 namespace pointreel {
@@ -27,12 +28,12 @@ bool has_no_frames(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options) {
+  if (is_folder_address(where)) return open_http_source(where, options);
   if (!scheme_of(where).empty()) {
     const Url url = TRY(parse_url(where));
-    if (url.is_http()) return open_http_source(where, options);
     return fail(ErrorCode::argument,
-                fmt::format("{}: {}:// is not supported; give an http:// or https:// address, a "
-                            "package or a folder",
+                fmt::format("{}: {}:// is not supported; give an http://, https:// or s3:// "
+                            "address, a package or a folder",
                             where, url.scheme));
   }
   namespace fs = std::filesystem;

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
 
 #include "client/source/fetched.h"
+#include "common/http/http_options.h"
 #include "pointreel/bytes.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
@@ -22,17 +21,6 @@ struct FetchRequest {
   bool fresh = false;       ///< asks caches on the way for a new copy: a layer came damaged before
   std::stop_token stop = {};  ///< a fetch that is asked to stop fails soon
   std::uint64_t id = 0;       ///< tells LayerStore its requests apart; sources ignore it
-};
-
-/// What a link has carried so far.
-struct LinkUse {
-  std::uint64_t bytes = 0;  ///< of the bodies of answers
-  /// The time in which at least one answer was coming, its first byte here and its last one not.
-  /// `bytes` divided by it is the link's rate, however many answers come at once.
-  std::chrono::microseconds receiving{0};
-  std::chrono::microseconds busy{0};  ///< the time in which at least one request was not answered
-  /// The least time lately from a request to the first byte of its answer; 0 if not known.
-  std::chrono::microseconds round_trip{0};
 };
 
 /// Where frames come from.
@@ -68,28 +56,12 @@ class Source {
   virtual LinkUse link_use() const { return {}; }
 };
 
-struct SourceOptions {
+struct SourceOptions : HttpOptions {  ///< token, ca_file and times are for WebSocket too
   /// Of folders of files, which do not tell it; 30 if it is not given, and not for recordings.
   std::optional<double> fps = {};
   std::string topic = {};                   ///< of recordings that have several
   Placement placement = {};                 ///< of the points of files
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
-  // For HTTP and WebSocket.
-  std::string token;    ///< bearer token, sent if not empty
-  std::string ca_file;  ///< PEM certificates to trust for https and wss; empty: the system's
-  bool follow_redirects = false;  ///< also to other hosts; never from https to http
-  /// TLS included. For WebSocket it doubles, up to eight times as long, while connecting fails.
-  std::chrono::milliseconds connect_timeout{2'000};
-  /// How long a connection may bring no byte. Doubles, up to four times as long, while a server
-  /// that can be reached stays silent.
-  std::chrono::milliseconds stall_timeout{1'500};
-  std::chrono::milliseconds first_backoff{100};  ///< wait before trying again; doubles each time
-  std::chrono::milliseconds max_backoff{500};
-  std::stop_token stop = {};  ///< asked to stop, opening a source fails soon
-  /// Called by any thread when trouble() of a source has changed, with what it is now; also while
-  /// the source is being opened.
-  std::function<void(const std::optional<std::string>&)> on_trouble = {};
-  int open_attempts = 4;  ///< to open a source; later fetches are tried without end
 };
 
 }  // namespace pointreel

@@ -142,8 +142,8 @@ Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
   return manifest.audio;
 }
 
-Result<void> check_audio(const fs::path& folder, const AudioFile& audio) {
-  std::ifstream file(folder / audio.path, std::ios::binary);
+Result<void> check_audio(const PackageFiles& files, const AudioFile& audio) {
+  std::ifstream file(TRY(files.local(audio)), std::ios::binary);
   OpusReader reader = TRY(OpusReader::open(
       [&file](std::uint64_t offset, std::span<std::uint8_t> bytes) -> Result<void> {
         file.clear();

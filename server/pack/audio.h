@@ -7,6 +7,7 @@
 
 #include "pointreel/error.h"
 #include "pointreel/package.h"
+#include "server/store/package_files.h"
 
 /// The sound of a package. It is made by ffmpeg, from any file that ffmpeg reads.
 namespace pointreel {
@@ -33,6 +34,6 @@ Result<std::optional<AudioFile>> replace_audio(const std::filesystem::path& pack
 
 /// Decodes the sound of a package in full, and compares it with the manifest. Its size and checksum
 /// are not looked at.
-Result<void> check_audio(const std::filesystem::path& folder, const AudioFile& audio);
+Result<void> check_audio(const PackageFiles& files, const AudioFile& audio);
 
 }  // namespace pointreel

@@ -13,20 +13,20 @@
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
+#include "server/store/package_files.h"
 #include "server/write/cloud_files.h"
 
-/// What `info`, `verify` and `unpack` do with a package on disk.
+/// What `info`, `verify` and `unpack` do with a package.
 namespace pointreel {
 
 /// Reads the first `layers` layers of a frame, base first: at least 1, and no more than there are.
 /// Memory is bounded by the sizes of the files, whatever the manifest says.
-Result<std::vector<Chunks<Bytes>>> read_frame(const std::filesystem::path& folder,
-                                              const Manifest& manifest, std::uint32_t frame,
-                                              std::size_t layers);
+Result<std::vector<Chunks<Bytes>>> read_frame(const PackageFiles& files, const Manifest& manifest,
+                                              std::uint32_t frame, std::size_t layers);
 
 /// How far a point can be from its decoded position: what the packer measured, or else the largest
 /// max_geometry_error of all frames, by their headers. 0 if no frame has a point.
-Result<double> max_error(const std::filesystem::path& folder, const Manifest& manifest);
+Result<double> max_error(const PackageFiles& files, const Manifest& manifest);
 
 struct Fault {
   std::string file;                    ///< in the package's folder
@@ -49,12 +49,11 @@ struct InspectListener {
 };
 
 /// Checks the size and checksum of every file, decodes the sound and every frame in full, and
-/// compares it with what the manifest and the frame's own header say. An error if the folder is not
-/// a package.
+/// compares it with what the manifest and the frame's own header say. An error if it is no
+/// package.
 ///
 /// `max_memory`: as in DecodeLimits.
-Result<VerifyReport> verify(const std::filesystem::path& folder,
-                            const InspectListener& listener = {},
+Result<VerifyReport> verify(const PackageFiles& files, const InspectListener& listener = {},
                             std::uint64_t max_memory = kFrameMemory);
 
 /// UnpackOptions::last_frame: the last frame that there is.
@@ -72,7 +71,8 @@ struct UnpackMesh {
 };
 
 struct UnpackOptions {
-  std::filesystem::path input, output;
+  PackageFiles input;
+  std::filesystem::path output;
   std::size_t layers = SIZE_MAX;            ///< how many layers to decode, from the base
   std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
   std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist

@@ -21,6 +21,7 @@
 #include "server/encode/sequence_arguments.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/inspect.h"
+#include "server/store/store_options.h"
 
 namespace pointreel {
 namespace {
@@ -138,14 +139,21 @@ void print_info(const Manifest& manifest, const Totals& totals) {
 /// a damaged one is a fault of the package.
 int report_unreadable(const Error& error) {
   print_error(error.message);
-  return error.code == ErrorCode::not_found ? kExitUsage : kExitFailed;
+  return error.code == ErrorCode::not_found || error.code == ErrorCode::argument ? kExitUsage
+                                                                                 : kExitFailed;
 }
 
-int run_info(const std::string& reel, bool json) {
-  const Result<Manifest> manifest = read_manifest(reel);
+int run_info(const std::string& reel, bool json, const HttpOptions& options) {
+  const Result<PackageFiles> files = PackageFiles::at(reel, options);
+  if (!files) return report_unreadable(files.error());
+  const Result<Manifest> manifest = files->manifest();
   if (!manifest) return report_unreadable(manifest.error());
   Totals totals = totals_of(*manifest);
-  if (const Result<double> error = max_error(reel, *manifest)) totals.max_error = *error;
+  totals.max_error = manifest->max_error;
+  // Of what is far away, no files are fetched to find out.
+  if (!files->remote()) {
+    if (const Result<double> error = max_error(*files, *manifest)) totals.max_error = *error;
+  }
   if (json) {
     print_json(info_json(*manifest, totals));
   } else {
@@ -185,14 +193,17 @@ ordered_json verify_json(const VerifyReport& report) {
           {"faults", faults}};
 }
 
-int run_verify(const std::string& reel, bool json, std::uint64_t max_memory) {
-  if (const Result<Manifest> manifest = read_manifest(reel); !manifest) {
+int run_verify(const std::string& reel, bool json, std::uint64_t max_memory, HttpOptions options) {
+  const StopSignal stop;
+  options.stop = stop.token();
+  const Result<PackageFiles> files = PackageFiles::at(reel, options);
+  if (!files) return report_unreadable(files.error());
+  if (const Result<Manifest> manifest = files->manifest(); !manifest) {
     return report_unreadable(manifest.error());
   }
-  const StopSignal stop;
   std::unique_ptr<Progress> progress;
   const Result<VerifyReport> report =
-      verify(reel, listener_for("verify", progress, stop), max_memory);
+      verify(*files, listener_for("verify", progress, stop), max_memory);
   progress.reset();
   if (!report) {
     print_error(report.error().message);
@@ -239,7 +250,8 @@ std::string describe_lost(const std::vector<LostValues>& lost) {
   return fmt::format("LAS cannot hold all scalar fields: {}; ply, pcd and npz can", parts);
 }
 
-int run_unpack(UnpackOptions options, const std::string& frames) {
+int run_unpack(UnpackOptions options, const std::string& frames, const std::string& input,
+               HttpOptions http) {
   if (!frames.empty()) {
     const auto range = parse_frames(frames);
     if (!range) {
@@ -250,10 +262,14 @@ int run_unpack(UnpackOptions options, const std::string& frames) {
     options.first_frame = range->first;
     options.last_frame = range->second;
   }
-  if (const Result<Manifest> manifest = read_manifest(options.input); !manifest) {
+  const StopSignal stop;
+  http.stop = stop.token();
+  const Result<PackageFiles> files = PackageFiles::at(input, http);
+  if (!files) return report_unreadable(files.error());
+  options.input = *files;
+  if (const Result<Manifest> manifest = files->manifest(); !manifest) {
     return report_unreadable(manifest.error());
   }
-  const StopSignal stop;
   std::unique_ptr<Progress> progress;
   const Result<UnpackReport> report = unpack(options, listener_for("unpack", progress, stop));
   progress.reset();
@@ -291,6 +307,7 @@ std::optional<PointsFormat> points_format_of(const std::string& word) {
 void add_unpack_command(CLI::App& app, int& exit_code) {
   struct Arguments {
     std::string input, output, frames;
+    HttpOptions http = patient_http_options();
     std::uint64_t frame_memory = 0;
     std::uint32_t layers = 0;
     bool force = false;
@@ -302,7 +319,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* unpack =
       app.add_subcommand("unpack", "Decode a package into files of points or meshes");
-  unpack->add_option("-i,--input", a->input, "the folder of the package")
+  unpack->add_option("-i,--input", a->input, "the folder or the address of the package")
       ->required()
       ->type_name("REEL");
   unpack
@@ -319,6 +336,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
                    "decode only frames A to B, including both, or only frame A, numbered from 0")
       ->type_name("A-B");
   add_frame_memory_option(*unpack, a->frame_memory);
+  add_store_options(*unpack, a->http);
   CLI::Option* mesh = unpack->add_flag(
       "--mesh", a->mesh, "make a mesh of the surface that the points of each frame stand for");
   unpack
@@ -352,7 +370,6 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
                    "replace a folder of unpacked frames that is already there");
   unpack->callback([a, layers, &exit_code] {
     UnpackOptions options;
-    options.input = a->input;
     options.output = a->output;
     options.force = a->force;
     options.max_memory = a->frame_memory << 20;
@@ -377,7 +394,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
                                 .options = {.cell = a->cell, .triangles = a->triangles},
                                 .animation = a->animation};
     }
-    exit_code = run_unpack(options, a->frames);
+    exit_code = run_unpack(options, a->frames, a->input, a->http);
   });
 }
 
@@ -388,21 +405,28 @@ void add_inspect_commands(CLI::App& app, int& exit_code) {
     std::string reel;
     bool json = false;
     std::uint64_t frame_memory = 0;
+    HttpOptions http = patient_http_options();
   };
   const auto add = [&](const char* name, const char* what, const std::shared_ptr<Arguments>& a) {
     CLI::App* command = app.add_subcommand(name, what);
-    command->add_option("REEL", a->reel, "the folder of the package")->required()->type_name("");
+    command
+        ->add_option("REEL", a->reel,
+                     "the folder of the package, or its address: http://, https:// or s3://")
+        ->required()
+        ->type_name("");
+    add_store_options(*command, a->http);
     command->add_flag("--json", a->json, "print JSON");
     return command;
   };
   const auto a = std::make_shared<Arguments>();
   add("info", "Show what a package contains", a)->callback([a, &exit_code] {
-    exit_code = run_info(a->reel, a->json);
+    exit_code = run_info(a->reel, a->json, a->http);
   });
   CLI::App* verify = add("verify", "Check every file of a package and decode every frame", a);
   add_frame_memory_option(*verify, a->frame_memory);
-  verify->callback(
-      [a, &exit_code] { exit_code = run_verify(a->reel, a->json, a->frame_memory << 20); });
+  verify->callback([a, &exit_code] {
+    exit_code = run_verify(a->reel, a->json, a->frame_memory << 20, a->http);
+  });
   add_unpack_command(app, exit_code);
 }
 

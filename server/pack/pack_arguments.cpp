@@ -111,8 +111,10 @@ std::vector<std::string> PackArguments::command_line() const {
 
 void PackArguments::require_no_paths() {
   input_->required(false);
-  output_->required(false);
+  require_no_output();
 }
+
+void PackArguments::require_no_output() { output_->required(false); }
 
 Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments) {
   CLI::App app;

@@ -27,6 +27,8 @@ class PackArguments {
 
   /// Input and output are not required after this.
   void require_no_paths();
+  /// Output is not.
+  void require_no_output();
 
  private:
   PackOptions options_;

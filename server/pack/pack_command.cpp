@@ -1,9 +1,13 @@
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,6 +21,9 @@
 #include "server/pack/pack_progress.h"
 #include "server/pack/packer.h"
 #include "server/parts/parts_commands.h"
+#include "server/store/report_upload.h"
+#include "server/store/store_options.h"
+#include "server/store/upload.h"
 
 namespace pointreel {
 namespace {
@@ -25,6 +32,7 @@ using nlohmann::ordered_json;
 
 struct PackCommand {
   PackArguments pack;
+  UploadOptions upload;  ///< nothing is uploaded if `to` is empty
   std::string json;
   CLI::Option* json_option = nullptr;
 };
@@ -94,6 +102,37 @@ ordered_json to_json(const PackSummary& summary) {
   return json;
 }
 
+/// A folder for a package that is only uploaded.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() = default;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  Result<std::filesystem::path> create() {
+    std::error_code error;
+    std::string name = (std::filesystem::temp_directory_path(error) / "pointreel-XXXXXX").string();
+    if (error || ::mkdtemp(name.data()) == nullptr)
+      return fail(ErrorCode::io, name +
+                                     ": cannot be created; set TMPDIR to a folder that has room, "
+                                     "or keep the package with -o");
+    return path_ = name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The last part of an address.
+std::string name_in(std::string address) {
+  while (address.ends_with('/')) address.pop_back();
+  return address.substr(address.rfind('/') + 1);
+}
+
 /// What the bit rate allowed for a segment.
 void print_segment(const SegmentSummary& segment) {
   std::string quality;
@@ -153,33 +192,62 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   }
 }
 
-int report(const PackCommand& arguments, const PackOptions& options, const PackSummary& summary) {
-  if (arguments.json_option->count() == 0) {
+int report(const PackCommand& arguments, const PackOptions& options, const PackSummary& summary,
+           const std::optional<UploadSummary>& uploaded) {
+  const std::string& to = arguments.upload.to;
+  const auto print_text = [&] {
     print_summary(options, summary);
+    if (uploaded) print("{}\n", upload_text(to, *uploaded));
+  };
+  if (arguments.json_option->count() == 0) {
+    print_text();
     return kExitOk;
   }
+  ordered_json json = to_json(summary);
+  if (uploaded) json["upload"] = upload_json(to, *uploaded);
   if (arguments.json.empty() || arguments.json == "-") {
-    print_json(to_json(summary));
+    print_json(json);
     return kExitOk;
   }
   std::ofstream out(arguments.json, std::ios::binary);
-  out << to_json(summary).dump(2, ' ', true, ordered_json::error_handler_t::replace) << "\n";
+  out << json.dump(2, ' ', true, ordered_json::error_handler_t::replace) << "\n";
   out.close();
   if (!out) {
     print_error(arguments.json + ": cannot be written (the package is complete)");
     return kExitFailed;
   }
-  print_summary(options, summary);
+  print_text();
   return kExitOk;
 }
 
+int fail_with(const Error& error) {
+  print_error(error.message);
+  return error.code == ErrorCode::argument ? kExitUsage : kExitFailed;
+}
+
 int run_pack(const PackCommand& arguments) {
-  const Result<PackOptions> options = arguments.pack.options();
+  Result<PackOptions> options = arguments.pack.options();
   if (!options) {
     print_error(options.error().message);
     return kExitUsage;
   }
   const StopSignal stop;
+  std::optional<Uploader> uploader;
+  TemporaryFolder temporary;
+  const bool kept = !options->output.empty();
+  if (!arguments.upload.to.empty()) {
+    UploadOptions upload = arguments.upload;
+    upload.http.stop = stop.token();
+    upload.force = options->force;
+    Result<Uploader> opened = Uploader::open(upload);
+    if (!opened) return fail_with(opened.error());
+    uploader = std::move(*opened);
+    if (!kept) {
+      const Result<std::filesystem::path> folder = temporary.create();
+      if (!folder) return fail_with(folder.error());
+      options->output = *folder / name_in(upload.to);
+    }
+  }
   PackProgress progress;
   const Result<PackSummary> summary = pack(*options, progress.listener(stop.token()));
   progress.done();
@@ -187,7 +255,19 @@ int run_pack(const PackCommand& arguments) {
     print_error(summary.error().message);
     return kExitFailed;
   }
-  return report(arguments, *options, *summary);
+  std::optional<UploadSummary> uploaded;
+  if (uploader) {
+    const Result<UploadSummary> sent = upload_with_progress(*uploader, options->output);
+    if (!sent) {
+      const int code = fail_with(sent.error());
+      if (sent.error().code != ErrorCode::argument && kept)
+        print_error(fmt::format("{}: is complete; pointreel-server upload goes on from here",
+                                options->output.string()));
+      return code;
+    }
+    uploaded = *sent;
+  }
+  return report(arguments, *options, *summary, uploaded);
 }
 
 }  // namespace
@@ -201,6 +281,18 @@ void add_pack_command(CLI::App& app, int& exit_code) {
           ->add_option("--json", arguments->json, "print the summary as JSON, or write it to FILE")
           ->expected(0, 1)
           ->type_name("[FILE]");
+  arguments->upload.http = patient_http_options();
+  command
+      ->add_option_function<std::string>(
+          "--to",
+          [arguments](const std::string& to) {
+            arguments->upload.to = to;
+            arguments->pack.require_no_output();
+          },
+          "upload the package into an object store, s3://BUCKET/REEL; without -o it is kept "
+          "nowhere else. Files that are there already are not sent again")
+      ->type_name("ADDRESS");
+  add_store_options(*command, arguments->upload.http);
   command->callback([arguments, command, &exit_code] {
     if (command->get_subcommands().empty()) exit_code = run_pack(*arguments);
   });

@@ -16,19 +16,20 @@
 namespace pointreel {
 namespace fs = std::filesystem;
 
-Result<Chunks<Bytes>> read_layer(const fs::path& folder, const Manifest& manifest,
+Result<Chunks<Bytes>> read_layer(const PackageFiles& files, const Manifest& manifest,
                                  std::uint32_t frame, std::size_t layer) {
   const FrameLocation at = locate(manifest, frame);
   const LayerFile& file = manifest.segments[at.segment].layers[layer];
   const Chunks<std::uint32_t>& sizes = file.frames[at.index];
   const ByteRange range = byte_range(file, at.index);
+  const fs::path path = TRY(files.local(file));
   std::error_code error;
-  const std::uintmax_t size = fs::file_size(folder / file.path, error);
+  const std::uintmax_t size = fs::file_size(path, error);
   if (error) return fail(ErrorCode::io, error.message());
   if (range.offset + range.size > size) {
     return fail(fmt::format("is cut off before the end of frame {}", frame));
   }
-  std::ifstream in(folder / file.path, std::ios::binary);
+  std::ifstream in(path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(range.offset));
   Chunks<Bytes> chunks;
   chunks.geometry.resize(sizes.geometry);
@@ -41,13 +42,13 @@ Result<Chunks<Bytes>> read_layer(const fs::path& folder, const Manifest& manifes
   return chunks;
 }
 
-Result<std::vector<Chunks<Bytes>>> read_frame(const fs::path& folder, const Manifest& manifest,
+Result<std::vector<Chunks<Bytes>>> read_frame(const PackageFiles& files, const Manifest& manifest,
                                               std::uint32_t frame, std::size_t layers) {
-  const std::vector<LayerFile>& files = manifest.segments[locate(manifest, frame).segment].layers;
+  const std::vector<LayerFile>& listed = manifest.segments[locate(manifest, frame).segment].layers;
   std::vector<Chunks<Bytes>> read;
-  for (std::size_t i = 0; i < std::min(layers, files.size()); ++i) {
-    Result<Chunks<Bytes>> layer = read_layer(folder, manifest, frame, i);
-    if (!layer) return fail_at((folder / files[i].path).string(), layer.error());
+  for (std::size_t i = 0; i < std::min(layers, listed.size()); ++i) {
+    Result<Chunks<Bytes>> layer = read_layer(files, manifest, frame, i);
+    if (!layer) return fail_at(files.shown(listed[i]), layer.error());
     if (layer->geometry.empty()) break;
     read.push_back(std::move(*layer));
   }
@@ -63,8 +64,10 @@ Result<std::shared_ptr<const ContextTables>> read_tables(const fs::path& folder,
   return read_table_file(bytes);
 }
 
-Result<void> FrameDecoder::read_tables(const fs::path& folder, const PackageFile& tables) {
-  tables_ = TRY(pointreel::read_tables(folder, tables));  // parse_manifest has bounded their size
+Result<void> FrameDecoder::read_tables(const PackageFiles& files, const PackageFile& tables) {
+  const fs::path path = TRY(files.local(tables));
+  tables_ = TRY(
+      pointreel::read_tables(path.parent_path(), tables));  // parse_manifest has bounded their size
   return {};
 }
 
@@ -76,12 +79,12 @@ Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& l
   return decode_frame(layers, limits);
 }
 
-Result<double> max_error(const fs::path& folder, const Manifest& manifest) {
+Result<double> max_error(const PackageFiles& files, const Manifest& manifest) {
   if (manifest.max_error) return *manifest.max_error;
   double largest = 0.0;
   for (const Segment& segment : manifest.segments) {
     const LayerFile& base = segment.layers.front();
-    const std::string path = (folder / base.path).string();
+    const std::string path = TRY(files.local(base)).string();
     std::ifstream in(path, std::ios::binary);
     std::uint64_t offset = 0;
     Bytes bytes(kFrameHeaderSize);

@@ -24,7 +24,7 @@ namespace pointreel {
 
 /// One layer of a frame; its chunks are empty if the frame does not have it. The error does not
 /// name the file.
-Result<Chunks<Bytes>> read_layer(const std::filesystem::path& folder, const Manifest& manifest,
+Result<Chunks<Bytes>> read_layer(const PackageFiles& files, const Manifest& manifest,
                                  std::uint32_t frame, std::size_t layer);
 
 /// Reads context tables of a package. `tables.bytes` is at most kMaxTablesBytes. The error does not
@@ -38,7 +38,7 @@ class FrameDecoder {
   /// Without tables, as in a package that has none of its own. `max_memory`: as in DecodeLimits.
   explicit FrameDecoder(std::uint64_t max_memory) : max_memory_(max_memory) {}
   /// Reads the package's context tables. The error does not name the file.
-  Result<void> read_tables(const std::filesystem::path& folder, const PackageFile& tables);
+  Result<void> read_tables(const PackageFiles& files, const PackageFile& tables);
 
   Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers) const;
 

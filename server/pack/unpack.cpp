@@ -70,7 +70,7 @@ class Unpacking {
     TRY(check());
     if (manifest_.tables) {
       const auto read = decoder_.read_tables(options_.input, *manifest_.tables);
-      if (!read) return fail_at((options_.input / manifest_.tables->path).string(), read.error());
+      if (!read) return fail_at(options_.input.shown(*manifest_.tables), read.error());
     }
     OutputFolder folder = TRY(OutputFolder::create(
         options_.output, options_.force ? may_replace_frames : OutputFolder::MayReplace{}));
@@ -94,19 +94,20 @@ class Unpacking {
       return fail(ErrorCode::argument,
                   fmt::format("{}: has {}, numbered from 0, and {}; ask for at least "
                               "one of each",
-                              options_.input.string(), counted(frames, "frame"),
+                              options_.input.shown(), counted(frames, "frame"),
                               counted(manifest_.layer_names.size(), "layer")));
     }
     return {};
   }
 
   Result<void> copy_audio(const fs::path& folder) const {
-    const fs::path source = options_.input / manifest_.audio->path;
+    const fs::path source = TRY(options_.input.local(*manifest_.audio));
     std::error_code error;
     fs::copy_file(source, folder / kUnpackedAudio, error);
     if (!error) return {};
     return fail(ErrorCode::io,
-                fmt::format("{}: cannot be copied: {}", source.string(), error.message()));
+                fmt::format("{}: cannot be copied: {}", options_.input.shown(*manifest_.audio),
+                            error.message()));
   }
 
   Result<PointCloud> decode(std::uint32_t frame) const {
@@ -117,7 +118,7 @@ class Unpacking {
   }
 
   std::string place(std::uint32_t frame) const {
-    return fmt::format("{}: frame {}", options_.input.string(), frame);
+    return fmt::format("{}: frame {}", options_.input.shown(), frame);
   }
 
   /// The mesh of a frame, counted. Called from any thread.
@@ -243,7 +244,7 @@ class Unpacking {
 
 Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener) {
   return without_exceptions([&]() -> Result<UnpackReport> {
-    const Manifest manifest = TRY(read_manifest(options.input));
+    const Manifest manifest = TRY(options.input.manifest());
     return Unpacking(options, manifest).run(listener);
   });
 }

@@ -35,14 +35,15 @@ Result<std::uint64_t> file_checksum(const fs::path& path) {
 }
 
 /// Checks the size and the checksum of a file.
-Result<void> check_file(const fs::path& folder, const PackageFile& file) {
+Result<void> check_file(const PackageFiles& files, const PackageFile& file) {
+  const fs::path path = TRY(files.local(file));
   std::error_code error;
-  const std::uintmax_t size = fs::file_size(folder / file.path, error);
+  const std::uintmax_t size = fs::file_size(path, error);
   if (error) return fail(ErrorCode::io, error.message());
   if (size != file.bytes) {
     return fail(fmt::format("has {}, the manifest says {}", counted(size, "byte"), file.bytes));
   }
-  const std::uint64_t checksum = TRY(file_checksum(folder / file.path));
+  const std::uint64_t checksum = TRY(file_checksum(path));
   if (checksum != file.checksum) {
     return fail(fmt::format("has the checksum {:016x}, the manifest says {:016x}", checksum,
                             file.checksum));
@@ -103,15 +104,15 @@ Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::s
 }
 
 /// The first fault of a frame, if there is one.
-std::optional<Fault> fault_of(const fs::path& folder, const Manifest& manifest,
+std::optional<Fault> fault_of(const PackageFiles& files, const Manifest& manifest,
                               const FrameDecoder& decoder, std::uint32_t frame) {
-  const std::vector<LayerFile>& files = manifest.segments[locate(manifest, frame).segment].layers;
+  const std::vector<LayerFile>& listed = manifest.segments[locate(manifest, frame).segment].layers;
   const auto fault = [&](std::size_t layer, const Error& error) {
-    return Fault{files[layer].path, frame, error.message};
+    return Fault{listed[layer].path, frame, error.message};
   };
   std::vector<Chunks<Bytes>> layers;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    Result<Chunks<Bytes>> layer = read_layer(folder, manifest, frame, i);
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    Result<Chunks<Bytes>> layer = read_layer(files, manifest, frame, i);
     if (!layer) return fault(i, layer.error());
     if (layer->geometry.empty()) break;
     layers.push_back(std::move(*layer));
@@ -145,38 +146,38 @@ class Faults {
   std::vector<std::pair<std::uint32_t, Fault>> faults_;
 };
 
-VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
+VerifyReport verify_parsed(const PackageFiles& files, const Manifest& manifest,
                            const InspectListener& listener, std::uint64_t max_memory) {
   VerifyReport report;
   report.frames = manifest.frame_count();
-  const std::vector<const PackageFile*> files = manifest.files();
-  for (const PackageFile* file : files) report.bytes += file->bytes;
-  report.files = static_cast<std::uint32_t>(files.size());
+  const std::vector<const PackageFile*> listed = manifest.files();
+  for (const PackageFile* file : listed) report.bytes += file->bytes;
+  report.files = static_cast<std::uint32_t>(listed.size());
   if (listener.begin) listener.begin(report.frames);
 
   Faults of_files, of_frames;
   tbb::parallel_for(std::uint32_t{0}, report.files, [&](std::uint32_t i) {
     if (listener.stop.stop_requested()) return;
-    if (const Result<void> good = check_file(folder, *files[i]); !good) {
-      of_files.add(i, {files[i]->path, std::nullopt, good.error().message});
+    if (const Result<void> good = check_file(files, *listed[i]); !good) {
+      of_files.add(i, {listed[i]->path, std::nullopt, good.error().message});
     }
   });
   FrameDecoder decoder(max_memory);
   if (manifest.tables) {
-    const auto read = decoder.read_tables(folder, *manifest.tables);
+    const auto read = decoder.read_tables(files, *manifest.tables);
     // Otherwise a fault of the file has been reported already.
     if (!read && of_files.empty()) {
       of_files.add(0, {manifest.tables->path, std::nullopt, read.error().message});
     }
   }
   if (manifest.audio) {
-    const auto checked = check_audio(folder, *manifest.audio);
+    const auto checked = check_audio(files, *manifest.audio);
     if (!checked && of_files.empty()) {
       of_files.add(0, {manifest.audio->path, std::nullopt, checked.error().message});
     }
   }
   for_each_frame(report.frames, listener, [&](std::uint32_t i) {
-    if (std::optional<Fault> fault = fault_of(folder, manifest, decoder, i)) {
+    if (std::optional<Fault> fault = fault_of(files, manifest, decoder, i)) {
       of_frames.add(i, std::move(*fault));
     }
   });
@@ -187,10 +188,10 @@ VerifyReport verify_parsed(const fs::path& folder, const Manifest& manifest,
 
 }  // namespace
 
-Result<VerifyReport> verify(const fs::path& folder, const InspectListener& listener,
+Result<VerifyReport> verify(const PackageFiles& files, const InspectListener& listener,
                             std::uint64_t max_memory) {
   return without_exceptions([&]() -> Result<VerifyReport> {
-    VerifyReport report = verify_parsed(folder, TRY(read_manifest(folder)), listener, max_memory);
+    VerifyReport report = verify_parsed(files, TRY(files.manifest()), listener, max_memory);
     if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, "interrupted");
     return report;
   });

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "client/source/http_client.h"
+#include "common/http/http_client.h"
 #include "client/source/source.h"
 #include "common/base/try.h"
 #include "pointreel/package.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/source/http_transfer.h"
+#include "common/http/http_transfer.h"
 
 namespace pointreel {
 namespace {

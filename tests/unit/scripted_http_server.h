@@ -17,7 +17,8 @@
 namespace pointreel {
 
 /// An HTTP server of raw sockets on loopback with one thread per connection. The handler gets the
-/// head of each request and the socket, and returns whether the connection is kept open.
+/// head of each request and the socket, and returns whether the connection is kept open. A body
+/// that comes with a Content-Length stands behind the head, after an empty line.
 class ScriptedHttpServer {
  public:
   using Handler = std::function<bool(int socket, const std::string& head)>;
@@ -66,10 +67,23 @@ class ScriptedHttpServer {
         buffer.append(chunk, static_cast<std::size_t>(n));
       }
       ++requests;
-      if (!handler_(client, buffer.substr(0, end))) break;
-      buffer.erase(0, end + 4);
+      const std::size_t body = length_of_body(buffer.substr(0, end));
+      while (buffer.size() < end + 4 + body) {
+        const ssize_t n = ::recv(client, chunk, sizeof chunk, 0);
+        if (n <= 0) return;
+        buffer.append(chunk, static_cast<std::size_t>(n));
+      }
+      if (!handler_(client, buffer.substr(0, body == 0 ? end : end + 4 + body))) break;
+      buffer.erase(0, end + 4 + body);
     }
     ::shutdown(client, SHUT_RDWR);
+  }
+
+  static std::size_t length_of_body(const std::string& head) {
+    std::size_t length = 0;
+    const auto at = head.find("Content-Length: ");
+    if (at != std::string::npos) std::sscanf(head.c_str() + at, "Content-Length: %zu", &length);
+    return length;
   }
 
   Handler handler_;

@@ -167,8 +167,9 @@ typedef struct pointreel_reel_info {
   char up;                             /* the axis that points up, 'y' or 'z' */
 } pointreel_reel_info;
 
-/* `where`: the folder of a package or its reel.json, an http:// or https:// address of either, a
- * folder of PLY and Draco files, or one such file. */
+/* `where`: the folder of a package or its reel.json, an http:// or https:// address of either, an
+ * s3:// address, whose store and keys the environment and ~/.aws name, a folder of PLY and Draco
+ * files, or one such file. */
 POINTREEL_API pointreel_status pointreel_reel_open(const char* where,
                                                    const pointreel_open_options* options,
                                                    pointreel_reel** reel);

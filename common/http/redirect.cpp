@@ -1,4 +1,4 @@
-#include "client/source/redirect.h"
+#include "common/http/redirect.h"
 
 #include <cctype>
 

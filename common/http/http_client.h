@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "client/source/source.h"
+#include "common/http/aws_access.h"
+#include "common/http/http_options.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
@@ -21,12 +22,13 @@ namespace pointreel {
 /// may pass. All functions may be called from any thread. Errors begin with the URL.
 class HttpClient {
  public:
-  explicit HttpClient(const SourceOptions& options);
+  /// `access`: what to sign all requests with, if anything.
+  explicit HttpClient(const HttpOptions& options, std::optional<AwsAccess> access = {});
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
 
-  /// The whole file, of at most `max_bytes`. Fails after SourceOptions::open_attempts attempts.
+  /// The whole file, of at most `max_bytes`. Fails after HttpOptions::open_attempts attempts.
   Result<Bytes> get(const std::string& url, std::uint64_t max_bytes);
 
   /// The same, but tried without end. Nothing if the file still has the entity tag `tag`; else
@@ -39,8 +41,8 @@ class HttpClient {
     std::string url;
     std::uint64_t offset = 0, size = 0, total = 0;
   };
-  /// Fetches all of them at the same time, and tries without end. `fresh`: asks caches for new
-  /// copies.
+  /// Fetches all of them at the same time, and tries HttpOptions::fetch_attempts times. `fresh`:
+  /// asks caches for new copies.
   Result<std::vector<Bytes>> get_ranges(std::span<const Range> ranges, const std::stop_token& stop,
                                         bool fresh = false);
 

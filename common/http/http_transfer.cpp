@@ -1,4 +1,4 @@
-#include "client/source/http_transfer.h"
+#include "common/http/http_transfer.h"
 
 #include <algorithm>
 #include <cctype>
@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "common/base/words.h"
-#include "common/net/url.h"
+#include "common/http/aws_signature.h"
+#include "common/http/http_folder.h"
+#include "common/http/http_request.h"
 
 namespace pointreel {
 namespace {
@@ -18,6 +20,8 @@ using Kind = HttpFailure::Kind;
 
 /// The body of an error page is read up to here, to keep the connection, and thrown away.
 constexpr std::uint64_t kMaxErrorPage = 64 * 1024;
+/// What an object store says about it is in the first bytes.
+constexpr std::size_t kMaxRefusal = 2048;
 constexpr std::size_t kMaxTag = 256;
 
 bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
@@ -50,77 +54,27 @@ int compressions(std::string_view list) {
   return count;
 }
 
-bool is_loopback(const std::string& text) {
-  const auto url = parse_url(text);
-  return url && (url->host.starts_with("127.") || url->host == "localhost" || url->host == "::1");
-}
-
 double seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
-Kind kind_of(CURLcode code) {
-  switch (code) {
-    case CURLE_COULDNT_CONNECT:
-    case CURLE_COULDNT_RESOLVE_HOST:
-    case CURLE_COULDNT_RESOLVE_PROXY:
-    case CURLE_OPERATION_TIMEDOUT:
-    case CURLE_PARTIAL_FILE:
-    case CURLE_GOT_NOTHING:
-    case CURLE_RECV_ERROR:
-    case CURLE_SEND_ERROR:
-    case CURLE_SSL_CONNECT_ERROR:
-      return Kind::passing;
-    case CURLE_WEIRD_SERVER_REPLY:
-    case CURLE_UNSUPPORTED_PROTOCOL:  // the answer does not begin as HTTP does
-    case CURLE_HTTP2:
-    case CURLE_HTTP2_STREAM:
-    case CURLE_TOO_MANY_REDIRECTS:
-    case CURLE_BAD_CONTENT_ENCODING:
-    case CURLE_WRITE_ERROR:
-      return Kind::doubtful;
-    default:
-      return Kind::final;
-  }
-}
-
-bool status_may_pass(long status) {
-  return status == 408 || status == 425 || status == 429 ||
-         (status >= 500 && status != 501 && status != 505);
-}
-
-const char* explain(long status) {
-  switch (status) {
-    case 401:
-      return " (it requires a valid token; give it with --token)";
-    case 403:
-      return " (forbidden)";
-    case 404:
-      return " (not found)";
-    case 416:
-      return " (the file is shorter than its manifest says)";
-    default:
-      return "";
-  }
-}
-
-HttpFailure failure(Kind kind, std::string what, std::string advice = {}) {
-  return {kind, {std::move(what), ErrorCode::io}, std::move(advice)};
+/// Whether it is an address that Amazon's tools presigned. Those of CloudFront and of tokens that
+/// are valid for a folder look different.
+bool is_signed_for_one_file(const std::string& url) {
+  const std::size_t query = url.find('?');
+  return query != std::string::npos && url.find("X-Amz-Signature=", query) != std::string::npos;
 }
 
 }  // namespace
 
-HttpTransfer::HttpTransfer(HttpWanted wanted, const SourceOptions& options)
-    : wanted_(std::move(wanted)), options_(options), handle_(curl_easy_init()) {}
+HttpTransfer::HttpTransfer(HttpWanted wanted, const HttpOptions& options,
+                           const std::optional<AwsAccess>& access)
+    : wanted_(std::move(wanted)), options_(options), access_(access), handle_(curl_easy_init()) {}
 
 HttpTransfer::~HttpTransfer() {
   curl_easy_cleanup(handle_);
   curl_slist_free_all(static_cast<curl_slist*>(headers_));
 }
 
-long HttpTransfer::status() const {
-  long status = 0;
-  curl_easy_getinfo(handle_, CURLINFO_RESPONSE_CODE, &status);
-  return status;
-}
+long HttpTransfer::status() const { return status_of(handle_); }
 
 CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   if (handle_ == nullptr) return nullptr;
@@ -129,43 +83,36 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   redirect_ = {};
   newest_byte_.reset();
   pace_.ended();
-  came_ = discarded_ = 0;
+  came_ = 0;
+  refusal_.clear();
+  discarded_ = 0;
   compressions_ = 0;
   accepted_ = wrong_range_ = too_long_ = unchanged_ = false;
   if (!wanted_.is_range()) body_.clear();
   begun_ = std::chrono::steady_clock::now();
 
-  curl_easy_reset(handle_);
+  prepare_request(handle_, wanted_.url, options_);
   const auto set = [this](CURLoption option, auto value) {
     curl_easy_setopt(handle_, option, value);
   };
   set(CURLOPT_PRIVATE, static_cast<void*>(this));
-  set(CURLOPT_URL, wanted_.url.c_str());
-  set(CURLOPT_NOSIGNAL, 1L);
-  set(CURLOPT_QUICK_EXIT, 1L);  // does not wait until the lookup of a host's name ends
-  set(CURLOPT_PROTOCOLS_STR, "http,https");
-  set(CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
-  set(CURLOPT_FOLLOWLOCATION, 1L);
+  // A signature is for one host, and goes to no other.
+  set(CURLOPT_FOLLOWLOCATION, access_ ? 0L : 1L);
   set(CURLOPT_MAXREDIRS, 4L);
-  set(CURLOPT_USERAGENT, "pointreel");
   set(CURLOPT_BUFFERSIZE, 256L * 1024);
-  set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
   set(CURLOPT_FRESH_CONNECT, new_connection || wanted_.fresh ? 1L : 0L);
   set(CURLOPT_MAXAGE_CONN, static_cast<long>(max_idle.count()));
-  // A proxy that the environment names is meant for other machines.
-  if (is_loopback(wanted_.url)) set(CURLOPT_PROXY, "");
-  if (!options_.ca_file.empty()) set(CURLOPT_CAINFO, options_.ca_file.c_str());
-  if (!options_.token.empty()) {
+  if (!options_.token.empty() && !access_) {
     set(CURLOPT_HTTPAUTH, static_cast<long>(CURLAUTH_BEARER));
     set(CURLOPT_XOAUTH2_BEARER, options_.token.c_str());
   }
-  if (headers_ == nullptr) {
-    curl_slist* list = nullptr;
-    if (wanted_.fresh) list = curl_slist_append(list, "Cache-Control: no-cache");
-    if (!wanted_.tag.empty())
-      list = curl_slist_append(list, ("If-None-Match: " + wanted_.tag).c_str());
-    headers_ = list;
-  }
+  curl_slist_free_all(static_cast<curl_slist*>(headers_));
+  curl_slist* list = nullptr;
+  if (wanted_.fresh) list = curl_slist_append(list, "Cache-Control: no-cache");
+  if (!wanted_.tag.empty())
+    list = curl_slist_append(list, ("If-None-Match: " + wanted_.tag).c_str());
+  if (access_) list = sign(handle_, list, *access_);
+  headers_ = list;
   set(CURLOPT_HTTPHEADER, static_cast<curl_slist*>(headers_));
   if (wanted_.is_range()) {
     range_ = fmt::format("{}-{}", wanted_.offset + body_.size(), wanted_.offset + wanted_.size - 1);
@@ -242,6 +189,7 @@ std::size_t HttpTransfer::on_body(char* data, std::size_t, std::size_t size, voi
   self.pace_.came(size, now);
   if (const long answered = self.status(); answered != 200 && answered != 206) {
     self.discarded_ += size;
+    self.refusal_.append(data, std::min(size, kMaxRefusal - self.refusal_.size()));
     return self.discarded_ <= kMaxErrorPage ? size : 0;
   }
   if (!self.accepted_ && !self.accept_body()) return 0;
@@ -268,91 +216,66 @@ std::uint64_t HttpTransfer::missing() const {
 }
 
 HttpFailure HttpTransfer::stalled(std::chrono::milliseconds limit) const {
-  return failure(Kind::passing, newest_byte_
-                                    ? fmt::format("nothing came for {:g} s, after {}",
-                                                  seconds(limit), counted(body_.size(), "byte"))
-                                    : fmt::format("no answer within {:g} s", seconds(limit)));
+  return http_failure(
+      Kind::passing, newest_byte_ ? fmt::format("nothing came for {:g} s, after {}", seconds(limit),
+                                                counted(body_.size(), "byte"))
+                                  : fmt::format("no answer within {:g} s", seconds(limit)));
 }
 
 HttpFailure HttpTransfer::too_slow(Time now) const {
   const auto time = std::chrono::round<std::chrono::seconds>(now - pace_.began());
-  return failure(
+  return http_failure(
       Kind::passing,
       fmt::format("only {} came within {} s", counted(pace_.size(), "byte"), time.count()),
       "check the link, and what the server is");
 }
 
-HttpFailure HttpTransfer::transfer_failure(int code) const {
-  const auto because = [kind = kind_of(static_cast<CURLcode>(code))](std::string what,
-                                                                     std::string advice = {}) {
-    return failure(kind, std::move(what), std::move(advice));
-  };
-  switch (static_cast<CURLcode>(code)) {
-    case CURLE_URL_MALFORMAT:
-      return because("is not a valid address");
-    case CURLE_COULDNT_RESOLVE_HOST:
-      return because("the host's name is not known", "check the address and the network");
-    case CURLE_COULDNT_CONNECT:
-      return because("nothing answers there", "check host and port, and that the server runs");
-    case CURLE_OPERATION_TIMEDOUT:
-      return because(fmt::format("no connection within {:g} s", seconds(options_.connect_timeout)),
-                     "check host and port");
-    case CURLE_PARTIAL_FILE:
-    case CURLE_GOT_NOTHING:
-    case CURLE_RECV_ERROR:
-    case CURLE_SEND_ERROR:
-      return because(fmt::format("the connection broke after {}", counted(body_.size(), "byte")));
-    case CURLE_PEER_FAILED_VERIFICATION:
-      return because(fmt::format("the server's certificate is not trusted ({})",
-                                 curl_easy_strerror(CURLE_PEER_FAILED_VERIFICATION)),
-                     "give its authority with --ca-file");
-    case CURLE_SSL_CACERT_BADFILE:
-      return because(fmt::format("{}: holds no certificates in PEM form", options_.ca_file));
-    default:
-      return because(curl_easy_strerror(static_cast<CURLcode>(code)));
-  }
-}
-
 std::optional<HttpFailure> HttpTransfer::finish(int code) {
   const long answered = status();
   if (answered >= 400) {
-    auto failed = failure(status_may_pass(answered) ? Kind::passing : Kind::final,
-                          fmt::format("the server answers {}{}", answered, explain(answered)));
-    if (answered == 404) failed.error.code = ErrorCode::not_found;
+    HttpFailure failed = failure_of_status(answered, refusal_);
+    if (answered == 403 && failed.advice.empty() && is_signed_for_one_file(wanted_.url))
+      failed.advice = "an address that was presigned is valid for one file only; see the guide";
     return failed;
   }
+  if (access_ && answered >= 300 && answered != 304)
+    return failure_of_store_redirect(answered, refusal_);
   if (redirect_.verdict == Redirect::Verdict::not_secure)
-    return failure(Kind::final, fmt::format("the server redirects from https to {}", redirect_.to),
-                   "that is not followed, because it is not secure");
+    return http_failure(
+        Kind::final,
+        fmt::format("the server redirects from https to {}", without_secrets(redirect_.to)),
+        "that is not followed, because it is not secure");
   if (redirect_.verdict == Redirect::Verdict::another_host)
-    return failure(Kind::final,
-                   fmt::format("the server redirects to another host, {}", redirect_.to),
-                   "give that address, or --follow-redirects");
+    return http_failure(
+        Kind::final,
+        fmt::format("the server redirects to another host, {}", without_secrets(redirect_.to)),
+        "give that address, or --follow-redirects");
   if (wanted_.is_range() && !wanted_.is_whole_file() && answered == 200)
-    return failure(Kind::final, "the server sends whole files instead of ranges",
-                   "it must support Range requests");
+    return http_failure(Kind::final, "the server sends whole files instead of ranges",
+                        "it must support Range requests");
   if (too_long_)
-    return failure(Kind::doubtful, fmt::format("the server sends more than the {} bytes expected",
-                                               wanted_.is_range() ? asked_for_ : wanted_.limit));
+    return http_failure(Kind::doubtful,
+                        fmt::format("the server sends more than the {} bytes expected",
+                                    wanted_.is_range() ? asked_for_ : wanted_.limit));
   if (compressions_ > 1)
-    return failure(Kind::final, "the server compresses the answer more than once");
+    return http_failure(Kind::final, "the server compresses the answer more than once");
   if (wrong_range_ || (code == CURLE_OK && answered == 206 && !is_range_asked_for()))
-    return failure(
+    return http_failure(
         Kind::doubtful,
         fmt::format("asked for bytes {} of {}, but the server sends \"{}\": the package has "
                     "changed, or the server is at fault",
                     range_, wanted_.total, content_range_));
-  if (code != CURLE_OK) return transfer_failure(code);
+  if (code != CURLE_OK) return failure_of_transfer(code, options_, body_.size());
   if (answered == 304 && !wanted_.tag.empty()) {
     unchanged_ = true;
     return std::nullopt;
   }
   if (answered != 200 && !(wanted_.is_range() && answered == 206))
-    return failure(Kind::doubtful, fmt::format("the server answers {} where {} is expected",
-                                               answered, wanted_.is_range() ? 206 : 200));
+    return http_failure(Kind::doubtful, fmt::format("the server answers {} where {} is expected",
+                                                    answered, wanted_.is_range() ? 206 : 200));
   if (wanted_.is_range() && body_.size() != wanted_.size)
-    return failure(Kind::passing, fmt::format("{} came instead of {}",
-                                              counted(body_.size(), "byte"), wanted_.size));
+    return http_failure(Kind::passing, fmt::format("{} came instead of {}",
+                                                   counted(body_.size(), "byte"), wanted_.size));
   return std::nullopt;
 }
 

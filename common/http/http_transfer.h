@@ -6,9 +6,12 @@
 #include <string>
 #include <string_view>
 
-#include "client/source/redirect.h"
-#include "client/source/source.h"
 #include "common/base/pace.h"
+#include "common/http/aws_access.h"
+#include "common/http/http_failure.h"
+#include "common/http/http_options.h"
+#include "common/http/redirect.h"
+#include "pointreel/bytes.h"
 
 // As in curl/curl.h, so that only http_transfer.cpp and http_client.cpp include that.
 typedef void CURL;
@@ -27,25 +30,14 @@ struct HttpWanted {
   bool is_whole_file() const { return size == total; }
 };
 
-/// Why an attempt failed, and whether another one is worthwhile.
-struct HttpFailure {
-  enum class Kind {
-    final,     ///< the server would answer the same again
-    doubtful,  ///< an answer that makes no sense: damaged on its way, or the server's fault
-    passing,   ///< no connection, a broken one, no answer in time, 5xx
-  };
-  Kind kind;
-  Error error;              ///< not_found for 404, else io
-  std::string advice = {};  ///< what to do about it, if there is anything
-};
-
 /// One request, made in as many attempts as it takes. Bytes of a range that have come are not asked
 /// for again. For one thread.
 ///
 /// Trust: the server may be hostile. A body is bounded while it arrives, after decompression, takes
 /// memory as it comes, and is kept only if the status and Content-Range match the request. It may
 /// be compressed once. A redirect to another host is refused before anything is sent there, unless
-/// SourceOptions::follow_redirects is set, and one from https to http always.
+/// HttpOptions::follow_redirects is set, and one from https to http always. Signed requests follow
+/// none.
 class HttpTransfer {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -53,8 +45,9 @@ class HttpTransfer {
   /// three times as much.
   static constexpr double kLeastRate = 256;
 
-  /// `options` outlives the transfer.
-  HttpTransfer(HttpWanted wanted, const SourceOptions& options);
+  /// `access`: what to sign requests with, if anything. It and `options` outlive the transfer.
+  HttpTransfer(HttpWanted wanted, const HttpOptions& options,
+               const std::optional<AwsAccess>& access);
   ~HttpTransfer();
   HttpTransfer(const HttpTransfer&) = delete;
   HttpTransfer& operator=(const HttpTransfer&) = delete;
@@ -99,16 +92,17 @@ class HttpTransfer {
   bool is_range_asked_for() const;
   bool may_follow(std::string_view location);
   long status() const;
-  HttpFailure transfer_failure(int code) const;
 
   const HttpWanted wanted_;
-  const SourceOptions& options_;
+  const HttpOptions& options_;
+  const std::optional<AwsAccess>& access_;
   CURL* const handle_;
   void* headers_ = nullptr;
   Bytes body_;
   // What follows is about the attempt.
   std::string range_, content_range_, tag_;
-  Redirect redirect_;  ///< the newest
+  std::string refusal_;  ///< the beginning of the body, if it is not kept
+  Redirect redirect_;    ///< the newest
   Time begun_{};
   std::optional<Time> newest_byte_;
   Pace pace_{kLeastRate};

@@ -1,4 +1,4 @@
-#include "client/source/http_client.h"
+#include "common/http/http_client.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -12,9 +12,10 @@
 #include <curl/curl.h>
 #include <fmt/format.h>
 
-#include "client/source/http_transfer.h"
 #include "common/base/backoff.h"
 #include "common/base/try.h"
+#include "common/http/http_request.h"
+#include "common/http/http_transfer.h"
 #include "common/net/url.h"
 
 namespace pointreel {
@@ -72,10 +73,11 @@ struct Batch {
 };
 
 struct Job {
-  Job(std::shared_ptr<Batch> of, std::size_t number, const SourceOptions& options)
+  Job(std::shared_ptr<Batch> of, std::size_t number, const HttpOptions& options,
+      const std::optional<AwsAccess>& access)
       : batch(std::move(of)),
         index(number),
-        transfer(batch->wanted[number], options),
+        transfer(batch->wanted[number], options, access),
         pause(options.first_backoff, options.max_backoff),
         stall_limit(options.stall_timeout, 4 * options.stall_timeout) {}
 
@@ -95,8 +97,9 @@ struct Job {
 
 class HttpClient::Loop : HttpTransfer::Listener {
  public:
-  explicit Loop(const SourceOptions& options) : options_(options) {
-    [[maybe_unused]] static const CURLcode global = curl_global_init(CURL_GLOBAL_DEFAULT);
+  Loop(const HttpOptions& options, std::optional<AwsAccess> access)
+      : options_(options), access_(std::move(access)) {
+    start_http();
     multi_ = curl_multi_init();
     curl_multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(kMaxActive));
     thread_ = std::thread([this] { run(); });
@@ -145,6 +148,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
 
   std::stop_token stop() const { return options_.stop; }
   int open_attempts() const { return std::max(1, options_.open_attempts); }
+  int fetch_attempts() const { return options_.fetch_attempts; }
 
   std::optional<std::string> trouble() const {
     const std::lock_guard lock(mutex_);
@@ -193,7 +197,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     if (ending_) return false;
     for (const auto& batch : inbox_)
       for (std::size_t i = 0; i < batch->wanted.size(); ++i) {
-        jobs_.push_back(std::make_unique<Job>(batch, i, options_));
+        jobs_.push_back(std::make_unique<Job>(batch, i, options_, access_));
         jobs_.back()->transfer.listener = this;
       }
     inbox_.clear();
@@ -311,11 +315,7 @@ class HttpClient::Loop : HttpTransfer::Listener {
     if (!again) {
       const std::lock_guard lock(mutex_);
       if (!batch.error)
-        batch.error =
-            Error{fmt::format("{}: {}{}{}{}", job.transfer.wanted().url, error.message,
-                              failure->advice.empty() ? "" : "; ", failure->advice,
-                              job.attempts > 1 ? fmt::format(" ({} attempts)", job.attempts) : ""),
-                  error.code};
+        batch.error = failure_line(job.transfer.wanted().url, *failure, job.attempts);
       batch.done = true;
       done_.notify_all();
       return true;
@@ -379,7 +379,8 @@ class HttpClient::Loop : HttpTransfer::Listener {
     newest_byte_ = now;
   }
 
-  const SourceOptions options_;
+  const HttpOptions options_;
+  const std::optional<AwsAccess> access_;
   CURLM* multi_ = nullptr;
 
   mutable std::mutex mutex_;
@@ -399,7 +400,8 @@ class HttpClient::Loop : HttpTransfer::Listener {
   std::thread thread_;
 };
 
-HttpClient::HttpClient(const SourceOptions& options) : loop_(std::make_unique<Loop>(options)) {}
+HttpClient::HttpClient(const HttpOptions& options, std::optional<AwsAccess> access)
+    : loop_(std::make_unique<Loop>(options, std::move(access))) {}
 
 HttpClient::~HttpClient() = default;
 
@@ -431,6 +433,7 @@ Result<std::vector<Bytes>> HttpClient::get_ranges(std::span<const Range> ranges,
                              .size = range.size,
                              .total = range.total,
                              .fresh = fresh});
+  batch->attempts = loop_->fetch_attempts();
   TRY(loop_->get(batch, stop));
   return std::move(batch->bodies);
 }

@@ -1,0 +1,130 @@
+#include "common/http/http_failure.h"
+
+#include <utility>
+
+#include <curl/curl.h>
+#include <fmt/format.h>
+
+#include "common/base/words.h"
+#include "common/http/http_folder.h"
+#include "common/http/store_error.h"
+
+namespace pointreel {
+namespace {
+
+using Kind = HttpFailure::Kind;
+
+Kind kind_of(CURLcode code) {
+  switch (code) {
+    case CURLE_COULDNT_CONNECT:
+    case CURLE_COULDNT_RESOLVE_HOST:
+    case CURLE_COULDNT_RESOLVE_PROXY:
+    case CURLE_OPERATION_TIMEDOUT:
+    case CURLE_PARTIAL_FILE:
+    case CURLE_GOT_NOTHING:
+    case CURLE_RECV_ERROR:
+    case CURLE_SEND_ERROR:
+    case CURLE_SSL_CONNECT_ERROR:
+      return Kind::passing;
+    case CURLE_WEIRD_SERVER_REPLY:
+    case CURLE_UNSUPPORTED_PROTOCOL:  // the answer does not begin as HTTP does
+    case CURLE_HTTP2:
+    case CURLE_HTTP2_STREAM:
+    case CURLE_TOO_MANY_REDIRECTS:
+    case CURLE_BAD_CONTENT_ENCODING:
+    case CURLE_WRITE_ERROR:
+      return Kind::doubtful;
+    default:
+      return Kind::final;
+  }
+}
+
+bool status_may_pass(long status) {
+  return status == 408 || status == 425 || status == 429 ||
+         (status >= 500 && status != 501 && status != 505);
+}
+
+const char* explain(long status) {
+  switch (status) {
+    case 401:
+      return " (it requires a valid token; give it with --token)";
+    case 403:
+      return " (forbidden)";
+    case 404:
+      return " (not found)";
+    case 416:
+      return " (the file is shorter than its manifest says)";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+HttpFailure http_failure(Kind kind, std::string what, std::string advice) {
+  return {kind, {std::move(what), ErrorCode::io}, std::move(advice)};
+}
+
+HttpFailure failure_of_status(long status, std::string_view answer) {
+  const std::string code = store_error_code(answer);
+  // Stores say by a code that the time is wrong, or that they are busy, and not by the status
+  // alone.
+  const bool busy = code == "SlowDown" || code == "RequestTimeout";
+  HttpFailure failed =
+      http_failure(busy || status_may_pass(status) ? Kind::passing : Kind::final,
+                   code.empty() ? fmt::format("the server answers {}{}", status, explain(status))
+                                : fmt::format("the store answers {} ({})", status, code),
+                   advice_for(code));
+  if (status == 404) failed.error.code = ErrorCode::not_found;
+  return failed;
+}
+
+HttpFailure failure_of_store_redirect(long status, std::string_view answer) {
+  HttpFailure failed = failure_of_status(status, answer);
+  failed.error.message += ": it wants to be asked at another address";
+  if (failed.advice.empty()) failed.advice = advice_for("PermanentRedirect");
+  return failed;
+}
+
+HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint64_t came) {
+  const auto because = [kind = kind_of(static_cast<CURLcode>(code))](std::string what,
+                                                                     std::string advice = {}) {
+    return http_failure(kind, std::move(what), std::move(advice));
+  };
+  switch (static_cast<CURLcode>(code)) {
+    case CURLE_URL_MALFORMAT:
+      return because("is not a valid address");
+    case CURLE_COULDNT_RESOLVE_HOST:
+      return because("the host's name is not known", "check the address and the network");
+    case CURLE_COULDNT_CONNECT:
+      return because("nothing answers there", "check host and port, and that the server runs");
+    case CURLE_OPERATION_TIMEDOUT:
+      return because(fmt::format("no connection within {:g} s",
+                                 static_cast<double>(options.connect_timeout.count()) / 1000),
+                     "check host and port");
+    case CURLE_PARTIAL_FILE:
+    case CURLE_GOT_NOTHING:
+    case CURLE_RECV_ERROR:
+    case CURLE_SEND_ERROR:
+      return because(fmt::format("the connection broke after {}", counted(came, "byte")));
+    case CURLE_PEER_FAILED_VERIFICATION:
+      return because(fmt::format("the server's certificate is not trusted ({})",
+                                 curl_easy_strerror(CURLE_PEER_FAILED_VERIFICATION)),
+                     "give its authority with --ca-file");
+    case CURLE_SSL_CACERT_BADFILE:
+      return because(fmt::format("{}: holds no certificates in PEM form", options.ca_file));
+    case CURLE_TOO_MANY_REDIRECTS:
+      return because("the server redirects again and again", "check the address");
+    default:
+      return because(curl_easy_strerror(static_cast<CURLcode>(code)));
+  }
+}
+
+Error failure_line(const std::string& url, const HttpFailure& failure, int attempts) {
+  return {fmt::format("{}: {}{}{}{}", without_secrets(url), failure.error.message,
+                      failure.advice.empty() ? "" : "; ", failure.advice,
+                      attempts > 1 ? fmt::format(" ({} attempts)", attempts) : ""),
+          failure.error.code};
+}
+
+}  // namespace pointreel

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "common/http/http_options.h"
+
+namespace pointreel {
+
+/// How commands ask servers and stores: they wait longer than a player, and give up at last.
+HttpOptions patient_http_options();
+
+/// --endpoint and --ca-file.
+void add_store_options(CLI::App& command, HttpOptions& options);
+
+}  // namespace pointreel

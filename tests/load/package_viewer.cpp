@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "common/http/http_client.h"
 #include "client/source/source.h"
 #include "common/base/try.h"
+#include "common/http/http_client.h"
 #include "pointreel/package.h"
 #include "tests/load/viewers.h"
 

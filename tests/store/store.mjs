@@ -7,6 +7,7 @@ import { createServer, request } from "node:http";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import S3rver from "s3rver";
+import { checkSignatures } from "./signature.mjs";
 
 const [build, folder] = process.argv.slice(2);
 const server = join(build, "bin/pointreel-server"), player = join(build, "bin/pointreel");
@@ -18,9 +19,11 @@ const store = new S3rver({ port: 0, address: "127.0.0.1", silent: true, director
 const stored = [];
 store.on("event", (event) => stored.push(event.Records[0].s3.object.key));
 const { port } = await store.run();
-const endpoint = `http://127.0.0.1:${port}`;
+const SECRET = "S3RVER";
+const checked = await checkSignatures(port, SECRET);
+const endpoint = `http://127.0.0.1:${checked.address().port}`, unchecked = `http://127.0.0.1:${port}`;
 
-const SECRET = "S3RVER", TOKEN = "a-session-token-of-nobody";
+const TOKEN = "a-session-token-of-nobody";
 const keys = { AWS_ACCESS_KEY_ID: "S3RVER", AWS_SECRET_ACCESS_KEY: SECRET, AWS_SESSION_TOKEN: TOKEN };
 const nothing = { PATH: process.env.PATH, TMPDIR: process.env.TMPDIR, HOME: join(folder, "home") };
 mkdirSync(nothing.HOME);
@@ -67,7 +70,7 @@ try {
 
   await test("caches are told what they may keep", async () => {
     const headers = async (file) => {
-      const answer = await fetch(`${endpoint}/reels/some%20walks/kick%3D1/${file}`, { method: "HEAD" });
+      const answer = await fetch(`${unchecked}/reels/some%20walks/kick%3D1/${file}`, { method: "HEAD" });
       return [answer.headers.get("cache-control"), answer.headers.get("content-type")];
     };
     const layer = readdirSync(local).find((file) => file.endsWith(".prs"));
@@ -106,8 +109,9 @@ try {
 
   await test("the player plays from the store", async () => {
     const json = join(folder, "play.json");
-    await ok(player, ["play", "s3://reels/kick", "--offscreen", "160x120", "--duration", "0.3", "--json", json, ...there]);
-    assert(JSON.parse(readFileSync(json, "utf8")).frames_shown > 0);
+    await ok(player, ["play", "s3://reels/kick", "--offscreen", "160x120", "--at", "0.2",
+                      "--screenshot", join(folder, "picture.png"), "--json", json, ...there]);
+    assert.equal(JSON.parse(readFileSync(json, "utf8")).frames_shown, 1);
   });
 
   const python = join(build, "python");
@@ -149,15 +153,14 @@ try {
     const gate = createServer((from, to) => {
       asked.push(from.url);
       if (!from.url.endsWith("?sig=SECRET-OF-A-TEST")) return to.writeHead(403).end();
-      from.pipe(request(`${endpoint}${from.url.split("?")[0]}`, { headers: { ...from.headers, host: `127.0.0.1:${port}` } },
+      from.pipe(request(`${unchecked}${from.url.split("?")[0]}`, { headers: { ...from.headers, host: `127.0.0.1:${port}` } },
         (answer) => answer.pipe(to.writeHead(answer.statusCode, answer.headers))));
     });
     await new Promise((resolve) => gate.listen(0, "127.0.0.1", resolve));
     const base = `http://127.0.0.1:${gate.address().port}/reels`;
     assert.match(await ok(server, ["info", `${base}/kick/reel.json?sig=SECRET-OF-A-TEST`], {}), /12 frames/);
-    // The address that the user gave is not repeated either.
     await refused(1, /reel\.json\?\.\.\.: the server answers 403/, server, ["info", `${base}/kick?sig=SECRET-OF-A-TEST&x`], {});
-    await refused(2, /reel\.json\?\.\.\.: the store answers 404/, player,
+    await refused(1, /reel\.json\?\.\.\.: the store answers 404/, player,
       ["play", `${base}/none/reel.json?sig=SECRET-OF-A-TEST`, "--offscreen", "64x64"], {});
     assert(asked.every((url) => url.includes("?sig=")));
     gate.close();
@@ -195,5 +198,7 @@ try {
     assert.match(await ok(server, ["verify", "s3://reels/recorded", ...there]), /good/);
   });
 } finally {
+  checked.close();
+  checked.closeAllConnections();
   await store.close();
 }

@@ -63,6 +63,10 @@ class AudioPlayer {
     std::uint64_t offsets = 0;  ///< how many were measured
     /// When the first sound was handed to the device, with its delay added.
     std::optional<TimePoint> first_heard;
+    /// Of the first live stream with sound: from capture to ear, and how many hops of 10 ms had not
+    /// come when they were handed to the device.
+    std::optional<double> capture_to_sound_ms;
+    std::uint64_t gaps = 0;
   };
   Statistics statistics() const;
 

@@ -5,15 +5,17 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/audio/audio_player.h"
+#include "client/audio/live_track.h"
 #include "client/playback/paced_time.h"
 #include "client/playback/stage.h"
 
 namespace pointreel {
 
-/// Plays the sound of the reels on a stage, on threads of its own. Where no device can be opened,
-/// there is silence, and playback goes by the machine's time.
+/// Plays the sound of the reels and live streams on a stage, on threads of its own. Where no device
+/// can be opened, there is silence, and playback goes by the machine's time.
 class StageAudio {
  public:
   /// Called by any thread if the sound of a reel cannot be played; `source` is its index.
@@ -34,16 +36,20 @@ class StageAudio {
   /// `volume`: as for AudioPlayer::set_volume.
   void follow(double volume);
 
-  /// None if nothing on the stage has sound.
+  /// None if nothing on the stage has sound, or a live stream has sent none yet.
   std::optional<AudioPlayer::Statistics> statistics() const;
 
  private:
+  void start();
+
   const std::optional<std::string> device_;
   const OnError on_error_;
   const std::shared_ptr<PacedTime> time_ = std::make_shared<PacedTime>();
   Stage* stage_ = nullptr;
-  std::unique_ptr<AudioPlayer> player_;  ///< null if nothing has sound
-  std::jthread thread_;                  ///< last, because it uses the player
+  std::vector<std::shared_ptr<AudioSamples>> sounds_;  ///< by source; null: silent
+  std::vector<std::shared_ptr<LiveTrack>> live_;       ///< by source; null: a reel
+  std::unique_ptr<AudioPlayer> player_;                ///< null if nothing has sound
+  std::jthread thread_;                                ///< last, because it uses the player
 };
 
 }  // namespace pointreel

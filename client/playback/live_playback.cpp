@@ -6,6 +6,7 @@
 
 #include "client/prepare/layer_choice.h"
 #include "client/scene/cut.h"
+#include "common/base/unix_time.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -177,9 +178,20 @@ Playback::Update LivePlayback::update(Clock::TimePoint) {
   const std::lock_guard lock(mutex_);
   if (!playing_ && given_.frame) return {given_.frame};
   Update update{ready_.frame};
+  if (ready_.frame && ready_.order != given_.order) {
+    const std::int64_t delay = static_cast<std::int64_t>(unix_time_us()) -
+                               static_cast<std::int64_t>(ready_.frame->time_us);
+    // The mean of about the last ten.
+    delay_us_ = delay_us_ ? *delay_us_ + (delay - *delay_us_) / 10 : delay;
+  }
   update.refined = given_.frame && given_.frame != ready_.frame && given_.order == ready_.order;
   given_ = ready_;
   return update;
+}
+
+std::optional<std::int64_t> LivePlayback::delay_us() const {
+  const std::lock_guard lock(mutex_);
+  return delay_us_;
 }
 
 std::uint64_t LivePlayback::dropped() const {

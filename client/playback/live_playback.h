@@ -53,6 +53,11 @@ class LivePlayback : public Playback {
   std::uint64_t dropped() const override;
   std::uint64_t errors() const override { return errors_; }
 
+  /// As LiveSource::set_on_sound.
+  void set_on_sound(LiveSource::OnSound on_sound) { source_->set_on_sound(std::move(on_sound)); }
+  /// From capture to picture, in the mean of the last pictures; none before the first.
+  std::optional<std::int64_t> delay_us() const;
+
   LiveCounts counts() const { return source_->counts(); }
 
   /// Stands still, once there is a picture. Frames that come meanwhile are left out.
@@ -93,6 +98,7 @@ class LivePlayback : public Playback {
   std::optional<Received> received_;                 ///< the newest that no thread works on yet
   Ready ready_;                                      ///< the newest; null at first
   Ready given_;                                      ///< what the last update gave
+  std::optional<std::int64_t> delay_us_;
   std::uint64_t overtaken_ = 0;
   std::optional<Camera> camera_;
   glm::ivec2 size_{0};

@@ -57,7 +57,7 @@ class Stage {
   const Playback& playback(std::size_t i) const { return parts_[i].playback(); }
   // Null if the source is of the other kind.
   ReelPlayback* reel(std::size_t i) const { return parts_[i].reel(); }
-  const LivePlayback* live(std::size_t i) const { return parts_[i].live(); }
+  LivePlayback* live(std::size_t i) const { return parts_[i].live(); }
   /// The bounds of all sources, in the world; empty while nothing is known.
   Box bounds() const;
   /// What a camera that sees everything should look at: the bounds, but without what only a few

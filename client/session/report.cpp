@@ -28,6 +28,10 @@ nlohmann::ordered_json json_of(const AudioPlayer::Statistics& audio) {
   json["breaks"] = audio.breaks;
   json["ahead_of_picture_ms"] = {{"mean", rounded(audio.mean_offset_ms)},
                                  {"worst", rounded(audio.worst_offset_ms)}};
+  if (audio.capture_to_sound_ms) {
+    json["capture_to_sound_ms"] = rounded(*audio.capture_to_sound_ms);
+    json["gaps"] = audio.gaps;
+  }
   return json;
 }
 

@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "client/source/live_frames.h"
 #include "client/source/source.h"
+#include "common/stream/live_sound.h"
 
 namespace pointreel {
 
@@ -30,6 +32,11 @@ class LiveSource {
   /// while; if the rest comes after all before the next frame, the frame is given again with more
   /// layers. Older frames are skipped. A publisher that was started again begins at any number.
   virtual std::optional<LiveFrame> next(std::chrono::milliseconds timeout) = 0;
+
+  /// Called with each packet of sound from now on, by the source's thread: it must not block. HTTP
+  /// carries no sound.
+  using OnSound = std::function<void(const LiveSound& sound)>;
+  virtual void set_on_sound(OnSound /*on_sound*/) {}
 
   /// One line while nothing comes because the link or the publisher is down.
   virtual std::optional<std::string> trouble() const = 0;

@@ -33,7 +33,9 @@ WebSocketOptions socket_options(const SourceOptions& source) {
 class WebSocketLiveSource : public LiveSource {
  public:
   WebSocketLiveSource(std::string url, const SourceOptions& options)
-      : url_(std::move(url)), options_(options) {
+      : url_(std::move(url)),
+        address_(url_ + (url_.find('?') == std::string::npos ? "?sound" : "&sound")),
+        options_(options) {
     thread_ = std::thread([this] { run(); });
   }
   ~WebSocketLiveSource() override {
@@ -46,6 +48,11 @@ class WebSocketLiveSource : public LiveSource {
   }
   std::optional<LiveFrame> next(milliseconds timeout) override { return assembler_.next(timeout); }
   LiveCounts counts() const override { return assembler_.counts(); }
+
+  void set_on_sound(OnSound on_sound) override {
+    const std::lock_guard lock(sound_mutex_);
+    on_sound_ = std::move(on_sound);
+  }
 
   std::optional<std::string> trouble() const override {
     const std::lock_guard lock(mutex_);
@@ -68,7 +75,7 @@ class WebSocketLiveSource : public LiveSource {
       WebSocketOptions options = socket_options(options_);
       options.connect_timeout = connect_timeout.wait();
       options.stop = stop_.get_token();
-      auto socket = WebSocket::connect(url_, options);
+      auto socket = WebSocket::connect(address_, options);
       if (socket) {
         connect_timeout.succeeded();
         if (std::exchange(connected_before, true)) assembler_.reconnected();
@@ -93,7 +100,9 @@ class WebSocketLiveSource : public LiveSource {
       }
       if (!*message) continue;
       came = true;
-      if ((*message)->kind == WebSocket::Kind::binary) {
+      if ((*message)->kind == WebSocket::Kind::binary && is_live_sound((*message)->bytes)) {
+        take_sound((*message)->bytes);
+      } else if ((*message)->kind == WebSocket::Kind::binary) {
         take_layer(std::move((*message)->bytes));
       } else {
         const Bytes& bytes = (*message)->bytes;
@@ -108,6 +117,15 @@ class WebSocketLiveSource : public LiveSource {
       assembler_.add(*layer, message.part(kLiveHeaderSize, layer->bytes.size()));
     else
       assembler_.add_bad();
+  }
+
+  void take_sound(ByteView message) {
+    const auto sound = parse_live_sound(message);
+    const std::lock_guard lock(sound_mutex_);
+    if (!sound)
+      assembler_.add_bad();
+    else if (on_sound_)
+      on_sound_(*sound);
   }
 
   void take_text(std::string_view text) {
@@ -144,9 +162,11 @@ class WebSocketLiveSource : public LiveSource {
     changed_.wait_for(lock, shortened, [this] { return stop_.stop_requested(); });
   }
 
-  const std::string url_;
+  const std::string url_, address_;  ///< without and with the wish for sound
   const SourceOptions options_;
   LiveAssembler assembler_;
+  std::mutex sound_mutex_;
+  OnSound on_sound_;
   std::stop_source stop_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

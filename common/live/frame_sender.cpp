@@ -9,6 +9,7 @@
 #include "common/cloud/scalar_fields.h"
 #include "common/net/websocket.h"
 #include "common/stream/live_queue.h"
+#include "common/stream/live_sound.h"
 
 namespace pointreel {
 namespace {
@@ -52,6 +53,12 @@ void FrameSender::send(EncodedFrame frame, const Content& content, std::uint64_t
   last_us_ = std::max(capture_us, last_us_ + 1);
   outbox_.push(number_, messages_of(std::move(frame), number_, last_us_));
   ++number_;
+}
+
+void FrameSender::send_sound(ByteView packet, std::uint16_t samples, std::uint64_t capture_us) {
+  const LiveSound sound{sounds_++, capture_us, samples, packet};
+  outbox_.sound(
+      {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_sound(sound))});
 }
 
 void FrameSender::flush() {

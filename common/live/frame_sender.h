@@ -31,6 +31,9 @@ class FrameSender {
   /// whatever is given.
   void send(EncodedFrame frame, const Content& content, std::uint64_t capture_us);
 
+  /// A packet of Opus (live_sound.h). May be called by another thread than send().
+  void send_sound(ByteView packet, std::uint16_t samples, std::uint64_t capture_us);
+
   std::uint32_t sent() const { return number_; }
   /// Gives what was sent last some time to arrive, more over a link that works.
   void flush();
@@ -45,6 +48,7 @@ class FrameSender {
   bool greeted_ = false;
   std::uint32_t number_ = 0;
   std::uint64_t last_us_ = 0;
+  std::uint32_t sounds_ = 0;
   Outbox outbox_;
 };
 

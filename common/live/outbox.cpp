@@ -3,6 +3,7 @@
 #include <cstring>
 #include <utility>
 
+#include "common/stream/live_sound.h"
 #include "pointreel/bytes.h"
 
 namespace pointreel {
@@ -65,6 +66,13 @@ void Outbox::push(std::uint32_t frame, std::vector<LiveMessage> layers) {
   for (std::uint8_t i = 0; i < count; ++i) queue_.push(frame, i, count, layers[i]);
   frame_ = frame;
   newest_ = std::move(layers);
+  changed_.notify_all();
+}
+
+void Outbox::sound(LiveMessage message) {
+  const std::lock_guard lock(mutex_);
+  if (!hello_.bytes) return;
+  queue_.sound(std::move(message));
   changed_.notify_all();
 }
 
@@ -156,11 +164,12 @@ void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
       message = queue_.next();
       sending_ = message.has_value();
     }
-    const bool is_layer = message && message->kind == LiveMessage::Kind::binary;
+    const bool is_binary = message && message->kind == LiveMessage::Kind::binary;
+    const bool is_layer = is_binary && !is_live_sound(*message->bytes);
     Result<void> sent;
     if (message) {
       sent = socket.send(message->pieces(),
-                         is_layer ? WebSocket::Kind::binary : WebSocket::Kind::text);
+                         is_binary ? WebSocket::Kind::binary : WebSocket::Kind::text);
       if (sent) ++messages;
     } else if (const auto received = socket.receive(0ms); !received) {
       // The server has nothing to say, but it may have closed the connection.

@@ -49,6 +49,9 @@ class Outbox {
   /// The layers of the next frame, base first.
   void push(std::uint32_t frame, std::vector<LiveMessage> layers);
 
+  /// A packet of sound (live_sound.h). Before the first hello, it is lost.
+  void sound(LiveMessage message);
+
   /// Waits until the first attempt to connect has ended, whether it worked or not.
   void wait_until_tried(const std::stop_token& stop);
   /// The reason why nothing can ever be sent, such as a wrong token; nothing if there is none.

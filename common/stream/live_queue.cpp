@@ -28,8 +28,14 @@ void LiveQueue::hello(LiveMessage text, bool new_session) {
   hello_ = std::move(text);
   end_.reset();
   if (!new_session) return;
+  sounds_.clear();
   frames_.clear();
   bytes_ = 0;
+}
+
+void LiveQueue::sound(LiveMessage message) {
+  if (sounds_.size() == kMaxSounds) sounds_.pop_front();
+  sounds_.push_back(std::move(message));
 }
 
 void LiveQueue::end(LiveMessage text) { end_ = std::move(text); }
@@ -103,6 +109,11 @@ void LiveQueue::fall_behind(std::uint8_t layers) {
 
 std::optional<LiveMessage> LiveQueue::next() {
   if (hello_) return std::exchange(hello_, std::nullopt);
+  if (!sounds_.empty()) {
+    LiveMessage message = std::move(sounds_.front());
+    sounds_.pop_front();
+    return message;
+  }
   if (drops_untold()) {
     LiveMessage message = text_message(write_drops(drops_));
     told_ = drops_;

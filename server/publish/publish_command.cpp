@@ -19,6 +19,7 @@
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/publish/publisher.h"
+#include "server/publish/sound_input.h"
 
 namespace pointreel {
 namespace {
@@ -26,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PublishArguments {
-  std::string input, to, token, ca_file, topic;
+  std::string input, to, token, ca_file, topic, sound;
   bool loop = false, follow = false, json = false;
   const CLI::Option* token_option = nullptr;
   SequenceArguments sequence;
@@ -46,6 +47,9 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
   options.outbox.url = address;
   options.outbox.token = arguments.token;
   options.outbox.ca_file = arguments.ca_file;
+  options.sound = arguments.sound;
+  options.loop_sound = arguments.loop;
+  if (!options.sound.empty()) TRY(check_sound(options.sound));
   return options;
 }
 
@@ -163,6 +167,12 @@ void add_publish_command(CLI::App& app, int& exit_code) {
       ->add_option("--ca-file", a.ca_file,
                    "for wss://: certificates to trust instead of the system's, in PEM form")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--audio", a.sound,
+          "send sound, too: a file that ffmpeg reads, which begins with the first frame, or "
+          "microphone (ALSA's default device)")
+      ->type_name("FILE|microphone");
   CLI::Option* loop = command->add_flag("--loop", a.loop, "play the folder again and again");
   command
       ->add_flag("--follow", a.follow,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "common/cloud/scalar_fields.h"
 #include "common/live/frame_sender.h"
 #include "server/encode/unread_properties.h"
+#include "server/publish/sound_input.h"
 #include "server/rate/frame_time_control.h"
 
 namespace pointreel {
@@ -79,6 +81,10 @@ class Publisher {
     sender_.outbox().wait_until_tried(listener_.stop);
     {
       std::vector<std::jthread> others;
+      // Ends with the frames.
+      std::jthread sound;
+      if (!options_.sound.empty())
+        sound = std::jthread([this](const std::stop_token& s) { publish_sound(s); });
       for (int lane = 1; lane < lanes_; ++lane) others.emplace_back([this] { publish_frames(); });
       publish_frames();
     }
@@ -107,6 +113,29 @@ class Publisher {
     }
   }
 
+  /// From the first frame on.
+  void publish_sound(const std::stop_token& stop) {
+    SoundSource source{options_.sound, options_.loop_sound, 0};
+    {
+      std::unique_lock lock(sound_mutex_);
+      if (!sound_begins_.wait(lock, stop, [this] { return first_us_ != 0; })) return;
+      source.begin_us = first_us_;
+    }
+    const auto sent = send_sound(
+        source,
+        [this](ByteView packet, std::uint16_t samples, std::uint64_t capture_us) {
+          sender_.send_sound(packet, samples, capture_us);
+        },
+        stop);
+    if (!sent) say(sent.error().message + "; the stream goes on in silence");
+  }
+
+  void begin_sound(std::uint64_t time_us) {
+    const std::lock_guard lock(sound_mutex_);
+    if (first_us_ == 0) first_us_ = time_us;
+    sound_begins_.notify_all();
+  }
+
   std::optional<InputFrame> next_frame(std::uint64_t& turn) {
     const std::lock_guard lock(input_mutex_);
     if (ended_) return std::nullopt;
@@ -118,7 +147,10 @@ class Publisher {
       return std::nullopt;
     }
     ended_ = !*frame;
-    if (*frame) turn = taken_++;
+    if (*frame) {
+      turn = taken_++;
+      begin_sound((*frame)->capture_us);
+    }
     return *std::move(frame);
   }
 
@@ -239,6 +271,10 @@ class Publisher {
   FrameInput& input_;
   bool ended_ = false;
   std::uint64_t taken_ = 0;
+
+  std::mutex sound_mutex_;  ///< of the next two
+  std::condition_variable_any sound_begins_;
+  std::uint64_t first_us_ = 0;  ///< of the first frame; 0 before it
 
   const int lanes_;
   tbb::task_arena arena_;

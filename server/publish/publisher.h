@@ -18,6 +18,8 @@ namespace pointreel {
 /// Without `frame_time_ms`, they use 80 % of these threads' time.
 struct PublishOptions : EncodingOptions {
   OutboxOptions outbox;
+  std::string sound;        ///< as SoundSource::name; empty: silence
+  bool loop_sound = false;  ///< SoundSource::loop
 };
 
 struct PublishListener {

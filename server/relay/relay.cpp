@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "common/base/try.h"
+#include "common/stream/live_sound.h"
 #include "server/relay/stream.h"
 
 namespace pointreel {
@@ -138,6 +139,7 @@ class StreamPublication : public Publication {
   Result<void> message(LiveMessage message) override {
     if (message.kind == LiveMessage::Kind::binary) {
       if (!greeted()) return fail("the first message must be a hello");
+      if (is_live_sound(*message.bytes)) return use_->stream().sound(this, std::move(message));
       return use_->stream().layer(this, std::move(message));
     }
     const std::string_view text(reinterpret_cast<const char*>(message.bytes->data()),
@@ -242,8 +244,8 @@ class ListViewer : public Viewer {
 
 class StreamViewer : public Viewer {
  public:
-  StreamViewer(std::unique_ptr<Use> use, std::function<void()> wake)
-      : use_(std::move(use)), seat_(use_->stream().join(std::move(wake))) {}
+  StreamViewer(std::unique_ptr<Use> use, std::function<void()> wake, bool sound)
+      : use_(std::move(use)), seat_(use_->stream().join(std::move(wake), sound)) {}
   ~StreamViewer() override { use_->stream().leave(seat_); }
 
   std::optional<LiveMessage> next() override { return use_->stream().next(*seat_); }
@@ -290,7 +292,8 @@ std::unique_ptr<Viewer> Relay::watch(std::function<void()> wake) {
   return std::make_unique<ListViewer>(state_, std::move(wake));
 }
 
-Result<std::unique_ptr<Viewer>> Relay::join(const std::string& name, std::function<void()> wake) {
+Result<std::unique_ptr<Viewer>> Relay::join(const std::string& name, std::function<void()> wake,
+                                            bool sound) {
   auto use = std::make_unique<Use>(state_, name);
   std::unique_lock lock(state_->mutex);
   const auto found = state_->streams.find(name);
@@ -299,7 +302,7 @@ Result<std::unique_ptr<Viewer>> Relay::join(const std::string& name, std::functi
   }
   use->begin(found->second);
   lock.unlock();
-  return std::make_unique<StreamViewer>(std::move(use), std::move(wake));
+  return std::make_unique<StreamViewer>(std::move(use), std::move(wake), sound);
 }
 
 std::vector<StreamStatistics> Relay::statistics() const {

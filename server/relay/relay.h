@@ -120,10 +120,11 @@ class Relay {
 
   /// A viewer gets the hello and as much of the newest frame as has come, and then everything that
   /// follows. Streams remain when their publisher has gone, until there are too many. An error if
-  /// there is no such stream. `wake` is called from any thread, while the stream waits: it must not
-  /// block, and must not call the relay or the viewer. It is not called after the viewer is
-  /// destroyed.
-  Result<std::unique_ptr<Viewer>> join(const std::string& name, std::function<void()> wake);
+  /// there is no such stream. `sound`: the viewer gets that, too. `wake` is called from any thread,
+  /// while the stream waits: it must not block, and must not call the relay or the viewer. It is
+  /// not called after the viewer is destroyed.
+  Result<std::unique_ptr<Viewer>> join(const std::string& name, std::function<void()> wake,
+                                       bool sound = false);
 
   std::vector<StreamStatistics> statistics() const;
 

@@ -10,6 +10,7 @@
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
 #include "common/base/words.h"
+#include "common/stream/live_sound.h"
 #include "common/stream/reel_rules.h"
 #include "server/relay/segmenter.h"
 
@@ -57,9 +58,9 @@ void Stream::leave(const void* publisher, Time reserved_until) {
   }
 }
 
-std::shared_ptr<Seat> Stream::join(std::function<void()> wake) {
+std::shared_ptr<Seat> Stream::join(std::function<void()> wake, bool sound) {
   const std::lock_guard lock(mutex_);
-  auto seat = std::make_shared<Seat>(Seat{LiveQueue(options_), std::move(wake), false});
+  auto seat = std::make_shared<Seat>(Seat{LiveQueue(options_), std::move(wake), sound, false});
   if (hello_.bytes) seat->queue.hello(hello_, true);
   for (std::size_t i = 0; i < newest_.size(); ++i) {
     seat->queue.push(last_.frame, static_cast<std::uint8_t>(i), last_.layers, newest_[i]);
@@ -133,11 +134,27 @@ Result<void> Stream::hello(const void* publisher, LiveHello hello, const Session
   hello_ = text_message(write_hello(parsed_hello_));
   if (!same_session) {
     newest_.clear();
+    last_sound_.reset();
     cubes_ = {};
   }
   for (const auto& sink : sinks_) sink->hello(parsed_hello_);
   for (const auto& seat : seats_) {
     seat->queue.hello(hello_, !same_session);
+    wake(*seat);
+  }
+  return {};
+}
+
+Result<void> Stream::sound(const void* publisher, LiveMessage message) {
+  const std::lock_guard lock(mutex_);
+  if (owner_ != publisher) return fail("the publisher has connected anew");
+  const LiveSound sound = TRY(parse_live_sound(*message.bytes));
+  if (last_sound_ && sound.number <= *last_sound_) return {};
+  last_sound_ = sound.number;
+  bytes_ += message.size();
+  for (const auto& seat : seats_) {
+    if (!seat->sound) continue;
+    seat->queue.sound(message);
     wake(*seat);
   }
   return {};

@@ -20,6 +20,7 @@ namespace pointreel {
 struct Seat {
   LiveQueue queue;
   std::function<void()> wake;
+  bool sound = false;   ///< the viewer wants sound
   bool asleep = false;  ///< the viewer was told that nothing waits
 };
 
@@ -42,13 +43,15 @@ class Stream {
   Result<void> layer(const void* publisher, LiveMessage message);
   /// So much more was lost on the way from the publisher to this server.
   void lost(const LiveDrops& drops);
+  /// Takes a packet of sound from a publisher. One that has come before is left out.
+  Result<void> sound(const void* publisher, LiveMessage message);
   /// The publisher's connection has ended. Its name is reserved for it until then.
   void leave(const void* publisher, Time reserved_until);
   /// Whether the stream belongs to a publisher, be it connected or not.
   bool is_owned(Time now) const;
   bool is_publishing() const;
 
-  std::shared_ptr<Seat> join(std::function<void()> wake);
+  std::shared_ptr<Seat> join(std::function<void()> wake, bool sound);
   void leave(const std::shared_ptr<Seat>& seat);
   std::optional<LiveMessage> next(Seat& seat);
 
@@ -69,10 +72,11 @@ class Stream {
   Time reserved_until_ = Time::min();  ///< for that publisher, while it is not connected
   bool resent_ = false;  ///< the publisher has reconnected, and nothing new has come since
   LiveHello parsed_hello_;
-  LiveMessage hello_;                ///< as viewers get it
-  Box cubes_;                        ///< of all frames of the session
-  LiveLayer last_;                   ///< without its bytes
-  std::vector<LiveMessage> newest_;  ///< layers of the newest frame
+  LiveMessage hello_;                        ///< as viewers get it
+  Box cubes_;                                ///< of all frames of the session
+  LiveLayer last_;                           ///< without its bytes
+  std::vector<LiveMessage> newest_;          ///< layers of the newest frame
+  std::optional<std::uint32_t> last_sound_;  ///< number of the newest packet of the session
   std::vector<std::shared_ptr<Seat>> seats_;
   std::uint64_t frames_ = 0, layers_ = 0, bytes_ = 0, sent_bytes_ = 0;
   LiveDrops drops_of_gone_;  ///< of viewers that have left

@@ -197,7 +197,7 @@ std::variant<Response, LiveCall> Service::live_call(const Request& request, cons
   } else if (stream.empty()) {
     call.viewer = relay_->watch(std::move(wake));
   } else {
-    auto viewer = relay_->join(stream, std::move(wake));
+    auto viewer = relay_->join(stream, std::move(wake), query_has(request.target, "sound"));
     if (!viewer) return error_response(404, viewer.error().message);
     call.viewer = *std::move(viewer);
   }

@@ -10,6 +10,7 @@
 #include "common/base/ffmpeg.h"
 #include "common/stream/manifest.h"
 #include "server/pack/audio.h"
+#include "tests/e2e/server_address.h"
 #include "tests/read_file.h"
 #include "tests/tone.h"
 #include "tests/window/window_test.h"
@@ -44,6 +45,22 @@ TEST_F(SoundWindow, a_reel_is_heard_with_its_pictures) {
   EXPECT_TRUE(audio["plays"].get<bool>());
   EXPECT_NEAR(audio["ahead_of_picture_ms"]["worst"].get<double>(), 0.0, 20.0);
   EXPECT_EQ(player().err(), "");
+}
+
+TEST_F(SoundWindow, a_live_stream_is_heard_with_the_delay_of_its_pictures) {
+  e2e::Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+  const std::string address = "ws://" + e2e::server_address(server) + "/live/plate";
+  const e2e::Background publisher("pointreel-server",
+                                  {"publish", "-i", plate().ply(0).parent_path().string(), "--loop",
+                                   "--audio", (folder_ / "a.wav").string(), "--to", address});
+  open_sources({address, "--audio-device", "null"});
+  EXPECT_TRUE(wait_for_next_frame());
+  EXPECT_TRUE(wait_for_next_frame());
+  const auto audio = quit()["window"]["audio"];
+  EXPECT_TRUE(audio["plays"].get<bool>());
+  EXPECT_GT(audio["first_sound_ms"].get<double>(), 0.0);
+  EXPECT_NEAR(audio["ahead_of_picture_ms"]["mean"].get<double>(), 0.0, 20.0);
+  EXPECT_GT(audio["capture_to_sound_ms"].get<double>(), 0.0);
 }
 
 TEST_F(SoundWindow, keys_change_the_volume_which_is_kept) {

@@ -18,8 +18,9 @@ constexpr std::int64_t kKept = 8 * kRate;
 constexpr std::int64_t kClose = kRate / 50;
 /// The longest gap that is filled with silence. After another, or a step back, all begins anew.
 constexpr std::int64_t kLongest = 4 * kRate;
-/// What a packet waits for besides the network: the device, and the rounds of playback.
-constexpr std::int64_t kMargin = 60'000;
+/// What a packet waits for besides the network: the device, whose buffer is of 60 ms, two hops of a
+/// grain, and the rounds of playback.
+constexpr std::int64_t kMargin = 110'000;
 /// How far the delay may be off before it is set, and how long it stays then.
 constexpr std::int64_t kMostOff = 80'000;
 constexpr milliseconds kStays{1500};

@@ -8,6 +8,7 @@
 #include "codec/formats/records.h"
 #include "codec/formats/words.h"
 #include "common/base/concat.h"
+#include "common/base/parse_number.h"
 #include "common/base/try.h"
 #include "common/cloud/ply_header.h"
 

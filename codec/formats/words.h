@@ -53,8 +53,4 @@ inline std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-/// Reads a word that is a number and nothing else. What a double cannot hold becomes infinite or
-/// zero.
-bool parse_number(std::string_view word, double& value);
-
 }  // namespace pointreel

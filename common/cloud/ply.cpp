@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <initializer_list>
 #include <limits>
@@ -15,7 +13,7 @@
 #include <vector>
 
 #include "common/base/concat.h"
-#include "common/base/parse_double.h"
+#include "common/base/parse_number.h"
 #include "common/base/try.h"
 #include "common/cloud/ply_header.h"
 
@@ -430,7 +428,7 @@ class AsciiBody {
         // Values that are not needed are skipped unparsed. The length of a list is always needed.
         if (role_of[i] == kRoles && !property.is_list) continue;
         double value = 0.0;
-        if (!parse(word, value)) {
+        if (!parse_number(word, value)) {
           if (property.is_list || role_of[i] < kScalar) {
             return fail(concat("line ", line_, ": property ", printable(property.name), " of ",
                                name_row(element, row), " is '", printable(word),
@@ -474,18 +472,6 @@ class AsciiBody {
     const char* begin = at_;
     while (at_ != end_ && !is_blank(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
-  }
-
-  static bool parse(std::string_view word, double& value) {
-    if (word.starts_with('+')) word.remove_prefix(1);
-    const char* const word_end = word.data() + word.size();
-    const auto [end, error] = parse_double(word.data(), word_end, value);
-    if (error == std::errc::result_out_of_range && end == word_end) {
-      // Becomes infinity or zero, as the number would be in a binary file.
-      value = std::strtod(std::string(word).c_str(), nullptr);
-      return true;
-    }
-    return error == std::errc() && end == word_end;
   }
 
   const char* at_;

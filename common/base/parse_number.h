@@ -1,13 +1,17 @@
-#include "codec/formats/words.h"
+#pragma once
 
 #include <cstdlib>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 #include "common/base/parse_double.h"
 
 namespace pointreel {
 
-bool parse_number(std::string_view word, double& value) {
+/// Reads a word from a file that is a number and nothing else, perhaps with a plus. What a double
+/// cannot hold becomes infinite or zero.
+inline bool parse_number(std::string_view word, double& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const char* const word_end = word.data() + word.size();
   const auto [end, error] = parse_double(word.data(), word_end, value);

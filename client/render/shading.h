@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <glm/glm.hpp>
 
@@ -70,31 +68,5 @@ inline constexpr float kLeastReach = 3.0f, kMostReach = 0.12f;
 /// Around the tap with number i: its distance as a share of the whole, and its direction.
 /// `turn` is 0 to 3.
 glm::vec2 tap(int i, int turn);
-
-/// The factor and the summand for kReflectance with which a surface reflects LightProbe::glossy.
-inline glm::vec2 environment_share(float roughness, float facing) {
-  const float a = 1.0f - roughness, b = 0.0425f - 0.0275f * roughness;
-  // A quotient falls nearly as the power of two of the source does, and is the same everywhere.
-  float falling = 1.0f / (1.0f + 0.85f * facing);
-  falling *= falling;
-  falling *= falling;
-  falling *= falling;
-  const float share = std::min(a * a, falling) * a + b;
-  return {1.04f - 0.572f * roughness - 1.04f * share, 1.04f * share - 0.04f + 0.022f * roughness};
-}
-
-/// The light of the key light that a surface reflects, for 1 that a white diffuse surface would
-/// return: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, with
-/// the approximations of B. Karis, "Real Shading in Unreal Engine 4", 2013. All cosines are > 0.
-inline float highlight_of(float alpha2, float half_cosine, float facing, float lit,
-                          float half_facing) {
-  const float base = half_cosine * half_cosine * (alpha2 - 1.0f) + 1.0f;
-  const float k = 0.5f * std::sqrt(alpha2);
-  const float masking = (facing * (1.0f - k) + k) * (lit * (1.0f - k) + k);
-  const float away = 1.0f - half_facing;
-  const float away2 = away * away;
-  const float fresnel = kReflectance + (1.0f - kReflectance) * away2 * away2 * away;
-  return 0.25f * alpha2 * fresnel / (base * base * masking);
-}
 
 }  // namespace pointreel

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "client/render/software/lane_vectors.h"
 #include "common/base/for_each.h"
+#include "pointreel/cpu.h"
 
 namespace pointreel {
 namespace {
@@ -31,30 +33,55 @@ glm::vec3 shading_normal(const glm::vec3& mean, const glm::vec3& to_eye) {
   return facing >= kLeastFacing ? n : unit(n + (kLeastFacing - facing) * to_eye);
 }
 
-glm::vec3 diffuse_light(const ShadingView& s, const glm::vec3& n) {
-  const auto& c = s.diffuse;
-  return glm::max(glm::vec3(c[0] + c[1] * n.y + c[2] * n.z + c[3] * n.x + c[4] * (n.x * n.y) +
-                            c[5] * (n.y * n.z) + c[6] * (3.0f * n.z * n.z - 1.0f) +
-                            c[7] * (n.x * n.z) + c[8] * (n.x * n.x - n.y * n.y)),
-                  0.0f);
+POINTREEL_INLINE LaneVec unit(const LaneVec& v) {
+  return (1.0f / root_of(max_of(dot(v, v), Lanes{} + 1e-30f))) * v;
 }
 
-/// LightProbe::glossy in a direction.
-glm::vec3 glossy_light(const LightProbe& probe, const glm::vec3& d) {
+/// The same as for one pixel.
+POINTREEL_INLINE LaneVec shading_normal(const LaneVec& mean, const LaneVec& to_eye) {
+  const Lanes length = root_of(dot(mean, mean));
+  const LaneVec n = unit(mean + max_of(1.0f - length, Lanes{}) * to_eye);
+  const Lanes facing = dot(n, to_eye);
+  return choose(facing >= kLeastFacing, n, unit(n + (kLeastFacing - facing) * to_eye));
+}
+
+POINTREEL_INLINE LaneVec diffuse_light(const ShadingView& s, const LaneVec& n) {
+  const auto& c = s.diffuse;
+  const Lanes xy = n.x * n.y, yz = n.y * n.z, up = 3.0f * n.z * n.z - 1.0f, xz = n.x * n.z,
+              across = n.x * n.x - n.y * n.y;
+  const auto sum = [&](int i) {
+    return max_of(c[0][i] + c[1][i] * n.y + c[2][i] * n.z + c[3][i] * n.x + c[4][i] * xy +
+                      c[5][i] * yz + c[6][i] * up + c[7][i] * xz + c[8][i] * across,
+                  Lanes{});
+  };
+  return {sum(0), sum(1), sum(2)};
+}
+
+/// LightProbe::glossy in eight directions.
+POINTREEL_INLINE LaneVec glossy_light(const LightProbe& probe, const LaneVec& d) {
   constexpr int kEdge = LightProbe::kGlossyEdge, kStride = kEdge + 2;
-  const float scale = 1.0f / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
-  glm::vec2 p = scale * glm::vec2(d.x, d.z);
-  if (d.y < 0.0f)
-    p = glm::vec2(p.x < 0.0f ? -1.0f : 1.0f, p.y < 0.0f ? -1.0f : 1.0f) *
-        (1.0f - glm::vec2(std::abs(p.y), std::abs(p.x)));
+  const auto size_of = [](const Lanes& v) { return max_of(v, -v); };
+  const auto sign_of = [](const Lanes& v) { return v < 0.0f ? Lanes{} - 1.0f : Lanes{} + 1.0f; };
+  const Lanes scale = 1.0f / (size_of(d.x) + size_of(d.y) + size_of(d.z));
+  const Lanes up_x = scale * d.x, up_y = scale * d.z;
+  const Lanes p_x = d.y < 0.0f ? sign_of(up_x) * (1.0f - size_of(up_y)) : up_x,
+              p_y = d.y < 0.0f ? sign_of(up_y) * (1.0f - size_of(up_x)) : up_y;
   // In texels, beginning with the middle of the one around the map.
-  const glm::vec2 at = (0.5f * p + 0.5f) * static_cast<float>(kEdge) + 0.5f;
-  const int x = std::clamp(static_cast<int>(at.x), 0, kEdge),
-            y = std::clamp(static_cast<int>(at.y), 0, kEdge);
-  const glm::vec2 share = at - glm::vec2(x, y);
-  const glm::vec3 *low = &probe.glossy[static_cast<std::size_t>(y * kStride + x)],
-                  *high = low + kStride;
-  return glm::mix(glm::mix(low[0], low[1], share.x), glm::mix(high[0], high[1], share.x), share.y);
+  const Lanes at_x = (0.5f * p_x + 0.5f) * static_cast<float>(kEdge) + 0.5f,
+              at_y = (0.5f * p_y + 0.5f) * static_cast<float>(kEdge) + 0.5f;
+  LaneVec light{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const int x = std::clamp(static_cast<int>(at_x[lane]), 0, kEdge),
+              y = std::clamp(static_cast<int>(at_y[lane]), 0, kEdge);
+    const float share_x = at_x[lane] - static_cast<float>(x),
+                share_y = at_y[lane] - static_cast<float>(y);
+    const glm::vec3 *low = &probe.glossy[static_cast<std::size_t>(y * kStride + x)],
+                    *high = low + kStride;
+    set_lane(
+        light, lane,
+        glm::mix(glm::mix(low[0], low[1], share_x), glm::mix(high[0], high[1], share_x), share_y));
+  }
+  return light;
 }
 
 /// Between colours that are at the same distance from each other; linear light.
@@ -110,13 +137,197 @@ glm::vec3 false_color(const ShadingView& s, const PictureView& view, float open,
                   (strong ? 1.0f : 0.7f) * line);
 }
 
-/// Light up to kLinear stays, and all light above it fits below 1.
-float tone(float light) {
-  constexpr float kLinear = 0.6f;
-  if (!(light > kLinear)) return light;
-  const float more = (light - kLinear) / (1.0f - kLinear);
-  return kLinear + (1.0f - kLinear) * more / (1.0f + more);
+/// How much of the light all around is seen as highlights, scaled by the reflectance and added (B.
+/// Karis, "Physically Based Shading on Mobile", 2014).
+struct EnvironmentShare {
+  Lanes scaled, added;
+};
+POINTREEL_INLINE EnvironmentShare environment_share(float roughness, const Lanes& facing) {
+  const float a = 1.0f - roughness, b = 0.0425f - 0.0275f * roughness;
+  // A quotient falls nearly as the power of two of the source does, and is the same everywhere.
+  Lanes falling = 1.0f / (1.0f + 0.85f * facing);
+  falling *= falling;
+  falling *= falling;
+  falling *= falling;
+  const Lanes share = min_of(Lanes{} + a * a, falling) * a + b;
+  return {1.04f - 0.572f * roughness - 1.04f * share, 1.04f * share - 0.04f + 0.022f * roughness};
 }
+
+/// The light of the key light that a surface reflects, for 1 that a white diffuse surface would
+/// return: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, with
+/// the approximations of B. Karis, "Real Shading in Unreal Engine 4", 2013. No cosine is < 0.
+POINTREEL_INLINE Lanes highlight_of(float alpha2, const Lanes& half_cosine, const Lanes& facing,
+                                    const Lanes& lit, const Lanes& half_facing) {
+  const Lanes base = half_cosine * half_cosine * (alpha2 - 1.0f) + 1.0f;
+  const float k = 0.5f * std::sqrt(alpha2);
+  const Lanes masking = (facing * (1.0f - k) + k) * (lit * (1.0f - k) + k);
+  const Lanes away = 1.0f - half_facing;
+  const Lanes away2 = away * away;
+  const Lanes fresnel = kReflectance + (1.0f - kReflectance) * away2 * away2 * away;
+  return 0.25f * alpha2 * fresnel / (base * base * masking);
+}
+
+/// The taps of a turn, in lanes.
+constexpr std::size_t kTapLanes = (kTaps + kLanes - 1) / kLanes;
+struct Taps {
+  std::array<Lanes, kTapLanes> x{}, y{};
+  std::array<LaneMask, kTapLanes> used{};
+
+  explicit Taps(int turn) {
+    for (int i = 0; i < kTaps; ++i) {
+      const std::size_t block = static_cast<std::size_t>(i) / kLanes,
+                        lane = static_cast<std::size_t>(i) % kLanes;
+      const glm::vec2 at = tap(i, turn);
+      x[block][lane] = at.x;
+      y[block][lane] = at.y;
+      used[block][lane] = -1;
+    }
+  }
+};
+
+/// A point of a surface that looks for what surrounds it.
+struct Looking {
+  glm::ivec2 at;               ///< its pixel
+  glm::vec3 place, normal;     ///< relative to the eye
+  float most;                  ///< how far it looks, in pixels
+  float tolerance;             ///< what is no farther than this above it takes no light
+  float near, inverse_reach2;  ///< of the view; one by the square of the reach
+};
+
+/// The sum of the light that the surroundings of a point take, as seen by each of its taps.
+POINTREEL_INLINE float light_taken(const Looking& from, const Taps& taps, const PictureView& view,
+                                   const Picture& picture) {
+  const glm::ivec2 size = picture.grid.size;
+  const glm::vec3 corner(view.ray_corner), step_x(view.ray_x), step_y(view.ray_y);
+  Lanes taken{};
+  for (std::size_t block = 0; block < kTapLanes; ++block) {
+    const LaneMask x = from.at.x + floor_of(from.most * taps.x[block] + 0.5f),
+                   y = from.at.y + floor_of(from.most * taps.y[block] + 0.5f);
+    const LaneMask inside = taps.used[block] & (x >= 0) & (y >= 0) & (x < size.x) & (y < size.y);
+    const LaneMask pixel = inside & (y * size.x + x);
+    Lanes there{};
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      there[lane] = picture.depths[static_cast<std::size_t>(pixel[lane])];
+    // In the middle of a pixel.
+    const Lanes middle_x = __builtin_convertvector(x, Lanes) + 0.5f,
+                middle_y = __builtin_convertvector(y, Lanes) + 0.5f;
+    const LaneMask shown = inside & (there > 0.0f);
+    const Lanes w = from.near / (shown ? there : Lanes{} + 1.0f);
+    const auto away = [&](int axis) {
+      return w * (corner[axis] + middle_x * step_x[axis] + middle_y * step_y[axis]) -
+             from.place[axis];
+    };
+    const Lanes dx = away(0), dy = away(1), dz = away(2);
+    const Lanes distance2 = dx * dx + dy * dy + dz * dz;
+    const Lanes above =
+        dx * from.normal.x + dy * from.normal.y + dz * from.normal.z - from.tolerance;
+    const Lanes near_share = 1.0f - distance2 * from.inverse_reach2;
+    const LaneMask takes = shown & (above > 0.0f) & (near_share > 0.0f);
+    if (!any_lane(takes)) continue;
+    const Lanes share = near_share * above / root_of(distance2 + 1e-30f);
+    taken += takes ? share : Lanes{};
+  }
+  float sum = 0.0f;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) sum += taken[lane];
+  return sum;
+}
+
+float light_taken_portable(const Looking& from, const Taps& taps, const PictureView& view,
+                           const Picture& picture) {
+  return light_taken(from, taps, view, picture);
+}
+POINTREEL_AVX2 float light_taken_avx2(const Looking& from, const Taps& taps,
+                                      const PictureView& view, const Picture& picture) {
+  return light_taken(from, taps, view, picture);
+}
+
+/// Light up to kLinear stays, and all light above it fits below 1.
+POINTREEL_INLINE Lanes tone(const Lanes& light) {
+  constexpr float kLinear = 0.6f;
+  const Lanes more = (light - kLinear) / (1.0f - kLinear);
+  return light > kLinear ? kLinear + (1.0f - kLinear) * more / (1.0f + more) : light;
+}
+
+/// Pixels that follow each other in a row, as they are lit.
+struct PixelRow {
+  LaneMask shown{};        ///< whether they show anything
+  LaneVec ray{}, place{};  ///< from the eye
+  LaneVec to_eye{}, normal{};
+  LaneVec surface{};  ///< linear colours
+  Lanes open{};
+};
+
+/// Finds where pixels are, and how they are turned.
+POINTREEL_INLINE void place_pixels(const PictureView& view, const Picture& picture, int x, int y,
+                                   const Lanes& depth, PixelRow& row) {
+  const Lanes middle_x = kIota + (static_cast<float>(x) + 0.5f);
+  const float middle_y = static_cast<float>(y) + 0.5f;
+  const auto ray = [&](int axis) {
+    return view.ray_corner[axis] + middle_x * view.ray_x[axis] + middle_y * view.ray_y[axis];
+  };
+  row.ray = {ray(0), ray(1), ray(2)};
+  row.place = (view.eye.w / depth) * row.ray;
+  row.to_eye = (Lanes{} - 1.0f) * unit(row.ray);
+  LaneVec mean = row.to_eye;
+  for (std::size_t lane = 0; lane < kLanes; ++lane)
+    if (row.shown[lane] != 0)
+      set_lane(mean, lane, picture.normals[picture.index(x + static_cast<int>(lane), y)]);
+  row.normal = shading_normal(mean, row.to_eye);
+}
+
+/// The light that pixels send to the eye.
+POINTREEL_INLINE LaneVec light_of(const ShadingView& shading, const LightProbe& probe,
+                                  const ShadowMap& shadow, const glm::vec3& eye,
+                                  const PixelRow& row) {
+  const float roughness = shading.key.w, alpha2 = roughness * roughness * roughness * roughness;
+  const glm::vec3 key(shading.key);
+  const LaneVec key_direction = all_of(glm::vec3(shading.key_direction));
+  const glm::mat3 to_environment(shading.to_environment);
+  const LaneVec& normal = row.normal;
+  const Lanes facing = max_of(dot(normal, row.to_eye), Lanes{} + 1e-3f);
+  const Lanes lit = dot(normal, key_direction);
+  LaneVec diffuse = row.open * diffuse_light(shading, turned(to_environment, normal));
+  const EnvironmentShare part = environment_share(roughness, facing);
+  const LaneVec mirrored = 2.0f * dot(normal, row.to_eye) * normal - row.to_eye;
+  LaneVec highlight = row.open * (kReflectance * part.scaled + part.added) *
+                      glossy_light(probe, turned(to_environment, mirrored));
+  if (key != glm::vec3(0.0f)) {
+    Lanes reaches{};
+    const LaneMask asks = row.shown & (lit > 0.0f);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (asks[lane] == 0) continue;
+      const glm::vec3 there(shading.to_shadow * glm::vec4(eye + lane_of(row.place, lane), 1.0f));
+      reaches[lane] = lit[lane] * shadow.light_at(there, shading.key_direction.w);
+    }
+    const LaneVec half = unit(row.to_eye + key_direction);
+    diffuse = diffuse + reaches * all_of(key);
+    const Lanes mirror = highlight_of(alpha2, max_of(dot(normal, half), Lanes{}), facing,
+                                      max_of(lit, Lanes{}), dot(row.to_eye, half));
+    highlight = highlight + reaches * mirror * all_of(key);
+  }
+  const LaneVec light = row.surface * diffuse + highlight;
+  return {tone(light.x), tone(light.y), tone(light.z)};
+}
+
+struct RowKernels {
+  static void place_portable(const PictureView& view, const Picture& picture, int x, int y,
+                             const Lanes& depth, PixelRow& row) {
+    place_pixels(view, picture, x, y, depth, row);
+  }
+  POINTREEL_AVX2 static void place_avx2(const PictureView& view, const Picture& picture, int x,
+                                        int y, const Lanes& depth, PixelRow& row) {
+    place_pixels(view, picture, x, y, depth, row);
+  }
+  static void light_portable(const ShadingView& shading, const LightProbe& probe,
+                             const ShadowMap& shadow, const glm::vec3& eye, PixelRow& row) {
+    row.surface = light_of(shading, probe, shadow, eye, row);
+  }
+  POINTREEL_AVX2 static void light_avx2(const ShadingView& shading, const LightProbe& probe,
+                                        const ShadowMap& shadow, const glm::vec3& eye,
+                                        PixelRow& row) {
+    row.surface = light_of(shading, probe, shadow, eye, row);
+  }
+};
 
 }  // namespace
 
@@ -125,10 +336,8 @@ void ScreenShading::find_open(const ShadingView& shading, const PictureView& vie
   const glm::ivec2 size = picture.grid.size;
   cells_size_ = (size + 1) / 2;
   cells_.resize(static_cast<std::size_t>(cells_size_.x) * static_cast<std::size_t>(cells_size_.y));
-  std::array<std::array<glm::vec2, kTaps>, 4> taps;
-  for (int turn = 0; turn < 4; ++turn)
-    for (int i = 0; i < kTaps; ++i)
-      taps[static_cast<std::size_t>(turn)][static_cast<std::size_t>(i)] = tap(i, turn);
+  const std::array<Taps, 4> taps{Taps(0), Taps(1), Taps(2), Taps(3)};
+  const auto taken_of = (cpu_features() & kCpuAvx2) != 0 ? light_taken_avx2 : light_taken_portable;
   const bool bends = shading.reach.z == static_cast<float>(ColorSource::curvature);
   const float near = view.eye.w, reach = shading.reach.x, inverse_reach2 = 1.0f / (reach * reach);
   for_each(executor, picture.grid.count(), [&](int tile) {
@@ -157,21 +366,15 @@ void ScreenShading::find_open(const ShadingView& shading, const PictureView& vie
                                       kMostReach * static_cast<float>(size.y));
         // The tolerance covers that depths are those of discs.
         const float tolerance = 0.02f * reach + 2.0f * view.pixel.x * w;
-        float taken = 0.0f;
         const int turn = (x / 2 & 1) + 2 * (y / 2 & 1);
-        for (const glm::vec2& step : taps[static_cast<std::size_t>(turn)]) {
-          const int there_x = at.x + static_cast<int>(std::floor(most * step.x + 0.5f)),
-                    there_y = at.y + static_cast<int>(std::floor(most * step.y + 0.5f));
-          if (there_x < 0 || there_y < 0 || there_x >= size.x || there_y >= size.y) continue;
-          const float there = picture.depths[picture.index(there_x, there_y)];
-          if (there == 0.0f) continue;
-          const glm::vec3 away = near / there * pixel_ray(view, there_x, there_y) - place;
-          const float distance2 = glm::dot(away, away);
-          const float above = glm::dot(away, normal) - tolerance;
-          const float near_share = 1.0f - distance2 * inverse_reach2;
-          if (above > 0.0f && near_share > 0.0f)
-            taken += near_share * above / std::sqrt(distance2 + 1e-30f);
-        }
+        const float taken = taken_of({.at = at,
+                                      .place = place,
+                                      .normal = normal,
+                                      .most = most,
+                                      .tolerance = tolerance,
+                                      .near = near,
+                                      .inverse_reach2 = inverse_reach2},
+                                     taps[static_cast<std::size_t>(turn)], view, picture);
         const float open = std::max(0.0f, 1.0f - kOcclusion / kTaps * taken);
         cell = {depth, open, 0.0f};
         if (!bends) continue;
@@ -220,8 +423,9 @@ ScreenShading::Cell ScreenShading::cell_at(int x, int y, float depth) const {
     sum.bend += weight * cell.bend;
     weights += weight;
   }
-  sum.open /= weights;
-  sum.bend /= weights;
+  const float share = 1.0f / weights;
+  sum.open *= share;
+  sum.bend *= share;
   return sum;
 }
 
@@ -230,61 +434,50 @@ void ScreenShading::light(const ShadingView& shading, const LightProbe& probe,
                           const Executor& executor, Picture& picture) {
   find_open(shading, view, executor, picture);
   const SrgbTables& srgb = SrgbTables::get();
+  const bool avx2 = (cpu_features() & kCpuAvx2) != 0;
+  const auto place = avx2 ? RowKernels::place_avx2 : RowKernels::place_portable;
+  const auto light_row = avx2 ? RowKernels::light_avx2 : RowKernels::light_portable;
   const float near = view.eye.w, source = shading.reach.z;
-  const float roughness = shading.key.w, alpha2 = roughness * roughness * roughness * roughness;
-  const glm::vec3 eye(view.eye), key_direction(shading.key_direction), key(shading.key);
-  const glm::mat3 to_environment(shading.to_environment);
+  const bool opens = source != static_cast<float>(ColorSource::accessibility);
+  const glm::vec3 eye(view.eye);
+  constexpr int width = static_cast<int>(kLanes);
+  const auto light_pixels = [&](int x, int y, int count) {
+    PixelRow row;
+    Lanes depth = Lanes{} + 1.0f;
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+      const std::size_t pixel = picture.index(x, y) + lane;
+      if (picture.colors[pixel].a != kDrawn || !(picture.depths[pixel] > 0.0f)) continue;
+      row.shown[lane] = -1;
+      depth[lane] = picture.depths[pixel];
+    }
+    if (!any_lane(row.shown)) return;
+    place(view, picture, x, y, depth, row);
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+      if (row.shown[lane] == 0) continue;
+      const Cell cell = cell_at(x + static_cast<int>(lane), y, depth[lane]);
+      row.open[lane] = opens ? cell.open : 1.0f;
+      const glm::vec3 ray = lane_of(row.ray, lane), normal = lane_of(row.normal, lane);
+      const glm::vec3 surface =
+          source == 0.0f ? srgb.decode(picture.colors[picture.index(x, y) + lane])
+                         : false_color(shading, view, cell.open, cell.bend, near / depth[lane],
+                                       eye + lane_of(row.place, lane), ray, normal);
+      const float shade = 0.4f + 0.6f * std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
+      const bool late = shading.reach.w == kLateLight;
+      set_lane(row.surface, lane,
+               late ? surface : surface * (shading.reach.w * shade + 1.0f - shading.reach.w));
+    }
+    if (shading.reach.w == kLateLight) light_row(shading, probe, shadow, eye, row);
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane)
+      if (row.shown[lane] != 0)
+        picture.colors[picture.index(x, y) + lane] =
+            srgb.encode(lane_of(row.surface, lane), kDrawn);
+  };
   for_each(executor, picture.grid.count(), [&](int tile) {
     if (!picture.busy[static_cast<std::size_t>(tile)]) return;
     const PixelRect pixels = picture.grid.pixels(tile);
-    for (int y = pixels.min.y; y < pixels.max.y; ++y) {
-      for (int x = pixels.min.x; x < pixels.max.x; ++x) {
-        const std::size_t pixel = picture.index(x, y);
-        const float depth = picture.depths[pixel];
-        glm::u8vec4& color = picture.colors[pixel];
-        if (color.a != kDrawn || !(depth > 0.0f)) continue;
-        const glm::vec3 ray = pixel_ray(view, x, y);
-        const glm::vec3 place = near / depth * ray;  // relative to the eye
-        const glm::vec3 to_eye = -unit(ray),
-                        normal = shading_normal(picture.normals[pixel], to_eye);
-        const Cell cell = cell_at(x, y, depth);
-        const glm::vec3 surface = source == 0.0f
-                                      ? srgb.decode(color)
-                                      : false_color(shading, view, cell.open, cell.bend,
-                                                    near / depth, eye + place, ray, normal);
-        if (shading.reach.w != kLateLight) {
-          const float shade = 0.4f + 0.6f * std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
-          color = srgb.encode(surface * (shading.reach.w * shade + 1.0f - shading.reach.w), kDrawn);
-          continue;
-        }
-        const float open =
-            source == static_cast<float>(ColorSource::accessibility) ? 1.0f : cell.open;
-        const float facing = std::max(glm::dot(normal, to_eye), 1e-3f);
-        const float lit = glm::dot(normal, key_direction);
-
-        glm::vec3 diffuse = open * diffuse_light(shading, to_environment * normal);
-        // The environment's share of highlights (B. Karis, "Physically Based Shading on Mobile",
-        // 2014).
-        const glm::vec2 part = environment_share(roughness, facing);
-        const glm::vec3 mirrored = 2.0f * glm::dot(normal, to_eye) * normal - to_eye;
-        glm::vec3 highlight = open * (kReflectance * part.x + part.y) *
-                              glossy_light(probe, to_environment * mirrored);
-        if (lit > 0.0f && key != glm::vec3(0.0f)) {
-          const glm::vec3 there = glm::vec3(shading.to_shadow * glm::vec4(eye + place, 1.0f));
-          const float reaches = lit * shadow.light_at(there, shading.key_direction.w);
-          if (reaches > 0.0f) {
-            diffuse += reaches * key;
-            const glm::vec3 half = unit(to_eye + key_direction);
-            highlight += reaches *
-                         highlight_of(alpha2, std::max(glm::dot(normal, half), 0.0f), facing, lit,
-                                      glm::dot(to_eye, half)) *
-                         key;
-          }
-        }
-        const glm::vec3 light = surface * diffuse + highlight;
-        color = srgb.encode({tone(light.x), tone(light.y), tone(light.z)}, kDrawn);
-      }
-    }
+    for (int y = pixels.min.y; y < pixels.max.y; ++y)
+      for (int x = pixels.min.x; x < pixels.max.x; x += width)
+        light_pixels(x, y, std::min(width, pixels.max.x - x));
   });
 }
 

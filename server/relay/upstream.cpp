@@ -162,7 +162,7 @@ class StreamsOfServer : public Upstream {
       if (options_.say) options_.say(fmt::format("{}: {} is too long as a name", url, here));
       return nullptr;
     }
-    return std::make_unique<Link>(options_, url, [this, here] {
+    return std::make_unique<Link>(options_, url + "?sound", [this, here] {
       const std::shared_ptr<Publication> publication = relay_.receive(here).value();
       return [publication](WebSocketMessage message) {
         const bool is_text = message.kind == WebSocket::Kind::text;

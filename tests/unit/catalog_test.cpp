@@ -33,7 +33,9 @@ class CatalogTest : public testing::Test {
 
   static std::vector<std::string> names_in(const std::vector<fs::path>& folders) {
     std::vector<std::string> names;
-    for (const PackageFolder& package : packages_in(folders).value()) names.push_back(package.name);
+    // In the head of the loop, the result would be gone before the loop begins.
+    const std::vector<PackageFolder> packages = packages_in(folders).value();
+    for (const PackageFolder& package : packages) names.push_back(package.name);
     return names;
   }
 

@@ -20,6 +20,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "common/stream/live_sound.h"
 #include "server/serve/http_server.h"
 #include "tests/unit/live_frames.h"
 #include "tests/wait.h"
@@ -193,6 +194,29 @@ TEST_F(UpstreamTest, streams_come_and_go_with_those_of_the_other_server) {
   for (std::uint32_t i = 1; i < 4; ++i) ASSERT_TRUE(alice->message(layer_message(i, 0)));
   ASSERT_TRUE(wait_until([&] { return stream("paris-alice").publishing; }));
   EXPECT_TRUE(stream("wrong-alice").name.empty());
+}
+
+TEST_F(UpstreamTest, sound_is_passed_on) {
+  Relay above;
+  HttpServerOptions options;
+  options.listen.port = 0;
+  options.threads = 1;
+  options.service.log = Log::Level::kOff;
+  const auto server = HttpServer::start({}, options, &above).value();
+  const auto publisher = above.publish("alice").value();
+  ASSERT_TRUE(publisher->message(publisher_message(1)));
+  const auto upstream = follow("ws://127.0.0.1:" + std::to_string(server->port()) + "/live/alice");
+  ASSERT_TRUE(wait_until([&] { return stream("alice").publishing; }));
+  const auto viewer = relay_.join("alice", [] {}, true).value();
+  const Bytes packet = {1, 2, 3};
+  const LiveSound sound{3, 1'000'000, 960, packet};
+  ASSERT_TRUE(publisher->message(
+      {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_sound(sound))}));
+  EXPECT_TRUE(wait_until([&] {
+    const auto message = viewer->next();
+    return message && is_live_sound(*message->bytes) &&
+           parse_live_sound(*message->bytes).value().number == 3;
+  }));
 }
 
 TEST_F(UpstreamTest, hostile_bytes_end_the_connection_and_nothing_else) {

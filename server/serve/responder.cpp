@@ -107,7 +107,7 @@ Response resource_response(const Resource& resource, const Request& request) {
       return error_response(503, "too many files are open; try again", "Retry-After: 1\r\n");
     }
     if (!file) {
-      return error_response(500, "the package changed on disk; restart the server");
+      return error_response(500, "the package changed on disk; pack it again");
     }
     response.file = *std::move(file);
   } else {

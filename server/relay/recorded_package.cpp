@@ -22,7 +22,7 @@ constexpr std::size_t kShortManifest = 16u << 10;
 /// A longer one is rewritten when the journal has reached this share of its length.
 constexpr std::size_t kJournalShare = 8;
 /// Readers ignore a file of this name.
-constexpr const char* kUnfinished = ".unfinished";
+constexpr const char *kUnfinished = ".unfinished", *kGrowingSound = ".sound";
 
 Error cannot_write(const fs::path& file) {
   return {fmt::format("{}: cannot be written: {}; check that the disk is not full", file.string(),
@@ -67,7 +67,8 @@ RecordedPackage::RecordedPackage(fs::path folder, std::uint32_t first_frame, std
     : folder_(std::move(folder)),
       first_frame_(first_frame),
       start_us_(start_us),
-      lock_(lock_folder(folder_)) {}
+      lock_(lock_folder(folder_)),
+      sound_(folder_ / kGrowingSound, start_us) {}
 
 RecordedPackage::~RecordedPackage() {
   if (lock_ >= 0) ::close(lock_);
@@ -119,8 +120,25 @@ Result<void> RecordedPackage::add(LiveSegment& segment, const LiveHello& hello) 
 
 Result<void> RecordedPackage::complete(const LiveHello& hello) {
   if (complete_ || empty()) return {};
+  const std::optional<AudioFile> before = audio_;
+  // Pictures without sound are better than neither.
+  const Result<void> sound = write_sound();
   TRY(write_manifest_file(head(hello)));
+  if (before && before->path != audio_->path) ::unlink((folder_ / before->path).c_str());
   complete_ = true;
+  return sound;
+}
+
+Result<void> RecordedPackage::write_sound() {
+  if (sound_.samples() == 0 || (audio_ && audio_->samples == sound_.samples())) return {};
+  const Bytes bytes = TRY(sound_.bytes());
+  AudioFile audio;
+  audio.samples = sound_.samples();
+  audio.bytes = bytes.size();
+  audio.checksum = checksum_of(bytes);
+  audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
+  TRY(write_file(folder_, audio.path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  audio_ = audio;
   return {};
 }
 
@@ -134,6 +152,7 @@ bool RecordedPackage::exists() const {
 Manifest RecordedPackage::head(const LiveHello& hello) const {
   Manifest manifest = live_head(hello, totals_);
   manifest.duration_us = duration_us_;
+  manifest.audio = audio_;
   return manifest;
 }
 

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pointreel/error.h"
+#include "server/relay/recorded_sound.h"
 #include "server/relay/segmenter.h"
 
 namespace pointreel {
@@ -33,7 +35,10 @@ class RecordedPackage {
 
   /// Adds a segment. After an error the folder and the segment are as they were before.
   Result<void> add(LiveSegment& segment, const LiveHello& hello);
-  /// Writes the whole manifest, without `live`. More segments may be added nevertheless.
+  /// Adds sound, which the manifest has once the package is complete.
+  void add(const LiveSound& sound) { sound_.add(sound); }
+  /// Writes the sound and the whole manifest, without `live`. More segments may be added
+  /// nevertheless.
   Result<void> complete(const LiveHello& hello);
   /// Removes the folder, if it is empty.
   void remove() const;
@@ -44,6 +49,7 @@ class RecordedPackage {
 
  private:
   Manifest head(const LiveHello& hello) const;
+  Result<void> write_sound();
   Result<void> write_manifest_file(const Manifest& head);
   Result<void> append_to_journal(const std::string& line);
 
@@ -51,6 +57,8 @@ class RecordedPackage {
   const std::uint32_t first_frame_;
   const std::uint64_t start_us_;
   const int lock_;  ///< a descriptor that tells complete_recordings() of other programs to wait
+  RecordedSound sound_;
+  std::optional<AudioFile> audio_;  ///< of the manifest on disk
   LiveTotals totals_;
   std::uint64_t duration_us_ = 0;
   std::uint32_t frames_ = 0;

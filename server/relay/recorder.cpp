@@ -41,10 +41,23 @@ void LiveRecorder::layer(const LiveLayer& layer, const LiveMessage&) {
   if (auto segment = segmenter_.add(layer)) append(std::move(*segment));
 }
 
+void LiveRecorder::sound(const LiveSound& sound, const LiveMessage& message) {
+  // Half a minute, while nothing can be written.
+  constexpr std::size_t kMost = 1500;
+  if (sounds_.size() == kMost) sounds_.pop_front();
+  sounds_.push_back({sound, message});
+}
+
+void LiveRecorder::write_sound() {
+  for (const Sound& sound : sounds_) package_->add(sound.sound);
+  sounds_.clear();
+}
+
 void LiveRecorder::end() {
   if (auto segment = segmenter_.flush()) append(std::move(*segment));
   // The package is complete, unless the publisher comes back.
   if (!package_) return;
+  write_sound();
   if (const auto completed = package_->complete(hello_); !completed) {
     say(completed.error().message);
   }
@@ -71,6 +84,7 @@ void LiveRecorder::write_waiting() {
       return;
     }
     waiting_bytes_ -= bytes_of(waiting_.front());
+    write_sound();
   }
   if (std::exchange(stopped_, false)) {
     say(fmt::format("recording {} continues; {} frames are lost", options_.name,
@@ -121,6 +135,8 @@ void LiveRecorder::complete() {
 
 void LiveRecorder::finish() {
   write_waiting();
+  if (package_) write_sound();
+  sounds_.clear();
   complete();
   for (const LiveSegment& segment : waiting_) lost_frames_ += segment.entry.frame_count();
   waiting_.clear();

@@ -39,11 +39,13 @@ class LiveRecorder : public LiveSink {
 
   void hello(const LiveHello& hello) override;
   void layer(const LiveLayer& layer, const LiveMessage& message) override;
+  void sound(const LiveSound& sound, const LiveMessage& message) override;
   void end() override;
 
  private:
   void append(LiveSegment segment);
   void write_waiting();
+  void write_sound();
   Result<void> record(LiveSegment& segment);
   Result<void> open(const LiveSegment& first);
   /// Completes the package, so that the next segment begins another one.
@@ -59,6 +61,11 @@ class LiveRecorder : public LiveSink {
   std::optional<RecordedPackage> package_;
   std::deque<LiveSegment> waiting_;  ///< to be written, oldest first
   std::uint64_t waiting_bytes_ = 0;
+  struct Sound {
+    LiveSound sound;
+    LiveMessage message;  ///< that has its packet
+  };
+  std::deque<Sound> sounds_;       ///< that belong to the segments to come
   bool stopped_ = false;           ///< the oldest of them could not be written
   std::uint64_t lost_frames_ = 0;  ///< since the recording stopped
 };

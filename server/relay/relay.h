@@ -10,6 +10,7 @@
 
 #include "common/stream/live.h"
 #include "common/stream/live_queue.h"
+#include "common/stream/live_sound.h"
 #include "pointreel/error.h"
 
 /// Passes live streams on from their publishers, or from other servers, to their viewers, without
@@ -32,6 +33,8 @@ class LiveSink {
   virtual void hello(const LiveHello& hello) = 0;
   /// `layer.bytes` points into `message`, whose bytes are in one piece.
   virtual void layer(const LiveLayer& layer, const LiveMessage& message) = 0;
+  /// `sound.packet` points into `message`.
+  virtual void sound(const LiveSound& /*sound*/, const LiveMessage& /*message*/) {}
   /// The publisher has gone.
   virtual void end() = 0;
 };

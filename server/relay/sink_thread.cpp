@@ -53,6 +53,16 @@ void SinkThread::layer(const LiveLayer& layer, const LiveMessage& message) {
   }
 }
 
+/// Sound that does not fit is silence.
+void SinkThread::sound(const LiveSound& sound, const LiveMessage& message) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (bytes_ + memory_of(sound) > max_bytes_) return;
+    bytes_ += memory_of(sound);
+  }
+  put(Sound{sound, message});
+}
+
 void SinkThread::put(Event event) {
   const std::lock_guard lock(mutex_);
   events_.push_back(std::move(event));
@@ -71,11 +81,14 @@ void SinkThread::run() {
       sink_->hello(*hello);
     } else if (const auto* layer = std::get_if<Layer>(&event)) {
       sink_->layer(layer->layer, layer->message);
+    } else if (const auto* sound = std::get_if<Sound>(&event)) {
+      sink_->sound(sound->sound, sound->message);
     } else {
       sink_->end();
     }
     lock.lock();
     if (const auto* layer = std::get_if<Layer>(&event)) bytes_ -= memory_of(layer->layer);
+    if (const auto* sound = std::get_if<Sound>(&event)) bytes_ -= memory_of(sound->sound);
   }
 }
 

@@ -31,6 +31,7 @@ class SinkThread : public LiveSink {
 
   void hello(const LiveHello& hello) override;
   void layer(const LiveLayer& layer, const LiveMessage& message) override;
+  void sound(const LiveSound& sound, const LiveMessage& message) override;
   void end() override;
 
  private:
@@ -38,10 +39,17 @@ class SinkThread : public LiveSink {
     LiveLayer layer;
     LiveMessage message;
   };
-  using Event = std::variant<LiveHello, Layer, LiveEnd>;
+  struct Sound {
+    LiveSound sound;
+    LiveMessage message;
+  };
+  using Event = std::variant<LiveHello, Layer, Sound, LiveEnd>;
 
   static std::size_t memory_of(const LiveLayer& layer) {
     return layer.bytes.size() + kLayerOverhead;
+  }
+  static std::size_t memory_of(const LiveSound& sound) {
+    return sound.packet.size() + kLayerOverhead;
   }
   void put(Event event);
   void run();

@@ -152,6 +152,7 @@ Result<void> Stream::sound(const void* publisher, LiveMessage message) {
   if (last_sound_ && sound.number <= *last_sound_) return {};
   last_sound_ = sound.number;
   bytes_ += message.size();
+  for (const auto& sink : sinks_) sink->sound(sound, message);
   for (const auto& seat : seats_) {
     if (!seat->sound) continue;
     seat->queue.sound(message);

@@ -12,8 +12,11 @@
 #include <opus/opus.h>
 
 #include "client/audio/live_track.h"
+#include "common/audio/opus_reader.h"
 #include "common/stream/live_queue.h"
+#include "server/relay/recorded_sound.h"
 #include "server/relay/relay.h"
+#include "tests/temporary_folder.h"
 #include "tests/unit/live_frames.h"
 
 namespace pointreel {
@@ -143,7 +146,8 @@ TEST(LiveSound, is_heard_with_the_delay_of_the_picture_or_when_it_has_come) {
     const auto clock = track.clock(now, end, picture);
     ASSERT_TRUE(clock);
     EXPECT_TRUE(clock->playing());
-    EXPECT_NEAR(static_cast<double>(track.delay_us()), picture == 0 ? 140'000.0 : 400'000.0, 10'000);
+    EXPECT_NEAR(static_cast<double>(track.delay_us()), picture == 0 ? 140'000.0 : 400'000.0,
+                10'000);
     const std::uint64_t position = clock->read(now).position_us;
     EXPECT_GT(strength(track, position), 0.2);
     // Behind what has come, and before it, is silence.
@@ -188,6 +192,42 @@ TEST(LiveSound, packets_that_are_no_opus_are_left_out) {
   std::vector<StereoSample> samples(960);
   track.copy(0, samples);
   for (const StereoSample& sample : samples) EXPECT_TRUE(std::isfinite(sample.left));
+}
+
+TEST(LiveSound, is_recorded_with_silence_where_packets_are_missing) {
+  const TemporaryFolder folder;
+  RecordedSound recorded(folder / "sound", kStart);
+  Tone tone;
+  const auto add = [&](std::uint64_t capture) {
+    const Bytes packet = tone.packet();
+    recorded.add({0, capture, kSamples, packet});
+  };
+  add(kStart - 20'000);  // before the recording
+  for (std::uint64_t i = 10; i < 30; ++i) add(kStart + 20'000 * i);
+  for (std::uint64_t i = 60; i < 100; ++i) add(kStart + 20'000 * i);
+  add(kStart + 20'000 * 50);                                  // late
+  add(kStart + 86'400'000'000);                               // a clock that jumped
+  recorded.add({0, kStart + 2'000'000, 480, tone.packet()});  // says another length
+  EXPECT_EQ(recorded.samples(), 100u * kSamples);
+  const Bytes bytes = recorded.bytes().value();
+  auto reader = OpusReader::open(bytes);
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_EQ(reader->samples(), 100u * kSamples);
+  const auto strength_at = [&](std::uint64_t packet) {
+    std::vector<StereoSample> samples(kSamples);
+    EXPECT_TRUE(read_exactly(*reader, packet * kSamples, samples));
+    double sum = 0.0;
+    for (const StereoSample& sample : samples) sum += std::abs(sample.left);
+    return sum / kSamples;
+  };
+  EXPECT_LT(strength_at(5), 0.001);
+  EXPECT_GT(strength_at(20), 0.2);
+  EXPECT_LT(strength_at(45), 0.001);
+  EXPECT_GT(strength_at(80), 0.2);
+  // More may follow.
+  add(kStart + 2'000'000);
+  const Bytes longer = recorded.bytes().value();
+  EXPECT_EQ(OpusReader::open(longer)->samples(), 101u * kSamples);
 }
 
 }  // namespace

@@ -62,14 +62,16 @@ class LiveQueue {
   /// layer missing below one that comes.
   void push(std::uint32_t frame, std::uint8_t layer, std::uint8_t layers, LiveMessage message);
 
-  /// Queues a packet of sound, which goes before all layers. Of those that wait, the newest second is
-  /// kept.
+  /// Queues a packet of sound, which goes before all layers. Of those that wait, the newest second
+  /// is kept.
   void sound(LiveMessage message);
 
   /// The message to send next, which may be one about drops; nothing if nothing waits.
   std::optional<LiveMessage> next();
 
-  bool empty() const { return !hello_ && !end_ && !drops_untold() && bytes_ == 0 && sounds_.empty(); }
+  bool empty() const {
+    return !hello_ && !end_ && !drops_untold() && bytes_ == 0 && sounds_.empty();
+  }
   /// Bytes of all layers that wait.
   std::size_t bytes() const { return bytes_; }
   const LiveDrops& drops() const { return drops_; }

@@ -1,18 +1,18 @@
-// node measure.mjs BUILD [ROUNDS]: how fast packages are uploaded into an object store on this machine, next to
+// node measure.mjs BUILD REEL [ROUNDS]: how fast packages are uploaded into an object store on this machine, next to
 // curl -T of the same files, and how soon they play from there, next to pointreel-server serve. Takes turns; prints
 // medians, and the least of each.
 import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { dirname, join } from "node:path";
+import { basename, dirname, join } from "node:path";
 import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
 
-const [build, rounds = "7"] = process.argv.slice(2);
-const bin = (name) => join(build, "bin", name);
+const [build, reel, rounds = "7"] = process.argv.slice(2);
+const bin = (program) => join(build, "bin", program);
 const here = dirname(fileURLToPath(import.meta.url));
+const name = basename(reel);
 const folder = mkdtempSync(join(tmpdir(), "pointreel-store-"));
-const reel = join(folder, "walk");
 const keys = { AWS_ACCESS_KEY_ID: "S3RVER", AWS_SECRET_ACCESS_KEY: "S3RVER" };
 const children = [];
 
@@ -34,17 +34,15 @@ function seconds(what) {
   what();
   return Number(process.hrtime.bigint() - begin) * 1e-9;
 }
-function report(name, times, text) {
+function report(what, times, text) {
   const sorted = [...times].sort((a, b) => a - b);
   const median = sorted[sorted.length >> 1];
-  console.log(`${name.padEnd(44)} ${text(median)} (best ${text(sorted[0])})`);
+  console.log(`${what.padEnd(44)} ${text(median)} (best ${text(sorted[0])})`);
   return median;
 }
 
 try {
-  run(bin("pointreel-synth"), ["kick", "--voxelize", "10", "--frames", "60", "-o", join(folder, "clouds")]);
-  run(bin("pointreel-server"), ["pack", "-i", join(folder, "clouds"), "-o", reel, "--entropy", "none", "--quality", "95"]);
-  const files = readdirSync(reel).map((name) => join(reel, name));
+  const files = readdirSync(reel).map((file) => join(reel, file));
   const bytes = files.reduce((sum, file) => sum + statSync(file).size, 0);
   console.log(`${files.length} files, ${(bytes * 1e-6).toFixed(1)} MB, ${rounds} rounds`);
 
@@ -63,19 +61,19 @@ try {
     const picture = join(folder, "picture.png");
     const play = (source) => run(bin("pointreel"), ["play", source, "--endpoint", endpoint, "--offscreen", "320x240", "--at", "0",
       "--screenshot", picture]);
-    times.serve.push(seconds(() => play(`${served}/walk`)));
+    times.serve.push(seconds(() => play(`${served}/${name}`)));
     times.store.push(seconds(() => play("s3://reels/walk")));
     // Without the start of the program: manifest and first frame, by the player's own source.
     const frame = (source) => Number(run("/usr/bin/python3", ["-c", "import pointreel, time; b = time.monotonic(); " +
       `pointreel.open('${source}')[0]; print(time.monotonic() - b)`], { AWS_ENDPOINT_URL: endpoint, PYTHONPATH: join(build, "python") }));
-    times.serveFrame.push(frame(`${served}/walk`));
+    times.serveFrame.push(frame(`${served}/${name}`));
     times.storeFrame.push(frame("s3://reels/walk"));
   }
   const rate = (time) => `${(bytes * 1e-6 / time).toFixed(0)} MB/s`, ms = (time) => `${(time * 1e3).toFixed(0)} ms`;
   const curl = report("curl -T", times.curl, rate), upload = report("pointreel-server upload", times.upload, rate);
   console.log(`  upload is ${(curl / upload).toFixed(2)} times as fast as curl`);
-  const ratio = (name, far, near) => {
-    const a = report(`${name}: serve`, near, ms), b = report(`${name}: store`, far, ms);
+  const ratio = (what, far, near) => {
+    const a = report(`${what}: serve`, near, ms), b = report(`${what}: store`, far, ms);
     console.log(`  the store takes ${(b / a).toFixed(2)} times as long`);
   };
   ratio("program to picture", times.store, times.serve);

@@ -88,6 +88,44 @@ TEST_F(RecorderTest, a_returning_publisher_continues_its_package_and_another_sta
   EXPECT_EQ(frames, 3u);
 }
 
+TEST_F(RecorderTest, sound_is_part_of_the_package_and_goes_on_when_the_publisher_returns) {
+  constexpr std::uint8_t kSilence[]{0xfc, 0xff, 0xfe};
+  LiveRecorder recorder(options());
+  recorder.hello(real_hello(1));
+  std::uint32_t number = 0;
+  const auto give_sound = [&](std::uint64_t from_ms, std::uint64_t to_ms) {
+    for (; from_ms < to_ms; from_ms += 20) {
+      const auto bytes = std::make_shared<const Bytes>(
+          write_live_sound({number++, kStart + 1000 * from_ms, 960, kSilence}));
+      recorder.sound(parse_live_sound(*bytes).value(), {LiveMessage::Kind::binary, bytes});
+    }
+  };
+  give_sound(0, 200);
+  give_frames(recorder, 0, 8);
+  give_sound(200, 320);
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  ASSERT_TRUE(read_manifest(package()).value().audio);
+  EXPECT_EQ(read_manifest(package())->audio->samples, 16u * 960);
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 8, 8);
+  give_sound(400, 640);
+  recorder.end();
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(read_manifest(package())->audio->samples, 32u * 960);
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(package()))
+    files += entry.path().extension() == ".opus";
+  EXPECT_EQ(files, 1);
+  // Another publisher, whose recording is silent.
+  recorder.hello(real_hello(2));
+  give_frames(recorder, 0, 3);
+  recorder.end();
+  EXPECT_THAT(faults(package("stage-2"), frames), IsEmpty());
+  EXPECT_FALSE(read_manifest(package("stage-2")).value().audio);
+}
+
 TEST_F(RecorderTest, existing_packages_are_not_touched) {
   fs::create_directories(package());
   std::ofstream(package() / "mine") << "mine";

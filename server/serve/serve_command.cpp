@@ -156,9 +156,17 @@ class Rereading {
       log_.write(Log::Level::kError, "reread", {{"fault", arguments.error().message}});
       return;
     }
-    arguments_ = *std::move(arguments);
-    const ServiceOptions& service = arguments_.options.service;
+    // So that a file which is just being written opens nothing to everybody.
+    const ServiceOptions &old = arguments_.options.service, &service = arguments->options.service;
+    if ((!old.view_token.empty() && service.view_token.empty()) ||
+        (!old.publish_token.empty() && service.publish_token.empty())) {
+      log_.write(
+          Log::Level::kError, "reread",
+          {{"fault", "a token is missing, so nothing changes; restart to serve without it"}});
+      return;
+    }
     server_.set_tokens(service.view_token, service.publish_token);
+    arguments_ = *std::move(arguments);
     certificate_changed();
     read_certificate();
     log_.write(Log::Level::kInfo, "reread");

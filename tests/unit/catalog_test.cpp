@@ -151,9 +151,8 @@ TEST_F(CatalogTest, packages_appear_change_and_vanish_while_they_are_served) {
   const Catalog served = catalog;
   const auto list = [&] {
     std::vector<std::string> names;
-    const std::string text = served.list({})->text;
-    for (const auto& package : nlohmann::json::parse(text).at("packages"))
-      names.push_back(package.at("name"));
+    const auto served_list = nlohmann::json::parse(served.list({})->text);
+    for (const auto& package : served_list.at("packages")) names.push_back(package.at("name"));
     return names;
   };
   EXPECT_THAT(catalog.refresh({all, reel_}).changes, ElementsAre());

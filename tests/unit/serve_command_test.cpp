@@ -254,7 +254,12 @@ TEST_F(ServeCommandTest, packages_tokens_and_the_certificate_change_while_it_ser
   server.signal(SIGHUP);
   write_file(config, folders + "view-token = \"\"\n");
   server.signal(SIGHUP);
+  write_file(config, folders);  // as while it is being written
+  server.signal(SIGHUP);
   EXPECT_FALSE(wait_until([&] { return status("/") != 401; }, pointreel::kMoment));
+  write_file(config, folders + "view-token = \"two\"\n");
+  server.signal(SIGHUP);
+  EXPECT_TRUE(wait_until([&] { return status(manifest, "Authorization: Bearer two\r\n") == 200; }));
   server.signal(SIGTERM);
   EXPECT_EQ(server.exit_code(), 0);
 }

@@ -159,7 +159,7 @@ class StreamsOfServer : public Upstream {
     std::string here = options_.name;
     if (const auto star = here.find('*'); star != std::string::npos) here.replace(star, 1, there);
     if (!is_stream_name(here)) {
-      if (options_.say) options_.say(fmt::format("{}: {} is too long as a name", url, here));
+      if (options_.say) options_.say(fmt::format("{}: the name {} is too long", url, here));
       return nullptr;
     }
     return std::make_unique<Link>(options_, url + "?sound", [this, here] {
@@ -174,7 +174,7 @@ class StreamsOfServer : public Upstream {
 
   /// Follows the streams that are published there, and leaves those that are not.
   Result<void> take_list(WebSocketMessage message) {
-    if (message.kind != WebSocket::Kind::text) return fail("sends frames in place of its streams");
+    if (message.kind != WebSocket::Kind::text) return fail("sends frames instead of names");
     const LiveText text = TRY(parse_live_text(
         {reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()}));
     const auto* list = std::get_if<LiveStreams>(&text);
@@ -227,11 +227,11 @@ Result<UpstreamOptions> parse_upstream(const std::string& text) {
     return fail(ErrorCode::argument,
                 text +
                     ": a stream's name consists of 1 to 64 letters, digits, '.', '_' and '-', "
-                    "and at most one * for the name there");
+                    "and at most one * for the name on the other server");
   }
   if (options.stream.empty() && star == std::string::npos) {
     return fail(ErrorCode::argument,
-                text + ": the name needs a * that stands for the names of all streams there");
+                text + ": the name needs a * that stands for the names on the other server");
   }
   return options;
 }

@@ -227,7 +227,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Catalog catalog,
 Result<void> HttpServer::read_certificate(const std::filesystem::path& certificate,
                                           const std::filesystem::path& key) {
   if (certificate.empty() != state_->options.certificate.empty())
-    return fail(ErrorCode::argument, "--certificate: TLS begins or ends with a restart only");
+    return fail(ErrorCode::argument, "--certificate: only a restart turns TLS on or off");
   if (certificate.empty()) return {};
   auto tls = std::make_shared<const TlsContext>(TRY(TlsContext::load(certificate, key)));
   const std::lock_guard lock(state_->tls_mutex);

@@ -332,7 +332,7 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
       ->add_option("--relay-from", arguments->relay_from,
                    "also relay the live streams of another server, ws(s)://HOST/live, or one of "
                    "them, ws(s)://HOST/live/NAME; NAME=URL gives them other names, in which * "
-                   "stands for the name there; may be repeated")
+                   "stands for the name on that server; may be repeated")
       ->type_name("[NAME=]URL")
       ->allow_extra_args(false)
       ->needs(live);

@@ -124,9 +124,8 @@ Result<Store> resolve_store(const std::string& endpoint, const Environment& envi
   if (!url.is_http() || !url.user.empty() ||
       store.endpoint.find_first_of("?#") != std::string::npos)
     return wrong(
-        "the endpoint of a store is an address such as https://s3.example.org, without a user and "
-        "a "
-        "query; that is what --endpoint and AWS_ENDPOINT_URL give");
+        "the endpoint of a store is an address such as https://s3.example.org, without a user or a "
+        "query; correct --endpoint or AWS_ENDPOINT_URL");
   return store;
 }
 

@@ -26,7 +26,7 @@ std::string upload_text(const std::string& to, const UploadSummary& summary) {
   if (summary.kept > 0)
     text += fmt::format("; {} {} there already", counted(summary.kept, "file"),
                         summary.kept == 1 ? "was" : "were");
-  if (summary.growing) text += "; the recording still grows, and --follow would go on";
+  if (summary.growing) text += "; the recording still grows; --follow uploads the rest, too";
   return text;
 }
 

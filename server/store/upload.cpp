@@ -177,7 +177,7 @@ void wait(std::chrono::milliseconds time, const std::stop_token& stop) {
 Result<Uploader> Uploader::open(UploadOptions options) {
   if (!is_store_address(options.to))
     return fail(ErrorCode::argument,
-                options.to + ": is no place in an object store; give s3://BUCKET/REEL");
+                options.to + ": is not an address in an object store; give s3://BUCKET/REEL");
   Uploader uploader;
   uploader.folder_ = TRY(resolve_folder(options.to, options.http.endpoint));
   uploader.options_ = std::move(options);

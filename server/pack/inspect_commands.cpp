@@ -247,7 +247,7 @@ std::string describe_lost(const std::vector<LostValues>& lost) {
         one.bounds ? fmt::format("clipped to {} to {}", one.bounds->first, one.bounds->second)
                    : "dropped");
   }
-  return fmt::format("LAS cannot hold all scalar fields: {}; ply, pcd and npz can", parts);
+  return fmt::format("LAS cannot hold all scalar fields: {}; ply, pcd, npz and mcap can", parts);
 }
 
 int run_unpack(UnpackOptions options, const std::string& frames, const std::string& input,

@@ -204,7 +204,8 @@ POINTREEL_INLINE float light_taken(const Looking& from, const Taps& taps, const 
     const LaneMask x = from.at.x + floor_of(from.most * taps.x[block] + 0.5f),
                    y = from.at.y + floor_of(from.most * taps.y[block] + 0.5f);
     const LaneMask inside = taps.used[block] & (x >= 0) & (y >= 0) & (x < size.x) & (y < size.y);
-    const LaneMask pixel = inside & (y * size.x + x);
+    // Outside they may be too large to multiply.
+    const LaneMask pixel = (y & inside) * size.x + (x & inside);
     Lanes there{};
     for (std::size_t lane = 0; lane < kLanes; ++lane)
       there[lane] = picture.depths[static_cast<std::size_t>(pixel[lane])];

@@ -238,8 +238,12 @@ TEST(EndToEndErrors, are_printed_in_one_line_that_names_the_problem_and_its_plac
       run("pointreel", {"play", "http://127.0.0.1:1/reel", "--offscreen", "64x64", "--at", "0"});
   EXPECT_TRUE(one_line(unreachable)) << unreachable.err;
   EXPECT_NE(unreachable.err.find("127.0.0.1:1"), std::string::npos) << unreachable.err;
-  const Outcome no_package = run("pointreel-server", {"serve", "/tmp", "--listen", "127.0.0.1:0"});
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.txt") << "no package";
+  const Outcome no_package =
+      run("pointreel-server", {"serve", folder.path().string(), "--listen", "127.0.0.1:0"});
   EXPECT_TRUE(one_line(no_package)) << no_package.err;
+  EXPECT_NE(no_package.err.find(folder.path().string()), std::string::npos) << no_package.err;
 }
 
 }  // namespace

@@ -67,14 +67,17 @@ class LivePlayback : public Playback {
   bool playing() const { return playing_; }
 
  private:
-  /// A frame that came, or one that is ready.
-  template <class Frame>
-  struct Ordered {
+  // One template for both structs makes clang 19 crash.
+  /// A frame that came.
+  struct Received {
     std::uint64_t order = 0;  ///< rises with each frame, whatever the publisher's numbers do
-    Frame frame;
+    LiveFrame frame;
   };
-  using Received = Ordered<LiveFrame>;
-  using Ready = Ordered<std::shared_ptr<const SceneFrame>>;
+  /// A frame that is prepared.
+  struct Ready {
+    std::uint64_t order = 0;  ///< of the frame that came
+    std::shared_ptr<const SceneFrame> frame;
+  };
 
   void receive();
   void prepare();

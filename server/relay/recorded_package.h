@@ -57,7 +57,7 @@ class RecordedPackage {
   const std::uint32_t first_frame_;
   const std::uint64_t start_us_;
   const int lock_;  ///< a descriptor that tells complete_recordings() of other programs to wait
-  RecordedSound sound_;
+  LiveSoundFile sound_;
   std::optional<AudioFile> audio_;  ///< of the manifest on disk
   LiveTotals totals_;
   std::uint64_t duration_us_ = 0;

@@ -55,7 +55,7 @@ Bytes tags() {
 }  // namespace
 
 /// Packets to pages to a file.
-class RecordedSound::Pages {
+class LiveSoundFile::Pages {
  public:
   explicit Pages(const std::filesystem::path& file)
       : out_(file, std::ios::binary | std::ios::trunc) {
@@ -106,15 +106,15 @@ class RecordedSound::Pages {
   std::uint64_t bytes_ = 0;
 };
 
-RecordedSound::RecordedSound(std::filesystem::path file, std::uint64_t start_us)
+LiveSoundFile::LiveSoundFile(std::filesystem::path file, std::uint64_t start_us)
     : file_(std::move(file)), start_us_(start_us) {}
 
-RecordedSound::~RecordedSound() {
+LiveSoundFile::~LiveSoundFile() {
   std::error_code ignored;
   if (pages_) std::filesystem::remove(file_, ignored);
 }
 
-void RecordedSound::put(ByteView packet, std::uint64_t samples) {
+void LiveSoundFile::put(ByteView packet, std::uint64_t samples) {
   if (!pages_) {
     pages_ = std::make_unique<Pages>(file_);
     written_ = pages_->head_bytes();
@@ -123,7 +123,7 @@ void RecordedSound::put(ByteView packet, std::uint64_t samples) {
   written_ += pages_->put(packet, samples_);
 }
 
-void RecordedSound::add(const LiveSound& sound) {
+void LiveSoundFile::add(const LiveSound& sound) {
   const int samples = opus_packet_get_nb_samples(
       sound.packet.data(), static_cast<opus_int32>(sound.packet.size()), kRate);
   if (samples != sound.samples || sound.capture_us < start_us_ || written_ > kMostBytes) return;
@@ -134,7 +134,7 @@ void RecordedSound::add(const LiveSound& sound) {
   put(sound.packet, sound.samples);
 }
 
-Result<Bytes> RecordedSound::bytes() {
+Result<Bytes> LiveSoundFile::bytes() {
   if (!pages_) return Bytes{};
   written_ += pages_->flush();
   std::ifstream in(file_, std::ios::binary);

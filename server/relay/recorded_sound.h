@@ -15,16 +15,16 @@ namespace pointreel {
 ///
 /// Trust: packets may be hostile. Those whose length is not as stated are left out; others are not
 /// decoded. No more than kMostBytes are kept; what comes later is silence.
-class RecordedSound {
+class LiveSoundFile {
  public:
   static constexpr std::uint64_t kMostBytes = 256u << 20;
 
   /// `start_us`: the time of capture of the first sample.
-  RecordedSound(std::filesystem::path file, std::uint64_t start_us);
+  LiveSoundFile(std::filesystem::path file, std::uint64_t start_us);
   /// Removes the file.
-  ~RecordedSound();
-  RecordedSound(const RecordedSound&) = delete;
-  RecordedSound& operator=(const RecordedSound&) = delete;
+  ~LiveSoundFile();
+  LiveSoundFile(const LiveSoundFile&) = delete;
+  LiveSoundFile& operator=(const LiveSoundFile&) = delete;
 
   /// Packets in the order of their times. What cannot be written is lost.
   void add(const LiveSound& sound);

@@ -196,7 +196,7 @@ TEST(LiveSound, packets_that_are_no_opus_are_left_out) {
 
 TEST(LiveSound, is_recorded_with_silence_where_packets_are_missing) {
   const TemporaryFolder folder;
-  RecordedSound recorded(folder / "sound", kStart);
+  LiveSoundFile recorded(folder / "sound", kStart);
   Tone tone;
   const auto add = [&](std::uint64_t capture) {
     const Bytes packet = tone.packet();

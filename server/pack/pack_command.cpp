@@ -1,18 +1,17 @@
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "common/base/print.h"
+#include "common/base/scratch_folder.h"
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
 #include "server/commands.h"
@@ -101,31 +100,6 @@ ordered_json to_json(const PackSummary& summary) {
   json["warnings"] = summary.warnings;
   return json;
 }
-
-/// A folder for a package that is only uploaded.
-class TemporaryFolder {
- public:
-  TemporaryFolder() = default;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  Result<std::filesystem::path> create() {
-    std::error_code error;
-    std::string name = (std::filesystem::temp_directory_path(error) / "pointreel-XXXXXX").string();
-    if (error || ::mkdtemp(name.data()) == nullptr)
-      return fail(ErrorCode::io, name +
-                                     ": cannot be created; set TMPDIR to a folder that has room, "
-                                     "or keep the package with -o");
-    return path_ = name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// The last part of an address.
 std::string name_in(std::string address) {
@@ -233,7 +207,7 @@ int run_pack(const PackCommand& arguments) {
   }
   const StopSignal stop;
   std::optional<Uploader> uploader;
-  TemporaryFolder temporary;
+  ScratchFolder temporary;
   const bool kept = !options->output.empty();
   if (!arguments.upload.to.empty()) {
     UploadOptions upload = arguments.upload;
@@ -243,7 +217,8 @@ int run_pack(const PackCommand& arguments) {
     if (!opened) return fail_with(opened.error());
     uploader = std::move(*opened);
     if (!kept) {
-      const Result<std::filesystem::path> folder = temporary.create();
+      const Result<std::filesystem::path> folder = temporary.path(
+          ": cannot be created; set TMPDIR to a folder that has room, or keep the package with -o");
       if (!folder) return fail_with(folder.error());
       options->output = *folder / name_in(upload.to);
     }

@@ -1,17 +1,16 @@
 #include "server/store/package_files.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "common/base/scratch_folder.h"
 #include "common/base/try.h"
 #include "common/http/http_client.h"
 #include "common/http/http_folder.h"
@@ -31,12 +30,6 @@ class PackageFiles::Remote {
  public:
   Remote(HttpFolder folder, const HttpOptions& options)
       : folder_(std::move(folder)), stop_(options.stop), client_(options, folder_.access) {}
-  ~Remote() {
-    std::error_code ignored;
-    if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
-  }
-  Remote(const Remote&) = delete;
-  Remote& operator=(const Remote&) = delete;
 
   const HttpFolder& folder() const { return folder_; }
 
@@ -66,14 +59,9 @@ class PackageFiles::Remote {
 
   Result<fs::path> folder_for_files() {
     const std::lock_guard lock(mutex_);
-    if (!temporary_.empty()) return temporary_;
-    std::error_code error;
-    std::string name = (fs::temp_directory_path(error) / "pointreel-XXXXXX").string();
-    if (error || ::mkdtemp(name.data()) == nullptr)
-      return fail(ErrorCode::io, name +
-                                     ": cannot be created, and fetched files need a folder; set "
-                                     "TMPDIR to a folder that has room");
-    return temporary_ = name;
+    return temporary_.path(
+        ": cannot be created, and fetched files need a folder; set TMPDIR to a folder that has "
+        "room");
   }
 
   Result<fs::path> fetch(const PackageFile& file) {
@@ -101,7 +89,7 @@ class PackageFiles::Remote {
   HttpClient client_;
   std::mutex mutex_;  ///< guards what follows
   std::map<std::string, Entry> entries_;
-  fs::path temporary_;
+  ScratchFolder temporary_;
 };
 
 Result<PackageFiles> PackageFiles::at(const std::string& where, const HttpOptions& options) {

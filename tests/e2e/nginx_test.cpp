@@ -81,6 +81,16 @@ class NginxTest : public testing::Test {
     return content(file);
   }
 
+  /// A cache in front of the server on this port, as live.conf configures it.
+  Result<std::unique_ptr<Nginx>> cache_of(std::uint16_t port) {
+    return Nginx::start(folder_ / "nginx", [&](std::uint16_t own) {
+      return nginx_configuration("live.conf",
+                                 {{"listen 80;", fmt::format("listen 127.0.0.1:{};", own)},
+                                  {"127.0.0.1:8090", fmt::format("127.0.0.1:{}", port)},
+                                  {"/var/cache/nginx-pointreel", (folder_ / "cache").string()}});
+    });
+  }
+
   TemporaryFolder folder_;
   std::string base_;
 };
@@ -124,12 +134,7 @@ TEST_F(NginxTest, nginx_caches_packages_and_forwards_live_streams) {
                                          "--listen", "127.0.0.1:0"});
   const std::uint16_t port = port_of(server_address(server));
   ASSERT_NE(port, 0);
-  const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t own) {
-    return nginx_configuration("live.conf",
-                               {{"listen 80;", fmt::format("listen 127.0.0.1:{};", own)},
-                                {"127.0.0.1:8090", fmt::format("127.0.0.1:{}", port)},
-                                {"/var/cache/nginx-pointreel", (folder_ / "cache").string()}});
-  });
+  const auto nginx = cache_of(port);
   ASSERT_TRUE(nginx) << nginx.error().message;
   const std::uint16_t front = (*nginx)->port();
   EXPECT_EQ(picture(fmt::format("http://127.0.0.1:{}/wall/reel.json", front), "there.png"),
@@ -216,12 +221,7 @@ TEST_F(NginxTest, a_chain_of_nginx_and_varnish_asks_the_server_once_for_many_vie
   Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
   const std::uint16_t port = port_of(server_address(server));
   ASSERT_NE(port, 0);
-  const auto nginx = Nginx::start(folder_ / "nginx", [&](std::uint16_t own) {
-    return nginx_configuration("live.conf",
-                               {{"listen 80;", fmt::format("listen 127.0.0.1:{};", own)},
-                                {"127.0.0.1:8090", fmt::format("127.0.0.1:{}", port)},
-                                {"/var/cache/nginx-pointreel", (folder_ / "cache").string()}});
-  });
+  const auto nginx = cache_of(port);
   ASSERT_TRUE(nginx) << nginx.error().message;
   std::ofstream(folder_ / "live.vcl")
       << nginx_configuration("live.vcl", {{"8090", std::to_string((*nginx)->port())}});

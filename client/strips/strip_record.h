@@ -12,6 +12,7 @@
 
 namespace pointreel {
 
+/// What update_strips keeps of a frame, to make only the strips around what the next one changes.
 struct StripRecord {
   StripRules rules;
   // The surfels (StripSurfels).

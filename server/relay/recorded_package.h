@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pointreel/error.h"
-#include "server/relay/recorded_sound.h"
+#include "server/relay/live_sound_file.h"
 #include "server/relay/segmenter.h"
 
 namespace pointreel {

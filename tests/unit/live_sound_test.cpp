@@ -14,7 +14,7 @@
 #include "client/audio/live_track.h"
 #include "common/audio/opus_reader.h"
 #include "common/stream/live_queue.h"
-#include "server/relay/recorded_sound.h"
+#include "server/relay/live_sound_file.h"
 #include "server/relay/relay.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/live_frames.h"

@@ -1,4 +1,4 @@
-#include "server/relay/recorded_sound.h"
+#include "server/relay/live_sound_file.h"
 
 #include <array>
 #include <fstream>

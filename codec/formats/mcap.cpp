@@ -14,6 +14,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include "codec/formats/mcap_records.h"
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
@@ -23,16 +24,9 @@
 namespace pointreel {
 namespace {
 
-constexpr std::size_t kMagicSize = 8;
-constexpr std::size_t kHead = 9;  ///< of a record: what it is, and its size
-enum Opcode : std::uint8_t {
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07
-};
+using namespace mcap;
+
+constexpr std::size_t kHead = 9;          ///< of a record: what it is, and its size
 constexpr std::size_t kMessageHead = 22;  ///< channel, sequence, and two times
 /// Of schemas, channels and the beginnings of chunks, of which all real ones are smaller. Indexes
 /// may be larger.
@@ -173,7 +167,7 @@ class McapRecording::Impl {
 
   Result<void> scan() {
     Bytes room;
-    std::uint64_t at = kMagicSize;
+    std::uint64_t at = kMagic.size();
     for (;;) {
       const std::optional<Record> record = TRY(record_at(at));
       if (!record || record->opcode == kFooter) return {};

@@ -9,6 +9,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include "codec/formats/mcap_records.h"
 #include "common/base/byte_io.h"
 #include "common/base/try.h"
 #include "pointreel/version.h"
@@ -17,20 +18,8 @@
 namespace pointreel {
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
-enum Opcode : std::uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0b,
-  kSummaryOffset = 0x0e,
-  kDataEnd = 0x0f
-};
+using namespace mcap;
+
 constexpr std::uint16_t kId = 1;  ///< of the only schema and the only channel
 constexpr std::string_view kZstd = "zstd";
 /// As fast as disks are. More effort gains little on floats.

@@ -7,12 +7,18 @@
 namespace pointreel {
 
 Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                                const DrawOptions& options) {
+                                const DrawOptions& options, const Coarsening& coarsening) {
   scene_ = scene;
   camera_ = camera;
   size_ = size;
   options_ = options;
-  return renderer_->draw(scene, camera, size, options);
+  coarsening_ = coarsening;
+  DrawOptions coarser = options;
+  coarser.reduction = coarsening.reduction;
+  coarser.pixel_size *= coarsening.pixel_size;
+  DrawStats stats = TRY(renderer_->draw(scene, camera, size, coarser));
+  stats.coarsening = coarsening;
+  return stats;
 }
 
 Result<Image> Painter::picture() {
@@ -22,8 +28,8 @@ Result<Image> Painter::picture() {
 }
 
 Result<Image> Painter::plain_picture() {
-  if (reduced()) {
-    options_.reduction = 1;
+  if (coarsening_ != Coarsening{}) {
+    coarsening_ = {};
     TRY(renderer_->draw(scene_, camera_, size_, options_));
   }
   if (supersample_ == 1) return renderer_->read_pixels();

@@ -24,17 +24,15 @@ class Painter {
   std::string describe_renderer() const { return renderer_->describe(); }
 
   Result<DrawStats> draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                         const DrawOptions& options);
+                         const DrawOptions& options, const Coarsening& coarsening = {});
   /// Copies the last picture into the window's framebuffer.
   void present() const { renderer_->present(0); }
   /// As Renderer::point_at, in the last picture.
   std::optional<glm::dvec3> point_at(const glm::dvec2& pixel) const {
     return renderer_->point_at(pixel);
   }
-  /// Whether the last picture was drawn with fewer pixels than it is shown
-  /// (DrawOptions::reduction).
-  bool reduced() const { return options_.reduction > 1; }
-  /// The last picture as it is written, never reduced, with a legend if a scalar field is shown.
+  /// The last picture as it is written, never coarser than asked, with a legend if a scalar field
+  /// is shown.
   Result<Image> picture();
   /// Writes it as a PNG file.
   Result<void> write(const std::string& path);
@@ -49,6 +47,7 @@ class Painter {
   Camera camera_;
   glm::ivec2 size_{0};
   DrawOptions options_;
+  Coarsening coarsening_;
 };
 
 }  // namespace pointreel

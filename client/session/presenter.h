@@ -22,7 +22,7 @@ namespace pointreel {
 struct Shot {
   Camera camera;
   glm::ivec2 size{0};
-  DrawOptions draw;  ///< its `reduction` is chosen by the presenter
+  DrawOptions draw;
   Haste haste = {};
 };
 
@@ -39,13 +39,13 @@ class Presenter {
   /// Starts a new report, of this stage.
   void begin(const Stage& stage);
 
-  /// Draws the scene, of which `changes` are new; they may be empty. The picture is drawn with
-  /// fewer pixels than it is shown if there is no time for all of them (Draft).
+  /// Draws the scene, of which `changes` are new; they may be empty. The picture is
+  /// drawn coarser than asked if there is no time for all of it (Draft).
   Result<void> draw(const Stage& stage, const std::vector<Stage::Change>& changes,
                     const Shot& shot);
-  /// Whether the last picture was drawn for this shot, whatever its reduction.
+  /// Whether the last picture was drawn for this shot, however coarse.
   bool shows(const Shot& shot) const;
-  /// Whether the last picture was drawn with fewer pixels or surfels than it would be without
+  /// Whether the last picture was drawn coarser, or with fewer surfels, than it would be without
   /// haste.
   bool hasty() const { return hasty_; }
   const DrawStats& drawn() const { return drawn_; }  ///< of the last picture

@@ -96,6 +96,11 @@ void add_live(std::vector<StatisticsLine>& lines, const LiveCounts& counts) {
     lines.push_back({"Reconnected", counted(counts.reconnections, "time")});
 }
 
+std::string coarsening_text(const Coarsening& coarsening) {
+  if (coarsening.reduction > 1) return fmt::format(", 1/{} resolution", coarsening.reduction);
+  return coarsening.pixel_size > 1.0f ? ", larger than asked" : "";
+}
+
 }  // namespace
 
 const char* name(Step step) {
@@ -152,10 +157,8 @@ std::vector<StatisticsLine> statistics_lines(const Stage& stage, const RecentFra
   std::vector<StatisticsLine> lines;
   lines.push_back({"Shown", fmt::format("{:.1f} frames/s", recent.frames_per_second(now))});
   const DrawStats& drawn = recent.drawn();
-  lines.push_back(
-      {"Drawn",
-       fmt::format("{} elements{}", short_count(drawn.drawn),
-                   drawn.reduction > 1 ? fmt::format(", 1/{} resolution", drawn.reduction) : "")});
+  lines.push_back({"Drawn", fmt::format("{} elements{}", short_count(drawn.drawn),
+                                        coarsening_text(drawn.coarsening))});
   std::string left_out;
   const auto leave_out = [&](std::uint32_t count, const char* why) {
     if (count > 0)

@@ -53,7 +53,7 @@ TEST(PlayReport, states_what_was_skipped_in_all_frames_and_not_drawn_of_the_last
   const SceneFrame first = frame_of(0, 1), second = frame_of(1, 1);
   DrawStats drawn;
   report.add(first, not_fetched(manifest, first, {}), drawn);
-  drawn.reduction = 2;
+  drawn.coarsening.reduction = 2;
   report.add(second, not_fetched(manifest, second, {}), drawn);
   auto json = nlohmann::json::parse(report.to_json());
   EXPECT_EQ(json["frames_shown"], 2);

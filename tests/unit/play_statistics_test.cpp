@@ -107,11 +107,15 @@ TEST_F(StatisticsLinesTest, describe_what_is_shown_and_why) {
 
   DrawStats drawn;
   drawn.drawn = 150;
-  drawn.reduction = 2;
+  drawn.coarsening.reduction = 2;
   recent.add(frame(0), drawn, kStart);
   EXPECT_EQ(text_of(statistics_lines(**stage, recent, kStart), "Drawn"),
             "150 elements, 1/2 resolution");
-  drawn.reduction = 1;
+  drawn.coarsening = {1, 1.25f};
+  recent.redrawn(drawn);
+  EXPECT_EQ(text_of(statistics_lines(**stage, recent, kStart), "Drawn"),
+            "150 elements, larger than asked");
+  drawn.coarsening = {};
   recent.redrawn(drawn);
   EXPECT_EQ(text_of(statistics_lines(**stage, recent, kStart), "Drawn"), "150 elements");
 }

@@ -92,7 +92,6 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
                         {options.mode, options.color, options.fill_holes, options.refine},
                         options.pixel_size, buffer_));
   DrawStats stats;
-  stats.reduction = options.reduction;
   stats.drawn = static_cast<std::uint32_t>(buffer_.size());
   stats.visited = instances_.stats().visited;
   stats.out_of_view = instances_.stats().out_of_view;

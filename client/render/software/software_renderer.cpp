@@ -128,7 +128,6 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
                         {options.mode, options.color, options.fill_holes, options.refine},
                         options.pixel_size, memory_));
   DrawStats stats;
-  stats.reduction = options.reduction;
   stats.drawn = static_cast<std::uint32_t>(memory_.instances().size());
   stats.visited = instances_.stats().visited;
   stats.out_of_view = instances_.stats().out_of_view;

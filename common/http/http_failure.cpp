@@ -81,7 +81,7 @@ HttpFailure failure_of_status(long status, std::string_view answer) {
 
 HttpFailure failure_of_store_redirect(long status, std::string_view answer) {
   HttpFailure failed = failure_of_status(status, answer);
-  failed.error.message += ": it wants to be asked at another address";
+  failed.error.message += ": the bucket is at another address";
   if (failed.advice.empty()) failed.advice = advice_for("PermanentRedirect");
   return failed;
 }
